@@ -23,7 +23,7 @@ mod work;
 pub use address::VERSION;
 pub use audit::{Audit, AuditOptions, Fault, audit};
 pub use collection::{Collection, Found, RunSettings, Scan, duration};
-pub use driver::{DriveOptions, Event, Summary, Worker, drive};
+pub use driver::{DriveOptions, Event, Planned, Remote, Summary, Told, Worker, drive};
 pub use input::InputFile;
 pub use job::{Go, Job, Message, Outcome};
 pub use manifest::{History, Manifest, Shard};

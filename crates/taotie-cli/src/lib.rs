@@ -50,6 +50,9 @@ enum Command {
     /// Does the job that stands on stdin, for `taotie batch`.
     #[command(name = batch::WORKER, hide = true)]
     BatchWorker,
+    /// Keeps the manifest of a collection whose processes others start.
+    #[command(name = batch::BOOK, hide = true)]
+    BatchBook(Box<batch::BatchArgs>),
     /// Lists the content of a model file and its defects.
     Inspect(inspect::InspectArgs),
     /// Makes normal maps from height maps, and converts normal maps.
@@ -105,6 +108,7 @@ pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Compare(args) => compare::run(&args).map(|()| Outcome::Fine),
         Command::Bake(args) => bake::run(&args),
         Command::Batch(args) => batch::run(&args),
+        Command::BatchBook(args) => batch::keep(&args),
         Command::BatchWorker => batch::work().map(|()| Outcome::Fine),
         Command::Inspect(args) => inspect::run(&args).map(|()| Outcome::Fine),
         Command::Normals(args) => normals::run(&args).map(|()| Outcome::Fine),

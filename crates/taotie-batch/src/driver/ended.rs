@@ -24,7 +24,8 @@ pub fn without_process(error: &std::io::Error, todo: &Todo) -> Outcome {
     failed(format!("{}: its process could not be started: {error}", todo.scan.id))
 }
 
-fn failed(error: String) -> Outcome {
+/// Returns the outcome of a job that did not come to its end.
+pub fn failed(error: String) -> Outcome {
     Outcome {
         state: State::Failed,
         error: Some(error),

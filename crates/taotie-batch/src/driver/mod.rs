@@ -1,18 +1,19 @@
 //! The driver: starts a process for each asset that is to be done, and writes down what became of it. It holds no asset.
 
+mod books;
 mod ended;
 mod ledger;
 mod plan;
 mod process;
 mod remake;
+mod remote;
 mod running;
 
-use crate::address::VERSION;
 use crate::collection::Collection;
 use crate::job::{Job, Message, Outcome};
-use crate::manifest::{History, Manifest, Shard};
-use crate::record::{Record, SCHEMA, State};
-use crate::store::Store;
+use crate::manifest::Shard;
+use crate::record::{Record, State};
+use books::{Books, Took};
 use ledger::Ledger;
 use plan::{Plan, Todo};
 use process::{Heard, Start};
@@ -20,13 +21,14 @@ use running::{Phase, Running};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver, Sender};
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 use taotie::asset::{Bytes, Limits};
 use taotie::io::free_memory;
 use taotie::{Error, Result, Warnings};
 
 pub use process::Worker;
 pub use remake::remake;
+pub use remote::{Planned, Remote, Told};
 
 /// The interval at which processes are looked at, and the caller is asked whether to go on.
 const POLL: Duration = Duration::from_millis(50);
@@ -114,26 +116,8 @@ pub fn drive(
     driver.queue = plan.todo.into();
     let done = driver.run(hear);
     summary.attempts = driver.attempts;
-    for id in &ids {
-        if let Some(record) = driver.books.history.last.get(id) {
-            *summary.states.entry(record.state).or_default() += 1;
-        }
-    }
+    summary.states = driver.books.states(&ids);
     done.map(|()| summary)
-}
-
-/// What is known of a collection, and where that is written down.
-struct Books {
-    store: Store,
-    manifest: Manifest,
-    history: History,
-}
-
-/// What a process took.
-#[derive(Debug, Clone, Copy, Default)]
-struct Took {
-    seconds: f64,
-    forecast: Option<u64>,
 }
 
 /// The work on a collection.
@@ -155,17 +139,6 @@ struct Driver<'a> {
     /// The cost of all that was to be done, and of what is done.
     all: f64,
     done: f64,
-}
-
-impl Books {
-    /// Opens the manifest, and reads what all of them say.
-    fn open(root: PathBuf, shard: Option<Shard>) -> Result<Self> {
-        let store = Store::new(root);
-        store.make()?;
-        let manifest = Manifest::open(&Manifest::path_of(store.root(), shard))?;
-        let history = History::read(store.root())?;
-        Ok(Self { store, manifest, history })
-    }
 }
 
 impl<'a> Driver<'a> {
@@ -325,39 +298,14 @@ impl<'a> Driver<'a> {
         hear: &mut dyn FnMut(Event<'_>) -> bool,
     ) -> Result<()> {
         self.done += todo.cost();
-        let input = if outcome.input.is_empty() { todo.input.clone() } else { outcome.input };
-        let record = Record {
-            schema: SCHEMA,
-            attempt: 1 + self.books.history.last.get(&todo.scan.id).map_or(0, |last| last.attempt),
-            id: todo.scan.id,
-            ended: now(),
-            version: VERSION.into(),
-            settings: todo.settings_hash,
-            state: outcome.state,
-            error: outcome.error,
-            title: todo.scan.title,
-            input,
-            seconds: took.seconds,
-            stages: outcome.stages,
-            peak_bytes: outcome.peak_bytes,
-            forecast_bytes: took.forecast,
-            figures: outcome.figures,
-            require: todo.settings.require,
-            required: outcome.required,
-            warnings: outcome.warnings,
-            parts: outcome.parts,
-        };
+        let record = self.books.record(todo, outcome, took);
         self.add(record, hear)
     }
 
     fn add(&mut self, record: Record, hear: &mut dyn FnMut(Event<'_>) -> bool) -> Result<()> {
-        if record.state.is_made() {
-            self.books.store.link(&record.id, &record.parts)?;
-        }
-        self.books.manifest.add(&record)?;
+        self.books.add(&record)?;
         self.attempts += 1;
         hear(Event::Ended(&record));
-        self.books.history.add(record);
         Ok(())
     }
 
@@ -366,11 +314,6 @@ impl<'a> Driver<'a> {
         let left = (fraction > 0.01).then(|| self.start.elapsed().mul_f64((1.0 - fraction) / fraction));
         Event::Running { fraction, left, processes: self.running.len() }
     }
-}
-
-/// Returns seconds since 1970.
-pub fn now() -> u64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs())
 }
 
 /// Returns a folder by a name that the system takes.

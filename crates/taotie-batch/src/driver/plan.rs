@@ -1,6 +1,7 @@
 //! What is to be done of a collection.
 
-use super::{Books, DriveOptions, now};
+use super::DriveOptions;
+use super::books::{Books, now};
 use crate::address::{self, VERSION};
 use crate::collection::{Collection, Scan};
 use crate::input::InputFile;

@@ -101,18 +101,24 @@ impl Work<'_> {
 
     /// Foresees the memory of the work, and waits until there is so much; returns the threads that it may have.
     fn admitted(&self, most: &ThreadPool, file: &ScanFile) -> Result<ThreadPool> {
-        let settings = &self.job.settings.asset;
-        let baker = Baker::new(settings.bake.clone());
-        let need = most.install(|| {
-            let need = baker.need(file.size()).with_packing(&settings.packing).with_proof();
-            need.check(self.job.limits).map(|()| need.bytes())
-        })?;
         let triangles = file.size().triangles;
+        let need = most.install(|| self.need(file));
+        self.job.limits.check(format!("a bake of {triangles} triangles"), need)?;
         (self.host.tell)(Message::Forecast { bytes: need.0, triangles });
         let Go { threads } = (self.host.go)();
         memory::bound_process(need)
             .map_err(|error| Error::invalid("the limit of memory", error.to_string()))?;
         pool(threads)
+    }
+
+    /// Foresees the memory of the bake with its proof, and what is made of it beside: pages and pictures.
+    fn need(&self, file: &ScanFile) -> Bytes {
+        /// The part of the whole that these, and what the allocator keeps between stages, take.
+        const BESIDE: u64 = 8;
+        let settings = &self.job.settings.asset;
+        let baker = Baker::new(settings.bake.clone());
+        let bytes = baker.need(file.size()).with_packing(&settings.packing).with_proof().bytes().0;
+        Bytes(bytes.saturating_add(bytes / BESIDE))
     }
 
     /// Makes what an asset's file is shown by.

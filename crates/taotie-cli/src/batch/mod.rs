@@ -1,11 +1,13 @@
 //! `taotie batch`: a whole collection.
 
 mod args;
+mod book;
 mod check;
 mod told;
 mod worker;
 
 pub use args::BatchArgs;
+pub use book::{BOOK, run as keep};
 pub use worker::{WORKER, run as work};
 
 use crate::{Outcome, console, stop};
