@@ -162,3 +162,76 @@ fn manifests(root: &Path) -> Result<Vec<PathBuf>> {
     found.sort();
     Ok(found)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::{SCHEMA, State};
+
+    fn record(id: &str, attempt: u32, state: State) -> Record {
+        Record {
+            schema: SCHEMA,
+            id: id.into(),
+            attempt,
+            ended: 7,
+            version: String::new(),
+            settings: String::new(),
+            state,
+            error: None,
+            title: None,
+            input: Vec::new(),
+            seconds: 0.0,
+            stages: Vec::new(),
+            peak_bytes: None,
+            forecast_bytes: None,
+            figures: None,
+            require: Vec::new(),
+            required: Vec::new(),
+            warnings: Vec::new(),
+            parts: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn each_asset_is_of_one_shard() {
+        let ids: Vec<String> = (0..200).map(|index| format!("room/{index}.ply")).collect();
+        let of = |number, count| ids.iter().filter(move |id| Shard { number, count }.covers(id)).count();
+        assert_eq!((1..=7).map(|number| of(number, 7)).sum::<usize>(), ids.len());
+        assert!((1..=7).all(|number| of(number, 7) > 10), "they are of about the same size");
+        assert_eq!("3/8".parse::<Shard>().unwrap(), Shard { number: 3, count: 8 });
+        for wrong in ["", "3", "0/8", "9/8", "a/b", "1/0"] {
+            assert!(wrong.parse::<Shard>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn the_last_attempt_counts_whatever_file_it_stands_in() {
+        let place = tempfile::tempdir().unwrap();
+        let shard = Some(Shard { number: 1, count: 2 });
+        let open = |shard| Manifest::open(&Manifest::path_of(place.path(), shard)).unwrap();
+        open(None).add(&record("a", 1, State::Failed)).unwrap();
+        open(shard).add(&record("a", 2, State::Done)).unwrap();
+        open(None).add(&record("b", 1, State::Refused)).unwrap();
+        let history = History::read(place.path()).unwrap();
+        let states: Vec<_> = history.last.iter().map(|(id, record)| (id.as_str(), record.state)).collect();
+        assert_eq!(states, [("a", State::Done), ("b", State::Refused)]);
+        assert!(history.warnings.iter().next().is_none());
+    }
+
+    #[test]
+    fn one_process_writes_and_what_was_torn_does_not_spoil_what_follows() {
+        let place = tempfile::tempdir().unwrap();
+        let path = Manifest::path_of(place.path(), None);
+        let mut first = Manifest::open(&path).unwrap();
+        assert!(Manifest::open(&path).unwrap_err().to_string().contains("another `taotie batch`"));
+        first.add(&record("a", 1, State::Done)).unwrap();
+        drop(first);
+        let whole = fs::read(&path).unwrap();
+        for length in 0..whole.len() {
+            fs::write(&path, &whole[..length]).unwrap();
+            Manifest::open(&path).unwrap().add(&record("b", 1, State::Done)).unwrap();
+            let history = History::read(place.path()).unwrap();
+            assert!(history.last.contains_key("b"), "{length} bytes");
+        }
+    }
+}

@@ -231,3 +231,25 @@ pub fn duration(text: &str) -> std::result::Result<Duration, String> {
     let known = Duration::try_from_secs_f64(seconds).ok().filter(|time| !time.is_zero());
     known.ok_or_else(wrong)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_read_as_people_write_them() {
+        let seconds = |text: &str| duration(text).ok().map(|time| time.as_secs_f64());
+        assert_eq!((seconds("90"), seconds(" 90s"), seconds("1.5m")), (Some(90.0), Some(90.0), Some(90.0)));
+        assert_eq!((seconds("1h30m"), seconds("2d")), (Some(5400.0), Some(172_800.0)));
+        for wrong in ["", "0", "m", "5x", "-1", "1h soon", "1e999", "999999999999999999999d"] {
+            assert!(duration(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_star_stays_within_a_folder() {
+        let covers = |pattern: &str, id: &str| Override::covers(&Pattern::new(pattern).unwrap(), id);
+        assert!(covers("a/*", "a/b.ply") && !covers("a/*", "a/b/c.ply") && covers("a/**", "a/b/c.ply"));
+        assert!(covers("**/*.obj", "x.obj") && !covers("*.obj", "x.ply"));
+    }
+}

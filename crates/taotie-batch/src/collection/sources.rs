@@ -85,14 +85,13 @@ impl Search<'_> {
     fn read_glob(&mut self, pattern: &str) -> Result<()> {
         let whole = self.folder.join(pattern);
         let fixed: PathBuf = whole.components().take_while(|part| !has_wildcard(part.as_os_str())).collect();
-        let root =
-            if fixed.is_file() { fixed.parent().unwrap_or(Path::new("")).to_path_buf() } else { fixed };
+        let root = if fixed.is_file() { fixed.parent().unwrap_or(Path::new("")) } else { &fixed };
         let wrong = |error: glob::PatternError| Error::invalid(format!("glob {pattern}"), error.to_string());
         let paths = glob::glob(&whole.to_string_lossy()).map_err(wrong)?;
         for path in paths {
-            let path = path.map_err(|error| Error::io(error.path().to_path_buf(), error.into()))?;
+            let path = path.map_err(|error| Error::Io { path: error.path().into(), cause: error.into() })?;
             if path.is_file() && is_model(&path) && !self.is_own(&path) {
-                let id = slashed(path.strip_prefix(&root).unwrap_or(&path));
+                let id = slashed(path.strip_prefix(root).unwrap_or(&path));
                 self.add(Scan { id, path, title: None })?;
             }
         }

@@ -48,7 +48,7 @@ impl Todo {
 
 /// What is to be done of one asset.
 enum Due {
-    Making(Todo),
+    Making(Box<Todo>),
     Judging(Box<Record>),
     Nothing,
 }
@@ -70,7 +70,7 @@ impl Plan {
             plan.ids.push(scan.id.clone());
             let todo = todo(collection, scan)?;
             match due(todo, (collection.folder(), books), options.retry_failed) {
-                Due::Making(todo) => plan.todo.push(todo),
+                Due::Making(todo) => plan.todo.push(*todo),
                 Due::Judging(record) => plan.judged.push(*record),
                 Due::Nothing => plan.known += 1,
             }
@@ -97,18 +97,21 @@ fn due(todo: Todo, (folder, books): (&Path, &Books), retry: bool) -> Due {
             && last.has_same_input(folder)
     };
     let last = books.history.last.get(&todo.scan.id).filter(is_same);
-    let Some(last) = last else { return Due::Making(todo) };
+    let Some(last) = last else { return Due::Making(Box::new(todo)) };
     if !last.state.is_made() {
-        return if retry { Due::Making(todo) } else { Due::Nothing };
+        return if retry { Due::Making(Box::new(todo)) } else { Due::Nothing };
     }
     if !last.parts.iter().all(|part| books.store.holds(part)) {
-        return Due::Making(todo);
+        return Due::Making(Box::new(todo));
     }
     if last.require == todo.settings.require && last.title == todo.scan.title {
         return Due::Nothing;
     }
     let object = last.part("asset").and_then(|part| books.store.object::<AssetObject>(&part.address));
-    object.map_or(Due::Making(todo.clone()), |object| Due::Judging(Box::new(judged(last, &todo, &object))))
+    match object {
+        Some(object) => Due::Judging(Box::new(judged(last, &todo, &object))),
+        None => Due::Making(Box::new(todo)),
+    }
 }
 
 /// Returns the record of an asset whose requirements, or whose name, are others now.
