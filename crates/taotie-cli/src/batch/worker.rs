@@ -11,12 +11,16 @@ use taotie_batch::{Go, Host, Job, Message, Worker};
 /// The subcommand that is such a process. It is not for users.
 pub const WORKER: &str = "batch-worker";
 
+/// Names the Python that this command runs in, as a package of it.
+const PYTHON: &str = "TAOTIE_PYTHON";
+
 /// Returns how this program is started as the process of an asset.
 pub fn worker() -> Result<Worker> {
-    let program = std::env::current_exe().context("the program's own file is not known")?;
-    // As a Python package, this is Python.
-    let name = program.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
-    let module: &[&str] = if name.starts_with("python") { &["-m", "taotie"] } else { &[] };
+    // As a Python package, this is Python, whose module is started.
+    let (program, module): (_, &[&str]) = match std::env::var_os(PYTHON) {
+        Some(python) => (python.into(), &["-m", "taotie"]),
+        None => (std::env::current_exe().context("the program's own file is not known")?, &[]),
+    };
     let arguments = module.iter().chain([&WORKER]).map(OsString::from).collect();
     Ok(Worker { program, arguments })
 }
