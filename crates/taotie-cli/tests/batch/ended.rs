@@ -105,6 +105,23 @@ fn a_process_that_hangs_costs_one_record() {
     assert_eq!(records.iter().filter(|record| record["state"] == "done").count(), 1);
 }
 
+/// The system gives each process 150 MB, which is less than maps of 4096² take.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_process_that_runs_out_of_memory_costs_one_record() {
+    let collection = Collection::of_balls(3);
+    let large = "\n[[override]]\nid = \"ball1.obj\"\nbake = { size = 4096 }\n";
+    collection.configure(&format!("{}{large}", crate::collection::QUICK));
+    let line = "ulimit -d 150000; exec \"$0\" batch collection.toml -q";
+    let mut shell = Command::new("sh");
+    shell.args(["-c", line, env!("CARGO_BIN_EXE_taotie")]).current_dir(collection.path(""));
+    let code = shell.output().expect("there is a shell").status.code();
+    let last = collection.last();
+    let error = text(&last["ball1.obj"], "/error");
+    assert!(code == Some(2) && error.starts_with("it ran out of memory in the stage `"), "{error}");
+    assert!(["ball0.obj", "ball2.obj"].iter().all(|id| last[*id]["state"] == "done"), "{last:?}");
+}
+
 #[test]
 fn a_torn_line_is_passed_over() {
     use std::io::Write;
