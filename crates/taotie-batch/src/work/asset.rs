@@ -55,7 +55,10 @@ fn told(mut report: Report, proof: &Proof, written: &Written, files: &FileSet) -
     let [html, json] = ["report.html", "report.json"].map(|kind| written.path().with_extension(kind));
     report.files.extend([html.clone(), json.clone()]);
     report.files.iter_mut().for_each(|file| *file = name_of(file));
-    files.write_text(&html, &taotie_report::html(&bake_page::page(&report, proof, written.asset())?))?;
+    files.write_text(
+        &html,
+        &taotie_report::html(&bake_page::page_of_collection(&report, proof, written.asset())?),
+    )?;
     files.write_text(&json, &serde_json::to_string_pretty(&report).expect("all keys are text"))?;
     Ok([html, json])
 }
