@@ -9,7 +9,7 @@ use crate::store::Store;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
-use taotie::Result;
+use taotie::{Result, Warnings};
 
 /// What is known of a collection, and where that is written down.
 pub struct Books {
@@ -18,6 +18,8 @@ pub struct Books {
     manifest: Manifest,
     /// What all manifests say.
     pub history: History,
+    /// What was wrong with manifests, and links that could not be made.
+    pub warnings: Warnings,
 }
 
 /// What a process took.
@@ -39,7 +41,8 @@ impl Books {
         store.make()?;
         let manifest = Manifest::open(&Manifest::path_of(store.root(), shard))?;
         let history = History::read(store.root())?;
-        Ok(Self { store, manifest, history })
+        let warnings = history.warnings.clone();
+        Ok(Self { store, manifest, history, warnings })
     }
 
     /// Returns the record of an attempt that has ended.
@@ -68,13 +71,16 @@ impl Books {
         }
     }
 
-    /// Writes a record down, and makes the links of what it names.
+    /// Writes a record down, and makes the links of what it names. Where a file system has no links, that is a warning:
+    /// the objects are there.
     ///
     /// # Errors
     /// Where the system refuses.
     pub fn add(&mut self, record: &Record) -> Result<()> {
-        if record.state.is_made() {
-            self.store.link(&record.id, &record.parts)?;
+        if record.state.is_made()
+            && let Err(error) = self.store.link(&record.id, &record.parts)
+        {
+            self.warnings.note(format!("a link cannot be made: {error}"), 1);
         }
         self.manifest.add(record)?;
         self.history.add(record.clone());

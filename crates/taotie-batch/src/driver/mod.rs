@@ -101,7 +101,6 @@ pub fn drive(
     let books = Books::open(collection.output(), options.shard)?;
     let plan = Plan::of(collection, &found.scans, &books, options)?;
     let mut summary = Summary { known: plan.known, warnings: found.warnings, ..Summary::default() };
-    summary.warnings.absorb(books.history.warnings.clone());
     for pattern in collection.unused_overrides(&found.scans) {
         summary.warnings.note(format!("the override for `{pattern}` covers no asset"), 1);
     }
@@ -117,6 +116,7 @@ pub fn drive(
     let done = driver.run(hear);
     summary.attempts = driver.attempts;
     summary.states = driver.books.states(&ids);
+    summary.warnings.absorb(driver.books.warnings);
     done.map(|()| summary)
 }
 

@@ -58,7 +58,6 @@ impl Remote {
         let mut books = Books::open(collection.output(), options.shard)?;
         let plan = Plan::of(collection, &found.scans, &books, options)?;
         let mut summary = Summary { known: plan.known, warnings: found.warnings, ..Summary::default() };
-        summary.warnings.absorb(books.history.warnings.clone());
         for record in &plan.judged {
             books.add(record)?;
             summary.attempts += 1;
@@ -103,6 +102,8 @@ impl Remote {
 
     /// Returns what became of the collection.
     pub fn summary(&self) -> Summary {
-        Summary { states: self.books.states(&self.ids), ..self.summary.clone() }
+        let mut summary = Summary { states: self.books.states(&self.ids), ..self.summary.clone() };
+        summary.warnings.absorb(self.books.warnings.clone());
+        summary
     }
 }
