@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 
 from . import _taotie
@@ -9,6 +10,8 @@ from . import _taotie
 
 def main() -> int:
     """Run the command with the arguments of this process; return its exit code."""
+    # By which the command starts itself again; what the system tells of this process is not the environment's Python.
+    os.environ.setdefault("TAOTIE_PYTHON", sys.executable)
     return _taotie.command(["taotie", *sys.argv[1:]])
 
 

@@ -21,14 +21,20 @@ fn pages(command: Command) -> BTreeMap<String, String> {
     let mut command = command.term_width(WIDTH);
     // Tells the subcommands the program's name and the width.
     command.build();
-    let links: String = command.get_subcommands().map(link).collect();
+    let links: String = command.get_subcommands().filter(is_for_users).map(link).collect();
     let name = command.get_name().to_string();
     let front = format!("{}\n{links}", page(&name, &mut command));
-    let subcommands = command.get_subcommands_mut().map(|subcommand| {
+    let shown = command.get_subcommands_mut().filter(|subcommand| is_for_users(&&**subcommand));
+    let subcommands = shown.map(|subcommand| {
         let title = format!("{name} {}", subcommand.get_name());
         (file_name(subcommand.get_name()), page(&title, subcommand))
     });
     std::iter::once((file_name(&name), front)).chain(subcommands).collect()
+}
+
+/// Says whether a subcommand is called by people, and not by the program itself.
+fn is_for_users(command: &&Command) -> bool {
+    !command.is_hide_set()
 }
 
 fn file_name(command: &str) -> String {

@@ -126,6 +126,21 @@ impl Bar {
         bar.set_position((fraction * STEPS as f64) as u64);
     }
 
+    /// Shows the fraction of the whole that is done, and the time left as it was estimated by others.
+    pub fn tell_all(&self, fraction: f64, left: Option<Duration>) {
+        if is_quiet() || self.start.elapsed() < Duration::from_secs(1) {
+            return;
+        }
+        let bar = self.bar.get_or_init(|| {
+            let bar = self.new_bar();
+            let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %{prefix}");
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            bar
+        });
+        bar.set_prefix(left.map_or(String::new(), |left| format!(", {} left", HumanDuration(left))));
+        bar.set_position((fraction * STEPS as f64) as u64);
+    }
+
     /// Shows the fraction done and lets the work go on: the listener of a [`taotie::Progress`].
     pub fn hear(&self, fraction: f64) -> bool {
         self.set(fraction);

@@ -4,6 +4,7 @@
 //! to stdout, talk to stderr; a closed pipe is no error.
 
 mod bake;
+mod batch;
 mod choice;
 mod compare;
 mod completions;
@@ -44,6 +45,14 @@ enum Command {
     Compare(Box<compare::CompareArgs>),
     /// Bakes a high-poly scan to low-poly glTF with a normal map, and measures the error.
     Bake(Box<bake::BakeArgs>),
+    /// Bakes a whole collection: each scan in a process of its own, and nothing twice.
+    Batch(Box<batch::BatchArgs>),
+    /// Does the job that stands on stdin, for `taotie batch`.
+    #[command(name = batch::WORKER, hide = true)]
+    BatchWorker,
+    /// Keeps the manifest of a collection whose processes others start.
+    #[command(name = batch::BOOK, hide = true)]
+    BatchBook(Box<batch::BatchArgs>),
     /// Lists the content of a model file and its defects.
     Inspect(inspect::InspectArgs),
     /// Makes normal maps from height maps, and converts normal maps.
@@ -68,6 +77,8 @@ enum Outcome {
     Fine,
     /// A difference was above the threshold asked for.
     Different,
+    /// Part of the work failed, and was told of.
+    Failed,
 }
 
 /// The definition of the command line, from which help pages are made.
@@ -96,6 +107,9 @@ pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Render(args) => render::run(&args).map(|()| Outcome::Fine),
         Command::Compare(args) => compare::run(&args).map(|()| Outcome::Fine),
         Command::Bake(args) => bake::run(&args),
+        Command::Batch(args) => batch::run(&args),
+        Command::BatchBook(args) => batch::keep(&args),
+        Command::BatchWorker => batch::work().map(|()| Outcome::Fine),
         Command::Inspect(args) => inspect::run(&args).map(|()| Outcome::Fine),
         Command::Normals(args) => normals::run(&args).map(|()| Outcome::Fine),
         Command::Diff(args) => diff::run(&args),
@@ -111,6 +125,7 @@ pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
     match result {
         Ok(Outcome::Fine) => 0,
         Ok(Outcome::Different) => 1,
+        Ok(Outcome::Failed) => 2,
         Err(error) if console::is_broken_pipe(&error) => 0,
         Err(error) => {
             console::complain(&format!("taotie: error: {}", console::causes(&error)));

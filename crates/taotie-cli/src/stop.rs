@@ -2,11 +2,18 @@
 
 use crate::console;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
+use std::time::{Duration, Instant};
 use taotie::io::{FileSet, Stopper};
 
 /// The sets of files that are being written. A signal can reach nothing but what is global.
 static SETS: Mutex<Vec<Stopper>> = Mutex::new(Vec::new());
+
+/// Held by work that ends by itself when it sees that the command is ending: what is told waits for it.
+static HELD: Mutex<()> = Mutex::new(());
+
+/// The longest time that the end waits for such work.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Set when a signal ends the command.
 static ENDING: AtomicBool = AtomicBool::new(false);
@@ -31,6 +38,20 @@ pub fn is_ending() -> bool {
     ENDING.load(Ordering::SeqCst)
 }
 
+/// Lets the end by a signal wait, at most ten seconds, until what is returned is dropped. Who holds it asks
+/// [`is_ending`] now and then.
+pub fn hold() -> MutexGuard<'static, ()> {
+    HELD.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Ends the process as a signal does, without a word: nobody is there to hear it.
+pub fn end_quietly() -> ! {
+    ENDING.store(true, Ordering::SeqCst);
+    let sets = SETS.lock().unwrap_or_else(PoisonError::into_inner);
+    sets.iter().for_each(Stopper::stop);
+    std::process::exit(143)
+}
+
 /// Waits for the end by a signal, whose thread ends the process with the signal's own code.
 pub fn wait() -> ! {
     loop {
@@ -41,6 +62,10 @@ pub fn wait() -> ! {
 /// Ends the process with this code.
 fn end(code: i32) -> ! {
     ENDING.store(true, Ordering::SeqCst);
+    let start = Instant::now();
+    while matches!(HELD.try_lock(), Err(TryLockError::WouldBlock)) && start.elapsed() < PATIENCE {
+        std::thread::sleep(Duration::from_millis(5));
+    }
     // Kept until the end, so that no further set comes to be.
     let sets = SETS.lock().unwrap_or_else(PoisonError::into_inner);
     sets.iter().for_each(Stopper::stop);

@@ -21,6 +21,7 @@
 //! ```
 
 pub mod bake_page;
+pub mod collection_page;
 pub mod comparison;
 pub mod csv;
 mod data;

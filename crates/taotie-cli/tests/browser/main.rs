@@ -4,6 +4,7 @@
 //! in `target/tmp`: `report-pages`, `same-in-threejs`, `shader-material` and `viewer`.
 #![allow(clippy::print_stdout, reason = "tests say what they found and why they are skipped")]
 
+mod collection;
 #[allow(dead_code)]
 #[path = "../../../taotie/tests/common/mod.rs"]
 mod common;
@@ -24,6 +25,15 @@ fn empty_folder(name: &str) -> PathBuf {
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).expect("the target folder is writable");
     folder
+}
+
+/// The assertions are in the script.
+#[test]
+fn the_page_of_a_collection_does_what_a_hand_asks_for() {
+    let Some(node) = Node::find() else { return };
+    let folder = empty_folder("collection-page");
+    collection::write(&folder);
+    node.run(&["--test", "--test-reporter=spec", "collection.test.mjs"], &folder);
 }
 
 /// The assertions are in the scripts.

@@ -26,7 +26,7 @@ mod parts;
 mod sections;
 mod views;
 
-use crate::{Fact, Page};
+use crate::{Fact, Notice, Page, Tone};
 use std::path::Path;
 use taotie::Result;
 use taotie::asset::{Asset, Figures, Proof, Report};
@@ -50,6 +50,21 @@ pub fn page(report: &Report, proof: &Proof, asset: &Asset) -> Result<Page> {
             report.version
         ),
     })
+}
+
+/// Makes the page of a bake that is judged elsewhere, as the assets of a collection are: what is required of them may
+/// change, and the page does not.
+///
+/// # Errors
+/// As [`page`].
+pub fn page_of_collection(report: &Report, proof: &Proof, asset: &Asset) -> Result<Page> {
+    let mut unjudged = report.clone();
+    unjudged.required.clear();
+    let mut page = page(&unjudged, proof, asset)?;
+    let elsewhere =
+        "What is required of the asset, and whether it is met, stands on the page of its collection.";
+    page.notices[0] = Notice::new(elsewhere, Tone::Changed);
+    Ok(page)
 }
 
 fn facts(report: &Report, proof: &Figures) -> Vec<Fact> {

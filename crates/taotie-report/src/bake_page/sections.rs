@@ -18,7 +18,9 @@ pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
     sections.extend(parts::table(&proof.parts));
     sections.push(views(proof));
     sections.extend(levels::table(&proof.levels));
-    sections.push(stages(report));
+    if !report.stages.is_empty() {
+        sections.push(stages(report));
+    }
     sections
 }
 

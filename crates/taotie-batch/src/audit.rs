@@ -1,0 +1,128 @@
+//! The audit: what was written, held against the manifest.
+
+use crate::collection::Collection;
+use crate::driver::{Worker, nonempty, remake};
+use crate::manifest::History;
+use crate::record::{Part, Record};
+use crate::store::Store;
+use taotie::Result;
+use taotie::io::sha256;
+
+/// How thorough an audit is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AuditOptions {
+    /// The number of assets that are baked and proved anew, and held against what is there byte by byte.
+    pub proofs: usize,
+}
+
+/// Something that is not as the manifest says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    /// The asset.
+    pub id: String,
+    /// What is wrong, a sentence.
+    pub what: String,
+}
+
+/// What an audit found.
+#[derive(Debug, Clone, Default)]
+pub struct Audit {
+    /// Assets that were looked at.
+    pub assets: usize,
+    /// Files whose bytes were read.
+    pub files: usize,
+    /// Assets that were baked anew.
+    pub proofs: usize,
+    /// What is wrong.
+    pub faults: Vec<Fault>,
+}
+
+/// Reads every file that the manifest names, and bakes some assets anew. `hear` is told the part that is done, and
+/// returns whether to go on.
+///
+/// # Errors
+/// [`taotie::Error::Cancelled`]; those of the manifest.
+pub fn audit(
+    collection: &Collection,
+    options: &AuditOptions,
+    worker: &Worker,
+    hear: &mut dyn FnMut(f64) -> bool,
+) -> Result<Audit> {
+    let store = Store::new(collection.output());
+    let history = History::read(store.root())?;
+    let made: Vec<_> = history.last.values().filter(|record| record.state.is_made()).collect();
+    let mut audit = Audit { assets: made.len(), ..Audit::default() };
+    for (index, record) in made.iter().enumerate() {
+        if !hear(index as f64 / made.len() as f64) {
+            return Err(taotie::Error::Cancelled);
+        }
+        record.parts.iter().for_each(|part| audit.read(record, part, &store));
+    }
+    for record in samples(&made, options.proofs) {
+        audit.proofs += 1;
+        audit.prove(record, collection, worker, hear)?;
+    }
+    Ok(audit)
+}
+
+/// Returns so many records, spread evenly over all.
+fn samples<'a>(made: &[&'a Record], count: usize) -> impl Iterator<Item = &'a Record> {
+    let count = count.min(made.len());
+    let picked: Vec<&Record> = (0..count).map(|i| made[i * made.len() / count]).collect();
+    picked.into_iter()
+}
+
+impl Audit {
+    /// Holds the bytes of a part against its hashes.
+    fn read(&mut self, record: &Record, part: &Part, store: &Store) {
+        for file in &part.files {
+            self.files += 1;
+            let path = store.path(&part.address).join(&file.name);
+            match sha256(&path) {
+                Ok(hash) if hash == file.sha256 => {}
+                Ok(_) => self
+                    .note(record, format!("{}: its bytes are not those that were written", path.display())),
+                Err(error) => self.note(record, error.to_string()),
+            }
+        }
+    }
+
+    /// Makes an asset anew, and holds it against what is there.
+    fn prove(
+        &mut self,
+        record: &Record,
+        collection: &Collection,
+        worker: &Worker,
+        hear: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<()> {
+        if !record.has_same_input(&nonempty(collection.folder())) {
+            self.note(record, "its scan is another now, so that it cannot be proved anew".into());
+            return Ok(());
+        }
+        let anew = remake(record, collection, worker, hear)?;
+        if let Some(error) = anew.error {
+            self.note(record, format!("made anew, it fails: {error}"));
+            return Ok(());
+        }
+        for part in &record.parts {
+            let other = anew.parts.iter().find(|other| other.kind == part.kind);
+            match other {
+                Some(other) if other.address != part.address => {
+                    self.note(
+                        record,
+                        format!("{}: it is made of another scan, or by other settings", part.kind),
+                    );
+                }
+                Some(other) if other.files != part.files => {
+                    self.note(record, format!("{}: made anew, it has other bytes", part.kind));
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn note(&mut self, record: &Record, what: String) {
+        self.faults.push(Fault { id: record.id.clone(), what });
+    }
+}

@@ -1,0 +1,255 @@
+//! The content of a collection's file, as it stands there.
+
+use super::RunSettings;
+use super::tables::{Keys, Lines, Switch};
+use glob::{MatchOptions, Pattern};
+use serde::Deserialize;
+use std::path::PathBuf;
+use std::time::Duration;
+use taotie::Result;
+use taotie::asset::Bytes;
+use toml::Spanned;
+
+/// The whole file.
+#[derive(Debug, Deserialize)]
+#[serde(from = "Whole")]
+pub struct Content {
+    /// The collection's name.
+    pub title: Option<String>,
+    /// Where it is published.
+    pub address: Option<String>,
+    /// The folder that everything is written to.
+    pub output: PathBuf,
+    /// Where scans are looked for.
+    pub source: Vec<Spanned<Source>>,
+    /// What is made of them.
+    pub made: Made,
+    /// How they are worked through.
+    pub run: Run,
+    /// What is made of some of them.
+    pub overrides: Vec<Override>,
+}
+
+/// The file's keys.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Whole {
+    title: Option<String>,
+    address: Option<String>,
+    #[serde(default = "default_output")]
+    output: PathBuf,
+    source: Vec<Spanned<Source>>,
+    bake: Option<Keys>,
+    packing: Option<Keys>,
+    verify: Option<Keys>,
+    report: Option<bool>,
+    thumbnail: Option<Spanned<Switch>>,
+    turntable: Option<Spanned<Switch>>,
+    viewer: Option<Spanned<Switch>>,
+    require: Option<Vec<Spanned<String>>>,
+    #[serde(default)]
+    run: Run,
+    #[serde(default, rename = "override")]
+    overrides: Vec<Spanned<OneOverride>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OneOverride {
+    id: Spanned<String>,
+    bake: Option<Keys>,
+    packing: Option<Keys>,
+    verify: Option<Keys>,
+    report: Option<bool>,
+    thumbnail: Option<Spanned<Switch>>,
+    turntable: Option<Spanned<Switch>>,
+    viewer: Option<Spanned<Switch>>,
+    require: Option<Vec<Spanned<String>>>,
+}
+
+/// What is made of scans.
+#[derive(Debug, Default)]
+pub struct Made {
+    pub bake: Option<Keys>,
+    pub packing: Option<Keys>,
+    pub verify: Option<Keys>,
+    pub report: Option<bool>,
+    pub thumbnail: Option<Spanned<Switch>>,
+    pub turntable: Option<Spanned<Switch>>,
+    pub viewer: Option<Spanned<Switch>>,
+    pub require: Option<Vec<Spanned<String>>>,
+}
+
+/// A place where scans are looked for: one of its three fields.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Source {
+    /// A folder: every model below it.
+    pub folder: Option<PathBuf>,
+    /// A pattern of paths.
+    pub glob: Option<String>,
+    /// A CSV or JSONL file that names models.
+    pub list: Option<PathBuf>,
+}
+
+/// How scans are worked through.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Run {
+    jobs: Option<Spanned<usize>>,
+    memory: Option<Spanned<String>>,
+    time_limit: Option<Spanned<String>>,
+}
+
+/// What is made of the scans whose ids match a pattern.
+#[derive(Debug)]
+pub struct Override {
+    id: Spanned<String>,
+    /// What is made of them.
+    pub made: Spanned<Made>,
+}
+
+fn default_output() -> PathBuf {
+    "assets".into()
+}
+
+impl From<Whole> for Content {
+    fn from(whole: Whole) -> Self {
+        let Whole { title, address, output, source, run, overrides, .. } = whole;
+        let Whole { bake, packing, verify, report, thumbnail, turntable, viewer, require, .. } = whole;
+        let made = Made { bake, packing, verify, report, thumbnail, turntable, viewer, require };
+        let overrides = overrides.into_iter().map(Override::of).collect();
+        Self { title, address, output, source, made, run, overrides }
+    }
+}
+
+impl Content {
+    /// Refuses what no value can be read of.
+    ///
+    /// # Errors
+    /// [`taotie::Error::Parse`] with the line.
+    pub fn check(&self, lines: Lines<'_>) -> Result<()> {
+        if self.source.is_empty() {
+            return Err(lines.parse(0..0, "name at least one [[source]]: a folder, a glob or a list"));
+        }
+        for source in &self.source {
+            let Source { folder, glob, list } = source.get_ref();
+            let count =
+                usize::from(folder.is_some()) + usize::from(glob.is_some()) + usize::from(list.is_some());
+            if count != 1 {
+                return Err(lines.parse(source.span(), "a source is one of `folder`, `glob` and `list`"));
+            }
+            if let Some(Err(error)) = glob.as_deref().map(Pattern::new) {
+                return Err(lines.parse(source.span(), &format!("glob: {error}")));
+            }
+        }
+        self.run.check(lines)
+    }
+
+    /// Returns the place of the options for all scans.
+    pub fn span_of_choices(&self) -> std::ops::Range<usize> {
+        let tables = [&self.made.bake, &self.made.packing, &self.made.verify];
+        let keys = tables.into_iter().flatten().flat_map(|keys| keys.keys()).map(Spanned::span);
+        keys.min_by_key(|span| span.start).unwrap_or(0..0)
+    }
+}
+
+impl Override {
+    fn of(read: Spanned<OneOverride>) -> Self {
+        let span = read.span();
+        let OneOverride { id, bake, packing, verify, report, thumbnail, turntable, viewer, require } =
+            read.into_inner();
+        let made = Made { bake, packing, verify, report, thumbnail, turntable, viewer, require };
+        Self { id, made: Spanned::new(span, made) }
+    }
+
+    /// Returns the pattern of ids.
+    ///
+    /// # Errors
+    /// [`taotie::Error::Parse`] with the line.
+    pub fn pattern(&self, lines: Lines<'_>) -> Result<Pattern> {
+        Pattern::new(self.id.get_ref()).map_err(|error| lines.parse(self.id.span(), &format!("id: {error}")))
+    }
+
+    /// Says whether a pattern covers an id: `*` stays within a folder, `**` does not.
+    pub fn covers(pattern: &Pattern, id: &str) -> bool {
+        let options = MatchOptions { require_literal_separator: true, ..MatchOptions::default() };
+        pattern.matches_with(id, options)
+    }
+}
+
+impl Run {
+    fn check(&self, lines: Lines<'_>) -> Result<()> {
+        if let Some(jobs) = self.jobs.as_ref().filter(|jobs| *jobs.get_ref() == 0) {
+            return Err(lines.parse(jobs.span(), "jobs: at least one process is needed"));
+        }
+        if let Some(memory) = &self.memory {
+            let read = memory.get_ref().parse::<Bytes>();
+            read.map_err(|error| lines.parse(memory.span(), &format!("memory: {error}")))?;
+        }
+        if let Some(time) = &self.time_limit {
+            duration(time.get_ref())
+                .map_err(|why| lines.parse(time.span(), &format!("time_limit: {why}")))?;
+        }
+        Ok(())
+    }
+
+    /// Returns what was checked.
+    pub fn settings(&self) -> RunSettings {
+        RunSettings {
+            jobs: self.jobs.as_ref().map(|jobs| *jobs.get_ref()),
+            memory: self.memory.as_ref().and_then(|memory| memory.get_ref().parse().ok()),
+            time_limit: self.time_limit.as_ref().and_then(|time| duration(time.get_ref()).ok()),
+        }
+    }
+}
+
+/// Reads a time such as `90s`, `15m`, `2h` or `1h30m`; a bare number is seconds.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn duration(text: &str) -> std::result::Result<Duration, String> {
+    let wrong = || format!("`{text}` is no time; write it as 90s, 15m, 2h or 1h30m");
+    let (mut seconds, mut number) = (0.0, String::new());
+    for letter in text.trim().chars() {
+        let unit = match letter {
+            '0'..='9' | '.' => {
+                number.push(letter);
+                continue;
+            }
+            's' => 1.0,
+            'm' => 60.0,
+            'h' => 3600.0,
+            'd' => 86_400.0,
+            _ => return Err(wrong()),
+        };
+        seconds += std::mem::take(&mut number).parse::<f64>().map_err(|_| wrong())? * unit;
+    }
+    if !number.is_empty() {
+        seconds += number.parse::<f64>().map_err(|_| wrong())?;
+    }
+    let known = Duration::try_from_secs_f64(seconds).ok().filter(|time| !time.is_zero());
+    known.ok_or_else(wrong)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_read_as_people_write_them() {
+        let seconds = |text: &str| duration(text).ok().map(|time| time.as_secs_f64());
+        assert_eq!((seconds("90"), seconds(" 90s"), seconds("1.5m")), (Some(90.0), Some(90.0), Some(90.0)));
+        assert_eq!((seconds("1h30m"), seconds("2d")), (Some(5400.0), Some(172_800.0)));
+        for wrong in ["", "0", "m", "5x", "-1", "1h soon", "1e999", "999999999999999999999d"] {
+            assert!(duration(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_star_stays_within_a_folder() {
+        let covers = |pattern: &str, id: &str| Override::covers(&Pattern::new(pattern).unwrap(), id);
+        assert!(covers("a/*", "a/b.ply") && !covers("a/*", "a/b/c.ply") && covers("a/**", "a/b/c.ply"));
+        assert!(covers("**/*.obj", "x.obj") && !covers("*.obj", "x.ply"));
+    }
+}

@@ -1,0 +1,202 @@
+//! Tables of options: read twice, once into the library's own structs, whose errors tell the line, and once as they are,
+//! to be laid over one another.
+
+use super::content::{Content, Made};
+use crate::settings::{AssetSettings, Settings, Thumbnail, Turntable, ViewerPage};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+use taotie::asset::{BakeOptions, Packing, Requirement, VerifyOptions};
+use taotie::{Error, Result};
+use toml::{Spanned, Table, Value};
+
+/// A table whose keys know where they stand.
+pub type Keys = BTreeMap<Spanned<String>, Value>;
+
+/// A table, or `false` for none and `true` for all as it is by default.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged)]
+pub enum Switch {
+    /// Made, by default, or not made.
+    Is(bool),
+    /// Made so.
+    With(Table),
+}
+
+/// The text of a file, by which places become lines.
+#[derive(Debug, Clone, Copy)]
+pub struct Lines<'a> {
+    /// The whole text.
+    pub text: &'a str,
+    /// Its file.
+    pub path: &'a Path,
+}
+
+/// What one place of a collection's file chooses.
+#[derive(Debug, Clone, Default)]
+pub struct Choices {
+    bake: Table,
+    packing: Table,
+    verify: Table,
+    report: Option<bool>,
+    thumbnail: Option<Switch>,
+    turntable: Option<Switch>,
+    viewer: Option<Switch>,
+    require: Option<Vec<Requirement>>,
+}
+
+impl Lines<'_> {
+    /// Reads the file's text.
+    ///
+    /// # Errors
+    /// [`Error::Parse`] with the line.
+    pub fn read(&self) -> Result<Content> {
+        // What the library's own structs do not take is told with its line.
+        let typed: std::result::Result<Typed, _> = toml::from_str(self.text);
+        let read = toml::from_str(self.text).map_err(|error| self.of(&error))?;
+        typed.map_err(|error| self.of(&error))?;
+        Ok(read)
+    }
+
+    fn of(&self, error: &toml::de::Error) -> Error {
+        self.parse(error.span().unwrap_or(0..0), error.message())
+    }
+
+    /// Returns an error at a place of the text.
+    pub fn parse(&self, span: Range<usize>, what: &str) -> Error {
+        let before = self.text.get(..span.start).unwrap_or_default();
+        Error::parse(self.path, format!("line {}", before.matches('\n').count() + 1), what.replace('\n', " "))
+    }
+
+    /// Returns an error of values that stand at a place of the text.
+    pub fn within(&self, span: Range<usize>, error: Error) -> Error {
+        self.parse(span, &error.to_string())
+    }
+
+    /// Refuses keys that a struct does not have; returns the table.
+    fn known<T: Default + Serialize>(&self, (name, table): (&str, &Option<Keys>)) -> Result<Table> {
+        let known = serde_json::to_value(T::default()).unwrap_or_default();
+        let known: Vec<&String> = known.as_object().map(|map| map.keys().collect()).unwrap_or_default();
+        let keys = table.iter().flatten();
+        let read = |(key, value): (&Spanned<String>, &Value)| match known.contains(&key.get_ref()) {
+            true => Ok((key.get_ref().clone(), value.clone())),
+            false => {
+                let known = known.iter().map(|key| key.as_str()).collect::<Vec<_>>().join(", ");
+                let what = format!("[{name}] has no `{}`; it has {known}", key.get_ref());
+                Err(self.parse(key.span(), &what))
+            }
+        };
+        keys.map(read).collect()
+    }
+}
+
+/// The same file as the library's own structs see it: what they refuse is refused with its line.
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct Typed {
+    #[serde(rename = "bake")]
+    _bake: BakeOptions,
+    #[serde(rename = "packing")]
+    _packing: Packing,
+    #[serde(rename = "verify")]
+    _verify: VerifyOptions,
+    #[serde(rename = "override")]
+    _overrides: Vec<Self>,
+}
+
+impl Choices {
+    /// Reads what one place chooses.
+    ///
+    /// # Errors
+    /// [`Error::Parse`] with the line.
+    pub fn of(made: &Made, lines: Lines<'_>) -> Result<Self> {
+        let requirement = |text: &Spanned<String>| {
+            let read = text.get_ref().parse::<Requirement>();
+            read.map_err(|error| lines.parse(text.span(), &error.to_string()))
+        };
+        let require = made.require.as_ref().map(|list| list.iter().map(requirement).collect::<Result<_>>());
+        let choices = Self {
+            bake: lines.known::<BakeOptions>(("bake", &made.bake))?,
+            packing: lines.known::<Packing>(("packing", &made.packing))?,
+            verify: lines.known::<VerifyOptions>(("verify", &made.verify))?,
+            report: made.report,
+            thumbnail: made.thumbnail.as_ref().map(|switch| switch.get_ref().clone()),
+            turntable: made.turntable.as_ref().map(|switch| switch.get_ref().clone()),
+            viewer: made.viewer.as_ref().map(|switch| switch.get_ref().clone()),
+            require: require.transpose()?,
+        };
+        let spans = [&made.thumbnail, &made.turntable, &made.viewer];
+        let parts = [
+            part::<Thumbnail>(&[&choices.thumbnail]).map(drop),
+            part::<Turntable>(&[&choices.turntable]).map(drop),
+            part::<ViewerPage>(&[&choices.viewer]).map(drop),
+        ];
+        for (read, at) in parts.into_iter().zip(spans) {
+            let span = at.as_ref().map_or(0..0, Spanned::span);
+            read.map_err(|error| lines.parse(span, error.message()))?;
+        }
+        Ok(choices)
+    }
+}
+
+/// Lays choices over one another, later ones above earlier ones.
+///
+/// # Errors
+/// [`Error::Invalid`] where they contradict one another.
+pub fn settings<'a>(choices: impl Iterator<Item = &'a Choices>) -> Result<Settings> {
+    let choices: Vec<_> = choices.collect();
+    let mut defaults = Settings::default();
+    defaults.asset.report = true;
+    let wrong = |error: toml::de::Error| Error::invalid("options", error.message().replace('\n', " "));
+    let last = |of: fn(&Choices) -> Option<bool>| choices.iter().rev().find_map(|choices| of(choices));
+    let require = choices.iter().rev().find_map(|choices| choices.require.clone());
+    Ok(Settings {
+        asset: AssetSettings {
+            bake: table(choices.iter().map(|choices| &choices.bake)).map_err(wrong)?,
+            packing: table(choices.iter().map(|choices| &choices.packing)).map_err(wrong)?,
+            verify: table(choices.iter().map(|choices| &choices.verify)).map_err(wrong)?,
+            report: last(|choices| choices.report).unwrap_or(true),
+        },
+        thumbnail: part_or(&choices, |choices| &choices.thumbnail, true).map_err(wrong)?,
+        turntable: part_or(&choices, |choices| &choices.turntable, false).map_err(wrong)?,
+        viewer: part_or(&choices, |choices| &choices.viewer, false).map_err(wrong)?,
+        require: require.unwrap_or_default(),
+    })
+}
+
+fn table<'a, T: DeserializeOwned>(
+    tables: impl Iterator<Item = &'a Table>,
+) -> std::result::Result<T, toml::de::Error> {
+    tables.flatten().map(|(key, value)| (key.clone(), value.clone())).collect::<Table>().try_into()
+}
+
+fn part_or<T: DeserializeOwned + Default>(
+    choices: &[&Choices],
+    of: fn(&Choices) -> &Option<Switch>,
+    by_default: bool,
+) -> std::result::Result<Option<T>, toml::de::Error> {
+    let base = Some(Switch::Is(by_default));
+    let all: Vec<_> = std::iter::once(&base).chain(choices.iter().map(|choices| of(choices))).collect();
+    part(&all)
+}
+
+/// Reads a part that is made or not, of switches that lie over one another.
+fn part<T: DeserializeOwned + Default>(
+    switches: &[&Option<Switch>],
+) -> std::result::Result<Option<T>, toml::de::Error> {
+    let mut made = None;
+    for switch in switches.iter().filter_map(|switch| switch.as_ref()) {
+        made = match switch {
+            Switch::Is(false) => None,
+            Switch::Is(true) => Some(made.unwrap_or_default()),
+            Switch::With(table) => {
+                let mut below: Table = made.unwrap_or_default();
+                below.extend(table.clone());
+                Some(below)
+            }
+        };
+    }
+    made.map(Table::try_into).transpose()
+}

@@ -1,0 +1,322 @@
+//! The driver: starts a process for each asset that is to be done, and writes down what became of it. It holds no asset.
+
+mod books;
+mod ended;
+mod ledger;
+mod plan;
+mod process;
+mod remake;
+mod remote;
+mod running;
+
+use crate::collection::Collection;
+use crate::job::{Job, Message, Outcome};
+use crate::manifest::Shard;
+use crate::record::{Record, State};
+use books::{Books, Took};
+use ledger::Ledger;
+use plan::{Plan, Todo};
+use process::{Heard, Start};
+use running::{Phase, Running};
+use std::collections::{BTreeMap, VecDeque};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{self, Receiver, Sender};
+use std::time::{Duration, Instant};
+use taotie::asset::{Bytes, Limits};
+use taotie::io::free_memory;
+use taotie::{Error, Result, Warnings};
+
+pub use process::Worker;
+pub use remake::remake;
+pub use remote::{Planned, Remote, Told};
+
+/// The interval at which processes are looked at, and the caller is asked whether to go on.
+const POLL: Duration = Duration::from_millis(50);
+
+/// How a collection is worked through. What is `None` is as the collection's file says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct DriveOptions {
+    /// The most processes at once; as many as the machine has threads where nobody says.
+    pub jobs: Option<usize>,
+    /// The most memory of all processes; what is free where nobody says.
+    pub memory: Option<Bytes>,
+    /// The longest time for an asset; by the scan's size where nobody says.
+    pub time_limit: Option<Duration>,
+    /// The part of the collection to do; `None` for all.
+    pub shard: Option<Shard>,
+    /// `true` where what failed or was refused is attempted again.
+    pub retry_failed: bool,
+    /// `true` where files outside the folders of models may be read.
+    pub allow_outside: bool,
+}
+
+/// What the caller hears of the work.
+#[derive(Debug, Clone, Copy)]
+pub enum Event<'a> {
+    /// So many assets are to be done; so many are known from before.
+    Planned {
+        /// To be done.
+        todo: usize,
+        /// Known.
+        known: usize,
+    },
+    /// An attempt has ended.
+    Ended(&'a Record),
+    /// The work goes on.
+    Running {
+        /// The part that is done, [0, 1].
+        fraction: f64,
+        /// The time left, where it can be told.
+        left: Option<Duration>,
+        /// Processes at work.
+        processes: usize,
+    },
+}
+
+/// What became of a collection, or of a shard of it.
+#[derive(Debug, Clone, Default)]
+pub struct Summary {
+    /// The last state of each asset, counted.
+    pub states: BTreeMap<State, usize>,
+    /// Attempts of this call.
+    pub attempts: usize,
+    /// Assets that were known from before.
+    pub known: usize,
+    /// What was wrong with lists, manifests and overrides.
+    pub warnings: Warnings,
+}
+
+/// Does what is to be done of a collection. `hear` returns whether to go on, and is asked every 50 ms.
+///
+/// # Errors
+/// [`Error::Cancelled`] where `hear` wants the work to stop: all processes have ended then. Those of the collection, and
+/// of writing the manifest. What is wrong with an asset is a record.
+pub fn drive(
+    collection: &Collection,
+    options: &DriveOptions,
+    worker: &Worker,
+    hear: &mut dyn FnMut(Event<'_>) -> bool,
+) -> Result<Summary> {
+    let found = collection.scans()?;
+    let books = Books::open(collection.output(), options.shard)?;
+    let plan = Plan::of(collection, &found.scans, &books, options)?;
+    let mut summary = Summary { known: plan.known, warnings: found.warnings, ..Summary::default() };
+    for pattern in collection.unused_overrides(&found.scans) {
+        summary.warnings.note(format!("the override for `{pattern}` covers no asset"), 1);
+    }
+    let ids = plan.ids.clone();
+    let mut driver = Driver::new(collection, options, worker, books);
+    driver.all = plan.todo.iter().map(Todo::cost).sum();
+    let judged = plan.judged;
+    hear(Event::Planned { todo: plan.todo.len() + judged.len(), known: plan.known });
+    for record in judged {
+        driver.add(record, hear)?;
+    }
+    driver.queue = plan.todo.into();
+    let done = driver.run(hear);
+    summary.attempts = driver.attempts;
+    summary.states = driver.books.states(&ids);
+    summary.warnings.absorb(driver.books.warnings);
+    done.map(|()| summary)
+}
+
+/// The work on a collection.
+struct Driver<'a> {
+    collection: &'a Collection,
+    worker: &'a Worker,
+    books: Books,
+    ledger: Ledger,
+    limits: Limits,
+    time_limit: Option<Duration>,
+    jobs: usize,
+    threads: usize,
+    queue: VecDeque<Todo>,
+    running: Vec<Running>,
+    heard: (Sender<Heard>, Receiver<Heard>),
+    start: Instant,
+    begun: u64,
+    attempts: usize,
+    /// The cost of all that was to be done, and of what is done.
+    all: f64,
+    done: f64,
+}
+
+impl<'a> Driver<'a> {
+    fn new(collection: &'a Collection, options: &DriveOptions, worker: &'a Worker, books: Books) -> Self {
+        let run = collection.run();
+        let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        let memory = options.memory.or(run.memory).or_else(|| free_memory().map(Bytes));
+        Self {
+            collection,
+            worker,
+            books,
+            ledger: Ledger::new(memory),
+            limits: Limits { memory, allow_outside: options.allow_outside, ..Limits::default() },
+            time_limit: options.time_limit.or(run.time_limit),
+            jobs: options.jobs.or(run.jobs).unwrap_or(threads).max(1),
+            threads,
+            queue: VecDeque::new(),
+            running: Vec::new(),
+            heard: mpsc::channel(),
+            start: Instant::now(),
+            begun: 0,
+            attempts: 0,
+            all: 0.0,
+            done: 0.0,
+        }
+    }
+
+    fn run(&mut self, hear: &mut dyn FnMut(Event<'_>) -> bool) -> Result<()> {
+        let mut looked = Instant::now();
+        while !(self.queue.is_empty() && self.running.is_empty()) {
+            self.start_more(hear)?;
+            if let Ok(heard) = self.heard.1.recv_timeout(POLL) {
+                self.hear(heard, hear)?;
+            }
+            self.let_go();
+            if looked.elapsed() >= POLL {
+                looked = Instant::now();
+                self.running.iter_mut().for_each(Running::look);
+                if !hear(self.progress()) {
+                    self.running.drain(..).for_each(Running::end);
+                    return Err(Error::Cancelled);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Starts processes while there is room. None is started while one waits for memory, so that large ones come to
+    /// their turn.
+    fn start_more(&mut self, hear: &mut dyn FnMut(Event<'_>) -> bool) -> Result<()> {
+        while self.running.len() < self.jobs && self.running.iter().all(|one| one.phase != Phase::Waiting) {
+            let Some(next) = self.queue.front() else { return Ok(()) };
+            let want = ledger::reading(next.bytes);
+            if !self.ledger.has_room(want, 0) && !self.running.is_empty() {
+                return Ok(());
+            }
+            let Some(todo) = self.queue.pop_front() else { return Ok(()) };
+            self.begun += 1;
+            let job = self.job(&todo);
+            let folder = nonempty(self.collection.folder());
+            let start = Start { worker: self.worker, folder: &folder, number: self.begun };
+            match start.process(&job, &self.heard.0) {
+                Ok(process) => {
+                    self.ledger.take(want);
+                    let patience = self.time_limit.unwrap_or_else(|| running::patience_to_read(todo.bytes));
+                    self.running.push(Running::new(todo, process, want, patience));
+                }
+                Err(error) => {
+                    let outcome = ended::without_process(&error, &todo);
+                    self.finish(todo, outcome, Took::default(), hear)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn job(&self, todo: &Todo) -> Job {
+        Job {
+            id: todo.scan.id.clone(),
+            scan: todo.scan.path.clone(),
+            output: self.collection.relative_output().to_path_buf(),
+            settings: todo.settings.clone(),
+            limits: self.limits,
+            threads: self.threads,
+            reuse: true,
+        }
+    }
+
+    fn hear(&mut self, heard: Heard, hear: &mut dyn FnMut(Event<'_>) -> bool) -> Result<()> {
+        let Heard { number, said } = heard;
+        let Some(at) = self.running.iter().position(|one| one.process.number == number) else {
+            return Ok(());
+        };
+        match said {
+            Some(Message::Forecast { bytes, triangles }) => {
+                self.running[at].wait_for_memory(bytes, triangles);
+                Ok(())
+            }
+            Some(message) => {
+                self.running[at].hear(message);
+                Ok(())
+            }
+            None => {
+                let mut ended = self.running.remove(at);
+                self.ledger.give_back(ended.reserved);
+                let took = Took { seconds: ended.start.elapsed().as_secs_f64(), forecast: ended.forecast };
+                let outcome = ended::outcome(&mut ended);
+                if let Some(address) = ended.address.as_ref().filter(|_| !outcome.state.is_made()) {
+                    self.books.store.sweep(address);
+                }
+                self.finish(ended.todo, outcome, took, hear)
+            }
+        }
+    }
+
+    /// Lets processes begin their work for which there is memory; where none is at work, one at least.
+    fn let_go(&mut self) {
+        while let Some(at) = self.next_to_go() {
+            let forecast = self.running[at].forecast.unwrap_or(0);
+            let threads = self.threads / self.side_by_side(forecast).max(1);
+            let one = &mut self.running[at];
+            self.ledger.give_back(one.reserved);
+            self.ledger.take(forecast);
+            let patience = self.time_limit.map_or_else(|| one.patience_to_work(), |limit| one.left_of(limit));
+            one.go(threads.max(1), forecast, patience);
+        }
+    }
+
+    fn next_to_go(&mut self) -> Option<usize> {
+        let waiting = |one: &Running| one.phase == Phase::Waiting;
+        let fits = |one: &Running| self.ledger.has_room(one.forecast.unwrap_or(0), one.reserved);
+        if let Some(at) = self.running.iter().position(|one| waiting(one) && fits(one)) {
+            return Some(at);
+        }
+        if self.running.is_empty() || !self.running.iter().all(waiting) {
+            return None;
+        }
+        // All wait for one another's memory: the first one goes, the others begin again after it.
+        for one in self.running.drain(1..).rev() {
+            self.ledger.give_back(one.reserved);
+            self.queue.push_front(one.give_up());
+        }
+        Some(0)
+    }
+
+    /// Returns how many processes of such a forecast will be at work at once.
+    fn side_by_side(&self, forecast: u64) -> usize {
+        let left = self.queue.len() + self.running.len();
+        self.jobs.min(left).min(self.ledger.holds(forecast))
+    }
+
+    fn finish(
+        &mut self,
+        todo: Todo,
+        outcome: Outcome,
+        took: Took,
+        hear: &mut dyn FnMut(Event<'_>) -> bool,
+    ) -> Result<()> {
+        self.done += todo.cost();
+        let record = self.books.record(todo, outcome, took);
+        self.add(record, hear)
+    }
+
+    fn add(&mut self, record: Record, hear: &mut dyn FnMut(Event<'_>) -> bool) -> Result<()> {
+        self.books.add(&record)?;
+        self.attempts += 1;
+        hear(Event::Ended(&record));
+        Ok(())
+    }
+
+    fn progress(&self) -> Event<'static> {
+        let fraction = if self.all > 0.0 { (self.done / self.all).min(1.0) } else { 1.0 };
+        let left = (fraction > 0.01).then(|| self.start.elapsed().mul_f64((1.0 - fraction) / fraction));
+        Event::Running { fraction, left, processes: self.running.len() }
+    }
+}
+
+/// Returns a folder by a name that the system takes.
+pub fn nonempty(folder: &Path) -> PathBuf {
+    if folder.as_os_str().is_empty() { ".".into() } else { folder.to_path_buf() }
+}

@@ -1,0 +1,131 @@
+//! What is to be done of a collection.
+
+use super::DriveOptions;
+use super::books::{Books, now};
+use crate::address::{self, VERSION};
+use crate::collection::{Collection, Scan};
+use crate::input::InputFile;
+use crate::objects::AssetObject;
+use crate::record::{Record, State};
+use crate::settings::Settings;
+use std::path::Path;
+use taotie::Result;
+
+/// What is to be done, and what is not.
+pub struct Plan {
+    /// Assets to be made, the largest first.
+    pub todo: Vec<Todo>,
+    /// Assets that are there and whose requirements are others now, judged anew.
+    pub judged: Vec<Record>,
+    /// The number of those that stay as they are.
+    pub known: usize,
+    /// All assets of the shard.
+    pub ids: Vec<String>,
+}
+
+/// An asset to be made.
+#[derive(Debug, Clone)]
+pub struct Todo {
+    /// The scan.
+    pub scan: Scan,
+    /// What is made of it.
+    pub settings: Settings,
+    /// The SHA-256 of that, but for requirements.
+    pub settings_hash: String,
+    /// The scan's own file, not read yet; none where it is not there.
+    pub input: Vec<InputFile>,
+    /// Its length.
+    pub bytes: u64,
+}
+
+impl Todo {
+    /// Returns what its work costs beside that of others: a part for each asset, and a part for its size.
+    pub fn cost(&self) -> f64 {
+        const EACH: u64 = 1 << 18;
+        (EACH + self.bytes) as f64
+    }
+}
+
+/// What is to be done of one asset.
+enum Due {
+    Making(Box<Todo>),
+    Judging(Box<Record>),
+    Nothing,
+}
+
+impl Plan {
+    /// Holds a collection against what is known of it.
+    ///
+    /// # Errors
+    /// Those of settings that contradict one another.
+    pub fn of(
+        collection: &Collection,
+        scans: &[Scan],
+        books: &Books,
+        options: &DriveOptions,
+    ) -> Result<Self> {
+        let mut plan = Self { todo: Vec::new(), judged: Vec::new(), known: 0, ids: Vec::new() };
+        let is_ours = |scan: &&Scan| options.shard.is_none_or(|shard| shard.covers(&scan.id));
+        for scan in scans.iter().filter(is_ours) {
+            plan.ids.push(scan.id.clone());
+            let todo = todo(collection, scan)?;
+            match due(todo, (collection.folder(), books), options.retry_failed) {
+                Due::Making(todo) => plan.todo.push(*todo),
+                Due::Judging(record) => plan.judged.push(*record),
+                Due::Nothing => plan.known += 1,
+            }
+        }
+        plan.todo.sort_by_key(|todo| std::cmp::Reverse(todo.bytes));
+        Ok(plan)
+    }
+}
+
+fn todo(collection: &Collection, scan: &Scan) -> Result<Todo> {
+    let settings = collection.settings(&scan.id)?;
+    let Settings { asset, thumbnail, turntable, viewer, .. } = &settings;
+    let settings_hash = address::of(&(asset.with_names(), thumbnail, turntable, viewer));
+    let known = InputFile::stat(&collection.folder().join(&scan.path)).ok();
+    let input: Vec<_> = known.map(|file| InputFile { path: scan.path.clone(), ..file }).into_iter().collect();
+    let bytes = input.iter().map(|file| file.bytes).sum();
+    Ok(Todo { scan: scan.clone(), settings, settings_hash, input, bytes })
+}
+
+fn due(todo: Todo, (folder, books): (&Path, &Books), retry: bool) -> Due {
+    let is_same = |last: &&Record| {
+        (&last.settings, last.version.as_str()) == (&todo.settings_hash, VERSION)
+            && last.input.first().map(|file| &file.path) == Some(&todo.scan.path)
+            && last.has_same_input(folder)
+    };
+    let last = books.history.last.get(&todo.scan.id).filter(is_same);
+    let Some(last) = last else { return Due::Making(Box::new(todo)) };
+    if !last.state.is_made() {
+        return if retry { Due::Making(Box::new(todo)) } else { Due::Nothing };
+    }
+    if !last.parts.iter().all(|part| books.store.holds(part)) {
+        return Due::Making(Box::new(todo));
+    }
+    if last.require == todo.settings.require && last.title == todo.scan.title {
+        return Due::Nothing;
+    }
+    let object = last.part("asset").and_then(|part| books.store.object::<AssetObject>(&part.address));
+    match object {
+        Some(object) => Due::Judging(Box::new(judged(last, &todo, &object))),
+        None => Due::Making(Box::new(todo)),
+    }
+}
+
+/// Returns the record of an asset whose requirements, or whose name, are others now.
+fn judged(last: &Record, todo: &Todo, object: &AssetObject) -> Record {
+    let required = object.figures.require(&todo.settings.require);
+    Record {
+        attempt: last.attempt + 1,
+        ended: now(),
+        title: todo.scan.title.clone(),
+        state: State::of(&required),
+        require: todo.settings.require.clone(),
+        required,
+        seconds: 0.0,
+        stages: Vec::new(),
+        ..last.clone()
+    }
+}

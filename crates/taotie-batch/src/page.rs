@@ -1,0 +1,101 @@
+//! The collection's page, and the same as JSON.
+
+use crate::collection::Collection;
+use crate::manifest::History;
+use crate::record::{Record, ShortFigures};
+use crate::store::Store;
+use std::path::PathBuf;
+use taotie::Result;
+use taotie::asset::Met;
+use taotie::io::FileSet;
+use taotie::names::Named;
+use taotie_report::collection_page::{self, Entry, Gallery};
+
+/// Writes `index.html`, `collection.json` and the IIIF manifest of a collection; returns their paths.
+///
+/// # Errors
+/// Those of the manifest, of the collection's sources, and of writing.
+pub fn write_page(collection: &Collection) -> Result<Vec<PathBuf>> {
+    let store = Store::new(collection.output());
+    store.make()?;
+    let mut history = History::read(store.root())?;
+    let scans = collection.scans()?.scans;
+    let entries = scans.iter().map(|scan| match history.last.remove(&scan.id) {
+        Some(record) => entry(&record),
+        None => waiting(&scan.id, scan.title.clone()),
+    });
+    let gallery = Gallery { title: collection.title(), assets: entries.collect() };
+    let files = FileSet::new();
+    let [page, json, iiif] =
+        ["index.html", "collection.json", "iiif.json"].map(|name| store.root().join(name));
+    files.write_text(&page, &collection_page::html(&gallery))?;
+    files.write_text(&json, &collection_page::json(&gallery))?;
+    files.write_text(&iiif, &collection_page::iiif(&gallery, collection.address().unwrap_or("")))?;
+    files.commit()?;
+    Ok(vec![page, json, iiif])
+}
+
+/// Returns what the page shows of an asset that nobody has attempted yet.
+fn waiting(id: &str, title: Option<String>) -> Entry {
+    Entry { id: id.into(), title, state: "waiting".into(), ..Entry::default() }
+}
+
+fn entry(record: &Record) -> Entry {
+    let figures = record.figures.clone().unwrap_or_default();
+    let has = record.figures.is_some();
+    let ShortFigures { triangles_in, bytes_in, bytes_out, hausdorff, missed, .. } = figures;
+    let one = |kind: &str, ending: &str| link(record, kind, ending);
+    let is_unmet = |met: &&Met| !met.met;
+    let unmet = |met: &Met| format!("{} {}", met.figure.name(), met.text());
+    Entry {
+        id: record.id.clone(),
+        title: record.title.clone(),
+        state: record.state.name().into(),
+        error: record.error.clone(),
+        unmet: record.required.iter().filter(is_unmet).map(unmet).collect(),
+        warnings: record.warnings.iter().map(|warning| warning.what.clone()).collect(),
+        thumbnail: one("thumbnail", ".webp"),
+        turntable: one("turntable", ".png"),
+        viewer: one("viewer", ".html"),
+        report: one("asset", ".report.html"),
+        model: one("asset", ".glb"),
+        triangles_in: has.then_some(triangles_in),
+        triangles: figures.triangles.first().copied(),
+        bytes_in: has.then_some(bytes_in),
+        bytes_out: has.then_some(bytes_out),
+        mean_angle: figures.mean_angle,
+        p95_angle: figures.p95_angle,
+        max_angle: figures.max_angle,
+        mean_color: figures.mean_color,
+        hausdorff: has.then_some(hausdorff),
+        missed: has.then_some(missed),
+        seconds: Some(record.seconds),
+        peak_bytes: record.peak_bytes,
+    }
+}
+
+/// Returns the address of a file, relative to the page.
+fn link(record: &Record, kind: &str, ending: &str) -> Option<String> {
+    let part = record.part(kind)?;
+    let file = part.files.iter().find(|file| file.name.ends_with(ending))?;
+    Some(format!("{}/{}", Store::folder(&part.address), escaped(&file.name)))
+}
+
+/// Returns a name as addresses of the web write it.
+fn escaped(name: &str) -> String {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~".contains(&byte);
+    let letter =
+        |byte: u8| if is_plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") };
+    name.bytes().map(letter).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_become_addresses() {
+        assert_eq!(escaped("a b#1%.glb"), "a%20b%231%25.glb");
+        assert_eq!(escaped("爵.glb"), "%E7%88%B5.glb");
+    }
+}

@@ -1,0 +1,151 @@
+//! What is made of an asset.
+
+use serde::{Deserialize, Serialize};
+use taotie::asset::{BakeOptions, MeshSource, Packing, RayDistance, Requirement, VerifyOptions};
+use taotie::{Error, Result};
+
+/// What is made of an asset, and what is demanded of it.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct Settings {
+    /// The files of the asset itself.
+    pub asset: AssetSettings,
+    /// The picture of it; `None` for none.
+    pub thumbnail: Option<Thumbnail>,
+    /// The moving picture of it; `None` for none.
+    pub turntable: Option<Turntable>,
+    /// The page that shows it in a browser; `None` for none.
+    pub viewer: Option<ViewerPage>,
+    /// What its figures must be. No file depends on it.
+    pub require: Vec<Requirement>,
+}
+
+/// Everything that the files of an asset depend on beside its input.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct AssetSettings {
+    /// The bake.
+    pub bake: BakeOptions,
+    /// The packing into files.
+    pub packing: Packing,
+    /// The measurements.
+    pub verify: VerifyOptions,
+    /// `true` where what was measured is written as a page, too.
+    pub report: bool,
+}
+
+/// A picture of an asset.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Thumbnail {
+    /// Pixels along a side, 16 to 2048.
+    pub size: u32,
+}
+
+/// A moving picture of an asset that turns once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Turntable {
+    /// Pixels along a side, 16 to 2048.
+    pub size: u32,
+    /// Pictures of a turn, 2 to 360.
+    pub frames: u32,
+}
+
+/// A page that shows an asset in a browser.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ViewerPage {}
+
+impl Default for Thumbnail {
+    fn default() -> Self {
+        Self { size: 256 }
+    }
+}
+
+impl Default for Turntable {
+    fn default() -> Self {
+        Self { size: 256, frames: 36 }
+    }
+}
+
+impl Settings {
+    /// Refuses what cannot be done, before any work begins.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`], and those of what [`Packing::provenance`] names.
+    pub fn check(&self) -> Result<()> {
+        let AssetSettings { bake, packing, .. } = &self.asset;
+        bake.check()?;
+        packing.check()?;
+        let of_picture = self.thumbnail.map(|picture| ("thumbnail", picture.size));
+        let of_turn = self.turntable.map(|turn| ("turntable", turn.size));
+        let mut sizes = of_picture.into_iter().chain(of_turn);
+        if let Some((what, size)) = sizes.find(|(_, size)| !(16..=2048).contains(size)) {
+            return Err(Error::invalid(format!("{what}: a size of {size}"), "give 16 to 2048 pixels"));
+        }
+        match self.turntable {
+            Some(Turntable { frames, .. }) if !(2..=360).contains(&frames) => {
+                Err(Error::invalid(format!("turntable: {frames} frames"), "give 2 to 360"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns the same settings with paths that are relative to `folder`.
+    #[must_use]
+    pub fn in_folder(mut self, folder: &std::path::Path) -> Self {
+        let AssetSettings { bake, packing, .. } = &mut self.asset;
+        let sources = bake.low.as_mut().into_iter().chain(match &mut bake.ray_distance {
+            RayDistance::Cage(source) => Some(source),
+            _ => None,
+        });
+        for source in sources {
+            if let MeshSource::File(path) = source {
+                *path = folder.join(&path);
+            }
+        }
+        if let Some(path) = &mut packing.provenance {
+            *path = folder.join(&path);
+        }
+        self
+    }
+
+    /// Says whether an error of less than all that is possible is searched for, which takes many bakes.
+    pub fn searches(&self) -> bool {
+        self.asset.bake.mean_error_deg.is_some()
+    }
+}
+
+impl AssetSettings {
+    /// Returns the model files that are named beside the scan.
+    pub fn meshes(&self) -> Vec<&std::path::Path> {
+        let cage = match &self.bake.ray_distance {
+            RayDistance::Cage(source) => Some(source),
+            _ => None,
+        };
+        let sources = self.bake.low.iter().chain(cage);
+        sources
+            .filter_map(|source| match source {
+                MeshSource::File(path) => Some(path.as_path()),
+                MeshSource::Mesh(_) => None,
+            })
+            .collect()
+    }
+
+    /// Returns the same settings with the names of files in place of their paths: where a collection lies does not
+    /// change what is made.
+    #[must_use]
+    pub fn with_names(&self) -> Self {
+        let name = |path: &mut std::path::PathBuf| *path = path.file_name().unwrap_or_default().into();
+        let mut named = self.clone();
+        if let Some(MeshSource::File(path)) = &mut named.bake.low {
+            name(path);
+        }
+        if let RayDistance::Cage(MeshSource::File(path)) = &mut named.bake.ray_distance {
+            name(path);
+        }
+        if let Some(path) = &mut named.packing.provenance {
+            name(path);
+        }
+        named
+    }
+}

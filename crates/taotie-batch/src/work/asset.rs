@@ -1,0 +1,68 @@
+//! An asset and its proof, as one object.
+
+use super::{Work, named};
+use crate::address::VERSION;
+use crate::objects::{AssetObject, entries};
+use std::path::{Path, PathBuf};
+use taotie::Result;
+use taotie::asset::{Baker, Proof, Report, ScanFile, Warning, Written};
+use taotie::io::FileSet;
+use taotie_report::bake_page;
+
+/// Bakes a scan, proves it, and writes all of it to an address.
+///
+/// # Errors
+/// Those of each step. Then nothing of it is left.
+pub fn make(work: &Work<'_>, file: ScanFile, address: &str) -> Result<AssetObject> {
+    let (job, progress) = (work.job, work.progress);
+    let settings = &job.settings.asset;
+    let files = (work.host.files)();
+    let path = work.store.claim(address, &files)?.join(format!("{}.glb", work.stem()));
+    files.protect(file.files())?;
+    let baker = Baker::new(settings.bake.clone()).with_limits(job.limits).with_files(&files);
+    let scan = file.sort(progress)?;
+    let asset = baker.bake(&scan, progress)?;
+    let written = asset.write_in(&files, &path, &settings.packing, progress)?;
+    let mut report = Report::of(&written)?;
+    let proof = written.verify(scan, &settings.verify, progress)?;
+    report.warnings.extend(Warning::list(&proof.warnings));
+    report.proof = Some(proof.figures.clone());
+    let mut all = written.files().to_vec();
+    if settings.report {
+        all.extend(told(report.clone(), &proof, &written, &files)?);
+    }
+    progress.begin("commit")?;
+    files.commit()?;
+    let object = AssetObject {
+        kind: "asset".into(),
+        version: VERSION.into(),
+        triangles_in: report.high_triangles,
+        triangles: report.triangles,
+        size: report.size,
+        figures: proof.figures,
+        warnings: report.warnings,
+        files: entries(&named(&all))?,
+    };
+    work.store.tell(address, &object)?;
+    Ok(object)
+}
+
+/// Writes the report: a page and JSON. Neither tells of folders or times, which others do not share.
+fn told(mut report: Report, proof: &Proof, written: &Written, files: &FileSet) -> Result<[PathBuf; 2]> {
+    report.high = name_of(Path::new(&report.high)).to_string_lossy().into_owned();
+    report.low = report.low.map(|low| name_of(Path::new(&low)).to_string_lossy().into_owned());
+    report.maps.iter_mut().flat_map(|map| &mut map.file).for_each(|file| *file = name_of(file));
+    let [html, json] = ["report.html", "report.json"].map(|kind| written.path().with_extension(kind));
+    report.files.extend([html.clone(), json.clone()]);
+    report.files.iter_mut().for_each(|file| *file = name_of(file));
+    files.write_text(
+        &html,
+        &taotie_report::html(&bake_page::page_of_collection(&report, proof, written.asset())?),
+    )?;
+    files.write_text(&json, &serde_json::to_string_pretty(&report).expect("all keys are text"))?;
+    Ok([html, json])
+}
+
+fn name_of(path: &Path) -> PathBuf {
+    path.file_name().unwrap_or_default().into()
+}

@@ -1,0 +1,81 @@
+//! `collection.toml`: what is wrong with it is told with its line, before any work.
+
+use crate::collection::{Collection, QUICK, ball};
+
+#[track_caller]
+fn assert_told(text: &str, line: usize, why: &str) {
+    let collection = Collection::new("");
+    collection.write("scans/a.obj", "");
+    collection.write("collection.toml", text);
+    let output = collection.run("");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains(&format!("collection.toml: line {line}: ")) && told.contains(why), "{told}");
+    assert!(!collection.path("out").exists(), "nothing was begun");
+}
+
+#[test]
+fn what_is_wrong_is_told_with_its_line() {
+    let source = "[[source]]\nfolder = \"scans\"\n";
+    assert_told("", 1, "source");
+    assert_told("source = []", 1, "at least one [[source]]");
+    assert_told("[[source]]\nfolder = \"a\"\nglob = \"*\"\n", 1, "one of `folder`, `glob` and `list`");
+    assert_told("[[source]]\nglob = \"***\"\n", 1, "glob: ");
+    assert_told(
+        &format!("{source}[bake]\ntriangels = 5\n"),
+        4,
+        "[bake] has no `triangels`; it has ao_distance, ",
+    );
+    assert_told(&format!("{source}[bake]\ntriangles = \"many\"\n"), 4, "invalid type");
+    assert_told(&format!("{source}[bake]\nmaps = [\"norm\"]\n"), 4, "unknown variant `norm`");
+    assert_told(&format!("{source}[bake]\nsize = 4\n"), 4, "give 16 to 16384 texels");
+    assert_told(&format!("{source}[packing]\nimages = \"gif\"\n"), 4, "unknown variant `gif`");
+    assert_told(&format!("{source}[thumbnail]\nsize = 4\n"), 1, "thumbnail: a size of 4");
+    assert_told(&format!("{source}[thumbnail]\nwidth = 4\n"), 3, "width");
+    assert_told(&format!("require = [\n\"mean-angle=2\",\n\"beauty=1\"]\n{source}"), 3, "beauty");
+    assert_told(&format!("{source}[run]\nmemory = \"much\"\n"), 4, "memory: ");
+    assert_told(&format!("{source}[run]\ntime_limit = \"soon\"\n"), 4, "`soon` is no time");
+    assert_told(&format!("{source}[run]\njobs = 0\n"), 4, "at least one process");
+    let over = "\n[[override]]\nid = \"a*\"\nbake.lods = [90000]\n";
+    assert_told(&format!("{source}{over}"), 4, "a level of 90000 triangles");
+    assert_told(&format!("{source}\n[[override]]\nid = \"[\"\n"), 5, "id: ");
+    assert_told(
+        &format!("{source}\n[[override]]\nid = \"a\"\nverify.sharp = 1\n"),
+        6,
+        "[verify] has no `sharp`",
+    );
+}
+
+#[test]
+fn lists_name_scans_with_ids_and_titles() {
+    let collection = Collection::new(QUICK);
+    collection.write("scans/a.obj", ball(0.01));
+    collection.write("scans/b.obj", ball(0.02));
+    collection.write(
+        "list.csv",
+        "path,id,title,rights\nscans/a.obj,first/a,A ball,CC0\nscans/b.obj,,\"B, too\",\n",
+    );
+    collection.write("list.jsonl", "{\"path\": \"scans/a.obj\", \"id\": \"again\"}\n\n");
+    let lists = "output = \"out\"\n[[source]]\nlist = \"list.csv\"\n[[source]]\nlist = \"list.jsonl\"\n[[source]]\nglob = \"scans/*.obj\"\n";
+    collection
+        .write("collection.toml", format!("{lists}{QUICK}\n[[override]]\nid = \"c*\"\nreport = false\n"));
+    let output = collection.run("");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{told}");
+    assert!(
+        told.contains("the column `rights` is not read") && told.contains("`c*` covers no asset"),
+        "{told}"
+    );
+    let last = collection.last();
+    assert_eq!(last.keys().collect::<Vec<_>>(), ["a.obj", "again", "b.obj", "first/a", "scans/b.obj"]);
+    assert_eq!(
+        (&last["first/a"]["title"], &last["scans/b.obj"]["title"]),
+        (&"A ball".into(), &"B, too".into())
+    );
+    collection.write("list.csv", "path,id\nscans/a.obj,x\nscans/b.obj,x\n");
+    let told = String::from_utf8_lossy(&collection.run("").stderr).into_owned();
+    assert!(told.contains("the id `x`: both scans/a.obj and scans/b.obj have it"), "{told}");
+    collection.write("list.csv", "file\nscans/a.obj\n");
+    let told = String::from_utf8_lossy(&collection.run("").stderr).into_owned();
+    assert!(told.contains("list.csv: line 1: ") && told.contains("`path`"), "{told}");
+}

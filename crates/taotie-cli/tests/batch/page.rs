@@ -1,0 +1,42 @@
+//! The collection's page, and what lies beside it.
+
+use crate::collection::{Collection, QUICK};
+use serde_json::Value;
+
+#[test]
+fn the_page_links_what_was_made_and_says_what_was_not() {
+    let collection = Collection::of_balls(1);
+    let broken = "v 1 2 </script><b>\n";
+    collection.write("scans/b & c.obj", broken);
+    let address = "title = \"Balls & more\"\naddress = \"https://museum.example/balls/\"\n";
+    collection.configure(&format!("{address}{QUICK}"));
+    collection.report("");
+    let read = |name: &str| std::fs::read_to_string(collection.path(&format!("out/{name}"))).unwrap();
+    let page = read("index.html");
+    assert!(page.contains("<title>Balls &amp; more</title>") && page.matches("</script>").count() == 2);
+    let data: Value = serde_json::from_str(&read("collection.json")).unwrap();
+    let (_, rest) = page.split_once("id=\"data\">").unwrap();
+    let inside: Value = serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap();
+    assert_eq!(inside, data);
+    let [broken, ball] = [&data["assets"][0], &data["assets"][1]];
+    assert_eq!((&broken["state"], &ball["state"]), (&"failed".into(), &"done".into()));
+    assert!(broken["error"].as_str().unwrap().contains("line 1"), "{broken}");
+    for key in ["model", "report", "thumbnail"] {
+        let path = collection.path("out").join(ball[key].as_str().unwrap());
+        assert!(path.is_file(), "{key}");
+    }
+    let iiif: Value = serde_json::from_str(&read("iiif.json")).unwrap();
+    assert_eq!((&iiif["type"], iiif["items"].as_array().unwrap().len()), (&"Collection".into(), 1));
+    let body = &iiif["items"][0]["items"][0]["items"][0]["items"][0]["body"][0];
+    let model = format!("https://museum.example/balls/{}", ball["model"].as_str().unwrap());
+    assert_eq!((&body["type"], &body["id"]), (&"Model".into(), &model.into()));
+}
+
+#[test]
+fn assets_that_nobody_has_attempted_stand_on_the_page_too() {
+    let collection = Collection::of_balls(1);
+    assert_eq!(collection.run("--page-only").status.code(), Some(0));
+    let data: Value =
+        serde_json::from_slice(&std::fs::read(collection.path("out/collection.json")).unwrap()).unwrap();
+    assert_eq!(data["assets"][0]["state"], "waiting");
+}

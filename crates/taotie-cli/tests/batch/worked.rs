@@ -1,0 +1,160 @@
+//! What is done, and what is not done again.
+
+use crate::collection::{Collection, QUICK, assert_nothing_twice, ball, number, text};
+use serde_json::Value;
+
+fn states(report: &Value) -> [f64; 4] {
+    ["done", "required-not-met", "refused", "failed"].map(|state| number(report, &format!("/states/{state}")))
+}
+
+#[test]
+fn good_ones_are_done_once_and_each_bad_one_has_its_sentence() {
+    let collection = Collection::of_balls(3);
+    collection.write("scans/cut.obj", &ball(0.01)[..1000]);
+    collection.write("scans/empty.glb", "");
+    let claims = "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\n\
+                  property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    collection.write("scans/huge.ply", claims);
+    let (code, report) = collection.report("");
+    assert_eq!((code, states(&report)), (Some(2), [3.0, 0.0, 0.0, 3.0]), "{report}");
+    let last = collection.last();
+    for (id, why) in [("cut.obj", "line "), ("empty.glb", "empty.glb"), ("huge.ply", "4000000000")] {
+        assert!(text(&last[id], "/error").contains(why), "{}", last[id]);
+        assert_eq!(last[id]["state"], "failed");
+    }
+    let done = &last["ball0.obj"];
+    assert!(number(done, "/figures/mean_angle") > 0.0 && number(done, "/figures/triangles/0") <= 100.0);
+    assert_eq!(text(done, "/input/0/sha256").len(), 64);
+    assert!(done["stages"].as_array().unwrap().iter().any(|stage| stage["stage"] == "bake"), "{done}");
+    if cfg!(target_os = "linux") {
+        let [peak, forecast] = ["/peak_bytes", "/forecast_bytes"].map(|path| number(done, path));
+        assert!(peak > 1e6 && peak <= forecast, "{peak} {forecast}");
+    }
+    #[cfg(unix)]
+    {
+        let link = collection.path("out/assets/ball0.obj/ball0.glb");
+        assert!(std::fs::read(link).unwrap().starts_with(b"glTF"), "a name that people can read");
+    }
+    let before = (collection.records().len(), collection.objects());
+    let (code, report) = collection.report("");
+    assert_eq!((code, number(&report, "/attempts"), number(&report, "/known")), (Some(2), 0.0, 6.0));
+    assert_eq!((collection.records().len(), collection.objects()), before, "nothing was touched");
+    let (_, report) = collection.report("--retry-failed");
+    assert_eq!(number(&report, "/attempts"), 3.0);
+    assert_eq!(collection.last()["cut.obj"]["attempt"], 2);
+    assert_nothing_twice(&collection.records());
+}
+
+#[test]
+fn a_changed_option_redoes_what_it_touches_and_no_more() {
+    let collection = Collection::of_balls(2);
+    assert_eq!(collection.report("").0, Some(0));
+    let reused = |id: &str| {
+        let record = collection.last()[id].clone();
+        let parts = record["parts"].as_array().unwrap();
+        parts.iter().map(|part| (text(part, "/kind"), part["reused"] == true)).collect::<Vec<_>>()
+    };
+    assert_eq!(reused("ball0.obj"), [("asset".into(), false), ("thumbnail".into(), false)]);
+    collection.configure(&QUICK.replace("size = 32", "size = 48"));
+    assert_eq!(number(&collection.report("").1, "/attempts"), 2.0);
+    assert_eq!(reused("ball1.obj"), [("asset".into(), true), ("thumbnail".into(), false)]);
+    let over = "\n[[override]]\nid = \"*1.obj\"\nbake = { triangles = 80 }\n";
+    collection.configure(&format!("{QUICK}{over}").replace("size = 32", "size = 48"));
+    assert_eq!(number(&collection.report("").1, "/attempts"), 1.0, "one asset has other options");
+    assert_eq!(reused("ball1.obj"), [("asset".into(), false), ("thumbnail".into(), false)]);
+    // Back again: all is there.
+    collection.configure(QUICK);
+    assert_eq!(number(&collection.report("").1, "/attempts"), 2.0);
+    assert!(["ball0.obj", "ball1.obj"].iter().all(|id| reused(id).iter().all(|(_, reused)| *reused)));
+    assert_nothing_twice(&collection.records());
+}
+
+#[test]
+fn requirements_are_judged_anew_without_a_bake() {
+    let collection = Collection::of_balls(1);
+    assert_eq!(collection.report("").0, Some(0));
+    let before = collection.objects();
+    collection.configure(&format!("require = [\"mean-angle=0.0001\"]\n{QUICK}"));
+    let output = collection.run("");
+    assert_eq!(output.status.code(), Some(1));
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(told.contains("ball0.obj: required-not-met: mean-angle is "), "{told}");
+    let last = &collection.last()["ball0.obj"];
+    assert_eq!((&last["state"], last["stages"].as_array().unwrap().len()), (&"required-not-met".into(), 0));
+    assert_eq!(collection.objects(), before);
+    assert_eq!(collection.report("").0, Some(1), "it is known, and still not met");
+    collection.configure(QUICK);
+    assert_eq!(collection.report("").0, Some(0));
+}
+
+#[test]
+fn a_scan_that_changed_is_done_anew_and_the_same_one_elsewhere_is_not() {
+    let collection = Collection::of_balls(1);
+    collection.report("");
+    collection.write("scans/ball0.obj", ball(0.03));
+    assert_eq!(number(&collection.report("").1, "/attempts"), 1.0);
+    std::fs::create_dir(collection.path("scans/copy")).unwrap();
+    std::fs::copy(collection.path("scans/ball0.obj"), collection.path("scans/copy/ball0.obj")).unwrap();
+    assert_eq!(number(&collection.report("").1, "/attempts"), 1.0);
+    let copy = &collection.last()["copy/ball0.obj"];
+    assert_eq!((&copy["parts"][0]["reused"], &copy["state"]), (&true.into(), &"done".into()), "{copy}");
+    assert_nothing_twice(&collection.records());
+}
+
+#[test]
+fn what_does_not_fit_the_memory_is_refused_and_done_where_there_is_more() {
+    let collection = Collection::of_balls(2);
+    let (code, report) = collection.report("--memory-limit 40M");
+    assert_eq!((code, states(&report)), (Some(2), [0.0, 0.0, 2.0, 0.0]), "{report}");
+    assert!(text(&collection.last()["ball0.obj"], "/error").contains("the limit is 40 MiB"));
+    assert_eq!(collection.report("--memory-limit 300M --retry-failed").0, Some(0));
+}
+
+#[test]
+fn a_time_limit_costs_one_record() {
+    let collection = Collection::of_balls(2);
+    let slow = "\n[[override]]\nid = \"ball1.obj\"\nbake = { size = 8192, side = 8, ao_rays = 4096, maps = [\"normal\", \"ao\"] }\n";
+    collection.configure(&format!("{QUICK}{slow}"));
+    let (code, report) = collection.report("--time-limit 4s");
+    assert_eq!((code, states(&report)), (Some(2), [1.0, 0.0, 0.0, 1.0]), "{report}");
+    let error = text(&collection.last()["ball1.obj"], "/error");
+    assert!(error.starts_with("it took longer than ") && error.contains("--time-limit"), "{error}");
+    assert!(number(&collection.last()["ball1.obj"], "/seconds") < 30.0);
+    collection.configure(QUICK);
+    assert_eq!(collection.report("").0, Some(0), "with other options it is another work");
+}
+
+#[test]
+fn shards_share_the_work_and_a_call_without_them_knows_all() {
+    let collection = Collection::of_balls(5);
+    let attempts: f64 =
+        (1..=2).map(|shard| number(&collection.report(&format!("--shard {shard}/2")).1, "/attempts")).sum();
+    assert_eq!(attempts, 5.0);
+    assert!(!collection.path("out/manifest.jsonl").exists());
+    let (code, report) = collection.report("");
+    assert_eq!((code, number(&report, "/attempts"), states(&report)[0]), (Some(0), 0.0, 5.0));
+}
+
+#[test]
+fn two_drivers_do_not_write_to_one_manifest() {
+    let collection = Collection::of_balls(1);
+    collection.report("");
+    let file = std::fs::File::open(collection.path("out/manifest.jsonl")).unwrap();
+    file.lock().unwrap();
+    let output = collection.run("");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && told.contains("another `taotie batch`"), "{told}");
+}
+
+#[test]
+fn turntables_and_pages_are_made_where_they_are_asked_for() {
+    let collection = Collection::of_balls(1);
+    collection.configure(&format!("viewer = true\n{QUICK}\n[turntable]\nsize = 16\nframes = 3\n"));
+    assert_eq!(collection.report("").0, Some(0));
+    let read = |name: &str| std::fs::read(collection.path(&format!("out/assets/ball0.obj/{name}"))).unwrap();
+    assert!(read("ball0.turn.png").windows(4).any(|chunk| chunk == b"acTL"), "an animated PNG");
+    assert!(String::from_utf8_lossy(&read("ball0.html")).starts_with("<!doctype html>"));
+    let report = String::from_utf8_lossy(&read("ball0.report.html")).into_owned();
+    assert!(report.contains("Normal error") && report.contains("stands on the page of its collection"));
+    assert!(read("ball0.webp").starts_with(b"RIFF"));
+}

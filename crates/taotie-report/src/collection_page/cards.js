@@ -1,0 +1,80 @@
+// @ts-check
+// Assets as cards.
+
+/**
+ * @param {Asset} asset
+ */
+function nameOf(asset) {
+  return asset.title ?? asset.id.slice(asset.id.lastIndexOf("/") + 1);
+}
+
+/**
+ * @param {Asset} asset
+ */
+function markOfState(asset) {
+  const state = STATES.find((state) => state.name === asset.state);
+  return el("span", { class: `mark ${state?.tone ?? ""}` }, state?.text ?? asset.state);
+}
+
+/**
+ * What is wrong with an asset, in its own words.
+ * @param {Asset} asset
+ * @returns {string[]}
+ */
+function complaintsOf(asset) {
+  return [...(asset.error ? [asset.error] : []), ...(asset.unmet ?? [])];
+}
+
+/**
+ * @param {Asset} asset
+ */
+function linksOf(asset) {
+  const links = [
+    ["view", asset.viewer],
+    ["proof", asset.report],
+    ["turn", asset.turntable],
+    ["model", asset.model],
+  ];
+  const there = links.filter(([, address]) => address !== undefined);
+  return there.map(([text, address]) => el("a", { href: address ?? "", "aria-label": `${text}: ${nameOf(asset)}` }, text ?? ""));
+}
+
+/**
+ * @param {Asset} asset
+ */
+function plateOf(asset) {
+  const to = asset.viewer ?? asset.report ?? asset.model;
+  const picture = asset.thumbnail
+    ? el("img", { src: asset.thumbnail, alt: "", loading: "lazy", decoding: "async", width: "256", height: "256" })
+    : el("span", {}, "no picture");
+  const plate = to ? el("a", { href: to, class: "plate", "aria-label": nameOf(asset) }) : el("div", { class: "plate" });
+  plate.append(picture);
+  return plate;
+}
+
+/**
+ * @param {Asset} asset
+ * @param {string} key The figure that the cards are sorted by.
+ */
+function cardOf(asset, key) {
+  const shown = FIGURES.filter((figure) => figure.key === key || ["mean", "shape", "color", "bytes"].includes(figure.key));
+  const facts = shown.flatMap((figure) => {
+    const value = figure.of(asset);
+    if (value === undefined) return [];
+    const name = el("dt", figure.key === key ? { class: "chosen" } : {}, figure.name);
+    return [el("div", {}, name, el("dd", {}, figure.text(value)))];
+  });
+  const name = nameOf(asset);
+  const warned = asset.warnings?.length ?? 0;
+  return el(
+    "li",
+    { class: "card" },
+    plateOf(asset),
+    el("h2", {}, name),
+    ...(name === asset.id ? [] : note("id", asset.id)),
+    el("div", {}, markOfState(asset), ...(warned ? [` ${warned === 1 ? "1 warning" : warned + " warnings"}`] : [])),
+    ...complaintsOf(asset).flatMap((text) => note("why", text)),
+    ...(facts.length ? [el("dl", {}, ...facts)] : []),
+    el("div", { class: "links" }, ...linksOf(asset)),
+  );
+}

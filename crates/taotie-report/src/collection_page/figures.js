@@ -1,0 +1,88 @@
+// @ts-check
+// The figures of an asset, and the orders that they are sorted by.
+
+/**
+ * An asset, as `mod.rs` documents it.
+ * @typedef {{
+ *   id: string, title?: string, state: string, error?: string, unmet?: string[], warnings?: string[],
+ *   thumbnail?: string, turntable?: string, viewer?: string, report?: string, model?: string,
+ *   triangles_in?: number, triangles?: number, bytes_in?: number, bytes_out?: number, mean_angle?: number,
+ *   p95_angle?: number, max_angle?: number, mean_color?: number, hausdorff?: number, missed?: number,
+ *   seconds?: number, peak_bytes?: number
+ * }} Asset
+ * @typedef {{ name: string, key: string, of: (asset: Asset) => number | undefined, text: (value: number) => string }} Figure
+ */
+
+const percent = (/** @type {number} */ value) => written(value * 100, 3) + "\u202f%";
+const degrees = (/** @type {number} */ value) => written(value, 2) + "°";
+
+/**
+ * @param {number} value
+ */
+function bytes(value) {
+  if (value >= 1e9) return written(value / 1e9, 2) + "\u202fGB";
+  if (value >= 1e6) return written(value / 1e6, 1) + "\u202fMB";
+  return written(value / 1e3, 0) + "\u202fkB";
+}
+
+/**
+ * @param {number} value
+ */
+function time(value) {
+  if (value >= 5400) return written(value / 3600, 1) + "\u202fh";
+  if (value >= 90) return written(value / 60, 1) + "\u202fmin";
+  return written(value, 1) + "\u202fs";
+}
+
+/** @type {Figure[]} */
+const FIGURES = [
+  { name: "normal error, mean", key: "mean", of: (asset) => asset.mean_angle, text: degrees },
+  { name: "normal error, 95\u202f%", key: "p95", of: (asset) => asset.p95_angle, text: degrees },
+  { name: "normal error, max", key: "max", of: (asset) => asset.max_angle, text: degrees },
+  { name: "colour error, mean", key: "color", of: (asset) => asset.mean_color, text: (value) => written(value, 2) + "\u202fΔE" },
+  { name: "shape error, largest", key: "shape", of: (asset) => asset.hausdorff, text: percent },
+  { name: "missed rays", key: "missed", of: (asset) => asset.missed, text: percent },
+  { name: "bytes of the asset", key: "bytes", of: (asset) => asset.bytes_out, text: bytes },
+  { name: "bytes of the scan", key: "scan", of: (asset) => asset.bytes_in, text: bytes },
+  { name: "triangles of the scan", key: "triangles", of: (asset) => asset.triangles_in, text: (value) => written(value, 0) },
+  { name: "time", key: "time", of: (asset) => asset.seconds, text: time },
+  { name: "memory", key: "memory", of: (asset) => asset.peak_bytes, text: bytes },
+];
+
+/** The states, the worst first, with what they are called and how they look. */
+const STATES = [
+  { name: "failed", text: "failed", tone: "bad" },
+  { name: "refused", text: "refused", tone: "bad" },
+  { name: "required-not-met", text: "requirement not met", tone: "changed" },
+  { name: "waiting", text: "not done yet", tone: "changed" },
+  { name: "done", text: "done", tone: "good" },
+];
+
+/**
+ * @param {Asset} asset
+ */
+function badness(asset) {
+  const at = STATES.findIndex((state) => state.name === asset.state);
+  return at < 0 ? STATES.length : at;
+}
+
+/**
+ * Assets in an order: the worst first, by name, or by a figure; what has no figure comes last.
+ * @param {Asset[]} assets
+ * @param {string} key
+ * @param {boolean} down
+ */
+function ordered(assets, key, down) {
+  const byName = (/** @type {Asset} */ a, /** @type {Asset} */ b) => (a.id < b.id ? -1 : a.id > b.id ? 1 : 0);
+  const sign = down ? -1 : 1;
+  if (key === "name") return [...assets].sort((a, b) => sign * byName(a, b));
+  const figure = FIGURES.find((figure) => figure.key === key);
+  const worst = (/** @type {Asset} */ a, /** @type {Asset} */ b) =>
+    badness(a) - badness(b) || (b.mean_angle ?? -1) - (a.mean_angle ?? -1) || byName(a, b);
+  if (!figure) return [...assets].sort((a, b) => (down ? worst(a, b) : worst(b, a)));
+  return [...assets].sort((a, b) => {
+    const [first, second] = [figure.of(a), figure.of(b)];
+    if (first === undefined || second === undefined) return Number(first === undefined) - Number(second === undefined) || byName(a, b);
+    return sign * (first - second) || byName(a, b);
+  });
+}
