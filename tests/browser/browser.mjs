@@ -23,6 +23,7 @@ export const complaintsOfReader = (page) =>
 // A page that notes what it asks for and what is wrong with it.
 export async function newPage(browser, [width, height]) {
     const page = await browser.newPage({ viewport: { width, height } });
+    page.setDefaultTimeout(15_000);
     const [requests, complaints] = [[], []];
     heard.set(page, { requests, complaints });
     page.on("request", (request) => requests.push(request.url()));

@@ -11,12 +11,13 @@ export const launchWebGl = () => launch(["--use-angle=swiftshader", "--enable-un
 export const address = (name, fragment = "") => pathToFileURL(path.join(folder, name)).href + (fragment && `#${fragment}`);
 
 // Width and height of a window in which little has to be drawn.
-export const SIZE = [760, 420];
+export const SIZE = [720, 320];
 
 // Waits until the picture is drawn in all its samples.
 export async function still(page) {
-    await page.waitForSelector("#viewer[data-state=still], #viewer[data-state=failed]", { timeout: 60_000 });
-    const state = await page.locator("#viewer").getAttribute("data-state");
+    const ends = "taotie-viewer:is([data-state=still], [data-state=failed])";
+    await page.waitForSelector(ends, { timeout: 60_000 });
+    const state = await page.locator("taotie-viewer").getAttribute("data-state");
     assert.equal(state, "still", await page.locator(".message").first().textContent().catch(() => ""));
 }
 

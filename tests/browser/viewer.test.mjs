@@ -12,6 +12,18 @@ import { SIZE, address, launchWebGl, openViewer, picture, state, still } from ".
 const browser = await launchWebGl();
 after(() => browser.close());
 
+const pages = new Map();
+
+// The page of this name, which tests share, showing a link in a window of the usual size.
+async function shown(name, fragment = "") {
+    const page = pages.get(name) ?? (await openViewer(browser, name));
+    pages.set(name, page);
+    await page.setViewportSize({ width: SIZE[0], height: SIZE[1] });
+    await page.evaluate((fragment) => window.taotie.show(window.taotie.linked(fragment)), fragment);
+    await still(page);
+    return page;
+}
+
 const near = (a, b, slack = 1e-3) => assert(Math.abs(a - b) <= slack, `${a} instead of ${b}`);
 
 // Moves a pressed mouse over the picture by so many pixels.
@@ -31,7 +43,7 @@ async function light(page, at) {
 }
 
 test("a drag turns the model, and with shift the light", async () => {
-    const page = await openViewer(browser, "view.html");
+    const page = await shown("view.html");
     const first = await state(page);
     await dragCanvas(page, [50, 25]);
     const turned = await state(page);
@@ -50,7 +62,7 @@ test("a drag turns the model, and with shift the light", async () => {
 });
 
 test("light from a side lights that side", async () => {
-    const page = await openViewer(browser, "proof.html", { fragment: "light=raking&from=-80,0&fill=0&mode=clay&surface=smooth" });
+    const page = await shown("proof.html", "light=raking&from=-80,0&fill=0&mode=clay&surface=smooth");
     const sides = async () => [await light(page, [0.42, 0.6]), await light(page, [0.58, 0.6])];
     const [left, right] = await sides();
     assert(left > right + 30, `${left}, ${right}`);
@@ -67,7 +79,7 @@ test("light from a side lights that side", async () => {
 });
 
 test("keys do what the hand does", async () => {
-    const page = await openViewer(browser, "view.html");
+    const page = await shown("view.html");
     const first = await state(page);
     await page.locator("canvas").focus();
     const press = async (...keys) => {
@@ -87,7 +99,7 @@ test("keys do what the hand does", async () => {
 });
 
 test("fingers turn and zoom", async () => {
-    const page = await openViewer(browser, "view.html");
+    const page = await shown("view.html");
     const first = await state(page);
     const [x, y] = await pointOf(page, "canvas", [0.5, 0.5]);
     await touch(page, [[[x, y], [x + 50, y]]]);
@@ -101,7 +113,7 @@ test("fingers turn and zoom", async () => {
 });
 
 test("a link brings back every pixel", async () => {
-    const page = await openViewer(browser, "view.html");
+    const page = await shown("view.html");
     await page.evaluate(() => {
         const [azimuth, elevation, distance] = window.taotie.state.view;
         const view = [azimuth + 12.3456, elevation - 3.21, distance * 0.8123];
@@ -116,17 +128,18 @@ test("a link brings back every pixel", async () => {
     const [before, after] = [await picture(page, [200, 200]), await picture(again, [200, 200])];
     assert.deepEqual(after, before);
     assertQuiet(again);
+    await again.close();
 });
 
 test("a saved picture holds its link", async () => {
-    const page = await openViewer(browser, "view.html", { fragment: "mode=normals" });
+    const page = await shown("view.html", "mode=normals");
     const png = await picture(page, [64, 64]);
     assert(png.includes("iTXttaotie:view\0\0\0\0\0mode=normals"));
     assert.deepEqual([png.readUInt32BE(16), png.readUInt32BE(20)], [64, 64]);
 });
 
 test("every mode draws something of its own", async () => {
-    const page = await openViewer(browser, "view.html");
+    const page = await shown("view.html");
     const seen = new Set();
     const modes = await page.getByLabel("Show", { exact: true }).locator("option").evaluateAll((all) => all.map((o) => o.value));
     for (const mode of modes) {
@@ -139,7 +152,7 @@ test("every mode draws something of its own", async () => {
 });
 
 test("every reflectance model compiles", async () => {
-    const page = await openViewer(browser, "view.html");
+    const page = await shown("view.html");
     const models = await page.getByLabel("Reflectance model").locator("option").count();
     assert.equal(models, 9);
     for (let number = 0; number < models; number++) {
@@ -149,33 +162,50 @@ test("every reflectance model compiles", async () => {
     assertQuiet(page);
 });
 
-for (const [name, size, colorScheme] of [["a desk", [1200, 800], "light"], ["a phone at night", [390, 780], "dark"]]) {
-    test(`axe finds nothing on ${name}`, async () => {
-        const page = await newPage(browser, size);
-        await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
-        await page.goto(address("view.html", "light=raking"));
-        await still(page);
-        if (size[0] < 700) await page.getByRole("button", { name: "Show controls" }).click();
-        await page.evaluate(axe.source);
-        const { violations } = await page.evaluate(() => window.axe.run());
-        assert.deepEqual(violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]), []);
-        const wide = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth);
-        assert(!wide, "the page is wider than the window");
-    });
+// What axe finds in a window of this size.
+async function audit(page, [width, height], colorScheme) {
+    await page.setViewportSize({ width, height });
+    await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
+    await still(page);
+    const { violations } = await page.evaluate(() => window.axe.run());
+    assert.deepEqual(violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]), []);
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth);
+    assert(!wide, "the page is wider than the window");
 }
 
+test("axe finds nothing on a desk, and on a phone at night", async () => {
+    const page = await shown("view.html", "light=raking");
+    await page.evaluate(axe.source);
+    await audit(page, [900, 500], "light");
+    await audit(page, [390, 780], "dark");
+});
+
+test("a phone begins without controls", async () => {
+    const page = await newPage(browser, [390, 500]);
+    await page.goto(address("proof.html"));
+    await still(page);
+    assert(!(await page.locator("#panel").isVisible()));
+    await page.getByRole("button", { name: "Show controls" }).click();
+    assert(await page.locator("#panel").isVisible());
+    assertQuiet(page);
+    await page.close();
+});
+
 test("the focus is seen", async () => {
-    const page = await openViewer(browser, "view.html");
+    const page = await shown("view.html");
+    await page.locator("canvas").focus();
     await page.keyboard.press("Tab");
+    await page.keyboard.press("Shift+Tab");
     const outline = await page.evaluate(() => {
-        const { outlineStyle, outlineWidth } = getComputedStyle(document.activeElement);
-        return [document.activeElement.tagName, outlineStyle, parseFloat(outlineWidth) >= 2];
+        const focused = document.activeElement.shadowRoot.activeElement;
+        const { outlineStyle, outlineWidth } = getComputedStyle(focused);
+        return [focused.tagName, outlineStyle, parseFloat(outlineWidth) >= 2];
     });
     assert.deepEqual(outline, ["CANVAS", "solid", true]);
 });
 
 test("a wipe shows two models in one light", async () => {
-    const page = await openViewer(browser, "proof.html", { fragment: "mode=normals" });
+    const page = await shown("proof.html", "mode=normals");
     const left = await colorAt(page, await pointOf(page, "canvas", [0.55, 0.4]));
     await page.getByLabel("Right of the wipe").selectOption("smooth");
     await still(page);
@@ -203,7 +233,7 @@ test("a wipe shows two models in one light", async () => {
 });
 
 test("the error under the pointer is that of the map", async () => {
-    const page = await openViewer(browser, "proof.html", { fragment: "mode=error" });
+    const page = await shown("proof.html", "mode=error");
     const at = await pointOf(page, "canvas", [0.5, 0.45]);
     const degrees = await page.evaluate((at) => window.taotie.errorUnder(...at), at);
     assert(degrees >= 0 && degrees < 10, `${degrees}`);
@@ -217,12 +247,12 @@ test("the error under the pointer is that of the map", async () => {
     const found = await colorAt(page, at);
     assert(found.every((channel, i) => Math.abs(channel - wanted[i]) <= 12), `${found} instead of ${wanted}`);
     await page.mouse.move(at[0] + 1, at[1]);
-    await page.waitForFunction(() => /[0-9]° under the pointer/.test(document.querySelector(".legend output").textContent));
+    await page.locator(".legend output", { hasText: /[0-9]° under the pointer/ }).waitFor();
     assertQuiet(page);
 });
 
 test("distances and sections are measured on the model", async () => {
-    const page = await openViewer(browser, "proof.html");
+    const page = await shown("proof.html");
     const ends = [await pointOf(page, "canvas", [0.45, 0.5]), await pointOf(page, "canvas", [0.55, 0.5])];
     const points = await page.evaluate((ends) => ends.map((at) => window.taotie.pointUnder(...at).toArray()), ends);
     const length = Math.hypot(...points[0].map((v, i) => v - points[1][i]));
@@ -247,7 +277,7 @@ test("distances and sections are measured on the model", async () => {
 });
 
 test("bookmarks go to their views, and are saved", async () => {
-    const page = await openViewer(browser, "view.html");
+    const page = await shown("view.html");
     const first = await state(page);
     await page.getByRole("button", { name: "The rim <i>" }).click();
     await still(page);
@@ -269,7 +299,7 @@ test("bookmarks go to their views, and are saved", async () => {
 });
 
 test("rights and source are told", async () => {
-    const page = await openViewer(browser, "view.html");
+    const page = await shown("view.html");
     const told = await page.locator("#panel dl").first().textContent();
     assert(told.includes("Copyright") && told.includes("A museum <b>"), told);
 });
@@ -278,9 +308,9 @@ test("a model that cannot be read says why", async () => {
     const page = await newPage(browser, SIZE);
     const text = await readFile(path.join(folder, "view.html"), "utf8");
     const nothing = gzipSync("no model").toString("base64");
-    await writeFile(path.join(folder, "broken.html"), text.replace(/(id="asset">)[^<]*/, `$1${nothing}`));
+    await writeFile(path.join(folder, "broken.html"), text.replace(/(id="taotie-asset">)[^<]*/, `$1${nothing}`));
     await page.goto(address("broken.html"));
-    await page.waitForSelector("#viewer[data-state=failed]");
+    await page.waitForSelector("taotie-viewer[data-state=failed]");
     const message = await page.getByRole("alert").textContent();
     assert(message.startsWith("The model cannot be shown: "), message);
     assert.deepEqual(complaints(page), []);
@@ -295,6 +325,6 @@ test("a folder shows what the page shows", async () => {
     });
     await page.goto(site);
     await still(page);
-    const alone = await openViewer(browser, "view.html");
+    const alone = await shown("view.html");
     assert.deepEqual(await picture(page, [128, 128]), await picture(alone, [128, 128]));
 });

@@ -3,7 +3,6 @@
 import { button, group } from "./controls";
 import type { Bookmark } from "./data";
 import { make, save } from "./dom";
-import { ofFragment } from "./state";
 import { texts } from "./texts";
 import type { Viewer } from "./viewer";
 
@@ -15,7 +14,7 @@ export function bookmarks(viewer: Viewer): HTMLElement {
     const title = make("input", { type: "text", "aria-label": texts.bookmarkTitle, placeholder: texts.bookmarkTitle });
     const text = make("textarea", { rows: "2", "aria-label": texts.bookmarkText, placeholder: texts.bookmarkText });
     const show = (bookmark: Bookmark): void => {
-        const go = button(bookmark.title, () => viewer.show(ofFragment(bookmark.link, viewer.first, data)));
+        const go = button(bookmark.title, () => viewer.show(viewer.linked(bookmark.link)));
         list.append(make("li", {}, go, make("p", {}, bookmark.text)));
     };
     const add = (): void => {

@@ -1,23 +1,9 @@
-// Squares that show how the uvs lie: no shading, and no part of the pixel program.
+// Squares that show how the uvs lie.
 
-import { DoubleSide, GLSL3, RawShaderMaterial, type UniformsGroup } from "three";
+import type { RawShaderMaterial } from "three";
+import { plain } from "./plain";
 
-const VERTEX = `precision highp float;
-uniform mat4 projectionMatrix;
-uniform mat4 modelViewMatrix;
-in vec3 position;
-in vec2 uv0;
-out vec2 place;
-void main() {
-    place = uv0;
-    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-}
-`;
-
-const FRAGMENT = `precision highp float;
-in vec2 place;
-layout(location = 0) out vec4 color;
-void main() {
+const FRAGMENT = `void main() {
     vec2 square = floor(place * 16.0);
     float light = mod(square.x + square.y, 2.0) < 0.5 ? 1.0 : 0.55;
     vec2 cell = fract(place);
@@ -26,13 +12,4 @@ void main() {
 `;
 
 /** Squares of 1/16 of the map, red along u and green along v. */
-export const checker = (): RawShaderMaterial =>
-    new RawShaderMaterial({
-        glslVersion: GLSL3,
-        vertexShader: VERTEX,
-        fragmentShader: FRAGMENT,
-        side: DoubleSide,
-        uniformsGroups: [] as UniformsGroup[],
-        polygonOffsetFactor: 1,
-        polygonOffsetUnits: 1,
-    });
+export const checker = (): RawShaderMaterial => plain(FRAGMENT);

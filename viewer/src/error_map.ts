@@ -1,39 +1,16 @@
 // The error of the model's normals on its surface, in the colours of its legend.
 
-import {
-    DataTexture,
-    DoubleSide,
-    GLSL3,
-    NearestFilter,
-    RawShaderMaterial,
-    RGBAFormat,
-    type Texture,
-    UnsignedByteType,
-} from "three";
-import { blob } from "./blobs";
+import { DataTexture, NearestFilter, type RawShaderMaterial, RGBAFormat, type Texture, UnsignedByteType } from "three";
 import type { ErrorMap, Errors } from "./data";
+import type { Blobs } from "./host";
+import { plain } from "./plain";
 
 /** The number that stands for none. */
 const NONE = 0xffff;
 /** The colour of what was not measured. */
 const GREY = [96, 96, 96] as const;
 
-const VERTEX = `precision highp float;
-uniform mat4 projectionMatrix;
-uniform mat4 modelViewMatrix;
-in vec3 position;
-in vec2 uv0;
-out vec2 place;
-void main() {
-    place = uv0;
-    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-}
-`;
-
-const FRAGMENT = `precision highp float;
-uniform sampler2D colors;
-in vec2 place;
-layout(location = 0) out vec4 color;
+const FRAGMENT = `uniform sampler2D colors;
 void main() {
     color = vec4(texture(colors, place).rgb, 1.0);
 }
@@ -45,7 +22,7 @@ export class ErrorMaps {
         private readonly codes: Uint16Array,
     ) {}
 
-    static async load(errors: Errors): Promise<ErrorMaps> {
+    static async load(errors: Errors, blob: Blobs): Promise<ErrorMaps> {
         return new ErrorMaps(errors, new Uint16Array(await blob("errors")));
     }
 
@@ -62,15 +39,8 @@ export class ErrorMaps {
     /** Draws a surface in the colours of its errors, which are codes of sRGB. */
     material(surface: number): RawShaderMaterial {
         const map = this.errors.maps[surface];
-        return new RawShaderMaterial({
-            glslVersion: GLSL3,
-            vertexShader: VERTEX,
-            fragmentShader: FRAGMENT,
-            side: DoubleSide,
-            uniforms: { colors: { value: this.texture(map ?? { width: 1, height: 1, from: 0, mean: 0 }, !map) } },
-            polygonOffsetFactor: 1,
-            polygonOffsetUnits: 1,
-        });
+        const colors = this.texture(map ?? { width: 1, height: 1, from: 0, mean: 0 }, !map);
+        return plain(FRAGMENT, { colors: { value: colors } });
     }
 
     private texture({ width, height, from }: ErrorMap, isUnknown: boolean): Texture {

@@ -11,10 +11,10 @@ import {
     type WebGLRenderer,
     WireframeGeometry,
 } from "three";
-import { blob } from "./blobs";
 import { checker } from "./checker";
 import type { Data, ModelData } from "./data";
 import { ErrorMaps } from "./error_map";
+import type { Blobs } from "./host";
 import { type Frame, Materials, PRINTED } from "./materials";
 import { isShaded } from "./modes";
 import { type Model, readModel } from "./model";
@@ -26,6 +26,7 @@ const LINES = 0x6aa3ff;
 /** What all models share. */
 export interface Shared {
     data: Data;
+    blobs: Blobs;
     frame: Frame;
     textures: Record<string, Texture>;
     /** True where floats of 32 bits can be filtered. */
@@ -38,7 +39,7 @@ export class Exhibit {
     private maps: Promise<ErrorMaps> | undefined;
 
     private constructor(
-        readonly data: Data,
+        private readonly shared: Shared,
         private readonly told: ModelData,
         readonly model: Model,
         private readonly materials: Materials,
@@ -47,10 +48,10 @@ export class Exhibit {
     /** Reads the model of this number. */
     static async load(number: number, shared: Shared): Promise<Exhibit> {
         const told = shared.data.models[number]!;
-        const model = await readModel(await blob(told.glb), told.surfaces);
-        const textures = new Textures(told, model, shared.isFine);
+        const model = await readModel(await shared.blobs(told.glb), told.surfaces);
+        const textures = new Textures(told, model, shared);
         const materials = new Materials(shared.data, told, textures, shared.textures, shared.frame);
-        return new Exhibit(shared.data, told, model, materials);
+        return new Exhibit(shared, told, model, materials);
     }
 
     get surfaces(): number {
@@ -60,22 +61,22 @@ export class Exhibit {
     /** The number of the method by which a surface is drawn. */
     method(number: number, { surface, mode }: State): number {
         const { best, drawn } = this.told.surfaces[number]!;
-        const asked = surface === BEST ? best : this.data.methods.indexOf(surface);
+        const asked = surface === BEST ? best : this.shared.data.methods.indexOf(surface);
         return mode === "uv" ? 1 : drawn[asked]!;
     }
 
     async material(number: number, state: State): Promise<RawShaderMaterial> {
         const { mode } = state;
         if (mode === "uv") return this.checker;
-        if (mode === "error" && this.told === this.data.models[0]) return this.errorMaterial(number);
+        if (mode === "error" && this.told === this.shared.data.models[0]) return this.errorMaterial(number);
         const drawn = mode === "error" ? "clay" : mode;
-        const shading = this.data.shadings.indexOf(isShaded(mode) ? state.shading : "ggx");
+        const shading = this.shared.data.shadings.indexOf(isShaded(mode) ? state.shading : "ggx");
         return this.materials.get(number, shading, this.method(number, state), drawn);
     }
 
     /** The errors of the model's normals. */
     errorMaps(): Promise<ErrorMaps> {
-        this.maps ??= ErrorMaps.load(this.data.errors!);
+        this.maps ??= ErrorMaps.load(this.shared.data.errors!, this.shared.blobs);
         return this.maps;
     }
 

@@ -1,128 +1,141 @@
-// Begins when the page is there.
+// The element <taotie-viewer>: with `src` it shows a folder, without it what its page holds.
 
-import "./viewer.css";
-import { blob } from "./blobs";
-import { button } from "./controls";
-import type { Data } from "./data";
-import { make, save } from "./dom";
-import { listenToGestures } from "./gestures";
-import { listenToKeys } from "./keys";
-import { legend } from "./legend";
-import { Measure } from "./measure";
-import { panel } from "./panel";
-import { Stage } from "./stage";
-import { texts } from "./texts";
-import { Viewer } from "./viewer";
-import { wipe } from "./wipe";
+import type { TaotieViewer } from "../taotie-viewer";
+import { SHOWN, said } from "./attributes";
+import { make } from "./dom";
+import { type Address, ofFolder, ofPage, pageAddress } from "./host";
+import { type Host, mount } from "./mount";
+import type { State } from "./state";
+import type { Viewer } from "./viewer";
+import style from "./viewer.css";
 
 declare global {
     interface Window {
-        /** The viewer of the page, for scripts and tests. */
+        /** The viewer of a page that is about what it shows, for scripts and tests. */
         taotie?: Viewer;
     }
 }
 
-function say(root: HTMLElement, text: string): HTMLElement {
-    const line = make("p", { class: "message", role: "status" }, text);
-    root.append(line);
-    return line;
-}
+const NAME = "taotie-viewer";
+const sheet = new CSSStyleSheet();
+sheet.replaceSync(style);
 
-/** A switch of what a plain drag moves. */
-class DragsLight {
-    private on = false;
-    readonly button = button(texts.dragLight, () => this.toggle());
-    readonly element = make("p", { class: "field" }, this.button);
+class ViewerElement extends HTMLElement implements TaotieViewer {
+    static readonly observedAttributes = ["src", ...SHOWN];
+    /** Keeps the link of a page that is about what it shows. */
+    address: Address = pageAddress;
+    private viewer: Viewer | undefined;
+    private readonly root = make("div", { id: "viewer" });
+    private loads = 0;
 
     constructor() {
-        this.button.setAttribute("aria-pressed", "false");
+        super();
+        const shadow = this.attachShadow({ mode: "open" });
+        shadow.adoptedStyleSheets = [sheet];
+        shadow.append(this.root);
     }
 
-    readonly get = (): boolean => this.on;
+    connectedCallback(): void {
+        if (!this.viewer) void this.load();
+    }
 
-    readonly toggle = (): void => {
-        this.on = !this.on;
-        this.button.setAttribute("aria-pressed", String(this.on));
-    };
-}
+    disconnectedCallback(): void {
+        // A page's bytes are read once.
+        if (this.src) this.close();
+    }
 
-/** Where camera and light are, told when the picture stands still. */
-function places(viewer: Viewer): HTMLElement {
-    const line = make("p", { class: "places", role: "status" });
-    let timer = 0;
-    viewer.listen(({ view, light, from }) => {
-        const told = [texts.viewPlace(view[0], view[1])];
-        if (light === "raking") told.push(texts.lightPlace(...from));
-        clearTimeout(timer);
-        timer = window.setTimeout(() => void (line.textContent = told.join(" · ")), 200);
-    });
-    return line;
-}
+    attributeChangedCallback(name: string, before: string | null, value: string | null): void {
+        if (before === value || !this.isConnected) return;
+        if (name === "src") void this.load();
+        else if (this.viewer && value !== null) this.viewer.change(this.said(this.viewer));
+    }
 
-/** The button that hides the panel and shows it. */
-function folder(root: HTMLElement): HTMLButtonElement {
-    const made = button(texts.close, () => fold(!root.classList.contains("folded")));
-    made.className = "fold";
-    made.setAttribute("aria-controls", "panel");
-    const fold = (folded: boolean): void => {
-        root.classList.toggle("folded", folded);
-        made.textContent = folded ? texts.open : texts.close;
-        made.setAttribute("aria-expanded", String(!folded));
-    };
-    fold(matchMedia("(max-width: 44rem)").matches);
-    return made;
-}
+    private close(): void {
+        this.viewer?.close();
+        this.viewer = undefined;
+        this.loads += 1;
+    }
 
-function build(root: HTMLElement, viewer: Viewer): void {
-    const drags = new DragsLight();
-    const measure = new Measure(viewer);
-    const message = say(root, "");
-    const tell = (text: string): void => void (message.textContent = text);
-    const actions = {
-        movesLight: drags.get,
-        toggleLight: drags.toggle,
-        reset: () => viewer.show(viewer.first),
-        save: () => void viewer.picture().then((png) => save(`${viewer.data.title}.png`, png)),
-        copyLink: () => {
-            const copied = navigator.clipboard?.writeText(location.href) ?? Promise.reject();
-            copied.then(() => tell(texts.linked)).catch(() => tell(texts.notLinked));
-        },
-        light: drags.element,
-        measure: measure.panel,
-    };
-    listenToGestures(viewer, drags.get);
-    listenToKeys(viewer, actions);
-    root.append(measure.element, wipe(viewer), folder(root), panel(viewer, actions), places(viewer));
-    const errors = legend(viewer);
-    if (errors) root.append(errors);
-}
+    private async load(): Promise<void> {
+        this.close();
+        const load = this.loads;
+        const viewer = await mount(this.host());
+        if (load !== this.loads) return viewer?.close();
+        if (!viewer) return void this.dispatchEvent(new Event("error"));
+        this.viewer = viewer;
+        const said = this.said(viewer);
+        if (Object.keys(said).length > 0) viewer.change(said);
+        viewer.listen(() => this.dispatchEvent(new Event("change")));
+        if (this.isMain) window.taotie = viewer;
+        this.dispatchEvent(new Event("load"));
+    }
 
-async function main(): Promise<void> {
-    const root = document.getElementById("viewer");
-    if (!root) return;
-    root.dataset["state"] = "loading";
-    const heading = make("h1", {}, document.title);
-    const canvas = make("canvas", { tabindex: "0", role: "application", "aria-label": texts.canvas(document.title) });
-    root.replaceChildren(heading, canvas);
-    const message = say(root, texts.loading);
-    const fail = (error: unknown): void => {
-        root.dataset["state"] = "failed";
-        message.setAttribute("role", "alert");
-        message.textContent = texts.failed(error instanceof Error ? error.message : String(error));
-        if (!message.isConnected) root.append(message);
-    };
-    canvas.addEventListener("webglcontextlost", () => fail(new Error(texts.lost)));
-    try {
-        const data = JSON.parse(new TextDecoder().decode(await blob("data"))) as Data;
-        const stage = await Stage.load(canvas, data);
-        const viewer = new Viewer(data, stage, root, canvas);
-        window.taotie = viewer;
-        message.remove();
-        build(root, viewer);
-        viewer.request();
-    } catch (error) {
-        fail(error);
+    private host(): Host {
+        const { src, root, isMain } = this;
+        const blobs = src ? ofFolder(new URL(src.endsWith("/") ? src : `${src}/`, document.baseURI)) : ofPage;
+        return { element: this, root, blobs, address: isMain ? this.address : undefined, isFolded: !isMain };
+    }
+
+    /** True where the page is about what it shows: its address keeps the link. */
+    private get isMain(): boolean {
+        return !this.src || this.hasAttribute("linked");
+    }
+
+    /** What the attributes say. */
+    private said(viewer: Viewer): Partial<State> {
+        const all = SHOWN.map((name) => {
+            const value = this.getAttribute(name);
+            return value === null ? {} : said(name, value, viewer);
+        });
+        return Object.assign({}, ...all) as Partial<State>;
+    }
+
+    get src(): string {
+        return this.getAttribute("src") ?? "";
+    }
+
+    set src(value: string) {
+        this.setAttribute("src", value);
+    }
+
+    get light(): string {
+        return this.getAttribute("light") ?? "given";
+    }
+
+    set light(value: string) {
+        this.setAttribute("light", value);
+    }
+
+    get camera(): string {
+        return this.getAttribute("camera") ?? "";
+    }
+
+    set camera(value: string) {
+        this.setAttribute("camera", value);
+    }
+
+    get shading(): string {
+        return this.getAttribute("shading") ?? "";
+    }
+
+    set shading(value: string) {
+        this.setAttribute("shading", value);
+    }
+
+    get state(): State | undefined {
+        return this.viewer?.state;
+    }
+
+    change(part: Partial<State>): void {
+        this.viewer?.change(part);
+    }
+
+    async picture(size?: [number, number]): Promise<Blob> {
+        if (!this.viewer) throw new Error(`<${NAME}> shows nothing yet: wait for its event "load"`);
+        return this.viewer.picture(size);
     }
 }
 
-void main();
+if (!customElements.get(NAME)) customElements.define(NAME, ViewerElement);
+
+export { ViewerElement as TaotieViewer };

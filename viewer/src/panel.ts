@@ -11,7 +11,8 @@ import type { Viewer } from "./viewer";
 /** The actions of buttons. */
 export interface Buttons {
     reset(): void;
-    copyLink(): void;
+    /** Missing where no address keeps the link. */
+    copyLink: (() => void) | undefined;
     save(): void;
     /** The switch of what a drag moves. */
     light: HTMLElement;
@@ -119,7 +120,7 @@ export function panel(viewer: Viewer, buttons: Buttons): HTMLElement {
         "p",
         { class: "actions" },
         button(texts.reset, buttons.reset),
-        button(texts.link, buttons.copyLink),
+        ...(buttons.copyLink ? [button(texts.link, buttons.copyLink)] : []),
         button(texts.screenshot, buttons.save),
     );
     const about = list(facts.map(({ name, value }) => [name, value]));

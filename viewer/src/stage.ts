@@ -13,6 +13,7 @@ import {
 import type { Data } from "./data";
 import { Exhibit, type Shared, Showing } from "./exhibit";
 import { type Development, Film } from "./film";
+import type { Blobs } from "./host";
 import { ambient, environment, lights } from "./light";
 import { Frame } from "./materials";
 import { isNumbers, isShaded } from "./modes";
@@ -42,11 +43,15 @@ export class Stage {
     }
 
     /** Reads the model and makes what draws it. */
-    static async load(canvas: HTMLCanvasElement, data: Data): Promise<Stage> {
+    static async load(canvas: HTMLCanvasElement, data: Data, blobs: Blobs): Promise<Stage> {
         const renderer = opened(canvas);
         const isFine = renderer.extensions.has("OES_texture_float_linear");
-        const shared = { data, frame: new Frame(data), textures: await frameTextures(data), isFine };
+        const shared = { data, blobs, frame: new Frame(data), textures: await frameTextures(data, blobs), isFine };
         return new Stage(renderer, shared, await Exhibit.load(0, shared));
+    }
+
+    get data(): Data {
+        return this.shared.data;
     }
 
     /** The samples of a picture that stands still. */

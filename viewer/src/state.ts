@@ -1,5 +1,6 @@
 // What is shown: camera, light, surface and film. A link names it; whatever is drawn is drawn from it alone.
 
+import type { State } from "../taotie-viewer";
 import type { Data } from "./data";
 
 export const MODES = [
@@ -20,28 +21,7 @@ export const TONES = ["neutral", "linear", "reinhard", "aces", "agx"] as const;
 /** The method of the material's own choice. */
 export const BEST = "best";
 
-export interface State {
-    /** Degrees, degrees, model units. */
-    view: [number, number, number];
-    target: [number, number, number];
-    shading: string;
-    surface: string;
-    mode: string;
-    wireframe: boolean;
-    light: string;
-    /** Degrees to the right, and above. */
-    from: [number, number];
-    fixed: string;
-    strength: number;
-    fill: number;
-    /** Degrees, and a factor. */
-    environment: [number, number];
-    exposure: number;
-    tone: string;
-    /** What stands right of the wipe's handle, and where that is: a fraction of the width. */
-    beside: string;
-    split: number;
-}
+export type { State };
 
 /** What may stand beside the model: nothing, the model without its map, and the scan. */
 export const BESIDE = ["none", "smooth", "scan"] as const;

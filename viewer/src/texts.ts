@@ -99,5 +99,5 @@ export const texts = {
         ["0", "reset"],
         ["S", "save the picture"],
     ] as [string, string][],
-    made: (version: string) => `Made by taotie ${version}. Nothing is fetched.`,
+    made: (version: string) => `Made by taotie ${version}. Nothing is fetched from elsewhere.`,
 };

@@ -1,8 +1,9 @@
 // The textures that shaders read: those of the model, the tables of albedos, and the maps of the environment.
 
 import { DataTexture, FloatType, HalfFloatType, NearestFilter, RGBAFormat, type Texture } from "three";
-import { blob } from "./blobs";
 import type { Data, ModelData, Surface, TextureUse } from "./data";
+import { halves } from "./halves";
+import type { Blobs } from "./host";
 import { codedHeights, codedNormals, decoded, imageNormals, imageTexture } from "./images";
 import type { Model } from "./model";
 
@@ -15,29 +16,16 @@ function numbers(data: Float32Array | Uint16Array, [width, height]: [number, num
     return texture;
 }
 
-/** Half floats of RGB with 1 as their alpha. */
-function opaque(rgb: Uint16Array): Uint16Array {
-    const ONE = 0x3c00;
-    const wide = new Uint16Array((rgb.length / 3) * 4).fill(ONE);
-    for (let from = 0, to = 0; from < rgb.length; from += 3, to += 4) {
-        wide[to] = rgb[from]!;
-        wide[to + 1] = rgb[from + 1]!;
-        wide[to + 2] = rgb[from + 2]!;
-    }
-    return wide;
-}
-
-const halves = async (name: string, size: [number, number]): Promise<Texture> =>
-    numbers(opaque(new Uint16Array(await blob(name))), size);
-
 /** The textures of the frame by the names of their slots. */
-export async function frameTextures({ tables, light }: Data): Promise<Record<string, Texture>> {
+export async function frameTextures({ tables, light }: Data, blob: Blobs): Promise<Record<string, Texture>> {
+    const environment = async (name: string, size: [number, number]): Promise<Texture> =>
+        numbers(halves(new Uint8Array(await blob(name)), size), size);
     const textures: Record<string, Texture> = {
         albedo_tables: numbers(new Float32Array(await blob("albedo_tables")), tables),
     };
     if (light.environment) {
-        textures["environment_maps"] = await halves("environment_maps", light.environment.maps);
-        textures["environment_picture"] = await halves("environment_picture", light.environment.picture);
+        textures["environment_maps"] = await environment("environment_maps", light.environment.maps);
+        textures["environment_picture"] = await environment("environment_picture", light.environment.picture);
     }
     return textures;
 }
@@ -50,7 +38,7 @@ export class Textures {
     constructor(
         private readonly data: ModelData,
         private readonly model: Model,
-        private readonly isFine: boolean,
+        private readonly shared: { blobs: Blobs; isFine: boolean },
     ) {}
 
     /** The texture in a slot of a surface. */
@@ -66,9 +54,9 @@ export class Textures {
         const { codes, encoding } = this.data.textures[use.texture]!;
         const isNormal = slot.endsWith("normal_texture");
         if (codes && (slot === "height_texture" || encoding === "normal")) {
-            this.codes ??= blob(this.data.codes).then((bytes) => new Uint16Array(bytes));
+            this.codes ??= this.shared.blobs(this.data.codes).then((bytes) => new Uint16Array(bytes));
             const all = await this.codes;
-            return isNormal ? codedNormals(all, codes, use) : codedHeights(all, codes, use, this.isFine);
+            return isNormal ? codedNormals(all, codes, use) : codedHeights(all, codes, use, this.shared.isFine);
         }
         const { bytes, type } = await this.model.image(material, slot);
         const image = await decoded(bytes, type);

@@ -2,6 +2,7 @@
 
 import { type BufferGeometry, Vector2, type Vector3 } from "three";
 import type { Data } from "./data";
+import type { Address } from "./host";
 import { withText } from "./png";
 import { Stage } from "./stage";
 import { type State, bounded, firstState, fragment, ofFragment } from "./state";
@@ -16,20 +17,25 @@ const LINK = "taotie:view";
 export class Viewer {
     readonly first: State;
     private current: State;
+    private isClosed = false;
     private waiting = false;
     private timer = 0;
     private readonly listeners: ((state: State) => void)[] = [];
 
     constructor(
-        readonly data: Data,
         private readonly stage: Stage,
-        private readonly root: HTMLElement,
+        private readonly host: { element: HTMLElement; address: Address | undefined },
         readonly canvas: HTMLCanvasElement,
     ) {
-        this.first = firstState(data);
-        this.current = ofFragment(location.hash, this.first, data);
+        this.first = firstState(this.data);
+        const { address } = host;
+        this.current = this.linked(address?.read() ?? "");
         new ResizeObserver(() => this.request()).observe(canvas);
-        addEventListener("hashchange", () => this.show(ofFragment(location.hash, this.first, data)));
+        address?.listen(() => this.show(this.linked(address.read())));
+    }
+
+    get data(): Data {
+        return this.stage.data;
     }
 
     get state(): State {
@@ -50,6 +56,11 @@ export class Viewer {
         this.current = bounded(state);
         for (const listener of this.listeners) listener(this.current);
         this.request();
+    }
+
+    /** The state that the fragment of a link names. */
+    linked(fragment: string): State {
+        return ofFragment(fragment, this.first, this.data);
     }
 
     /** The fragment of a link to what is shown. */
@@ -99,11 +110,19 @@ export class Viewer {
 
     /** Draws in the next frame. */
     request(): void {
-        this.root.dataset["state"] = "moving";
+        if (this.isClosed) return;
+        this.host.element.dataset["state"] = "moving";
         clearTimeout(this.timer);
         if (this.waiting) return;
         this.waiting = true;
         requestAnimationFrame(() => void this.draw(1));
+    }
+
+    /** Gives the graphics card back; nothing is drawn from then on. */
+    close(): void {
+        this.isClosed = true;
+        clearTimeout(this.timer);
+        this.stage.renderer.dispose();
     }
 
     private size(): [number, number] {
@@ -116,6 +135,7 @@ export class Viewer {
         const state = this.current;
         await this.stage.prepare(state);
         this.waiting = false;
+        if (this.isClosed) return;
         if (state !== this.current) return this.request();
         const size = this.size();
         const { width, height } = this.canvas;
@@ -130,9 +150,7 @@ export class Viewer {
 
     /** The picture stands still: the address names it. */
     private rest(): void {
-        const link = this.link();
-        const address = location.href.split("#")[0] + (link && `#${link}`);
-        if (address !== location.href) history.replaceState(null, "", address);
-        this.root.dataset["state"] = "still";
+        this.host.address?.write(this.link());
+        this.host.element.dataset["state"] = "still";
     }
 }

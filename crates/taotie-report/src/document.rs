@@ -23,19 +23,57 @@ const SCRIPT: [&str; 12] = [
     include_str!("page/main.js"),
 ];
 
+/// What a page says where no script runs.
+pub(crate) const WITHOUT_SCRIPT: &str =
+    "<noscript>This page needs JavaScript, which it brings along: nothing is fetched.</noscript>";
+
+/// The element that the scripts of reports fill.
+pub(crate) fn report() -> String {
+    format!("<main id=\"report\">{WITHOUT_SCRIPT}</main>")
+}
+
+/// The parts of a document, whatever it shows.
+pub(crate) struct Document<'a> {
+    pub title: &'a str,
+    /// The content security policy.
+    pub policy: String,
+    pub style: &'a str,
+    /// The element that the script fills.
+    pub main: &'a str,
+    /// The elements that hold data.
+    pub data: &'a str,
+    pub script: &'a str,
+}
+
+impl Document<'_> {
+    /// Writes the document.
+    pub fn html(&self) -> String {
+        format!(
+            include_str!("page.html"),
+            policy = self.policy,
+            version = env!("CARGO_PKG_VERSION"),
+            title = escaped(self.title),
+            style = self.style,
+            main = self.main,
+            data = self.data,
+            script = self.script,
+        )
+    }
+}
+
 /// Writes the page as one HTML document, which fetches nothing else.
 pub fn html(page: &Page) -> String {
     let style = plain_line_ends(STYLE);
     let script = plain_line_ends(&SCRIPT.concat());
-    format!(
-        include_str!("page.html"),
-        policy = policy(&style, &script),
-        version = env!("CARGO_PKG_VERSION"),
-        title = escaped(&page.title),
-        style = style,
-        data = data(page),
-        script = script,
-    )
+    let document = Document {
+        title: &page.title,
+        policy: policy(&style, &script),
+        style: &style,
+        main: &report(),
+        data: &json_element(&serde_json::to_string(page).expect("the page has only text keys")),
+        script: &script,
+    };
+    document.html()
 }
 
 /// A browser sees no carriage return, and would not find its hash.
@@ -62,10 +100,11 @@ pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
-/// JSON without any `<`, so that nothing in it can end the element around it or open a comment.
-fn data(page: &Page) -> String {
-    let json = serde_json::to_string(page).expect("the page has only text keys");
-    json.replace('<', "\\u003c")
+/// The element that holds a page's data: JSON without any `<`, so that nothing in it can end the element or open a
+/// comment.
+pub(crate) fn json_element(json: &str) -> String {
+    let json = json.replace('<', "\\u003c");
+    format!("<script type=\"application/json\" id=\"data\">{json}</script>\n")
 }
 
 #[cfg(test)]

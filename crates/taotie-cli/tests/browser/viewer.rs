@@ -102,9 +102,9 @@ struct Vessel {
 }
 
 impl Vessel {
-    /// Writes the vessel in bronze.
-    fn write(folder: &Path) -> Self {
-        let scene = jue::scene(512);
+    /// Writes the vessel in bronze, with maps of so many texels a side.
+    fn write(folder: &Path, texels: u32) -> Self {
+        let scene = jue::scene(texels);
         let mesh = with_tangents(&scene.meshes()[0], 0, TangentMethod::MikkTSpace).unwrap().mesh;
         let [_, bronze] = materials(&scene);
         let texels = in_8_bits(scene.textures()[2].bitmap());
@@ -132,7 +132,7 @@ impl Vessel {
 fn pages_do_what_hand_and_keys_ask_for() {
     let Some(node) = Node::find() else { return };
     let folder = empty_folder("viewer/page");
-    let vessel = Vessel::write(&folder);
+    let vessel = Vessel::write(&folder, 128);
     let subject = vessel.subject("");
     let bookmarks = folder.join("bookmarks.json");
     let rim = json!([{ "title": "The rim <i>", "text": "", "link": "light=raking&from=-75,10" }]);
@@ -194,7 +194,7 @@ fn the_script_is_built_from_its_source() {
 fn the_page_draws_what_the_renderer_draws() {
     let Some(node) = Node::find() else { return };
     let folder = empty_folder("viewer/pictures");
-    let vessel = Vessel::write(&folder);
+    let vessel = Vessel::write(&folder, 512);
     let look = |shading, surface| Look { shading, surface };
     let looks = [look("ggx", "tangent-normal"), look("cook-torrance", "bump"), look("lambert", "facet")];
     assert_same(&node, &folder, &vessel.subject("--env studio"), &looks);
@@ -208,7 +208,7 @@ fn the_page_draws_every_model_by_every_method() {
     let Some(node) = Node::find() else { return };
     let Some(data) = common::data_folder("khronos-gltf-sample-assets") else { return };
     let folder = empty_folder("viewer/all");
-    let vessel = Vessel::write(&folder);
+    let vessel = Vessel::write(&folder, 512);
     let methods: Vec<&str> = SurfaceMethod::NAMES.iter().map(|(name, _)| *name).collect();
     assert_same(&node, &folder, &vessel.subject(""), &looks(&methods[..4]));
     let object = Subject { object_normals: Some(&vessel.normals), heights: None, ..vessel.subject("") };

@@ -5,7 +5,7 @@
 
 mod iiif;
 
-use crate::document::{escaped, sha256};
+use crate::document::{Document, json_element, report, sha256};
 use serde::Serialize;
 
 pub use iiif::iiif;
@@ -116,15 +116,15 @@ pub struct Entry {
 /// Writes the page as one HTML document. Pictures lie beside it, and nothing else is fetched.
 pub fn html(gallery: &Gallery) -> String {
     let [style, script] = [STYLE.concat(), SCRIPT.concat()].map(|text| text.replace('\r', ""));
-    format!(
-        include_str!("../page.html"),
-        policy = policy(&style, &script),
-        version = env!("CARGO_PKG_VERSION"),
-        title = escaped(&gallery.title),
-        style = style,
-        data = json(gallery).replace('<', "\\u003c"),
-        script = script,
-    )
+    let document = Document {
+        title: &gallery.title,
+        policy: policy(&style, &script),
+        style: &style,
+        main: &report(),
+        data: &json_element(&json(gallery)),
+        script: &script,
+    };
+    document.html()
 }
 
 /// Writes the page's data as JSON.
@@ -138,11 +138,11 @@ pub fn json(gallery: &Gallery) -> String {
     all.to_string()
 }
 
-/// Only this style sheet, this script, and pictures that lie where the page does; no connection of any kind.
+/// Only this style sheet, this script, and pictures within the page or where it lies; no connection of any kind.
 fn policy(style: &str, script: &str) -> String {
     let [style, script] = [style, script].map(sha256);
     format!(
-        "default-src 'none'; img-src 'self' file:; style-src 'sha256-{style}'; script-src 'sha256-{script}'; \
+        "default-src 'none'; img-src 'self' file: data:; style-src 'sha256-{style}'; script-src 'sha256-{script}'; \
          base-uri 'none'; form-action 'none'"
     )
 }

@@ -21,7 +21,7 @@ impl Blob {
     /// The element that holds it, compressed.
     pub fn element(&self) -> String {
         let text = STANDARD.encode(gzip(&self.bytes));
-        format!("<script type=\"application/gzip\" id=\"{}\">{text}</script>\n", self.name)
+        format!("<script type=\"application/gzip\" id=\"taotie-{}\">{text}</script>\n", self.name)
     }
 
     /// The file that holds it: models as they are, all else compressed.

@@ -1,34 +1,31 @@
 //! The page's style and script in one document.
 
 use super::blob::Blob;
-use crate::document::{escaped, sha256};
+use crate::document::{Document, WITHOUT_SCRIPT, sha256};
 
-const STYLE: &str = include_str!("bundle/viewer.css");
+const STYLE: &str = include_str!("page.css");
 
-/// Built from `viewer/`.
+/// The element `<taotie-viewer>`, built from `viewer/`.
 const SCRIPT: &str = include_str!("bundle/viewer.js");
+
+/// The element that shows what the page holds, and the one that shows the files beside it.
+const ALONE: &str = "<taotie-viewer></taotie-viewer>";
+const BESIDE: &str = "<taotie-viewer src=\"./\" linked></taotie-viewer>";
 
 /// The page with all that it shows.
 pub(super) fn alone(title: &str, blobs: &[Blob]) -> String {
-    page(title, "'none'", &blobs.iter().map(Blob::element).collect::<String>())
+    page(title, ["'none'", ALONE], &blobs.iter().map(Blob::element).collect::<String>())
 }
 
 /// The page of a folder, which fetches what lies beside it.
 pub(super) fn beside(title: &str) -> String {
-    page(title, "'self'", "")
+    page(title, ["'self'", BESIDE], "")
 }
 
-/// The page, which may connect to `sources`.
-fn page(title: &str, sources: &str, content: &str) -> String {
-    format!(
-        include_str!("page.html"),
-        policy = policy(sources),
-        version = env!("CARGO_PKG_VERSION"),
-        title = escaped(title),
-        style = STYLE,
-        content = content,
-        script = SCRIPT,
-    )
+/// The page of an element, which may connect to `sources`.
+fn page(title: &str, [sources, element]: [&str; 2], data: &str) -> String {
+    let main = format!("<main>{element}{WITHOUT_SCRIPT}</main>");
+    Document { title, policy: policy(sources), style: STYLE, main: &main, data, script: SCRIPT }.html()
 }
 
 /// Only this style sheet and this script. The decoder of meshes is compiled from the script's own bytes.

@@ -1,11 +1,11 @@
 //! The light of the page: lights as shaders read them, and an environment.
 
-use super::blob::{Blob, bytes_of_words};
+use super::blob::Blob;
+use super::halves::coded;
 use serde::Serialize;
 use taotie::Warnings;
 use taotie::pixel::LightSource;
 use taotie::render::{EnvironmentLight, Lighting};
-use taotie::shade::environment::HalfPicture;
 use taotie_shader::{EnvironmentAtlas, MOST_LIGHTS, light_numbers};
 
 /// The light of the page.
@@ -58,11 +58,8 @@ fn environment(light: &EnvironmentLight) -> (EnvironmentMaps, [Blob; 2]) {
         rotation: light.rotation.to_degrees(),
         intensity: light.intensity,
     };
-    let colors = atlas.texels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]);
-    let maps_blob = Blob::new("environment_maps", bytes_of_words(colors));
-    (told, [maps_blob, Blob::new("environment_picture", picture_bytes(&maps.picture))])
-}
-
-fn picture_bytes(picture: &HalfPicture<'_>) -> Vec<u8> {
-    bytes_of_words(picture.texels.iter().flatten().copied())
+    let colors: Vec<[u16; 3]> = atlas.texels.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect();
+    let maps_blob = Blob::new("environment_maps", coded(&colors, atlas.size[0]));
+    let picture = Blob::new("environment_picture", coded(maps.picture.texels, maps.picture.width));
+    (told, [maps_blob, picture])
 }

@@ -11,6 +11,7 @@ mod bookmark;
 mod camera;
 mod data;
 mod document;
+mod halves;
 mod light;
 mod scan;
 mod shaders;

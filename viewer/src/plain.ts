@@ -1,0 +1,32 @@
+// Materials that show the uvs of a surface: no shading, and no part of the pixel program.
+
+import { DoubleSide, GLSL3, RawShaderMaterial } from "three";
+
+const VERTEX = `precision highp float;
+uniform mat4 projectionMatrix;
+uniform mat4 modelViewMatrix;
+in vec3 position;
+in vec2 uv0;
+out vec2 place;
+void main() {
+    place = uv0;
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+}
+`;
+
+const HEAD = `precision highp float;
+in vec2 place;
+layout(location = 0) out vec4 color;
+`;
+
+/** A material whose `fragment` shader writes `color` at a `place` of the map. */
+export const plain = (fragment: string, uniforms: RawShaderMaterial["uniforms"] = {}): RawShaderMaterial =>
+    new RawShaderMaterial({
+        glslVersion: GLSL3,
+        vertexShader: VERTEX,
+        fragmentShader: HEAD + fragment,
+        uniforms,
+        side: DoubleSide,
+        polygonOffsetFactor: 1,
+        polygonOffsetUnits: 1,
+    });
