@@ -7,11 +7,12 @@ help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
 		while IFS='|' read -r name what; do printf 'make %-13s %s\n' "$$name" "$$what"; done
 
-test: tools features ## Formatting, lints, documentation and all tests but the slow ones
+test: tools ## Formatting, lints, documentation, features and all tests but the slow ones
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --workspace
 	cargo test --workspace
+	$(MAKE) features
 
 # `test-slow` runs the tests that say what is not read, and checks features off and on beside others.
 features: ## The library and the command without their cargo features

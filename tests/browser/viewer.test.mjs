@@ -9,6 +9,8 @@ import axe from "axe-core";
 import { assertQuiet, colorAt, complaints, folder, newPage, pointOf, touch } from "./browser.mjs";
 import { SIZE, address, launchWebGl, openViewer, picture, state, still } from "./viewer.mjs";
 
+const SCRIPT = path.join(import.meta.dirname, "../../crates/taotie-report/src/viewer/bundle/viewer.js");
+
 const browser = await launchWebGl();
 after(() => browser.close());
 
@@ -327,4 +329,23 @@ test("a folder shows what the page shows", async () => {
     await still(page);
     const alone = await shown("view.html");
     assert.deepEqual(await picture(page, [128, 128]), await picture(alone, [128, 128]));
+});
+
+test("an element of another page shows a folder as its attributes say", async () => {
+    const page = await newPage(browser, SIZE);
+    const site = "http://localhost/";
+    const element = '<taotie-viewer src="site/" light="-75,10" camera="30,20" shading="phong"></taotie-viewer>';
+    await page.route(`${site}**`, (route) => {
+        const name = new URL(route.request().url()).pathname.slice(1);
+        if (name === "") return route.fulfill({ contentType: "text/html", body: `<script src="viewer.js"></script>${element}` });
+        return route.fulfill({ path: name === "viewer.js" ? SCRIPT : path.join(folder, name) });
+    });
+    await page.goto(site);
+    await still(page);
+    const { view, light, from, shading } = await page.evaluate(() => document.querySelector("taotie-viewer").state);
+    assert.deepEqual([view.slice(0, 2), light, from, shading], [[30, 20], "raking", [-75, 10], "phong"]);
+    await page.evaluate(() => document.querySelector("taotie-viewer").setAttribute("light", "given"));
+    await still(page);
+    assert.equal(await page.evaluate(() => document.querySelector("taotie-viewer").state.light), "given");
+    assertQuiet(page);
 });
