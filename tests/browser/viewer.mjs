@@ -15,9 +15,8 @@ export const SIZE = [720, 320];
 
 // Waits until the picture is drawn in all its samples.
 export async function still(page) {
-    const ends = "taotie-viewer:is([data-state=still], [data-state=failed])";
-    await page.waitForSelector(ends, { timeout: 60_000 });
-    const state = await page.locator("taotie-viewer").getAttribute("data-state");
+    const ended = () => ["still", "failed"].find((state) => document.querySelector("taotie-viewer")?.dataset.state === state);
+    const state = await (await page.waitForFunction(ended, null, { timeout: 60_000 })).jsonValue();
     assert.equal(state, "still", await page.locator(".message").first().textContent().catch(() => ""));
 }
 

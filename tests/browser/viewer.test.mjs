@@ -349,3 +349,32 @@ test("an element of another page shows a folder as its attributes say", async ()
     assert.equal(await page.evaluate(() => document.querySelector("taotie-viewer").state.light), "given");
     assertQuiet(page);
 });
+
+test("the report of a bake begins with its asset", async () => {
+    const page = await openViewer(browser, "baked.report.html", { size: [1000, 600] });
+    assert.equal(await page.getByRole("tab", { selected: true }).textContent(), "model");
+    assert.equal(await page.locator("h1").count(), 1);
+    await page.getByLabel("Show", { exact: true }).selectOption("error");
+    await still(page);
+    await page.waitForFunction(() => location.hash === "#view=model&model=mode%3Derror");
+    const at = await pointOf(page, "canvas", [0.5, 0.5]);
+    const degrees = await page.evaluate((at) => window.taotie.errorUnder(...at), at);
+    assert(degrees >= 0 && degrees < 20, `${degrees}`);
+    await page.mouse.move(...at);
+    // The wheel scrolls the page until the picture has been chosen.
+    const distance = (await state(page)).view[2];
+    await page.mouse.wheel(0, 10);
+    assert.equal((await state(page)).view[2], distance);
+    await page.locator("canvas").focus();
+    await page.mouse.wheel(0, -100);
+    await page.waitForFunction((distance) => window.taotie.state.view[2] < distance, distance);
+    await page.goto(address("baked.report.html", "view=model&model=mode%3Dnormals"));
+    await still(page);
+    assert.equal((await state(page)).mode, "normals");
+    await page.getByRole("tab", { name: "maps" }).click();
+    assert(!(await page.locator("canvas").isVisible()));
+    await page.evaluate(axe.source);
+    const { violations } = await page.evaluate(() => window.axe.run());
+    assert.deepEqual(violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]), []);
+    assertQuiet(page);
+});

@@ -54,6 +54,9 @@ export function listenToGestures(viewer: Viewer, movesLight: () => boolean): voi
     canvas.addEventListener("pointercancel", leave);
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
     const roll = (event: WheelEvent): void => {
+        // A page that scrolls goes on doing so until the picture has been chosen.
+        const { scrollHeight } = document.documentElement;
+        if (scrollHeight > innerHeight && !canvas.matches(":focus")) return;
         event.preventDefault();
         viewer.change(zoom(WHEEL ** -event.deltaY)(viewer.state));
     };

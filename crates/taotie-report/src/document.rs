@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 const STYLE: &str = include_str!("page.css");
 
 /// The script in parts; the last one begins.
-const SCRIPT: [&str; 12] = [
+const SCRIPT: [&str; 13] = [
     "\"use strict\";\n",
     include_str!("page/dom.js"),
     include_str!("page/numbers.js"),
@@ -16,6 +16,7 @@ const SCRIPT: [&str; 12] = [
     include_str!("page/gestures.js"),
     include_str!("page/wipe.js"),
     include_str!("page/legend.js"),
+    include_str!("page/model.js"),
     include_str!("page/view.js"),
     include_str!("page/viewer.js"),
     include_str!("page/table.js"),
@@ -42,7 +43,8 @@ pub(crate) struct Document<'a> {
     pub main: &'a str,
     /// The elements that hold data.
     pub data: &'a str,
-    pub script: &'a str,
+    /// The scripts in order.
+    pub scripts: &'a [&'a str],
 }
 
 impl Document<'_> {
@@ -56,22 +58,35 @@ impl Document<'_> {
             style = self.style,
             main = self.main,
             data = self.data,
-            script = self.script,
+            scripts =
+                self.scripts.iter().map(|script| format!("<script>{script}</script>\n")).collect::<String>(),
         )
     }
 }
 
 /// Writes the page as one HTML document, which fetches nothing else.
 pub fn html(page: &Page) -> String {
+    written(page, &[], "")
+}
+
+/// Writes the page with an element of its own as its first view: the element's script, and what it shows.
+pub(crate) fn html_with(page: &Page, script: &str, content: &str) -> String {
+    written(page, &[script], content)
+}
+
+/// Writes the page; the `others` among its scripts run before its own.
+fn written(page: &Page, others: &[&str], content: &str) -> String {
     let style = plain_line_ends(STYLE);
     let script = plain_line_ends(&SCRIPT.concat());
+    let scripts = [others, &[script.as_str()]].concat();
+    let json = serde_json::to_string(page).expect("the page has only text keys");
     let document = Document {
         title: &page.title,
-        policy: policy(&style, &script),
+        policy: policy(&style, &scripts),
         style: &style,
         main: &report(),
-        data: &json_element(&serde_json::to_string(page).expect("the page has only text keys")),
-        script: &script,
+        data: &[json_element(&json).as_str(), content].concat(),
+        scripts: &scripts,
     };
     document.html()
 }
@@ -81,12 +96,16 @@ fn plain_line_ends(text: &str) -> String {
     text.replace('\r', "")
 }
 
-/// Only this style sheet, this script and pictures within the page; no connection of any kind.
-fn policy(style: &str, script: &str) -> String {
-    let [style, script] = [style, script].map(sha256);
+/// Only this style sheet, these scripts and pictures within the page; no connection of any kind. Where an element of its
+/// own shows a model, it may compile its decoder of meshes, whose bytes it brings along.
+fn policy(style: &str, scripts: &[&str]) -> String {
+    let sources: Vec<String> = scripts.iter().map(|script| format!("'sha256-{}'", sha256(script))).collect();
+    let (pictures, compiled) = if scripts.len() > 1 { (" blob:", " 'wasm-unsafe-eval'") } else { ("", "") };
     format!(
-        "default-src 'none'; img-src data:; style-src 'sha256-{style}'; script-src 'sha256-{script}'; \
-         base-uri 'none'; form-action 'none'"
+        "default-src 'none'; img-src data:{pictures}; style-src 'sha256-{}'; script-src {}{compiled}; base-uri 'none'; \
+         form-action 'none'",
+        sha256(style),
+        sources.join(" ")
     )
 }
 

@@ -33,6 +33,7 @@ pub fn page(model: &Path, (path, files): Target<'_>, work: &Work<'_>) -> Result<
         lighting: &LightOptions::default().lighting(None, prepared.scene(), view),
         development: &Development::default(),
         scan: None,
+        errors: None,
     })?;
     files.write_text(path, &viewer.html())
 }

@@ -391,6 +391,11 @@ impl BakeArgs {
         ["report.html", "report.json"].map(|kind| self.output.with_extension(kind))
     }
 
+    /// Returns the model that the report shows; `None` where no file holds it with its normal map.
+    pub fn shown_model(&self) -> Option<&Path> {
+        (!self.is_alone() && self.space == Space::Tangent).then_some(&self.output)
+    }
+
     /// Refuses requirements of levels of detail that are not asked for.
     fn check_levels(&self) -> Result<()> {
         let coarsest = self.lods().len();

@@ -13,7 +13,7 @@ use anyhow::Result;
 use clock::Clock;
 use schedule::Schedule;
 use taotie::Progress;
-use taotie::asset::{Asset, Baker, Limits, Need, Proof, Report, ScanFile, Warning};
+use taotie::asset::{Baker, Limits, Need, Proof, Report, ScanFile, Warning};
 use taotie::io::FileSet;
 use taotie_report::bake_page;
 
@@ -61,7 +61,10 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
     };
     report.stages = clock.done();
     if let Some(proof) = proved {
-        let page = tell(args, &mut report, &proof?, written.asset())?;
+        let proof = proof?;
+        tell(args, &mut report, &proof);
+        let shown = args.shown_model().map(|path| files.current(path));
+        let page = bake_page::html(&report, &proof, written.asset(), shown.as_deref())?;
         let [html, json] = args.reports();
         files.write_text(&html, &page)?;
         files.write_text(&json, &serde_json::to_string_pretty(&report)?)?;
@@ -80,12 +83,11 @@ fn check_memory(args: &BakeArgs, baked: &Need, limits: Limits) -> Result<()> {
     Ok(())
 }
 
-/// Puts what was measured into the report; returns its page.
-fn tell(args: &BakeArgs, report: &mut Report, proof: &Proof, asset: &Asset) -> Result<String> {
+/// Puts what was measured into the report.
+fn tell(args: &BakeArgs, report: &mut Report, proof: &Proof) {
     console::say_warnings(&proof.warnings);
     report.warnings.extend(Warning::list(&proof.warnings));
     report.proof = Some(proof.figures.clone());
     report.required = proof.require(&args.require);
     report.files.extend(args.reports());
-    Ok(taotie_report::html(&bake_page::page(report, proof, asset)?))
 }

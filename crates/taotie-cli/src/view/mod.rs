@@ -73,6 +73,7 @@ fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<V
         lighting: &studio::lighting(&args.light, environment.as_ref(), prepared.scene(), view)?,
         development: &args.film.development(SimdLevel::default())?,
         scan: scan.as_ref().map(|scan| ScanSubject { shown: &scan.shown, high: &scan.high }),
+        errors: None,
     })?;
     warnings.absorb(viewer.warnings.clone());
     Ok(viewer)

@@ -148,6 +148,7 @@ fn pages_do_what_hand_and_keys_ask_for() {
     write("-o", "view.html");
     write("--folder", "site");
     write_proof(&folder);
+    write_report(&folder);
     node.run(&["--test", "--test-reporter=spec", "viewer.test.mjs"], &folder);
 }
 
@@ -172,6 +173,12 @@ fn write_proof(folder: &Path) {
     let [low, high, page] = ["low.glb", "high.glb", "proof.html"].map(|name| text(&folder.join(name)));
     let own = ["view".into(), low, "--scan".into(), high, "-o".into(), page];
     run(&[own.to_vec(), words("--samples 1")].concat(), folder);
+}
+
+/// Bakes the fine ball, whose report shows the asset.
+fn write_report(folder: &Path) {
+    let [high, baked] = ["high.glb", "baked.glb"].map(|name| text(&folder.join(name)));
+    run(&[words("bake --triangles 300 --size 64"), vec![high, "-o".into(), baked]].concat(), folder);
 }
 
 /// The script that pages hold is built from what lies in `viewer`.

@@ -20,6 +20,7 @@
 mod levels;
 mod material;
 mod misses;
+mod model;
 mod normal_errors;
 mod notices;
 mod parts;
@@ -65,6 +66,19 @@ pub fn page_of_collection(report: &Report, proof: &Proof, asset: &Asset) -> Resu
         "What is required of the asset, and whether it is met, stands on the page of its collection.";
     page.notices[0] = Notice::new(elsewhere, Tone::Changed);
     Ok(page)
+}
+
+/// Writes the page of a bake as one HTML document. Where `model` names the asset as it lies on disk, that is its first
+/// view: by the shaders of Taotie, with the error of its normals on it.
+///
+/// # Errors
+/// Those of [`page`], and of reading the asset.
+pub fn html(report: &Report, proof: &Proof, asset: &Asset, model: Option<&Path>) -> Result<String> {
+    let page = page(report, proof, asset)?;
+    match model {
+        Some(path) => Ok(model::viewer(path, proof)?.within(&page)),
+        None => Ok(crate::html(&page)),
+    }
 }
 
 fn facts(report: &Report, proof: &Figures) -> Vec<Fact> {

@@ -122,7 +122,7 @@ pub fn html(gallery: &Gallery) -> String {
         style: &style,
         main: &report(),
         data: &json_element(&json(gallery)),
-        script: &script,
+        scripts: &[&script],
     };
     document.html()
 }

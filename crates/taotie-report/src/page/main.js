@@ -5,7 +5,7 @@
  * The data, as `mod.rs` documents them. Missing numbers are null.
  * @typedef {{ label: string, note: string, png: string, width: number, height: number }} Picture
  * @typedef {{ title: string, unit: string, top: number, stops: [number, number, number][] }} Legend
- * @typedef {{ name: string, note: string, pictures: Picture[], legend: Legend | null }} View
+ * @typedef {{ name: string, note: string, pictures: Picture[], legend: Legend | null, isModel?: boolean }} View
  * @typedef {{ name: string, unit: string, numeric: boolean }} Column
  * @typedef {{ text: string, tone: "good" | "bad" | "changed", why: string }} Mark
  * @typedef {{ text: string } | { number: { value: number | null, digits: number } } | { mark: Mark }} Cell
@@ -32,9 +32,10 @@ function contentOf({ title, subtitle, notices, facts, views, sections, footer })
   const head = el("header", { class: "head" }, el("h1", {}, title), ...note("subtitle", subtitle));
   if (notices.length) head.append(el("ul", { class: "notices" }, ...notices.map(noticeOf)));
   if (list.length) head.append(el("dl", {}, ...list));
+  const all = [...modelViews(), ...views];
   return [
     head,
-    ...(views.length ? [viewerOf(views)] : []),
+    ...(all.length ? [viewerOf(all)] : []),
     ...sections.map(sectionOf),
     ...(footer ? [el("footer", {}, footer)] : []),
   ];

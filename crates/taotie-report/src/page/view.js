@@ -20,6 +20,8 @@
  *   setWipe: (percent: number) => void,
  *   setSide: (side: "left" | "right", label: string) => void,
  *   swap: () => void,
+ *   model: () => string,
+ *   setModel: (link: string) => void,
  * }} Hand
  */
 
@@ -29,6 +31,7 @@
  * @returns {Panel}
  */
 function panelOf(view, hand) {
+  if (view.isModel) return modelPanelOf(view, hand);
   const labels = view.pictures.map((picture) => picture.label);
   const wipe = view.pictures.length > 1 ? wipeOf(view, hand) : undefined;
   const plates = view.pictures.map((picture) => plateOf(picture, hand, wipe !== undefined));
@@ -113,7 +116,7 @@ function lensButtons(frame, hand) {
     { class: "lens" },
     button("\u2212", "Zoom out", () => zoom(1 / 1.5)),
     button("+", "Zoom in", () => zoom(1.5)),
-    button("1:1", "One pixel of the picture for one of the screen, at least the whole picture", toPixels),
+    button("1:1", "1:1, one pixel of the picture for one of the screen, at least the whole picture", toPixels),
     button("Whole", "Show whole pictures", () => hand.setLens(WHOLE)),
     el("span", { class: "hint" }, "wheel or pinch zooms all pictures, drag moves them, double click resets"),
   );

@@ -1,7 +1,7 @@
 // @ts-check
 // All views behind tabs. What is chosen stays chosen from view to view, and stands in the address.
 
-/** @typedef {{ view: string, left: string, right: string, wipe: number, lens: Lens }} Choice */
+/** @typedef {{ view: string, left: string, right: string, wipe: number, lens: Lens, model: string }} Choice */
 
 /**
  * @param {View[]} views
@@ -25,6 +25,8 @@ function viewerOf(views) {
     wipe: () => choice.wipe,
     setWipe: (percent) => change({ wipe: clamp(percent, 0, 100) }),
     setSide: (side, label) => change({ [side]: label }),
+    model: () => choice.model,
+    setModel: (link) => change({ model: link }),
     swap: () => change({ left: choice.right, right: choice.left }),
   };
   const tabs = tabsOf(views, (view) => change({ view: view.name }));
@@ -120,6 +122,7 @@ function choiceFrom(hash, views) {
     left: said.get("left") ?? "",
     right: said.get("right") ?? "",
     wipe: clamp(number("wipe", 50), 0, 100),
+    model: said.get("model") ?? "",
     lens: within({ zoom: number("zoom", 1), x: number("x", 0), y: number("y", 0) }),
   };
 }
@@ -139,11 +142,12 @@ function remember(choice) {
  * @param {Choice} choice
  * @returns {string}
  */
-function hashOf({ view, left, right, wipe, lens }) {
+function hashOf({ view, left, right, wipe, lens, model }) {
   const said = new URLSearchParams({ view });
   if (left) said.set("left", left);
   if (right) said.set("right", right);
   if (wipe !== 50) said.set("wipe", wipe.toFixed(1));
   if (lens.zoom > 1) for (const [name, value] of Object.entries(lens)) said.set(name, value.toFixed(4));
+  if (model) said.set("model", model);
   return "#" + said;
 }

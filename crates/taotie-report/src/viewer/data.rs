@@ -3,7 +3,7 @@
 use super::blob::Blob;
 use super::camera::Orbit;
 use super::light::{Light, light};
-use super::scan::{Errors, errors};
+use super::scan::{Errors, errors, known_errors};
 use super::shaders::{FrameLayout, Shaders, Texts};
 use super::surfaces::{Drawing, SurfaceData, method_names};
 use super::textures::{TextureData, textures};
@@ -106,6 +106,10 @@ pub(super) fn data<'a>(subject: &Subject<'a>, warnings: &mut Warnings) -> Result
     if let Some(scan) = &subject.scan {
         models.add(scan.shown, ["scan", "scan_codes"], warnings)?;
         let (errors, blob) = errors(prepared, scan.high, warnings)?;
+        models.blobs.push(blob);
+        measured = Some(errors);
+    } else if let Some(known) = &subject.errors {
+        let (errors, blob) = known_errors(known, prepared.surfaces().len());
         models.blobs.push(blob);
         measured = Some(errors);
     }

@@ -1,7 +1,8 @@
 //! The page's style and script in one document.
 
 use super::blob::Blob;
-use crate::document::{Document, WITHOUT_SCRIPT, sha256};
+use crate::Page;
+use crate::document::{Document, WITHOUT_SCRIPT, html_with, sha256};
 
 const STYLE: &str = include_str!("page.css");
 
@@ -14,7 +15,7 @@ const BESIDE: &str = "<taotie-viewer src=\"./\" linked></taotie-viewer>";
 
 /// The page with all that it shows.
 pub(super) fn alone(title: &str, blobs: &[Blob]) -> String {
-    page(title, ["'none'", ALONE], &blobs.iter().map(Blob::element).collect::<String>())
+    page(title, ["'none'", ALONE], &elements(blobs))
 }
 
 /// The page of a folder, which fetches what lies beside it.
@@ -22,10 +23,19 @@ pub(super) fn beside(title: &str) -> String {
     page(title, ["'self'", BESIDE], "")
 }
 
+/// A report whose first view is the element.
+pub(super) fn within(page: &Page, blobs: &[Blob]) -> String {
+    html_with(page, SCRIPT, &elements(blobs))
+}
+
+fn elements(blobs: &[Blob]) -> String {
+    blobs.iter().map(Blob::element).collect()
+}
+
 /// The page of an element, which may connect to `sources`.
 fn page(title: &str, [sources, element]: [&str; 2], data: &str) -> String {
     let main = format!("<main>{element}{WITHOUT_SCRIPT}</main>");
-    Document { title, policy: policy(sources), style: STYLE, main: &main, data, script: SCRIPT }.html()
+    Document { title, policy: policy(sources), style: STYLE, main: &main, data, scripts: &[SCRIPT] }.html()
 }
 
 /// Only this style sheet and this script. The decoder of meshes is compiled from the script's own bytes.

@@ -20,9 +20,9 @@ mod textures;
 
 pub use about::facts;
 pub use bookmark::Bookmark;
-pub use scan::{MOST_TRIANGLES, ScanSubject, scene_to_show};
+pub use scan::{MOST_TRIANGLES, MeasuredErrors, ScanSubject, scene_to_show};
 
-use crate::Fact;
+use crate::{Fact, Page};
 use blob::Blob;
 use taotie::film::Development;
 use taotie::render::{Lighting, Prepared, RenderSettings};
@@ -51,6 +51,8 @@ pub struct Subject<'a> {
     pub development: &'a Development,
     /// The scan that the model was baked from, to be shown beside it and to be measured against.
     pub scan: Option<ScanSubject<'a>>,
+    /// The model's errors where they are known already; not read with `scan`.
+    pub errors: Option<MeasuredErrors<'a>>,
 }
 
 /// A file beside the page.
@@ -85,6 +87,11 @@ impl Viewer {
     /// Returns the page as one HTML document, which fetches nothing.
     pub fn html(&self) -> String {
         document::alone(&self.title, &self.blobs)
+    }
+
+    /// Returns a report whose first view is the model, as one HTML document, which fetches nothing.
+    pub fn within(&self, page: &Page) -> String {
+        document::within(page, &self.blobs)
     }
 
     /// Returns the page and the files that it fetches from beside it, `index.html` first; the model is `asset.glb`.

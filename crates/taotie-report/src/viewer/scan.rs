@@ -103,22 +103,44 @@ pub(super) fn errors(
     let whole = bake::low_poly_mesh(Scene::clone(prepared.scene()))?;
     let cage = Cage::automatic(&whole, high);
     let deviation = Verifier { mesh: &whole, normal: None, cage: &cage, scan: high }.deviation(POINTS)?;
-    let color = |i: usize| ColorMap::Viridis.color(i as f64 / (STOPS - 1) as f64);
-    let errors = Errors {
-        maps,
-        top: TOP,
-        stops: (0..STOPS).map(color).collect(),
-        steps: STEPS,
-        rms: deviation.rms(),
-        hausdorff: deviation.hausdorff(),
-    };
+    let errors = Errors::new(maps, [deviation.rms(), deviation.hausdorff()]);
     Ok((errors, Blob::new("errors", bytes_of_words(codes.into_iter()))))
+}
+
+/// The errors of a model that were measured before.
+#[derive(Clone, Copy)]
+pub struct MeasuredErrors<'a> {
+    /// Degrees between the normals of model and scan, over the map of the model's one surface. Where it has several
+    /// surfaces no map is shown.
+    pub normals: &'a Field,
+    /// The root mean square distance of the shapes, model units.
+    pub rms: f64,
+    /// The largest distance, model units.
+    pub hausdorff: f64,
+}
+
+/// The errors of a model of so many surfaces, as they were measured before.
+pub(super) fn known_errors(known: &MeasuredErrors<'_>, surfaces: usize) -> (Errors, Blob) {
+    let mut codes = Vec::new();
+    let maps = match surfaces {
+        1 => vec![Some(ErrorMap::put(known.normals, &mut codes))],
+        several => vec![None; several],
+    };
+    let errors = Errors::new(maps, [known.rms, known.hausdorff]);
+    (errors, Blob::new("errors", bytes_of_words(codes.into_iter())))
 }
 
 /// The error of a surface's normals at the texels of its map, degrees.
 fn error_map(low: &Mesh, normal: Option<ShownNormals<'_>>, high: &bake::Scan) -> Result<Field> {
     let cage = Cage::automatic(low, high);
     Verifier { mesh: low, normal, cage: &cage, scan: high }.error_map([MAP; 2])
+}
+
+impl Errors {
+    fn new(maps: Vec<Option<ErrorMap>>, [rms, hausdorff]: [f64; 2]) -> Self {
+        let color = |i: usize| ColorMap::Viridis.color(i as f64 / (STOPS - 1) as f64);
+        Self { maps, top: TOP, stops: (0..STOPS).map(color).collect(), steps: STEPS, rms, hausdorff }
+    }
 }
 
 impl ErrorMap {
