@@ -35,6 +35,17 @@ struct Case<'a> {
 
 #[test]
 fn the_vessel_is_drawn_by_our_shaders() {
+    draw(&["clay", "phong", "bronze-in-the-open"]);
+}
+
+#[test]
+#[ignore = "takes ten seconds"]
+fn the_vessel_in_bronze_is_drawn_by_our_shaders() {
+    draw(&["plain", "bronze"]);
+}
+
+/// Draws the cases of these names.
+fn draw(names: &[&str]) {
     let Some(node) = Node::find() else { return };
     let scene = jue::scene(512);
     let view = view(&scene, &orbit(&scene));
@@ -49,7 +60,7 @@ fn the_vessel_is_drawn_by_our_shaders() {
         Case { name: "phong", shading: "blinn-phong", material: clay, sky: None },
         Case { name: "bronze-in-the-open", shading: "ggx", material: bronze, sky: Some(sky()) },
     ];
-    for case in cases {
+    for case in cases.into_iter().filter(|case| names.contains(&case.name)) {
         let folder = empty_folder(&format!("shader-material/{}", case.name));
         let levels = [GltfLevel { mesh: &mesh, coverage: None }];
         let asset = GltfAsset { levels: &levels, material: case.material, ..GltfAsset::default() };

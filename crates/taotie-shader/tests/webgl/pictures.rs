@@ -218,8 +218,8 @@ fn models(step: usize) -> Vec<Case> {
 }
 
 #[test]
-fn webgl_shows_every_fourth_model_as_the_renderer() {
-    draw("webgl-some-models", &models(4));
+fn webgl_shows_every_fifth_model_as_the_renderer() {
+    draw("webgl-some-models", &models(5));
 }
 
 #[test]
