@@ -7,19 +7,20 @@ help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
 		while IFS='|' read -r name what; do printf 'make %-13s %s\n' "$$name" "$$what"; done
 
-test: tools features ## Formatting, lints, documentation and all tests but the slow ones
+test: tools ## Formatting, lints, documentation, features and all tests but the slow ones
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --workspace
 	cargo test --workspace
+	$(MAKE) features
 
-# The command without its graphics processor; the library without any feature, with the tests that say what is not read.
-# `test-slow` checks features off and on beside others.
+# `test-slow` runs the tests that say what is not read, and checks features off and on beside others.
 features: ## The library and the command without their cargo features
+	cargo check -p taotie --no-default-features
 	cargo check -p taotie-cli --no-default-features
-	cargo test -p taotie --no-default-features --config 'profile.dev.package.taotie.opt-level=0' --test features
 
 test-slow: ## The tests that take minutes each
+	cargo test -p taotie --no-default-features --config 'profile.dev.package.taotie.opt-level=0' --test features
 	cargo check -p taotie --no-default-features --features basis,exr
 	cargo check -p taotie --no-default-features --features draco,webp
 	cargo test --release --workspace --lib --bins --tests -- --ignored

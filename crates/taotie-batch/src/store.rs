@@ -4,7 +4,7 @@ use crate::objects::Object;
 use crate::record::{FileEntry, Part};
 use std::fs;
 use std::path::{Path, PathBuf};
-use taotie::io::{FileSet, file_size, read_bytes, sha256, write_text};
+use taotie::io::{FileSet, file_size, read_bytes, sha256};
 use taotie::{Error, Result};
 
 /// The file that says that an object is complete: it is the last to be there.
@@ -73,12 +73,14 @@ impl Store {
     }
 
     /// Says that an object is complete, once all its files are in their places: what is there without this is made anew.
+    /// `files` is a set of its own, which signals stop.
     ///
     /// # Errors
     /// Those of writing.
-    pub fn tell(&self, address: &str, object: &impl Object) -> Result<()> {
+    pub fn tell(&self, address: &str, object: &impl Object, files: &FileSet) -> Result<()> {
         let text = serde_json::to_string(object).expect("all keys are text");
-        write_text(&self.path(address).join(RESULT), &text)
+        files.write_text(&self.path(address).join(RESULT), &text)?;
+        files.commit()
     }
 
     /// Removes what a process that was killed left of an object.

@@ -80,9 +80,9 @@ fn visibility(light: i32, position: vec3f, n: vec3f) -> f32 {
     return shadow_sight(shadow_ray(origin, place - origin, 1.0));
 }
 
-// 1 where nothing stands on the way, else 0.
-fn shadow_sight(ray: ShadowRay) -> f32 {
-    var index = 0u;
+// The number of the first box from `start` on that the ray enters and that holds triangles; that of the end if none does.
+fn shadow_leaf(ray: ShadowRay, start: u32) -> u32 {
+    var index = start;
     loop {
         let around = shadow_boxes[index];
         if (around.skip == 0u) {
@@ -91,6 +91,23 @@ fn shadow_sight(ray: ShadowRay) -> f32 {
         if (!shadow_enters(around, ray)) {
             index = around.skip;
             continue;
+        }
+        if ((around.leaf & 15u) != 0u) {
+            break;
+        }
+        index++;
+    }
+    return index;
+}
+
+// 1 where nothing stands on the way, else 0.
+fn shadow_sight(ray: ShadowRay) -> f32 {
+    var index = 0u;
+    loop {
+        index = shadow_leaf(ray, index);
+        let around = shadow_boxes[index];
+        if (around.skip == 0u) {
+            break;
         }
         index++;
         let first = around.leaf >> 4u;
@@ -114,13 +131,10 @@ fn shadow_origin(position: vec3f, n: vec3f) -> vec3f {
     var nearest = SHADOW_REACH;
     var index = 0u;
     loop {
+        index = shadow_leaf(ray, index);
         let around = shadow_boxes[index];
         if (around.skip == 0u) {
             break;
-        }
-        if (!shadow_enters(around, ray)) {
-            index = around.skip;
-            continue;
         }
         index++;
         let first = around.leaf >> 4u;

@@ -43,7 +43,7 @@ pub fn make(work: &Work<'_>, file: ScanFile, address: &str) -> Result<AssetObjec
         warnings: report.warnings,
         files: entries(&named(&all))?,
     };
-    work.store.tell(address, &object)?;
+    work.store.tell(address, &object, &(work.host.files)())?;
     Ok(object)
 }
 

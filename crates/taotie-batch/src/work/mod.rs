@@ -161,7 +161,7 @@ impl Work<'_> {
         write(&path, &files)?;
         files.commit()?;
         let object = DerivedObject::of(of.kind, vec![(name, path)])?;
-        self.store.tell(&at, &object)?;
+        self.store.tell(&at, &object, &(self.host.files)())?;
         Ok(object.into_part(at, false))
     }
 

@@ -7,7 +7,9 @@ use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
-use taotie::asset::{BakeOptions, Baker, Limits, MeshSource, Packing, RayDistance, Requirement};
+use taotie::asset::{
+    BakeOptions, Baker, Limits, MeshSource, Packing, RayDistance, Requirement, VerifyOptions,
+};
 use taotie::bake::MapKind;
 use taotie::io::{FileSet, GltfImages};
 use taotie::names::Named;
@@ -131,6 +133,12 @@ pub struct BakeArgs {
         conflicts_with = "no_verify"
     )]
     pub require: Vec<Requirement>,
+    /// Points of the low-poly mesh at which normals are compared, at least 10; distances are measured at half as many
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..), default_value_t = 200_000, help_heading = "Proof", conflicts_with = "no_verify")]
+    pub proof_points: u32,
+    /// Pixels along a side of the images from all sides that are compared, 11 to 4096
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(11..=4096), default_value_t = 384, help_heading = "Proof", conflicts_with = "no_verify")]
+    pub proof_view: u32,
     /// Do not measure the error and write no report
     #[arg(long, help_heading = "Proof")]
     pub no_verify: bool,
@@ -369,6 +377,13 @@ impl BakeArgs {
         let reports = self.reports();
         let mut reports = reports.iter().filter(|_| !self.no_verify);
         Ok(reports.try_for_each(|path| files.claim(path))?)
+    }
+
+    /// Returns the way in which the error is measured.
+    pub fn verify_options(&self) -> VerifyOptions {
+        let points = self.proof_points as usize;
+        let view = self.proof_view;
+        VerifyOptions { points, distance_points: points / 2, view, ..VerifyOptions::default() }
     }
 
     /// Returns the files of the report: a page and JSON.

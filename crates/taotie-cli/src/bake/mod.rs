@@ -13,7 +13,7 @@ use anyhow::Result;
 use clock::Clock;
 use schedule::Schedule;
 use taotie::Progress;
-use taotie::asset::{Baker, Limits, Need, Proof, Report, ScanFile, VerifyOptions, Warning};
+use taotie::asset::{Baker, Limits, Need, Proof, Report, ScanFile, Warning};
 use taotie::io::FileSet;
 use taotie_report::bake_page;
 
@@ -57,7 +57,7 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
     let mut report = Report::of(&written)?;
     let proved = match args.no_verify {
         true => None,
-        false => Some(written.verify(scan, &VerifyOptions::default(), progress)),
+        false => Some(written.verify(scan, &args.verify_options(), progress)),
     };
     report.stages = clock.done();
     if let Some(proof) = proved {

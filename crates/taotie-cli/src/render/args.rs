@@ -6,17 +6,15 @@ use super::output::Formats;
 use super::plan::MotionArgs;
 use crate::options;
 use crate::studio::{
-    self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs,
+    self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs, SurfaceArgs,
 };
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use taotie::Warnings;
 use taotie::io::{FileSet, ImageFormat};
-use taotie::names::Named;
 use taotie::render::{Aovs, RenderSettings, SurfaceSettings};
 use taotie::scene::Scene;
-use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
 
 const EXAMPLES: &str = "\
@@ -39,17 +37,8 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
 
-    /// Reflectance model: lambert, phong, blinn-phong, blinn-phong-classic, cook-torrance, ggx, or
-    /// cook-torrance-printed, blinn-phong-printed, ggx-printed
-    #[arg(long, value_parser = options::named::<Shading>, default_value = "ggx", help_heading = "Surface")]
-    pub shading: Shading,
-    /// Source of the shading normals: facet, smooth, bump, bump-printed, object-normal, tangent-normal; the best that the
-    /// material provides if not given
-    #[arg(long, value_parser = options::named::<SurfaceMethod>, help_heading = "Surface")]
-    pub surface: Option<SurfaceMethod>,
-    /// Height of white for `bump`, model units; for `bump-printed` the factor s of Guo and Wang 2025, which has no unit
-    #[arg(long, value_name = "X", value_parser = options::number, allow_negative_numbers = true, help_heading = "Surface")]
-    pub bump_scale: Option<f64>,
+    #[command(flatten)]
+    pub surface: SurfaceArgs,
     #[command(flatten)]
     pub reflection: ReflectionArgs,
     #[command(flatten)]
@@ -93,9 +82,9 @@ impl RenderArgs {
         if let Some(unknown) = self.aovs.iter().find(|name| !Aovs::NAMES.contains(&name.as_str())) {
             bail!("--aov {unknown}: there is no such output; choose from: {}", Aovs::NAMES.join(", "));
         }
-        self.check_surface()?;
-        self.material.check(&[self.shading])?;
-        self.reflection.check(&[self.shading])?;
+        self.surface.check(Some(&self.material))?;
+        self.material.check(&[self.surface.shading])?;
+        self.reflection.check(&[self.surface.shading])?;
         self.light.check()?;
         self.camera.check()?;
         self.film.check(self.light.show_env)?;
@@ -114,36 +103,19 @@ impl RenderArgs {
         Ok(files.claim(&self.output)?)
     }
 
-    /// Refuses maps that the source of shading normals does not read.
-    fn check_surface(&self) -> Result<()> {
-        use SurfaceMethod::{Bump, BumpPrinted, ObjectNormal, TangentNormal};
-        let Some(surface) = self.surface else { return Ok(()) };
-        let bumps = matches!(surface, Bump | BumpPrinted);
-        let unread = [
-            ("--bump-scale", self.bump_scale.is_some() && !bumps),
-            ("--height-map", self.material.height_map.is_some() && !bumps),
-            (
-                "--normal-map",
-                self.material.normal_map.is_some() && !matches!(surface, ObjectNormal | TangentNormal),
-            ),
-        ];
-        match unread.iter().find(|(_, is)| *is) {
-            Some((option, _)) => {
-                bail!("{option}: --surface {} does not read it; leave one of them out", surface.name())
-            }
-            None => Ok(()),
-        }
-    }
-
     /// Notes what is asked for and not seen in this model: shadows without lights, heights that normal maps hide.
     pub fn note_unread(&self, scene: &Scene, warnings: &mut Warnings) {
         self.light.note_unread(scene, warnings);
         let maps = [SurfaceMethod::ObjectNormal, SurfaceMethod::TangentNormal];
-        let reads = self.surface.is_none_or(|surface| maps.contains(&surface));
+        let reads = self.surface.method.is_none_or(|surface| maps.contains(&surface));
         self.material.note_tangents(reads, scene, warnings);
-        let asked = self.bump_scale.is_some() || self.material.height_map.is_some();
+        let asked = self.surface.bump_scale.is_some() || self.material.height_map.is_some();
         let mut lifted = scene.materials().iter().filter(|material| material.height.is_some()).peekable();
-        if self.surface.is_none() && asked && lifted.peek().is_some() && lifted.all(|m| m.normal.is_some()) {
+        if self.surface.method.is_none()
+            && asked
+            && lifted.peek().is_some()
+            && lifted.all(|m| m.normal.is_some())
+        {
             warnings.note("heights are not read: a normal map goes first; add --surface bump to see them", 1);
         }
     }
@@ -164,22 +136,21 @@ impl RenderArgs {
 
     /// Returns the settings of the renderer.
     pub fn settings(&self) -> RenderSettings {
+        let shown = self.surface.settings();
         self.reflection.apply(RenderSettings {
             width: self.size[0],
             height: self.size[1],
             samples: self.film.samples(),
-            shading: self.shading,
             surface: SurfaceSettings {
-                method: self.surface,
                 tangents: self.material.tangents,
-                bump_scale: self.bump_scale.map(|scale| scale as f32),
                 simd: self.running.simd,
+                ..shown.surface
             },
             // Paths of light cannot but be cut off.
             shadows: self.light.shadows || self.integrator.reference().is_some(),
             ground: self.ground,
             aovs: !self.aovs.is_empty(),
-            ..RenderSettings::default()
+            ..shown
         })
     }
 

@@ -68,7 +68,7 @@ fn render(args: &RenderArgs, set: &FileSet) -> Result<Report> {
     limits.check(picture.as_str(), Bytes(pixel_bytes(&args.settings(), held)))?;
     let mut sky_warnings = Warnings::default();
     let (loaded, environment) = rayon::join(
-        || studio::load(&args.model, &args.material, args.bump_scale, &limits),
+        || studio::load(&args.model, &args.material, args.surface.bump_scale, &limits),
         || args.light.environment(&limits, &mut sky_warnings),
     );
     let (mut loaded, environment) = (loaded?, environment?);
@@ -118,8 +118,8 @@ impl Report {
             "integrator": args.integrator.json(),
             "device": self.machine.json(args.settings().shadows),
             "samples": args.integrator.reference().is_none().then(|| args.film.samples()),
-            "shading": args.shading.name(),
-            "surface": args.surface.map(|s| s.name()),
+            "shading": args.surface.shading.name(),
+            "surface": args.surface.method.map(|s| s.name()),
             "reflection": args.reflection.json(),
             "material": args.material.json(),
             "camera": self.setting.as_ref().map(|setting| &setting.camera),

@@ -2,16 +2,12 @@
 
 use super::target::Target;
 use crate::limits::LimitArgs;
-use crate::options;
-use crate::studio::ReflectionArgs;
+use crate::studio::{ReflectionArgs, SurfaceArgs};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
-use taotie::names::Named;
-use taotie::render::{RenderSettings, SurfaceSettings};
-use taotie::shade::Shading;
+use taotie::render::RenderSettings;
 use taotie::studio::{EnvironmentOptions, EnvironmentSource, MaterialOptions};
-use taotie::surface::SurfaceMethod;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -41,17 +37,8 @@ pub struct ShaderArgs {
     #[arg(long, value_name = "NAME", requires = "model")]
     pub variant: Option<String>,
 
-    /// Reflectance model: lambert, phong, blinn-phong, blinn-phong-classic, cook-torrance, ggx, or
-    /// cook-torrance-printed, blinn-phong-printed, ggx-printed
-    #[arg(long, value_parser = options::named::<Shading>, default_value = "ggx", help_heading = "Surface")]
-    pub shading: Shading,
-    /// Source of the shading normals: facet, smooth, bump, bump-printed, object-normal, tangent-normal; if not given the
-    /// best that the material provides, and smooth without a model
-    #[arg(long, value_parser = options::named::<SurfaceMethod>, help_heading = "Surface")]
-    pub surface: Option<SurfaceMethod>,
-    /// Height of white for `bump`, model units; for `bump-printed` the factor s of Guo and Wang 2025, which has no unit
-    #[arg(long, value_name = "X", value_parser = options::number, allow_negative_numbers = true, requires = "model", help_heading = "Surface")]
-    pub bump_scale: Option<f64>,
+    #[command(flatten)]
+    pub surface: SurfaceArgs,
     #[command(flatten)]
     pub reflection: ReflectionArgs,
     /// Environment light, whose maps are written too: `studio`, which is built in, an equirectangular .hdr or .exr, or
@@ -69,14 +56,11 @@ pub struct ShaderArgs {
 impl ShaderArgs {
     /// Refuses options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
-        self.reflection.check(&[self.shading])?;
-        let bumps = matches!(self.surface, None | Some(SurfaceMethod::Bump | SurfaceMethod::BumpPrinted));
-        match self.surface {
-            Some(surface) if self.bump_scale.is_some() && !bumps => {
-                bail!("--bump-scale: --surface {} does not read it; leave one of them out", surface.name())
-            }
-            _ => Ok(()),
+        self.reflection.check(&[self.surface.shading])?;
+        if self.model.is_none() && self.surface.bump_scale.is_some() {
+            bail!("--bump-scale: without a model there are no heights; name one");
         }
+        self.surface.check(None)
     }
 
     /// Returns the files that are named to be read.
@@ -101,14 +85,6 @@ impl ShaderArgs {
 
     /// Returns the settings that `taotie render` has with the same options.
     pub fn settings(&self) -> RenderSettings {
-        self.reflection.apply(RenderSettings {
-            shading: self.shading,
-            surface: SurfaceSettings {
-                method: self.surface,
-                bump_scale: self.bump_scale.map(|scale| scale as f32),
-                ..SurfaceSettings::default()
-            },
-            ..RenderSettings::default()
-        })
+        self.reflection.apply(self.surface.settings())
     }
 }

@@ -40,7 +40,7 @@ pub fn page(args: &ShaderArgs, shaders: &[Description], files: &[&str]) -> Page 
 fn facts(args: &ShaderArgs, shaders: &[Description]) -> Vec<Fact> {
     let mut facts = vec![
         Fact::new("Shaders", shaders.len().to_string()),
-        Fact::new("Reflectance model", args.shading.name()),
+        Fact::new("Reflectance model", args.surface.shading.name()),
     ];
     if let Some(environment) = &args.env {
         facts.push(Fact::new("Environment", environment));

@@ -39,7 +39,7 @@ impl Model {
         files.protect(&loaded.files)?;
         warnings.absorb(loaded.warnings);
         let lifted = loaded.scene.materials().iter().any(|material| material.height.is_some());
-        let unread = args.bump_scale.is_some() && !lifted;
+        let unread = args.surface.bump_scale.is_some() && !lifted;
         warnings.note("--bump-scale is not read: no material has a height map", usize::from(unread));
         let prepared = Prepared::new(loaded.scene, &args.settings().surface)
             .with_context(|| path.display().to_string())?;
@@ -110,7 +110,7 @@ impl Model {
 
 /// The variant of a plain material that has the map of the surface method.
 pub fn plain(args: &ShaderArgs) -> Drawn {
-    let (settings, surface) = (args.settings(), args.surface.unwrap_or(SurfaceMethod::Smooth));
+    let (settings, surface) = (args.settings(), args.surface.method.unwrap_or(SurfaceMethod::Smooth));
     let environment = args.environment().source.is_some();
     let options =
         VariantOptions { method: method(surface), ..VariantOptions::of_settings(&settings, environment) };
@@ -125,7 +125,7 @@ pub fn plain_material(args: &ShaderArgs) -> Material {
     let normal = |space| Some(NormalMap { texture, scale: 1.0, space, green: GreenChannel::Up });
     let height = |scale| Some(HeightMap { texture, scale });
     let plain = Material::default();
-    match args.surface.unwrap_or(SurfaceMethod::Smooth) {
+    match args.surface.method.unwrap_or(SurfaceMethod::Smooth) {
         SurfaceMethod::Facet | SurfaceMethod::Smooth => plain,
         SurfaceMethod::Bump => Material { height: height(1.0), ..plain },
         SurfaceMethod::BumpPrinted => Material { height: height(PRINTED_BUMP), ..plain },

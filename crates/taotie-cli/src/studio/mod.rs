@@ -8,7 +8,7 @@ mod unread;
 mod viewpoint;
 
 pub use args::{CameraArgs, FilmArgs, LightArgs, RunningArgs};
-pub use surface_args::{Green, MaterialArgs, ReflectionArgs, Space};
+pub use surface_args::{Green, MaterialArgs, ReflectionArgs, Space, SurfaceArgs};
 pub use taotie::studio::{Framing, Motion};
 pub use viewpoint::Viewpoint;
 

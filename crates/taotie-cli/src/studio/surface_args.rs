@@ -8,11 +8,56 @@ use std::path::PathBuf;
 use taotie::Warnings;
 use taotie::math::Vec3;
 use taotie::names::Named;
-use taotie::render::{GrazingNormals, RenderSettings};
+use taotie::render::{GrazingNormals, RenderSettings, SurfaceSettings};
 use taotie::scene::{GreenChannel, Material, NormalSpace, Scene};
 use taotie::shade::{Energy, Shading};
 use taotie::studio::{MapOptions, MaterialFactors, MaterialOptions};
-use taotie::surface::TangentMethod;
+use taotie::surface::{SurfaceMethod, TangentMethod};
+
+/// How the surface is shaded.
+#[derive(Args)]
+#[command(next_help_heading = "Surface")]
+pub struct SurfaceArgs {
+    /// Reflectance model: lambert, phong, blinn-phong, blinn-phong-classic, cook-torrance, ggx, or
+    /// cook-torrance-printed, blinn-phong-printed, ggx-printed
+    #[arg(long, value_parser = options::named::<Shading>, default_value = "ggx")]
+    pub shading: Shading,
+    /// Source of the shading normals: facet, smooth, bump, bump-printed, object-normal, tangent-normal; the best that the
+    /// material provides if not given
+    #[arg(id = "surface", long, value_name = "SURFACE", value_parser = options::named::<SurfaceMethod>)]
+    pub method: Option<SurfaceMethod>,
+    /// Height of white for `bump`, model units; for `bump-printed` the factor s of Guo and Wang 2025, which has no unit
+    #[arg(long, value_name = "X", value_parser = options::number, allow_negative_numbers = true)]
+    pub bump_scale: Option<f64>,
+}
+
+impl SurfaceArgs {
+    /// Refuses what the method asked for does not read: a height of white, and maps of `material`.
+    pub fn check(&self, material: Option<&MaterialArgs>) -> Result<()> {
+        use SurfaceMethod::{Bump, BumpPrinted, ObjectNormal, TangentNormal};
+        let Some(method) = self.method else { return Ok(()) };
+        let bumps = matches!(method, Bump | BumpPrinted);
+        let maps = matches!(method, ObjectNormal | TangentNormal);
+        let unread = [
+            ("--bump-scale", self.bump_scale.is_some() && !bumps),
+            ("--height-map", material.is_some_and(|m| m.height_map.is_some()) && !bumps),
+            ("--normal-map", material.is_some_and(|m| m.normal_map.is_some()) && !maps),
+        ];
+        match unread.iter().find(|(_, is)| *is) {
+            Some((option, _)) => {
+                bail!("{option}: --surface {} does not read it; leave one of them out", method.name())
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the settings of the renderer that show it.
+    pub fn settings(&self) -> RenderSettings {
+        let bump_scale = self.bump_scale.map(|scale| scale as f32);
+        let surface = SurfaceSettings { method: self.method, bump_scale, ..SurfaceSettings::default() };
+        RenderSettings { shading: self.shading, surface, ..RenderSettings::default() }
+    }
+}
 
 /// The material of the surface.
 #[derive(Args)]

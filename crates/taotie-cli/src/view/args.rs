@@ -1,15 +1,15 @@
 //! The options of `taotie view`.
 
 use crate::limits::LimitArgs;
-use crate::options;
-use crate::studio::{self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs};
+use crate::studio::{
+    self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, SurfaceArgs,
+};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use taotie::io::{FileSet, read_bytes};
 use taotie::render::{RenderSettings, SurfaceSettings};
 use taotie::shade::Shading;
-use taotie::surface::SurfaceMethod;
 use taotie_report::viewer::Bookmark;
 
 const EXAMPLES: &str = "\
@@ -50,17 +50,8 @@ pub struct ViewArgs {
     #[arg(long, value_name = "TEXT")]
     pub title: Option<String>,
 
-    /// Reflectance model shown first: lambert, phong, blinn-phong, blinn-phong-classic, cook-torrance, ggx, or
-    /// cook-torrance-printed, blinn-phong-printed, ggx-printed
-    #[arg(long, value_parser = options::named::<Shading>, default_value = "ggx", help_heading = "Surface")]
-    pub shading: Shading,
-    /// Source of the shading normals shown first: facet, smooth, bump, bump-printed, object-normal, tangent-normal; the
-    /// best that the material provides if not given
-    #[arg(long, value_parser = options::named::<SurfaceMethod>, help_heading = "Surface")]
-    pub surface: Option<SurfaceMethod>,
-    /// Height of white for `bump`, model units; for `bump-printed` the factor s of Guo and Wang 2025, which has no unit
-    #[arg(long, value_name = "X", value_parser = options::number, allow_negative_numbers = true, help_heading = "Surface")]
-    pub bump_scale: Option<f64>,
+    #[command(flatten)]
+    pub surface: SurfaceArgs,
     #[command(flatten)]
     pub reflection: ReflectionArgs,
     #[command(flatten)]
@@ -128,15 +119,11 @@ impl ViewArgs {
 
     /// Returns the settings that `taotie render` has with the same options.
     pub fn settings(&self) -> RenderSettings {
+        let shown = self.surface.settings();
         self.reflection.apply(RenderSettings {
             samples: self.film.samples(),
-            shading: self.shading,
-            surface: SurfaceSettings {
-                tangents: self.material.tangents,
-                bump_scale: self.bump_scale.map(|scale| scale as f32),
-                ..SurfaceSettings::default()
-            },
-            ..RenderSettings::default()
+            surface: SurfaceSettings { tangents: self.material.tangents, ..shown.surface },
+            ..shown
         })
     }
 

@@ -15,7 +15,7 @@ use taotie::asset::Bytes;
 use taotie::bake;
 use taotie::io::{FileSet, load_model_within};
 use taotie::math::SimdLevel;
-use taotie::render::{Prepared, RenderSettings, SurfaceSettings, scene_bytes};
+use taotie::render::{Prepared, SurfaceSettings, scene_bytes};
 use taotie_report::viewer::{self, ScanSubject, Subject, Viewer};
 
 /// Version of the JSON that `--json` prints.
@@ -48,7 +48,7 @@ pub fn run(args: &ViewArgs) -> Result<()> {
 fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<Viewer> {
     let limits = args.limits.limits();
     let environment = args.light.environment(&limits, warnings)?;
-    let loaded = studio::load(&args.model, &args.material, args.bump_scale, &limits)?;
+    let loaded = studio::load(&args.model, &args.material, args.surface.bump_scale, &limits)?;
     files.protect(&loaded.files)?;
     limits
         .check(format!("a page of {}", args.model.display()), Bytes(COPIES * scene_bytes(&loaded.scene)))?;
@@ -56,8 +56,9 @@ fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<V
     warnings.absorb(loaded.warnings);
     args.light.note_unread(&loaded.scene, warnings);
     let settings = args.settings();
-    let prepared =
-        Prepared::new(loaded.scene, &settings.surface).with_context(|| args.model.display().to_string())?;
+    // The surface's attributes are made for the best method; the page shows the one asked for.
+    let best = SurfaceSettings { method: None, ..settings.surface };
+    let prepared = Prepared::new(loaded.scene, &best).with_context(|| args.model.display().to_string())?;
     warnings.absorb(prepared.warnings().clone());
     let scan = args.scan.as_deref().map(|path| Scan::read(path, args, files, warnings)).transpose()?;
     let viewpoint = Viewpoint::choose(&args.camera, FRAMING, prepared.scene())?;
@@ -67,11 +68,7 @@ fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<V
         facts: &facts,
         bookmarks: &args.bookmarks()?,
         prepared: &prepared,
-        // The surface's attributes are made for the best method; the page shows the one asked for.
-        settings: &RenderSettings {
-            surface: SurfaceSettings { method: args.surface, ..settings.surface },
-            ..settings
-        },
+        settings: &settings,
         camera: &view.camera(),
         lighting: &studio::lighting(&args.light, environment.as_ref(), prepared.scene(), view)?,
         development: &args.film.development(SimdLevel::default())?,

@@ -163,7 +163,7 @@ fn refusals() {
         ("scan.obj -o out.glb --threads 0", "--threads 0: at least one thread is needed"),
         ("scan.obj -o out.glb --ray-distance 0", "0 is not above 0"),
         ("scan.obj -o out.glb --cage low.obj", "--low <LOW>"),
-        ("scan.obj --low low.obj --cage other.obj -o out.glb", "other.obj: the cage: it has [..] vertices"),
+        ("scan.obj --low low.obj --cage other.obj -o out.glb", "other.obj: the cage: it has [..] triangles"),
         (
             "scan.obj --low low.obj --cage low.obj -o out.glb",
             "vertices are not outside the low-poly mesh; move them outward",

@@ -1,6 +1,6 @@
 //! `taotie bake` onto a glTF file of several meshes and materials, or one that moves: all of it but the maps stays.
 
-use super::balls::{LOW, SCAN};
+use super::balls::{Ball, LOW, SCAN};
 use super::glb::{Glb, assert_same};
 use super::place::Place;
 use super::validator::assert_valid;
@@ -242,18 +242,40 @@ fn files_of_the_file_that_stays_are_not_written_over() {
 fn what_cannot_be_kept_is_refused_before_the_bake() {
     let (place, low) = start();
     place.write("low.glb", ship(&low));
-    place.write("cage.obj", LOW.obj());
+    place.write("other.obj", Ball { rings: 4, ..LOW }.obj());
     let why = "low.glb: a low-poly mesh of 3 materials is not supported: ";
     let said = refused(&place, "--lods 100");
     assert!(said.contains(&format!("{why}its file stays as it is, and levels of detail")), "{said}");
+    let said = refused(&place, "--cage other.obj");
+    assert!(said.contains("other.obj: the cage: it has"), "{said}");
+    let cage = Ball { radius: 1.2, ..LOW };
+    place.write("cage.obj", cage.obj_of(&cage.faces().into_iter().rev().collect::<Vec<_>>()));
     let said = refused(&place, "--cage cage.obj");
-    assert!(said.contains(&format!("{why}a cage is for one material")), "{said}");
+    assert!(said.contains("wood: cage.obj: the cage: "), "{said}");
+    let assert = place.taotie("bake scan.obj --low low.obj -o out.glb --cage cage.obj").assert().code(2);
+    let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+    assert!(said.contains("triangles are in another order"), "{said}");
     let assert = place.taotie("bake scan.obj --low low.glb -o normal.png --size 64").assert().code(2);
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     assert!(said.contains(&format!("{why}maps alone are for one material")), "{said}");
     assert!(!place.files().contains(&"normal.png".into()));
     let (said, _) = baked(&place, "-o out.glb --meshopt --no-verify");
     assert!(said.contains("meshes are not compressed: the low-poly mesh's file stays as it is"), "{said}");
+}
+
+#[test]
+fn a_cage_holds_all_materials() {
+    let (place, low) = start();
+    place.write("low.glb", ship(&low));
+    place.write("cage.obj", Ball { radius: 1.2, ..LOW }.obj());
+    let (said, report) = baked(&place, "-o out.glb --cage cage.obj");
+    assert!(!said.contains("missed"), "{said}");
+    assert_eq!(report["proof"]["missed_texels"], 0.0);
+    let parts = report["proof"]["parts"].as_array().map_or(0, Vec::len);
+    let mean = |report: &Value| report["proof"]["angles"]["mean"].as_f64().unwrap();
+    let (own, auto) = (mean(&report), mean(&baked(&place, "-o auto.glb").1));
+    assert!(parts == 3 && own < 2.0, "{parts} materials, {own} degrees");
+    assert!((own - auto).abs() < 0.1, "{own} and {auto} degrees");
 }
 
 #[test]

@@ -167,6 +167,7 @@ fn options_without_effect_are_told() {
         refused("shader a.obj --surface smooth --bump-scale 2 --target wgsl -o out")
             .contains("--bump-scale: --surface")
     );
+    assert!(refused("shader --surface bump --bump-scale 2 --target wgsl -o out").contains("without a model"));
     assert!(refused("shader --shading lambert --energy single --target wgsl -o out").contains("--energy"));
     place
         .taotie("shader a.obj --surface bump --bump-scale 2 --target wgsl -o out")

@@ -1,7 +1,7 @@
 //! `taotie bake` on real scans: pairs of high-poly and low-poly meshes, and scans alone. What is written is proved by
 //! the command itself and once more here, against meshes read anew.
 
-use crate::command::{json, number};
+use crate::command::{SMALL_VIEWS, json, number};
 use crate::common::absent;
 use crate::files::data_files;
 use crate::validator;
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 /// Bakes and gives back the report.
 fn bake(args: &[&str], folder: &Path) -> Value {
-    json(&[&["bake"], args].concat(), folder)
+    json(&[&["bake"], args, &SMALL_VIEWS].concat(), folder)
 }
 
 /// Folders of the data that hold `count` OBJ files, and these: the high-poly ones first.

@@ -4,6 +4,9 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
+/// Options of a bake whose views nobody looks at.
+pub const SMALL_VIEWS: [&str; 2] = ["--proof-view", "96"];
+
 /// Runs the command in a folder and gives back what it prints.
 pub fn json(args: &[&str], folder: &Path) -> Value {
     let run = Command::new(env!("CARGO_BIN_EXE_taotie"))

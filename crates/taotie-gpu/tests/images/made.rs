@@ -107,9 +107,18 @@ fn shadows_fall_where_the_processor_has_them() {
 #[test]
 fn the_ground_is_the_processors() {
     let Some(gpu) = gpu() else { return };
-    let ground = |settings: &mut RenderSettings| (settings.shadows, settings.ground) = (true, true);
     near("on the ground", scenes::embossed_sphere(NormalSpace::Tangent)).with(ground).check(&gpu);
+}
+
+#[test]
+#[ignore = "takes ten seconds"]
+fn the_ground_under_a_sky_is_the_processors() {
+    let Some(gpu) = gpu() else { return };
     near("on the ground under a sky", scenes::panes()).under_sky().with(ground).check(&gpu);
+}
+
+fn ground(settings: &mut RenderSettings) {
+    (settings.shadows, settings.ground) = (true, true);
 }
 
 #[test]

@@ -212,16 +212,24 @@ fn difference(ours: &[[f32; 4]], theirs: &[f32]) -> (f32, f32) {
     (largest, sum / count as f32)
 }
 
-#[test]
-fn webgl_shows_every_model_as_the_renderer() {
-    draw(
-        "webgl-models",
-        &shadings().map(|shading| case(shading, NormalMethod::TangentMap)).collect::<Vec<_>>(),
-    );
+/// Every so many of the models.
+fn models(step: usize) -> Vec<Case> {
+    shadings().step_by(step).map(|shading| case(shading, NormalMethod::TangentMap)).collect()
 }
 
 #[test]
-#[ignore = "takes half a minute; `make test` draws the models"]
+fn webgl_shows_every_fourth_model_as_the_renderer() {
+    draw("webgl-some-models", &models(4));
+}
+
+#[test]
+#[ignore = "takes a minute"]
+fn webgl_shows_every_model_as_the_renderer() {
+    draw("webgl-models", &models(1));
+}
+
+#[test]
+#[ignore = "takes half a minute"]
 fn webgl_shows_every_method_as_the_renderer() {
     draw("webgl-methods", &methods());
 }

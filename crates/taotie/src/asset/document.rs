@@ -1,7 +1,7 @@
 //! The glTF file of a low-poly mesh that stays as it is, but for what is baked into its materials.
 
 use super::low_file::Read;
-use super::options::{BakeOptions, MeshSource, RayDistance};
+use super::options::{BakeOptions, MeshSource};
 use crate::bake::MapKind;
 use crate::error::{Error, Result, Warnings};
 use crate::io::{self, GltfFormat, GltfGraft, GltfSource, Limits};
@@ -10,6 +10,7 @@ use crate::mesh::Mesh;
 use crate::scene::{Material, NormalSpace, Scene};
 use crate::surface::with_normals;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -55,11 +56,25 @@ pub(super) struct KeptMaterial {
     pub said: Material,
     /// `true` where colours of vertices go.
     pub drops_colors: bool,
+    /// Its triangles among all that the file shows.
+    pub triangles: Vec<Range<usize>>,
 }
 
 /// Returns the numbers of the materials that are shown, in order.
 pub(super) fn shown_materials(scene: &Scene) -> BTreeSet<usize> {
     scene.instances().iter().map(|instance| instance.material).collect()
+}
+
+/// Returns the triangles of each material among all that are shown.
+pub(super) fn triangles_by_material(scene: &Scene) -> BTreeMap<usize, Vec<Range<usize>>> {
+    let mut ranges: BTreeMap<usize, Vec<Range<usize>>> = BTreeMap::new();
+    let mut first = 0;
+    for instance in scene.instances() {
+        let end = first + scene.meshes()[instance.mesh].triangles().len();
+        ranges.entry(instance.material).or_default().push(first..end);
+        first = end;
+    }
+    ranges
 }
 
 /// Returns the file that an asset keeps; `None` where the mesh is made one with one material: in memory, of a single mesh
@@ -190,8 +205,7 @@ impl Shape {
 
     /// Says whether a file of another format is made glTF, so that its materials stay.
     fn becomes_gltf(&self, options: &BakeOptions) -> bool {
-        let is_caged = matches!(options.ray_distance, RayDistance::Cage(_));
-        self.materials > 1 && self.uvs == Uvs::All && options.lods.is_empty() && !is_caged
+        self.materials > 1 && self.uvs == Uvs::All && options.lods.is_empty()
     }
 
     /// Returns what cannot be done with it, and why.
@@ -215,10 +229,6 @@ impl Shape {
             (
                 several && options.keep_uvs,
                 "maps alone are for one material; give a mesh of one, or write a .glb",
-            ),
-            (
-                several && matches!(options.ray_distance, RayDistance::Cage(_)),
-                "a cage is for one material; give a ray distance, or bake the materials one by one",
             ),
             (
                 moves && options.space == NormalSpace::Object,

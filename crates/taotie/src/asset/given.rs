@@ -70,9 +70,11 @@ impl GivenMesh {
     fn of_document(document: Document, scene: Scene) -> Result<Self> {
         let numbers = shown_materials(&scene);
         let labels = document::labels(&scene, &numbers);
+        let mut triangles = document::triangles_by_material(&scene);
         let part = |(number, label): (usize, String)| {
             let material = scene.materials()[number].clone();
-            let own = KeptMaterial { number, label, said: material.clone(), drops_colors: false };
+            let triangles = triangles.remove(&number).unwrap_or_default();
+            let own = KeptMaterial { number, label, said: material.clone(), drops_colors: false, triangles };
             GivenPart { material, stripped: Stripped::default(), own: Some(own) }
         };
         let parts: Vec<GivenPart> = labels.into_iter().map(part).collect();
@@ -100,6 +102,12 @@ impl GivenMesh {
     /// Returns the number of materials that get maps of their own, at least 1.
     pub fn material_count(&self) -> u64 {
         self.parts.len() as u64
+    }
+
+    /// Returns the number of all its triangles.
+    pub fn triangle_count(&self) -> usize {
+        let meshes = self.scene.meshes();
+        self.scene.instances().iter().map(|instance| meshes[instance.mesh].triangles().len()).sum()
     }
 
     /// Returns its materials to be filled.

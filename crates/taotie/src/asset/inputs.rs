@@ -4,10 +4,11 @@ use super::given::GivenMesh;
 use super::low_file::{self, Read};
 use super::options::{BakeOptions, MeshSource, RayDistance};
 use crate::bake;
-use crate::error::{Result, Warnings};
+use crate::error::{Error, Result, Warnings};
 use crate::io::Limits;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
+use std::ops::Range;
 use std::path::PathBuf;
 
 /// The inputs of a bake beside the scan.
@@ -36,6 +37,35 @@ pub(super) struct CageMesh {
     pub source: MeshSource,
 }
 
+impl CageMesh {
+    /// Refuses a cage of another number of triangles than the low-poly mesh.
+    fn check(&self, count: usize) -> Result<()> {
+        let own = self.mesh.triangles().len();
+        if own == count {
+            return Ok(());
+        }
+        let why = "it must be the low-poly mesh with its vertices moved";
+        let error =
+            Error::invalid("the cage", format!("it has {own} triangles, the low-poly mesh {count}; {why}"));
+        Err(self.named(error))
+    }
+
+    /// Returns the cage of a part of the low-poly mesh that has these triangles of the whole.
+    pub fn part(&self, ranges: &[Range<usize>]) -> Result<Mesh> {
+        let (positions, all) = (self.mesh.positions().to_vec(), self.mesh.triangles());
+        let triangles = ranges.iter().flat_map(|range| all[range.clone()].iter().copied()).collect();
+        Mesh::new(MeshData { positions, triangles, ..MeshData::default() })
+    }
+
+    /// Returns the error with the file that it is about.
+    pub fn named(&self, error: Error) -> Error {
+        match (self.source.path(), error) {
+            (Some(path), Error::Invalid { what, why }) => Error::invalid(format!("{path}: {what}"), why),
+            (_, error) => error,
+        }
+    }
+}
+
 /// A way to read meshes that counts their files and faults.
 struct Reader<'a> {
     limits: &'a Limits,
@@ -61,6 +91,9 @@ impl Inputs {
             None => None,
         };
         let rays = reader.rays(&options.ray_distance)?;
+        if let (Some(given), Rays::Cage(cage)) = (&given, &rays) {
+            cage.check(given.triangle_count())?;
+        }
         let Reader { files, warnings, .. } = reader;
         Ok(Self { given, rays, files, warnings })
     }

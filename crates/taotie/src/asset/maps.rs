@@ -1,13 +1,13 @@
 //! The maps of one low-poly mesh: cage, projection, storing.
 
-use super::inputs::{CageMesh, Rays};
+use super::inputs::Rays;
 use super::judgement::{Pair, refuse_no_hit};
-use super::options::{BakeOptions, MeshSource};
+use super::low::LowPoly;
+use super::options::BakeOptions;
 use super::scan::Scan;
 use super::textures::Textures;
 use crate::bake::{self, BakeCounts, BakeInput, BakeSettings, Baked, Cage, Maps};
-use crate::error::{Error, Result};
-use crate::mesh::Mesh;
+use crate::error::Result;
 use crate::progress::Progress;
 
 /// Maps as they were baked.
@@ -35,7 +35,7 @@ pub(super) fn bake_maps(
 ) -> Result<StoredMaps> {
     let Pair { scan, low } = pair;
     progress.begin("measure the gap")?;
-    let cage = cage(rays, &low.mesh, scan)?;
+    let cage = cage(rays, low, scan)?;
     let settings = BakeSettings {
         size,
         side: options.side,
@@ -54,22 +54,16 @@ pub(super) fn bake_maps(
     Ok(StoredMaps { textures, counts, cage })
 }
 
-fn cage(rays: &Rays, low: &Mesh, scan: &Scan) -> Result<Cage> {
+fn cage(rays: &Rays, low: &LowPoly, scan: &Scan) -> Result<Cage> {
     match rays {
-        Rays::Auto => Ok(Cage::automatic(low, &scan.high)),
-        Rays::Uniform(distance) => Cage::uniform(low, *distance as f32),
-        Rays::Cage(CageMesh { mesh, source }) => {
-            Cage::from_mesh(low, mesh).map_err(|error| of_file(source, error))
+        Rays::Auto => Ok(Cage::automatic(&low.mesh, &scan.high)),
+        Rays::Uniform(distance) => Cage::uniform(&low.mesh, *distance as f32),
+        Rays::Cage(cage) => {
+            let made = match &low.own {
+                Some(own) => Cage::from_mesh(&low.mesh, &cage.part(&own.triangles)?),
+                None => Cage::from_mesh(&low.mesh, &cage.mesh),
+            };
+            made.map_err(|error| cage.named(error))
         }
-    }
-}
-
-/// Returns the error with the file that it is about.
-fn of_file(source: &MeshSource, error: Error) -> Error {
-    match (source, error) {
-        (MeshSource::File(path), Error::Invalid { what, why }) => {
-            Error::invalid(format!("{}: {what}", path.display()), why)
-        }
-        (_, error) => error,
     }
 }

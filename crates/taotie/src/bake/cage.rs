@@ -78,33 +78,27 @@ impl Cage {
         Ok(Self::new(directions, distances))
     }
 
-    /// Makes a cage from a cage mesh: the low-poly mesh with its vertices moved outward, in the same order. Projection
-    /// rays end at the cage, and go as far inward.
+    /// Makes a cage from a cage mesh: the low-poly mesh with its vertices moved outward and its triangles in the same
+    /// order. The vertices may be numbered otherwise, since hard edges and uv seams part them in one file and not in the
+    /// other. Projection rays end at the cage, and go as far inward.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where the cage has another number of vertices, or where it lies on the mesh or inside of it.
+    /// [`Error::Invalid`] where the cage has other triangles, or where it lies on the mesh or inside of it.
     pub fn from_mesh(low: &Mesh, cage: &Mesh) -> Result<Self> {
-        let (count, cage_count) = (low.positions().len(), cage.positions().len());
-        if count != cage_count || low.triangles() != cage.triangles() {
-            let why = format!(
-                "it has {cage_count} vertices and {} triangles, the low-poly mesh {count} and {}; it must be the low-poly \
-                 mesh with its vertices moved",
-                cage.triangles().len(),
-                low.triangles().len()
-            );
-            return Err(Error::invalid("the cage", why));
-        }
+        let places = places(low, cage)?;
         let normals = surface::vertex_normals(low);
-        let way = |i: usize| cage.positions()[i] - low.positions()[i];
-        let inside = (0..count).filter(|i| way(*i).dot(normals[*i]) <= 0.0).count();
+        let way = |i: usize| places[i].map(|place| place - low.positions()[i]);
+        let count = places.len();
+        let inside = (0..count).filter(|i| way(*i).is_some_and(|way| way.dot(normals[*i]) <= 0.0)).count();
         if inside > 0 {
             let why = format!(
                 "{inside} of its {count} vertices are not outside the low-poly mesh; move them outward"
             );
             return Err(Error::invalid("the cage", why));
         }
-        let distances: Vec<f32> = (0..count).map(|i| way(i).length()).collect();
-        let directions = (0..count).map(|i| way(i).normalize_or(normals[i])).collect();
+        let ways: Vec<Vec3> = (0..count).map(|i| way(i).unwrap_or(Vec3::splat(0.0))).collect();
+        let distances = ways.iter().map(|way| way.length()).collect();
+        let directions = ways.iter().zip(normals).map(|(way, normal)| way.normalize_or(normal)).collect();
         Ok(Self::new(directions, distances))
     }
 
@@ -144,6 +138,33 @@ impl Cage {
         let lines = parallel::collect(copy.positions().len(), |v| at(v).unwrap_or_default());
         let (directions, distances) = lines.into_iter().unzip();
         Self::new(directions, distances)
+    }
+}
+
+/// Returns the position in a cage mesh of each vertex of the low-poly mesh, by the corners of their triangles; `None` where
+/// no triangle has the vertex.
+fn places(low: &Mesh, cage: &Mesh) -> Result<Vec<Option<Vec3>>> {
+    let [count, cage_count] = [low, cage].map(|mesh| mesh.triangles().len());
+    let refused = |what: String| {
+        Error::invalid("the cage", format!("{what}; it must be the low-poly mesh with its vertices moved"))
+    };
+    if count != cage_count {
+        return Err(refused(format!("it has {cage_count} triangles, the low-poly mesh {count}")));
+    }
+    let mut places = vec![None; low.positions().len()];
+    let mut torn = 0;
+    for (own, outer) in low.triangles().iter().zip(cage.triangles()) {
+        for (v, w) in own.iter().zip(outer) {
+            let place = cage.positions()[*w as usize];
+            torn += usize::from(*places[*v as usize].get_or_insert(place) != place);
+        }
+    }
+    match torn {
+        0 => Ok(places),
+        _ => Err(refused(format!(
+            "{torn} corners of its triangles lie apart where the low-poly mesh's are one, so it is torn or its triangles \
+             are in another order"
+        ))),
     }
 }
 

@@ -25,6 +25,6 @@ pub use lane::{Lane, Mask};
 pub use mat::Mat4;
 pub use number::Number;
 pub use pack::{MOST_LANES, Pack};
-pub(crate) use pack::{at_most_eight, dispatch_eight, dispatch_pack};
+pub(crate) use pack::{at_least_baseline, at_most_eight, dispatch_eight, dispatch_pack, dispatch_registers};
 pub use simd::SimdLevel;
 pub use vec::{Vec2, Vec3};

@@ -238,6 +238,53 @@ macro_rules! dispatch_eight {
 }
 pub(crate) use dispatch_eight;
 
+/// Evaluates `call` once, with `$simd` the proof of a level that has registers: at the scalar level that of the
+/// processor's baseline. Everything that `call` runs must be `#[inline(always)]`, or it falls out of the level.
+///
+/// What emulates registers takes the compiler four times as long as all the levels that have them, so it is compiled only
+/// where there are none. `fearless_simd::dispatch!` would compile it everywhere, and SSE4.2, which is never chosen.
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+macro_rules! dispatch_registers {
+    ($level:expr, $simd:ident => $call:expr) => {{
+        use fearless_simd::{Level, Simd as _};
+        match $crate::math::at_least_baseline($level) {
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $call,
+            ),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $call,
+            ),
+            #[cfg(target_arch = "x86_64")]
+            Level::Sse2($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $call,
+            ),
+            #[cfg(target_arch = "aarch64")]
+            Level::Neon($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $call,
+            ),
+            _ => unreachable!("a level that `SimdLevel` does not name"),
+        }
+    }};
+}
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+macro_rules! dispatch_registers {
+    ($level:expr, $simd:ident => $call:expr) => {
+        fearless_simd::dispatch!($crate::math::at_least_baseline($level), $simd => $call)
+    };
+}
+pub(crate) use dispatch_registers;
+
+/// Returns the level; at the scalar level the processor's baseline.
+pub(crate) fn at_least_baseline(level: Level) -> Level {
+    if level.is_fallback() { Level::baseline() } else { level }
+}
+
 /// The level, or the next lower one whose packs hold eight.
 pub(crate) fn at_most_eight(level: Level) -> Level {
     #[cfg(target_arch = "x86_64")]

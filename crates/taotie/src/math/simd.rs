@@ -11,7 +11,7 @@ pub enum SimdLevel {
     /// The level that is fastest on this machine.
     #[default]
     Auto,
-    /// One number at a time.
+    /// One number at a time; what has no such form runs at the processor's baseline.
     Scalar,
     /// 128-bit registers, the baseline of x86-64.
     Sse2,

@@ -1,7 +1,8 @@
 //! Finds the many small triangles that can be seen at all, eight at a time and exactly.
 
 use super::{Faces, SUBPIXELS, Viewport};
-use fearless_simd::{Level, Simd, dispatch, i32x8, mask32x8, prelude::*};
+use crate::math::dispatch_registers;
+use fearless_simd::{Level, Simd, i32x8, mask32x8, prelude::*};
 
 /// Triangles that are looked at together: filled in one by one long before they are read as packs.
 pub(super) const BLOCK: usize = 64;
@@ -42,7 +43,7 @@ impl Culling {
 
     /// Tests the first `count` triangles of a block; the others must be there and may be anything.
     pub fn test(&self, corners: &Corners, count: usize) -> CullResult {
-        dispatch!(self.level, simd => self.block(simd, corners, count))
+        dispatch_registers!(self.level, simd => self.block(simd, corners, count))
     }
 
     #[inline(always)]

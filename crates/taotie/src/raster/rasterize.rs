@@ -4,8 +4,7 @@ use super::scan::scan;
 use super::sink::{InFront, Nearest};
 use super::{Bins, Layer, TilePlane, TileSample};
 use crate::error::Result;
-use crate::math::SimdLevel;
-use fearless_simd::dispatch;
+use crate::math::{SimdLevel, dispatch_registers};
 
 /// Fills `plane` with the nearest triangle of `bins` at a sample. At equal depth the
 /// triangle drawn first stays.
@@ -22,7 +21,7 @@ pub fn rasterize_opaque(
     plane.clear();
     if let (Some(ids), Some(depths)) = (plane.ids.first_chunk_mut(), plane.depths.first_chunk_mut()) {
         let mut sink = Nearest { ids, depths };
-        dispatch!(level, simd => scan(simd, bins, at, &mut sink));
+        dispatch_registers!(level, simd => scan(simd, bins, at, &mut sink));
     }
     Ok(())
 }
@@ -40,6 +39,6 @@ pub fn rasterize_layers(
     let level = simd.dispatch()?;
     let mut layers = Vec::new();
     let mut sink = InFront { opaque: &opaque.depths, layers: &mut layers };
-    dispatch!(level, simd => scan(simd, bins, at, &mut sink));
+    dispatch_registers!(level, simd => scan(simd, bins, at, &mut sink));
     Ok(layers)
 }

@@ -2,7 +2,8 @@
 
 use super::clip::ClipVolume;
 use super::{SUBPIXELS, Viewport};
-use fearless_simd::{Level, Simd, dispatch, f32x4, f32x8, f64x4, i32x8, prelude::*};
+use crate::math::dispatch_registers;
+use fearless_simd::{Level, Simd, f32x4, f32x8, f64x4, i32x8, prelude::*};
 use rayon::prelude::*;
 
 /// Vertices that a task takes at once.
@@ -38,7 +39,7 @@ impl ScreenVertices {
         let places = self.places.par_chunks_mut(BLOCK);
         let depths = self.depths.par_chunks_mut(BLOCK);
         clip.par_chunks(BLOCK).zip(places.zip(depths)).for_each(|(clip, (places, depths))| {
-            dispatch!(level, simd => Snap { simd, volume, size }.all(clip, places, depths));
+            dispatch_registers!(level, simd => Snap { simd, volume, size }.all(clip, places, depths));
         });
     }
 }

@@ -3,10 +3,10 @@
 use super::draw::Draw;
 use super::view::View;
 use crate::error::Result;
-use crate::math::{Mat4, SimdLevel, Vec3};
+use crate::math::{Mat4, SimdLevel, Vec3, dispatch_registers};
 use crate::parallel;
 use crate::raster::{Bins, Faces, Geometry, Viewport};
-use fearless_simd::{Level, Simd, dispatch, f64x4, prelude::*};
+use fearless_simd::{Level, Simd, f64x4, prelude::*};
 
 /// Vertices that a task takes at once.
 const BLOCK: usize = 4096;
@@ -49,7 +49,7 @@ fn project(positions: &[Vec3], clip_from_world: &Mat4, level: Level, clip: &mut 
     clip.resize(positions.len(), [0.0; 4]);
     parallel::pieces(clip, BLOCK, &|i, clip| {
         let positions = &positions[i * BLOCK..][..clip.len()];
-        dispatch!(level, simd => project_block(simd, clip_from_world, positions, clip));
+        dispatch_registers!(level, simd => project_block(simd, clip_from_world, positions, clip));
     });
 }
 

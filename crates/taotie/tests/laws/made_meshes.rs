@@ -162,6 +162,7 @@ fn models_by_others_stay_whole() {
 }
 
 #[test]
+#[ignore = "takes ten seconds"]
 fn levels_of_a_cart_are_hardly_turned_either() {
     let low = to(&cart(), 3_000).mesh;
     let base = unwrap(&low, &UnwrapOptions { size: 1024, padding: 2 }, Progress::SILENT).unwrap().mesh;

@@ -196,10 +196,21 @@ fn it_can_be_stopped() {
 
 #[test]
 fn scans_by_others_are_unwrapped() {
+    unwrap_scans(&[2_000]);
+}
+
+#[test]
+#[ignore = "takes ten seconds"]
+fn large_scans_by_others_are_unwrapped() {
+    unwrap_scans(&[10_000]);
+}
+
+/// Simplifies scans to so many triangles and unwraps them.
+fn unwrap_scans(counts: &[usize]) {
     for path in data_files("odedstein-meshes", &["obj"]) {
         let name = path.file_name().expect("a name").to_string_lossy().into_owned();
         let scan = load_model(&path).unwrap().scene.meshes()[0].clone();
-        for triangles in [2_000, 10_000] {
+        for triangles in counts.iter().copied() {
             let options = SimplifyOptions { triangles, ..SimplifyOptions::default() };
             let light = simplify(&scan, &options, Progress::SILENT).unwrap().mesh;
             let options = UnwrapOptions { size: 1024, padding: 3 };

@@ -90,13 +90,14 @@ impl Folds<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::fan::Shape;
     use super::*;
 
     const UP: Vec3 = Vec3::new(0.0, 0.0, 1.0);
     const CORNERS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
 
     fn doubled_areas(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<f64> {
-        triangles.iter().map(|t| super::super::fan::Shape::of(points, *t).vector.z).collect()
+        triangles.iter().map(|t| Shape::of(points, *t).vector.z).collect()
     }
 
     /// A square whose diagonal lies outside of it: one of its corners is drawn in past the other diagonal.
@@ -106,7 +107,7 @@ mod tests {
         points[1] = [0.3, 0.6, 0.0];
         let triangles = vec![[0, 1, 2], [0, 2, 3]];
         assert!(doubled_areas(&points, &triangles)[0] < 0.0);
-        let found = unfolded(&points, &[UP; 4], [triangles.as_slice(); 1].concat());
+        let found = unfolded(&points, &[UP; 4], triangles.clone());
         // One triangle of two is too many to be a fold.
         assert_eq!(found, triangles);
         let mut folds = Folds { fans: Fans::new(&points, triangles), normals: &[UP; 4], changed: false };
