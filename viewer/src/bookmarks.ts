@@ -3,6 +3,7 @@
 import { button, group } from "./controls";
 import type { Bookmark } from "./data";
 import { make, save } from "./dom";
+import { manifest } from "./iiif";
 import { texts } from "./texts";
 import type { Viewer } from "./viewer";
 
@@ -28,7 +29,15 @@ export function bookmarks(viewer: Viewer): HTMLElement {
         const json = `${JSON.stringify(all, null, 2)}\n`;
         save(`${data.title}.bookmarks.json`, new Blob([json], { type: "application/json" }));
     };
+    const address = make("input", { type: "url", "aria-label": texts.address, placeholder: texts.address });
+    if (location.protocol.startsWith("http")) address.value = new URL(".", location.href).href;
+    const keepManifest = (): void => {
+        if (!/^https?:/.test(address.value)) return address.focus();
+        const json = `${JSON.stringify(manifest(viewer, all, address.value), null, 2)}\n`;
+        save("manifest.json", new Blob([json], { type: "application/json" }));
+    };
     all.forEach(show);
     const actions = make("p", { class: "actions" }, button(texts.addBookmark, add), button(texts.saveBookmarks, keep));
-    return group(texts.bookmarks, all.length > 0, list, title, text, actions);
+    const iiif = make("p", { class: "actions" }, button(texts.saveManifest, keepManifest));
+    return group(texts.bookmarks, all.length > 0, list, title, text, actions, address, iiif);
 }

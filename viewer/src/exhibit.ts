@@ -8,29 +8,27 @@ import {
     type RawShaderMaterial,
     Scene,
     type Texture,
+    type Vector3,
     type WebGLRenderer,
     WireframeGeometry,
 } from "three";
 import { checker } from "./checker";
-import type { Data, ModelData } from "./data";
+import type { Data, ModelData, Orbit } from "./data";
 import { ErrorMaps } from "./error_map";
-import type { Blobs } from "./host";
 import { type Frame, Materials, PRINTED } from "./materials";
 import { isShaded } from "./modes";
 import { type Model, readModel } from "./model";
+import { ShadowMap } from "./shadows";
 import { BEST, type State } from "./state";
-import { Textures } from "./textures";
+import { type Source, Textures } from "./textures";
 
 const LINES = 0x6aa3ff;
 
 /** What all models share. */
-export interface Shared {
+export interface Shared extends Source {
     data: Data;
-    blobs: Blobs;
     frame: Frame;
     textures: Record<string, Texture>;
-    /** True where floats of 32 bits can be filtered. */
-    isFine: boolean;
 }
 
 export class Exhibit {
@@ -52,6 +50,10 @@ export class Exhibit {
         const textures = new Textures(told, model, shared);
         const materials = new Materials(shared.data, told, textures, shared.textures, shared.frame);
         return new Exhibit(shared, told, model, materials);
+    }
+
+    get lens(): Orbit {
+        return this.shared.data.camera!;
     }
 
     get surfaces(): number {
@@ -92,6 +94,7 @@ export class Showing {
     private readonly scene = new Scene();
     readonly meshes: Mesh[];
     private readonly wires: LineSegments[] = [];
+    private shadow: ShadowMap | undefined;
 
     constructor(private readonly exhibit: Exhibit) {
         this.meshes = exhibit.model.geometries.map((geometry) => new Mesh(geometry));
@@ -115,6 +118,16 @@ export class Showing {
 
     draw(renderer: WebGLRenderer, camera: PerspectiveCamera): void {
         renderer.render(this.scene, camera);
+    }
+
+    /** Draws what a light in this direction sees, for the shadows. */
+    cast(renderer: WebGLRenderer, to: Vector3): ShadowMap {
+        const { scene } = this;
+        this.shadow ??= new ShadowMap(this.exhibit.lens);
+        scene.overrideMaterial = this.shadow.material;
+        this.shadow.cast(renderer, to, (camera) => renderer.render(scene, camera));
+        scene.overrideMaterial = null;
+        return this.shadow;
     }
 
     private showWires(shown: boolean): void {

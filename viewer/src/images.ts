@@ -17,6 +17,7 @@ import {
     RGBAFormat,
     SRGBColorSpace,
     Texture,
+    UnsignedShortType,
     RepeatWrapping,
     ClampToEdgeWrapping,
     MirroredRepeatWrapping,
@@ -93,50 +94,89 @@ function levels(finest: Level, channels: number): Level[] {
     return all;
 }
 
-const half = DataUtils.toHalfFloat;
+const word = new Float32Array(1);
+const bits = new Uint32Array(word.buffer);
 
-/** A level of vectors as texels: (n + 1)/2, and the variance 1 − |mean|². */
-function normalTexels({ numbers, width, height }: Level): { data: Uint16Array; width: number; height: number } {
-    const data = new Uint16Array(4 * width * height);
-    for (let from = 0, to = 0; to < data.length; from += 3, to += 4) {
-        const [x, y, z] = [numbers[from]!, numbers[from + 1]!, numbers[from + 2]!];
-        data[to] = half((x + 1) / 2);
-        data[to + 1] = half((y + 1) / 2);
-        data[to + 2] = half((z + 1) / 2);
-        data[to + 3] = half(Math.max(0, 1 - x * x - y * y - z * z));
-    }
-    return { data, width, height };
+/** The half float that is nearest to a number from 0 to 1. */
+function half(value: number): number {
+    word[0] = value;
+    // three.js drops the lower bits.
+    bits[0]! += value > 0 ? 0x1000 : 0;
+    return DataUtils.toHalfFloat(word[0]!);
 }
 
-/** A normal map whose levels say how far their vectors diverge. `code` returns a channel of a texel in [0, 1]. */
-function normalTexture(finest: Level, use: TextureUse): Texture {
-    const { numbers, width, height } = finest;
-    for (let i = 0; i < numbers.length; i += 3) {
-        const [x, y, z] = [2 * numbers[i]! - 1, 2 * numbers[i + 1]! - 1, 2 * numbers[i + 2]! - 1];
-        const length = Math.sqrt(x * x + y * y + z * z) || 1;
-        numbers[i] = x / length;
-        numbers[i + 1] = y / length;
-        numbers[i + 2] = z / length;
+/** The number of the largest code. */
+const TOP = 65535;
+
+/** A level of a normal map: codes of (n + 1)/2, and of the variance 1 − |mean|² of the vectors that it stands for. */
+interface Normals {
+    data: Uint16Array;
+    width: number;
+    height: number;
+}
+
+/** The next level, as the renderer has it: means of unit vectors. Those of the finest level have any length. */
+function halvedNormals({ data, width, height }: Normals, isFinest: boolean): Normals {
+    const [w, h] = [Math.max(1, width >> 1), Math.max(1, height >> 1)];
+    const [right, below] = [width > 1 ? 4 : 0, height > 1 ? 4 * width : 0];
+    const means = new Uint16Array(4 * w * h);
+    for (let y = 0, to = 0; y < h; y++) {
+        for (let x = 0; x < w; x++, to += 4) {
+            const from = 4 * (2 * y * (height > 1 ? width : 0) + 2 * x * (width > 1 ? 1 : 0));
+            let [sx, sy, sz] = [0, 0, 0];
+            for (let tap = 0; tap < 4; tap++) {
+                const at = from + (tap & 1 ? right : 0) + (tap & 2 ? below : 0);
+                const [nx, ny, nz] = [(2 * data[at]!) / TOP - 1, (2 * data[at + 1]!) / TOP - 1, (2 * data[at + 2]!) / TOP - 1];
+                const length = isFinest ? Math.sqrt(nx * nx + ny * ny + nz * nz) || 1 : 1;
+                sx += nx / length;
+                sy += ny / length;
+                sz += nz / length;
+            }
+            [sx, sy, sz] = [sx / 4, sy / 4, sz / 4];
+            means[to] = ((sx + 1) / 2) * TOP + 0.5;
+            means[to + 1] = ((sy + 1) / 2) * TOP + 0.5;
+            means[to + 2] = ((sz + 1) / 2) * TOP + 0.5;
+            means[to + 3] = Math.max(0, 1 - sx * sx - sy * sy - sz * sz) * TOP + 0.5;
+        }
     }
-    const mipmaps = levels(finest, 3).map(normalTexels);
-    const texture = new DataTexture(mipmaps[0]!.data, width, height, RGBAFormat, HalfFloatType);
+    return { data: means, width: w, height: h };
+}
+
+/** A normal map of its finest level. `isWide` says whether the driver filters codes of 16 bits; else they are half floats. */
+function normalTexture(finest: Normals, use: TextureUse, isWide: boolean): Texture {
+    const all = [finest];
+    for (let last = finest; last.width > 1 || last.height > 1; all.push(last)) last = halvedNormals(last, last === finest);
+    const halves = (level: Normals) => ({ ...level, data: level.data.map((code) => half(code / TOP)) });
+    const mipmaps = isWide ? all : all.map(halves);
+    const type = isWide ? UnsignedShortType : HalfFloatType;
+    const texture = new DataTexture(mipmaps[0]!.data, finest.width, finest.height, RGBAFormat, type);
+    texture.normalized = isWide;
     texture.mipmaps = mipmaps as unknown as typeof texture.mipmaps;
     return sampled(texture, use);
 }
 
 /** A normal map of an image. */
-export function imageNormals(image: ImageBitmap, use: TextureUse): Texture {
+export function imageNormals(image: ImageBitmap, use: TextureUse, isWide: boolean): Texture {
     const { width, height } = image;
     const context = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true })!;
     context.drawImage(image, 0, 0);
-    const { data } = context.getImageData(0, 0, width, height);
-    const numbers = new Float32Array(3 * width * height);
-    for (let from = 0, to = 0; to < numbers.length; from += 4, to += 3) {
-        numbers[to] = data[from]! / 255;
-        numbers[to + 1] = data[from + 1]! / 255;
-        numbers[to + 2] = data[from + 2]! / 255;
+    const codes = context.getImageData(0, 0, width, height).data;
+    const data = new Uint16Array(codes.length);
+    for (let i = 0; i < data.length; i += 4) {
+        data[i] = 257 * codes[i]!;
+        data[i + 1] = 257 * codes[i + 1]!;
+        data[i + 2] = 257 * codes[i + 2]!;
     }
-    return normalTexture({ numbers, width, height }, use);
+    return normalTexture({ data, width, height }, use, isWide);
+}
+
+/** A normal map of numbers. */
+export function codedNormals(all: Uint16Array, { width, height, from }: Codes, use: TextureUse, isWide: boolean): Texture {
+    const data = new Uint16Array(4 * width * height);
+    for (let texel = 0; texel < width * height; texel++) {
+        data.set(all.subarray(from + 3 * texel, from + 3 * texel + 3), 4 * texel);
+    }
+    return normalTexture({ data, width, height }, use, isWide);
 }
 
 /** The texels of a texture that is stored as numbers of 16 bits. */
@@ -144,10 +184,6 @@ function floats(all: Uint16Array, { width, height, channels, from }: Codes): Lev
     const codes = all.subarray(from, from + width * height * channels);
     return { numbers: Float32Array.from(codes, (code) => code / 65535), width, height };
 }
-
-/** A normal map of numbers. */
-export const codedNormals = (all: Uint16Array, codes: Codes, use: TextureUse): Texture =>
-    normalTexture(floats(all, codes), use);
 
 /** A height map of numbers, in red. */
 export function codedHeights(all: Uint16Array, codes: Codes, use: TextureUse, isFine: boolean): Texture {

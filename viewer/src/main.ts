@@ -25,18 +25,18 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
     /** Keeps the link of a page that is about what it shows. */
     address: Address = pageAddress;
     private viewer: Viewer | undefined;
-    private readonly root = make("div", { id: "viewer" });
+    private readonly shadow = this.attachShadow({ mode: "open" });
+    private isOpen = false;
     private loads = 0;
 
     constructor() {
         super();
-        const shadow = this.attachShadow({ mode: "open" });
-        shadow.adoptedStyleSheets = [sheet];
-        shadow.append(this.root);
+        this.shadow.adoptedStyleSheets = [sheet];
     }
 
     connectedCallback(): void {
-        if (!this.viewer) void this.load();
+        // What a page already holds is told its attributes first.
+        if (!this.isOpen) void this.load();
     }
 
     disconnectedCallback(): void {
@@ -53,11 +53,13 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
     private close(): void {
         this.viewer?.close();
         this.viewer = undefined;
+        this.isOpen = false;
         this.loads += 1;
     }
 
     private async load(): Promise<void> {
         this.close();
+        this.isOpen = true;
         const load = this.loads;
         const viewer = await mount(this.host());
         if (load !== this.loads) return viewer?.close();
@@ -71,7 +73,10 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
     }
 
     private host(): Host {
-        const { src, root, isMain } = this;
+        const { src, isMain } = this;
+        // Its own, so that what was overtaken adds nothing to it.
+        const root = make("div", { id: "viewer" });
+        this.shadow.replaceChildren(root);
         const blobs = src ? ofFolder(new URL(src.endsWith("/") ? src : `${src}/`, document.baseURI)) : ofPage;
         return { element: this, root, blobs, address: isMain ? this.address : undefined, isFolded: !isMain };
     }

@@ -12,6 +12,7 @@ import {
 } from "three";
 import type { Data, Dress, ModelData, Shader, Surface } from "./data";
 import { inMode } from "./modes";
+import { ShadowUniforms, VISIBILITY } from "./shadows";
 import type { Textures } from "./textures";
 
 /** The lights that a shader holds, and the numbers of each. */
@@ -36,6 +37,7 @@ function block(name: string, numbers: Float32Array): UniformsGroup {
 
 /** The uniform blocks that all surfaces share. */
 export class Frame {
+    readonly shadows = new ShadowUniforms();
     private readonly places: Map<string, number>;
     private readonly frame: Float32Array;
     private readonly lights = new Float32Array(MOST_LIGHTS * LIGHT);
@@ -99,7 +101,7 @@ export class Materials {
         return new RawShaderMaterial({
             glslVersion: GLSL3,
             vertexShader: joined(this.data, shader.vertex),
-            fragmentShader: `#define main radiance_main\n${fragment}${ENDED}`,
+            fragmentShader: `#define main radiance_main\n${fragment}${VISIBILITY}${ENDED}`,
             uniforms: await this.uniforms(surface, dress, shader, method === PRINTED),
             uniformsGroups: this.groups(shader),
             side: surface.double_sided ? DoubleSide : FrontSide,
@@ -126,6 +128,7 @@ export class Materials {
             const value = use ? await this.textures.get(surface, slot, use) : this.frameTextures[slot];
             return [slot, { value }] as const;
         });
-        return { material: { value: Object.fromEntries(single) }, ...Object.fromEntries(await Promise.all(textures)) };
+        const material = { value: Object.fromEntries(single) };
+        return { material, ...this.frame.shadows.all, ...Object.fromEntries(await Promise.all(textures)) };
     }
 }

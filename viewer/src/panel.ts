@@ -63,6 +63,7 @@ function raking(viewer: Viewer): HTMLElement {
         }),
         range(viewer, texts.strength, factor(10), { get: ({ strength }) => strength, set: (strength) => ({ strength }) }),
         range(viewer, texts.fill, factor(1), { get: ({ fill }) => fill, set: (fill) => ({ fill }) }),
+        toggle(viewer, texts.shadows, { get: ({ shadows }) => shadows, set: (shadows) => ({ shadows }) }),
         choice(viewer, texts.fixed, FIXED.map((value) => ({ value, name: texts.fixedTo[value]! })), {
             get: ({ fixed }) => fixed,
             set: (fixed) => refixed(viewer.state, fixed),

@@ -14,10 +14,11 @@ import type { Data } from "./data";
 import { Exhibit, type Shared, Showing } from "./exhibit";
 import { type Development, Film } from "./film";
 import type { Blobs } from "./host";
-import { ambient, environment, lights } from "./light";
+import { ambient, environment, lights, toLight } from "./light";
 import { Frame } from "./materials";
 import { isNumbers, isShaded } from "./modes";
 import { place } from "./orbit";
+import type { ShadowMap } from "./shadows";
 import { type State, TONES } from "./state";
 import { texts } from "./texts";
 import { frameTextures } from "./textures";
@@ -32,6 +33,7 @@ export class Stage {
     /** What stands right of the wipe's handle, by its name. */
     private readonly besides = new Map<string, Promise<Showing>>();
     private beside: Showing | undefined;
+    private readonly shadows = new Map<Showing, ShadowMap>();
 
     private constructor(
         readonly renderer: WebGLRenderer,
@@ -46,7 +48,8 @@ export class Stage {
     static async load(canvas: HTMLCanvasElement, data: Data, blobs: Blobs): Promise<Stage> {
         const renderer = opened(canvas);
         const isFine = renderer.extensions.has("OES_texture_float_linear");
-        const shared = { data, blobs, frame: new Frame(data), textures: await frameTextures(data, blobs), isFine };
+        const isWide = renderer.extensions.has("EXT_texture_norm16");
+        const shared = { data, blobs, frame: new Frame(data), textures: await frameTextures(data, blobs), isFine, isWide };
         return new Stage(renderer, shared, await Exhibit.load(0, shared));
     }
 
@@ -77,6 +80,11 @@ export class Stage {
         frame.set("environment_cos", cos);
         frame.set("environment_intensity", factor);
         frame.set("spacing", 1 / Math.sqrt(samples));
+        const isShadowed = state.shadows && state.light === "raking" && isShaded(state.mode);
+        for (const showing of [this.main, this.beside]) {
+            if (showing && isShadowed) this.shadows.set(showing, showing.cast(this.renderer, toLight(state)));
+            else if (showing) this.shadows.delete(showing);
+        }
         this.film.take(size, samples, development(state, data), (sample, target) => {
             this.place(state, size, samples > 1 ? sample : -1);
             this.sample(state, size, target);
@@ -126,6 +134,7 @@ export class Stage {
         const part = (from: number, to: number, showing: Showing): void => {
             target.scissorTest = beside !== undefined;
             target.scissor.set(from, 0, to - from, height);
+            this.shared.frame.shadows.ask(this.shadows.get(showing));
             renderer.setRenderTarget(target);
             if (to > from) showing.draw(renderer, camera);
         };

@@ -50,6 +50,7 @@ export function firstState({ camera, light, film, shading, method }: Data): Stat
         fixed: "viewer",
         strength: 3,
         fill: 0.05,
+        shadows: false,
         environment: [environment?.rotation ?? 0, environment?.intensity ?? 1],
         exposure: film.exposure,
         tone: film.tone,

@@ -30,6 +30,15 @@ export async function frameTextures({ tables, light }: Data, blob: Blobs): Promi
     return textures;
 }
 
+/** What textures need of the page and of the driver. */
+export interface Source {
+    blobs: Blobs;
+    /** True where floats of 32 bits can be filtered. */
+    isFine: boolean;
+    /** True where codes of 16 bits can. */
+    isWide: boolean;
+}
+
 /** The textures of surfaces, each made once. */
 export class Textures {
     private readonly made = new Map<string, Promise<Texture>>();
@@ -38,7 +47,7 @@ export class Textures {
     constructor(
         private readonly data: ModelData,
         private readonly model: Model,
-        private readonly shared: { blobs: Blobs; isFine: boolean },
+        private readonly source: Source,
     ) {}
 
     /** The texture in a slot of a surface. */
@@ -52,14 +61,15 @@ export class Textures {
 
     private async make({ material }: Surface, slot: string, use: TextureUse): Promise<Texture> {
         const { codes, encoding } = this.data.textures[use.texture]!;
+        const { isFine, isWide } = this.source;
         const isNormal = slot.endsWith("normal_texture");
         if (codes && (slot === "height_texture" || encoding === "normal")) {
-            this.codes ??= this.shared.blobs(this.data.codes).then((bytes) => new Uint16Array(bytes));
+            this.codes ??= this.source.blobs(this.data.codes).then((bytes) => new Uint16Array(bytes));
             const all = await this.codes;
-            return isNormal ? codedNormals(all, codes, use) : codedHeights(all, codes, use, this.shared.isFine);
+            return isNormal ? codedNormals(all, codes, use, isWide) : codedHeights(all, codes, use, isFine);
         }
         const { bytes, type } = await this.model.image(material, slot);
         const image = await decoded(bytes, type);
-        return isNormal ? imageNormals(image, use) : imageTexture(image, use, encoding === "srgb");
+        return isNormal ? imageNormals(image, use, isWide) : imageTexture(image, use, encoding === "srgb");
     }
 }

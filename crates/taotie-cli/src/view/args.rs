@@ -18,6 +18,7 @@ Examples:
   taotie view vase.glb -o vase.html
   taotie view vase.glb --light \"directional from=-75,10 strength=4\" -o raking.html
   taotie view vase.glb --env studio --folder site
+  taotie view vase.glb --folder site --address https://museum.example/vase
   taotie view vase.glb --scan vase-scan.ply -o proof.html
 
 The page shows what `taotie render` draws with the same options, by any reflectance model and surface method; light and \
@@ -35,6 +36,10 @@ pub struct ViewArgs {
     /// Write the page and the model side by side into a folder, for a web server
     #[arg(long, value_name = "DIR", conflicts_with = "output")]
     pub folder: Option<PathBuf>,
+    /// Where the folder will be published: writes IIIF manifests into it, `manifest.json` by version 4 of the Presentation
+    /// API, `manifest-3.json` by version 3
+    #[arg(long, value_name = "URL", requires = "folder", value_parser = web_address)]
+    pub address: Option<String>,
     /// The scan that the model was baked from: the page shows it beside the model, and the error of the model's normals
     #[arg(long, value_name = "SCAN")]
     pub scan: Option<PathBuf>,
@@ -64,6 +69,14 @@ pub struct ViewArgs {
     pub json: bool,
 }
 
+/// An address on the web, as IIIF wants it.
+fn web_address(text: &str) -> Result<String, String> {
+    let is_whole = ["http://", "https://"].iter().any(|scheme| {
+        text.strip_prefix(scheme).is_some_and(|rest| !rest.is_empty() && !rest.contains(['#', '?', ' ']))
+    });
+    is_whole.then(|| text.to_owned()).ok_or_else(|| "no address of a folder that begins with http:// or https://".into())
+}
+
 /// The picture that the first camera frames.
 pub const FRAMING: Framing = Framing { size: [1024, 1024], all_around: false };
 
@@ -80,7 +93,7 @@ impl ViewArgs {
             bail!("--show-env: the page shows a plain background; leave it out");
         }
         if self.light.shadows {
-            bail!("--shadows: the page draws none; leave it out, or take `taotie render`");
+            bail!("--shadows: the page draws those of its raking light, where it is asked to; leave it out, or take `taotie render`");
         }
         match &self.output {
             Some(path) if path.extension().is_none_or(|end| !end.eq_ignore_ascii_case("html")) => {

@@ -103,7 +103,8 @@ impl Scan {
 fn write(args: &ViewArgs, viewer: &Viewer, files: &FileSet) -> Result<Vec<PathBuf>> {
     let (path, pages) = match (&args.output, &args.folder) {
         (_, Some(folder)) => {
-            let pages = viewer.files();
+            let mut pages = viewer.files();
+            pages.extend(args.address.iter().flat_map(|address| viewer.manifests(address)));
             let written = pages.iter().map(|file| folder.join(&file.name)).collect::<Vec<_>>();
             for (path, file) in written.iter().zip(&pages) {
                 files.write_bytes(path, &file.bytes)?;

@@ -137,18 +137,16 @@ fn pages_do_what_hand_and_keys_ask_for() {
     let bookmarks = folder.join("bookmarks.json");
     let rim = json!([{ "title": "The rim <i>", "text": "", "link": "light=raking&from=-75,10" }]);
     std::fs::write(&bookmarks, rim.to_string()).unwrap();
-    let write = |option: &str, name: &str| {
-        let own = vec!["view".into(), text(&vessel.model), option.into(), text(&folder.join(name))];
-        run(
-            &[own, subject.heights(), words("--samples 1"), vec!["--bookmarks".into(), text(&bookmarks)]]
-                .concat(),
-            &folder,
-        );
+    let write = |options: &str, name: &str| {
+        let own = vec!["view".into(), text(&vessel.model), "--bookmarks".into(), text(&bookmarks)];
+        let to = [words(options), vec![text(&folder.join(name))]].concat();
+        run(&[own, subject.heights(), words("--samples 1"), to].concat(), &folder);
     };
     write("-o", "view.html");
-    write("--folder", "site");
+    write("--address https://museum.example/vase --folder", "site");
     write_proof(&folder);
     write_report(&folder);
+    write_module(&folder);
     node.run(&["--test", "--test-reporter=spec", "viewer.test.mjs"], &folder);
 }
 
@@ -181,14 +179,28 @@ fn write_report(folder: &Path) {
     run(&[words("bake --triangles 300 --size 64"), vec![high, "-o".into(), baked]].concat(), folder);
 }
 
+/// The folder of the page's script, where its packages are installed.
+fn source() -> Option<PathBuf> {
+    let viewer = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../viewer");
+    let is_there = viewer.join("node_modules/esbuild").is_dir();
+    if !is_there {
+        common::absent("no packages in viewer; `make tools` installs them");
+    }
+    is_there.then_some(viewer)
+}
+
+/// Builds the module for npm into a folder.
+fn write_module(folder: &Path) {
+    let Some(viewer) = source() else { return };
+    let built = Command::new("node").args(["build.mjs", "--module"]).arg(folder).current_dir(viewer).output();
+    let built = built.unwrap();
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+}
+
 /// The script that pages hold is built from what lies in `viewer`.
 #[test]
 fn the_script_is_built_from_its_source() {
-    let viewer = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../viewer");
-    if !viewer.join("node_modules/esbuild").is_dir() {
-        common::absent("no packages in viewer; `make tools` installs them");
-        return;
-    }
+    let Some(viewer) = source() else { return };
     for script in ["check", "compare"] {
         let run =
             Command::new("npm").args(["run", "--silent", script]).current_dir(&viewer).output().unwrap();

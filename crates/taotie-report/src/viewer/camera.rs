@@ -9,19 +9,19 @@ use taotie::scene::{Bounds, Camera, Projection};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(super) struct Orbit {
     /// Degrees to the right of the front, which is +z.
-    azimuth: f64,
+    pub azimuth: f64,
     /// Degrees above the horizon.
-    elevation: f64,
+    pub elevation: f64,
     /// Model units.
-    distance: f64,
+    pub distance: f64,
     /// World space.
-    target: [f64; 3],
+    pub target: [f64; 3],
     /// The vertical angle of view, degrees, in a picture of this width over height or wider.
-    fov_y: f64,
-    aspect: f64,
+    pub fov_y: f64,
+    pub aspect: f64,
     /// The middle and the radius of a sphere around the model.
-    center: [f64; 3],
-    radius: f64,
+    pub center: [f64; 3],
+    pub radius: f64,
 }
 
 /// The vertical angle of view where the camera has none, degrees.

@@ -2,6 +2,7 @@
 
 use super::blob::Blob;
 use super::camera::Orbit;
+use super::iiif::Outline;
 use super::light::{Light, light};
 use super::scan::{Errors, errors, known_errors};
 use super::shaders::{FrameLayout, Shaders, Texts};
@@ -63,6 +64,18 @@ struct Film {
 }
 
 impl Data<'_> {
+    /// What manifests tell of the page.
+    pub fn outline(&self) -> Outline {
+        Outline {
+            title: self.title.into(),
+            facts: self.facts.into(),
+            bookmarks: self.bookmarks.into(),
+            camera: self.camera,
+            lights: self.light.lights.clone(),
+            ambient: self.light.ambient,
+        }
+    }
+
     /// The data as JSON.
     pub fn json(&self) -> Vec<u8> {
         serde_json::to_vec(self).expect("the data have only text keys")

@@ -12,9 +12,9 @@ use taotie_shader::{EnvironmentAtlas, MOST_LIGHTS, light_numbers};
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Light {
     /// Sixteen numbers a light.
-    lights: Vec<[f32; 16]>,
+    pub lights: Vec<[f32; 16]>,
     /// Radiance from all around.
-    ambient: [f32; 3],
+    pub ambient: [f32; 3],
     environment: Option<EnvironmentMaps>,
 }
 

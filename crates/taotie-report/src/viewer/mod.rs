@@ -12,6 +12,7 @@ mod camera;
 mod data;
 mod document;
 mod halves;
+mod iiif;
 mod light;
 mod scan;
 mod shaders;
@@ -24,6 +25,7 @@ pub use scan::{MOST_TRIANGLES, MeasuredErrors, ScanSubject, scene_to_show};
 
 use crate::{Fact, Page};
 use blob::Blob;
+use iiif::Outline;
 use taotie::film::Development;
 use taotie::render::{Lighting, Prepared, RenderSettings};
 use taotie::scene::Camera;
@@ -66,7 +68,7 @@ pub struct PageFile {
 
 /// A page that shows a model in a browser.
 pub struct Viewer {
-    title: String,
+    outline: Outline,
     blobs: Vec<Blob>,
     /// Content that the page lacks or changes.
     pub warnings: Warnings,
@@ -80,13 +82,14 @@ impl Viewer {
     pub fn new(subject: &Subject<'_>) -> Result<Self> {
         let mut warnings = Warnings::default();
         let (data, blobs) = data::data(subject, &mut warnings)?;
+        let outline = data.outline();
         let blobs = std::iter::once(Blob::new("data", data.json())).chain(blobs).collect();
-        Ok(Self { title: subject.title.into(), blobs, warnings })
+        Ok(Self { outline, blobs, warnings })
     }
 
     /// Returns the page as one HTML document, which fetches nothing.
     pub fn html(&self) -> String {
-        document::alone(&self.title, &self.blobs)
+        document::alone(&self.outline.title, &self.blobs)
     }
 
     /// Returns a report whose first view is the model, as one HTML document, which fetches nothing.
@@ -96,7 +99,13 @@ impl Viewer {
 
     /// Returns the page and the files that it fetches from beside it, `index.html` first; the model is `asset.glb`.
     pub fn files(&self) -> Vec<PageFile> {
-        let page = PageFile { name: "index.html".into(), bytes: document::beside(&self.title).into_bytes() };
+        let page = PageFile { name: "index.html".into(), bytes: document::beside(&self.outline.title).into_bytes() };
         std::iter::once(page).chain(self.blobs.iter().map(Blob::file)).collect()
+    }
+
+    /// Returns the manifests that lie beside these files where they are published at `address`: `manifest.json` by version
+    /// 4 of the IIIF Presentation API, `manifest-3.json` by version 3.
+    pub fn manifests(&self, address: &str) -> [PageFile; 2] {
+        iiif::manifests(&self.outline, address)
     }
 }

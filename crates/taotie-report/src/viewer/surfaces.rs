@@ -99,7 +99,9 @@ impl Drawing<'_> {
         for (_, shading) in Shading::NAMES {
             let mut row = Vec::new();
             for method in methods {
-                let options = VariantOptions { shading: *shading, method: *method, ..base.clone() };
+                // The page says of each light what arrives of it.
+                let options =
+                    VariantOptions { shading: *shading, method: *method, shadows: true, ..base.clone() };
                 row.push(self.shaders.number(&Variant::new(material, &options)));
             }
             dress.looks.push(row);

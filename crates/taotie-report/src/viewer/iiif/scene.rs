@@ -1,0 +1,184 @@
+//! The manifest by version 4 of the Presentation API: a scene with its model, and for each view a camera, lights and a
+//! comment. `viewer/src/iiif.ts` writes the same.
+
+use super::outline::{Outline, comment, label};
+use super::view::{Directional, View, six_digits};
+use serde_json::{Value, json};
+use std::f64::consts::PI;
+use taotie::film::srgb_from_linear;
+use taotie::math::Vec3;
+
+const CONTEXT: &str = "http://iiif.io/api/presentation/4/context.json";
+
+pub(super) fn manifest(told: &Outline, base: &str) -> Value {
+    let scene = Scene { told, base };
+    let links = std::iter::once("").chain(told.bookmarks.iter().map(|bookmark| bookmark.link.as_str()));
+    let views: Vec<View> = links.filter_map(|link| View::of(link, told)).collect();
+    let painted = views.iter().enumerate().flat_map(|(number, view)| scene.painted(number, view));
+    let mut shown = json!({
+        "id": scene.id(),
+        "type": "Scene",
+        "label": label(&told.title),
+        "items": [{
+            "id": format!("{base}scene/page"),
+            "type": "AnnotationPage",
+            "items": std::iter::once(scene.model()).chain(painted).collect::<Vec<_>>(),
+        }],
+    });
+    if views.len() > 1 {
+        let views = views.iter().enumerate().skip(1);
+        shown["annotations"] = json!([{
+            "id": format!("{base}scene/comments"),
+            "type": "AnnotationPage",
+            "items": views.flat_map(|(number, view)| scene.commented(number, view)).collect::<Vec<_>>(),
+        }]);
+    }
+    let mut all = json!({
+        "@context": CONTEXT,
+        "id": format!("{base}manifest.json"),
+        "type": "Manifest",
+        "label": label(&told.title),
+        "items": [shown],
+    });
+    if !told.facts.is_empty() {
+        all["metadata"] = told.metadata().into();
+    }
+    all
+}
+
+/// The scene that annotations are put into. The first view is the one that is seen first; others are hidden until their
+/// comment is chosen.
+struct Scene<'a> {
+    told: &'a Outline,
+    base: &'a str,
+}
+
+impl Scene<'_> {
+    fn id(&self) -> String {
+        format!("{}scene", self.base)
+    }
+
+    fn model(&self) -> Value {
+        json!({
+            "id": format!("{}scene/model", self.base),
+            "type": "Annotation",
+            "motivation": ["painting"],
+            "body": [{ "id": format!("{}asset.glb", self.base), "type": "Model", "format": "model/gltf-binary" }],
+            "target": [{ "id": self.id(), "type": "Scene" }],
+        })
+    }
+
+    /// The camera and the lights of a view.
+    fn painted(&self, number: usize, view: &View) -> Vec<Value> {
+        let camera = json!({
+            "id": format!("{}scene/views/{number}/camera", self.base),
+            "type": "PerspectiveCamera",
+            "fieldOfView": six_digits(view.fov_y),
+            "lookAt": point(view.target),
+        });
+        let mut all = vec![self.annotation(number, camera, view.eye)];
+        all.extend(view.lights.iter().enumerate().map(|(i, light)| self.light([number, i], light)));
+        let (color, intensity) = colored(view.fill, 1.0);
+        if intensity > 0.0 {
+            let id = format!("{}scene/views/{number}/fill", self.base);
+            let fill = json!({
+                "id": id, "type": "AmbientLight", "color": color, "intensity": relative(intensity)
+            });
+            all.push(self.annotation(number, fill, self.center()));
+        }
+        all
+    }
+
+    fn light(&self, [number, i]: [usize; 2], light: &Directional) -> Value {
+        // A white matte surface that faces a light of strength π sends as much as a screen can show.
+        let (color, intensity) = colored(light.color, PI);
+        let body = json!({
+            "id": format!("{}scene/views/{number}/light/{i}", self.base),
+            "type": "DirectionalLight",
+            "color": color,
+            "intensity": relative(intensity),
+            "lookAt": point(self.center()),
+        });
+        let radius = self.told.camera.map_or(1.0, |camera| camera.radius);
+        self.annotation(number, body, self.center() + light.to * (2.0 * radius))
+    }
+
+    /// An annotation that puts something into the scene.
+    fn annotation(&self, number: usize, body: Value, place: Vec3<f64>) -> Value {
+        let id = format!("{}/annotation", body["id"].as_str().unwrap_or_default());
+        let mut made = json!({
+            "id": id,
+            "type": "Annotation",
+            "motivation": ["painting"],
+            "body": [body],
+            "target": [self.target(&format!("{id}/target"), place)],
+        });
+        if number > 0 {
+            made["behavior"] = json!(["hidden"]);
+        }
+        made
+    }
+
+    /// The comment of a view, and what is shown when it is chosen.
+    fn commented(&self, number: usize, view: &View) -> [Value; 2] {
+        let id = format!("{}scene/comments/{number}", self.base);
+        let text = self.told.bookmarks.get(number - 1).map(comment);
+        let shown = |source: &Value| {
+            json!({
+                "id": format!("{}/shown", source["id"].as_str().unwrap_or_default()),
+                "type": "SpecificResource",
+                "source": [{ "id": source["id"], "type": "Annotation" }],
+                "action": ["show", "enable", "select"],
+            })
+        };
+        let comment = json!({
+            "id": id,
+            "type": "Annotation",
+            "motivation": ["commenting"],
+            "body": [{ "type": "TextualBody", "value": text, "format": "text/plain" }],
+            "target": [self.target(&format!("{id}/target"), view.target)],
+        });
+        let activating = json!({
+            "id": format!("{id}/view"),
+            "type": "Annotation",
+            "motivation": ["activating"],
+            "body": self.painted(number, view).iter().map(shown).collect::<Vec<_>>(),
+            "target": [{ "id": id, "type": "Annotation" }],
+        });
+        [comment, activating]
+    }
+
+    /// A place in the scene.
+    fn target(&self, id: &str, place: Vec3<f64>) -> Value {
+        json!({
+            "id": id,
+            "type": "SpecificResource",
+            "source": { "id": self.id(), "type": "Scene" },
+            "selector": [point(place)],
+        })
+    }
+
+    fn center(&self) -> Vec3<f64> {
+        self.told.camera.map_or(Vec3::splat(0.0), |camera| Vec3::from_array(camera.center))
+    }
+}
+
+fn point(place: Vec3<f64>) -> Value {
+    let [x, y, z] = place.to_array().map(six_digits);
+    json!({ "type": "PointSelector", "x": x, "y": y, "z": z })
+}
+
+fn relative(intensity: f64) -> Value {
+    json!({ "type": "Quantity", "quantityValue": six_digits(intensity), "unit": "relative" })
+}
+
+/// A light's colour in codes of sRGB, its strongest channel full, and its intensity beside `full`, at most 1.
+fn colored(light: [f64; 3], full: f64) -> (String, f64) {
+    let most = light.into_iter().fold(0.0, f64::max);
+    let code = |channel: f64| {
+        let linear = if most > 0.0 { channel / most } else { 1.0 };
+        (255.0 * srgb_from_linear(linear)).round() as u8
+    };
+    let [r, g, b] = light.map(code);
+    (format!("#{r:02X}{g:02X}{b:02X}"), (most / full).min(1.0))
+}

@@ -1,0 +1,156 @@
+//! A view by its link: where the camera is, and the lights.
+
+use super::outline::Outline;
+use taotie::math::{Vec3, scalar};
+
+/// A view as a scene holds it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct View {
+    pub eye: Vec3<f64>,
+    pub target: Vec3<f64>,
+    pub fov_y: f64,
+    pub lights: Vec<Directional>,
+    /// Radiance from all around.
+    pub fill: [f64; 3],
+}
+
+/// Parallel light from a direction.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Directional {
+    /// Unit, to the light.
+    pub to: Vec3<f64>,
+    /// Linear RGB.
+    pub color: [f64; 3],
+}
+
+/// What a link says, in the words of `viewer/src/state.ts`; its defaults are those of a page.
+struct Link<'a> {
+    pairs: Vec<(&'a str, &'a str)>,
+}
+
+impl<'a> Link<'a> {
+    fn new(text: &'a str) -> Self {
+        Self { pairs: text.split('&').filter_map(|pair| pair.split_once('=')).collect() }
+    }
+
+    fn word(&self, name: &str) -> Option<&'a str> {
+        self.pairs.iter().find(|(known, _)| *known == name).map(|(_, value)| *value)
+    }
+
+    fn numbers<const N: usize>(&self, name: &str, usual: [f64; N]) -> [f64; N] {
+        let read = |text: &str| text.parse().ok().filter(|number: &f64| number.is_finite());
+        let numbers = |text: &str| text.split(',').map(read).collect::<Option<Vec<_>>>()?.try_into().ok();
+        self.word(name).and_then(numbers).unwrap_or(usual)
+    }
+}
+
+impl View {
+    /// The view of a link; `None` where the page has no camera.
+    pub fn of(link: &str, told: &Outline) -> Option<Self> {
+        let (link, orbit) = (Link::new(link), told.camera?);
+        let [azimuth, elevation, distance] = link.numbers("view", [orbit.azimuth, orbit.elevation, orbit.distance].map(six_digits));
+        let target = Vec3::from_array(link.numbers("target", orbit.target.map(six_digits)));
+        let back = direction([azimuth, elevation]);
+        let raking = link.word("light") == Some("raking");
+        let [fill] = link.numbers("fill", [0.05]);
+        Some(Self {
+            eye: target + back * distance,
+            target,
+            fov_y: orbit.fov_y,
+            lights: if raking { vec![link.raking([azimuth, elevation])] } else { given(told) },
+            fill: if raking { [fill; 3] } else { told.ambient.map(f64::from) },
+        })
+    }
+}
+
+impl Link<'_> {
+    /// The raking light before a camera at these angles.
+    fn raking(&self, camera: [f64; 2]) -> Directional {
+        let local = direction(self.numbers("from", [-60.0, 20.0]));
+        let [strength] = self.numbers("strength", [3.0]);
+        let to = if self.word("fixed") == Some("object") { local } else { turned(local, camera) };
+        Directional { to, color: [strength; 3] }
+    }
+}
+
+/// The parallel lights among those that the page was given.
+fn given(told: &Outline) -> Vec<Directional> {
+    let light = |numbers: &[f32; 16]| {
+        let [x, y, z, kind, r, g, b, ..] = numbers.map(f64::from);
+        (kind == 0.0).then(|| Directional { to: Vec3::new(x, y, z), color: [r, g, b] })
+    };
+    told.lights.iter().filter_map(light).collect()
+}
+
+/// The unit direction at an azimuth to the right of +z and an elevation above, degrees.
+fn direction([azimuth, elevation]: [f64; 2]) -> Vec3<f64> {
+    let (a, e) = (azimuth.to_radians(), elevation.to_radians());
+    Vec3::new(scalar::sin(a) * scalar::cos(e), scalar::sin(e), scalar::cos(a) * scalar::cos(e))
+}
+
+/// A direction before the camera in world space.
+fn turned(local: Vec3<f64>, [azimuth, elevation]: [f64; 2]) -> Vec3<f64> {
+    let back = direction([azimuth, elevation]);
+    let a = azimuth.to_radians();
+    let right = Vec3::new(scalar::cos(a), 0.0, -scalar::sin(a));
+    right * local.x + back.cross(right) * local.y + back * local.z
+}
+
+/// A number in the six digits that links have; 0 has no sign.
+pub(super) fn six_digits(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value) + 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::viewer::camera::Orbit;
+
+    fn told() -> Outline {
+        let camera = Orbit {
+            azimuth: 90.0,
+            elevation: 0.0,
+            distance: 4.0,
+            target: [0.0; 3],
+            fov_y: 30.0,
+            aspect: 1.0,
+            center: [0.0; 3],
+            radius: 1.0,
+        };
+        let sun = [0.0, 1.0, 0.0, 0.0, 2.0, 2.0, 1.0, 1e18, 0.0, 0.0, 1.0, -2.0, -3.0, 0.0, 0.0, 0.0];
+        let mut lamp = sun;
+        lamp[3] = 1.0;
+        Outline {
+            title: "A jue".into(),
+            facts: Vec::new(),
+            bookmarks: Vec::new(),
+            camera: Some(camera),
+            lights: vec![sun, lamp],
+            ambient: [0.1; 3],
+        }
+    }
+
+    fn assert_close(a: Vec3<f64>, b: [f64; 3]) {
+        assert!((a - Vec3::from_array(b)).length() < 1e-12, "{a:?}, {b:?}");
+    }
+
+    #[test]
+    fn without_a_link_it_is_the_first_view_in_its_parallel_lights() {
+        let view = View::of("", &told()).unwrap();
+        assert_close(view.eye, [4.0, 0.0, 0.0]);
+        assert_eq!((view.lights.len(), view.fill), (1, [f64::from(0.1f32); 3]));
+        assert_close(view.lights[0].to, [0.0, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn a_link_moves_camera_and_light() {
+        let of = |link| View::of(link, &told()).unwrap();
+        let view = of("view=0,90,2&target=1,0,0&light=raking&from=0,90&strength=2&fill=0");
+        assert_close(view.eye, [1.0, 2.0, 0.0]);
+        // The camera looks down, and above it is −z.
+        assert_close(view.lights[0].to, [0.0, 0.0, -1.0]);
+        assert_eq!((view.lights[0].color, view.fill), ([2.0; 3], [0.0; 3]));
+        assert_close(of("light=raking&from=0,90&fixed=object").lights[0].to, [0.0, 1.0, 0.0]);
+        assert_eq!(of("view=1,2&target=a,b,c&strength=inf"), of(""));
+    }
+}

@@ -1,0 +1,128 @@
+// Shadows of the raking light: a map of the depths that it sees, which shaders ask.
+
+import {
+    DepthTexture,
+    DoubleSide,
+    GLSL3,
+    LessEqualCompare,
+    LinearFilter,
+    Matrix4,
+    OrthographicCamera,
+    RawShaderMaterial,
+    type Texture,
+    Vector3,
+    type WebGLRenderer,
+    WebGLRenderTarget,
+} from "three";
+import type { Orbit } from "./data";
+
+/** Texels along a side. */
+const SIDE = 2048;
+/** The texels by which a place is lifted off its surface before it asks. */
+const LIFT = 1.5;
+
+const VERTEX = `precision highp float;
+uniform mat4 projectionMatrix;
+uniform mat4 modelViewMatrix;
+in vec3 position;
+void main() {
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+}
+`;
+
+const FRAGMENT = `precision highp float;
+layout(location = 0) out vec4 color;
+void main() {
+    color = vec4(1.0);
+}
+`;
+
+/** The function `visibility` of shaders: the mean of nine places, each between four texels. */
+export const VISIBILITY = `
+uniform highp sampler2DShadow shadow_map;
+uniform mat4 shadow_from_world;
+uniform float shadow_lift;
+uniform bool shadow_on;
+float visibility(int light, vec3 position, vec3 n) {
+    if (!shadow_on || light > 0) return 1.0;
+    vec3 at = (shadow_from_world * vec4(position + n * shadow_lift, 1.0)).xyz;
+    float sum = 0.0;
+    for (int y = -1; y <= 1; y++) {
+        for (int x = -1; x <= 1; x++) {
+            sum += texture(shadow_map, vec3(at.xy + vec2(x, y) / ${SIDE}.0, at.z));
+        }
+    }
+    return sum / 9.0;
+}
+`;
+
+/** What shaders ask, shared by all of them. */
+export class ShadowUniforms {
+    readonly all = {
+        shadow_map: { value: null as Texture | null },
+        shadow_from_world: { value: new Matrix4() },
+        shadow_lift: { value: 0 },
+        shadow_on: { value: false },
+    };
+
+    /** Shaders ask this map, or none. */
+    ask(map: ShadowMap | undefined): void {
+        const { all } = this;
+        all.shadow_on.value = map !== undefined;
+        if (!map) return;
+        all.shadow_map.value = map.texture;
+        all.shadow_from_world.value = map.fromWorld;
+        all.shadow_lift.value = map.lift;
+    }
+}
+
+/** The depths that a light sees of a model. */
+export class ShadowMap {
+    private readonly target: WebGLRenderTarget;
+    private readonly camera = new OrthographicCamera();
+    readonly material = new RawShaderMaterial({
+        glslVersion: GLSL3,
+        vertexShader: VERTEX,
+        fragmentShader: FRAGMENT,
+        side: DoubleSide,
+        polygonOffset: true,
+        polygonOffsetFactor: 2,
+        polygonOffsetUnits: 4,
+    });
+    readonly fromWorld = new Matrix4();
+    readonly lift: number;
+
+    constructor(private readonly lens: Orbit) {
+        const depthTexture = new DepthTexture(SIDE, SIDE);
+        depthTexture.compareFunction = LessEqualCompare;
+        depthTexture.minFilter = depthTexture.magFilter = LinearFilter;
+        this.target = new WebGLRenderTarget(SIDE, SIDE, { depthTexture });
+        this.lift = (LIFT * 2 * lens.radius) / SIDE;
+    }
+
+    get texture(): Texture {
+        return this.target.depthTexture!;
+    }
+
+    /** Draws the map of a light in this direction; `draw` draws the model by the map's material. */
+    cast(renderer: WebGLRenderer, to: Vector3, draw: (camera: OrthographicCamera) => void): void {
+        this.place(to);
+        renderer.setRenderTarget(this.target);
+        renderer.clear();
+        draw(this.camera);
+    }
+
+    private place(to: Vector3): void {
+        const { camera, lens } = this;
+        const radius = 1.01 * lens.radius;
+        const center = new Vector3(...lens.center);
+        camera.position.copy(center).addScaledVector(to, 2 * radius);
+        camera.up.set(0, Math.abs(to.y) < 0.9 ? 1 : 0, Math.abs(to.y) < 0.9 ? 0 : 1);
+        camera.lookAt(center);
+        Object.assign(camera, { left: -radius, right: radius, top: radius, bottom: -radius, near: radius, far: 3 * radius });
+        camera.updateProjectionMatrix();
+        camera.updateMatrixWorld(true);
+        this.fromWorld.makeTranslation(0.5, 0.5, 0.5).multiply(new Matrix4().makeScale(0.5, 0.5, 0.5));
+        this.fromWorld.multiply(camera.projectionMatrix).multiply(camera.matrixWorldInverse);
+    }
+}
