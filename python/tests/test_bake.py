@@ -20,12 +20,12 @@ def test_files_and_figures_are_those_of_the_command(scan_file: Path, tmp_path: P
     for path in (out, own):
         path.parent.mkdir()
     arguments = "--triangles 500 --lods 200 --size 128 --maps normal,ao --ao-rays 16 --webp --meshopt".split()
-    run("bake", scan_file, "-o", out, *arguments)
+    run("bake", scan_file, "-o", out, *arguments, "--proof-points", 20_000, "--proof-view", 96)
     asset = tt.bake(scan_file, triangles=500, lods=[200], size=128, maps=["normal", "ao"], ao_rays=16)
     written = asset.save(own, webp=True, meshopt=True)
     assert own.read_bytes() == out.read_bytes()
     report = json.loads(out.with_suffix(".report.json").read_text())
-    proof = written.verify(scan_file)
+    proof = written.verify(scan_file, points=20_000, distance_points=10_000, view=96)
     assert proof.to_dict() == report["proof"]
     told = written.report(proof)
     same = ("kind", "schema", "high_sha256", "triangles", "parameters", "origin", "proof", "carried", "left")

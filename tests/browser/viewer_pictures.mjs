@@ -23,7 +23,7 @@ for (const { page: name, fragment, size, picture: file } of cases) {
     pages.set(name, page);
     await page.evaluate(follow, fragment);
     await still(page);
-    await writeFile(path.join(folder, file), await picture(page, size));
+    await writeFile(path.resolve(folder, file), await picture(page, size));
 }
 pages.forEach(assertQuiet);
 await browser.close();

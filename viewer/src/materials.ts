@@ -12,7 +12,7 @@ import {
 } from "three";
 import type { Data, Dress, ModelData, Shader, Surface } from "./data";
 import { inMode } from "./modes";
-import { ShadowUniforms, VISIBILITY } from "./shadows";
+import { PLANES, ShadowUniforms, VISIBILITY } from "./shadows";
 import type { Textures } from "./textures";
 
 /** The lights that a shader holds, and the numbers of each. */
@@ -100,7 +100,7 @@ export class Materials {
         const fragment = inMode(unblocked(joined(this.data, shader.fragment)), mode);
         return new RawShaderMaterial({
             glslVersion: GLSL3,
-            vertexShader: joined(this.data, shader.vertex),
+            vertexShader: `#define main vertex_main\n${joined(this.data, shader.vertex)}${PLANES}`,
             fragmentShader: `#define main radiance_main\n${fragment}${VISIBILITY}${ENDED}`,
             uniforms: await this.uniforms(surface, dress, shader, method === PRINTED),
             uniformsGroups: this.groups(shader),

@@ -88,6 +88,8 @@ function worldGeometry(mesh: Mesh): BufferGeometry {
     }
     geometry.setIndex(mesh.geometry.index);
     geometry.attributes["position"]!.applyMatrix4(mesh.matrixWorld);
+    const normals = geometry.attributes["normal"];
+    if (normals) geometry.setAttribute("world_normal", normals);
     return withFourColors(geometry);
 }
 

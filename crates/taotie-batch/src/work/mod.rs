@@ -117,7 +117,9 @@ impl Work<'_> {
         const BESIDE: u64 = 4;
         let settings = &self.job.settings.asset;
         let baker = Baker::new(settings.bake.clone());
-        let bytes = baker.need(file.size()).with_packing(&settings.packing).with_proof().bytes().0;
+        let proved = baker.need(file.size()).with_packing(&settings.packing).with_proof();
+        let shown = self.job.settings.viewer.is_some();
+        let Bytes(bytes) = if shown { proved.with_viewer() } else { proved }.bytes();
         Bytes(bytes.saturating_add(bytes / BESIDE))
     }
 

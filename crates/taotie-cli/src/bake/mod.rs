@@ -12,9 +12,9 @@ use crate::{Outcome, console, stop, studio};
 use anyhow::Result;
 use clock::Clock;
 use schedule::Schedule;
-use taotie::Progress;
 use taotie::asset::{Baker, Limits, Need, Proof, Report, ScanFile, Warning};
 use taotie::io::FileSet;
+use taotie::{Progress, Warnings};
 use taotie_report::bake_page;
 
 /// Runs the subcommand.
@@ -64,7 +64,12 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
         let proof = proof?;
         tell(args, &mut report, &proof);
         let shown = args.shown_model().map(|path| files.current(path));
-        let page = bake_page::html(&report, &proof, written.asset(), shown.as_deref())?;
+        let page = bake_page::page(&report, &proof, written.asset())?;
+        let (page, warnings) = match &shown {
+            Some(path) => bake_page::html_with_asset(&page, &proof, path),
+            None => (taotie_report::html(&page), Warnings::default()),
+        };
+        console::say_warnings(&warnings);
         let [html, json] = args.reports();
         files.write_text(&html, &page)?;
         files.write_text(&json, &serde_json::to_string_pretty(&report)?)?;
@@ -76,7 +81,11 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
 /// Says how much memory the bake of a scan needs before it begins.
 fn check_memory(args: &BakeArgs, baked: &Need, limits: Limits) -> Result<()> {
     let written = baked.with_packing(&args.packing());
-    let need = if args.no_verify { written } else { written.with_proof() };
+    let need = match (args.no_verify, args.shown_model()) {
+        (true, _) => written,
+        (false, None) => written.with_proof(),
+        (false, Some(_)) => written.with_proof().with_viewer(),
+    };
     need.check(limits)?;
     let (triangles, bytes) = (need.scan.triangles, need.bytes());
     console::say(&format!("baking {triangles} triangles needs about {bytes} of memory"));

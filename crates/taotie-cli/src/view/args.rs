@@ -74,7 +74,9 @@ fn web_address(text: &str) -> Result<String, String> {
     let is_whole = ["http://", "https://"].iter().any(|scheme| {
         text.strip_prefix(scheme).is_some_and(|rest| !rest.is_empty() && !rest.contains(['#', '?', ' ']))
     });
-    is_whole.then(|| text.to_owned()).ok_or_else(|| "no address of a folder that begins with http:// or https://".into())
+    is_whole
+        .then(|| text.to_owned())
+        .ok_or_else(|| "no address of a folder that begins with http:// or https://".into())
 }
 
 /// The picture that the first camera frames.
@@ -93,7 +95,9 @@ impl ViewArgs {
             bail!("--show-env: the page shows a plain background; leave it out");
         }
         if self.light.shadows {
-            bail!("--shadows: the page draws those of its raking light, where it is asked to; leave it out, or take `taotie render`");
+            bail!(
+                "--shadows: the page draws those of its raking light, where it is asked to; leave it out, or take `taotie render`"
+            );
         }
         match &self.output {
             Some(path) if path.extension().is_none_or(|end| !end.eq_ignore_ascii_case("html")) => {

@@ -20,17 +20,17 @@
 mod levels;
 mod material;
 mod misses;
-mod model;
 mod normal_errors;
 mod notices;
 mod parts;
 mod sections;
 mod views;
 
+use crate::viewer::{AssetSubject, MeasuredErrors};
 use crate::{Fact, Notice, Page, Tone};
 use std::path::Path;
-use taotie::Result;
-use taotie::asset::{Asset, Figures, Proof, Report};
+use taotie::asset::{Asset, Figures, Limits, Proof, Report};
+use taotie::{Result, Warnings};
 
 /// Makes the page of a bake: verdict and warnings, facts, views of scan and asset, maps, and every figure.
 ///
@@ -68,16 +68,23 @@ pub fn page_of_collection(report: &Report, proof: &Proof, asset: &Asset) -> Resu
     Ok(page)
 }
 
-/// Writes the page of a bake as one HTML document. Where `model` names the asset as it lies on disk, that is its first
-/// view: by the shaders of Taotie, with the error of its normals on it.
-///
-/// # Errors
-/// Those of [`page`], and of reading the asset.
-pub fn html(report: &Report, proof: &Proof, asset: &Asset, model: Option<&Path>) -> Result<String> {
-    let page = page(report, proof, asset)?;
-    match model {
-        Some(path) => Ok(model::viewer(path, proof)?.within(&page)),
-        None => Ok(crate::html(&page)),
+/// Writes a page of a bake as one HTML document whose first view is the asset as it lies at `path`: by the shaders of
+/// Taotie, with the error of its normals on it. Where it cannot be shown, the page is without it, and a warning says why.
+pub fn html_with_asset(page: &Page, proof: &Proof, path: &Path) -> (String, Warnings) {
+    let Figures { rms, hausdorff, .. } = proof.figures;
+    let subject = AssetSubject {
+        path,
+        title: &path.file_name().unwrap_or_default().to_string_lossy(),
+        limits: &Limits::default(),
+        errors: Some(MeasuredErrors { normals: &proof.error_map, rms, hausdorff }),
+    };
+    match subject.viewer() {
+        Ok(viewer) => (viewer.within(page), viewer.warnings),
+        Err(error) => {
+            let mut warnings = Warnings::default();
+            warnings.note(format!("the report does not show the asset itself: {error}"), 1);
+            (crate::html(page), warnings)
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 
 mod about;
 mod asset;
+mod asset_page;
 mod blob;
 mod bookmark;
 mod camera;
@@ -20,6 +21,7 @@ mod surfaces;
 mod textures;
 
 pub use about::facts;
+pub use asset_page::AssetSubject;
 pub use bookmark::Bookmark;
 pub use scan::{MOST_TRIANGLES, MeasuredErrors, ScanSubject, scene_to_show};
 
@@ -99,7 +101,8 @@ impl Viewer {
 
     /// Returns the page and the files that it fetches from beside it, `index.html` first; the model is `asset.glb`.
     pub fn files(&self) -> Vec<PageFile> {
-        let page = PageFile { name: "index.html".into(), bytes: document::beside(&self.outline.title).into_bytes() };
+        let page =
+            PageFile { name: "index.html".into(), bytes: document::beside(&self.outline.title).into_bytes() };
         std::iter::once(page).chain(self.blobs.iter().map(Blob::file)).collect()
     }
 

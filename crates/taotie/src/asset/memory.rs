@@ -8,7 +8,8 @@ use crate::error::{Error, Result};
 use crate::io::{Bytes, GltfImages, Limits};
 
 /// The memory of a bake at its peak: the scan with its textures, sorted for rays, simplification, maps; or, where that is
-/// more, the tangents that a scan with a normal map gets before, the packing of textures, or the measuring of the asset.
+/// more, the tangents that a scan with a normal map gets before, the packing of textures, the measuring of the asset, or
+/// the page that shows it.
 ///
 /// ```
 /// use taotie::asset::{BakeOptions, Baker, Bytes, Limits, ScanSize};
@@ -45,6 +46,8 @@ pub struct Need {
     pub images: GltfImages,
     /// `true` where the asset is measured against the scan afterwards.
     pub is_proved: bool,
+    /// `true` where a page shows the asset afterwards.
+    pub is_shown: bool,
 }
 
 impl Need {
@@ -62,6 +65,7 @@ impl Need {
             levels: 1 + options.lods.len() as u64,
             images: GltfImages::default(),
             is_proved: false,
+            is_shown: false,
         }
     }
 
@@ -75,6 +79,11 @@ impl Need {
         Self { is_proved: true, ..self }
     }
 
+    /// Returns what a bake needs whose asset a page shows afterwards, with textures of at most 2048 texels along a side.
+    pub fn with_viewer(self) -> Self {
+        Self { is_shown: true, ..self }
+    }
+
     /// Returns the whole, scan included: the most of what its stages take, one after the other.
     pub fn bytes(&self) -> Bytes {
         /// The program itself, its threads' bands, and the low-poly mesh.
@@ -85,10 +94,12 @@ impl Need {
         const KEPT: u64 = 96;
         const MOST_KEPT: u64 = 48 << 20;
         let proving = if self.is_proved { self.proving() } else { 0 };
+        let showing = if self.is_shown { self.showing() } else { 0 };
         let most = self
             .baking()
             .max(self.writing())
             .max(proving)
+            .max(showing)
             .saturating_add(REST + (self.scan.triangles * KEPT).min(MOST_KEPT));
         let framing = match self.scan.framing_bytes() {
             0 => 0,
@@ -123,21 +134,42 @@ impl Need {
     fn proving(&self) -> u64 {
         /// Points at which normals and distances are measured.
         const POINTS: u64 = 32 << 20;
-        /// Images of scan and level from all sides in one look, their differences, and how the report shows them.
-        const VIEWS: u64 = 48 << 20;
-        /// A map of errors, at most, its texels, and how the report shows it.
-        const MOST_ERRORS: u64 = 1 << 20;
-        const ERROR: u64 = 37;
-        /// A texture with its mip levels.
-        const TEXTURE: u64 = 7;
-        let looks = if self.scan.has_material { 2 } else { 1 };
-        let maps = (self.maps * self.materials).saturating_mul(self.texels * TEXTURE);
-        let read_back = maps.saturating_add(self.texels * of_images(self.images).unpacking);
-        let errors = self.materials.saturating_mul(self.texels.min(MOST_ERRORS) * ERROR * looks);
         let scan = self.scan.bytes().max(self.scan.viewing_bytes());
-        [self.stored_of(self.materials), read_back, errors, self.levels * looks * VIEWS, POINTS]
+        [self.stored_of(self.materials), self.read_back(), self.proof(), POINTS]
             .into_iter()
             .fold(scan, u64::saturating_add)
+    }
+
+    /// Returns the bytes while a page shows the asset: it is read back, and its textures become smaller ones without loss.
+    /// The scan is gone.
+    fn showing(&self) -> u64 {
+        const MOST_TEXELS: u64 = 2048 * 2048;
+        let packed = (self.maps * self.materials).min(rayon::current_num_threads() as u64);
+        let packing =
+            (self.texels.min(MOST_TEXELS) * of_images(GltfImages::WebP).packing).saturating_mul(packed);
+        let proof = if self.is_proved { self.proof() } else { 0 };
+        [self.stored_of(self.materials), self.read_back(), packing]
+            .into_iter()
+            .fold(proof, u64::saturating_add)
+    }
+
+    /// Returns the bytes of the asset's textures with their mip levels as they are read from its file.
+    fn read_back(&self) -> u64 {
+        const TEXTURE: u64 = 7;
+        let maps = (self.maps * self.materials).saturating_mul(self.texels * TEXTURE);
+        maps.saturating_add(self.texels * of_images(self.images).unpacking)
+    }
+
+    /// Returns the bytes of what a proof holds, and of how the report shows it.
+    fn proof(&self) -> u64 {
+        /// Images of scan and level from all sides in one look, and their differences.
+        const VIEWS: u64 = 48 << 20;
+        /// A map of errors, at most, and its texels.
+        const MOST_ERRORS: u64 = 1 << 20;
+        const ERROR: u64 = 37;
+        let looks = if self.scan.has_material { 2 } else { 1 };
+        let errors = self.materials.saturating_mul(self.texels.min(MOST_ERRORS) * ERROR * looks);
+        errors.saturating_add(self.levels * looks * VIEWS)
     }
 
     /// Returns the bytes of the stored maps of so many materials.
@@ -217,6 +249,7 @@ mod tests {
             levels: 1,
             images: GltfImages::Png,
             is_proved: false,
+            is_shown: false,
         };
         assert!(need.bytes() < Bytes(4 << 30), "{}", need.bytes());
         let error =
@@ -249,6 +282,7 @@ mod tests {
         let webp = Packing { images: GltfImages::WebP, ..Packing::default() };
         assert!(need.with_packing(&webp).bytes() > need.bytes());
         assert!(need.with_packing(&webp).with_proof().bytes() > need.with_proof().bytes());
+        assert!(need.with_proof().with_viewer().bytes() > need.with_proof().bytes());
         let proved = |need: Need| need.with_proof().bytes().0;
         assert!(proved(need) > need.bytes().0);
         let levels = Need { levels: 3, ..need };

@@ -26,6 +26,14 @@ pub(super) struct AoSample {
     class: u32,
 }
 
+impl AoSample {
+    /// Returns `true` where a direction leads away from the surface: below its facet a point sees nothing; the smooth
+    /// surface that the facet stands for would.
+    fn looks(&self, direction: Vec3) -> bool {
+        self.normal.dot(direction) > 0.0 && self.facet.dot(direction) > 0.0
+    }
+}
+
 /// The open part of a hemisphere: sums over directions, each weighted by its cosine.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Open {
@@ -74,15 +82,9 @@ impl Sky {
     pub fn open(&self, scan: &Scan, ao_samples: &[AoSample]) -> Vec<Open> {
         let mut open = vec![Open::default(); ao_samples.len()];
         let mut looking = Vec::with_capacity(ao_samples.len());
-        for (i, direction) in self.directions.iter().enumerate() {
+        for (class, direction) in self.by_class(ao_samples).iter().cycle().zip(&self.directions) {
             looking.clear();
-            // Below its facet a point sees nothing; the smooth surface that the facet stands for would.
-            looking.extend((0..ao_samples.len()).filter(|k| {
-                let AoSample { normal, facet, class, .. } = &ao_samples[*k];
-                i as u32 % self.classes == *class
-                    && normal.dot(*direction) > 0.0
-                    && facet.dot(*direction) > 0.0
-            }));
+            looking.extend(class.iter().copied().filter(|k| ao_samples[*k].looks(*direction)));
             let blocked = self.blocked(scan, ao_samples, &looking, *direction);
             for (k, blocked) in looking.iter().zip(blocked) {
                 let weight = ao_samples[*k].normal.dot(*direction);
@@ -96,11 +98,21 @@ impl Sky {
         open
     }
 
+    /// Returns the samples of each class; direction `i` belongs to class `i` modulo their number.
+    fn by_class(&self, ao_samples: &[AoSample]) -> Vec<Vec<usize>> {
+        let mut classes = vec![Vec::new(); self.classes as usize];
+        for (k, sample) in ao_samples.iter().enumerate() {
+            classes[sample.class as usize].push(k);
+        }
+        classes
+    }
+
     /// Returns for each of these points whether something blocks its ray.
     fn blocked(&self, scan: &Scan, ao_samples: &[AoSample], looking: &[usize], direction: Vec3) -> Vec<bool> {
         /// Fewer rays are faster one by one.
         const FEW: usize = 6;
-        let rays: Vec<Ray> = looking.iter().map(|k| Ray::new(ao_samples[*k].origin, direction)).collect();
+        let along = Ray::new(Vec3::default(), direction);
+        let rays: Vec<Ray> = looking.iter().map(|k| along.from(ao_samples[*k].origin)).collect();
         let packet = (rays.len() > FEW).then(|| self.packet(&rays, direction)).flatten();
         let Some(packet) = packet else {
             return rays.iter().map(|ray| scan.bvh().occluded(ray, self.distance, |_| true)).collect();
@@ -121,10 +133,13 @@ impl Sky {
         let x = direction.any_perpendicular();
         let axes = [x, direction.cross(x), direction];
         let origin = rays.first()?.origin();
-        let local = |ray: &Ray, axis: usize| axes[axis].dot(ray.origin() - origin);
-        let places: Vec<[f32; 2]> = rays.iter().map(|ray| [local(ray, 0), local(ray, 1)]).collect();
-        let nearest = rays.iter().map(|ray| local(ray, 2)).fold(f32::INFINITY, f32::min);
-        let farthest = rays.iter().map(|ray| local(ray, 2)).fold(f32::NEG_INFINITY, f32::max);
+        let (mut nearest, mut farthest) = (f32::INFINITY, f32::NEG_INFINITY);
+        let mut places = Vec::with_capacity(rays.len());
+        for ray in rays {
+            let [column, row, depth] = axes.map(|axis| axis.dot(ray.origin() - origin));
+            places.push([column, row]);
+            (nearest, farthest) = (nearest.min(depth), farthest.max(depth));
+        }
         // Rounding of places and of their shadows, which grows with how far away they are from zero.
         let slack = (origin.length() + farthest - nearest) * 2e-6 + self.offset * 0.1;
         let depths = [nearest - slack, farthest + self.distance];

@@ -57,24 +57,17 @@ impl<'a> RayPacket<'a> {
             }
         }
         let scale = [0, 1].map(|k| side / (end[k] - corner[k]).max(1e-30));
-        let is_sane = (0..2).all(|k| scale[k].is_finite() && view.slack[k] * scale[k] < WIDEST);
+        if !(0..2).all(|k| scale[k].is_finite() && view.slack[k] * scale[k] < WIDEST) {
+            return None;
+        }
         let cells = [side as usize + 1; 2];
         let cell = |place: &[f32; 2]| {
             let [x, y] = [0, 1].map(|k| (((place[k] - corner[k]) * scale[k]) as usize).min(cells[k] - 1));
             y * cells[0] + x
         };
-        let mut starts = vec![0u32; cells[0] * cells[1] + 1];
-        places.iter().for_each(|place| starts[cell(place) + 1] += 1);
-        (1..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
-        let mut next = starts.clone();
-        let mut order = vec![0u32; rays.len()];
-        for (i, place) in places.iter().enumerate() {
-            let slot = &mut next[cell(place)];
-            order[*slot as usize] = i as u32;
-            *slot += 1;
-        }
+        let (starts, order) = by_cell(places.iter().map(cell).collect(), cells[0] * cells[1]);
         let columns = RayColumns::new(rays, &order)?;
-        is_sane.then_some(Self { rays, view, corner, scale, cells, starts, order, columns })
+        Some(Self { rays, view, corner, scale, cells, starts, order, columns })
     }
 
     /// The cells that an interval of columns (0) or rows (1) touches.
@@ -94,6 +87,22 @@ impl<'a> RayPacket<'a> {
             }
         }
     }
+}
+
+/// Returns the starts of each cell and the end of the last, in numbers sorted by their cell.
+fn by_cell(cell_of: Vec<usize>, cells: usize) -> (Vec<u32>, Vec<u32>) {
+    // The start of cell i waits at i + 1 and ends up as the end of it, which is the start of the next.
+    let mut starts = vec![0u32; cells + 2];
+    cell_of.iter().for_each(|cell| starts[cell + 2] += 1);
+    (2..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
+    let mut order = vec![0u32; cell_of.len()];
+    for (i, cell) in cell_of.into_iter().enumerate() {
+        let slot = &mut starts[cell + 1];
+        order[*slot as usize] = i as u32;
+        *slot += 1;
+    }
+    starts.pop();
+    (starts, order)
 }
 
 impl Bvh {

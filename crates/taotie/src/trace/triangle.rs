@@ -32,6 +32,11 @@ impl Ray {
         Self { origin, direction, axes: [x, y, z], shear: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]] }
     }
 
+    /// The same ray from another origin.
+    pub fn from(self, origin: Vec3) -> Self {
+        Self { origin, ..self }
+    }
+
     /// The origin.
     pub fn origin(&self) -> Vec3 {
         self.origin
@@ -83,9 +88,9 @@ impl Ray {
 /// Rays that run along the same axis the same way, component by component, in packs.
 pub(super) struct RayColumns {
     axes: [usize; 3],
-    /// Origins and shears in the order of `axes`, with room for a pack beyond the last.
-    origin: [Vec<f32>; 3],
-    shear: [Vec<f32>; 3],
+    /// Origins, then shears in the order of `axes`: six columns, each with room for a pack beyond its last.
+    columns: Vec<f32>,
+    height: usize,
 }
 
 impl RayColumns {
@@ -95,16 +100,23 @@ impl RayColumns {
         if rays.iter().any(|ray| ray.axes != axes) {
             return None;
         }
-        let column = |of: &dyn Fn(&Ray) -> f32| {
-            let mut column: Vec<f32> = order.iter().map(|i| of(&rays[*i as usize])).collect();
-            column.resize(order.len() + 8, 0.0);
-            column
-        };
-        Some(Self {
-            axes,
-            origin: [0, 1, 2].map(|k| column(&|ray| ray.origin.to_array()[axes[k]])),
-            shear: [0, 1, 2].map(|k| column(&|ray| ray.shear[k])),
-        })
+        let height = order.len() + 8;
+        let mut columns = vec![0.0; 6 * height];
+        for (row, i) in order.iter().enumerate() {
+            let ray = &rays[*i as usize];
+            let origin = ray.origin.to_array();
+            for k in 0..3 {
+                columns[k * height + row] = origin[axes[k]];
+                columns[(3 + k) * height + row] = ray.shear[k];
+            }
+        }
+        Some(Self { axes, columns, height })
+    }
+
+    /// A pack of a column from a row on.
+    #[inline(always)]
+    fn load<P: Pack>(&self, token: P::Token, column: usize, from: usize) -> P {
+        P::load(token, &self.columns[column * self.height + from..])
     }
 
     /// Returns [`Ray::edges`] of as many rays as a pack has lanes, from the ray `from` on, and triangle `i` of a leaf's
@@ -121,8 +133,8 @@ impl RayColumns {
         let zero = P::splat(token, 0.0);
         let (mut o, mut s) = ([zero; 3], [zero; 3]);
         for k in 0..3 {
-            o[k] = P::load(token, &self.origin[k][from..]);
-            s[k] = P::load(token, &self.shear[k][from..]);
+            o[k] = self.load(token, k, from);
+            s[k] = self.load(token, 3 + k, from);
         }
         let (mut along, mut seen) = ([zero; 3], [[zero; 2]; 3]);
         for k in 0..3 {

@@ -48,7 +48,8 @@ impl View {
     /// The view of a link; `None` where the page has no camera.
     pub fn of(link: &str, told: &Outline) -> Option<Self> {
         let (link, orbit) = (Link::new(link), told.camera?);
-        let [azimuth, elevation, distance] = link.numbers("view", [orbit.azimuth, orbit.elevation, orbit.distance].map(six_digits));
+        let [azimuth, elevation, distance] =
+            link.numbers("view", [orbit.azimuth, orbit.elevation, orbit.distance].map(six_digits));
         let target = Vec3::from_array(link.numbers("target", orbit.target.map(six_digits)));
         let back = direction([azimuth, elevation]);
         let raking = link.word("light") == Some("raking");

@@ -1,0 +1,91 @@
+//! The Python package as cargo built it: the tests of `python/tests` but the slow ones, and its types.
+#![allow(clippy::print_stdout, reason = "tests say what they found and why they are skipped")]
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::{env, fs};
+
+/// The package in a folder of its own, and the interpreter that finds it there.
+struct Package {
+    python: PathBuf,
+    folder: PathBuf,
+}
+
+impl Package {
+    /// Puts the module that cargo built beside the package's Python files; `None`, with the reason told, where there is no
+    /// interpreter with the packages of the tests. Under `CI=true` that is a failure.
+    fn find(name: &str) -> Option<Self> {
+        let python = interpreter();
+        if !python.exists() {
+            let required = env::var("CI").is_ok_and(|ci| ci == "true");
+            let reason = format!("there is no {}; `make tools` makes it", python.display());
+            assert!(!required, "Python is needed: {reason}");
+            println!("skipped: {reason}");
+            return None;
+        }
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let package = folder.join("taotie");
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&package).expect("a folder");
+        for file in fs::read_dir(root().join("python/taotie")).expect("the package") {
+            let file = file.expect("a file").path();
+            if file.is_file() {
+                fs::copy(&file, package.join(file.file_name().expect("a name"))).expect("a copy");
+            }
+        }
+        let [built, module] = module();
+        fs::copy(&built, package.join(&module)).unwrap_or_else(|error| panic!("{built}: {error}"));
+        Some(Self { python, folder })
+    }
+
+    /// Runs a module of Python at the root of the repository, which has to succeed.
+    fn run(&self, arguments: &[&str]) {
+        let output = Command::new(&self.python)
+            .arg("-m")
+            .args(arguments)
+            .current_dir(root())
+            .env("PYTHONPATH", &self.folder)
+            .env("MYPYPATH", &self.folder)
+            .output()
+            .expect("Python starts");
+        let [told, wrong] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+        println!("{told}{wrong}");
+        assert!(output.status.success(), "python -m {}", arguments.join(" "));
+    }
+}
+
+/// The interpreter that `make tools` gave the packages of the tests.
+fn interpreter() -> PathBuf {
+    let programs = if cfg!(windows) { "Scripts" } else { "bin" };
+    root().join("target/python-tests").join(programs).join("python")
+}
+
+fn root() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
+}
+
+/// The module that cargo built beside this test, and its name as Python finds it.
+fn module() -> [String; 2] {
+    let beside = env::current_exe().expect("a path");
+    let folder = beside.parent().expect("a folder");
+    let file = format!("{}_taotie{}", env::consts::DLL_PREFIX, env::consts::DLL_SUFFIX);
+    let name = if cfg!(windows) { "_taotie.pyd" } else { "_taotie.abi3.so" };
+    [folder.join(file).display().to_string(), name.into()]
+}
+
+#[test]
+fn its_tests_pass() {
+    if let Some(package) = Package::find("python") {
+        package.run(&["pytest", "-m", "not slow", "-p", "no:cacheprovider", "--durations=8"]);
+    }
+}
+
+#[test]
+fn its_types_are_those_of_the_module() {
+    if let Some(package) = Package::find("python-types") {
+        let cache = format!("--cache-dir={}", package.folder.join("cache").display());
+        package.run(&["mypy", &cache]);
+        package.run(&["mypy", &cache, "python/tests/typed.py"]);
+        package.run(&["mypy.stubtest", "taotie._taotie"]);
+    }
+}
