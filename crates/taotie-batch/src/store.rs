@@ -2,6 +2,7 @@
 
 use crate::objects::Object;
 use crate::record::{FileEntry, Part};
+use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::{Path, PathBuf};
 use taotie::io::{FileSet, file_size, read_bytes, sha256};
@@ -9,6 +10,23 @@ use taotie::{Error, Result};
 
 /// The file that says that an object is complete: it is the last to be there.
 const RESULT: &str = "object.json";
+
+/// The part of an object's own words that tells of its files.
+#[derive(Serialize, Deserialize)]
+struct Listed {
+    kind: String,
+    files: Vec<FileEntry>,
+}
+
+impl Object for Listed {
+    fn files(&self) -> &[FileEntry] {
+        &self.files
+    }
+
+    fn kind(&self) -> &str {
+        &self.kind
+    }
+}
 
 /// The folder of a collection's files.
 #[derive(Debug, Clone)]
@@ -53,10 +71,9 @@ impl Store {
         are_there(&folder, told.files()).then_some(told)
     }
 
-    /// Says whether all files of a part are there, each with its length.
+    /// Says whether all files of a part are there, each with its length, and the object says so itself.
     pub fn holds(&self, part: &Part) -> bool {
-        let folder = self.path(&part.address);
-        folder.join(RESULT).is_file() && are_there(&folder, &part.files)
+        self.object::<Listed>(&part.address).is_some_and(|object| object.files == part.files)
     }
 
     /// Claims the place of an object in a set of files; returns its folder.

@@ -1,9 +1,13 @@
 //! Drivers and processes that are ended from outside.
 
 use crate::collection::{Collection, assert_nothing_twice, number, text};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::{Child, Command};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
+
+/// Every file of all objects with its bytes.
+type Files = BTreeMap<PathBuf, Vec<u8>>;
 
 fn send(signal: &str, process: u32) {
     // It may have ended by itself.
@@ -170,13 +174,9 @@ fn kill(rounds: usize) {
 
 /// Ends the work, and asserts that nothing is missing, half done, done twice or other than it should be.
 #[cfg(target_os = "linux")]
-fn assert_same(collection: &Collection, truth: &std::collections::BTreeMap<PathBuf, Vec<u8>>) {
-    let (code, report) = collection.report("--retry-failed");
-    assert_eq!(code, Some(0), "{report}");
+fn assert_same(collection: &Collection, truth: &Files) {
+    assert_whole(collection, truth);
     assert_nothing_twice(&collection.records());
-    let made = collection.objects();
-    assert!(made.keys().eq(truth.keys()), "{:?} {:?}", made.keys(), truth.keys());
-    assert!(made == *truth, "a file has other bytes than in an undisturbed run");
 }
 
 #[cfg(target_os = "linux")]
@@ -190,4 +190,66 @@ fn whatever_is_killed_the_files_are_those_of_an_undisturbed_run() {
 #[ignore = "takes minutes"]
 fn whatever_is_killed_fifty_times_the_files_are_those_of_an_undisturbed_run() {
     kill(50);
+}
+
+/// Cuts files short that were written since then, as a disk does that loses its power and had promised too much.
+#[cfg(target_os = "linux")]
+fn lose(collection: &Collection, since: SystemTime, random: &mut fastrand::Rng) {
+    for path in crate::files::all_files_below(&collection.path("out")) {
+        let about = std::fs::symlink_metadata(&path).expect("it is there");
+        if about.is_file() && about.modified().expect("it has a time") >= since && random.bool() {
+            let file = std::fs::File::options().write(true).open(&path).expect("it can be written");
+            file.set_len(random.u64(0..=about.len())).expect("it can be cut");
+        }
+    }
+}
+
+/// Ends everything at once at random moments, and loses half of what was written since it began.
+#[cfg(target_os = "linux")]
+fn power_off(rounds: usize) {
+    let undisturbed = Collection::of_balls(4);
+    undisturbed.report("");
+    let truth = undisturbed.objects();
+    let mut random = fastrand::Rng::with_seed(21);
+    let mut collection = Collection::of_balls(4);
+    for _ in 0..rounds {
+        let since = SystemTime::now() - Duration::from_millis(20);
+        let (mut driver, _) = begin(&collection);
+        std::thread::sleep(Duration::from_millis(random.u64(0..900)));
+        let processes = children(&driver);
+        send("-KILL", driver.id());
+        processes.iter().for_each(|process| send("-KILL", *process));
+        driver.wait().expect("it ends");
+        wait_for_end(&processes);
+        lose(&collection, since, &mut random);
+        if collection.is_complete(4) {
+            assert_whole(&collection, &truth);
+            collection = Collection::of_balls(4);
+        }
+    }
+    assert_whole(&collection, &truth);
+}
+
+/// Ends the work, and asserts that nothing is missing, half done or other than it should be.
+#[cfg(target_os = "linux")]
+fn assert_whole(collection: &Collection, truth: &Files) {
+    let (code, report) = collection.report("--retry-failed");
+    assert_eq!(code, Some(0), "{report}");
+    let made = collection.objects();
+    assert!(made.keys().eq(truth.keys()), "{:?} {:?}", made.keys(), truth.keys());
+    assert!(made == *truth, "a file has other bytes than in an undisturbed run");
+    assert_eq!(collection.report("--check").0, Some(0), "the manifest says what is there");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_loses_its_power_is_made_whole() {
+    power_off(4);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "takes minutes"]
+fn what_loses_its_power_fifty_times_is_made_whole() {
+    power_off(50);
 }

@@ -28,6 +28,8 @@ pub struct Need {
     pub scan: ScanSize,
     /// `true` where the low-poly mesh has to be made.
     pub simplifies: bool,
+    /// Triangles that the low-poly mesh is asked to have; where it is given or its error is, this stands for it all the same.
+    pub low_triangles: u64,
     /// `true` where the scan is inspected.
     pub inspects: bool,
     /// Texels of a map.
@@ -56,6 +58,7 @@ impl Need {
         Self {
             scan,
             simplifies: options.low.is_none(),
+            low_triangles: u64::from(options.triangles).min(scan.triangles),
             inspects: options.inspect,
             texels: options.map_size().map(u64::from).iter().product(),
             texel_bytes: texel_bytes(options, scan.carries),
@@ -134,21 +137,29 @@ impl Need {
     fn proving(&self) -> u64 {
         /// Points at which normals and distances are measured.
         const POINTS: u64 = 32 << 20;
+        /// A triangle of the asset, sorted for rays and placed for pictures.
+        const LOW_TRIANGLE: u64 = 220;
         let scan = self.scan.bytes().max(self.scan.viewing_bytes());
-        [self.stored_of(self.materials), self.read_back(), self.proof(), POINTS]
+        let low = self.low_triangles * LOW_TRIANGLE;
+        [self.stored_of(self.materials), self.read_back(), self.proof(), low, POINTS]
             .into_iter()
             .fold(scan, u64::saturating_add)
     }
 
     /// Returns the bytes while a page shows the asset: it is read back, and its textures become smaller ones without loss.
-    /// The scan is gone.
+    /// The scan is gone, and what was measured with it is freed; the allocator keeps some of that.
     fn showing(&self) -> u64 {
         const MOST_TEXELS: u64 = 2048 * 2048;
+        /// A triangle of the asset: as it is drawn, as it is packed, and as text.
+        const LOW_TRIANGLE: u64 = 550;
+        const KEPT: u64 = 600;
+        const MOST_KEPT: u64 = 64 << 20;
         let packed = (self.maps * self.materials).min(rayon::current_num_threads() as u64);
         let packing =
             (self.texels.min(MOST_TEXELS) * of_images(GltfImages::WebP).packing).saturating_mul(packed);
         let proof = if self.is_proved { self.proof() } else { 0 };
-        [self.stored_of(self.materials), self.read_back(), packing]
+        let low = self.low_triangles * LOW_TRIANGLE + (self.scan.triangles * KEPT).min(MOST_KEPT);
+        [self.stored_of(self.materials), self.read_back(), packing, low]
             .into_iter()
             .fold(proof, u64::saturating_add)
     }
@@ -240,6 +251,7 @@ mod tests {
         let need = Need {
             scan: ScanSize { triangles: 20_000_000, vertices: 10_000_000, ..ScanSize::default() },
             simplifies: true,
+            low_triangles: 50_000,
             inspects: true,
             texels: 1 << 22,
             texel_bytes: 20,

@@ -1,0 +1,129 @@
+"""The processes of a collection whose jobs others start: one that plans and keeps the books, and one for each job."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from types import TracebackType
+from typing import Any
+
+__all__ = ["Book", "work"]
+
+
+def work(
+    planned: dict[str, Any],
+    threads: int | None,
+    time_limit: float | None,
+    command: Sequence[str] | None,
+) -> dict[str, Any]:
+    """Do a job by a process of its own, or foresee its memory where it has no threads yet."""
+    told: dict[str, Any] = {"forecast": None}
+    start = time.monotonic()
+    with tempfile.TemporaryFile("w+") as complaints, subprocess.Popen(
+        [*_program(command), "batch-worker"],
+        cwd=planned["folder"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=complaints,
+        text=True,
+        encoding="utf-8",
+    ) as process:
+        assert process.stdin is not None and process.stdout is not None
+        timer = threading.Timer(time_limit or threading.TIMEOUT_MAX, process.kill)
+        timer.daemon = True
+        timer.start()
+        process.stdin.write(json.dumps(planned["job"]) + "\n")
+        process.stdin.flush()
+        for line in process.stdout:
+            message = json.loads(line)
+            said = message.pop("tell")
+            if said == "ended":
+                told["outcome"] = message
+            elif said == "forecast":
+                told["forecast"] = message["bytes"]
+                if threads is None:
+                    # It ends with its stdin, and leaves nothing.
+                    break
+                process.stdin.write(json.dumps({"threads": threads}) + "\n")
+                process.stdin.flush()
+        process.stdin.close()
+        process.stdout.close()
+        code = process.wait()
+        is_late = time_limit is not None and time.monotonic() - start >= time_limit
+        timer.cancel()
+        told["seconds"] = time.monotonic() - start
+        foreseen = threads is None and told["forecast"] is not None
+        if "outcome" not in told and not foreseen:
+            told["error"] = _sentence(code, time_limit if is_late else None, complaints)
+    return told
+
+
+def _sentence(code: int, exceeded: float | None, complaints: Any) -> str:
+    if exceeded is not None:
+        return f"it took longer than {exceeded:.0f} s and was ended; raise time_limit, or ask for less"
+    complaints.seek(0)
+    words = complaints.read()[-2000:].strip().splitlines()
+    how = f"was ended by signal {-code}" if code < 0 else f"crashed with code {code}"
+    return f"its process {how}" + (f": {words[-1]}" if words else "")
+
+
+def _program(command: Sequence[str] | None) -> list[str]:
+    """Return the command that runs ``taotie``."""
+    return list(command) if command else [sys.executable, "-m", "taotie"]
+
+
+class Book:
+    """The process that plans a collection, and keeps its manifest."""
+
+    def __init__(self, arguments: Sequence[str], command: Sequence[str] | None) -> None:
+        self._process = subprocess.Popen(
+            [*_program(command), "batch-book", *arguments],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            encoding="utf-8",
+        )
+        self.planned: list[dict[str, Any]] = []
+        while line := self._line().strip():
+            self.planned.append(json.loads(line))
+
+    def __enter__(self) -> Book:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._process.kill()
+        self._process.wait()
+        for stream in (self._process.stdin, self._process.stdout):
+            with suppress(OSError):
+                stream.close()  # type: ignore[union-attr]
+
+    def _line(self) -> str:
+        assert self._process.stdout is not None
+        line = self._process.stdout.readline()
+        if not line:
+            raise RuntimeError(f"the collection cannot be worked on: taotie ended with code {self._process.wait()}")
+        return line
+
+    def add(self, told: dict[str, Any]) -> dict[str, Any]:
+        """Write down what became of a job; return what its record says in short."""
+        assert self._process.stdin is not None
+        self._process.stdin.write(json.dumps(told) + "\n")
+        self._process.stdin.flush()
+        record: dict[str, Any] = json.loads(self._line())
+        return record
+
+    def close(self) -> dict[str, Any]:
+        """Write the page; return what became of the collection."""
+        assert self._process.stdin is not None
+        self._process.stdin.close()
+        summary: dict[str, Any] = json.loads(self._line())
+        self._process.wait()
+        return summary

@@ -1,0 +1,232 @@
+"""A collection on any file system that fsspec knows: S3, Google Cloud, HTTP with listings, another machine.
+
+The process that plans holds no asset. It has a folder of its own with the names, lengths and times of all files: files of
+zeros that take no room on the disk, but for the few that it reads. Each job fetches what its scan names, and brings what
+it made.
+"""
+
+from __future__ import annotations
+
+import os
+import posixpath
+import tempfile
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from datetime import datetime, timezone
+from fnmatch import fnmatch
+from pathlib import Path, PurePosixPath
+from typing import Any
+from urllib.parse import quote
+
+from ._jobs import work
+
+__all__ = ["Keeper", "Stored", "is_url"]
+
+#: Files that name others in their text, and the bytes of it in which they do.
+_NAMING = {".gltf": -1, ".mtl": -1, ".glb": 1 << 24, ".ply": 1 << 16}
+_MODELS = {".gltf", ".glb", ".obj", ".ply", ".stl"}
+#: What the planning process reads.
+_BOOKS = {".toml", ".csv", ".jsonl"}
+#: Seconds between two copies of the manifest.
+_EVERY = 60.0
+
+
+def is_url(collection: object) -> bool:
+    """Whether a collection is named by the URL of a file system rather than by a path."""
+    return "://" in str(collection)
+
+
+@dataclass
+class Stored:
+    """A collection's folder on a file system.
+
+    Attributes
+    ----------
+    url : str
+        The collection's file.
+    options : dict
+        What fsspec's file system takes: keys, endpoints.
+    """
+
+    url: str
+    options: dict[str, Any] = field(default_factory=dict)
+    #: Length and time of each file, seconds since 1970, by its path below the folder.
+    files: dict[str, tuple[int, float]] = field(default_factory=dict)
+
+    def _system(self) -> tuple[Any, str]:
+        """The file system, and the folder's path on it."""
+        import fsspec
+
+        system, path = fsspec.core.url_to_fs(self.url, **self.options)
+        return system, posixpath.dirname(path)
+
+    def look(self) -> None:
+        """Ask the file system for all files of the folder.
+
+        Raises
+        ------
+        FileNotFoundError
+            Where the collection's file is not there.
+        """
+        system, root = self._system()
+        system.invalidate_cache()
+        self.files = {}
+        for path, about in system.find(root, detail=True).items():
+            self.files[posixpath.relpath(path, root)] = (int(about["size"] or 0), _seconds(about))
+        if self.name not in self.files:
+            raise FileNotFoundError(f"{self.url}: there is no such file")
+
+    @property
+    def name(self) -> str:
+        """The name of the collection's file."""
+        return posixpath.basename(self.url)
+
+    def outline(self, folder: Path) -> Path:
+        """Make a folder with all names, lengths and times; return the collection's file in it."""
+        for path, (size, seconds) in self.files.items():
+            place = _within(folder, path)
+            place.parent.mkdir(parents=True, exist_ok=True)
+            if PurePosixPath(path).suffix in _BOOKS or PurePosixPath(path).name == "object.json":
+                self._fetch([path], folder)
+            else:
+                with open(place, "wb") as file:
+                    file.truncate(size)
+                os.utime(place, (seconds, seconds))
+        return folder / self.name
+
+    def work(self, planned: dict[str, Any], *how: Any) -> dict[str, Any]:
+        """Do a job in a folder that is removed again: fetch what it reads, bring what it made. See `_jobs.work`."""
+        with tempfile.TemporaryDirectory(prefix="taotie-") as name:
+            folder = Path(name)
+            start = time.monotonic()
+            job = planned["job"]
+            scan = PurePosixPath(job["scan"]).as_posix()
+            self._fetch([scan, *self._named_by(scan, folder), *self._named_in(job["settings"])], folder)
+            told = work({**planned, "folder": name}, *how)
+            outcome = told.get("outcome")
+            for part in outcome["parts"] if outcome else []:
+                address = part["address"]
+                self._bring(folder, f"{job['output']}/objects/{address[:2]}/{address}")
+            told["seconds"] = time.monotonic() - start
+            return told
+
+    def keep(self, folder: Path, paths: Iterable[str]) -> None:
+        """Write files of a folder to the file system."""
+        system, root = self._system()
+        for path in paths:
+            system.makedirs(posixpath.dirname(f"{root}/{path}"), exist_ok=True)
+            system.put_file(str(folder / path), f"{root}/{path}")
+
+    def url_of(self, path: str) -> str:
+        """The URL of a path below the folder."""
+        return posixpath.join(posixpath.dirname(self.url), PurePosixPath(path).as_posix())
+
+    def _fetch(self, paths: Iterable[str], folder: Path) -> None:
+        system, root = self._system()
+        for path in paths:
+            if path in self.files:
+                place = _within(folder, path)
+                if place.exists():
+                    continue
+                place.parent.mkdir(parents=True, exist_ok=True)
+                system.get_file(f"{root}/{path}", str(place))
+                seconds = self.files[path][1]
+                os.utime(place, (seconds, seconds))
+
+    def _bring(self, folder: Path, path: str) -> None:
+        """Write an object. What says that it is complete comes last."""
+        system, root = self._system()
+        names = sorted((file.name for file in (folder / path).iterdir()), key=lambda name: name == "object.json")
+        system.makedirs(f"{root}/{path}", exist_ok=True)
+        for name in names:
+            system.put_file(str(folder / path / name), f"{root}/{path}/{name}")
+
+    def _named_by(self, scan: str, folder: Path) -> list[str]:
+        """The files below a scan's folder whose names are in its text, or in that of one of them. No scan reaches others."""
+        above = posixpath.dirname(scan)
+        start = above + "/" if above else ""
+        others = {
+            path[len(start) :]: path
+            for path in self.files
+            if path.startswith(start) and PurePosixPath(path).suffix.lower() not in _MODELS
+        }
+        found: dict[str, None] = {}
+        unread = [scan]
+        while unread:
+            text = self._text(unread.pop(), folder)
+            for name, path in others.items():
+                forms = {name, quote(name), name.replace("/", "\\")}
+                if path not in found and any(form.encode() in text for form in forms):
+                    found[path] = None
+                    unread.append(path)
+        return list(found)
+
+    def _text(self, path: str, folder: Path) -> bytes:
+        """The part of a file's text in which it names others."""
+        self._fetch([path], folder)
+        suffix = PurePosixPath(path).suffix.lower()
+        with open(_within(folder, path), "rb") as file:
+            if suffix == ".obj":
+                return b"".join(line for line in file if line.lstrip().startswith(b"mtllib"))
+            return file.read(_NAMING.get(suffix, 0))
+
+    def _named_in(self, settings: Any) -> list[str]:
+        """All files of the folder that settings name."""
+        if isinstance(settings, dict):
+            return [path for value in settings.values() for path in self._named_in(value)]
+        if isinstance(settings, list):
+            return [path for value in settings for path in self._named_in(value)]
+        return [settings] if isinstance(settings, str) and settings in self.files else []
+
+
+class Keeper:
+    """Copies the books from the folder that plans: the manifest now and then, and all that has changed at the end."""
+
+    def __init__(self, stored: Stored, folder: Path) -> None:
+        self._stored, self._folder = stored, folder
+        self._known = self._books()
+        self._last = time.monotonic()
+
+    def recorded(self) -> None:
+        """Copy the manifest where it is time to."""
+        if time.monotonic() - self._last >= _EVERY:
+            self._copy("manifest*.jsonl")
+
+    def end(self) -> None:
+        """Copy all books."""
+        self._copy("*")
+
+    def _copy(self, names: str) -> None:
+        self._last = time.monotonic()
+        books = self._books()
+        changed = [path for path in books if fnmatch(posixpath.basename(path), names) and books[path] != self._known.get(path)]
+        self._stored.keep(self._folder, changed)
+        self._known.update({path: books[path] for path in changed})
+
+    def _books(self) -> dict[str, tuple[int, int]]:
+        """Length and time of what lies here and is neither a scan nor an object, but for links."""
+        found = {}
+        for path in self._folder.rglob("*"):
+            if path.is_file() and not path.is_symlink() and "objects" not in path.parts:
+                about = path.stat()
+                found[path.relative_to(self._folder).as_posix()] = (about.st_size, about.st_mtime_ns)
+        return found
+
+
+def _seconds(about: dict[str, Any]) -> float:
+    """The time of a file's change as its file system tells it; 0 where it does not."""
+    told = next((about[key] for key in ("LastModified", "mtime", "updated", "last_modified") if about.get(key)), 0.0)
+    if isinstance(told, str):
+        told = datetime.fromisoformat(told.replace("Z", "+00:00"))
+    if isinstance(told, datetime):
+        return (told if told.tzinfo else told.replace(tzinfo=timezone.utc)).timestamp()
+    return float(told)
+
+
+def _within(folder: Path, path: str) -> Path:
+    """A path below the folder, whatever names the file system has."""
+    place = folder.joinpath(*PurePosixPath(path).parts)
+    if ".." in place.parts or not place.is_relative_to(folder):
+        raise ValueError(f"{path}: it leads out of the collection's folder")
+    return place

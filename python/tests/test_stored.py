@@ -1,0 +1,91 @@
+"""Collections on file systems of fsspec, here one that is a folder: what is fetched, what is brought, what is known."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import Any
+
+import collection
+import pytest
+
+from taotie._jobs import Book, work
+from taotie._stored import Keeper, Stored, _seconds, _within, is_url
+
+pytest.importorskip("fsspec")
+
+
+def run(stored: Stored, folder: Path) -> dict[str, Any]:
+    """Do a collection as `taotie.ray` does, one job after the other."""
+    stored.look()
+    outline = stored.outline(folder)
+    keeper = Keeper(stored, folder)
+    with Book([str(outline), "--jobs", "1"], None) as book:
+        for planned in book.planned:
+            told = {"id": planned["job"]["id"], "outcome": None, "error": None, "forecast": None}
+            book.add(told | stored.work(planned, 1, None, None))
+            keeper.recorded()
+        summary = book.close()
+    keeper.end()
+    return summary
+
+
+def test_a_stored_collection_has_the_files_of_the_command(tmp_path: Path) -> None:
+    place = tmp_path / "far"
+    collection.write(place, 2, ("stored", "command"))
+    (place / "scans/0.obj").write_text("mtllib a b.mtl\n" + (place / "scans/0.obj").read_text())
+    (place / "scans/a b.mtl").write_text("newmtl x\nKd 0.5 0.4 0.3\n")
+    stored = Stored(f"file://{place}/stored.toml")
+    for name in ("first", "second"):
+        (tmp_path / name).mkdir()
+    first = run(stored, tmp_path / "first")
+    assert first["states"] == {"done": 2, "required-not-met": 0, "refused": 0, "failed": 1}
+    assert not [path for path in (tmp_path / "first").rglob("*.glb") if path.exists()], "what plans holds no asset"
+    command = [sys.executable, "-m", "taotie", "batch", str(place / "command.toml"), "-q"]
+    subprocess.run(command, check=False, stdout=subprocess.DEVNULL)
+    assert collection.objects(place / "stored") == collection.objects(place / "command")
+    assert (place / "stored/index.html").is_file() and (place / "stored/manifest.jsonl").is_file()
+    second = run(stored, tmp_path / "second")
+    assert (second["attempts"], second["known"]) == (0, 3)
+    (place / "scans/1.obj").write_text(collection.ball(0.05))
+    (tmp_path / "third").mkdir()
+    assert run(stored, tmp_path / "third")["attempts"] == 1
+
+
+def test_a_scan_fetches_what_it_names_and_no_more(tmp_path: Path) -> None:
+    place = tmp_path / "far"
+    (place / "maps").mkdir(parents=True)
+    (place / "c.toml").write_text("")
+    texts = {
+        "a.gltf": '{"images": [{"uri": "maps/a%20b.png"}]}',
+        "b.obj": "v 0 0 0\nmtllib b.mtl\n# maps/other.png",
+        "b.mtl": "map_Kd maps\\b.png\n",
+        "c.ply": "ply\ncomment TextureFile maps/c.png\n",
+    }
+    for name, text in texts.items():
+        (place / name).write_text(text)
+    for name in ("a b", "b", "c", "other"):
+        (place / f"maps/{name}.png").write_text("")
+    stored = Stored(f"file://{place}/c.toml")
+    stored.look()
+    named = {name: sorted(stored._named_by(name, tmp_path / "near")) for name in ("a.gltf", "b.obj", "c.ply")}
+    assert named == {"a.gltf": ["maps/a b.png"], "b.obj": ["b.mtl", "maps/b.png"], "c.ply": ["maps/c.png"]}
+
+
+def test_names_stay_in_the_folder_and_times_are_read(tmp_path: Path) -> None:
+    for name in ("../x", "/etc/x", "a/../../x"):
+        with pytest.raises(ValueError, match="leads out"):
+            _within(tmp_path, name)
+    moment = datetime(2026, 1, 2, 3, 4, 5, tzinfo=timezone.utc)
+    told = [{"LastModified": moment}, {"updated": "2026-01-02T03:04:05Z"}, {"mtime": moment.timestamp()}]
+    assert [_seconds(about) for about in told] == [moment.timestamp()] * 3 and _seconds({}) == 0
+    assert is_url("s3://museum/c.toml") and not is_url("museum/c.toml")
+    with pytest.raises(FileNotFoundError, match=r"none\.toml"):
+        Stored(f"file://{tmp_path}/none.toml").look()
+
+
+def test_a_job_that_cannot_be_done_says_why(tmp_path: Path) -> None:
+    planned = {"folder": str(tmp_path), "job": {"not": "a job"}}
+    assert "crashed" in work(planned, 1, None, None)["error"]
