@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-gpu bench-sizes docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
+.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-gpu bench-sizes bench-python docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -155,6 +155,11 @@ $(PYTHON_VENV)/ready: python/requirements.txt python/tests/requirements.txt
 
 wheel: $(PYTHON_VENV)/ready ## A wheel for this machine into target/wheels
 	$(PYTHON_VENV)/bin/maturin build --release
+
+# MODEL is a scan as PLY. Each package gets an environment of its own below target/bench-python, several gigabytes in all.
+bench-python: wheel ## The first picture of a scan by Taotie and other Python packages, for docs/python.md; MODEL=scan.ply
+	PYTHONPATH=benches/common $(PYTHON_VENV)/bin/python benches/python/bench.py \
+		--wheel "$$(ls -t target/wheels/taotie-*.whl | head -1)" --model $(MODEL) $(BENCH)
 
 bless: ## Takes the pictures and outputs of today for right; look at the difference before you commit it
 	TAOTIE_BLESS=1 cargo test -p taotie --test render golden::

@@ -114,7 +114,7 @@ impl Work<'_> {
     /// Foresees the memory of the bake with its proof, and what is made of it beside: pages and pictures.
     fn need(&self, file: &ScanFile) -> Bytes {
         /// The part of the whole that these, and what the allocator keeps between stages, take.
-        const BESIDE: u64 = 4;
+        const BESIDE: u64 = 6;
         let settings = &self.job.settings.asset;
         let baker = Baker::new(settings.bake.clone());
         let proved = baker.need(file.size()).with_packing(&settings.packing).with_proof();
