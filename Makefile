@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-gpu bench-sizes bench-python docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
+.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-gpu bench-sizes bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -160,6 +160,17 @@ wheel: $(PYTHON_VENV)/ready ## A wheel for this machine into target/wheels
 bench-python: wheel ## The first picture of a scan by Taotie and other Python packages, for docs/python.md; MODEL=scan.ply
 	PYTHONPATH=benches/common $(PYTHON_VENV)/bin/python benches/python/bench.py \
 		--wheel "$$(ls -t target/wheels/taotie-*.whl | head -1)" --model $(MODEL) $(BENCH)
+
+# MODEL is a GLB without packed geometry, BROWSER the browser.
+bench-viewer: benches/viewer/node_modules/three ## A page of taotie view beside three.js and model-viewer, for docs/view.md; MODEL=asset.glb
+	mkdir -p target/bench-viewer
+	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
+	$(or $(TAOTIE),target/release/taotie) view $(MODEL) --samples 1 -o target/bench-viewer/page.html
+	BROWSER=$${BROWSER:-$$(command -v chromium)} FOLDER=target/bench-viewer \
+		node benches/viewer/bench.mjs $(MODEL) target/bench-viewer/page.html
+
+benches/viewer/node_modules/three: benches/viewer/package-lock.json
+	$(INSTALL) benches/viewer
 
 bless: ## Takes the pictures and outputs of today for right; look at the difference before you commit it
 	TAOTIE_BLESS=1 cargo test -p taotie --test render golden::

@@ -1,0 +1,83 @@
+// The same asset by Taotie's page, by three.js's own material and by model-viewer, in Chromium without a graphics card: seconds to
+// the first picture, and frames a second while a hand turns it. `node bench.mjs MODEL.glb PAGE.html`; PAGE is by
+// `taotie view --samples 1`, which stands still once it is drawn.
+
+import { createServer } from "node:http";
+import { readFile, stat } from "node:fs/promises";
+import path from "node:path";
+import { chromium } from "playwright-core";
+
+const [model, page] = process.argv.slice(2);
+const [ROUNDS, SECONDS, SIZE] = [3, 5, { width: 800, height: 600 }];
+const TYPES = { ".html": "text/html", ".js": "text/javascript", ".json": "application/json", ".wasm": "application/wasm" };
+const here = import.meta.dirname;
+const given = { "/model.glb": model, "/taotie.html": page };
+
+const server = createServer(async (request, response) => {
+    const { pathname } = new URL(request.url, "http://here");
+    try {
+        const bytes = await readFile(given[pathname] ?? path.join(here, path.normalize(pathname)));
+        response.writeHead(200, { "content-type": TYPES[path.extname(pathname)] ?? "application/octet-stream" }).end(bytes);
+    } catch {
+        response.writeHead(404).end();
+    }
+});
+await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
+const address = `http://127.0.0.1:${server.address().port}`;
+
+const VIEWERS = [
+    ["taotie view", "taotie.html", () => document.querySelector("taotie-viewer")?.dataset.state === "still"],
+    ["three.js, a light", "three.html", () => globalThis.isShown],
+    ["three.js, an environment", "three.html?environment", () => globalThis.isShown],
+    ["model-viewer", "model-viewer.html", () => globalThis.isShown],
+];
+
+// Frames that come while the pointer goes round, as the browser counts them.
+async function frames(page) {
+    const [x, y] = [SIZE.width / 2, SIZE.height / 2];
+    await page.evaluate(() => {
+        globalThis.counted = 0;
+        const count = () => {
+            globalThis.counted += 1;
+            requestAnimationFrame(count);
+        };
+        requestAnimationFrame(count);
+    });
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    const start = Date.now();
+    const before = await page.evaluate(() => globalThis.counted);
+    for (let angle = 0; Date.now() - start < 1000 * SECONDS; angle += 0.05) {
+        await page.mouse.move(x + 100 * Math.sin(angle), y + 40 * Math.cos(angle));
+    }
+    const after = await page.evaluate(() => globalThis.counted);
+    await page.mouse.up();
+    return (after - before) / ((Date.now() - start) / 1000);
+}
+
+const median = (numbers) => numbers.toSorted((a, b) => a - b)[Math.floor(numbers.length / 2)];
+const runs = new Map(VIEWERS.map(([name]) => [name, []]));
+for (let round = 0; round < ROUNDS; round++) {
+    for (const [name, file, isShown] of VIEWERS) {
+        const browser = await chromium.launch({
+            executablePath: process.env.BROWSER,
+            args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+        });
+        const tab = await browser.newPage({ viewport: SIZE });
+        const start = Date.now();
+        await tab.goto(`${address}/${file}`, { waitUntil: "commit" });
+        await tab.waitForFunction(isShown, null, { timeout: 120_000, polling: 20 });
+        const seconds = (Date.now() - start) / 1000;
+        // Its picture has the whole window then, as those of the others.
+        if (name === "taotie view") await tab.getByRole("button", { name: "Hide controls" }).click();
+        runs.get(name).push([seconds, await frames(tab)]);
+        if (round === 0) await tab.screenshot({ path: path.join(process.env.FOLDER ?? ".", `${name.replaceAll(/\W+/g, "-")}.png`) });
+        await browser.close();
+    }
+}
+server.close();
+console.log(`${(await stat(model)).size} bytes of model, ${(await stat(page)).size} of page\n`);
+console.log("| viewer | seconds to the first picture | frames a second |\n|---|---|---|");
+for (const [name, all] of runs) {
+    console.log(`| ${name} | ${median(all.map(([s]) => s)).toFixed(1)} | ${median(all.map(([, f]) => f)).toFixed(1)} |`);
+}
