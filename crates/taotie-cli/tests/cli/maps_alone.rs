@@ -5,8 +5,9 @@ use super::balls::{Ball, LOW, SCAN};
 use super::place::Place;
 use serde_json::{Value, json};
 use taotie::image::Texels;
-use taotie::io::read_bitmap;
-use taotie::scene::Material;
+use taotie::io::{GltfFormat, read_bitmap, write_scene};
+use taotie::mesh::Mesh;
+use taotie::scene::{Material, Scene};
 
 fn scan_and_low() -> Place {
     let place = Place::with("scan.obj", SCAN.obj());
@@ -150,6 +151,19 @@ fn factors_that_no_map_holds_are_told() {
     assert!(said.contains("maps alone hold no factors of the scan's material: "), "{said}");
     let report: Value = serde_json::from_slice(&place.read("out.report.json")).expect("it is JSON");
     assert_eq!(report["carried"], json!([]));
+}
+
+#[test]
+fn a_material_that_does_not_show_them_is_told() {
+    let place = Place::with("scan.obj", SCAN.obj());
+    let unlit = Material { unlit: true, ..Material::default() };
+    let low = Scene::of_mesh(Mesh::sphere(1.0, 24, 12), unlit).unwrap();
+    write_scene(&place.path("low.glb"), &low, &GltfFormat::default()).unwrap();
+    let is_told = |maps: &str| {
+        let line = format!("bake scan.obj --low low.glb --size 64 --maps {maps} -o out.png --json");
+        place.json(&line)["warnings"].to_string().contains("materials are unlit (KHR_materials_unlit)")
+    };
+    assert_eq!(["normal", "albedo,normal", "albedo"].map(is_told), [true, true, false]);
 }
 
 #[test]

@@ -228,10 +228,7 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
         materials.push(maps.textures.material(&low.material, &low.kept));
     }
     let has_alpha = materials.iter().any(has_alpha);
-    warnings.note(
-        "materials are unlit (KHR_materials_unlit): of their maps viewers show the base colour alone",
-        materials.iter().filter(|material| hides_maps(material)).count(),
-    );
+    warnings.note(maps_alone::UNLIT, materials.iter().filter(|material| hides_maps(material)).count());
     warnings.note(
         "meshes are not compressed: the low-poly mesh's file stays as it is",
         usize::from(made.document.is_some() && packing.meshopt),
