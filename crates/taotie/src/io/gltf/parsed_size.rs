@@ -2,6 +2,11 @@
 
 /// Bytes that a byte of JSON takes while it is parsed: values, then types made of them.
 const PARSED: u64 = 16;
+/// A list and an object with the first few of what they hold: bytes, and the bytes of text among which [`PARSED`] covers one.
+const LIST: [u64; 2] = [144, 32];
+const OBJECT: [u64; 2] = [640, 48];
+/// Lists and objects that are not counted in any text.
+const FREE: u64 = 8;
 /// Bytes that a byte of a `data:` URI takes beside its text. While it is parsed that is a string, one byte. Later the text
 /// is gone, and there are the string, at most one byte of Base64 without blanks, and three quarters of a byte of content.
 const OF_DATA: u64 = 2;
@@ -12,8 +17,12 @@ const HEAD: usize = 64;
 /// Returns the bytes that a document takes beside its text, which is a copy of a part of the file where `is_copied`.
 pub(super) fn parsed_size(text: &[u8], is_copied: bool) -> u64 {
     let data = data_uris(text);
-    let all = text.len() as u64;
-    (all - data) * PARSED + data * (OF_DATA + u64::from(is_copied))
+    let values = text.len() as u64 - data;
+    let beyond = |mark: u8, [bytes, covered]: [u64; 2]| {
+        let count = text.iter().filter(|byte| **byte == mark).count() as u64;
+        count.saturating_sub(values / covered + FREE) * bytes
+    };
+    values * PARSED + beyond(b'[', LIST) + beyond(b'{', OBJECT) + data * (OF_DATA + u64::from(is_copied))
 }
 
 /// Returns the bytes of `data:` URIs, without their heads. Where a string has an escape, the parser copies it once more, and
@@ -50,6 +59,16 @@ mod tests {
     }
 
     #[test]
+    fn lists_in_lists_and_small_objects_count_beside_their_text() {
+        let nested = "[".repeat(100) + &"]".repeat(100);
+        assert_eq!(size(&nested), 200 * 16 + (100 - 200 / 32 - 8) * 144);
+        let objects = format!("[{}0]", r#"{"":0},"#.repeat(100));
+        assert_eq!(size(&objects), 703 * 16 + (100 - 703 / 48 - 8) * 640);
+        let node = r#"{"mesh":0,"translation":[10.25,20.5,30.75],"name":"n"},"#;
+        assert_eq!(size(&node.repeat(100)), node.len() as u64 * 100 * 16, "as files have them");
+    }
+
+    #[test]
     fn what_might_be_numbers_counts_whole() {
         let long = "0,".repeat(100);
         let texts = [
@@ -58,7 +77,7 @@ mod tests {
             format!(r#"["a\"data:{long}"]"#),
             format!(r#"["data:{long}\u0041"]"#),
             format!(r#"["data:{long}\""]"#),
-            r#"["data:,abc"]"#.repeat(50),
+            format!("[{}0]", r#""data:,abc","#.repeat(50)),
         ];
         for text in texts {
             assert_eq!(size(&text), text.len() as u64 * 16, "{text}");
