@@ -1,4 +1,4 @@
-"""A collection on any file system that fsspec knows: S3, Google Cloud, HTTP with listings, another machine.
+"""A collection on any file system that fsspec can list and write to: S3, Google Cloud, another machine.
 
 The process that plans holds no asset. It has a folder of its own with the names, lengths and times of all files: files of
 zeros that take no room on the disk, but for the few that it reads. Each job fetches what its scan names, and brings what

@@ -2,7 +2,8 @@
 
 use crate::objects::Object;
 use crate::record::{FileEntry, Part};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use std::fs;
 use std::path::{Path, PathBuf};
 use taotie::io::{FileSet, file_size, read_bytes, sha256};
@@ -12,20 +13,9 @@ use taotie::{Error, Result};
 const RESULT: &str = "object.json";
 
 /// The part of an object's own words that tells of its files.
-#[derive(Serialize, Deserialize)]
+#[derive(Deserialize)]
 struct Listed {
-    kind: String,
     files: Vec<FileEntry>,
-}
-
-impl Object for Listed {
-    fn files(&self) -> &[FileEntry] {
-        &self.files
-    }
-
-    fn kind(&self) -> &str {
-        &self.kind
-    }
 }
 
 /// The folder of a collection's files.
@@ -66,14 +56,18 @@ impl Store {
 
     /// Returns what an object says of itself; `None` where it is not there, or not whole.
     pub fn object<T: Object>(&self, address: &str) -> Option<T> {
-        let folder = self.path(address);
-        let told: T = serde_json::from_slice(&read_bytes(&folder.join(RESULT)).ok()?).ok()?;
-        are_there(&folder, told.files()).then_some(told)
+        let told: T = self.told(address)?;
+        are_there(&self.path(address), told.files()).then_some(told)
+    }
+
+    fn told<T: DeserializeOwned>(&self, address: &str) -> Option<T> {
+        serde_json::from_slice(&read_bytes(&self.path(address).join(RESULT)).ok()?).ok()
     }
 
     /// Says whether all files of a part are there, each with its length, and the object says so itself.
     pub fn holds(&self, part: &Part) -> bool {
-        self.object::<Listed>(&part.address).is_some_and(|object| object.files == part.files)
+        let is_told = |told: Listed| told.files == part.files;
+        self.told(&part.address).is_some_and(is_told) && are_there(&self.path(&part.address), &part.files)
     }
 
     /// Claims the place of an object in a set of files; returns its folder.

@@ -119,7 +119,8 @@ impl Work<'_> {
         let baker = Baker::new(settings.bake.clone());
         let proved = baker.need(file.size()).with_packing(&settings.packing).with_proof();
         let shown = self.job.settings.viewer.is_some();
-        let Bytes(bytes) = if shown { proved.with_viewer() } else { proved }.bytes();
+        let Bytes(bytes) =
+            if shown { proved.with_viewer(taotie_report::viewer::MOST_TEXTURE_SIDE) } else { proved }.bytes();
         Bytes(bytes.saturating_add(bytes / BESIDE))
     }
 

@@ -70,6 +70,7 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
             None => (taotie_report::html(&page), Warnings::default()),
         };
         console::say_warnings(&warnings);
+        report.warnings.extend(Warning::list(&warnings));
         let [html, json] = args.reports();
         files.write_text(&html, &page)?;
         files.write_text(&json, &serde_json::to_string_pretty(&report)?)?;
@@ -84,7 +85,7 @@ fn check_memory(args: &BakeArgs, baked: &Need, limits: Limits) -> Result<()> {
     let need = match (args.no_verify, args.shown_model()) {
         (true, _) => written,
         (false, None) => written.with_proof(),
-        (false, Some(_)) => written.with_proof().with_viewer(),
+        (false, Some(_)) => written.with_proof().with_viewer(taotie_report::viewer::MOST_TEXTURE_SIDE),
     };
     need.check(limits)?;
     let (triangles, bytes) = (need.scan.triangles, need.bytes());

@@ -12,7 +12,7 @@ use taotie::scene::Scene;
 use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, Viewpoint};
 
 /// Texels along a side of the textures that the page holds, at most.
-const MOST_TEXELS: u32 = 2048;
+pub const MOST_TEXTURE_SIDE: u32 = 2048;
 
 /// An asset as it lies on disk.
 #[derive(Clone, Copy)]
@@ -28,7 +28,8 @@ pub struct AssetSubject<'a> {
 }
 
 impl AssetSubject<'_> {
-    /// Makes its viewer. Textures of more than 2048 texels along a side are taken smaller, and a fact of the page says so.
+    /// Makes its viewer. Textures of more than [`MOST_TEXTURE_SIDE`] texels along a side are taken smaller, and a fact of the page says so.
+    /// What is wrong in the file is not told once more: its proof has read it before.
     ///
     /// # Errors
     /// Those of [`studio::load_within`] and [`Viewer::new`].
@@ -42,7 +43,7 @@ impl AssetSubject<'_> {
         let framing = Framing { size: [1024; 2], all_around: false };
         let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, prepared.scene())?;
         let view = viewpoint.at(0.0);
-        let mut viewer = Viewer::new(&Subject {
+        Viewer::new(&Subject {
             title: self.title,
             facts: &facts,
             bookmarks: &[],
@@ -53,27 +54,25 @@ impl AssetSubject<'_> {
             development: &Development::default(),
             scan: None,
             errors: self.errors,
-        })?;
-        viewer.warnings.absorb(loaded.warnings);
-        Ok(viewer)
+        })
     }
 }
 
 /// Takes coarser levels of textures that are too large for a page, and returns the fact that says so.
 fn shrink(scene: &mut Scene) -> Result<Option<Fact>> {
-    let is_large = |texture: &Texture| texture.width().max(texture.height()) > MOST_TEXELS;
+    let is_large = |texture: &Texture| texture.width().max(texture.height()) > MOST_TEXTURE_SIDE;
     if !scene.textures().iter().any(is_large) {
         return Ok(None);
     }
     scene.edit(|data| data.textures.iter_mut().for_each(|texture| *texture = shrunk(texture)))?;
-    let said = format!("at most {MOST_TEXELS} × {MOST_TEXELS}; the asset's are larger");
+    let said = format!("at most {MOST_TEXTURE_SIDE} × {MOST_TEXTURE_SIDE}; the asset's are larger");
     Ok(Some(Fact::new("Textures of this page", said)))
 }
 
 fn shrunk(texture: &Texture) -> Texture {
     let fits = |level: &usize| {
         let (width, height) = texture.level_size(*level);
-        width.max(height) <= MOST_TEXELS
+        width.max(height) <= MOST_TEXTURE_SIDE
     };
     match (0..texture.levels()).find(fits) {
         None | Some(0) => texture.clone(),

@@ -8,6 +8,7 @@ use super::map_numbers::{self, Meaning};
 use super::packing::Packing;
 use super::property::Property;
 use super::textures::{Beside, Range};
+use super::unlit;
 use crate::bake::MapKind;
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Bitmap, Encoding, Sampler, Texture};
@@ -202,19 +203,8 @@ pub(super) fn warnings(made: &Made) -> Warnings {
     warnings.note(what, usize::from(!factors.is_empty()));
     let is_told = made.about.copyright.is_some() || made.about.xmp.is_some();
     warnings.note("maps alone hold neither rights nor history of the scan", usize::from(is_told));
-    let hidden = made.parts.iter().filter(|part| is_hidden(part)).count();
-    warnings.note(UNLIT, hidden);
+    warnings.absorb(unlit::note(made.parts.iter().filter(|part| unlit::hides_maps_of(part))));
     warnings
-}
-
-/// What viewers show of maps on a material without light.
-pub(super) const UNLIT: &str =
-    "materials are unlit (KHR_materials_unlit): of their maps viewers show the base colour alone";
-
-/// Says whether the low-poly mesh's material has no light that would show a map.
-fn is_hidden(part: &Part) -> bool {
-    let is_seen = |map| matches!(map, MapKind::Albedo | MapKind::Alpha);
-    part.low.material.unlit && part.maps.textures.inside().any(|(map, _)| !is_seen(map))
 }
 
 /// Says whether any map is one of the material, and not of the shape.

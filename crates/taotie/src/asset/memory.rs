@@ -48,8 +48,8 @@ pub struct Need {
     pub images: GltfImages,
     /// `true` where the asset is measured against the scan afterwards.
     pub is_proved: bool,
-    /// `true` where a page shows the asset afterwards.
-    pub is_shown: bool,
+    /// Texels along a side, at most, of the textures of a page that shows the asset afterwards; `None` where no page does.
+    pub shown_side: Option<u32>,
 }
 
 impl Need {
@@ -68,7 +68,7 @@ impl Need {
             levels: 1 + options.lods.len() as u64,
             images: GltfImages::default(),
             is_proved: false,
-            is_shown: false,
+            shown_side: None,
         }
     }
 
@@ -82,9 +82,9 @@ impl Need {
         Self { is_proved: true, ..self }
     }
 
-    /// Returns what a bake needs whose asset a page shows afterwards, with textures of at most 2048 texels along a side.
-    pub fn with_viewer(self) -> Self {
-        Self { is_shown: true, ..self }
+    /// Returns what a bake needs whose asset a page shows afterwards, with textures of at most `side` texels along a side.
+    pub fn with_viewer(self, side: u32) -> Self {
+        Self { shown_side: Some(side), ..self }
     }
 
     /// Returns the whole, scan included: the most of what its stages take, one after the other.
@@ -97,7 +97,7 @@ impl Need {
         const KEPT: u64 = 96;
         const MOST_KEPT: u64 = 48 << 20;
         let proving = if self.is_proved { self.proving() } else { 0 };
-        let showing = if self.is_shown { self.showing() } else { 0 };
+        let showing = self.shown_side.map_or(0, |side| self.showing(side));
         let most = self
             .baking()
             .max(self.writing())
@@ -128,9 +128,14 @@ impl Need {
 
     /// Returns the bytes while textures are packed, one for each thread at a time.
     fn writing(&self) -> u64 {
-        let packed = (self.maps * self.materials).min(rayon::current_num_threads() as u64);
-        let packing = (self.texels * of_images(self.images).packing).saturating_mul(packed);
-        self.scan.bytes().saturating_add(self.stored_of(self.materials)).saturating_add(packing)
+        let stored = self.stored_of(self.materials);
+        self.scan.bytes().saturating_add(stored).saturating_add(self.packing(self.texels, self.images))
+    }
+
+    /// Returns the bytes while maps of so many texels become images, one for each thread at a time.
+    fn packing(&self, texels: u64, images: GltfImages) -> u64 {
+        let at_once = (self.maps * self.materials).min(rayon::current_num_threads() as u64);
+        (texels * of_images(images).packing).saturating_mul(at_once)
     }
 
     /// Returns the bytes while the asset is read back and measured.
@@ -148,15 +153,12 @@ impl Need {
 
     /// Returns the bytes while a page shows the asset: it is read back, and its textures become smaller ones without loss.
     /// The scan is gone, and what was measured with it is freed; the allocator keeps some of that.
-    fn showing(&self) -> u64 {
-        const MOST_TEXELS: u64 = 2048 * 2048;
+    fn showing(&self, side: u32) -> u64 {
         /// A triangle of the asset: as it is drawn, as it is packed, and as text.
         const LOW_TRIANGLE: u64 = 550;
         const KEPT: u64 = 600;
         const MOST_KEPT: u64 = 64 << 20;
-        let packed = (self.maps * self.materials).min(rayon::current_num_threads() as u64);
-        let packing =
-            (self.texels.min(MOST_TEXELS) * of_images(GltfImages::WebP).packing).saturating_mul(packed);
+        let packing = self.packing(self.texels.min(u64::from(side).pow(2)), GltfImages::WebP);
         let proof = if self.is_proved { self.proof() } else { 0 };
         let low = self.low_triangles * LOW_TRIANGLE + (self.scan.triangles * KEPT).min(MOST_KEPT);
         [self.stored_of(self.materials), self.read_back(), packing, low]
@@ -261,7 +263,7 @@ mod tests {
             levels: 1,
             images: GltfImages::Png,
             is_proved: false,
-            is_shown: false,
+            shown_side: None,
         };
         assert!(need.bytes() < Bytes(4 << 30), "{}", need.bytes());
         let error =
@@ -294,7 +296,7 @@ mod tests {
         let webp = Packing { images: GltfImages::WebP, ..Packing::default() };
         assert!(need.with_packing(&webp).bytes() > need.bytes());
         assert!(need.with_packing(&webp).with_proof().bytes() > need.with_proof().bytes());
-        assert!(need.with_proof().with_viewer().bytes() > need.with_proof().bytes());
+        assert!(need.with_proof().with_viewer(2048).bytes() > need.with_proof().bytes());
         let proved = |need: Need| need.with_proof().bytes().0;
         assert!(proved(need) > need.bytes().0);
         let levels = Need { levels: 3, ..need };

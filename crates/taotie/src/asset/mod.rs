@@ -64,6 +64,7 @@ mod shown;
 mod slots;
 mod stripped;
 mod textures;
+mod unlit;
 mod unseen;
 mod views;
 mod write;

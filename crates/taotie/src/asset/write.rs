@@ -10,6 +10,7 @@ use super::options::BakeOptions;
 use super::packing::Packing;
 use super::provenance;
 use super::textures::{Beside, Textures, labeled};
+use super::unlit;
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
 use crate::image::Encoding;
@@ -228,7 +229,7 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
         materials.push(maps.textures.material(&low.material, &low.kept));
     }
     let has_alpha = materials.iter().any(has_alpha);
-    warnings.note(maps_alone::UNLIT, materials.iter().filter(|material| hides_maps(material)).count());
+    warnings.absorb(unlit::note(materials.iter().filter(|material| unlit::hides_maps(material))));
     warnings.note(
         "meshes are not compressed: the low-poly mesh's file stays as it is",
         usize::from(made.document.is_some() && packing.meshopt),
@@ -254,14 +255,6 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
 fn has_alpha(material: &GltfMaterial<'_>) -> bool {
     let has = |image| matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
     material.alpha != AlphaMode::Opaque && material.base_color_map.is_some_and(has)
-}
-
-/// Says whether a material without light has textures that nothing shows.
-fn hides_maps(material: &GltfMaterial<'_>) -> bool {
-    let GltfMaterial { metallic_roughness_map, occlusion_map, normal_map, emissive_map, layers, .. } =
-        material;
-    let hidden = [metallic_roughness_map, occlusion_map, normal_map, emissive_map];
-    layers.is_some_and(|layers| layers.unlit) && hidden.iter().any(|map| map.is_some())
 }
 
 /// Says whether there is a texture that may lose more: neither normals, nor a base colour that is packed otherwise.
