@@ -5,7 +5,7 @@ use fastrand::Rng;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// The most elements, or characters, of a value that is repeated.
+/// The most values and characters of a value that is repeated.
 const MOST: usize = 1 << 16;
 /// The most values that are listed to choose one.
 const MOST_LISTED: usize = 4096;
@@ -160,10 +160,22 @@ fn repeat(value: &mut Value, times: usize) {
     match value {
         Value::String(text) => *text = text.repeat(fitting(text.len())),
         Value::Array(values) => {
-            let times = fitting(values.len());
+            let times = fitting(values.iter().map(size).sum());
             *values = std::iter::repeat_n(values.clone(), times).flatten().collect();
         }
         _ => {}
+    }
+}
+
+/// The values and characters of a value.
+fn size(value: &Value) -> usize {
+    match value {
+        Value::String(text) => text.len().max(1),
+        Value::Array(values) => 1 + values.iter().map(size).sum::<usize>(),
+        Value::Object(members) => {
+            1 + members.iter().map(|(name, value)| name.len() + size(value)).sum::<usize>()
+        }
+        _ => 1,
     }
 }
 
@@ -225,6 +237,15 @@ mod tests {
         assert_eq!(changed(JsonChange::Repeat { at: at("/a"), times: 2 })["a"], json!([1, 2, 1, 2]));
         assert_eq!(changed(JsonChange::Nest { at: at("/b"), depth: 2 })["b"], json!([["xy"]]));
         assert_eq!(changed(JsonChange::Remove { at: at("/z/0") })["b"], "xy", "what is not there");
+    }
+
+    #[test]
+    fn what_is_repeated_again_and_again_stays_small() {
+        let mut bytes = br#"{"a":["x"]}"#.to_vec();
+        for at in ["/a/0", "/a", "/a", "/a/0"] {
+            JsonChange::Repeat { at: at.to_owned(), times: MOST }.apply(&mut bytes);
+        }
+        assert!(bytes.len() < 2 * MOST, "{} bytes", bytes.len());
     }
 
     #[test]

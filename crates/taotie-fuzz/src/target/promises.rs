@@ -10,9 +10,13 @@ pub type Held = std::result::Result<(), String>;
 /// the harness itself take.
 const MEMORY: Bytes = Bytes(256 << 20);
 
+/// The triangles that readers and bakes are told to keep to: a few hundred bytes may name one mesh thousands of times, and
+/// to bake half a million triangles takes about the time that a run may take.
+const TRIANGLES: u64 = 1 << 18;
+
 /// The limits that readers and bakes are told to keep to.
 pub fn limits() -> Limits {
-    Limits { memory: Some(MEMORY), ..Limits::default() }
+    Limits { memory: Some(MEMORY), triangles: TRIANGLES, ..Limits::default() }
 }
 
 /// Holds that an error is one line.

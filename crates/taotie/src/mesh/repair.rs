@@ -14,7 +14,7 @@ pub(crate) fn repair(data: &mut MeshData, warnings: &mut Warnings) {
         note("normals that were zero or NaN, taken from the faces", mend_normals(data));
     }
     note("tangents that were zero or NaN; all are computed anew", mend_tangents(data));
-    note("uvs that were infinite or NaN, set to 0", mend_uvs(&mut data.uvs));
+    note("uvs that were infinite, NaN or beyond ±1e12, set to 0", mend_uvs(&mut data.uvs));
     note("vertex colours that were infinite or NaN, set to white", mend_colors(&mut data.colors));
 }
 
@@ -86,8 +86,10 @@ fn mend_tangents(data: &mut MeshData) -> usize {
 }
 
 fn mend_uvs(sets: &mut [Vec<Vec2>]) -> usize {
+    /// Texture transforms have the same bound: what both make is finite.
+    const MOST: f32 = 1e12;
     let mut count = 0;
-    for uv in sets.iter_mut().flatten().filter(|uv| !(uv.x.is_finite() && uv.y.is_finite())) {
+    for uv in sets.iter_mut().flatten().filter(|uv| !(uv.x.abs() <= MOST && uv.y.abs() <= MOST)) {
         *uv = Vec2::default();
         count += 1;
     }
@@ -130,7 +132,10 @@ mod tests {
         assert!((data.normals[3] - data.normals[5]).length() == 0.0 && data.normals[3].z.abs() < 1e-6);
         assert!(data.tangents.is_empty());
         assert_eq!(data.uvs[0], [Vec2::default(); 6]);
-        assert_eq!(warnings.iter().next(), Some(("uvs that were infinite or NaN, set to 0", 6)));
+        assert_eq!(
+            warnings.iter().next(),
+            Some(("uvs that were infinite, NaN or beyond ±1e12, set to 0", 6))
+        );
     }
 
     #[test]

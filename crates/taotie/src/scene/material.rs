@@ -32,6 +32,14 @@ impl Default for UvTransform {
 }
 
 impl UvTransform {
+    /// The largest magnitude of its numbers.
+    pub const MOST: f32 = 1e12;
+
+    /// Says whether all numbers lie within ±[`Self::MOST`], so that uvs of that range stay finite.
+    pub fn is_bounded(&self) -> bool {
+        self.linear.iter().chain([&self.offset]).flatten().all(|v| v.abs() <= Self::MOST)
+    }
+
     /// The image of a uv.
     #[inline]
     pub fn apply(&self, uv: Vec2) -> Vec2 {

@@ -1,6 +1,6 @@
 //! Checks that a material can be shaded: its textures are there, and its factors within their ranges.
 
-use super::{AlphaMode, Light, Material};
+use super::{AlphaMode, Light, Material, UvTransform};
 
 /// A factor with its name.
 type Factor = (&'static str, f32);
@@ -13,6 +13,9 @@ impl Material {
     pub(super) fn check(&self, textures: usize) -> Result<(), String> {
         if let Some(lost) = self.textures().into_iter().find(|used| used.texture >= textures) {
             return Err(format!("it names texture {}, but there are {textures}", lost.texture));
+        }
+        if self.textures().iter().any(|used| !used.transform.is_bounded()) {
+            return Err(format!("a texture transform has a number beyond ±{:e}", UvTransform::MOST));
         }
         within(&self.fractions(), "between 0 and 1", |v| (0.0..=1.0).contains(&v))?;
         within(&self.amounts(), "between 0 and 1e12", |v| (0.0..=Light::MOST).contains(&v))?;

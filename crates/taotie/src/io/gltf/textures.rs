@@ -101,6 +101,9 @@ impl<'a> Textures<'a> {
         if slot.uv_set() >= MAX_UV_SETS {
             return Err(format!("it names uv set {}; at most {MAX_UV_SETS} are read", slot.uv_set()));
         }
+        if !transform(slot).is_bounded() {
+            return Err(format!("its transform has a number beyond ±{:e}", UvTransform::MOST));
+        }
         let mut images: Vec<usize> =
             sources(self.document, slot.index)?.into_iter().map(|image| self.same[image]).collect();
         let image = images.remove(0);
@@ -115,8 +118,7 @@ impl<'a> Textures<'a> {
             self.requests.push(request);
             self.requests.len() - 1
         });
-        let transform = slot.transform.as_ref().map(matrix).unwrap_or_default();
-        TextureRef { texture, uv_set: slot.uv_set() as usize, sampler, transform }
+        TextureRef { texture, uv_set: slot.uv_set() as usize, sampler, transform: transform(slot) }
     }
 
     /// Decodes the requested images. Uses of images that cannot be read are taken out of `materials`, with a warning.
@@ -209,6 +211,10 @@ fn renumber(material: &mut Material, places: &[Option<usize>]) {
         }
         _ => false,
     });
+}
+
+fn transform(slot: &Slot) -> UvTransform {
+    slot.transform.as_ref().map(matrix).unwrap_or_default()
 }
 
 /// Returns T · R · S, where a positive angle turns uvs counter-clockwise as seen with v pointing down.

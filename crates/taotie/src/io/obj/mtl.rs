@@ -2,6 +2,7 @@
 
 use super::super::text;
 use crate::error::Warnings;
+use crate::scene::UvTransform;
 use std::path::{Path, PathBuf};
 
 /// One material of an MTL file. Absent values are `None`.
@@ -210,9 +211,11 @@ impl Map {
     }
 
     fn apply(&mut self, option: &str, words: &[&str]) {
+        // A transform adds up to three of them.
+        let most = UvTransform::MOST / 4.0;
         let value = |i: usize, absent: f32| {
             let parsed = words.get(i).and_then(|w| w.parse::<f32>().ok());
-            parsed.filter(|v| v.is_finite()).unwrap_or(absent)
+            parsed.filter(|v| v.abs() <= most).unwrap_or(absent)
         };
         let first = words.first().copied().unwrap_or("");
         match option {
@@ -279,6 +282,9 @@ mod tests {
         let diffuse = m.diffuse_map.unwrap();
         assert_eq!((diffuse.scale, diffuse.offset, diffuse.file.as_str()), ([2.0, 1.0], [0.1, 0.2], "a.png"));
         assert!(warnings.is_empty());
+        let (m, _) = one("map_Kd -s 1e39 2e38 -o 1e11 0 a.png");
+        let huge = m.diffuse_map.unwrap();
+        assert_eq!((huge.scale, huge.offset), ([1.0, 1.0], [1e11, 0.0]));
         let (m, _) = one("map_Kd -s 1 2 3 4.png\nmap_Ke -clamp on -texres 512 \"a b.png\"\nnorm -bm");
         assert_eq!(m.diffuse_map.unwrap().file, "4.png");
         let emissive = m.emissive_map.unwrap();
