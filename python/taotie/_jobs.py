@@ -22,8 +22,8 @@ def work(
     time_limit: float | None,
     command: Sequence[str] | None,
 ) -> dict[str, Any]:
-    """Do a job by a process of its own, or foresee its memory where it has no threads yet."""
-    told: dict[str, Any] = {"forecast": None}
+    """Do a job by a process of its own, or foresee its memory and address where it has no threads yet."""
+    told: dict[str, Any] = {"forecast": None, "address": None}
     start = time.monotonic()
     with tempfile.TemporaryFile("w+") as complaints, subprocess.Popen(
         [*_program(command), "batch-worker"],
@@ -45,6 +45,8 @@ def work(
             said = message.pop("tell")
             if said == "ended":
                 told["outcome"] = message
+            elif said == "address":
+                told["address"] = message["address"]
             elif said == "forecast":
                 told["forecast"] = message["bytes"]
                 if threads is None:

@@ -96,18 +96,24 @@ class Stored:
         return folder / self.name
 
     def work(self, planned: dict[str, Any], *how: Any) -> dict[str, Any]:
-        """Do a job in a folder that is removed again: fetch what it reads, bring what it made. See `_jobs.work`."""
+        """Do a job in a folder that is removed again: fetch what it reads, bring what it made. See `_jobs.work`.
+
+        Where the job's ``address`` is known, the asset is fetched that lies there: only what is not made of it yet is made.
+        """
         with tempfile.TemporaryDirectory(prefix="taotie-") as name:
             folder = Path(name)
             start = time.monotonic()
             job = planned["job"]
             scan = PurePosixPath(job["scan"]).as_posix()
             self._fetch([scan, *self._named_by(scan, folder), *self._named_in(job["settings"])], folder)
+            if made := planned.get("address"):
+                asset = _object(job, made)
+                self._fetch([path for path in self.files if path.startswith(f"{asset}/")], folder)
             told = work({**planned, "folder": name}, *how)
             outcome = told.get("outcome")
             for part in outcome["parts"] if outcome else []:
-                address = part["address"]
-                self._bring(folder, f"{job['output']}/objects/{address[:2]}/{address}")
+                if not part["reused"]:
+                    self._bring(folder, _object(job, part["address"]))
             told["seconds"] = time.monotonic() - start
             return told
 
@@ -212,6 +218,11 @@ class Keeper:
                 about = path.stat()
                 found[path.relative_to(self._folder).as_posix()] = (about.st_size, about.st_mtime_ns)
         return found
+
+
+def _object(job: dict[str, Any], address: str) -> str:
+    """The folder of an object, below the collection's."""
+    return f"{PurePosixPath(job['output']).as_posix()}/objects/{address[:2]}/{address}"
 
 
 def _seconds(about: dict[str, Any]) -> float:

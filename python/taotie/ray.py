@@ -164,7 +164,7 @@ class _Tasks:
         if told["outcome"] is None and told["error"] is None and spent is None:
             largest = max((node["Resources"].get("memory", 0.0) for node in ray.nodes() if node["Alive"]), default=0.0)
             if told["forecast"] <= largest:
-                self._bake(planned, told["forecast"], told["seconds"])
+                self._bake({**planned, "address": told["address"]}, told["forecast"], told["seconds"])
                 return None
             need, most = (f"{size / 2**20:.0f} MiB" for size in (told["forecast"], largest))
             told["outcome"] = _refused(f"it needs about {need} of memory, the largest machine of the cluster has {most}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from datetime import datetime, timezone
@@ -25,7 +26,8 @@ def run(stored: Stored, folder: Path) -> dict[str, Any]:
     with Book([str(outline), "--jobs", "1"], None) as book:
         for planned in book.planned:
             told = {"id": planned["job"]["id"], "outcome": None, "error": None, "forecast": None}
-            book.add(told | stored.work(planned, 1, None, None))
+            foreseen = stored.work(planned, None, None, None)
+            book.add(told | stored.work({**planned, "address": foreseen["address"]}, 1, None, None))
             keeper.recorded()
         summary = book.close()
     keeper.end()
@@ -52,6 +54,21 @@ def test_a_stored_collection_has_the_files_of_the_command(tmp_path: Path) -> Non
     (place / "scans/1.obj").write_text(collection.ball(0.05))
     (tmp_path / "third").mkdir()
     assert run(stored, tmp_path / "third")["attempts"] == 1
+
+
+def test_another_thumbnail_bakes_nothing_anew(tmp_path: Path) -> None:
+    place = tmp_path / "far"
+    collection.write(place, 1, ("stored",))
+    stored = Stored(f"file://{place}/stored.toml")
+    text = (place / "stored.toml").read_text()
+    for name, size in (("first", 32), ("second", 48)):
+        (place / "stored.toml").write_text(text.replace("[thumbnail]\nsize = 32", f"[thumbnail]\nsize = {size}"))
+        (tmp_path / name).mkdir()
+        run(stored, tmp_path / name)
+    lines = (place / "stored/manifest.jsonl").read_text().splitlines()
+    done = [record for record in map(json.loads, lines) if record.get("state") == "done"]
+    reused = [{part["kind"]: part["reused"] for part in record["parts"]} for record in done]
+    assert reused == [{"asset": False, "thumbnail": False}, {"asset": True, "thumbnail": False}]
 
 
 def test_a_scan_fetches_what_it_names_and_no_more(tmp_path: Path) -> None:
