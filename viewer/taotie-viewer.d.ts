@@ -40,6 +40,8 @@ export interface State {
 export class TaotieViewer extends HTMLElement {
     /** The folder that `taotie view --folder` wrote. */
     src: string;
+    /** The files of such a folder by their names, in place of `src`. */
+    files: Record<string, BlobPart> | undefined;
     /** `given`, or azimuth, elevation and, if wanted, strength of the raking light: `-75,10` or `-75,10,4`. */
     light: string;
     /** Azimuth, elevation and, if wanted, distance: `30,20` or `30,20,0.5`. */

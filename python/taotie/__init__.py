@@ -22,6 +22,7 @@ from ._model import Mesh, Model, load
 from ._options import Material, Orbit
 from ._render import Renderer, render
 from ._taotie import __version__
+from ._view import Viewer, view
 
 __all__ = [
     "Asset",
@@ -41,6 +42,7 @@ __all__ = [
     "Renderer",
     "TaotieWarning",
     "View",
+    "Viewer",
     "Written",
     "__version__",
     "bake",
@@ -51,4 +53,5 @@ __all__ = [
     "normals",
     "render",
     "shade",
+    "view",
 ]

@@ -199,6 +199,11 @@ def lights(light: str | Sequence[str] | None) -> list[str]:
     return [light] if isinstance(light, str) else list(light)
 
 
+def ambient_light(color: Color | None) -> Any:
+    """Return radiance from all around."""
+    return None if color is None else _color(color)
+
+
 def film(exposure: float, tone: str, background: Color | None) -> dict[str, Any]:
     """Return the options of the development."""
     is_clear = isinstance(background, str) and background == "transparent"

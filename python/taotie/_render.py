@@ -16,7 +16,7 @@ from ._image import Image, image
 from ._model import model as a_model
 from ._options import Aov, Color, Material, Orbit, Shading, Surface, Tone
 from ._options import camera as a_camera
-from ._options import environment, film, lights
+from ._options import ambient_light, environment, film, lights
 from ._run import Progress, running
 
 Floats: TypeAlias = npt.NDArray[np.float32]
@@ -208,7 +208,7 @@ class Renderer:
             "all_around": all_around,
             "turn": turn_deg.radians if isinstance(turn_deg, _Turn) else math.radians(turn_deg),
             "lights": lights(light),
-            "ambient": _ambient(ambient),
+            "ambient": ambient_light(ambient),
             "film": film(exposure, tone, background),
             "reference": {"spp": spp, "bounces": bounces, "seed": seed} if is_reference else None,
             "linear": linear,
@@ -247,12 +247,6 @@ class _Turn(float):
         turn = super().__new__(cls, math.degrees(radians))
         turn.radians = radians
         return turn
-
-
-def _ambient(color: Color | None) -> Any:
-    from ._options import _color
-
-    return None if color is None else _color(color)
 
 
 @overload

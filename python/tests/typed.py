@@ -26,6 +26,12 @@ def look(asset: tt.Asset) -> tuple[tt.Image, npt.NDArray[np.float32]]:
     return frames[0] if frames else image, light["depth"]
 
 
+def turn(asset: tt.Asset, scan: tt.Model) -> str:
+    page: tt.Viewer = tt.view(asset, scan=scan, camera=tt.Orbit(14, 10), env="studio")
+    page.save("proof.html")
+    return page.html()
+
+
 def measure(low: str, high: str) -> dict[str, Any]:
     found = tt.compare(low, high, methods=["smooth", "tangent-normal"])
     error: float | None = tt.diff("a.png", "b.png").flip

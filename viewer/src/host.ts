@@ -39,13 +39,24 @@ async function fetched(address: URL): Promise<ArrayBuffer> {
     return response.arrayBuffer();
 }
 
-/** The bytes of files in a folder: models as they are, all else compressed. */
-export const ofFolder =
-    (folder: URL): Blobs =>
+/** The bytes of the files that `taotie view --folder` writes: models as they are, all else compressed. */
+const ofNamed =
+    (read: (file: string) => Promise<ArrayBuffer>): Blobs =>
     async (name) => {
-        if (name === "asset" || name === "scan") return fetched(new URL(`${name}.glb`, folder));
-        return unpacked(await fetched(new URL(`${name}.bin`, folder)));
+        if (name === "asset" || name === "scan") return read(`${name}.glb`);
+        return unpacked(await read(`${name}.bin`));
     };
+
+/** The bytes of such files in a folder of a server. */
+export const ofFolder = (folder: URL): Blobs => ofNamed((file) => fetched(new URL(file, folder)));
+
+/** The bytes of such files in memory. */
+export const ofFiles = (files: Record<string, BlobPart>): Blobs =>
+    ofNamed(async (file) => {
+        const bytes = files[file];
+        if (bytes === undefined) throw new Error(texts.notGiven(file));
+        return new Blob([bytes]).arrayBuffer();
+    });
 
 /** The fragment of the page's own address. */
 export const pageAddress: Address = {

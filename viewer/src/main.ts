@@ -1,9 +1,9 @@
-// The element <taotie-viewer>: with `src` it shows a folder, without it what its page holds.
+// The element <taotie-viewer>: with `src` it shows a folder, with `files` what these are, else what its page holds.
 
 import type { TaotieViewer } from "../taotie-viewer";
 import { SHOWN, said } from "./attributes";
 import { make } from "./dom";
-import { type Address, ofFolder, ofPage, pageAddress } from "./host";
+import { type Address, type Blobs, ofFiles, ofFolder, ofPage, pageAddress } from "./host";
 import { type Host, mount } from "./mount";
 import type { State } from "./state";
 import type { Viewer } from "./viewer";
@@ -26,6 +26,7 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
     address: Address = pageAddress;
     private viewer: Viewer | undefined;
     private readonly shadow = this.attachShadow({ mode: "open" });
+    private held: Record<string, BlobPart> | undefined;
     private isOpen = false;
     private loads = 0;
 
@@ -41,7 +42,7 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
 
     disconnectedCallback(): void {
         // A page's bytes are read once.
-        if (this.src) this.close();
+        if (!this.isOfPage) this.close();
     }
 
     attributeChangedCallback(name: string, before: string | null, value: string | null): void {
@@ -73,17 +74,28 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
     }
 
     private host(): Host {
-        const { src, isMain } = this;
+        const { isMain } = this;
         // Its own, so that what was overtaken adds nothing to it.
         const root = make("div", { id: "viewer" });
         this.shadow.replaceChildren(root);
-        const blobs = src ? ofFolder(new URL(src.endsWith("/") ? src : `${src}/`, document.baseURI)) : ofPage;
-        return { element: this, root, blobs, address: isMain ? this.address : undefined, isFolded: !isMain };
+        const address = isMain ? this.address : undefined;
+        return { element: this, root, blobs: this.blobs(), address, isFolded: !isMain };
+    }
+
+    private blobs(): Blobs {
+        const { src, held } = this;
+        if (held) return ofFiles(held);
+        return src ? ofFolder(new URL(src.endsWith("/") ? src : `${src}/`, document.baseURI)) : ofPage;
+    }
+
+    /** True where the page itself holds what is shown. */
+    private get isOfPage(): boolean {
+        return !this.src && !this.held;
     }
 
     /** True where the page is about what it shows: its address keeps the link. */
     private get isMain(): boolean {
-        return !this.src || this.hasAttribute("linked");
+        return this.isOfPage || this.hasAttribute("linked");
     }
 
     /** What the attributes say. */
@@ -101,6 +113,15 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
 
     set src(value: string) {
         this.setAttribute("src", value);
+    }
+
+    get files(): Record<string, BlobPart> | undefined {
+        return this.held;
+    }
+
+    set files(value: Record<string, BlobPart> | undefined) {
+        this.held = value;
+        if (this.isConnected) void this.load();
     }
 
     get light(): string {

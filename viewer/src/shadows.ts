@@ -115,6 +115,7 @@ export class ShadowMap {
     readonly fromWorld = new Matrix4();
     readonly lift: number;
     readonly center: Vector3;
+    private readonly shone = new Vector3();
 
     constructor(private readonly lens: Orbit) {
         this.center = new Vector3(...lens.center);
@@ -129,8 +130,10 @@ export class ShadowMap {
         return this.target.depthTexture!;
     }
 
-    /** Draws the map of a light in this direction; `draw` draws the model by the map's material. */
+    /** Draws the map of a light in this direction, unless it is drawn; `draw` draws the model by the map's material. */
     cast(renderer: WebGLRenderer, to: Vector3, draw: (camera: OrthographicCamera) => void): void {
+        if (this.shone.equals(to)) return;
+        this.shone.copy(to);
         this.place(to);
         renderer.setRenderTarget(this.target);
         renderer.clear();

@@ -12,6 +12,7 @@ export const texts = {
     noFloats: "this graphics driver draws no images of floats (EXT_color_buffer_float).",
     lost: "The graphics driver has dropped the picture. Load the page again.",
     notFetched: (name: string, status: number) => `${name} was not found beside the page (${status}).`,
+    notGiven: (name: string) => `${name} is not among the files.`,
     noMesh: (surface: number) => `the model lacks the mesh of surface ${surface}.`,
     noTexture: (name: string) => `the model lacks the image of ${name}.`,
     canvas: (title: string) =>

@@ -13,6 +13,7 @@ mod model;
 mod options;
 mod renderer;
 mod shade;
+mod viewer;
 mod work;
 
 use pyo3::prelude::*;
@@ -41,6 +42,8 @@ mod _taotie {
     use super::renderer::Renderer;
     #[pymodule_export]
     use super::shade::shade;
+    #[pymodule_export]
+    use super::viewer::{Viewer, viewer_script};
 
     use pyo3::prelude::*;
 

@@ -22,9 +22,9 @@ use taotie::{Progress, Result, Warnings};
 /// What all images of a renderer share.
 #[derive(Deserialize, Default)]
 #[serde(default, deny_unknown_fields)]
-struct Setup {
-    surface: SurfaceSettings,
-    environment: EnvironmentOptions,
+pub struct Setup {
+    pub surface: SurfaceSettings,
+    pub environment: EnvironmentOptions,
     /// The moment of an animation that is shown, seconds.
     time: Option<f64>,
     /// The animation, by name or number; the first where `None`.
@@ -64,9 +64,9 @@ struct Film {
 /// One image.
 #[derive(Deserialize, Default)]
 #[serde(default, deny_unknown_fields)]
-struct Request {
-    settings: RenderSettings,
-    camera: CameraOptions,
+pub struct Request {
+    pub settings: RenderSettings,
+    pub camera: CameraOptions,
     /// The object is framed from all around, as on a turntable.
     all_around: bool,
     /// The turn of the object, radians.
@@ -81,14 +81,22 @@ struct Request {
 }
 
 impl Request {
-    fn lights(&self) -> Result<LightOptions> {
+    /// Returns the lights.
+    ///
+    /// # Errors
+    /// Where one is not as lights are written.
+    pub fn lights(&self) -> Result<LightOptions> {
         let lights = self.lights.iter().map(|line| line.parse::<LightSpec>()).collect::<Result<_>>()?;
         let options = LightOptions { lights, ambient: self.ambient.as_ref().map(Color::rgb).transpose()? };
         options.check()?;
         Ok(options)
     }
 
-    fn development(&self) -> Result<Development> {
+    /// Returns how the image is developed.
+    ///
+    /// # Errors
+    /// Where the background is no colour.
+    pub fn development(&self) -> Result<Development> {
         let Film { exposure, tone, background } = &self.film;
         Ok(Development {
             exposure_stops: *exposure as f32,

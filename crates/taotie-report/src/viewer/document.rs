@@ -6,8 +6,8 @@ use crate::document::{Document, WITHOUT_SCRIPT, html_with, sha256};
 
 const STYLE: &str = include_str!("page.css");
 
-/// The element `<taotie-viewer>`, built from `viewer/`.
-const SCRIPT: &str = include_str!("bundle/viewer.js");
+/// The script that defines the element `<taotie-viewer>`, built from `viewer/`.
+pub const SCRIPT: &str = include_str!("bundle/viewer.js");
 
 /// The element that shows what the page holds, and the one that shows the files beside it.
 const ALONE: &str = "<taotie-viewer></taotie-viewer>";

@@ -21,8 +21,9 @@ mod surfaces;
 mod textures;
 
 pub use about::facts;
-pub use asset_page::AssetSubject;
+pub use asset_page::{AssetSubject, MOST_TEXTURE_SIDE};
 pub use bookmark::Bookmark;
+pub use document::SCRIPT;
 pub use scan::{MOST_TRIANGLES, MeasuredErrors, ScanSubject, scene_to_show};
 
 use crate::{Fact, Page};

@@ -201,6 +201,11 @@ impl Scan {
         ScanFile::from_scene(scene)?.sort(progress)
     }
 
+    /// Returns its triangles, sorted for rays.
+    pub fn sorted(&self) -> &bake::Scan {
+        &self.high
+    }
+
     /// Returns its triangles, in world space, with normals.
     pub fn mesh(&self) -> &Mesh {
         self.high.mesh()

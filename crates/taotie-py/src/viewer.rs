@@ -1,0 +1,130 @@
+//! The page that shows a model in a browser.
+
+use crate::model::Model;
+use crate::options::Options;
+use crate::renderer::{Request, Setup};
+use crate::work::{self, Listed, Running};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use std::path::Path;
+use taotie::render::{Prepared, SurfaceSettings};
+use taotie::studio::{Framing, Viewpoint};
+use taotie::{Progress, Result, Warnings};
+use taotie_report::viewer::{self, ScanSubject, Subject};
+
+/// What a page is told.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct ViewRequest {
+    title: String,
+    /// What images share.
+    setup: Options,
+    /// The image that is seen first; its size is not read.
+    image: Options,
+    /// The scan that the model was baked from.
+    scan: Option<Py<Model>>,
+}
+
+/// A page and the files beside it.
+#[pyclass(frozen, module = "taotie._taotie")]
+pub struct Viewer {
+    viewer: viewer::Viewer,
+    warnings: Warnings,
+}
+
+/// The script that defines the element `<taotie-viewer>`.
+#[pyfunction]
+pub fn viewer_script() -> &'static str {
+    viewer::SCRIPT
+}
+
+#[pymethods]
+impl Viewer {
+    /// Makes the page of a model.
+    #[new]
+    fn new(py: Python<'_>, model: &Model, request: ViewRequest, running: Running) -> PyResult<Self> {
+        let (setup, image) = (request.setup.read::<Setup>()?, request.image.read::<Request>()?);
+        let scan = request.scan.as_ref().map(Py::get);
+        let look = Look { title: &request.title, setup: &setup, image: &image };
+        work::run(py, &running, |progress| look.viewer(model, scan, progress.begin("view")?))
+    }
+
+    /// What the page lacks or changes, and how often.
+    fn warnings(&self) -> Listed {
+        work::listed(&self.warnings)
+    }
+
+    /// The page as one HTML document, which fetches nothing.
+    fn html(&self, py: Python<'_>) -> String {
+        py.detach(|| self.viewer.html())
+    }
+
+    /// The page and the files that it fetches from beside it, by name.
+    fn files<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let files = PyDict::new(py);
+        for file in py.detach(|| self.viewer.files()) {
+            files.set_item(file.name, PyBytes::new(py, &file.bytes))?;
+        }
+        Ok(files)
+    }
+}
+
+/// How a model is seen.
+struct Look<'a> {
+    title: &'a str,
+    setup: &'a Setup,
+    image: &'a Request,
+}
+
+impl Look<'_> {
+    fn viewer(&self, model: &Model, scan: Option<&Model>, progress: Progress<'_>) -> Result<Viewer> {
+        let mut warnings = Warnings::default();
+        let environment = self.setup.environment.load_within(&Default::default(), &mut warnings)?;
+        // The surface's attributes are made for the best method; the page shows the one asked for.
+        let best = SurfaceSettings { method: None, ..self.setup.surface };
+        let prepared = Prepared::new(model.loaded.scene.clone(), &best)?;
+        warnings.absorb(prepared.warnings().clone());
+        let scan = scan.map(|scan| Beside::of(scan, progress, &mut warnings)).transpose()?;
+        let framing = Framing { size: [1024; 2], all_around: false };
+        let viewpoint = Viewpoint::choose(&self.image.camera, framing, prepared.scene())?;
+        let view = viewpoint.at(0.0);
+        let viewer = viewer::Viewer::new(&Subject {
+            title: self.title,
+            facts: &viewer::facts(&model.loaded, &self.file_name(model)),
+            bookmarks: &[],
+            prepared: &prepared,
+            settings: &self.image.settings,
+            camera: &view.camera(),
+            lighting: &self.image.lights()?.lighting(environment.as_ref(), prepared.scene(), view),
+            development: &self.image.development()?,
+            scan: scan.as_ref().map(Beside::subject),
+            errors: None,
+        })?;
+        warnings.absorb(viewer.warnings.clone());
+        Ok(Viewer { viewer, warnings })
+    }
+
+    /// The name of the model's file; the title where it has none.
+    fn file_name(&self, model: &Model) -> String {
+        let name = model.path.as_deref().and_then(Path::file_name);
+        name.map_or_else(|| self.title.to_owned(), |name| name.to_string_lossy().into_owned())
+    }
+}
+
+/// The scan beside a model.
+struct Beside {
+    shown: Prepared,
+    scan: taotie::asset::Scan,
+}
+
+impl Beside {
+    fn of(model: &Model, progress: Progress<'_>, warnings: &mut Warnings) -> Result<Self> {
+        let scan = model.scan(progress)?;
+        let scene = viewer::scene_to_show(&model.loaded.scene, scan.sorted(), warnings)?;
+        Ok(Self { shown: Prepared::new(scene, &SurfaceSettings::default())?, scan })
+    }
+
+    fn subject(&self) -> ScanSubject<'_> {
+        ScanSubject { shown: &self.shown, high: self.scan.sorted() }
+    }
+}
