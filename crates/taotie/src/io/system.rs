@@ -5,6 +5,10 @@
 pub fn free_memory() -> Option<u64> {
     let mut system = sysinfo::System::new();
     system.refresh_memory();
+    // Where the system tells nothing, as without /proc, the limits of groups are not asked for: that panics.
+    if system.total_memory() == 0 {
+        return None;
+    }
     let limits = system.cgroup_limits().map(|limits| limits.total_memory.saturating_sub(limits.rss));
     let free = limits.map_or(system.available_memory(), |group| group.min(system.available_memory()));
     (free > 0).then_some(free)
