@@ -65,6 +65,33 @@ test("a drag turns the model, and with shift the light", async () => {
     assertQuiet(page);
 });
 
+test("where frames take long, moving pictures have fewer pixels", async () => {
+    const page = await shown("view.html");
+    const widths = await page.evaluate(async () => {
+        const { prototype } = WebGL2RenderingContext;
+        const { getSyncParameter } = prototype;
+        const begun = new Map();
+        prototype.getSyncParameter = function (fence, name) {
+            if (!begun.has(fence)) begun.set(fence, performance.now());
+            const isLate = performance.now() - begun.get(fence) > 100;
+            return isLate ? getSyncParameter.call(this, fence, name) : this.UNSIGNALED;
+        };
+        const widths = [];
+        for (let turn = 0; turn < 4; turn++) {
+            window.taotie.change({ view: [turn, 10, window.taotie.state.view[2]] });
+            await new Promise((later) => setTimeout(later, 130));
+            widths.push(window.taotie.canvas.width);
+        }
+        prototype.getSyncParameter = getSyncParameter;
+        return widths;
+    });
+    const whole = await page.locator("canvas").evaluate((canvas) => canvas.clientWidth * devicePixelRatio);
+    assert(widths[3] <= whole / 2, `${widths} of ${whole}`);
+    await still(page);
+    assert.equal(await page.locator("canvas").evaluate((canvas) => canvas.width), Math.round(whole));
+    assertQuiet(page);
+});
+
 test("light from a side lights that side", async () => {
     const page = await shown("proof.html", "light=raking&from=-80,0&fill=0&mode=clay&surface=smooth");
     const sides = async () => [await light(page, [0.42, 0.6]), await light(page, [0.58, 0.6])];

@@ -91,6 +91,18 @@ export class Stage {
         });
     }
 
+    /** Ends when all that was asked of the graphics card is done; milliseconds from now. */
+    async drawn(): Promise<number> {
+        const gl = this.renderer.getContext() as WebGL2RenderingContext;
+        const start = performance.now();
+        const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+        gl.flush();
+        const isDone = () => !fence || gl.isContextLost() || gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.SIGNALED;
+        while (!isDone()) await new Promise((later) => setTimeout(later));
+        gl.deleteSync(fence);
+        return performance.now() - start;
+    }
+
     /** What of the model lies under a point of the picture, [−1, 1]². */
     hit(state: State, point: Vector2, size: [number, number]): Intersection | undefined {
         this.place(state, size, -1);

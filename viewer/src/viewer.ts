@@ -9,6 +9,10 @@ import { type State, bounded, firstState, fragment, ofFragment } from "./state";
 
 /** Milliseconds without a change after which the picture is drawn in all its samples. */
 const STILL = 150;
+/** Milliseconds of a frame beyond which the next has half the pixels, and below which it has twice as many. */
+const [SLOW, QUICK] = [80, 25];
+/** How many times the pixels of a moving picture may be halved. */
+const COARSEST = 4;
 /** The longest side of the picture on the screen, pixels. */
 const LONGEST = 4096;
 /** The name of the text in a saved picture that holds its link. */
@@ -18,7 +22,11 @@ export class Viewer {
     readonly first: State;
     private current: State;
     private isClosed = false;
-    private waiting = false;
+    /** Whether something has changed since the last frame began, and whether one is being made. */
+    private isAsked = false;
+    private isDrawing = false;
+    /** How many times the pixels are halved while the picture moves. */
+    private halvings = 0;
     private timer = 0;
     private readonly listeners: ((state: State) => void)[] = [];
 
@@ -113,9 +121,10 @@ export class Viewer {
         if (this.isClosed) return;
         this.host.element.dataset["state"] = "moving";
         clearTimeout(this.timer);
-        if (this.waiting) return;
-        this.waiting = true;
-        requestAnimationFrame(() => void this.draw(1));
+        this.isAsked = true;
+        if (this.isDrawing) return;
+        this.isDrawing = true;
+        requestAnimationFrame(() => void this.move());
     }
 
     /** Gives the graphics card back; nothing is drawn from then on. */
@@ -125,27 +134,40 @@ export class Viewer {
         this.stage.renderer.dispose();
     }
 
-    private size(): [number, number] {
+    private size(halvings = 0): [number, number] {
         const { clientWidth, clientHeight } = this.canvas;
-        const scale = Math.min(devicePixelRatio, LONGEST / Math.max(clientWidth, clientHeight, 1));
+        const scale = Math.min(devicePixelRatio, LONGEST / Math.max(clientWidth, clientHeight, 1)) / 2 ** (halvings / 2);
         return [Math.max(1, Math.round(clientWidth * scale)), Math.max(1, Math.round(clientHeight * scale))];
     }
 
-    private async draw(samples: number): Promise<void> {
+    /** Draws in one sample and waits for it, so that frames do not pile up; what is still then is drawn in all. */
+    private async move(): Promise<void> {
+        this.isAsked = false;
+        const isWhole = await this.draw(1, this.halvings);
+        this.pace(await this.stage.drawn());
+        this.isDrawing = false;
+        if (this.isAsked) this.request();
+        else if (!isWhole) this.timer = window.setTimeout(() => void this.draw(this.stage.samples, 0), STILL);
+    }
+
+    /** Draws unless something changes before. Tells whether this is the picture in all samples and pixels, which rests. */
+    private async draw(samples: number, halvings: number): Promise<boolean> {
         const state = this.current;
         await this.stage.prepare(state);
-        this.waiting = false;
-        if (this.isClosed) return;
-        if (state !== this.current) return this.request();
-        const size = this.size();
+        if (this.isAsked || this.isClosed) return false;
+        const size = this.size(halvings);
         const { width, height } = this.canvas;
         if (width !== size[0] || height !== size[1]) this.stage.renderer.setSize(...size, false);
         this.stage.draw(state, size, samples);
-        if (samples < this.stage.samples) {
-            this.timer = window.setTimeout(() => void this.draw(this.stage.samples), STILL);
-        } else {
-            this.rest();
-        }
+        const isWhole = samples === this.stage.samples && halvings === 0;
+        if (isWhole) this.rest();
+        return isWhole;
+    }
+
+    /** Lets the next frame have fewer pixels where this one took long. */
+    private pace(milliseconds: number): void {
+        if (milliseconds > SLOW && this.halvings < COARSEST) this.halvings += 1;
+        if (milliseconds < QUICK && this.halvings > 0) this.halvings -= 1;
     }
 
     /** The picture stands still: the address names it. */
