@@ -13,7 +13,7 @@ fn text(bytes: &[u8]) -> String {
 
 #[test]
 fn kept_findings_are_mended() {
-    let output = fuzz(&["replay"]);
+    let output = fuzz(&["replay", "--patience", "60"]);
     assert!(output.status.success(), "{}{}", text(&output.stdout), text(&output.stderr));
 }
 
