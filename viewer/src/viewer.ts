@@ -144,7 +144,8 @@ export class Viewer {
     private async move(): Promise<void> {
         this.isAsked = false;
         const isWhole = await this.draw(1, this.halvings);
-        this.pace(await this.stage.drawn());
+        // What was left out tells nothing of how long frames take.
+        if (!this.isAsked) this.pace(await this.stage.drawn());
         this.isDrawing = false;
         if (this.isAsked) this.request();
         else if (!isWhole) this.timer = window.setTimeout(() => void this.draw(this.stage.samples, 0), STILL);
