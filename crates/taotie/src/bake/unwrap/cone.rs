@@ -5,6 +5,15 @@ use crate::math::Vec3;
 /// Cells along a side of the octahedral map; directions are rounded by 1.3° on the average.
 const SIDE: u16 = 64;
 
+/// The unit direction in the middle of each cell of the octahedral map.
+pub(super) struct Middles(Vec<Vec3<f64>>);
+
+impl Middles {
+    pub fn new() -> Self {
+        Self((0..SIDE * SIDE).map(direction).collect())
+    }
+}
+
 /// Directions rounded to cells of the octahedral map; sorted, each once.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Directions(Vec<u16>);
@@ -26,27 +35,32 @@ impl Directions {
     }
 
     /// Returns the least cosine of the angle between `axis` and any of them; 1 where there are none.
-    pub fn least_cosine(&self, axis: Vec3<f64>) -> f64 {
-        self.0.iter().fold(1.0, |least, cell| direction(*cell).dot(axis).min(least))
+    pub fn least_cosine(&self, middles: &Middles, axis: Vec3<f64>) -> f64 {
+        self.farthest(middles, axis).0
+    }
+
+    /// Returns the direction that is farthest from `axis`, and the cosine of the angle between both, at most 1; `axis`
+    /// itself where there are none.
+    fn farthest(&self, middles: &Middles, axis: Vec3<f64>) -> (f64, Vec3<f64>) {
+        let directions = self.0.iter().map(|cell| middles.0[usize::from(*cell)]);
+        directions.fold((1.0, axis), |(least, far), d| {
+            let cosine = d.dot(axis);
+            if cosine < least { (cosine, d) } else { (least, far) }
+        })
     }
 
     /// Returns the axis of nearly the narrowest cone around them, sought from `start` (unit).
     ///
     /// Source: Bădoiu and Clarkson 2003, "Smaller core-sets for balls", section 3: go to the farthest point by ever
     /// smaller steps.
-    pub fn axis(&self, start: Vec3<f64>) -> Vec3<f64> {
-        let (mut axis, mut best) = (start, (self.least_cosine(start), start));
+    pub fn axis(&self, middles: &Middles, start: Vec3<f64>) -> Vec3<f64> {
+        let mut farthest = self.farthest(middles, start);
+        let (mut axis, mut best) = (start, (farthest.0, start));
         for round in 1..=12 {
-            let farthest =
-                self.0.iter().map(|cell| direction(*cell)).fold(None, |far: Option<(f64, Vec3<f64>)>, d| {
-                    let cosine = d.dot(axis);
-                    if far.is_none_or(|(least, _)| cosine < least) { Some((cosine, d)) } else { far }
-                });
-            let Some((_, farthest)) = farthest else { return start };
-            axis = (axis + (farthest - axis) / (f64::from(round) + 2.0)).normalize_or(start);
-            let cosine = self.least_cosine(axis);
-            if cosine > best.0 {
-                best = (cosine, axis);
+            axis = (axis + (farthest.1 - axis) / (f64::from(round) + 2.0)).normalize_or(start);
+            farthest = self.farthest(middles, axis);
+            if farthest.0 > best.0 {
+                best = (farthest.0, axis);
             }
         }
         best.1
@@ -96,9 +110,9 @@ mod tests {
             let angle = f64::from(i) * 0.157;
             Vec3::new(0.6 * crate::math::scalar::cos(angle), 0.6 * crate::math::scalar::sin(angle), 0.8)
         });
-        let set = Directions::of(rim);
-        let axis = set.axis(Vec3::new(0.6, 0.0, 0.8));
+        let (set, middles) = (Directions::of(rim), Middles::new());
+        let axis = set.axis(&middles, Vec3::new(0.6, 0.0, 0.8));
         assert!(axis.z > 0.99, "{axis:?}");
-        assert!(set.least_cosine(axis) > 0.75);
+        assert!(set.least_cosine(&middles, axis) > 0.75);
     }
 }

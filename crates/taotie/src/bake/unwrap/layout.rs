@@ -23,12 +23,23 @@ const FOR_ONE: f64 = 6.0;
 const TRIES: [usize; 2] = [9, 4];
 /// The largest number of packings at all: each time that UV islands do not fit the scale falls.
 const MOST_TRIES: usize = 40;
-/// The search ends where the scale is known within this.
+/// The search ends where the next scale would be less than this times the best.
 const EXACT: f64 = 1.004;
 /// The same after as many tries as there should be.
 const NEAR: f64 = 1.02;
+/// The first scale on the fine bin, times the best on the coarse one, whose cells waste more.
+const FINER: f64 = 1.02;
 /// The orders that are tried: by half the circumference, the longer side, the cells, the shorter side; largest first.
 const ORDERS: [usize; 4] = [0, 1, 2, 3];
+
+/// Texels for one unit, from which the search for a layout begins.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Start {
+    /// About where it may end.
+    Guess(f64),
+    /// Where nearly the same UV islands fit.
+    Near(f64),
+}
 
 /// The place of each UV island on the map.
 pub(super) struct Layout {
@@ -71,26 +82,28 @@ struct Fit {
     places: Vec<Placement>,
     /// Texels a unit.
     scale: f64,
-    order: usize,
 }
 
-/// Packs UV islands at rising and falling scales: on a coarse bin in several orders, then on a fine one in the best.
-/// `guess` is the first scale, in maps a unit.
+/// Packs UV islands at rising and falling scales: on a coarse bin in one order, where no scale is known, then on a fine
+/// one in several.
 pub(super) fn lay_out(
     laid: &[Laid],
     options: &UnwrapOptions,
-    guess: f64,
+    start: Start,
     progress: Progress<'_>,
 ) -> Result<Layout> {
     let fine = if laid.len() > MANY { FINE_FOR_MANY } else { FINE };
     let least = FOR_ONE * (laid.len() as f64).sqrt();
     let [coarse, fine] = [COARSE, fine].map(|wanted| Cells::new(options, wanted.max(least)));
-    let search = Search { laid, cells: &coarse, orders: &ORDERS, tries: TRIES[0] };
-    let rough = search.run(guess * f64::from(options.size), progress.part(0.0, 0.5))?;
-    let (scale, order) =
-        rough.map_or((guess * f64::from(options.size), 0), |fit| (fit.scale * 1.02, fit.order));
-    let search = Search { laid, cells: &fine, orders: &[order], tries: TRIES[1] };
-    let fit = search.run(scale, progress.part(0.5, 1.0))?.ok_or_else(|| {
+    let scale = match start {
+        Start::Near(scale) => scale,
+        Start::Guess(scale) => {
+            let search = Search { laid, cells: &coarse, orders: &ORDERS[..1], tries: TRIES[0] };
+            search.run(scale, progress.part(0.0, 0.2))?.map_or(scale, |fit| fit.scale * FINER)
+        }
+    };
+    let search = Search { laid, cells: &fine, orders: &ORDERS, tries: TRIES[1] };
+    let fit = search.run(scale, progress.part(0.2, 1.0))?.ok_or_else(|| {
         Error::limit(
             format!("a mesh of {} UV islands on a map of {} texels a side", laid.len(), options.size),
             format!(
@@ -115,37 +128,51 @@ impl Search<'_> {
     fn run(&self, start: f64, progress: Progress<'_>) -> Result<Option<Fit>> {
         let (width, side) = (f64::from(self.cells.bin.width), f64::from(self.cells.side));
         // A UV island that is longer than the bin fits in no turn.
-        let mut fails = 0.9999 * width / longest_side(self.laid);
-        let (mut scale, mut best, mut fits) = ((start / side).min(0.999 * fails), None, 0.0);
+        let mut known = Known { fits: 0.0, fails: f64::INFINITY, most: 0.9998 * width / longest_side(self.laid) };
+        let (mut scale, mut best) = ((start / side).min(0.999 * known.most), None);
         for attempt in 0..MOST_TRIES {
             progress.at(attempt.min(self.tries) as f64 / (self.tries + 1) as f64)?;
             let packed = packed(self.laid, scale, &self.cells.bin, self.orders);
-            let rows = packed.as_ref().map_or(3.0 * width, |(_, rows, _)| f64::from(*rows));
+            let rows = packed.as_ref().map_or(3.0 * width, |(_, rows)| f64::from(*rows));
             match packed.filter(|_| rows <= width) {
-                Some((places, _, order)) => {
-                    fits = scale;
-                    best = Some(Fit { places, scale: scale * side, order });
+                Some((places, _)) => {
+                    known.fits = scale;
+                    best = Some(Fit { places, scale: scale * side });
                 }
-                None => fails = scale,
+                None => known.fails = scale,
             }
             let near = if attempt + 1 < self.tries { EXACT } else { NEAR };
-            if fails < fits * near || (best.is_some() && attempt + 1 >= 2 * self.tries) {
+            scale = known.next(scale * (width / rows).sqrt(), attempt);
+            if scale < known.fits * near || (best.is_some() && attempt + 1 >= 2 * self.tries) {
                 break;
             }
-            scale = next(scale * (width / rows).sqrt(), [fits, fails], attempt);
         }
         Ok(best)
     }
 }
 
-/// Returns the next scale to try: what the last attempt suggests, kept between what fits and what does not.
-fn next(suggested: f64, [fits, fails]: [f64; 2], attempt: usize) -> f64 {
-    if fits == 0.0 {
-        // Where padding is what fills the map, scales have to fall fast.
-        return if attempt < 3 { suggested * 0.99 } else { suggested.min(fails * 0.6) };
+/// What is known of scales.
+struct Known {
+    /// The largest at which UV islands were seen to fit, or 0.
+    fits: f64,
+    /// The smallest at which they were seen not to, or infinity.
+    fails: f64,
+    /// The largest at which each fits alone.
+    most: f64,
+}
+
+impl Known {
+    /// Returns the next scale to try: what the last attempt suggests, kept between what fits and what does not.
+    fn next(&self, suggested: f64, attempt: usize) -> f64 {
+        let Self { fits, fails, most } = *self;
+        match (fits > 0.0, fails.is_finite()) {
+            (true, true) => suggested.clamp(fits + 0.2 * (fails - fits), fits + 0.6 * (fails - fits)),
+            (true, false) => suggested.min(most),
+            // Where padding is what fills the map, scales have to fall fast.
+            _ if attempt < 3 => suggested * 0.99,
+            _ => suggested.min(fails * 0.6),
+        }
     }
-    let (low, high) = (fits + 0.2 * (fails - fits), fits + 0.6 * (fails - fits));
-    suggested.clamp(low, high)
 }
 
 /// Returns the longest side of the boxes around UV islands.
@@ -157,8 +184,8 @@ fn longest_side(laid: &[Laid]) -> f64 {
     laid.iter().map(side).fold(1e-9, f64::max)
 }
 
-/// Packs UV islands in several orders: the places, rows and number of the one that takes the fewest rows.
-fn packed(laid: &[Laid], scale: f64, bin: &Bin, orders: &[usize]) -> Option<(Vec<Placement>, u32, usize)> {
+/// Packs UV islands in several orders: the places and rows of the one that takes the fewest rows.
+fn packed(laid: &[Laid], scale: f64, bin: &Bin, orders: &[usize]) -> Option<(Vec<Placement>, u32)> {
     let masks: Vec<[Mask; 4]> = parallel::tasks(laid.len(), &|island| {
         [0, 1, 2, 3].map(|quarters| Mask::new(&laid[island], quarters, scale, 2 * bin.gap))
     });
@@ -172,9 +199,9 @@ fn packed(laid: &[Laid], scale: f64, bin: &Bin, orders: &[usize]) -> Option<(Vec
         let by = orders[i];
         let mut order: Vec<u32> = (0..masks.len() as u32).collect();
         order.sort_by_cached_key(|island| (Reverse(size(&masks[*island as usize][0], by)), *island));
-        pack(&masks, &order, bin).map(|(places, rows)| (places, rows, by))
+        pack(&masks, &order, bin)
     });
-    all.into_iter().flatten().min_by_key(|(_, rows, _)| *rows)
+    all.into_iter().flatten().min_by_key(|(_, rows)| *rows)
 }
 
 fn layout(laid: &[Laid], fit: &Fit, cells: &Cells, options: &UnwrapOptions) -> Layout {

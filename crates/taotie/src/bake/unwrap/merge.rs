@@ -1,6 +1,6 @@
 //! UV islands from regions: neighbours are joined as long as their triangles face nearly one way.
 
-use super::cone::Directions;
+use super::cone::{Directions, Middles};
 use super::topology::{NONE, Topology};
 use crate::math::Vec3;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -32,13 +32,24 @@ struct Region {
 }
 
 /// A pair of neighbours, the more worth to be joined the greater. The versions tell whether it is out of date.
-type Pair = (u64, u32, u32, [u32; 2]);
+///
+/// Most pairs are out of date before their turn comes. So each begins with the most that it may be worth, and what it is
+/// is computed in its turn; of equal worths the possible one comes first.
+type Pair = (u64, Worth, [u32; 2], [u32; 2]);
+
+/// How well the worth of a pair is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Worth {
+    Computed,
+    Possible,
+}
 
 /// The UV islands of triangles as they are joined.
 pub(super) struct Merger {
     regions: Vec<Region>,
     /// The region that each region was joined to, itself where to none.
     parents: Vec<u32>,
+    middles: Middles,
 }
 
 impl Merger {
@@ -48,7 +59,7 @@ impl Merger {
             members[*label as usize].push(t);
         }
         let regions = members.iter().map(|members| Region::new(topology, labels, members)).collect();
-        Self { regions, parents: (0..count as u32).collect() }
+        Self { regions, parents: (0..count as u32).collect(), middles: Middles::new() }
     }
 
     /// Joins pairs, the worthiest first, until the limits allow no more.
@@ -57,8 +68,14 @@ impl Merger {
         for a in 0..self.regions.len() as u32 {
             self.offer(a, limits, &mut pairs, |b| b > a);
         }
-        while let Some((_, a, b, versions)) = pairs.pop() {
-            if [a, b].map(|r| self.regions[r as usize].version) == versions {
+        while let Some((_, worth, [a, b], versions)) = pairs.pop() {
+            if [a, b].map(|r| self.regions[r as usize].version) != versions {
+                continue;
+            }
+            if worth == Worth::Possible {
+                let computed = self.worth(a, b, limits);
+                pairs.extend(computed.map(|worth| (worth.to_bits(), Worth::Computed, [a, b], versions)));
+            } else {
                 self.unite(a, b);
                 self.offer(a, limits, &mut pairs, |_| true);
             }
@@ -71,7 +88,7 @@ impl Merger {
         let mut axes = Vec::new();
         for (i, region) in self.regions.iter().enumerate().filter(|(i, _)| self.parents[*i] == *i as u32) {
             numbers[i] = axes.len() as u32;
-            axes.push(region.axis());
+            axes.push(region.axis(&self.middles));
         }
         let number = |label: u32| if label == NONE { NONE } else { numbers[self.root(label) as usize] };
         (labels.iter().map(|label| number(*label)).collect(), axes)
@@ -84,18 +101,23 @@ impl Merger {
         region
     }
 
-    /// Puts the pairs of `a` with those neighbours that can be joined to it on the heap.
+    /// Puts the pairs of `a` with those neighbours that it may be joined to on the heap.
     fn offer(&self, a: u32, limits: &Limits, pairs: &mut BinaryHeap<Pair>, wanted: impl Fn(u32) -> bool) {
         let region = &self.regions[a as usize];
-        for (b, shared) in region.borders.iter().filter(|(b, _)| wanted(**b)) {
-            let other = &self.regions[*b as usize];
-            if region.area.min(other.area) < limits.small
-                && let Some(narrowness) = region.with(other, limits)
-            {
-                let worth = shared / region.perimeter.min(other.perimeter) + 0.5 * narrowness;
-                pairs.push((worth.max(0.0).to_bits(), a, *b, [region.version, other.version]));
+        for b in region.borders.keys().copied().filter(|b| wanted(*b)) {
+            let other = &self.regions[b as usize];
+            if region.area.min(other.area) < limits.small {
+                let most = region.worth(other, b, 1.0);
+                pairs.push((most.to_bits(), Worth::Possible, [a, b], [region.version, other.version]));
             }
         }
+    }
+
+    /// Returns the worth of joining two neighbours; `None` where the limits do not allow it.
+    fn worth(&self, a: u32, b: u32, limits: &Limits) -> Option<f64> {
+        let [region, other] = [a, b].map(|r| &self.regions[r as usize]);
+        let narrowness = region.with(other, limits, &self.middles)?;
+        Some(region.worth(other, b, narrowness))
     }
 
     fn unite(&mut self, a: u32, b: u32) {
@@ -143,40 +165,53 @@ impl Region {
     }
 
     /// Returns the direction that the UV island is seen from: where all triangles are seen well, else where most are.
-    fn axis(&self) -> Vec3<f64> {
-        axis(&self.smooth, &self.own, self.facing)
+    fn axis(&self, middles: &Middles) -> Vec3<f64> {
+        Cone { smooth: &self.smooth, own: &self.own, middles }.axis(self.facing)
+    }
+
+    /// Returns the worth, from 0 on, of joining a neighbour so that the cone of both has this narrowness.
+    fn worth(&self, other: &Self, number: u32, narrowness: f64) -> f64 {
+        let shared = self.borders.get(&number).copied().unwrap_or(0.0);
+        (shared / self.perimeter.min(other.perimeter) + 0.5 * narrowness).max(0.0)
     }
 
     /// Returns the narrowness of the cone of both together, 0 to 1; `None` where it is too wide.
-    fn with(&self, other: &Self, limits: &Limits) -> Option<f64> {
+    fn with(&self, other: &Self, limits: &Limits, middles: &Middles) -> Option<f64> {
         let facing = self.facing + other.facing;
         let start = facing.normalize_or(Vec3::splat(0.0));
         // Cheap and nearly always right: what is far from the mean of both is far from every axis.
-        if start.dot(start) < 0.5 || self.smooth.least_cosine(start) < limits.smooth - 0.6 {
+        if start.dot(start) < 0.5 || self.smooth.least_cosine(middles, start) < limits.smooth - 0.6 {
             return None;
         }
-        let smooth = self.smooth.union(&other.smooth);
-        let own = self.own.union(&other.own);
-        let axis = axis(&smooth, &own, facing);
-        let narrow = smooth.least_cosine(axis);
-        (narrow >= limits.smooth && own.least_cosine(axis) >= limits.own).then_some(narrow)
+        let (smooth, own) = (self.smooth.union(&other.smooth), self.own.union(&other.own));
+        let cone = Cone { smooth: &smooth, own: &own, middles };
+        let axis = cone.axis(facing);
+        let narrow = smooth.least_cosine(middles, axis);
+        (narrow >= limits.smooth && own.least_cosine(middles, axis) >= limits.own).then_some(narrow)
     }
 }
 
-fn axis(smooth: &Directions, own: &Directions, facing: Vec3<f64>) -> Vec3<f64> {
-    let start = facing.normalize_or(Vec3::new(0.0, 0.0, 1.0));
-    let (by_smooth, by_own) = (smooth.axis(start), own.axis(start));
-    // Between the axis of the smooth surface and that of its steepest triangles, so that both have room.
-    let middle = (by_smooth + by_own).normalize_or(start);
-    [by_smooth, middle, by_own]
-        .into_iter()
-        .max_by(|a, b| worst(smooth, own, *a).total_cmp(&worst(smooth, own, *b)))
-        .unwrap_or(start)
+/// The normals that an axis is sought for: those of the smooth surface and the triangles' own.
+struct Cone<'a> {
+    smooth: &'a Directions,
+    own: &'a Directions,
+    middles: &'a Middles,
 }
 
-/// Returns the fitness of an axis: the smooth normals count more than the triangles' own, unless one would be seen from
-/// behind.
-fn worst(smooth: &Directions, own: &Directions, axis: Vec3<f64>) -> f64 {
-    let own = own.least_cosine(axis);
-    if own < 0.1 { own - 2.0 } else { smooth.least_cosine(axis).min(own + 0.3) }
+impl Cone<'_> {
+    fn axis(&self, facing: Vec3<f64>) -> Vec3<f64> {
+        let start = facing.normalize_or(Vec3::new(0.0, 0.0, 1.0));
+        let [by_smooth, by_own] = [self.smooth, self.own].map(|normals| normals.axis(self.middles, start));
+        // Between the axis of the smooth surface and that of its steepest triangles, so that both have room.
+        let middle = (by_smooth + by_own).normalize_or(start);
+        let axes = [by_smooth, middle, by_own].map(|axis| (self.fitness(axis), axis));
+        axes.into_iter().max_by(|(a, _), (b, _)| a.total_cmp(b)).map_or(start, |(_, axis)| axis)
+    }
+
+    /// Returns the fitness of an axis: the smooth normals count more than the triangles' own, unless one would be seen
+    /// from behind.
+    fn fitness(&self, axis: Vec3<f64>) -> f64 {
+        let own = self.own.least_cosine(self.middles, axis);
+        if own < 0.1 { own - 2.0 } else { self.smooth.least_cosine(self.middles, axis).min(own + 0.3) }
+    }
 }

@@ -12,7 +12,7 @@ mod regions;
 mod topology;
 
 use super::levels::chosen;
-use super::raster::{ALL_ROWS, Rasterizer};
+use super::raster::Rasterizer;
 use super::simplify::UnitCube;
 use crate::error::{Error, Result};
 use crate::image::Image;
@@ -21,7 +21,7 @@ use crate::mesh::{Mesh, MeshData};
 use crate::parallel;
 use crate::progress::Progress;
 use flatten::{Island, Measure};
-use layout::Layout;
+use layout::{Layout, Start};
 use merge::{Limits, Merger};
 pub use options::UnwrapOptions;
 use std::collections::{BTreeMap, HashMap};
@@ -83,16 +83,18 @@ pub fn unwrap(mesh: &Mesh, options: &UnwrapOptions, progress: Progress<'_>) -> R
     let measure = Measure { density: FINER * f64::from(options.size) * scale, longest: LONGEST / scale };
     let mut islands = flat_islands(&topology, &labels, &axes, &measure);
     progress.at(0.5)?;
+    let mut start = Start::Guess(scale * f64::from(options.size));
     for round in 0..ROUNDS {
         let laid: Vec<Vec<[[f64; 2]; 3]>> = parallel::tasks(islands.len(), &|i| islands[i].laid(&topology));
         let attempt = progress.part(1.0 - 0.5 / f64::from(round + 1), 1.0);
-        let layout = layout::lay_out(&laid, options, scale, attempt)?;
+        let layout = layout::lay_out(&laid, options, start, attempt)?;
         let unwrapped = flat.cut(&islands, &layout)?;
         let overlaps = overlaps(&unwrapped, options.size)?;
         if overlaps.is_empty() {
             progress.at(1.0)?;
             return Ok(unwrapped);
         }
+        start = Start::Near(layout.scale);
         islands = without_overlaps(&topology, islands, &overlaps, &measure);
     }
     Err(Error::limit(
@@ -101,18 +103,47 @@ pub fn unwrap(mesh: &Mesh, options: &UnwrapOptions, progress: Progress<'_>) -> R
     ))
 }
 
-/// Returns a triangle that lies over another one of its UV island, for each UV island where there is one.
-fn overlaps(unwrapped: &Unwrapped, size: u32) -> Result<BTreeMap<u32, [u32; 2]>> {
+/// Rows of a map that are searched for overlaps at a time.
+const SEARCHED_ROWS: usize = 256;
+
+/// The first triangle of a UV island that lies over another one of it, behind that.
+type Overlaps = BTreeMap<u32, [u32; 2]>;
+
+/// Returns the overlap of each UV island where there is one.
+fn overlaps(unwrapped: &Unwrapped, size: u32) -> Result<Overlaps> {
     let mesh = &unwrapped.mesh;
     let rasterizer = Rasterizer::new(mesh.triangles(), &mesh.uvs()[0], [size; 2])?;
-    let mut owners = vec![NONE; size as usize * size as usize];
-    let mut found = BTreeMap::new();
+    let size = size as usize;
+    let bands = parallel::tasks(size.div_ceil(SEARCHED_ROWS), &|band| {
+        let first = band * SEARCHED_ROWS;
+        overlaps_in(unwrapped, &rasterizer, [first, (first + SEARCHED_ROWS).min(size)], size)
+    });
+    let mut found = Overlaps::new();
+    for (island, pair) in bands.into_iter().flatten() {
+        let first = found.entry(island).or_insert(pair);
+        if pair[1] < first[1] {
+            *first = pair;
+        }
+    }
+    Ok(found)
+}
+
+/// Returns the overlaps in some rows of a map with `size` columns.
+fn overlaps_in(
+    unwrapped: &Unwrapped,
+    rasterizer: &Rasterizer<'_>,
+    [first, end]: [usize; 2],
+    size: usize,
+) -> Overlaps {
+    let mut owners = vec![NONE; (end - first) * size];
+    let mut found = Overlaps::new();
     for (t, island) in unwrapped.island_of.iter().enumerate() {
         let Some(island) = *island else { continue };
-        rasterizer.spans(t, ALL_ROWS, |y, [from, to]| {
+        // Uvs are within the map, where corners may round onto its far border.
+        rasterizer.spans(t, first as i64..end as i64, |y, [from, to]| {
+            let row = &mut owners[(y as usize - first) * size..][..size];
             for x in from..=to {
-                let owner =
-                    &mut owners[y as usize % size as usize * size as usize + x as usize % size as usize];
+                let owner = &mut row[x as usize % size];
                 match *owner {
                     NONE => *owner = t as u32,
                     owner if unwrapped.island_of[owner as usize] == Some(island) => {
@@ -123,13 +154,13 @@ fn overlaps(unwrapped: &Unwrapped, size: u32) -> Result<BTreeMap<u32, [u32; 2]>>
             }
         });
     }
-    Ok(found)
+    found
 }
 
 fn without_overlaps(
     topology: &Topology,
     islands: Vec<Island>,
-    overlaps: &BTreeMap<u32, [u32; 2]>,
+    overlaps: &Overlaps,
     measure: &Measure,
 ) -> Vec<Island> {
     let parts = |(island, number): (Island, u32)| match overlaps.get(&number) {

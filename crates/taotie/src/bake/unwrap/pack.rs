@@ -53,14 +53,13 @@ pub(super) fn pack(islands: &[[Mask; 4]], order: &[u32], bin: &Bin) -> Option<(V
     Some((places, used))
 }
 
-/// Cells that are taken, each UV island with its gap around it.
+/// Cells that are free: all but UV islands with their gap around them.
 struct Board {
     width: u32,
-    words: usize,
-    /// `words` numbers a row; a row that is not there yet is free.
-    taken: Vec<u64>,
-    /// The longest run of free cells in each row that is there.
-    free: Vec<u32>,
+    /// The free runs of each row, in order; a row that is not there yet is free.
+    rows: Vec<Vec<Run>>,
+    /// The longest free run of each row that is there.
+    longest: Vec<u32>,
     /// The width of the gap to both sides in each row above and below.
     halves: Vec<u32>,
     /// Rows above which a small mask found no place.
@@ -70,24 +69,19 @@ struct Board {
 impl Board {
     fn new(bin: &Bin) -> Self {
         let gap = i64::from(bin.gap);
-        // Cells whose nearest points are less than the gap apart.
+        // The cell itself, and those whose nearest points are less than the gap apart.
         let is_near = |dx: i64, dy: i64| {
-            let [dx, dy] = [dx, dy].map(|d: i64| (d - 1).max(0));
-            dx * dx + dy * dy < gap * gap
+            let [x, y] = [dx, dy].map(|d: i64| (d - 1).max(0));
+            dx.max(dy) == 0 || x * x + y * y < gap * gap
         };
         let half = |dy: i64| (0..=gap).rev().find(|dx| is_near(*dx, dy));
         Self {
             width: bin.width,
-            words: bin.width.div_ceil(64) as usize,
-            taken: Vec::new(),
-            free: Vec::new(),
+            rows: Vec::new(),
+            longest: Vec::new(),
             halves: (0..=gap).map_while(half).map(|half| half as u32).collect(),
             known: BTreeMap::new(),
         }
-    }
-
-    fn row(&self, y: u32) -> Option<&[u64]> {
-        self.taken.get(y as usize * self.words..(y as usize + 1) * self.words)
     }
 
     /// Returns the best place of a UV island in any of its turns: the one that ends first.
@@ -120,123 +114,78 @@ impl Board {
             (0..).zip(&mask.rows).flat_map(|(y, row)| row.iter().map(move |run| (y, *run))).collect();
         // Long runs first: they rule out most.
         runs.sort_by_key(|(y, [from, to])| (from.wrapping_sub(*to), *y));
-        let beyond = self.beyond(self.width - mask.width);
-        let (mut blocked, mut scratch) = (beyond.clone(), vec![0; self.words]);
-        let probes: Vec<(u32, u32)> =
-            runs.iter().take(PROBES).map(|(y, [from, to])| (*y, to - from)).collect();
+        let everywhere = [0, self.width - mask.width + 1];
+        let (mut columns, mut left) = (Vec::new(), Vec::new());
         for top in start.. {
-            let free = |y: u32| self.free.get((top + y) as usize).copied().unwrap_or(self.width);
-            if probes.iter().any(|(y, length)| free(*y) < *length) {
+            let longest = |y: u32| self.longest.get((top + y) as usize).copied().unwrap_or(self.width);
+            if runs.iter().take(PROBES).any(|(y, [from, to])| longest(*y) < to - from) {
                 continue;
             }
-            blocked.copy_from_slice(&beyond);
+            columns.clear();
+            columns.push(everywhere);
             for (y, run) in &runs {
-                let Some(row) = self.row(top + y) else { continue };
-                block(row, *run, &mut blocked, &mut scratch);
-                if blocked.iter().all(|word| *word == u64::MAX) {
+                let Some(free) = self.rows.get((top + y) as usize) else { continue };
+                keep(&columns, free, *run, &mut left);
+                std::mem::swap(&mut columns, &mut left);
+                if columns.is_empty() {
                     break;
                 }
             }
-            if let Some(word) = blocked.iter().position(|word| *word != u64::MAX) {
-                return Some([64 * word as u32 + blocked[word].trailing_ones(), top]);
+            if let Some([first, _]) = columns.first() {
+                return Some([*first, top]);
             }
         }
         None
-    }
-
-    /// Returns a row in which the columns after `last` are blocked.
-    fn beyond(&self, last: u32) -> Vec<u64> {
-        let word = |i: usize| match (last + 1).saturating_sub(64 * i as u32) {
-            free if free >= 64 => 0,
-            free => u64::MAX << free,
-        };
-        (0..self.words).map(word).collect()
     }
 
     /// Takes the cells of a mask and those around it.
     fn stamp(&mut self, mask: &Mask, place: Placement) {
         let reach = self.halves.len().saturating_sub(1) as u32;
         let rows = (place.y + mask.height() + reach) as usize;
-        if self.taken.len() < rows * self.words {
-            self.taken.resize(rows * self.words, 0);
-            self.free.resize(rows, self.width);
+        if self.rows.len() < rows {
+            self.rows.resize(rows, vec![[0, self.width]]);
+            self.longest.resize(rows, self.width);
         }
         for (y, row) in (place.y..).zip(&mask.rows) {
             for near in y.saturating_sub(reach)..=y + reach {
                 let Some(half) = self.halves.get(near.abs_diff(y) as usize).copied() else { continue };
-                let taken = &mut self.taken[near as usize * self.words..][..self.words];
                 for [from, to] in row {
                     let from = (place.x + from).saturating_sub(half);
-                    set(taken, [from, (place.x + to + half).min(self.width)]);
+                    take(&mut self.rows[near as usize], [from, place.x + to + half]);
                 }
             }
         }
         for y in place.y.saturating_sub(reach) as usize..rows {
-            self.free[y] = longest_free(&self.taken[y * self.words..][..self.words], self.width);
+            self.longest[y] = self.rows[y].iter().map(|[from, to]| to - from).max().unwrap_or(0);
         }
     }
 }
 
-/// Returns the length of the longest run of bits that are not set, below `width`.
-fn longest_free(row: &[u64], width: u32) -> u32 {
-    let (mut longest, mut run, mut x) = (0, 0, 0);
-    while x < width {
-        let word = row[x as usize / 64] >> (x % 64);
-        let left = (64 - x % 64).min(width - x);
-        let taken = word.trailing_ones().min(left);
-        if taken > 0 {
-            (run, x) = (0, x + taken);
-        } else {
-            let free = word.trailing_zeros().min(left);
-            (run, x) = (run + free, x + free);
-            longest = longest.max(run);
+/// Takes the cells of a run out of the free runs of a row.
+fn take(free: &mut Vec<Run>, [from, to]: Run) {
+    let first = free.partition_point(|run| run[1] <= from);
+    let behind = first + free[first..].partition_point(|run| run[0] < to);
+    if first < behind {
+        let ends = [[free[first][0], from], [to, free[behind - 1][1]]];
+        free.splice(first..behind, ends.into_iter().filter(|[from, to]| from < to));
+    }
+}
+
+/// Keeps of some columns those at which a mask's run lies in one of the free runs of a row. Columns too are runs.
+fn keep(columns: &[Run], free: &[Run], [from, to]: Run, kept: &mut Vec<Run>) {
+    kept.clear();
+    let mut i = 0;
+    for [first, end] in columns {
+        // Free runs that end before the first column's cells do are of no use to any later one.
+        while free.get(i).is_some_and(|free| free[1] < first + to) {
+            i += 1;
         }
-    }
-    longest
-}
-
-/// Sets the bits from the first to before the last.
-fn set(row: &mut [u64], [from, to]: Run) {
-    for (i, word) in row.iter_mut().enumerate().take(to.div_ceil(64) as usize).skip(from as usize / 64) {
-        let first = 64 * i as u32;
-        let low = u64::MAX << from.saturating_sub(first);
-        let high = if to - first >= 64 { u64::MAX } else { !(u64::MAX << (to - first)) };
-        *word |= low & high;
-    }
-}
-
-/// Blocks the columns at which a mask's run would meet a taken cell: those with one at column + `from` to before
-/// column + `to`.
-fn block(row: &[u64], [from, to]: Run, blocked: &mut [u64], scratch: &mut [u64]) {
-    shift(row, from, scratch);
-    let length = to - from;
-    let mut covered = 1;
-    while covered < length {
-        let step = covered.min(length - covered);
-        dilate(scratch, step);
-        covered += step;
-    }
-    blocked.iter_mut().zip(scratch).for_each(|(blocked, more)| *blocked |= *more);
-}
-
-/// Moves a row by `by` columns to the left.
-fn shift(row: &[u64], by: u32, into: &mut [u64]) {
-    let (words, bits) = (by as usize / 64, by % 64);
-    let word = |i: usize| row.get(i).copied().unwrap_or(0);
-    for (i, out) in into.iter_mut().enumerate() {
-        let low = word(i + words) >> bits;
-        *out = if bits == 0 { low } else { low | word(i + words + 1) << (64 - bits) };
-    }
-}
-
-/// Sets what is `by` columns to the left of what is set too.
-fn dilate(row: &mut [u64], by: u32) {
-    let (words, bits) = (by as usize / 64, by % 64);
-    for i in 0..row.len() {
-        let word = |k: usize| row.get(k).copied().unwrap_or(0);
-        let low = word(i + words) >> bits;
-        let moved = if bits == 0 { low } else { low | word(i + words + 1) << (64 - bits) };
-        row[i] |= moved;
+        for free in free[i..].iter().take_while(|free| free[0] < end + from) {
+            let columns = [free[0].saturating_sub(from).max(*first), (free[1] + 1).saturating_sub(to).min(*end)];
+            if columns[0] < columns[1] {
+                kept.push(columns);
+            }
+        }
     }
 }
 
@@ -277,6 +226,14 @@ mod tests {
     }
 
     #[test]
+    fn without_a_gap_islands_touch() {
+        let islands = [rectangle(4, 2), rectangle(4, 2)];
+        let (places, used) = pack(&islands, &[0, 1], &Bin { width: 8, gap: 0, most: 100 }).unwrap();
+        assert_eq!(used, 2);
+        assert_eq!(drawn(&islands, &places, [8, 2]), ["aaaabbbb", "aaaabbbb"]);
+    }
+
+    #[test]
     fn a_small_island_goes_into_a_hole() {
         let ring = |y: u32| if (1..9).contains(&y) { vec![[0, 1], [9, 10]] } else { vec![[0, 10]] };
         let ring = Mask { width: 10, rows: (0..10).map(ring).collect() };
@@ -286,18 +243,41 @@ mod tests {
     }
 
     #[test]
-    fn the_longest_free_run_is_found() {
-        let mut row = vec![0; 3];
-        assert_eq!(longest_free(&row, 150), 150);
-        set(&mut row, [10, 20]);
-        set(&mut row, [60, 70]);
-        assert_eq!(longest_free(&row, 150), 80);
-        set(&mut row, [75, 150]);
-        assert_eq!(longest_free(&row, 150), 40);
+    fn what_is_taken_is_no_longer_free() {
+        let mut row = vec![[0, 150]];
+        take(&mut row, [10, 20]);
+        take(&mut row, [60, 70]);
+        take(&mut row, [15, 18]);
+        assert_eq!(row, [[0, 10], [20, 60], [70, 150]]);
+        take(&mut row, [55, 80]);
+        take(&mut row, [0, 5]);
+        take(&mut row, [140, 160]);
+        assert_eq!(row, [[5, 10], [20, 55], [80, 140]]);
+        take(&mut row, [0, 200]);
+        assert!(row.is_empty());
     }
 
     #[test]
-    fn rows_over_many_words_are_searched_as_narrow_ones_are() {
+    fn columns_are_kept_where_a_run_is_free() {
+        let free = [[0, 4], [6, 12], [13, 14], [20, 30]];
+        let kept = |columns: &[Run], run: Run| {
+            let mut kept = vec![[99, 99]];
+            keep(columns, &free, run, &mut kept);
+            let by_cell = (0..40u32).filter(|x| columns.iter().any(|[from, to]| (from..to).contains(&x)));
+            let is_free = |x: u32| free.iter().any(|[from, to]| *from <= x + run[0] && x + run[1] <= *to);
+            let cells: Vec<u32> = kept.iter().flat_map(|[from, to]| *from..*to).collect();
+            assert_eq!(cells, by_cell.filter(|x| is_free(*x)).collect::<Vec<u32>>(), "{columns:?} {run:?}");
+            kept
+        };
+        assert_eq!(kept(&[[0, 28]], [0, 3]), [[0, 2], [6, 10], [20, 28]]);
+        assert_eq!(kept(&[[0, 28]], [2, 5]), [[0, 0]; 0]);
+        kept(&[[1, 2], [7, 9], [11, 22]], [1, 2]);
+        kept(&[[0, 1], [3, 4], [5, 30]], [0, 1]);
+        kept(&[[0, 30]], [5, 16]);
+    }
+
+    #[test]
+    fn many_rectangles_keep_their_gap() {
         let islands: Vec<[Mask; 4]> = (0..40).map(|i| rectangle(20 + 3 * i % 70, 5 + i % 7)).collect();
         let order: Vec<u32> = (0..40).collect();
         let (places, used) = pack(&islands, &order, &Bin { width: 200, gap: 3, most: 1000 }).unwrap();
