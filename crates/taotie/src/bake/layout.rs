@@ -8,7 +8,7 @@ use crate::mesh::{Mesh, Point};
 use std::ops::Range;
 
 /// Texel rows of a band, and the side of the tiles that it is cut into.
-pub(super) const BAND: u32 = 16;
+pub(super) const BAND: u32 = 32;
 
 /// The triangles of a mesh on a map whose texels hold `side` · `side` samples each.
 pub(super) struct Layout<'a> {
