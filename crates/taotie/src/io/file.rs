@@ -1,13 +1,18 @@
 //! Reading bytes from regular files only, since a model may name any path.
 
 use crate::error::{Error, Result};
+use crate::parallel;
 use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The largest file read, in bytes.
 const MAX_BYTES: u64 = 1 << 34;
+
+/// The size from which a file is read by several threads, in bytes. Memory of so many comes from the system as zeros.
+const LARGE: usize = 1 << 25;
 
 /// Reads a whole regular file.
 ///
@@ -15,9 +20,34 @@ const MAX_BYTES: u64 = 1 << 34;
 /// [`Error::Io`] where it cannot be read or is a device or a pipe, [`Error::Limit`] above 16 GiB.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
     let (file, length) = open(path)?;
+    if length as usize > LARGE
+        && let Some(bytes) = read_pieces(&file, length as usize)
+    {
+        return Ok(bytes);
+    }
     let mut bytes = Vec::with_capacity(length as usize);
     file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
     Ok(bytes)
+}
+
+/// Reads a file of `length` bytes in pieces at once; `None` where that fails, and nothing of it was passed over.
+#[cfg(unix)]
+fn read_pieces(file: &File, length: usize) -> Option<Vec<u8>> {
+    use std::os::unix::fs::FileExt;
+    const PIECE: usize = 1 << 22;
+    let mut bytes = vec![0; length];
+    let failed = AtomicBool::new(false);
+    parallel::pieces(&mut bytes, PIECE, &|i, piece| {
+        if !failed.load(Ordering::Relaxed) && file.read_exact_at(piece, (i * PIECE) as u64).is_err() {
+            failed.store(true, Ordering::Relaxed);
+        }
+    });
+    (!failed.into_inner()).then_some(bytes)
+}
+
+#[cfg(not(unix))]
+fn read_pieces(_file: &File, _length: usize) -> Option<Vec<u8>> {
+    None
 }
 
 /// The first bytes of the file, at most `count`.

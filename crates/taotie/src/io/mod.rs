@@ -2,6 +2,7 @@
 
 mod bitmap;
 pub(crate) mod cache;
+mod decimal;
 mod environment;
 mod file;
 mod gltf;
@@ -21,6 +22,7 @@ mod system;
 mod text;
 mod texture_room;
 mod variants;
+mod words;
 mod write;
 mod xmp;
 

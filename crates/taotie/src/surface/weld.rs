@@ -18,16 +18,23 @@ pub(crate) struct Classes {
 impl Classes {
     /// Sorts the elements 0 to `count` − 1, at most 2^32 − 1, by `key`.
     ///
-    /// Elements are sorted by hash, and where hashes are equal and keys are not, by key, so that neither many elements
-    /// nor keys that were chosen to collide take long. The classes depend on neither the hash nor the number of
+    /// Elements that are alike are most often near each other, so each is first looked for among those near before it.
+    /// What is new there is sorted by hash, and where hashes are equal and keys are not, by key, so that neither many
+    /// elements nor keys that were chosen to collide take long. The classes depend on neither the hash nor the number of
     /// threads.
     pub fn by<K: Hash + Ord>(count: usize, key: impl Fn(usize) -> K + Sync) -> Self {
-        let hashed = |i: usize| u64::from(hash(&key(i))) << 32 | i as u64;
-        let mut firsts = firsts_by_hash(parallel::collect(count, hashed));
-        // In the order of elements, since those that are alike are most often near each other.
+        let mut firsts = vec![0; count];
+        parallel::pieces(&mut firsts, NEAR, &|block, part| find_near(part, block * NEAR, &key));
+        let new = parallel::collect(count.div_ceil(64), |word| new_of(&firsts, word));
+        let is_new = |i: usize| new[i / 64] >> (i % 64) & 1 == 1;
+        let mut elements = Vec::with_capacity(new.iter().map(|word| word.count_ones() as usize).sum());
+        elements.extend((0..count).filter(|i| is_new(*i)).map(|i| i as u64));
+        parallel::change(&mut elements, |_, i| *i |= u64::from(hash(&key(*i as usize))) << 32);
+        let mut firsts = firsts_by_hash(elements, firsts);
+        // In the order of elements, whose keys are near each other.
         let differs = |i: usize| {
             let first = firsts[i] as usize;
-            first != i && key(first) != key(i)
+            is_new(i) && first != i && key(first) != key(i)
         };
         let mut collided = parallel::filter(count, differs);
         collided.par_sort_unstable_by_key(|i| (key(*i), *i));
@@ -37,7 +44,7 @@ impl Classes {
         Self::numbered(firsts)
     }
 
-    /// Numbers the classes, given the first element of its class for each element.
+    /// Numbers the classes, given for each element the first of its class, or one before it that leads there.
     fn numbered(mut of: Vec<u32>) -> Self {
         let mut firsts = Vec::with_capacity(of.len());
         for i in 0..of.len() {
@@ -58,11 +65,46 @@ impl Classes {
     }
 }
 
-/// The first of the elements with the hash of each one. They come as their hash and below it their number.
-fn firsts_by_hash(mut elements: Vec<u64>) -> Vec<u32> {
+/// Elements among which each is first looked for; their numbers and one more fit 16 bits.
+const NEAR: usize = 1 << 15;
+
+/// Writes to `firsts` the first of the elements from `start` on that is equal to each one, as far as it is found soon.
+fn find_near<K: Hash + Ord>(firsts: &mut [u32], start: usize, key: &impl Fn(usize) -> K) {
+    /// Slots that are looked at, so that keys that were chosen to collide do not take long.
+    const SLOTS: usize = 8;
+    // The upper half of a hash, and one more than the number of the element that has it; 0 where there is none.
+    let mut table = vec![0u32; 2 * firsts.len().next_power_of_two()];
+    let mask = table.len() - 1;
+    for (i, first) in firsts.iter_mut().enumerate() {
+        let own = key(start + i);
+        let hash = hash(&own);
+        *first = (start + i) as u32;
+        for slot in (hash as usize..).take(SLOTS) {
+            let entry = &mut table[slot & mask];
+            if *entry == 0 {
+                *entry = hash & 0xFFFF_0000 | (i + 1) as u32;
+                break;
+            }
+            let near = start + (*entry & 0xFFFF) as usize - 1;
+            if (*entry ^ hash) >> 16 == 0 && key(near) == own {
+                *first = near as u32;
+                break;
+            }
+        }
+    }
+}
+
+/// Returns which of the 64 elements of a word are their own firsts, the lowest bit first.
+fn new_of(firsts: &[u32], word: usize) -> u64 {
+    let elements = firsts.iter().enumerate().skip(word * 64).take(64);
+    elements.fold(0, |bits, (i, first)| bits | u64::from(*first as usize == i) << (i % 64))
+}
+
+/// Puts the first of the elements with the hash of each one into `firsts`. They come as their hash and below it their
+/// number.
+fn firsts_by_hash(mut elements: Vec<u64>, firsts: Vec<u32>) -> Vec<u32> {
     elements.par_sort_unstable();
-    // Each element is alike with itself at least, so none keeps its zero.
-    let firsts: Vec<AtomicU32> = vec![0; elements.len()].into_iter().map(AtomicU32::new).collect();
+    let firsts: Vec<AtomicU32> = firsts.into_iter().map(AtomicU32::new).collect();
     elements.par_chunk_by(|a, b| a >> 32 == b >> 32).for_each(|alike| {
         let first = alike[0] as u32;
         alike.iter().for_each(|i| firsts[*i as u32 as usize].store(first, Ordering::Relaxed));
@@ -110,6 +152,24 @@ mod tests {
         let classes = Classes::by(100_000, |i| Colliding(i * 7 % 50_000));
         assert_eq!(classes.firsts, (0..50_000).collect::<Vec<u32>>());
         assert!((0..100_000).all(|i| classes.of[i] == (i % 50_000) as u32));
+    }
+
+    /// Equal keys are found whether they stand near each other or far apart, as a map finds them.
+    #[test]
+    fn classes_are_those_of_a_map() {
+        for spread in [1usize, 10, 40_000, 1_000_000] {
+            let key = |i: usize| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 20) % spread + i / 1000;
+            let classes = Classes::by(150_000, key);
+            let (mut known, mut firsts) = (std::collections::HashMap::new(), Vec::new());
+            for i in 0..150_000 {
+                let class = *known.entry(key(i)).or_insert_with(|| {
+                    firsts.push(i as u32);
+                    firsts.len() as u32 - 1
+                });
+                assert_eq!(classes.of[i], class, "{i} of {spread}");
+            }
+            assert_eq!(classes.firsts, firsts);
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The text of an OBJ file in blocks of whole statements, which are read in parallel.
 
 use super::super::text;
+use super::super::words::line_ends;
 
 /// Bytes of a block, or a line more.
 const BLOCK: usize = 1 << 20;
@@ -26,7 +27,7 @@ impl FileOffset {
                 _ => {}
             }
         }
-        Self { lines: text.bytes().filter(|b| *b == b'\n').count(), counts }
+        Self { lines: line_ends(text.as_bytes()), counts }
     }
 
     /// Goes on by `length` and returns the offset so far.

@@ -1,8 +1,9 @@
 //! Faces into meshes, one for each material and each set of attributes that faces have.
 
 use super::super::polygon::{Cutter, Outline};
+use super::content::{Face, Obj};
+use super::corner::{Corner, NONE};
 use super::objects::{Mark, Walk, joined};
-use super::parse::{Corner, Face, NONE, Obj};
 use crate::error::{Result, Warnings};
 use crate::math::srgb::linear_from_srgb;
 use crate::math::{Vec2, Vec3};

@@ -6,10 +6,13 @@
 
 mod blocks;
 mod build;
+mod content;
+mod corner;
 mod material;
 mod mtl;
 mod objects;
 mod parse;
+mod statements;
 mod textures;
 
 pub(super) use material::neutral;
@@ -22,8 +25,8 @@ use crate::error::{Result, Warnings};
 use crate::math::Mat4;
 use crate::mesh::Mesh;
 use crate::scene::{Instance, Material, Scene, SceneData};
+use content::Obj;
 use mtl::Mtl;
-use parse::Obj;
 use std::collections::HashMap;
 use textures::Textures;
 

@@ -1,59 +1,14 @@
-//! The statements of an OBJ file, as they stand in it.
+//! An OBJ file, of which blocks are read in parallel and put together.
 
-use super::super::polygon::Cutter;
-use super::super::text::{self, quote};
-use super::blocks::{FileOffset, blocks, split_keyword};
-use super::objects::{Mark, Marks};
+use super::blocks::{FileOffset, blocks};
+use super::content::Obj;
+use super::corner::NONE;
+use super::statements::{Parser, WHITE};
 use crate::error::{Error, Result, Warnings};
-use crate::math::{Vec2, Vec3};
 use crate::mesh::first;
 use crate::parallel;
 use std::collections::HashMap;
 use std::path::Path;
-
-/// In a [`Corner`]: no uv or no normal. In a [`Face`]: no material.
-pub(super) const NONE: u32 = u32::MAX;
-
-/// Indices of position, uv and normal.
-pub(super) type Corner = [u32; 3];
-
-/// A face of three or more corners.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Face {
-    /// Index of its first corner.
-    pub first: u32,
-    /// The number of corners.
-    pub count: u32,
-    /// Index into [`Obj::material_names`], or [`NONE`].
-    pub material: u32,
-    /// The line in the file, from 1.
-    pub line: u32,
-}
-
-/// The content of an OBJ file. Every index of a corner is in range or [`NONE`].
-#[derive(Debug, Default)]
-pub(super) struct Obj {
-    /// The positions, model units; finite.
-    pub positions: Vec<Vec3>,
-    /// The vertex colours as in the file; empty, or one a position.
-    pub colors: Vec<[f32; 3]>,
-    /// The uvs as in the file: the origin is bottom left.
-    pub uvs: Vec<Vec2>,
-    /// The normals, of any length.
-    pub normals: Vec<Vec3>,
-    /// The corners of all faces.
-    pub corners: Vec<Corner>,
-    /// The faces.
-    pub faces: Vec<Face>,
-    /// The names that `usemtl` gives, each once.
-    pub material_names: Vec<String>,
-    /// The words behind each `mtllib`.
-    pub libraries: Vec<String>,
-    /// The objects and groups.
-    pub marks: Marks,
-    /// The number of times that `s` names another smoothing group than before, once one was named.
-    pub smoothing_changes: usize,
-}
 
 /// Reads the statements of `text`, which stands in the file `path`, in blocks and in parallel.
 ///
@@ -61,15 +16,17 @@ pub(super) struct Obj {
 /// [`Error::Parse`] naming the line of the first number or index that cannot be used, and where there is no face.
 pub(super) fn parse(path: &Path, text: &str, warnings: &mut Warnings) -> Result<Obj> {
     let mut whole = Whole::default();
-    let mut offset = FileOffset::default();
     for group in blocks(text).chunks(4 * rayon::current_num_threads()) {
-        let lengths = parallel::tasks(group.len(), &|i| FileOffset::of(group[i]));
-        let starts: Vec<FileOffset> = lengths.iter().map(|length| offset.advance(length)).collect();
-        let read = |i: usize| Parser::new(starts[i]).block(group[i]);
-        for parser in parallel::tasks(group.len(), &read) {
-            let parser = parser.map_err(|(line, what)| Error::parse(path, format!("line {line}"), what))?;
-            whole.take(parser, warnings);
-        }
+        let alone = if whole.is_relative { None } else { read_alone(group) };
+        let parsers = match alone {
+            Some(parsers) => parsers,
+            None => {
+                whole.is_relative = true;
+                read_behind(group, whole.offset())
+                    .map_err(|(line, what)| Error::parse(path, format!("line {line}"), what))?
+            }
+        };
+        parsers.into_iter().for_each(|parser| whole.take(parser, warnings));
     }
     let obj = whole.obj;
     check_ranges(path, &obj)?;
@@ -80,147 +37,27 @@ pub(super) fn parse(path: &Path, text: &str, warnings: &mut Warnings) -> Result<
     Ok(obj)
 }
 
-const WHITE: [f32; 3] = [1.0; 3];
-
-/// In a [`Face`] of one block: the material of the block before.
-const INHERITED: u32 = u32::MAX - 1;
-
-/// Reads one block.
-struct Parser {
-    start: FileOffset,
-    /// The content of the block. Corners count from the start of the file, all else from that of the block.
-    obj: Obj,
-    warnings: Warnings,
-    material: u32,
-    material_ids: HashMap<String, u32>,
-    first_smoothing: Option<String>,
-    smoothing: Option<String>,
+/// Reads blocks that need not know what stands before them; `None` where one does, having relative indices or an error.
+fn read_alone(blocks: &[&str]) -> Option<Vec<Parser>> {
+    let read = |i: usize| Parser::new(None).block(blocks[i]).ok();
+    parallel::tasks(blocks.len(), &read).into_iter().collect()
 }
 
-impl Parser {
-    fn new(start: FileOffset) -> Self {
-        Self {
-            start,
-            obj: Obj::default(),
-            warnings: Warnings::default(),
-            material: INHERITED,
-            material_ids: HashMap::new(),
-            first_smoothing: None,
-            smoothing: None,
-        }
-    }
-
-    /// Reads all statements; an error comes with its line.
-    fn block(mut self, block: &str) -> std::result::Result<Self, (usize, String)> {
-        for (line, statement) in text::lines(block) {
-            let line = self.start.lines + line;
-            self.statement(&statement, line).map_err(|what| (line, what))?;
-        }
-        if !self.obj.colors.is_empty() {
-            self.obj.colors.resize(self.obj.positions.len(), WHITE);
-        }
-        Ok(self)
-    }
-
-    fn statement(&mut self, statement: &str, line: usize) -> std::result::Result<(), String> {
-        let (keyword, rest) = split_keyword(statement);
-        let rest = rest.trim();
-        let warnings = &mut self.warnings;
-        match keyword {
-            "v" => self.vertex(rest)?,
-            "vt" => {
-                let [u, v] = numbers(rest, 1)?;
-                self.obj.uvs.push(Vec2::new(u, v));
-            }
-            "vn" => self.obj.normals.push(Vec3::from_array(numbers(rest, 3)?)),
-            "f" | "fo" => self.face(rest, line)?,
-            "usemtl" => self.use_material(rest),
-            "mtllib" => self.obj.libraries.push(rest.to_owned()),
-            "s" => self.smooth(rest),
-            "o" => self.obj.marks.objects.push(self.mark(rest)),
-            "g" => self.obj.marks.groups.push(self.mark(rest)),
-            "p" => warnings.note("point statements are not drawn", 1),
-            "l" => warnings.note("line statements are not drawn", 1),
-            "curv" | "curv2" | "surf" => warnings.note("free-form curves and surfaces are not drawn", 1),
-            _ if is_harmless(keyword) => {}
-            _ => warnings.note("lines that are no OBJ statement are left out", 1),
-        }
-        Ok(())
-    }
-
-    /// Reads `v x y z`, `v x y z w`, `v x y z r g b` or `v x y z r g b a`; as in other readers, w divides.
-    fn vertex(&mut self, rest: &str) -> std::result::Result<(), String> {
-        let mut values = [0.0; 7];
-        let count = fill(rest, &mut values)?;
-        let [x, y, z, r, g, b, _] = values;
-        let mut position = Vec3::new(x, y, z);
-        if count < 3 {
-            return Err(format!("a vertex of {count} numbers; it needs 3"));
-        }
-        if count == 4 {
-            position = position / r;
-        }
-        if !position.is_finite() {
-            return Err(format!("vertex position {} is infinite or NaN; mend the file", quote(rest)));
-        }
-        let has_color = count >= 6;
-        if has_color && self.obj.colors.is_empty() {
-            self.obj.colors.resize(self.obj.positions.len(), WHITE);
-        }
-        if has_color || !self.obj.colors.is_empty() {
-            self.obj.colors.push(if has_color { [r, g, b] } else { WHITE });
-        }
-        self.obj.positions.push(position);
-        Ok(())
-    }
-
-    fn face(&mut self, rest: &str, line: usize) -> std::result::Result<(), String> {
-        let [positions, uvs, normals] = self.start.counts;
-        let Obj { positions: p, uvs: t, normals: n, .. } = &self.obj;
-        let counts = [positions + p.len(), uvs + t.len(), normals + n.len()];
-        let first = self.obj.corners.len();
-        for token in tokens(rest) {
-            self.obj.corners.push(corner(token, counts)?);
-        }
-        let count = self.obj.corners.len() - first;
-        if count < 3 {
-            self.obj.corners.truncate(first);
-            self.warnings.note("faces of fewer than three corners are left out", 1);
-            return Ok(());
-        }
-        if count > Cutter::MAX_CORNERS {
-            return Err(format!("a face of {count} corners; at most {}", Cutter::MAX_CORNERS));
-        }
-        let (first, count, line) = (first as u32, count as u32, line as u32);
-        self.obj.faces.push(Face { first, count, material: self.material, line });
-        Ok(())
-    }
-
-    fn smooth(&mut self, group: &str) {
-        if self.smoothing.as_deref() != Some(group) {
-            self.obj.smoothing_changes += usize::from(self.smoothing.is_some());
-            self.smoothing = Some(group.to_owned());
-            self.first_smoothing.get_or_insert_with(|| group.to_owned());
-        }
-    }
-
-    /// Returns a mark of the faces that follow.
-    fn mark(&self, name: &str) -> Mark {
-        Mark { face: self.obj.faces.len() as u32, name: name.to_owned() }
-    }
-
-    fn use_material(&mut self, name: &str) {
-        let next = self.obj.material_names.len() as u32;
-        self.material = *self.material_ids.entry(name.to_owned()).or_insert(next);
-        if self.material == next {
-            self.obj.material_names.push(name.to_owned());
-        }
-    }
+/// Reads blocks that stand behind `offset`. An error comes with its line.
+fn read_behind(blocks: &[&str], mut offset: FileOffset) -> std::result::Result<Vec<Parser>, (usize, String)> {
+    let lengths = parallel::tasks(blocks.len(), &|i| FileOffset::of(blocks[i]));
+    let starts: Vec<FileOffset> = lengths.iter().map(|length| offset.advance(length)).collect();
+    let read = |i: usize| Parser::new(Some(starts[i])).block(blocks[i]);
+    parallel::tasks(blocks.len(), &read).into_iter().collect()
 }
 
 /// The content of the blocks, one behind the other.
 struct Whole {
     obj: Obj,
+    /// The number of lines.
+    lines: usize,
+    /// `true` once a block needed to know what stands before it.
+    is_relative: bool,
     material: u32,
     material_ids: HashMap<String, u32>,
     smoothing: Option<String>,
@@ -228,11 +65,24 @@ struct Whole {
 
 impl Default for Whole {
     fn default() -> Self {
-        Self { obj: Obj::default(), material: NONE, material_ids: HashMap::new(), smoothing: None }
+        Self {
+            obj: Obj::default(),
+            lines: 0,
+            is_relative: false,
+            material: NONE,
+            material_ids: HashMap::new(),
+            smoothing: None,
+        }
     }
 }
 
 impl Whole {
+    /// Where the next block starts.
+    fn offset(&self) -> FileOffset {
+        let Obj { positions, uvs, normals, .. } = &self.obj;
+        FileOffset { lines: self.lines, counts: [positions.len(), uvs.len(), normals.len()] }
+    }
+
     /// Appends the content of the next block.
     fn take(&mut self, parser: Parser, warnings: &mut Warnings) {
         warnings.absorb(parser.warnings);
@@ -241,8 +91,10 @@ impl Whole {
         let first = self.obj.corners.len() as u32;
         for face in &mut block.faces {
             face.first += first;
+            face.line += self.lines as u32;
             face.material = materials.get(face.material as usize).copied().unwrap_or(self.material);
         }
+        self.lines += parser.lines;
         self.material = materials.get(parser.material as usize).copied().unwrap_or(self.material);
         if self.smoothing.is_some() && parser.first_smoothing.is_some() {
             self.obj.smoothing_changes += usize::from(self.smoothing != parser.first_smoothing);
@@ -273,97 +125,6 @@ impl Whole {
     }
 }
 
-/// Says whether a statement changes nothing in the image: merging groups, and the attributes of free-form geometry.
-fn is_harmless(keyword: &str) -> bool {
-    const KEYWORDS: [&str; 34] = [
-        "mg",
-        "vp",
-        "lod",
-        "bevel",
-        "c_interp",
-        "d_interp",
-        "usemap",
-        "maplib",
-        "shadow_obj",
-        "trace_obj",
-        "ctech",
-        "stech",
-        "cstype",
-        "deg",
-        "bmat",
-        "step",
-        "parm",
-        "trim",
-        "hole",
-        "scrv",
-        "sp",
-        "end",
-        "con",
-        "call",
-        "csh",
-        "bsp",
-        "bzp",
-        "cdc",
-        "cdp",
-        "res",
-        "vc",
-        "vw",
-        "vnr",
-        "version",
-    ];
-    KEYWORDS.contains(&keyword)
-}
-
-fn tokens(rest: &str) -> impl Iterator<Item = &str> {
-    rest.split_ascii_whitespace().take_while(|token| !token.starts_with('#'))
-}
-
-/// Writes the numbers of `rest` to `values` and returns how many there were; those beyond `values` are left out.
-fn fill(rest: &str, values: &mut [f32]) -> std::result::Result<usize, String> {
-    let mut count = 0;
-    for (value, token) in values.iter_mut().zip(tokens(rest)) {
-        *value = token.parse().map_err(|_| format!("{} is not a number; mend the file", quote(token)))?;
-        count += 1;
-    }
-    Ok(count)
-}
-
-/// Returns the first `N` numbers of `rest`, of which at least `needed` must be there; the others are 0.
-fn numbers<const N: usize>(rest: &str, needed: usize) -> std::result::Result<[f32; N], String> {
-    let mut values = [0.0; N];
-    match fill(rest, &mut values)? {
-        count if count < needed => Err(format!("{count} numbers; {needed} are needed")),
-        _ => Ok(values),
-    }
-}
-
-/// Reads `v`, `v/vt`, `v//vn` or `v/vt/vn`, where negative indices count back from the last element so far.
-fn corner(token: &str, counts: [usize; 3]) -> std::result::Result<Corner, String> {
-    let mut corner = [NONE; 3];
-    let mut parts = token.split('/');
-    for ((index, count), name) in corner.iter_mut().zip(counts).zip(["vertex", "uv", "normal"]) {
-        match parts.next() {
-            None | Some("") => {}
-            Some(part) => *index = resolve(part, count).map_err(|why| format!("{name} index {why}"))?,
-        }
-    }
-    if corner[0] == NONE || parts.next().is_some() {
-        return Err(format!("{} is not of the form v, v/vt, v//vn or v/vt/vn; mend the file", quote(token)));
-    }
-    Ok(corner)
-}
-
-fn resolve(part: &str, count: usize) -> std::result::Result<u32, String> {
-    let index: i64 =
-        part.parse().map_err(|_| format!("{} is not a whole number; mend the file", quote(part)))?;
-    let from_zero = if index < 0 { index.saturating_add(count as i64) } else { index - 1 };
-    match u32::try_from(from_zero) {
-        Ok(found) if found != NONE => Ok(found),
-        _ if index == 0 => Err("0 means nothing; indices count from 1".to_owned()),
-        _ => Err(format!("{index} is out of range, there are {count}; mend the file")),
-    }
-}
-
 /// Checks the range of all indices at the end, since they may name elements that follow later.
 fn check_ranges(path: &Path, obj: &Obj) -> Result<()> {
     let counts = [obj.positions.len(), obj.uvs.len(), obj.normals.len()];
@@ -383,6 +144,7 @@ fn check_ranges(path: &Path, obj: &Obj) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::objects::Mark;
     use super::*;
 
     fn parse_text(text: &str) -> (Result<Obj>, Warnings) {
@@ -413,6 +175,8 @@ mod tests {
         assert!(error("v 0 0 0\nf 1 1 2").contains("line 2: vertex index 2 is out of range, there are 1"));
         assert!(error("v 0 0 0\nf 1 1 -2").contains("line 2: vertex index -2 is out of range, there are 1"));
         assert!(error("v 0 0 0\nf 1 1 0").contains("indices count from 1"));
+        assert!(error("v 0 0 0\nf 1 1 1 0\n").contains("indices count from 1"));
+        assert!(error("v 0 0 0\nf 1 1 1 1x\n").contains("'1x' is not a whole number"));
         assert!(error("v 0 0 0\nf 1/1 1 1").contains("uv index 1 is out of range, there are 0"));
         assert!(error("v 0 0 0\nf 1 1 1/2/3/4").contains("not of the form"));
         assert!(error("v 0 0 0\nf 1 1 99999999999999999999").contains("not a whole number"));
@@ -450,6 +214,68 @@ mod tests {
         assert_eq!(obj.colors, [WHITE, [1.0, 0.0, 0.0], WHITE]);
         assert!(error(&format!("{text}f 1 2 4")).contains("line 900017: vertex index 4"));
         assert!(error(&format!("{text}f 1 2 -4")).contains("line 900017: vertex index -4"));
+    }
+
+    /// Lines of plain numbers, and the same behind a space, which are read as statements.
+    #[test]
+    fn plain_lines_are_read_as_any_others() {
+        let lines = [
+            "v 0 .5 1.",
+            "v\t-1e-3  12345678901234567890 0.1",
+            "v 1 2 3 2",
+            "v 1 2 3 .5 0.25 1",
+            "v 4 5 6 1 0 1 1",
+            "v 1 2 3 4 5 6 7 8",
+            "vt .5",
+            "vt 1 nan",
+            "vt 1 2 3",
+            "vt 1 2 3 4",
+            "vn 0 0 -1",
+            "vn 0 inf 1 7",
+            "f 1 2 3",
+            "f 1/2 2/2/1 3//2 4",
+            "f\t1/1/1 \t2/1/1 3/1/2 ",
+            "f 1 2",
+            "f 1/ 2/ 3//",
+            "f +1 0002 1",
+            "p 1",
+            "usemtl b",
+            "s off",
+            "# f 1 2 3",
+            "",
+            " v 7 8 9",
+            "g a",
+        ];
+        for count in [1, 2_000] {
+            for end in ["\n", "\r\n"] {
+                let text: String =
+                    (0..count).flat_map(|_| lines.map(|line| format!("{line}{end}"))).collect();
+                let (plain, warnings) = parse_text(&text);
+                let (other, others) =
+                    parse_text(&text.lines().map(|line| format!(" {line}{end}")).collect::<String>());
+                let counts = |warnings: &Warnings| format!("{:?}", warnings.iter().collect::<Vec<_>>());
+                assert_eq!(format!("{:?}", plain.unwrap()), format!("{:?}", other.unwrap()));
+                assert!(!warnings.is_empty() && counts(&warnings) == counts(&others));
+            }
+        }
+    }
+
+    /// The line of an error in a later block, whatever stood before.
+    #[test]
+    fn errors_in_later_blocks_name_their_line() {
+        let text = "v 0 0 0\n".repeat(400_000);
+        for (end, error_there) in [
+            ("f 1 1 x", "line 400001: vertex index 'x' is not a whole number"),
+            ("f 1 1 -400001", "line 400001: vertex index -400001 is out of range, there are 400000"),
+            ("f 1 1 400001", "line 400001: vertex index 400001 is out of range, there are 400000"),
+            ("f -400000 1 -1\nv 0", "line 400002: a vertex of 1 numbers"),
+        ] {
+            let said = error(&format!("{text}{end}\n"));
+            assert!(said.contains(error_there), "{said}");
+        }
+        let (obj, _) = parse_text(&format!("{text}f 1 2 3\n{text}f -1 -2 -3\nf 1 2 3\n"));
+        let faces: Vec<u32> = obj.unwrap().faces.iter().map(|face| face.line).collect();
+        assert_eq!(faces, [400_001, 800_002, 800_003]);
     }
 
     #[test]

@@ -34,8 +34,13 @@ pub(super) fn build(path: &Path, elements: &Elements, warnings: &mut Warnings) -
         uvs: with_uvs > 0,
         colors: attributes.colors.is_none() && attributes.face_colors.is_some(),
     };
-    let mut gathered = Gathered::new(path, elements, &wanted);
+    let mut gathered = Gathered::new(path, &wanted);
     for element in &elements.faces {
+        if let Some(block) = element.triangles(&wanted) {
+            gathered.take(block)?;
+            continue;
+        }
+        gathered.triangles.reserve(element.rows.corners.saturating_sub(2 * element.rows.count));
         element
             .rows
             .blocks(|rows| Block::read(rows, element.strips, &wanted), |block| gathered.take(block))?;
@@ -94,11 +99,10 @@ struct Gathered<'a> {
 }
 
 impl<'a> Gathered<'a> {
-    fn new(path: &'a Path, elements: &Elements, wanted: &Wanted) -> Self {
-        let most = elements.faces.iter().map(|f| f.rows.corners.saturating_sub(2 * f.rows.count)).sum();
+    fn new(path: &'a Path, wanted: &Wanted) -> Self {
         Self {
             path,
-            triangles: Vec::with_capacity(most),
+            triangles: Vec::new(),
             splitter: wanted.splits().then(|| Splitter::new(wanted)),
             faces: 0,
             too_few: 0,
@@ -112,6 +116,7 @@ impl<'a> Gathered<'a> {
             return Err(Error::parse(self.path, format!("face {}", self.faces + face), what));
         }
         match &mut self.splitter {
+            None if self.triangles.capacity() == 0 => self.triangles = block.triangles,
             None => self.triangles.append(&mut block.triangles),
             Some(splitter) => {
                 let triangles = block.triangles.iter();

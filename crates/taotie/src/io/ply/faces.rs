@@ -14,6 +14,15 @@ pub(super) struct FaceElement<'a> {
     pub strips: bool,
 }
 
+impl FaceElement<'_> {
+    /// All faces as one block, where they are triangles with indices alone; else `None`.
+    pub fn triangles(&self, wanted: &Wanted) -> Option<Block> {
+        let plain = !self.strips && !wanted.splits() && wanted.lack_normals.is_empty();
+        let triangles = plain.then(|| self.rows.triangles(wanted.positions.len()))??;
+        Some(Block { faces: triangles.len(), triangles, ..Block::default() })
+    }
+}
+
 /// The data needed of faces.
 #[derive(Clone, Copy)]
 pub(super) struct Wanted<'a> {

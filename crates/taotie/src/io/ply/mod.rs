@@ -1,7 +1,7 @@
 //! PLY: polygons with any properties, ascii or binary.
 //!
 //! Headers are read by `ply-rs-bw`. Its payloads are one object a row, which a scan of millions is too large for, and
-//! its ascii is stricter than its writers; so payloads are read here, binary ones in blocks and in parallel.
+//! its ascii is stricter than its writers; so payloads are read here, in blocks and in parallel where rows allow it.
 
 mod ascii;
 mod build;

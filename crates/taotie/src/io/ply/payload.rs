@@ -10,6 +10,7 @@ use crate::parallel;
 use ply_rs_bw::ply::{ElementDef, PropertyType, ScalarType};
 use std::borrow::Cow;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The number of rows decoded at a time.
 const BLOCK: usize = 1 << 15;
@@ -20,6 +21,13 @@ pub(super) struct Property {
     /// The type of a list's length; `None` where there is one number.
     length: Option<ScalarType>,
     scalar: ScalarType,
+}
+
+impl Property {
+    /// Its bytes in a row, where a list has three values.
+    fn length_of_three(&self) -> usize {
+        self.length.as_ref().map_or(size(&self.scalar), |length| size(length) + 3 * size(&self.scalar))
+    }
 }
 
 /// All rows of an element.
@@ -35,6 +43,8 @@ pub(super) struct Element<'a> {
     properties: Vec<Property>,
     /// The start of each block in `bytes`.
     starts: Vec<usize>,
+    /// The bytes of each row, where all have as many: there is no list, or one that has three values in each row.
+    row: Option<usize>,
 }
 
 /// Some consecutive rows.
@@ -91,14 +101,16 @@ impl<'a> Element<'a> {
         });
         let properties = properties.collect::<Result<Vec<Property>>>()?;
         let (count, starts) = (definition.count, Vec::new());
-        Ok(Self { count, corners: 0, with_uvs: 0, bytes, big_endian, properties, starts })
+        Ok(Self { count, corners: 0, with_uvs: 0, bytes, big_endian, properties, starts, row: None })
     }
 
     /// Finds where blocks start, and the end of the last.
     fn walk(&mut self) -> std::result::Result<usize, String> {
-        if self.properties.iter().all(|property| property.length.is_none()) {
-            let row: usize = self.properties.iter().map(|property| size(&property.scalar)).sum();
+        self.row = self.length_of_all_rows();
+        if let Some(row) = self.row {
             self.starts = (0..self.count).step_by(BLOCK).map(|i| i * row).collect();
+            let is_face = self.properties.iter().any(|p| p.role == Role::Corners && p.length.is_some());
+            self.corners = if is_face { 3 * self.count } else { 0 };
             return Ok(self.count * row);
         }
         let mut rows = Rows {
@@ -123,6 +135,95 @@ impl<'a> Element<'a> {
             self.with_uvs += usize::from(corners > 0 && uvs == 2 * corners);
         }
         Ok(self.bytes.len() - rows.rest.len())
+    }
+
+    /// Returns the bytes of each row, where all have as many, see [`Element::row`].
+    fn length_of_all_rows(&self) -> Option<usize> {
+        let mut lists = self.properties.iter().enumerate().filter(|(_, p)| p.length.is_some());
+        let list = lists.next();
+        let row: usize = self.properties.iter().map(Property::length_of_three).sum();
+        if lists.next().is_some() || self.bytes.len() < self.count.checked_mul(row)? {
+            return None;
+        }
+        let Some((place, Property { length: Some(length), .. })) = list else { return Some(row) };
+        let start: usize = self.properties[..place].iter().map(Property::length_of_three).sum();
+        let has_more = |i: usize| number(length, self.big_endian, &self.bytes[i * row + start..]) != 3.0;
+        parallel::first(self.count, has_more).is_none().then_some(row)
+    }
+
+    /// The corners of all rows, where each has three that are plain indices below `vertices`; else `None`.
+    pub fn triangles(&self, vertices: usize) -> Option<Vec<[u32; 3]>> {
+        let place = self.properties.iter().position(|p| p.role == Role::Corners)?;
+        let Property { length: Some(length), scalar, .. } = &self.properties[place] else { return None };
+        // A negative index is no plain one, nor is it below these.
+        let below = match scalar {
+            ScalarType::Int => vertices.min(1 << 31),
+            ScalarType::UInt => vertices,
+            _ => return None,
+        };
+        let row = self.row.filter(|_| !self.big_endian)?;
+        let start =
+            self.properties[..place].iter().map(Property::length_of_three).sum::<usize>() + size(length);
+        let mut triangles = vec![[0; 3]; self.count];
+        let wrong = AtomicBool::new(false);
+        parallel::pieces(&mut triangles, BLOCK, &|block, part| {
+            let mut highest = 0;
+            for (triangle, row) in part.iter_mut().zip(self.bytes[block * BLOCK * row..].chunks_exact(row)) {
+                *triangle = words(&row[start..]).map(u32::from_le_bytes);
+                highest = triangle.iter().fold(highest, |highest: u32, index| highest.max(*index));
+            }
+            wrong.fetch_or(highest as usize >= below, Ordering::Relaxed);
+        });
+        (!wrong.into_inner()).then_some(triangles)
+    }
+
+    /// The numbers of consecutive slots in all rows, where these are `float`, stand side by side and in this order, and
+    /// each row has as many bytes; else `None`.
+    pub fn floats<const N: usize>(&self, slot: usize) -> Option<Vec<[f32; N]>> {
+        let start = self.start_of_slots(slot..slot + N, &ScalarType::Float)?;
+        Some(self.columns(|row| words(&row[start..]).map(f32::from_le_bytes)))
+    }
+
+    /// What `of` makes of the numbers of consecutive slots as in [`Self::floats`], where these are `uchar`.
+    pub fn bytes<const N: usize>(
+        &self,
+        slot: usize,
+        of: impl Fn([u8; N]) -> [f32; 4] + Sync,
+    ) -> Option<Vec<[f32; 4]>> {
+        let start = self.start_of_slots(slot..slot + N, &ScalarType::UChar)?;
+        Some(self.columns(|row| of(std::array::from_fn(|i| row[start + i]))))
+    }
+
+    /// Says whether rows have a number for this slot.
+    pub fn has_slot(&self, slot: usize) -> bool {
+        self.properties.iter().any(|p| p.role == Role::Slot(slot))
+    }
+
+    /// What `of` makes of each row, which all have as many bytes.
+    fn columns<const N: usize>(&self, of: impl Fn(&[u8]) -> [f32; N] + Sync) -> Vec<[f32; N]> {
+        let row = self.row.unwrap_or(1).max(1);
+        let mut columns = vec![[0.0; N]; self.count];
+        parallel::pieces(&mut columns, BLOCK, &|block, part| {
+            for (column, row) in part.iter_mut().zip(self.bytes[block * BLOCK * row..].chunks_exact(row)) {
+                *column = of(row);
+            }
+        });
+        columns
+    }
+
+    /// The first byte of slots in each row, where they are of this type, little-endian, one behind the other, and each
+    /// there once.
+    fn start_of_slots(&self, slots: std::ops::Range<usize>, scalar: &ScalarType) -> Option<usize> {
+        let of = |p: &Property| matches!(p.role, Role::Slot(slot) if slots.contains(&slot));
+        self.row.filter(|_| !self.big_endian)?;
+        let first = self.properties.iter().position(of)?;
+        let fields = self.properties[first..].get(..slots.len())?;
+        let fits =
+            |(field, slot): (&Property, usize)| field.role == Role::Slot(slot) && field.scalar == *scalar;
+        let fit = fields.iter().zip(slots.clone()).all(fits);
+        let once = self.properties.iter().filter(|p| of(p)).count() == slots.len();
+        let start = self.properties[..first].iter().map(Property::length_of_three).sum();
+        (fit && once).then_some(start)
     }
 
     /// Reads the blocks in parallel, a few at a time, and hands over what each gives in the order of the file.
@@ -246,6 +347,15 @@ fn number(scalar: &ScalarType, big_endian: bool, bytes: &[u8]) -> f64 {
         ScalarType::Float => f64::from(f32::from_le_bytes(word(bytes, big_endian))),
         ScalarType::Double => f64::from_le_bytes(word(bytes, big_endian)),
     }
+}
+
+/// The first `N` words of four bytes.
+#[inline(always)]
+fn words<const N: usize>(bytes: &[u8]) -> [[u8; 4]; N] {
+    let (words, _) = bytes.as_chunks::<4>();
+    let mut first = [[0; 4]; N];
+    first.copy_from_slice(&words[..N]);
+    first
 }
 
 /// The first `N` of `bytes` from the least significant on.

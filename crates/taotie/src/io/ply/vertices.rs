@@ -23,6 +23,9 @@ pub(super) struct Vertices {
 impl Vertices {
     /// Reads all rows.
     pub fn read(element: &Element, attributes: &Attributes) -> Result<Self> {
+        if let Some(all) = Self::of_columns(element, attributes) {
+            return Ok(all);
+        }
         let reserved = |wanted: bool| if wanted { element.count } else { 0 };
         let mut all = Self {
             positions: Vec::with_capacity(element.count),
@@ -42,6 +45,18 @@ impl Vertices {
             },
         )?;
         Ok(all)
+    }
+
+    /// Reads rows of the usual layout: `float` and, for colours, `uchar`, the numbers of each attribute side by side.
+    fn of_columns(element: &Element, attributes: &Attributes) -> Option<Self> {
+        let points = |slot: usize| Some(element.floats(slot)?.into_iter().map(Vec3::from_array).collect());
+        let uvs = || Some(element.floats(slot::UV)?.into_iter().map(|[u, v]| upright(u, v)).collect());
+        Some(Self {
+            positions: points(slot::POSITION)?,
+            normals: where_wanted(attributes.normals, || points(slot::NORMAL))?,
+            uvs: where_wanted(attributes.uvs, uvs)?,
+            colors: attributes.colors.map_or(Some(Vec::new()), |code| byte_colors(element, code))?,
+        })
     }
 
     fn of_rows(mut rows: Rows, attributes: &Attributes, decoder: Option<&Decoder>) -> Self {
@@ -82,6 +97,19 @@ impl Vertices {
     }
 }
 
+fn where_wanted<T>(wanted: bool, read: impl FnOnce() -> Option<Vec<T>>) -> Option<Vec<T>> {
+    if wanted { read() } else { Some(Vec::new()) }
+}
+
+/// The colours that are stored as red, green and blue of one byte each, with or without alpha behind them.
+fn byte_colors(element: &Element, code: ColorCode) -> Option<Vec<[f32; 4]>> {
+    let decoder = Decoder::new(code);
+    match element.has_slot(slot::COLOR + 3) {
+        true => element.bytes(slot::COLOR, |color| decoder.linear_of_bytes(color)),
+        false => element.bytes(slot::COLOR, |[r, g, b]| decoder.linear_of_bytes([r, g, b, u8::MAX])),
+    }
+}
+
 /// A number of a vertex or face; colours stored as whole numbers are divided by their greatest.
 #[inline(always)]
 pub(super) fn attribute(slot: usize, field: super::payload::Values) -> f32 {
@@ -119,6 +147,16 @@ impl Decoder {
         [decode(r), decode(g), decode(b), a.min(1.0)]
     }
 
+    /// Returns [`Self::linear`] of colours that are stored as so many parts of 255.
+    fn linear_of_bytes(&self, color: [u8; 4]) -> [f32; 4] {
+        let [r, g, b, a] = color;
+        let [r, g, b] = [r, g, b].map(|v| match self.code {
+            ColorCode::Encoded => self.steps[usize::from(v)],
+            ColorCode::Linear => step(v),
+        });
+        [r, g, b, step(a)]
+    }
+
     fn decoded(&self, v: f32) -> f32 {
         let nearest = (v * 255.0 + 0.5) as u8;
         if step(nearest) == v {
@@ -132,4 +170,20 @@ impl Decoder {
 /// Returns the value that is stored as `i` of 255.
 fn step(i: u8) -> f32 {
     (f64::from(i) / 255.0) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_are_decoded_as_any_other_colour() {
+        for code in [ColorCode::Encoded, ColorCode::Linear] {
+            let decoder = Decoder::new(code);
+            for i in 0..=255 {
+                let bytes = [i, 255 - i, 7, i];
+                assert_eq!(decoder.linear_of_bytes(bytes), decoder.linear(bytes.map(step)), "{bytes:?}");
+            }
+        }
+    }
 }

@@ -1,5 +1,8 @@
 //! STL: loose triangles, ascii or binary, welded where positions are equal to the bit.
 
+mod facets;
+mod solids;
+
 use super::file;
 use super::loaded::{Loaded, checked};
 use super::obj::neutral;
@@ -11,7 +14,7 @@ use crate::mesh::{Mesh, MeshData, first};
 use crate::parallel;
 use crate::scene::{Instance, SceneData};
 use crate::surface::{Classes, bits};
-use std::io::Cursor;
+use solids::not_finite;
 use std::path::Path;
 
 /// Bytes before the first triangle of a binary file: a header of 80 and a count.
@@ -32,7 +35,7 @@ pub(super) fn read(reading: &Reading) -> Result<Loaded> {
     let bytes = file::read(path)?;
     let mut warnings = Warnings::default();
     let data = if is_ascii(&bytes) {
-        let corners = ascii(path, text::decode(bytes))?;
+        let corners = ascii(path, &text::decode(bytes))?;
         welded(corners.len(), |c| corners[c])
     } else {
         binary(path, &bytes, &mut warnings)?
@@ -91,47 +94,12 @@ fn stored_corner(triangle: &[u8; BINARY_TRIANGLE], corner: usize) -> Vec3 {
     Vec3::new(f32::from_le_bytes(words[0]), f32::from_le_bytes(words[1]), f32::from_le_bytes(words[2]))
 }
 
-/// The corners of all triangles of an ascii file. `stl_io` reads one solid and its key words in small letters.
-fn ascii(path: &Path, text: String) -> Result<Vec<Vec3>> {
-    let text = text.to_ascii_lowercase();
-    let mut corners = Vec::new();
-    let mut solids = 0;
-    let mut rest = text.trim_start();
-    while rest.starts_with("solid") {
-        let line = rest.find('\n').unwrap_or(rest.len());
-        let end = rest.match_indices("endsolid").map(|(i, _)| i).find(|i| *i > line).unwrap_or(rest.len());
-        let mut solid = String::from("solid \n");
-        solid.push_str(rest[line..end].trim());
-        solid.push_str(if end < rest.len() { "\nendsolid\n" } else { "\n" });
-        solids += 1;
-        read_solid(path, &solid, &format!("solid {solids}, triangle"), &mut corners)?;
-        let after = &rest[end..];
-        rest = after[after.find('\n').unwrap_or(after.len())..].trim_start();
+/// The corners of all triangles of an ascii file.
+fn ascii(path: &Path, text: &str) -> Result<Vec<Vec3>> {
+    match facets::read(text) {
+        Some(corners) => Ok(corners),
+        None => solids::read(path, text),
     }
-    if rest.is_empty() {
-        return Ok(corners);
-    }
-    let at = format!("behind solid {solids}");
-    Err(Error::parse(path, at, format!("{} is no solid; mend the file", text::quote(rest))))
-}
-
-fn read_solid(path: &Path, solid: &str, at: &str, corners: &mut Vec<Vec3>) -> Result<()> {
-    let mut source = Cursor::new(solid.as_bytes());
-    let triangles =
-        stl_io::create_stl_reader(&mut source).map_err(|e| Error::parse(path, "header", one_line(&e)))?;
-    for (i, triangle) in triangles.enumerate() {
-        let triangle = triangle.map_err(|e| Error::parse(path, format!("{at} {i}"), one_line(&e)))?;
-        let points = triangle.vertices.map(|v| Vec3::from_array(v.0));
-        if !points.iter().all(|p| p.is_finite()) {
-            return Err(not_finite(path, format!("{at} {i}")));
-        }
-        corners.extend(points);
-    }
-    Ok(())
-}
-
-fn not_finite(path: &Path, at: String) -> Error {
-    Error::parse(path, at, "a position is infinite or NaN; mend the file")
 }
 
 /// Triangles over corners, of which those at one place become one vertex.
@@ -142,10 +110,4 @@ fn welded(corners: usize, corner: impl Fn(usize) -> Vec3 + Sync) -> MeshData {
         triangles: places.of.as_chunks::<3>().0.to_vec(),
         ..MeshData::default()
     }
-}
-
-fn one_line(error: &std::io::Error) -> String {
-    let text = error.to_string();
-    let words: Vec<&str> = text.split_whitespace().collect();
-    words.join(" ").chars().filter(|c| !c.is_control()).take(160).collect()
 }

@@ -1,0 +1,329 @@
+//! The statements of one block of an OBJ file.
+
+use super::super::polygon::Cutter;
+use super::super::text::{self, quote};
+use super::super::words::{Words, line_ends};
+use super::blocks::{FileOffset, split_keyword};
+use super::content::{Face, Obj};
+use super::corner::{corner, plain_corner};
+use super::objects::Mark;
+use crate::error::Warnings;
+use crate::math::{Vec2, Vec3};
+use std::collections::HashMap;
+
+/// The colour of a vertex that has none.
+pub(super) const WHITE: [f32; 3] = [1.0; 3];
+
+/// In a [`Face`] of one block: the material of the block before.
+const INHERITED: u32 = u32::MAX - 1;
+
+/// Reads one block.
+pub(super) struct Parser {
+    /// Where the block starts; `None` where that is not known, and then relative indices are errors.
+    start: Option<FileOffset>,
+    /// The content of the block. Corners count from the start of the file, all else from that of the block.
+    pub obj: Obj,
+    /// The number of lines.
+    pub lines: usize,
+    /// What could not be read.
+    pub warnings: Warnings,
+    /// The material of the last statement.
+    pub material: u32,
+    material_ids: HashMap<String, u32>,
+    /// The first smoothing group.
+    pub first_smoothing: Option<String>,
+    /// The last smoothing group.
+    pub smoothing: Option<String>,
+}
+
+impl Parser {
+    /// Begins a block that starts there, where that is known.
+    pub fn new(start: Option<FileOffset>) -> Self {
+        Self {
+            start,
+            obj: Obj::default(),
+            lines: 0,
+            warnings: Warnings::default(),
+            material: INHERITED,
+            material_ids: HashMap::new(),
+            first_smoothing: None,
+            smoothing: None,
+        }
+    }
+
+    /// Reads all statements; an error comes with its line.
+    pub fn block(mut self, block: &str) -> std::result::Result<Self, (usize, String)> {
+        let before = self.start.map_or(0, |start| start.lines);
+        let read = if block.contains('\\') { self.joined_lines(block) } else { self.lines(block) };
+        read.map_err(|(line, what)| (before + line, what))?;
+        self.lines = line_ends(block.as_bytes());
+        if !self.obj.colors.is_empty() {
+            self.obj.colors.resize(self.obj.positions.len(), WHITE);
+        }
+        Ok(self)
+    }
+
+    /// Reads statements that may go on in the next line.
+    fn joined_lines(&mut self, block: &str) -> std::result::Result<(), (usize, String)> {
+        text::lines(block)
+            .try_for_each(|(line, statement)| self.statement(&statement, line).map_err(|what| (line, what)))
+    }
+
+    /// Reads statements of one line each.
+    fn lines(&mut self, block: &str) -> std::result::Result<(), (usize, String)> {
+        let (mut rest, mut line) = (block, 0);
+        while !rest.is_empty() {
+            line += 1;
+            if let Some(behind) = self.plain(rest.as_bytes(), line).and_then(|length| rest.get(length..)) {
+                rest = behind;
+                continue;
+            }
+            let (statement, behind) = rest.split_once('\n').unwrap_or((rest, ""));
+            let statement = statement.trim();
+            if !statement.is_empty() && !statement.starts_with('#') {
+                self.statement(statement, line).map_err(|what| (line, what))?;
+            }
+            rest = behind;
+        }
+        Ok(())
+    }
+
+    /// Reads the line that `text` starts with and returns its bytes, where it is a vertex, uv, normal or face of plain
+    /// numbers; else nothing is read.
+    #[inline]
+    fn plain(&mut self, text: &[u8], line: usize) -> Option<usize> {
+        let mut words = Words::new(text);
+        match text {
+            [b'v', b' ' | b'\t', ..] => {
+                words.skip(2);
+                let (values, count) = plain_numbers(&mut words)?;
+                let [x, y, z, r, g, b, _] = values;
+                let position = Vec3::new(x, y, z);
+                if !matches!(count, 3 | 6 | 7) || !position.is_finite() {
+                    return None;
+                }
+                self.push_vertex(position, (count > 3).then_some([r, g, b]));
+            }
+            [b'v', b't', b' ' | b'\t', ..] => {
+                words.skip(3);
+                let ([u, v, _], count) = plain_numbers(&mut words)?;
+                (count > 0).then(|| self.obj.uvs.push(Vec2::new(u, v)))?;
+            }
+            [b'v', b'n', b' ' | b'\t', ..] => {
+                words.skip(3);
+                let (normal, count) = plain_numbers(&mut words)?;
+                (count == 3).then(|| self.obj.normals.push(Vec3::from_array(normal)))?;
+            }
+            [b'f', b' ' | b'\t', ..] => {
+                words.skip(2);
+                self.plain_face(&mut words, line)?;
+            }
+            _ => return None,
+        }
+        Some(text.len() - words.rest().len())
+    }
+
+    fn plain_face(&mut self, words: &mut Words, line: usize) -> Option<()> {
+        let first = self.obj.corners.len();
+        let found = self.plain_corners(words);
+        let count = self.obj.corners.len() - first;
+        if found.is_none() || !(3..=Cutter::MAX_CORNERS).contains(&count) {
+            self.obj.corners.truncate(first);
+            return None;
+        }
+        self.push_face(first, line);
+        Some(())
+    }
+
+    /// Takes the corners that are left in a line, up to the first that is not plain.
+    fn plain_corners(&mut self, words: &mut Words) -> Option<()> {
+        while !words.at_end_of_line() {
+            self.obj.corners.push(plain_corner(words)?);
+        }
+        words.end_line()
+    }
+
+    fn statement(&mut self, statement: &str, line: usize) -> std::result::Result<(), String> {
+        let (keyword, rest) = split_keyword(statement);
+        let rest = rest.trim();
+        let warnings = &mut self.warnings;
+        match keyword {
+            "v" => self.vertex(rest)?,
+            "vt" => {
+                let [u, v] = numbers(rest, 1)?;
+                self.obj.uvs.push(Vec2::new(u, v));
+            }
+            "vn" => self.obj.normals.push(Vec3::from_array(numbers(rest, 3)?)),
+            "f" | "fo" => self.face(rest, line)?,
+            "usemtl" => self.use_material(rest),
+            "mtllib" => self.obj.libraries.push(rest.to_owned()),
+            "s" => self.smooth(rest),
+            "o" => self.obj.marks.objects.push(self.mark(rest)),
+            "g" => self.obj.marks.groups.push(self.mark(rest)),
+            "p" => warnings.note("point statements are not drawn", 1),
+            "l" => warnings.note("line statements are not drawn", 1),
+            "curv" | "curv2" | "surf" => warnings.note("free-form curves and surfaces are not drawn", 1),
+            _ if is_harmless(keyword) => {}
+            _ => warnings.note("lines that are no OBJ statement are left out", 1),
+        }
+        Ok(())
+    }
+
+    /// Reads `v x y z`, `v x y z w`, `v x y z r g b` or `v x y z r g b a`; as in other readers, w divides.
+    fn vertex(&mut self, rest: &str) -> std::result::Result<(), String> {
+        let mut values = [0.0; 7];
+        let count = fill(rest, &mut values)?;
+        let [x, y, z, r, g, b, _] = values;
+        let mut position = Vec3::new(x, y, z);
+        if count < 3 {
+            return Err(format!("a vertex of {count} numbers; it needs 3"));
+        }
+        if count == 4 {
+            position = position / r;
+        }
+        if !position.is_finite() {
+            return Err(format!("vertex position {} is infinite or NaN; mend the file", quote(rest)));
+        }
+        self.push_vertex(position, (count >= 6).then_some([r, g, b]));
+        Ok(())
+    }
+
+    #[inline]
+    fn push_vertex(&mut self, position: Vec3, color: Option<[f32; 3]>) {
+        if color.is_some() && self.obj.colors.is_empty() {
+            self.obj.colors.resize(self.obj.positions.len(), WHITE);
+        }
+        if color.is_some() || !self.obj.colors.is_empty() {
+            self.obj.colors.push(color.unwrap_or(WHITE));
+        }
+        self.obj.positions.push(position);
+    }
+
+    /// Adds the face of the corners from `first` on.
+    fn push_face(&mut self, first: usize, line: usize) {
+        let count = (self.obj.corners.len() - first) as u32;
+        let (first, line) = (first as u32, line as u32);
+        self.obj.faces.push(Face { first, count, material: self.material, line });
+    }
+
+    fn face(&mut self, rest: &str, line: usize) -> std::result::Result<(), String> {
+        if self.start.is_none() && rest.contains('-') {
+            return Err("an index that counts back".to_owned());
+        }
+        let [positions, uvs, normals] = self.start.unwrap_or_default().counts;
+        let Obj { positions: p, uvs: t, normals: n, .. } = &self.obj;
+        let counts = [positions + p.len(), uvs + t.len(), normals + n.len()];
+        let first = self.obj.corners.len();
+        for token in tokens(rest) {
+            self.obj.corners.push(corner(token, counts)?);
+        }
+        let count = self.obj.corners.len() - first;
+        if count < 3 {
+            self.obj.corners.truncate(first);
+            self.warnings.note("faces of fewer than three corners are left out", 1);
+            return Ok(());
+        }
+        if count > Cutter::MAX_CORNERS {
+            return Err(format!("a face of {count} corners; at most {}", Cutter::MAX_CORNERS));
+        }
+        self.push_face(first, line);
+        Ok(())
+    }
+
+    fn smooth(&mut self, group: &str) {
+        if self.smoothing.as_deref() != Some(group) {
+            self.obj.smoothing_changes += usize::from(self.smoothing.is_some());
+            self.smoothing = Some(group.to_owned());
+            self.first_smoothing.get_or_insert_with(|| group.to_owned());
+        }
+    }
+
+    /// Returns a mark of the faces that follow.
+    fn mark(&self, name: &str) -> Mark {
+        Mark { face: self.obj.faces.len() as u32, name: name.to_owned() }
+    }
+
+    fn use_material(&mut self, name: &str) {
+        let next = self.obj.material_names.len() as u32;
+        self.material = *self.material_ids.entry(name.to_owned()).or_insert(next);
+        if self.material == next {
+            self.obj.material_names.push(name.to_owned());
+        }
+    }
+}
+
+/// Says whether a statement changes nothing in the image: merging groups, and the attributes of free-form geometry.
+fn is_harmless(keyword: &str) -> bool {
+    const KEYWORDS: [&str; 34] = [
+        "mg",
+        "vp",
+        "lod",
+        "bevel",
+        "c_interp",
+        "d_interp",
+        "usemap",
+        "maplib",
+        "shadow_obj",
+        "trace_obj",
+        "ctech",
+        "stech",
+        "cstype",
+        "deg",
+        "bmat",
+        "step",
+        "parm",
+        "trim",
+        "hole",
+        "scrv",
+        "sp",
+        "end",
+        "con",
+        "call",
+        "csh",
+        "bsp",
+        "bzp",
+        "cdc",
+        "cdp",
+        "res",
+        "vc",
+        "vw",
+        "vnr",
+        "version",
+    ];
+    KEYWORDS.contains(&keyword)
+}
+
+fn tokens(rest: &str) -> impl Iterator<Item = &str> {
+    rest.split_ascii_whitespace().take_while(|token| !token.starts_with('#'))
+}
+
+/// Writes the numbers of `rest` to `values` and returns how many there were; those beyond `values` are left out.
+fn fill(rest: &str, values: &mut [f32]) -> std::result::Result<usize, String> {
+    let mut count = 0;
+    for (value, token) in values.iter_mut().zip(tokens(rest)) {
+        *value = token.parse().map_err(|_| format!("{} is not a number; mend the file", quote(token)))?;
+        count += 1;
+    }
+    Ok(count)
+}
+
+/// Takes all numbers of a line, and returns how many there are; `None` where there are more or where it has other words.
+#[inline]
+fn plain_numbers<const N: usize>(words: &mut Words) -> Option<([f32; N], usize)> {
+    let (mut values, mut count) = ([0.0; N], 0);
+    while !words.at_end_of_line() {
+        *values.get_mut(count)? = words.number()?;
+        count += 1;
+    }
+    words.end_line()?;
+    Some((values, count))
+}
+
+/// Returns the first `N` numbers of `rest`, of which at least `needed` must be there; the others are 0.
+fn numbers<const N: usize>(rest: &str, needed: usize) -> std::result::Result<[f32; N], String> {
+    let mut values = [0.0; N];
+    match fill(rest, &mut values)? {
+        count if count < needed => Err(format!("{count} numbers; {needed} are needed")),
+        _ => Ok(values),
+    }
+}

@@ -1,0 +1,164 @@
+//! The words of plain text, read line by line. What is not plain is left to those who tell what is wrong.
+
+use super::decimal::Decimal;
+
+/// Text from some place on. Spaces, tabs and carriage returns part words; line feeds end lines.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Words<'a> {
+    rest: &'a [u8],
+}
+
+impl<'a> Words<'a> {
+    /// The words of `text`.
+    #[inline]
+    pub fn new(text: &'a [u8]) -> Self {
+        Self { rest: text }
+    }
+
+    /// The text that was not passed over yet.
+    #[inline]
+    pub fn rest(&self) -> &'a [u8] {
+        self.rest
+    }
+
+    /// Passes over so many bytes.
+    #[inline]
+    pub fn skip(&mut self, count: usize) {
+        self.rest = self.rest.get(count..).unwrap_or_default();
+    }
+
+    /// Says whether no word is left in this line.
+    #[inline]
+    pub fn at_end_of_line(&mut self) -> bool {
+        self.skip_blanks();
+        matches!(self.rest, [] | [b'\n', ..])
+    }
+
+    /// Passes over the end of the line; `None` where a word is left in it.
+    #[inline]
+    pub fn end_line(&mut self) -> Option<()> {
+        let ends = self.at_end_of_line();
+        self.skip(usize::from(ends));
+        ends.then_some(())
+    }
+
+    /// Passes over this line, whatever it holds.
+    pub fn skip_line(&mut self) {
+        let end = self.rest.iter().position(|byte| *byte == b'\n').map_or(self.rest.len(), |i| i + 1);
+        self.skip(end);
+    }
+
+    /// Passes over the lines from here on that hold no word.
+    pub fn skip_empty_lines(&mut self) {
+        while !self.rest.is_empty() && self.end_line().is_some() {}
+    }
+
+    /// Passes over the word that follows, in small or capital letters; `None` where it is another.
+    #[inline]
+    pub fn keyword(&mut self, word: &[u8]) -> Option<()> {
+        self.skip_blanks();
+        let found = self.rest.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word));
+        (found && self.parts(word.len())).then(|| self.skip(word.len()))
+    }
+
+    /// Takes a number; `None` where the line has no word left or the word is no number.
+    #[inline]
+    pub fn number(&mut self) -> Option<f32> {
+        self.skip_blanks();
+        if let Some((decimal, length)) = Decimal::scan(self.rest)
+            && self.parts(length)
+            && let Some(value) = decimal.to_f32()
+        {
+            self.skip(length);
+            return Some(value);
+        }
+        self.any_number()
+    }
+
+    /// Takes a whole number of at most nine digits, which any byte may follow; `None` where there is none.
+    #[inline]
+    pub fn whole(&mut self) -> Option<u32> {
+        let (mut value, mut length) = (0_u32, 0);
+        while let Some(digit) = self.rest.get(length).map(|byte| byte.wrapping_sub(b'0'))
+            && digit < 10
+        {
+            if length == 9 {
+                return None;
+            }
+            value = value * 10 + u32::from(digit);
+            length += 1;
+        }
+        self.skip(length);
+        (length > 0).then_some(value)
+    }
+
+    /// Passes over a byte where it is the next, and says whether it was.
+    #[inline]
+    pub fn byte(&mut self, byte: u8) -> bool {
+        let is_next = self.rest.first() == Some(&byte);
+        self.skip(usize::from(is_next));
+        is_next
+    }
+
+    /// Says whether a word ends here.
+    #[inline]
+    pub fn between_words(&self) -> bool {
+        self.parts(0)
+    }
+
+    #[inline]
+    fn skip_blanks(&mut self) {
+        while let [b' ' | b'\t' | b'\r', rest @ ..] = self.rest {
+            self.rest = rest;
+        }
+    }
+
+    #[inline]
+    fn parts(&self, at: usize) -> bool {
+        matches!(self.rest.get(at), None | Some(b' ' | b'\t' | b'\r' | b'\n'))
+    }
+
+    #[cold]
+    fn any_number(&mut self) -> Option<f32> {
+        let length = (0..).find(|i| self.parts(*i))?;
+        let value = std::str::from_utf8(self.rest.get(..length)?).ok()?.parse().ok();
+        self.skip(length);
+        value
+    }
+}
+
+/// Returns the number of lines that end in `text`.
+pub(super) fn line_ends(text: &[u8]) -> usize {
+    /// As many as a byte counts, so that the compiler counts in many bytes at once.
+    const COUNTED: usize = 255;
+    let ends = |few: &[u8]| few.iter().fold(0_u8, |ends, byte| ends.wrapping_add(u8::from(*byte == b'\n')));
+    text.chunks(COUNTED).map(|few| usize::from(ends(few))).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_ends_of_lines_count() {
+        for count in [0, 1, 254, 255, 256, 10_000] {
+            assert_eq!(line_ends("\n".repeat(count).as_bytes()), count);
+            assert_eq!(line_ends("a\r\nb".repeat(count).as_bytes()), count);
+        }
+    }
+
+    #[test]
+    fn words_end_at_blanks_and_lines() {
+        let mut words = Words::new(b" Facet\t1.5 nan\r\n \n\n7/8 x");
+        assert_eq!(words.keyword(b"face"), None);
+        assert_eq!(words.keyword(b"facet"), Some(()));
+        assert_eq!(words.number(), Some(1.5));
+        assert!(words.number().is_some_and(f32::is_nan) && words.at_end_of_line());
+        assert_eq!(words.number(), None);
+        words.skip_empty_lines();
+        assert_eq!((words.whole(), words.between_words(), words.byte(b'/')), (Some(7), false, true));
+        assert_eq!((words.whole(), words.between_words(), words.whole()), (Some(8), true, None));
+        assert_eq!((words.end_line(), words.keyword(b"x"), words.end_line()), (None, Some(()), Some(())));
+        assert!(words.rest().is_empty() && Words::new(b"1234567890").whole().is_none());
+    }
+}
