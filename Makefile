@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
+.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -62,6 +62,17 @@ bench-render: $(RENDER_VENV)/ready ## Pictures by Taotie and by other renderers,
 
 $(RENDER_VENV)/ready: benches/render/requirements.txt benches/render/install.sh
 	sh benches/render/install.sh $(PYTHON) $(RENDER_VENV)
+	touch $@
+
+# TAOTIE=/path/to/taotie times that program instead of building one; `make bench-reference BENCH=--help` lists the options.
+REFERENCE_VENV = target/bench-reference/venv
+bench-reference: $(REFERENCE_VENV)/ready ## Path tracing by Taotie and by Mitsuba to equal error, for docs/benchmarks.md
+	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
+	PYTHONPATH=benches/common $(REFERENCE_VENV)/bin/python benches/reference/bench.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
+
+$(REFERENCE_VENV)/ready: benches/reference/requirements.txt
+	$(PYTHON) -m venv $(REFERENCE_VENV)
+	$(REFERENCE_VENV)/bin/pip install --quiet --requirement $<
 	touch $@
 
 # LLVM fuses a product and a sum wherever it finds them, which the language itself never does.

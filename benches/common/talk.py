@@ -33,7 +33,10 @@ class Session:
 
     def ask(self, width, height, frames, png=None, patience=60.0):
         """The answer, as a dictionary. Waits no more than `patience` seconds."""
-        request = f"{width} {height} {frames} {png or ''}".strip()
+        return self.request(f"{width} {height} {frames} {png or ''}".strip(), patience)
+
+    def request(self, request, patience):
+        """The answer to a line, as a dictionary."""
         try:
             self.process.stdin.write(f"{request}\n".encode())
             self.process.stdin.flush()
