@@ -5,7 +5,7 @@
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
-		while IFS='|' read -r name what; do printf 'make %-13s %s\n' "$$name" "$$what"; done
+		while IFS='|' read -r name what; do printf 'make %-15s %s\n' "$$name" "$$what"; done
 
 test: tools ## Formatting, lints, documentation, features and all tests but the slow ones
 	cargo fmt --all --check
