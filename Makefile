@@ -1,11 +1,11 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-gpu bench-sizes bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
+.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
-		while IFS='|' read -r name what; do printf 'make %-13s %s\n' "$$name" "$$what"; done
+		while IFS='|' read -r name what; do printf 'make %-15s %s\n' "$$name" "$$what"; done
 
 test: tools ## Formatting, lints, documentation, features and all tests but the slow ones
 	cargo fmt --all --check
@@ -64,6 +64,17 @@ $(RENDER_VENV)/ready: benches/render/requirements.txt benches/render/install.sh
 	sh benches/render/install.sh $(PYTHON) $(RENDER_VENV)
 	touch $@
 
+# TAOTIE=/path/to/taotie times that program instead of building one; `make bench-reference BENCH=--help` lists the options.
+REFERENCE_VENV = target/bench-reference/venv
+bench-reference: $(REFERENCE_VENV)/ready ## Path tracing by Taotie and by Mitsuba to equal error, for docs/benchmarks.md
+	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
+	PYTHONPATH=benches/common $(REFERENCE_VENV)/bin/python benches/reference/bench.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
+
+$(REFERENCE_VENV)/ready: benches/reference/requirements.txt
+	$(PYTHON) -m venv $(REFERENCE_VENV)
+	$(REFERENCE_VENV)/bin/pip install --quiet --requirement $<
+	touch $@
+
 # LLVM fuses a product and a sum wherever it finds them, which the language itself never does.
 FUSED = RUSTFLAGS="-C llvm-args=-fp-contract=fast" cargo build --release --target-dir target/fused
 bench-fma: $(RENDER_VENV)/ready ## What the bit rule costs: the same programs with fused multiply-add
@@ -86,6 +97,25 @@ $(SCALING_VENV)/ready: benches/scaling/requirements.txt
 	$(PYTHON) -m venv $(SCALING_VENV)
 	$(SCALING_VENV)/bin/pip install --quiet --requirement $<
 	touch $@
+
+# The stored build lies in target/bench-check/base. BASE=REV builds another revision than the latest tag; BASE_BIN and TAOTIE_BIN
+# name folders that hold `taotie` and `frames` of before and of now; `make bench-check BENCH=--help` lists the options.
+CHECK = target/bench-check
+bench-check: $(SCALING_VENV)/ready ## Fails where a short set is slower than the stored build by more than 5 %
+	$(if $(TAOTIE_BIN),,cargo build --release -p taotie-cli && cargo build --release -p taotie --example frames)
+	PYTHONPATH=benches/common:benches/render:benches/bake $(SCALING_VENV)/bin/python benches/check/check.py \
+		$(if $(TAOTIE_BIN),--programs $(TAOTIE_BIN)) $(if $(BASE_BIN),--base $(BASE_BIN)) $(BENCH)
+
+BASE = $(shell git describe --tags --abbrev=0 2>/dev/null)
+bench-store: ## Builds the latest tag, or BASE=REV, for make bench-check
+	@test -n "$(BASE)" || { echo "No tag is there; name a revision: make bench-store BASE=REV" >&2; exit 1; }
+	test ! -e $(CHECK)/source || git worktree remove --force $(CHECK)/source
+	git worktree add --force --detach $(CHECK)/source $(BASE)
+	cd $(CHECK)/source && cargo build --release --target-dir ../build -p taotie-cli
+	cd $(CHECK)/source && cargo build --release --target-dir ../build -p taotie --example frames
+	mkdir -p $(CHECK)/base
+	cp $(CHECK)/build/release/taotie $(CHECK)/build/release/examples/frames $(CHECK)/base
+	git worktree remove --force $(CHECK)/source
 
 # The others come from npm. TAOTIE=/path/to/taotie takes that program instead of building one; the models are those of the
 # tests, ../shared/data or TAOTIE_DATA; `make bench-sizes BENCH=--help` lists the options.

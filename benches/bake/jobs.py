@@ -12,7 +12,8 @@ MARGIN = 16
 
 @dataclasses.dataclass(frozen=True)
 class Job:
-    """One bake. `samples` a texel, or of ao the rays; `rounds` is how often it is timed if nobody says."""
+    """One bake onto the low-poly mesh, or onto so many `triangles` that are made. `samples` a texel, or of ao the rays;
+    `rounds` is how often it is timed if nobody says."""
 
     name: str
     title: str
@@ -20,7 +21,7 @@ class Job:
     size: int = 2048
     kind: str = "normal"
     samples: int = 1
-    low: bool = True
+    triangles: int | None = None
     blender: bool = False
     rounds: int = 1
 
@@ -31,7 +32,7 @@ JOBS = (
     Job("ao-1m", "1 M → 2048², occlusion, 16 rays", "1m", kind="ao", samples=16, blender=True, rounds=3),
     Job("normal-8m", "8 M → 4096², normals, 1 sample", "8m", size=4096, blender=True),
     Job("normal-20m", "20 M → 2048², normals, 4 samples", "20m", samples=4),
-    Job("made-20m", "20 M → 50,000 triangles made, 2048², normals, 4 samples", "20m", samples=4, low=False),
+    Job("made-20m", "20 M → 50,000 triangles made, 2048², normals, 4 samples", "20m", samples=4, triangles=50_000),
 )
 
 
@@ -54,7 +55,7 @@ class Paths:
 def taotie(program, job, paths):
     """The command that bakes the job by Taotie, without its proof, which Blender has none of."""
     command = [program, "bake", paths.scan(job), "-o", paths.output(job, "taotie", "glb")]
-    command += ["--low", paths.low("glb")] if job.low else ["--triangles", "50000"]
+    command += ["--triangles", str(job.triangles)] if job.triangles else ["--low", paths.low("glb")]
     command += ["--size", str(job.size), "--maps", job.kind]
     rays = ["--ao-rays", str(job.samples), "--samples", "1"]
     command += rays if job.kind == "ao" else ["--samples", str(job.samples)]

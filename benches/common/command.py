@@ -6,6 +6,7 @@ import sys
 
 import measure
 import page
+import talk
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 # Where cargo puts what is timed.
@@ -29,5 +30,5 @@ def run(main):
     """Calls `main`; what cannot be done ends the program with a line instead of a trace."""
     try:
         main()
-    except (measure.Failed, page.Unmarked, OSError) as error:
+    except (measure.Failed, page.Unmarked, talk.Silent, OSError) as error:
         sys.exit(str(error))

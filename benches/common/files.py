@@ -62,26 +62,26 @@ class Buffer:
         self.accessors.append(accessor)
         return len(self.accessors) - 1
 
-    def primitive(self, attributes, triangles):
-        """Of material 0, with the float attributes of these names."""
+    def primitive(self, attributes, triangles, material=0):
+        """Of the material of this number, with the float attributes of these names."""
         names = {
             name: self.accessor(a.astype("<f4"), FLOAT, VERTICES, f"VEC{a.shape[1]}") for name, a in attributes.items()
         }
         indices = self.accessor(triangles.astype("<u4").reshape(-1, 1), U32, INDICES, "SCALAR")
-        return {"attributes": names, "indices": indices, "material": 0}
+        return {"attributes": names, "indices": indices, "material": material}
 
 
-def gltf(material, accessors, views, primitive):
+def gltf(materials, accessors, views, primitives):
     """The JSON of one mesh, as a dictionary; it has neither textures nor buffer yet."""
     return {
         "asset": {"version": "2.0"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0}],
-        "materials": [material],
+        "materials": materials,
         "accessors": accessors,
         "bufferViews": views,
-        "meshes": [{"primitives": [primitive]}],
+        "meshes": [{"primitives": primitives}],
     }
 
 
@@ -97,13 +97,19 @@ def textures(images):
 
 
 def write_glb(path, attributes, triangles, material=BARE, images=(), extra=None):
-    """One mesh with the float attributes of these names.
+    """One mesh with the float attributes of these names; images and extra as `write_parts` has them."""
+    write_parts(path, [(attributes, triangles, material)], images, extra)
 
-    `images` are the bytes of PNG files; texture i of the material shows image i, as `textures` says. `extra` is laid
+
+def write_parts(path, parts, images=(), extra=None):
+    """One mesh of parts, each of float attributes by their names, triangles and a material.
+
+    `images` are the bytes of PNG files; texture i of the materials shows image i, as `textures` says. `extra` is laid
     over the file's JSON: nodes beside the mesh's, which is number 0, and what they need.
     """
     buffer = Buffer()
-    told = gltf(material, buffer.accessors, buffer.views, buffer.primitive(attributes, triangles))
+    primitives = [buffer.primitive(*part[:2], material=number) for number, part in enumerate(parts)]
+    told = gltf([material for _, _, material in parts], buffer.accessors, buffer.views, primitives)
     told |= textures([{"bufferView": buffer.view(image), "mimeType": "image/png"} for image in images])
     blob = buffer.bytes
     told["buffers"] = [{"byteLength": len(blob)}]

@@ -14,9 +14,11 @@ class Failed(Exception):
 
 @dataclasses.dataclass(frozen=True)
 class Run:
-    """Seconds from start to end, peak resident memory in MiB, and what was printed."""
+    """Seconds from start to end, those of processors by user and system together, peak resident memory in MiB, and what
+    was printed."""
 
     seconds: float
+    processor: float
     mib: float
     output: str
 
@@ -35,7 +37,8 @@ def run(command, environment=None):
         process.returncode = os.waitstatus_to_exitcode(status)
         if process.returncode != 0:
             raise Failed(f"{' '.join(command)}\nended with {process.returncode}:\n{_text(talk)[-2000:]}")
-        return Run(seconds, usage.ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10), _text(output))
+        mib = usage.ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)
+        return Run(seconds, usage.ru_utime + usage.ru_stime, mib, _text(output))
 
 
 def _text(file):

@@ -26,7 +26,7 @@ def material(shading):
 def camera_and_lights(count=1):
     """The nodes beside the mesh's. The lights share the intensity of one, and stand on a ring around the vessel."""
     camera = {"yfov": math.radians(view.FOV), "znear": view.NEAR, "zfar": view.FAR}
-    light = {"type": "point", "intensity": view.INTENSITY / count, "color": [1, 1, 1]}
+    light = {"type": "point", "intensity": view.INTENSITY / max(count, 1), "color": [1, 1, 1]}
     lamp = {"name": "light", "extensions": {"KHR_lights_punctual": {"light": 0}}}
     nodes = [
         {"mesh": 0, "name": "vessel"},

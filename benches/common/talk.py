@@ -33,7 +33,10 @@ class Session:
 
     def ask(self, width, height, frames, png=None, patience=60.0):
         """The answer, as a dictionary. Waits no more than `patience` seconds."""
-        request = f"{width} {height} {frames} {png or ''}".strip()
+        return self.request(f"{width} {height} {frames} {png or ''}".strip(), patience)
+
+    def request(self, request, patience):
+        """The answer to a line, as a dictionary."""
         try:
             self.process.stdin.write(f"{request}\n".encode())
             self.process.stdin.flush()
@@ -56,6 +59,12 @@ class Session:
             self.rest += data
         line, _, self.rest = self.rest.partition(b"\n")
         return line
+
+    def processor(self):
+        """Seconds of processors that the process has taken so far, by user and system together; Linux alone tells."""
+        with open(f"/proc/{self.process.pid}/stat", encoding="utf-8") as file:
+            fields = file.read().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def last_words(self):
         self.talk.seek(0)

@@ -1,18 +1,11 @@
 """Mitsuba 3 at one sample a pixel, direct light, compiled for this processor (llvm_ad_rgb)."""
 
-import glob
 import os
 
 import answer
 import numpy as np
 import view
-
-# The newest LLVM that Debian has; the loader of its own finds older ones, which abort.
-LIBRARIES = sorted(glob.glob("/usr/lib/*/libLLVM.so.*") + glob.glob("/usr/lib/llvm-1[789]/lib/libLLVM.so*"))
-if LIBRARIES:
-    os.environ.setdefault("DRJIT_LIBLLVM_PATH", LIBRARIES[-1])
-
-import mitsuba as mi
+from mitsuba_found import mi
 
 
 class Mitsuba:

@@ -57,7 +57,7 @@ def scene(folder, name, side, lights):
         about = json.load(file)
     for shading in SHADINGS:
         used = maps.NAMES if shading == "ggx" else maps.NAMES[:2]
-        told = files.gltf(material(shading), about["accessors"], about["views"], about["primitive"])
+        told = files.gltf([material(shading)], about["accessors"], about["views"], [about["primitive"]])
         told |= files.textures([{"uri": os.path.basename(picture(folder, map, side))} for map in used])
         told |= camera_and_lights(int(lights))
         told["buffers"] = [{"uri": f"{name}.bin", "byteLength": about["bytes"]}]

@@ -1,0 +1,35 @@
+"""What a program's pictures of more and more paths tell: errors over seconds, and the time to an error."""
+
+import math
+import statistics
+
+
+class Curve:
+    """Pairs of seconds and RMSE by the number of paths a pixel."""
+
+    def __init__(self):
+        self.taken = {}
+
+    def add(self, paths, seconds, rmse):
+        self.taken.setdefault(paths, []).append((seconds, rmse))
+
+    def point(self, paths):
+        """The median of the seconds, and the root of the mean square of the errors."""
+        seconds, errors = zip(*self.taken[paths])
+        return statistics.median(seconds), math.sqrt(statistics.fmean(error * error for error in errors))
+
+    def slope(self):
+        """Of the error over the paths, both as logarithms: -1/2 where paths are chosen by chance."""
+        logs = [(math.log(paths), math.log(self.point(paths)[1])) for paths in self.taken]
+        return statistics.linear_regression(*zip(*logs)).slope
+
+    def seconds_to(self, error):
+        """Until the error is no larger: on straight lines between logarithms, and beyond the ends by the slope of chance,
+        by which half the error takes four times as long."""
+        points = sorted(map(self.point, self.taken))
+        for (early, large), (late, small) in zip(points, points[1:]):
+            if small <= error <= large:
+                share = math.log(large / error) / math.log(large / small)
+                return early * (late / early) ** share
+        seconds, nearest = points[0] if error > points[0][1] else points[-1]
+        return seconds * (nearest / error) ** 2

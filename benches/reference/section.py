@@ -1,0 +1,106 @@
+"""The section of docs/benchmarks.md."""
+
+import numpy as np
+from page import seconds, table, two_digits, wrapped
+
+# Equal error is that of Taotie's pictures of so many paths.
+EQUAL_TO = (16, 256)
+
+
+def text(machine, args, results):
+    """The section's Markdown."""
+    about = ABOUT.format(side=args.side, threads=args.threads)
+    lines = ["## The reference", "", wrapped(f"{about} Measured on: {machine}; Mitsuba 3.9.1."), ""]
+    for result in results:
+        lines += [*by_paths(result), ""]
+    lines += [wrapped(ABOUT_EQUAL), "", *equal(results), "", wrapped(ABOUT_SLOPES), "", *slopes(results), ""]
+    lines += [wrapped(ABOUT_TRUTHS), "", *truths(results), "", "The commands:", "", "```sh", *COMMANDS, "```"]
+    return "\n".join(lines)
+
+
+def by_paths(result):
+    """Seconds and errors of each program."""
+    first = result.curves["taotie"]
+    rows = []
+    for paths in first.taken:
+        cells = []
+        for program in result.programs:
+            time, error = result.curves[program.name].point(paths)
+            cells += [show(time), percent(error)]
+        rows.append([str(paths), *cells])
+    titles = [cell for program in result.programs for cell in (f"{program.title}, s", "RMSE")]
+    return table([f"{result.stage.scene.title}: paths", *titles], rows)
+
+
+def equal(results):
+    """Seconds to the same error, with the multiple of Taotie's."""
+    rows = []
+    for result in results:
+        for paths in EQUAL_TO:
+            own, error = result.curves["taotie"].point(paths)
+            others = [result.curves[program.name].seconds_to(error) for program in result.programs[1:]]
+            cells = [f"{show(other)} ({two_digits(other / own)})" for other in others]
+            rows.append([f"{result.stage.scene.name}, {paths} paths of Taotie's", percent(error), show(own), *cells])
+    titles = [f"{program.title}, s" for program in results[0].programs]
+    return table(["equal error", "RMSE", *titles], rows)
+
+
+def slopes(results):
+    rows = []
+    for result in results:
+        curves = [result.curves[program.name] for program in result.programs]
+        rows.append([result.stage.scene.name, *(f"{curve.slope():.2f}".replace("-", "−") for curve in curves)])
+    return table(["slope", *(program.title for program in results[0].programs)], rows)
+
+
+def truths(results):
+    """How far apart they are, and how long programs take before the first path."""
+    rows = []
+    for result in results:
+        own, other = result.truths["taotie"], result.truths["mitsuba"]
+        apart = np.sqrt(((own - other) ** 2).mean()) / other.mean()
+        bias = own.mean() / other.mean() - 1
+        lit = other > 0
+        middle = np.median(np.abs(own[lit] / other[lit] - 1))
+        starts = [show(program.start) if program.start > 0.001 else "–" for program in result.programs]
+        rows.append([result.stage.scene.name, percent(apart), f"{bias:+.3%}".replace("-", "−"), percent(middle), *starts])
+    starts = [f"{program.title}: start, s" for program in results[0].programs]
+    return table(["truths", "RMSE", "means", "half of the pixels within", *starts], rows)
+
+
+def show(x):
+    return seconds(x) if x >= 0.1 else f"{x:.3f}"
+
+
+def percent(x):
+    return f"{two_digits(100 * x)} %"
+
+
+ABOUT = (
+    "`make bench-reference` lets Taotie's path tracer (`--integrator reference`) and Mitsuba's (`path`, "
+    "`multijitter`) follow paths through three scenes of the same arrays (`benches/reference/scenes.py`), pictures of {side}² "
+    "on {threads} threads, in turn. Seconds are those of paths alone: without loading, building trees and compiling. "
+    "RMSE is in linear light against the program's own picture of 16,384 paths a pixel, in parts of its mean."
+)
+
+ABOUT_EQUAL = (
+    "Time to equal error: what each program takes until its error is that of Taotie's picture of so many paths, on "
+    "straight lines between the logarithms above; in brackets the multiple of Taotie's. Above 1 Taotie is faster."
+)
+
+ABOUT_SLOPES = (
+    "Slopes of the error over paths, both as logarithms: paths by chance have −0.5; Taotie's follow Sobol's sequence, "
+    "and Mitsuba's sampler puts its own into strata."
+)
+
+ABOUT_TRUTHS = (
+    "Both programs compute the same. How far Taotie's pictures of 16,384 paths are from Mitsuba's, by pixels and by their "
+    "means: they differ where surfaces are seen or lit at a grazing angle, since Smith's masking is one for light and view "
+    "together in Taotie and a product of two in Mitsuba, and since shadow rays begin at other heights. Starts are what is "
+    "not counted above: Taotie's tree of triangles, Mitsuba's compiling for a number of paths."
+)
+
+COMMANDS = (
+    "make bench-reference                       # everything, in a quarter of an hour at first; writes this section",
+    "make bench-reference BENCH='--scene metal' # one scene; prints it",
+)
