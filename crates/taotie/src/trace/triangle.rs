@@ -67,21 +67,29 @@ impl Ray {
         (t >= 0.0).then_some((t, weights))
     }
 
-    /// The first half of [`Ray::intersect`] for as many triangles as a pack has lanes, `corners[corner][axis]`, with
-    /// the same bits. `None` where the ray passes all of them by.
+    /// The first half of [`Ray::intersect`] for as many triangles as a pack has lanes, those of
+    /// `corners[corner][axis]` from the one `from` on, with the same bits. `None` where the ray passes all of them by.
     #[inline(always)]
-    pub(super) fn edges<P: Pack>(&self, token: P::Token, corners: [[P; 3]; 3]) -> Option<Edges<P>> {
+    pub(super) fn edges<P: Pack>(
+        &self,
+        token: P::Token,
+        corners: &[[[f32; 8]; 3]; 3],
+        from: usize,
+    ) -> Option<Edges<P>> {
         let [kx, ky, kz] = self.axes;
         let origin = self.origin.to_array();
         let (ox, oy, oz) =
             (P::splat(token, origin[kx]), P::splat(token, origin[ky]), P::splat(token, origin[kz]));
         let [sx, sy, sz] = self.shear;
         let (sx, sy, sz) = (P::splat(token, sx), P::splat(token, sy), P::splat(token, sz));
-        let along = [corners[0][kz] - oz, corners[1][kz] - oz, corners[2][kz] - oz];
-        let a = [corners[0][kx] - ox - sx * along[0], corners[0][ky] - oy - sy * along[0]];
-        let b = [corners[1][kx] - ox - sx * along[1], corners[1][ky] - oy - sy * along[1]];
-        let c = [corners[2][kx] - ox - sx * along[2], corners[2][ky] - oy - sy * along[2]];
-        Edges::new([a, b, c], along, sz)
+        let (mut along, mut seen) = ([ox; 3], [[ox; 2]; 3]);
+        for k in 0..3 {
+            along[k] = P::load(token, &corners[k][kz][from..]) - oz;
+            let x = P::load(token, &corners[k][kx][from..]) - ox - sx * along[k];
+            let y = P::load(token, &corners[k][ky][from..]) - oy - sy * along[k];
+            seen[k] = [x, y];
+        }
+        Edges::new(seen, along, sz)
     }
 }
 

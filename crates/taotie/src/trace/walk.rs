@@ -144,13 +144,7 @@ pub(super) fn meet_leaf<P: Pack>(
 ) -> Span {
     let Cast { ray, mut span } = cast;
     for k in (0..WIDTH).step_by(P::LANES) {
-        let mut corners = [[P::splat(token, 0.0); 3]; 3];
-        for (corner, stored) in corners.iter_mut().zip(&leaf.corners) {
-            for (v, stored) in corner.iter_mut().zip(stored) {
-                *v = P::load(token, &stored[k..]);
-            }
-        }
-        let Some(edges) = ray.edges::<P>(token, corners) else { continue };
+        let Some(edges) = ray.edges::<P>(token, &leaf.corners, k) else { continue };
         let mut distances = [0.0; WIDTH];
         let mut weights = [[0.0; WIDTH]; 3];
         let met = edges.meet();
