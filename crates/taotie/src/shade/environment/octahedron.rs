@@ -52,11 +52,11 @@ fn folded(x: f32, z: f32) -> (f32, f32) {
 }
 
 impl Octahedron {
-    /// Makes a map from what is seen in the [`direction`] of each texel.
-    pub(super) fn new(side: usize, light: impl Fn(usize) -> [f32; 4] + Sync) -> Self {
-        let mut colors = vec![[0.0; 4]; (side + 2) * (side + 2)];
+    /// Makes a map; `light` writes what is seen in the [`direction`] of each texel of a row, whose number it is told.
+    pub(super) fn new(side: usize, light: impl Fn(usize, &mut [[f32; 3]]) + Sync) -> Self {
+        let mut colors = vec![[0.0; 3]; (side + 2) * (side + 2)];
         parallel::pieces(&mut colors[side + 2..(side + 2) * (side + 1)], side + 2, &|y, row| {
-            row[1..=side].iter_mut().enumerate().for_each(|(x, color)| *color = light(y * side + x));
+            light(y, &mut row[1..=side]);
         });
         for i in 0..side + 2 {
             for [x, y] in [[0, i], [side + 1, i], [i, 0], [i, side + 1]] {
@@ -127,8 +127,10 @@ mod tests {
     #[test]
     fn there_is_no_seam() {
         let directions: Vec<Vec3> = (0..64 * 64).map(|i| direction(64, i)).collect();
-        let map = Octahedron::new(64, |i| {
-            [directions[i].x + 2.0, directions[i].y + 2.0, directions[i].z + 2.0, 1.0]
+        let map = Octahedron::new(64, |y, row| {
+            for (color, d) in row.iter_mut().zip(&directions[y * 64..]) {
+                *color = [d.x + 2.0, d.y + 2.0, d.z + 2.0];
+            }
         });
         let mut random = 1u32;
         let mut next = || {

@@ -15,11 +15,14 @@ mod rings;
 use super::equirect::{Equirect, uv_of};
 use super::levels::{Levels, RoughnessLevel, alphas};
 use super::octahedron::{self, Octahedron};
+use crate::math::{SimdLevel, dispatch_registers};
 use crate::parallel;
 use blur::blur;
-use harmonics::Harmonics;
+use fearless_simd::Simd;
+use harmonics::{Grid, Harmonics};
 use lobe::{Coefficients, Fisher, Ggx};
-use rings::{Areas, Rings, accumulate};
+use rings::{Areas, Pixel, Rings, accumulate};
+use std::collections::BTreeMap;
 use std::f64::consts::{SQRT_2, TAU};
 
 /// Up to this degree light is kept as spherical harmonics.
@@ -51,7 +54,7 @@ const FEWEST_TEXELS: f64 = 64.0;
 
 /// The light of an image at each roughness.
 pub(super) fn levels(picture: &Equirect) -> Levels {
-    let scales = Scales::new(resize::rings(picture));
+    let (simd, scales) = (SimdLevel::fastest(), Scales::new(resize::rings(picture)));
     let mut places = Vec::new();
     let level = |alpha: f64| {
         let smooth = usize::from(alpha >= SHARP);
@@ -61,7 +64,9 @@ pub(super) fn levels(picture: &Equirect) -> Levels {
             places = parallel::collect(side * side, |texel| uv_of(octahedron::direction(side, texel)));
         }
         let sum = scales.sum(Ggx::new(alpha));
-        let map = Octahedron::new(side, |texel| sum.at(places[texel], picture));
+        let map = Octahedron::new(side, |y, row| {
+            dispatch_registers!(simd, simd => sum.row(simd, &places[y * side..], picture, row));
+        });
         RoughnessLevel { alpha: alpha as f32, map }
     };
     Levels(alphas().into_iter().map(level).collect())
@@ -75,6 +80,8 @@ struct Scales {
     /// Those of the image blurred like `reference`.
     harmonics: Harmonics,
     reference: usize,
+    /// Where harmonics are shown: as finely as `reference`, and half as finely.
+    grids: [Grid; 2],
 }
 
 /// The image blurred.
@@ -92,13 +99,15 @@ impl Scales {
         let coarsest = widths[widths.len() - 1];
         let shown =
             |width: usize, sigma: f64| sigma > TAU / width as f64 * SHOWN[usize::from(width == coarsest)];
+        let smooth = |width: &usize| (*width, Rings::black(*width, *width / 2).areas(&Areas::Smooth));
+        let areas: BTreeMap<usize, Vec<f64>> = widths.iter().map(smooth).collect();
         let mut blurred: Vec<Scale> = Vec::new();
         let mut sigma = NARROWEST * base.step();
         while sigma < WIDEST {
             let width = widths.iter().rfind(|width| shown(**width, sigma)).unwrap_or(&base.width);
             let next = match blurred.last() {
                 Some(last) if sigma > base.step() * 1.1 => {
-                    Scale::after(last, Fisher::of_width(sigma), *width)
+                    Scale::after(last, &areas[&last.rings.width], Fisher::of_width(sigma), *width)
                 }
                 _ => Scale::first(&base, Fisher::of_width(sigma)),
             };
@@ -107,8 +116,10 @@ impl Scales {
         }
         let reference = blurred.iter().position(|scale| shown(coarsest, scale.lobe.width()));
         let reference = reference.unwrap_or(blurred.len() - 1);
-        let harmonics = Harmonics::new(&blurred[reference].rings, DEGREE);
-        Self { widths, blurred, harmonics, reference }
+        let rings = &blurred[reference].rings;
+        let grids = [rings.width, rings.width / 2].map(|width| Grid::new(width, DEGREE));
+        let harmonics = Harmonics::new(rings, &areas[&rings.width], &grids[0]);
+        Self { widths, blurred, harmonics, reference, grids }
     }
 
     /// The image filtered by a lobe.
@@ -123,18 +134,14 @@ impl Scales {
         }
         let reference = &self.blurred[self.reference];
         rest.iter_mut().zip(&reference.coefficients).for_each(|(rest, c)| *rest /= c);
-        let width = if lobe.alpha() < WIDE { reference.rings.width } else { reference.rings.width / 2 };
-        let mut rings = self.harmonics.rings(&rest, width);
+        let mut rings = self.harmonics.rings(&rest, &self.grids[usize::from(lobe.alpha() >= WIDE)]);
         for width in self.widths.iter().rev() {
             let here = self.blurred.iter().zip(&shares).filter(|(scale, _)| scale.rings.width == *width);
             let here =
                 here.map(|(scale, share)| (*share as f32, &scale.rings)).filter(|(share, _)| *share > LEAST);
             let here: Vec<_> = here.collect();
             if !here.is_empty() {
-                while rings.width < *width {
-                    rings = rings.doubled();
-                }
-                rings.add(&here);
+                rings = rings.added(*width, &here);
             }
         }
         Sum { sharp: sharp as f32, rings }
@@ -143,13 +150,13 @@ impl Scales {
 
 impl Scale {
     fn first(base: &Rings, lobe: Fisher) -> Self {
-        let rings = blur(base, &Areas::Solid, lobe, base.width);
+        let rings = blur(base, &base.areas(&Areas::Solid), lobe, base.width);
         Self { lobe, rings, coefficients: lobe.coefficients(DEGREE) }
     }
 
-    fn after(narrower: &Self, lobe: Fisher, width: usize) -> Self {
+    fn after(narrower: &Self, areas: &[f64], lobe: Fisher, width: usize) -> Self {
         let step = lobe.after(narrower.lobe);
-        let rings = blur(&narrower.rings, &Areas::Smooth, step, width);
+        let rings = blur(&narrower.rings, areas, step, width);
         let both = narrower.coefficients.iter().zip(step.coefficients(DEGREE));
         Self { lobe, rings, coefficients: both.map(|(a, b)| a * b).collect() }
     }
@@ -162,12 +169,16 @@ struct Sum {
 }
 
 impl Sum {
-    fn at(&self, uv: [f32; 2], picture: &Equirect) -> [f32; 4] {
-        let mut sum = self.rings.cubic(uv);
-        if self.sharp > LEAST {
-            let light = picture.radiance_at(uv);
-            accumulate(&mut sum, self.sharp, &[light.x, light.y, light.z, 0.0]);
+    /// Writes the light at each place.
+    #[inline(always)]
+    fn row<S: Simd>(&self, simd: S, places: &[[f32; 2]], picture: &Equirect, row: &mut [[f32; 3]]) {
+        for (color, uv) in row.iter_mut().zip(places) {
+            let mut sum: Pixel = self.rings.cubic(simd, *uv).into();
+            if self.sharp > LEAST {
+                let light = picture.radiance_at(*uv);
+                accumulate(&mut sum, self.sharp, &[light.x, light.y, light.z, 0.0]);
+            }
+            *color = [sum[0].max(0.0), sum[1].max(0.0), sum[2].max(0.0)];
         }
-        sum.map(|v| v.max(0.0))
     }
 }

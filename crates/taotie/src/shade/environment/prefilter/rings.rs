@@ -1,7 +1,8 @@
 //! Pictures of the sphere on rings of latitude, and smooth lookup in them.
 
-use crate::math::scalar;
+use crate::math::{SimdLevel, dispatch_registers, scalar};
 use crate::parallel;
+use fearless_simd::{Simd, f32x4, prelude::*};
 use std::f64::consts::PI;
 
 /// A pixel: linear RGB, and a fourth number that is carried along for the sake of speed.
@@ -56,56 +57,74 @@ impl Rings {
             Areas::Solid => scalar::sin(polar),
             Areas::Smooth => smooth(polar),
         };
-        (0..self.height).map(|y| area(self.polar(y))).collect()
+        parallel::collect(self.height, |y| area(self.polar(y)))
     }
 
-    /// Adds images of the same size, each times its weight.
-    pub(super) fn add(&mut self, others: &[(f32, &Self)]) {
-        parallel::pieces(&mut self.pixels, self.width, &|y, row| {
-            for (weight, other) in others {
-                for (pixel, other) in row.iter_mut().zip(other.row(y)) {
-                    accumulate(pixel, *weight, other);
-                }
+    /// The image, doubled until its rings have `width` pixels, and images of that size added, each times its weight.
+    pub(super) fn added(mut self, width: usize, others: &[(f32, &Self)]) -> Self {
+        if self.width < width {
+            while self.width * 2 < width {
+                self = self.doubled(&[]);
             }
+            return self.doubled(others);
+        }
+        let level = SimdLevel::fastest();
+        parallel::pieces(&mut self.pixels, self.width, &|y, row| {
+            dispatch_registers!(level, _simd => add_rows(row, y, others));
         });
+        self
     }
 
-    /// The image on twice as many rings of twice as many pixels, by the same cubic as [`Self::cubic`].
-    pub(super) fn doubled(&self) -> Self {
+    /// The image on twice as many rings of twice as many pixels, by the same cubic as [`Self::cubic`], and images of that
+    /// size added, each times its weight.
+    fn doubled(&self, others: &[(f32, &Self)]) -> Self {
+        let level = SimdLevel::fastest();
         let mut output = Self::black(self.width * 2, self.height * 2);
         parallel::pieces(&mut output.pixels, self.width * 2, &|y, row| {
-            let (first, weights) = halfway(y);
-            let mut down = vec![[0.0; 4]; self.width];
-            for (k, weight) in weights.into_iter().enumerate() {
-                let (from, turn) = self.through_pole(first + k as isize);
-                let (early, late) = self.row(from).split_at(turn as usize);
-                for (sum, pixel) in down.iter_mut().zip(late.iter().chain(early)) {
-                    accumulate(sum, weight, pixel);
-                }
-            }
-            for (x, pixel) in row.iter_mut().enumerate() {
-                let (first, weights) = halfway(x);
-                *pixel = across(&down, first, weights);
-            }
+            dispatch_registers!(level, simd => {
+                widen(simd, &self.between_rings(y), row);
+                add_rows(row, y, others);
+            });
         });
         output
     }
 
+    /// The ring `y` of twice as many, with two more pixels at each end.
+    #[inline(always)]
+    fn between_rings(&self, y: usize) -> Vec<Pixel> {
+        let (first, weights) = halfway(y);
+        let mut sums = vec![[0.0; 4]; self.width + 4];
+        let (inside, end) = (2..self.width + 2, self.width + 2);
+        for (k, weight) in weights.into_iter().enumerate() {
+            let (from, turn) = self.through_pole(first + k as isize);
+            let (early, late) = self.row(from).split_at(turn as usize);
+            let (left, right) = sums[inside.clone()].split_at_mut(late.len());
+            add_row(left, weight, late);
+            add_row(right, weight, early);
+        }
+        sums.copy_within(self.width..end, 0);
+        sums.copy_within(2..4, end);
+        sums
+    }
+
     /// The image at (u, v) in [0, 1]² by Catmull and Rom's cubic, smooth across the seam and through the poles.
-    pub(super) fn cubic(&self, [u, v]: [f32; 2]) -> Pixel {
+    #[inline(always)]
+    pub(super) fn cubic<S: Simd>(&self, simd: S, [u, v]: [f32; 2]) -> f32x4<S> {
         // One pixel on, so that what is cut off is what lies below.
         let (x, y) = (u * self.width as f32 + 0.5, v * self.height as f32 + 0.5);
         let (left, top) = (x as isize, y as isize);
         let (weights, down) = (catmull_rom(x - left as f32), catmull_rom(y - top as f32));
-        let mut sum = [0.0; 4];
-        for (k, weight) in down.into_iter().enumerate() {
+        let (weights, down) = (splats(simd, weights), splats(simd, down));
+        let mut rows = weights;
+        for (k, sum) in rows.iter_mut().enumerate() {
             let (row, turn) = self.through_pole(top + k as isize - 2);
-            accumulate(&mut sum, weight, &across(self.row(row), left - 2 + turn, weights));
+            *sum = weighted(weights, four(simd, self.row(row), left - 2 + turn));
         }
-        sum
+        weighted(down, rows)
     }
 
     /// The row that lies `y` rows from the top if one walks on beyond the poles, and how far it is turned.
+    #[inline(always)]
     fn through_pole(&self, y: isize) -> (usize, isize) {
         let (height, turned) = (self.height as isize, self.width as isize / 2);
         match y {
@@ -116,21 +135,61 @@ impl Rings {
     }
 }
 
-/// Four neighbours of a row from column `x` on, weighted. The column is at most one row's length outside.
+/// Four neighbours of a row from column `x` on, which is at most one row's length outside.
 #[inline(always)]
-fn across(row: &[Pixel], x: isize, weights: [f32; 4]) -> Pixel {
-    let width = row.len() as isize;
-    let mut sum = [0.0; 4];
-    if x >= 0 && x + 4 <= width {
-        for (weight, pixel) in weights.into_iter().zip(&row[x as usize..]) {
-            accumulate(&mut sum, weight, pixel);
-        }
+fn four<S: Simd>(simd: S, row: &[Pixel], x: isize) -> [f32x4<S>; 4] {
+    let at = |k: isize| row[(x + k).rem_euclid(row.len() as isize) as usize];
+    if x >= 0
+        && let Some(four) = row.get(x as usize..).and_then(|right| right.first_chunk())
+    {
+        load(simd, four)
     } else {
-        for (k, weight) in weights.into_iter().enumerate() {
-            accumulate(&mut sum, weight, &row[(x + k as isize).rem_euclid(width) as usize]);
-        }
+        load(simd, &[at(0), at(1), at(2), at(3)])
     }
-    sum
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, [a, b, c, d]: &[Pixel; 4]) -> [f32x4<S>; 4] {
+    [
+        f32x4::simd_from(simd, *a),
+        f32x4::simd_from(simd, *b),
+        f32x4::simd_from(simd, *c),
+        f32x4::simd_from(simd, *d),
+    ]
+}
+
+#[inline(always)]
+fn splats<S: Simd>(simd: S, [a, b, c, d]: [f32; 4]) -> [f32x4<S>; 4] {
+    [f32x4::splat(simd, a), f32x4::splat(simd, b), f32x4::splat(simd, c), f32x4::splat(simd, d)]
+}
+
+#[inline(always)]
+fn weighted<S: Simd>([a, b, c, d]: [f32x4<S>; 4], pixels: [f32x4<S>; 4]) -> f32x4<S> {
+    a * pixels[0] + b * pixels[1] + c * pixels[2] + d * pixels[3]
+}
+
+/// Puts values between those of a ring that has two more pixels at each end.
+#[inline(always)]
+fn widen<S: Simd>(simd: S, ring: &[Pixel], row: &mut [Pixel]) {
+    let (even, odd) = (splats(simd, halfway(0).1), splats(simd, halfway(1).1));
+    for (pair, near) in row.as_chunks_mut::<2>().0.iter_mut().zip(ring.array_windows::<5>()) {
+        let [a, b, c, d, e] = *near;
+        let (left, right) = (load(simd, &[a, b, c, d]), load(simd, &[b, c, d, e]));
+        *pair = [weighted(even, left).into(), weighted(odd, right).into()];
+    }
+}
+
+/// Adds the rings `y` of other images, each times its weight.
+#[inline(always)]
+fn add_rows(row: &mut [Pixel], y: usize, others: &[(f32, &Rings)]) {
+    others.iter().for_each(|(weight, other)| add_row(row, *weight, other.row(y)));
+}
+
+#[inline(always)]
+fn add_row(sums: &mut [Pixel], weight: f32, pixels: &[Pixel]) {
+    for (sum, value) in sums.as_flattened_mut().iter_mut().zip(pixels.as_flattened()) {
+        *sum += weight * value;
+    }
 }
 
 /// The neighbours of pixel `x` of twice as many: the first of four among the half, and their weights.
