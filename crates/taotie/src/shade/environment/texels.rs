@@ -66,7 +66,7 @@ impl HalfTexels {
     }
 
     /// Linear RGB.
-    #[inline]
+    #[inline(always)]
     pub(super) fn get(&self, index: usize) -> Vec3 {
         let [r, g, b] = self.texels[index];
         Vec3::new(self.float(r), self.float(g), self.float(b))
@@ -93,7 +93,7 @@ impl HalfTexels {
     }
 
     /// A half float's exponent and mantissa moved to where a float has them are the same number but for 2¹¹².
-    #[inline]
+    #[inline(always)]
     fn float(&self, stored: u16) -> f32 {
         f32::from_bits(u32::from(stored) << 13) * self.decode
     }

@@ -18,7 +18,7 @@ const FEWEST: usize = 8;
 pub(super) fn blur(input: &Rings, areas: &[f64], lobe: Fisher, width: usize) -> Rings {
     let mut output = Rings::black(width, width / 2);
     let polars: Vec<f64> = (0..output.height).map(|y| output.polar(y)).collect();
-    let sources = InputRings::new(input, areas);
+    let sources = InputRings::new(input, areas, input.width / width);
     parallel::pieces(&mut output.pixels, width, &|y, row| {
         let stride = stride(width, polars[y]);
         sources.sum(lobe, polars[y], stride, row);
@@ -55,6 +55,10 @@ fn fill(row: &mut [Pixel], stride: usize) {
 struct InputRings {
     level: Level,
     width: usize,
+    /// The number of its pixels that a pixel of the output covers, along a ring.
+    ratio: usize,
+    /// The sine of half the turn from the middle of the output's first pixel to each pixel.
+    turns: Vec<f64>,
     rings: Vec<InputRing>,
 }
 
@@ -66,7 +70,7 @@ struct InputRing {
 }
 
 impl InputRings {
-    fn new(input: &Rings, areas: &[f64]) -> Self {
+    fn new(input: &Rings, areas: &[f64], ratio: usize) -> Self {
         let ring = |y: usize| {
             let row = input.row(y);
             InputRing {
@@ -75,20 +79,26 @@ impl InputRings {
                 twice: [row, row, &row[..NEIGHBOURS]].concat(),
             }
         };
-        let rings = parallel::tasks(input.height, &ring);
-        Self { level: SimdLevel::fastest(), width: input.width, rings }
+        let step = TAU / input.width as f64;
+        let turn = |x: usize| scalar::sin((x as f64 - middle(ratio)) * step / 2.0);
+        Self {
+            level: SimdLevel::fastest(),
+            width: input.width,
+            ratio,
+            turns: (0..input.width).map(turn).collect(),
+            rings: parallel::tasks(input.height, &ring),
+        }
     }
 
     /// The means around every `stride`th pixel of the ring at `polar`.
     fn sum(&self, lobe: Fisher, polar: f64, stride: usize, row: &mut [Pixel]) {
-        let ratio = self.width / row.len();
         let mut parts: Vec<Part<'_>> =
-            self.rings.iter().filter_map(|ring| self.part(ring, lobe, polar, ratio)).collect();
+            self.rings.iter().filter_map(|ring| self.part(ring, lobe, polar)).collect();
         let total: f64 = parts.iter().flat_map(|part| &part.shares).sum();
         for part in &mut parts {
             part.weights = part.shares.iter().map(|share| (share / total) as f32).collect();
         }
-        if stride * ratio == 1 {
+        if stride * self.ratio == 1 {
             dispatch_registers!(self.level, simd => self.neighbours(simd, &parts, row));
         } else {
             dispatch_registers!(self.level, simd => self.apart(simd, &parts, row, stride));
@@ -120,14 +130,14 @@ impl InputRings {
     /// The sums around every `stride`th pixel of a row.
     #[inline(always)]
     fn apart<S: Simd>(&self, simd: S, parts: &[Part<'_>], row: &mut [Pixel], stride: usize) {
-        let (count, ratio) = (row.len() / stride, self.width / row.len());
+        let count = row.len() / stride;
         for block in (0..count).step_by(APART) {
             let block = block.min(count - APART);
             let mut sums = [f32x4::splat(simd, 0.0); APART];
             for part in parts {
                 let mut near = [&[] as &[Pixel]; APART];
                 for (i, near) in near.iter_mut().enumerate() {
-                    *near = part.from((block + i) * stride * ratio, self.width, part.weights.len());
+                    *near = part.from((block + i) * stride * self.ratio, self.width, part.weights.len());
                 }
                 for (k, weight) in part.weights.iter().enumerate() {
                     let weight = f32x4::splat(simd, *weight);
@@ -143,7 +153,7 @@ impl InputRings {
     }
 
     /// The part of a ring that the lobe reaches from the ring at `polar`.
-    fn part<'a>(&self, ring: &'a InputRing, lobe: Fisher, polar: f64, ratio: usize) -> Option<Part<'a>> {
+    fn part<'a>(&self, ring: &'a InputRing, lobe: Fisher, polar: f64) -> Option<Part<'a>> {
         let apart = scalar::sin((polar - ring.polar) / 2.0);
         let round = 2.0 * scalar::sin(polar) * scalar::sin(ring.polar);
         // q = 2 sin²(Δθ/2) + 2 sin θ sin θ' sin²(Δφ/2)
@@ -152,21 +162,26 @@ impl InputRings {
         if left < 0.0 {
             return None;
         }
+        let middle = middle(self.ratio);
         let step = TAU / self.width as f64;
-        // Of two input pixels that an output pixel covers, its middle lies between.
-        let middle = (ratio as f64 - 1.0) / 2.0;
         let reach = if left < 1.0 { 2.0 * scalar::asin(left.sqrt()) / step } else { f64::INFINITY };
         let [first, last] = match reach * 2.0 < self.width as f64 - 2.0 {
             true => [(middle - reach).ceil() as isize, (middle + reach).floor() as isize],
             false => [0, self.width as isize - 1],
         };
-        let weight = |x: isize| {
-            let turn = scalar::sin((x as f64 - middle) * step / 2.0);
-            ring.area * scalar::exp(-lobe.kappa * (nearest + round * turn * turn))
-        };
-        let shares = (first..=last).map(weight).collect();
+        // What lies to the left of the middle has the share of what lies as far to the right.
+        let mirrored = |x: isize| if x < 0 { self.ratio as isize - 1 - x } else { x };
+        let share = |turn: &f64| ring.area * scalar::exp(-lobe.kappa * (nearest + round * turn * turn));
+        let count = last.max(mirrored(first)) as usize + 1;
+        let right: Vec<f64> = self.turns[..count].iter().map(share).collect();
+        let shares = (first..=last).map(|x| right[mirrored(x) as usize]).collect();
         Some(Part { first, shares, weights: Vec::new(), twice: &ring.twice })
     }
+}
+
+/// The middle of an output pixel, in input pixels: of two that it covers it lies between.
+fn middle(ratio: usize) -> f64 {
+    (ratio as f64 - 1.0) / 2.0
 }
 
 /// Neighbours in a ring and their weights.

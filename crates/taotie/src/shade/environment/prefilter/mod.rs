@@ -12,16 +12,16 @@ mod lobe;
 mod resize;
 mod rings;
 
-use super::equirect::{Equirect, uv_of};
+use super::equirect::{Equirect, uv_of_lanes};
 use super::levels::{Levels, RoughnessLevel, alphas};
 use super::octahedron::{self, Octahedron};
-use crate::math::{SimdLevel, dispatch_registers};
+use crate::math::{MOST_LANES, Pack, SimdLevel, dispatch_pack, dispatch_registers};
 use crate::parallel;
 use blur::blur;
 use fearless_simd::Simd;
 use harmonics::{Grid, Harmonics};
 use lobe::{Coefficients, Fisher, Ggx};
-use rings::{Areas, Pixel, Rings, accumulate};
+use rings::{Areas, Rings, accumulate};
 use std::collections::BTreeMap;
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -55,17 +55,17 @@ const FEWEST_TEXELS: f64 = 64.0;
 /// The light of an image at each roughness.
 pub(super) fn levels(picture: &Equirect) -> Levels {
     let (simd, scales) = (SimdLevel::fastest(), Scales::new(resize::rings(picture)));
-    let mut places = Vec::new();
+    let mut places = Places::default();
     let level = |alpha: f64| {
         let smooth = usize::from(alpha >= SHARP);
         let most = scales.widths[0] as f64 * MOST_TEXELS[smooth];
         let side = (TEXELS[smooth] / alpha).min(most).max(FEWEST_TEXELS) as usize;
-        if places.len() != side * side {
-            places = parallel::collect(side * side, |texel| uv_of(octahedron::direction(side, texel)));
+        if places.side != side {
+            places = Places::new(side);
         }
         let sum = scales.sum(Ggx::new(alpha));
         let map = Octahedron::new(side, |y, row| {
-            dispatch_registers!(simd, simd => sum.row(simd, &places[y * side..], picture, row));
+            dispatch_registers!(simd, simd => sum.row(simd, places.row(y), picture, row));
         });
         RoughnessLevel { alpha: alpha as f32, map }
     };
@@ -171,14 +171,56 @@ struct Sum {
 impl Sum {
     /// Writes the light at each place.
     #[inline(always)]
-    fn row<S: Simd>(&self, simd: S, places: &[[f32; 2]], picture: &Equirect, row: &mut [[f32; 3]]) {
-        for (color, uv) in row.iter_mut().zip(places) {
-            let mut sum: Pixel = self.rings.cubic(simd, *uv).into();
-            if self.sharp > LEAST {
-                let light = picture.radiance_at(*uv);
-                accumulate(&mut sum, self.sharp, &[light.x, light.y, light.z, 0.0]);
+    fn row<S: Simd>(&self, simd: S, [u, v]: [&[f32]; 2], picture: &Equirect, row: &mut [[f32; 3]]) {
+        let mut sums = [[0.0; 4]; MOST_LANES];
+        for (i, colors) in row.chunks_mut(MOST_LANES).enumerate() {
+            let (u, v) = (&u[i * MOST_LANES..], &v[i * MOST_LANES..]);
+            self.rings.cubic(simd, [u, v], &mut sums);
+            for (i, (color, sum)) in colors.iter_mut().zip(&mut sums).enumerate() {
+                if self.sharp > LEAST {
+                    let light = picture.radiance_at([u[i], v[i]]);
+                    accumulate(sum, self.sharp, &[light.x, light.y, light.z, 0.0]);
+                }
+                *color = [sum[0].max(0.0), sum[1].max(0.0), sum[2].max(0.0)];
             }
-            *color = [sum[0].max(0.0), sum[1].max(0.0), sum[2].max(0.0)];
         }
+    }
+}
+
+/// The places in the picture that the texels of a map show.
+#[derive(Default)]
+struct Places {
+    side: usize,
+    /// Row by row their u, then their v, each rounded up to whole packs.
+    rows: Vec<f32>,
+}
+
+impl Places {
+    fn new(side: usize) -> Self {
+        let (simd, room) = (SimdLevel::fastest(), side.next_multiple_of(MOST_LANES));
+        let middles: Vec<f32> = (0..room).map(|i| octahedron::middle(side, i)).collect();
+        let mut rows = vec![0.0; 2 * room * side];
+        parallel::pieces(&mut rows, 2 * room, &|y, row| {
+            dispatch_pack!(simd, P, token => fill_row::<P>(token, &middles, y, row));
+        });
+        Self { side, rows }
+    }
+
+    fn row(&self, y: usize) -> [&[f32]; 2] {
+        let room = self.side.next_multiple_of(MOST_LANES);
+        let (u, v) = self.rows[2 * room * y..][..2 * room].split_at(room);
+        [u, v]
+    }
+}
+
+/// Writes the places of the texels of row `y`, whose middles are at these coordinates.
+#[inline(always)]
+fn fill_row<P: Pack>(token: P::Token, middles: &[f32], y: usize, row: &mut [f32]) {
+    let down = P::splat(token, middles[y]);
+    let (u, v) = row.split_at_mut(middles.len());
+    for i in (0..middles.len()).step_by(P::LANES) {
+        let [left, top] = uv_of_lanes(octahedron::direction_of([P::load(token, &middles[i..]), down]));
+        left.store(&mut u[i..]);
+        top.store(&mut v[i..]);
     }
 }

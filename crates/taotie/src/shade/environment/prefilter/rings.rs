@@ -1,8 +1,8 @@
 //! Pictures of the sphere on rings of latitude, and smooth lookup in them.
 
-use crate::math::{SimdLevel, dispatch_registers, scalar};
+use crate::math::{Lane, MOST_LANES, Pack, SimdLevel, dispatch_registers, scalar};
 use crate::parallel;
-use fearless_simd::{Simd, f32x4, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x16, prelude::*};
 use std::f64::consts::PI;
 
 /// A pixel: linear RGB, and a fourth number that is carried along for the sake of speed.
@@ -107,20 +107,21 @@ impl Rings {
         sums
     }
 
-    /// The image at (u, v) in [0, 1]² by Catmull and Rom's cubic, smooth across the seam and through the poles.
+    /// The image at places (u, v) in [0, 1]² by Catmull and Rom's cubic, smooth across the seam and through the poles.
     #[inline(always)]
-    pub(super) fn cubic<S: Simd>(&self, simd: S, [u, v]: [f32; 2]) -> f32x4<S> {
-        // One pixel on, so that what is cut off is what lies below.
-        let (x, y) = (u * self.width as f32 + 0.5, v * self.height as f32 + 0.5);
-        let (left, top) = (x as isize, y as isize);
-        let (weights, down) = (catmull_rom(x - left as f32), catmull_rom(y - top as f32));
-        let (weights, down) = (splats(simd, weights), splats(simd, down));
-        let mut rows = weights;
-        for (k, sum) in rows.iter_mut().enumerate() {
-            let (row, turn) = self.through_pole(top + k as isize - 2);
-            *sum = weighted(weights, four(simd, self.row(row), left - 2 + turn));
+    pub(super) fn cubic<S: Simd>(&self, simd: S, [u, v]: [&[f32]; 2], out: &mut [Pixel; MOST_LANES]) {
+        let across = Taps::new::<f32x16<S>>(simd, u, self.width);
+        let down = Taps::new::<f32x16<S>>(simd, v, self.height);
+        for (i, out) in out.iter_mut().enumerate() {
+            let weights = across.weights(simd, i);
+            let (left, top) = (across.first[i] as isize - 2, down.first[i] as isize - 2);
+            let mut rows = weights;
+            for (k, sum) in rows.iter_mut().enumerate() {
+                let (row, turn) = self.through_pole(top + k as isize);
+                *sum = weighted(weights, four(simd, self.row(row), left + turn));
+            }
+            *out = weighted(down.weights(simd, i), rows).into();
         }
-        weighted(down, rows)
     }
 
     /// The row that lies `y` rows from the top if one walks on beyond the poles, and how far it is turned.
@@ -132,6 +133,36 @@ impl Rings {
             y if y >= height => ((2 * height - 1 - y) as usize, turned),
             y => (y as usize, 0),
         }
+    }
+}
+
+/// The four pixels along one coordinate around each of some places.
+struct Taps {
+    /// The number of the first one, and two.
+    first: [u32; MOST_LANES],
+    weights: [[f32; MOST_LANES]; 4],
+}
+
+impl Taps {
+    /// Finds the pixels around coordinates in [0, 1] of `count` pixels, as many as a pack holds.
+    #[inline(always)]
+    fn new<P: Pack>(token: P::Token, coordinates: &[f32], count: usize) -> Self {
+        let mut taps = Self { first: [0; MOST_LANES], weights: [[0.0; MOST_LANES]; 4] };
+        // One pixel on, so that what is cut off is what lies below.
+        let x = P::load(token, coordinates) * P::splat(token, count as f32) + P::splat(token, 0.5);
+        let first = x.floor();
+        first.store_words(&mut taps.first);
+        for (stored, weights) in taps.weights.iter_mut().zip(catmull_rom(x - first)) {
+            weights.store(stored);
+        }
+        taps
+    }
+
+    /// The weights of the pixels around place `i`.
+    #[inline(always)]
+    fn weights<S: Simd>(&self, simd: S, i: usize) -> [f32x4<S>; 4] {
+        let [a, b, c, d] = &self.weights;
+        splats(simd, [a[i], b[i], c[i], d[i]])
     }
 }
 
@@ -209,7 +240,13 @@ pub(super) fn accumulate(sum: &mut Pixel, weight: f32, pixel: &Pixel) {
 ///
 /// Source: Catmull and Rom 1974; Keys 1981, eq. 15 with a = −½.
 #[inline(always)]
-pub(super) fn catmull_rom(t: f32) -> [f32; 4] {
+pub(super) fn catmull_rom<L: Lane>(t: L) -> [L; 4] {
+    let (half, one, half3, two, half5) = (t.lit(0.5), t.lit(1.0), t.lit(1.5), t.lit(2.0), t.lit(2.5));
     let (t2, t3) = (t * t, t * t * t);
-    [-0.5 * t3 + t2 - 0.5 * t, 1.5 * t3 - 2.5 * t2 + 1.0, -1.5 * t3 + 2.0 * t2 + 0.5 * t, 0.5 * t3 - 0.5 * t2]
+    [
+        -half * t3 + t2 - half * t,
+        half3 * t3 - half5 * t2 + one,
+        -half3 * t3 + two * t2 + half * t,
+        half * t3 - half * t2,
+    ]
 }
