@@ -5,7 +5,7 @@ use super::rings::{Pixel, Rings, accumulate, catmull_rom};
 use crate::math::{SimdLevel, dispatch_registers, scalar};
 use crate::parallel;
 use fearless_simd::{Level, Simd, f32x4, f32x16, prelude::*};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// Lobes are cut where exp(−κq) falls below exp(−`REACH`).
 const REACH: f64 = 10.0;
@@ -65,6 +65,8 @@ struct InputRings {
 /// A ring of the input, twice in a row and a little further so that no sum meets its end.
 struct InputRing {
     polar: f64,
+    /// The sine of it.
+    sine: f64,
     area: f64,
     twice: Vec<Pixel>,
 }
@@ -72,12 +74,9 @@ struct InputRing {
 impl InputRings {
     fn new(input: &Rings, areas: &[f64], ratio: usize) -> Self {
         let ring = |y: usize| {
-            let row = input.row(y);
-            InputRing {
-                polar: input.polar(y),
-                area: areas[y],
-                twice: [row, row, &row[..NEIGHBOURS]].concat(),
-            }
+            let (row, polar) = (input.row(y), input.polar(y));
+            let twice = [row, row, &row[..NEIGHBOURS]].concat();
+            InputRing { polar, sine: scalar::sin(polar), area: areas[y], twice }
         };
         let step = TAU / input.width as f64;
         let turn = |x: usize| scalar::sin((x as f64 - middle(ratio)) * step / 2.0);
@@ -92,8 +91,9 @@ impl InputRings {
 
     /// The means around every `stride`th pixel of the ring at `polar`.
     fn sum(&self, lobe: Fisher, polar: f64, stride: usize, row: &mut [Pixel]) {
-        let mut parts: Vec<Part<'_>> =
-            self.rings.iter().filter_map(|ring| self.part(ring, lobe, polar)).collect();
+        let here = [polar, scalar::sin(polar)];
+        let near = self.near(lobe, polar);
+        let mut parts: Vec<Part<'_>> = near.iter().filter_map(|ring| self.part(ring, lobe, here)).collect();
         let total: f64 = parts.iter().flat_map(|part| &part.shares).sum();
         for part in &mut parts {
             part.weights = part.shares.iter().map(|share| (share / total) as f32).collect();
@@ -152,10 +152,20 @@ impl InputRings {
         }
     }
 
-    /// The part of a ring that the lobe reaches from the ring at `polar`.
-    fn part<'a>(&self, ring: &'a InputRing, lobe: Fisher, polar: f64) -> Option<Part<'a>> {
+    /// All rings that the lobe may reach from the ring at `polar`.
+    fn near(&self, lobe: Fisher, polar: f64) -> &[InputRing] {
+        let reach = 2.0 * scalar::asin((REACH / lobe.kappa / 2.0).sqrt().min(1.0));
+        let place = |polar: f64| polar / PI * self.rings.len() as f64;
+        // One more on each side, and negative numbers become 0.
+        let first = (place(polar - reach) - 2.0) as usize;
+        let end = (place(polar + reach) + 2.0) as usize;
+        &self.rings[first..end.min(self.rings.len())]
+    }
+
+    /// The part of a ring that the lobe reaches from the ring at a polar angle, told with its sine.
+    fn part<'a>(&self, ring: &'a InputRing, lobe: Fisher, [polar, sine]: [f64; 2]) -> Option<Part<'a>> {
         let apart = scalar::sin((polar - ring.polar) / 2.0);
-        let round = 2.0 * scalar::sin(polar) * scalar::sin(ring.polar);
+        let round = 2.0 * sine * ring.sine;
         // q = 2 sin²(Δθ/2) + 2 sin θ sin θ' sin²(Δφ/2)
         let nearest = 2.0 * apart * apart;
         let left = (REACH / lobe.kappa - nearest) / round;

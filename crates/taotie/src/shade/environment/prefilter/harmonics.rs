@@ -4,7 +4,7 @@ use super::lobe::Coefficients;
 use super::rings::{Pixel, Rings};
 use crate::math::{MOST_LANES, Pack, SimdLevel, dispatch_pack, dispatch_registers, scalar};
 use crate::parallel;
-use fearless_simd::{Simd, f64x8, prelude::*};
+use fearless_simd::{Simd, f64x4, f64x8, prelude::*};
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 /// The light of an image up to a degree: for each order m its coefficients for l from m on, with cos mφ and sin mφ.
@@ -23,8 +23,11 @@ impl Harmonics {
     /// the weights of its pixels in each row.
     pub(super) fn new(rings: &Rings, areas: &[f64], grid: &Grid) -> Self {
         let scale = 2.0 / rings.height as f64 * TAU / rings.width as f64;
-        let row = |y: usize| grid.analysed(rings.row(y), areas[y] * scale);
-        let rows: Vec<Vec<Pair>> = parallel::tasks(rings.height, &row);
+        let level = SimdLevel::fastest();
+        let rows: Vec<Vec<Pair>> = parallel::tasks(
+            rings.height,
+            &|y| dispatch_registers!(level, simd => grid.analysed(simd, rings.row(y), areas[y] * scale)),
+        );
         let order = |m: usize| {
             let mut sums = vec![[0.0; 8]; grid.degree + 1 - m];
             for (y, row) in rows.iter().enumerate() {
@@ -113,19 +116,24 @@ impl Grid {
     }
 
     /// A row's light with cos mφ and sin mφ for each m.
-    fn analysed(&self, row: &[Pixel], scale: f64) -> Vec<Pair> {
-        let order = |m: usize| {
-            let [cosines, sines] = self.waves.each_ref().map(|waves| &waves[m * self.room..]);
-            let mut sum = [0.0; 8];
+    #[inline(always)]
+    fn analysed<S: Simd>(&self, simd: S, row: &[Pixel], scale: f64) -> Vec<Pair> {
+        let wide = |[r, g, b, _]: &Pixel| [f64::from(*r), f64::from(*g), f64::from(*b), 0.0];
+        let row: Vec<[f64; 4]> = row.iter().map(wide).collect();
+        let [cosines, sines] = &self.waves;
+        let waves = cosines.chunks_exact(self.room).zip(sines.chunks_exact(self.room));
+        let mut pairs = vec![[0.0; 8]; self.degree + 1];
+        for (pair, (cosines, sines)) in pairs.iter_mut().zip(waves) {
+            let mut sums = [f64x4::splat(simd, 0.0); 2];
             for ((pixel, c), s) in row.iter().zip(cosines).zip(sines) {
-                for i in 0..3 {
-                    sum[i] += f64::from(*c) * f64::from(pixel[i]);
-                    sum[i + 3] += f64::from(*s) * f64::from(pixel[i]);
-                }
+                let pixel = f64x4::simd_from(simd, *pixel);
+                sums[0] = sums[0] + f64x4::splat(simd, f64::from(*c)) * pixel;
+                sums[1] = sums[1] + f64x4::splat(simd, f64::from(*s)) * pixel;
             }
-            sum.map(|sum| sum * scale)
-        };
-        (0..=self.degree).map(order).collect()
+            let ([r, g, b, _], [r2, g2, b2, _]) = (<[f64; 4]>::from(sums[0]), <[f64; 4]>::from(sums[1]));
+            *pair = [r * scale, g * scale, b * scale, r2 * scale, g2 * scale, b2 * scale, 0.0, 0.0];
+        }
+        pairs
     }
 
     /// Writes what `lights` with the waves of each order shine on the pixels of a ring.

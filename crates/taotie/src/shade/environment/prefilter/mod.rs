@@ -15,13 +15,13 @@ mod rings;
 use super::equirect::{Equirect, uv_of_lanes};
 use super::levels::{Levels, RoughnessLevel, alphas};
 use super::octahedron::{self, Octahedron};
-use crate::math::{MOST_LANES, Pack, SimdLevel, dispatch_pack, dispatch_registers};
+use crate::math::{MOST_LANES, Pack, SimdLevel, dispatch_pack, dispatch_registers, quadrature};
 use crate::parallel;
 use blur::blur;
 use fearless_simd::Simd;
 use harmonics::{Grid, Harmonics};
 use lobe::{Coefficients, Fisher, Ggx};
-use rings::{Areas, Rings, accumulate};
+use rings::{Areas, Pixel, Rings, accumulate};
 use std::collections::BTreeMap;
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -55,7 +55,7 @@ const FEWEST_TEXELS: f64 = 64.0;
 /// The light of an image at each roughness.
 pub(super) fn levels(picture: &Equirect) -> Levels {
     let (simd, scales) = (SimdLevel::fastest(), Scales::new(resize::rings(picture)));
-    let mut places = Places::default();
+    let (mut places, mut spare) = (Places::default(), Vec::new());
     let level = |alpha: f64| {
         let smooth = usize::from(alpha >= SHARP);
         let most = scales.widths[0] as f64 * MOST_TEXELS[smooth];
@@ -63,10 +63,11 @@ pub(super) fn levels(picture: &Equirect) -> Levels {
         if places.side != side {
             places = Places::new(side);
         }
-        let sum = scales.sum(Ggx::new(alpha));
+        let sum = scales.sum(Ggx::new(alpha), std::mem::take(&mut spare));
         let map = Octahedron::new(side, |y, row| {
             dispatch_registers!(simd, simd => sum.row(simd, places.row(y), picture, row));
         });
+        spare = sum.rings.pixels;
         RoughnessLevel { alpha: alpha as f32, map }
     };
     Levels(alphas().into_iter().map(level).collect())
@@ -82,6 +83,8 @@ struct Scales {
     reference: usize,
     /// Where harmonics are shown: as finely as `reference`, and half as finely.
     grids: [Grid; 2],
+    /// The nodes and weights that lobes are integrated by.
+    rule: Vec<(f64, f64)>,
 }
 
 /// The image blurred.
@@ -119,14 +122,14 @@ impl Scales {
         let rings = &blurred[reference].rings;
         let grids = [rings.width, rings.width / 2].map(|width| Grid::new(width, DEGREE));
         let harmonics = Harmonics::new(rings, &areas[&rings.width], &grids[0]);
-        Self { widths, blurred, harmonics, reference, grids }
+        Self { widths, blurred, harmonics, reference, grids, rule: quadrature::gauss_legendre(64) }
     }
 
-    /// The image filtered by a lobe.
-    fn sum(&self, lobe: Ggx) -> Sum {
+    /// The image filtered by a lobe; `spare` pixels are written over.
+    fn sum(&self, lobe: Ggx, mut spare: Vec<Pixel>) -> Sum {
         let finer = (1..).map(|n| lobe.share(self.blurred[0].lobe.kappa * f64::from(1u32 << n)));
         let sharp: f64 = finer.take(24).sum();
-        let mut rest = lobe.coefficients(DEGREE);
+        let mut rest = lobe.coefficients(DEGREE, &self.rule);
         rest.iter_mut().for_each(|rest| *rest -= sharp);
         let shares: Vec<f64> = self.blurred.iter().map(|scale| lobe.share(scale.lobe.kappa)).collect();
         for (scale, share) in self.blurred.iter().zip(&shares) {
@@ -141,7 +144,7 @@ impl Scales {
                 here.map(|(scale, share)| (*share as f32, &scale.rings)).filter(|(share, _)| *share > LEAST);
             let here: Vec<_> = here.collect();
             if !here.is_empty() {
-                rings = rings.added(*width, &here);
+                rings = rings.added(&here, *width, &mut spare);
             }
         }
         Sum { sharp: sharp as f32, rings }

@@ -61,12 +61,13 @@ impl Rings {
     }
 
     /// The image, doubled until its rings have `width` pixels, and images of that size added, each times its weight.
-    pub(super) fn added(mut self, width: usize, others: &[(f32, &Self)]) -> Self {
+    /// `spare` pixels are written over.
+    pub(super) fn added(mut self, others: &[(f32, &Self)], width: usize, spare: &mut Vec<Pixel>) -> Self {
         if self.width < width {
             while self.width * 2 < width {
-                self = self.doubled(&[]);
+                self = self.doubled(&[], Vec::new());
             }
-            return self.doubled(others);
+            return self.doubled(others, std::mem::take(spare));
         }
         let level = SimdLevel::fastest();
         parallel::pieces(&mut self.pixels, self.width, &|y, row| {
@@ -76,17 +77,20 @@ impl Rings {
     }
 
     /// The image on twice as many rings of twice as many pixels, by the same cubic as [`Self::cubic`], and images of that
-    /// size added, each times its weight.
-    fn doubled(&self, others: &[(f32, &Self)]) -> Self {
+    /// size added, each times its weight. `pixels` are written over.
+    fn doubled(&self, others: &[(f32, &Self)], mut pixels: Vec<Pixel>) -> Self {
         let level = SimdLevel::fastest();
-        let mut output = Self::black(self.width * 2, self.height * 2);
-        parallel::pieces(&mut output.pixels, self.width * 2, &|y, row| {
+        let (width, height) = (self.width * 2, self.height * 2);
+        if pixels.len() != width * height {
+            pixels = vec![[0.0; 4]; width * height];
+        }
+        parallel::pieces(&mut pixels, width, &|y, row| {
             dispatch_registers!(level, simd => {
                 widen(simd, &self.between_rings(y), row);
                 add_rows(row, y, others);
             });
         });
-        output
+        Self { width, height, pixels }
     }
 
     /// The ring `y` of twice as many, with two more pixels at each end.
