@@ -2,7 +2,7 @@
 
 use super::lobe::Fisher;
 use super::rings::{Pixel, Rings, accumulate, catmull_rom};
-use crate::math::{SimdLevel, dispatch_registers, scalar};
+use crate::math::{dispatch_registers, scalar};
 use crate::parallel;
 use fearless_simd::{Level, Simd, f32x4, f32x16, prelude::*};
 use std::f64::consts::{PI, TAU};
@@ -16,7 +16,7 @@ const FEWEST: usize = 8;
 /// `input` blurred by `lobe`, on rings of `width` pixels, half as many rings. The width is that of `input` or half
 /// of it; `areas` are the weights of the input's pixels in each row.
 pub(super) fn blur(input: &Rings, areas: &[f64], lobe: Fisher, width: usize) -> Rings {
-    let mut output = Rings::black(width, width / 2);
+    let mut output = Rings::black(input.level, width);
     let polars: Vec<f64> = (0..output.height).map(|y| output.polar(y)).collect();
     let sources = InputRings::new(input, areas, input.width / width);
     parallel::pieces(&mut output.pixels, width, &|y, row| {
@@ -81,7 +81,7 @@ impl InputRings {
         let step = TAU / input.width as f64;
         let turn = |x: usize| scalar::sin((x as f64 - middle(ratio)) * step / 2.0);
         Self {
-            level: SimdLevel::fastest(),
+            level: input.level,
             width: input.width,
             ratio,
             turns: (0..input.width).map(turn).collect(),

@@ -1,10 +1,10 @@
 //! The smooth part of an image of the sphere as spherical harmonics.
 
 use super::lobe::Coefficients;
-use super::rings::{Pixel, Rings};
-use crate::math::{MOST_LANES, Pack, SimdLevel, dispatch_pack, dispatch_registers, scalar};
+use super::rings::{Pixel, Rings, polar};
+use crate::math::{MOST_LANES, Pack, dispatch_pack, dispatch_registers, scalar};
 use crate::parallel;
-use fearless_simd::{Simd, f64x4, f64x8, prelude::*};
+use fearless_simd::{Level, Simd, f64x4, f64x8, prelude::*};
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 /// The light of an image up to a degree: for each order m its coefficients for l from m on, with cos mφ and sin mφ.
@@ -12,6 +12,7 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 /// Source: Green 2003, "Spherical Harmonic Lighting", for real harmonics; Holmes and Featherstone 2002, eq. 11 and
 /// 12, for the recurrence.
 pub(super) struct Harmonics {
+    level: Level,
     orders: Vec<Vec<Pair>>,
 }
 
@@ -23,7 +24,7 @@ impl Harmonics {
     /// the weights of its pixels in each row.
     pub(super) fn new(rings: &Rings, areas: &[f64], grid: &Grid) -> Self {
         let scale = 2.0 / rings.height as f64 * TAU / rings.width as f64;
-        let level = SimdLevel::fastest();
+        let level = rings.level;
         let rows: Vec<Vec<Pair>> = parallel::tasks(
             rings.height,
             &|y| dispatch_registers!(level, simd => grid.analysed(simd, rings.row(y), areas[y] * scale)),
@@ -37,13 +38,13 @@ impl Harmonics {
             }
             sums
         };
-        Self { orders: parallel::tasks(grid.degree + 1, &order) }
+        Self { level, orders: parallel::tasks(grid.degree + 1, &order) }
     }
 
     /// The image on the rings of `grid`, each degree multiplied by its coefficient.
     pub(super) fn rings(&self, coefficients: &Coefficients, grid: &Grid) -> Rings {
-        let level = SimdLevel::fastest();
-        let mut output = Rings::black(grid.width, grid.width / 2);
+        let level = self.level;
+        let mut output = Rings::black(level, grid.width);
         parallel::pieces(&mut output.pixels, grid.width, &|y, row| {
             let waves: Vec<[f32; 8]> =
                 dispatch_registers!(level, simd => self.waves(simd, coefficients, grid, y));
@@ -94,15 +95,14 @@ impl Grid {
             let place = |i: usize| i / room * (2 * (i % room) + 1) % (2 * width);
             (0..(degree + 1) * room).map(|i| once[place(i)]).collect()
         };
-        let rings = Rings::black(width, width / 2);
         let factors = Factors::new(degree);
-        let legendre = |y: usize| factors.legendre(rings.polar(y));
+        let legendre = |y: usize| factors.legendre(polar(width / 2, y));
         Self {
             degree,
             width,
             room,
             waves: [waves(scalar::cos), waves(scalar::sin)],
-            legendre: parallel::tasks(rings.height, &legendre),
+            legendre: parallel::tasks(width / 2, &legendre),
             starts: (0..=degree)
                 .scan(0, |end, m| Some(std::mem::replace(end, *end + degree + 1 - m)))
                 .collect(),

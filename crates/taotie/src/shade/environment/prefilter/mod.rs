@@ -18,10 +18,10 @@ use super::octahedron::{self, Octahedron};
 use crate::math::{MOST_LANES, Pack, SimdLevel, dispatch_pack, dispatch_registers, quadrature};
 use crate::parallel;
 use blur::blur;
-use fearless_simd::Simd;
+use fearless_simd::{Level, Simd};
 use harmonics::{Grid, Harmonics};
 use lobe::{Coefficients, Fisher, Ggx};
-use rings::{Areas, Pixel, Rings, accumulate};
+use rings::{Areas, Pixel, Rings, accumulate, areas};
 use std::collections::BTreeMap;
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -54,14 +54,18 @@ const FEWEST_TEXELS: f64 = 64.0;
 
 /// The light of an image at each roughness.
 pub(super) fn levels(picture: &Equirect) -> Levels {
-    let (simd, scales) = (SimdLevel::fastest(), Scales::new(resize::rings(picture)));
+    levels_at(SimdLevel::fastest(), picture)
+}
+
+fn levels_at(simd: Level, picture: &Equirect) -> Levels {
+    let scales = Scales::new(resize::rings(simd, picture));
     let (mut places, mut spare) = (Places::default(), Vec::new());
     let level = |alpha: f64| {
         let smooth = usize::from(alpha >= SHARP);
         let most = scales.widths[0] as f64 * MOST_TEXELS[smooth];
         let side = (TEXELS[smooth] / alpha).min(most).max(FEWEST_TEXELS) as usize;
         if places.side != side {
-            places = Places::new(side);
+            places = Places::new(simd, side);
         }
         let sum = scales.sum(Ggx::new(alpha), std::mem::take(&mut spare));
         let map = Octahedron::new(side, |y, row| {
@@ -102,15 +106,15 @@ impl Scales {
         let coarsest = widths[widths.len() - 1];
         let shown =
             |width: usize, sigma: f64| sigma > TAU / width as f64 * SHOWN[usize::from(width == coarsest)];
-        let smooth = |width: &usize| (*width, Rings::black(*width, *width / 2).areas(&Areas::Smooth));
-        let areas: BTreeMap<usize, Vec<f64>> = widths.iter().map(smooth).collect();
+        let smooth = |width: &usize| (*width, areas(*width / 2, &Areas::Smooth));
+        let smooth: BTreeMap<usize, Vec<f64>> = widths.iter().map(smooth).collect();
         let mut blurred: Vec<Scale> = Vec::new();
         let mut sigma = NARROWEST * base.step();
         while sigma < WIDEST {
             let width = widths.iter().rfind(|width| shown(**width, sigma)).unwrap_or(&base.width);
             let next = match blurred.last() {
                 Some(last) if sigma > base.step() * 1.1 => {
-                    Scale::after(last, &areas[&last.rings.width], Fisher::of_width(sigma), *width)
+                    Scale::after(last, &smooth[&last.rings.width], Fisher::of_width(sigma), *width)
                 }
                 _ => Scale::first(&base, Fisher::of_width(sigma)),
             };
@@ -121,7 +125,7 @@ impl Scales {
         let reference = reference.unwrap_or(blurred.len() - 1);
         let rings = &blurred[reference].rings;
         let grids = [rings.width, rings.width / 2].map(|width| Grid::new(width, DEGREE));
-        let harmonics = Harmonics::new(rings, &areas[&rings.width], &grids[0]);
+        let harmonics = Harmonics::new(rings, &smooth[&rings.width], &grids[0]);
         Self { widths, blurred, harmonics, reference, grids, rule: quadrature::gauss_legendre(64) }
     }
 
@@ -153,7 +157,7 @@ impl Scales {
 
 impl Scale {
     fn first(base: &Rings, lobe: Fisher) -> Self {
-        let rings = blur(base, &base.areas(&Areas::Solid), lobe, base.width);
+        let rings = blur(base, &areas(base.height, &Areas::Solid), lobe, base.width);
         Self { lobe, rings, coefficients: lobe.coefficients(DEGREE) }
     }
 
@@ -199,8 +203,8 @@ struct Places {
 }
 
 impl Places {
-    fn new(side: usize) -> Self {
-        let (simd, room) = (SimdLevel::fastest(), side.next_multiple_of(MOST_LANES));
+    fn new(simd: Level, side: usize) -> Self {
+        let room = side.next_multiple_of(MOST_LANES);
         let middles: Vec<f32> = (0..room).map(|i| octahedron::middle(side, i)).collect();
         let mut rows = vec![0.0; 2 * room * side];
         parallel::pieces(&mut rows, 2 * room, &|y, row| {
@@ -225,5 +229,23 @@ fn fill_row<P: Pack>(token: P::Token, middles: &[f32], y: usize, row: &mut [f32]
         let [left, top] = uv_of_lanes(octahedron::direction_of([P::load(token, &middles[i..]), down]));
         left.store(&mut u[i..]);
         top.store(&mut v[i..]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Image;
+
+    #[test]
+    fn each_simd_level_gives_the_same_bits() {
+        let mut image = Image::new(300, 150, [0.25, 0.5, 2.0, 1.0]).unwrap();
+        for (i, pixel) in image.pixels_mut().iter_mut().enumerate().step_by(97) {
+            *pixel = [i as f32 / 50.0, 1000.0 / (i + 1) as f32, (i % 300) as f32, 1.0];
+        }
+        let picture = Equirect::new(&image);
+        let at = |level: &SimdLevel| levels_at(level.dispatch().unwrap(), &picture);
+        let all: Vec<Levels> = SimdLevel::available().iter().map(at).collect();
+        assert!(all.len() > 1 && all.iter().all(|levels| *levels == all[0]));
     }
 }

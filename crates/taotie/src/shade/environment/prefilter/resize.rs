@@ -4,6 +4,7 @@ use super::rings::{Pixel, Rings, accumulate};
 use crate::math::scalar;
 use crate::parallel;
 use crate::shade::environment::equirect::Equirect;
+use fearless_simd::Level;
 use std::f64::consts::PI;
 
 /// The narrowest and the widest image that is filtered.
@@ -11,11 +12,11 @@ const WIDTHS: [usize; 2] = [256, 2048];
 
 /// The image on rings, half as many as pixels a ring. Their number can be halved until rings of 256 pixels to 511
 /// are left. An image that already is like this stays as it is.
-pub(super) fn rings(picture: &Equirect) -> Rings {
+pub(super) fn rings(level: Level, picture: &Equirect) -> Rings {
     let wanted = picture.width().clamp(WIDTHS[0], WIDTHS[1]);
     let unit = 2 << (wanted / 256).ilog2();
     let width = wanted / unit * unit;
-    let mut output = Rings::black(width, width / 2);
+    let mut output = Rings::black(level, width);
     let same = [width, width / 2] == [picture.width(), picture.height()];
     let shrinks = picture.width() >= width && picture.height() >= width / 2;
     let shares = Shares::new(picture, width);
@@ -93,6 +94,7 @@ impl<'a> Shares<'a> {
 mod tests {
     use super::*;
     use crate::image::Image;
+    use crate::math::SimdLevel;
 
     #[test]
     fn sizes_can_be_halved_until_few_pixels_are_left() {
@@ -100,7 +102,7 @@ mod tests {
             [(1, 256), (600, 600), (1000, 1000), (1023, 1020), (1024, 1024), (9000, 2048)]
         {
             let image = Image::new(width, 2, [1.0; 4]).unwrap();
-            let rings = rings(&Equirect::new(&image));
+            let rings = rings(SimdLevel::fastest(), &Equirect::new(&image));
             assert_eq!((rings.width, rings.height), (expected, expected / 2));
             assert!(rings.pixels.iter().all(|pixel| (pixel[0] - 1.0).abs() < 1e-6));
         }
@@ -112,7 +114,7 @@ mod tests {
         let mut image = Image::new(4100, 2050, [0.0, 0.0, 0.0, 1.0]).unwrap();
         let (x, y) = (1000, 700);
         image.pixels_mut()[y * 4100 + x][0] = 1000.0;
-        let rings = rings(&Equirect::new(&image));
+        let rings = rings(SimdLevel::fastest(), &Equirect::new(&image));
         let (mut light, mut middle) = (0.0, [0.0, 0.0]);
         for (i, pixel) in rings.pixels.iter().enumerate() {
             let area = scalar::sin(rings.polar(i / rings.width)) * f64::from(pixel[0]);

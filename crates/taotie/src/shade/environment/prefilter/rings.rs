@@ -1,16 +1,18 @@
 //! Pictures of the sphere on rings of latitude, and smooth lookup in them.
 
-use crate::math::{Lane, MOST_LANES, Pack, SimdLevel, dispatch_registers, scalar};
+use crate::math::{Lane, MOST_LANES, Pack, dispatch_registers, scalar};
 use crate::parallel;
-use fearless_simd::{Simd, f32x4, f32x16, prelude::*};
+use fearless_simd::{Level, Simd, f32x4, f32x16, prelude::*};
 use std::f64::consts::PI;
 
 /// A pixel: linear RGB, and a fourth number that is carried along for the sake of speed.
 pub(super) type Pixel = [f32; 4];
 
 /// An equirectangular image on its way.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) struct Rings {
+    /// What its pixels are computed by; all levels give the same bits.
+    pub(super) level: Level,
     /// Pixels a ring, even.
     pub(super) width: usize,
     /// Rings; that of row y lies at the polar angle (y + ½)π/height.
@@ -27,10 +29,30 @@ pub(super) enum Areas {
     Smooth,
 }
 
+/// The polar angle of ring `y` of `height`.
+pub(super) fn polar(height: usize, y: usize) -> f64 {
+    (y as f64 + 0.5) * (PI / height as f64)
+}
+
+/// The weight of a pixel in each of `height` rows. Source of the smooth ones: Fejér's first rule, as in Waldvogel 2006,
+/// eq. 2.3.
+pub(super) fn areas(height: usize, kind: &Areas) -> Vec<f64> {
+    let smooth = |polar: f64| {
+        let term = |k: usize| scalar::cos(2.0 * k as f64 * polar) / (4 * k * k - 1) as f64;
+        1.0 - 2.0 * (1..=height / 2).map(term).sum::<f64>()
+    };
+    let area = |polar| match kind {
+        Areas::Solid => scalar::sin(polar),
+        Areas::Smooth => smooth(polar),
+    };
+    parallel::collect(height, |y| area(polar(height, y)))
+}
+
 impl Rings {
-    /// All black.
-    pub(super) fn black(width: usize, height: usize) -> Self {
-        Self { width, height, pixels: vec![[0.0; 4]; width * height] }
+    /// All black, `width` pixels a ring and half as many rings.
+    pub(super) fn black(level: Level, width: usize) -> Self {
+        let height = width / 2;
+        Self { level, width, height, pixels: vec![[0.0; 4]; width * height] }
     }
 
     /// The angle between rings.
@@ -40,24 +62,11 @@ impl Rings {
 
     /// The polar angle of a ring.
     pub(super) fn polar(&self, y: usize) -> f64 {
-        (y as f64 + 0.5) * self.step()
+        polar(self.height, y)
     }
 
     pub(super) fn row(&self, y: usize) -> &[Pixel] {
         &self.pixels[y * self.width..][..self.width]
-    }
-
-    /// The weight of a pixel in each row. Source of the smooth ones: Fejér's first rule, as in Waldvogel 2006, eq. 2.3.
-    pub(super) fn areas(&self, kind: &Areas) -> Vec<f64> {
-        let smooth = |polar: f64| {
-            let term = |k: usize| scalar::cos(2.0 * k as f64 * polar) / (4 * k * k - 1) as f64;
-            1.0 - 2.0 * (1..=self.height / 2).map(term).sum::<f64>()
-        };
-        let area = |polar| match kind {
-            Areas::Solid => scalar::sin(polar),
-            Areas::Smooth => smooth(polar),
-        };
-        parallel::collect(self.height, |y| area(self.polar(y)))
     }
 
     /// The image, doubled until its rings have `width` pixels, and images of that size added, each times its weight.
@@ -69,7 +78,7 @@ impl Rings {
             }
             return self.doubled(others, std::mem::take(spare));
         }
-        let level = SimdLevel::fastest();
+        let level = self.level;
         parallel::pieces(&mut self.pixels, self.width, &|y, row| {
             dispatch_registers!(level, _simd => add_rows(row, y, others));
         });
@@ -79,8 +88,7 @@ impl Rings {
     /// The image on twice as many rings of twice as many pixels, by the same cubic as [`Self::cubic`], and images of that
     /// size added, each times its weight. `pixels` are written over.
     fn doubled(&self, others: &[(f32, &Self)], mut pixels: Vec<Pixel>) -> Self {
-        let level = SimdLevel::fastest();
-        let (width, height) = (self.width * 2, self.height * 2);
+        let (level, width, height) = (self.level, self.width * 2, self.height * 2);
         if pixels.len() != width * height {
             pixels = vec![[0.0; 4]; width * height];
         }
@@ -90,7 +98,7 @@ impl Rings {
                 add_rows(row, y, others);
             });
         });
-        Self { width, height, pixels }
+        Self { level, width, height, pixels }
     }
 
     /// The ring `y` of twice as many, with two more pixels at each end.
