@@ -117,7 +117,7 @@ impl InputRings {
                 for (weight, near) in part.weights.iter().zip(near.windows(NEIGHBOURS)) {
                     let weight = f32x16::splat(simd, *weight);
                     for (sum, four) in sums.iter_mut().zip(near.as_chunks::<4>().0) {
-                        *sum = *sum + weight * f32x16::from_slice(simd, four.as_flattened());
+                        *sum += weight * f32x16::from_slice(simd, four.as_flattened());
                     }
                 }
             }
@@ -142,7 +142,7 @@ impl InputRings {
                 for (k, weight) in part.weights.iter().enumerate() {
                     let weight = f32x4::splat(simd, *weight);
                     for (sum, near) in sums.iter_mut().zip(&near) {
-                        *sum = *sum + weight * f32x4::simd_from(simd, near[k]);
+                        *sum += weight * f32x4::simd_from(simd, near[k]);
                     }
                 }
             }

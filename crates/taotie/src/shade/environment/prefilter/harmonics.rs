@@ -60,7 +60,7 @@ impl Harmonics {
         for (m, (wave, lights)) in waves.iter_mut().zip(&self.orders).enumerate() {
             let mut sum = f64x8::splat(simd, 0.0);
             for ((p, c), light) in grid.legendre(y, m).iter().zip(&coefficients[m..]).zip(lights) {
-                sum = sum + f64x8::splat(simd, p * c) * f64x8::simd_from(simd, *light);
+                sum += f64x8::splat(simd, p * c) * f64x8::simd_from(simd, *light);
             }
             for (wave, sum) in wave.iter_mut().zip(<[f64; 8]>::from(sum)) {
                 *wave = sum as f32;
@@ -127,8 +127,8 @@ impl Grid {
             let mut sums = [f64x4::splat(simd, 0.0); 2];
             for ((pixel, c), s) in row.iter().zip(cosines).zip(sines) {
                 let pixel = f64x4::simd_from(simd, *pixel);
-                sums[0] = sums[0] + f64x4::splat(simd, f64::from(*c)) * pixel;
-                sums[1] = sums[1] + f64x4::splat(simd, f64::from(*s)) * pixel;
+                sums[0] += f64x4::splat(simd, f64::from(*c)) * pixel;
+                sums[1] += f64x4::splat(simd, f64::from(*s)) * pixel;
             }
             let ([r, g, b, _], [r2, g2, b2, _]) = (<[f64; 4]>::from(sums[0]), <[f64; 4]>::from(sums[1]));
             *pair = [r * scale, g * scale, b * scale, r2 * scale, g2 * scale, b2 * scale, 0.0, 0.0];

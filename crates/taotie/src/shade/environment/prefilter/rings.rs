@@ -215,8 +215,8 @@ fn weighted<S: Simd>([a, b, c, d]: [f32x4<S>; 4], pixels: [f32x4<S>; 4]) -> f32x
 #[inline(always)]
 fn widen<S: Simd>(simd: S, ring: &[Pixel], row: &mut [Pixel]) {
     let (even, odd) = (splats(simd, halfway(0).1), splats(simd, halfway(1).1));
-    for (pair, near) in row.as_chunks_mut::<2>().0.iter_mut().zip(ring.array_windows::<5>()) {
-        let [a, b, c, d, e] = *near;
+    for (pair, near) in row.as_chunks_mut::<2>().0.iter_mut().zip(ring.windows(5)) {
+        let [a, b, c, d, e] = [near[0], near[1], near[2], near[3], near[4]];
         let (left, right) = (load(simd, &[a, b, c, d]), load(simd, &[b, c, d, e]));
         *pair = [weighted(even, left).into(), weighted(odd, right).into()];
     }
