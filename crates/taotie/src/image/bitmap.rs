@@ -93,6 +93,11 @@ impl Bitmap {
         &self.texels
     }
 
+    /// The texels as stored, without the rest.
+    pub(crate) fn into_texels(self) -> Texels {
+        self.texels
+    }
+
     /// The numbers of texel `i` as stored, 1 being the largest of an integer type; nothing is decoded.
     #[inline]
     pub fn stored(&self, i: usize) -> [f32; 4] {

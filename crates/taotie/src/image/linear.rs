@@ -23,6 +23,18 @@ impl Image {
         Ok(Self { width, height, pixels: vec![fill; width as usize * height as usize] })
     }
 
+    /// An image of these pixels, row by row from the top.
+    ///
+    /// # Errors
+    /// As [`Image::new`]; [`Error::Invalid`] where the number of pixels is not `width · height`.
+    pub(crate) fn from_pixels(width: u32, height: u32, pixels: Vec<[f32; 4]>) -> Result<Self> {
+        Self::check_size(width, height)?;
+        if pixels.len() != width as usize * height as usize {
+            return Err(Error::invalid("image", format!("{} pixels for {width}×{height}", pixels.len())));
+        }
+        Ok(Self { width, height, pixels })
+    }
+
     /// Checks that an image of this size can be made.
     ///
     /// # Errors

@@ -31,8 +31,9 @@ pub fn decode_environment_within(bytes: &[u8], path: &Path, limits: &Limits) -> 
         reading.check()?;
     }
     let (width, height) = (bitmap.width(), bitmap.height());
-    let Texels::F32(texels) = bitmap.texels() else {
-        let what = format!("{}: an environment of {} bits a channel", path.display(), bitmap.bits());
+    let bits = bitmap.bits();
+    let Texels::F32(texels) = bitmap.into_texels() else {
+        let what = format!("{}: an environment of {bits} bits a channel", path.display());
         return Err(Error::unsupported(
             what,
             "environments are read from .hdr and .exr, whose numbers are floats",
@@ -45,12 +46,10 @@ pub fn decode_environment_within(bytes: &[u8], path: &Path, limits: &Limits) -> 
         );
         return Err(Error::parse(path, "image", what));
     }
-    let mut image = Image::new(width, height, [0.0; 4]).map_err(|error| match error {
+    Image::from_pixels(width, height, texels).map_err(|error| match error {
         Error::Limit { what, why } => Error::limit(format!("{}: {what}", path.display()), why),
         other => other,
-    })?;
-    image.pixels_mut().copy_from_slice(texels);
-    Ok(image)
+    })
 }
 
 /// Returns the bytes that so many pixels take while they are filtered, which follows, beside those counted as they were

@@ -113,6 +113,61 @@ pub fn pow<L: Lane>(x: L, y: L) -> L {
     L::select(zero.lt(x), exp_sum(high, low), at_zero)
 }
 
+/// The angle of the point (`x`, `y`) from the x axis, [−π, π]; 0 at the origin.
+///
+/// `f32`: the bits of `libm::atan2f`, for finite coordinates that are 0 or at least 1e-30 in magnitude, and within a factor of
+/// 2²⁶ of each other where neither is 0.
+///
+/// Source: Sun Microsystems 1993, fdlibm, `s_atan.c` and `e_atan2.c`, in single precision by Ian Lance Taylor.
+#[inline(always)]
+pub(crate) fn angle<L: Lane>(y: L, x: L) -> L {
+    let zero = x.lit(0.0);
+    let acute = arc_tangent(y.abs() / x.abs().max(x.lit(f64::from(f32::MIN_POSITIVE))));
+    let (high, low) = (x.lit(PI[0]), x.lit(PI[1]));
+    let angle = L::select(x.lt(zero), high - (acute - low), acute);
+    L::select(y.lt(zero), -angle, angle)
+}
+
+/// π in two parts.
+const PI: [f64; 2] = [std::f32::consts::PI as f64, -8.742_278e-8_f32 as f64];
+
+/// The odd powers of the series of the arc tangent, from the third on.
+const ARC_TANGENT: [f32; 5] =
+    [3.333_332_8e-1, -1.999_915_8e-1, 1.425_363_6e-1, -1.064_801_74e-1, 6.168_760_6e-2];
+
+/// Where a number is at least the first, its arc tangent is the second and the third more than that of a small one.
+const ARCS: [[f32; 3]; 4] = [
+    [0.4375, f32::from_bits(0x3eed_6338), 5.012_158_2e-9],
+    [0.6875, f32::from_bits(0x3f49_0fda), 3.774_894_7e-8],
+    [1.1875, f32::from_bits(0x3f7b_985e), 3.447_321_7e-8],
+    [2.4375, f32::from_bits(0x3fc9_0fda), 7.549_789_4e-8],
+];
+
+/// The arc tangent of a `t` from 0 on.
+#[inline(always)]
+fn arc_tangent<L: Lane>(t: L) -> L {
+    let (one, two, half) = (t.lit(1.0), t.lit(2.0), t.lit(1.5));
+    let quotients = [(two * t - one, two + t), (t - one, t + one), (t - half, one + half * t), (-one, t)];
+    let (mut above, mut below, mut high, mut low) = (t, one, t.lit(0.0), t.lit(0.0));
+    for ([from, arc, rest], (a, b)) in ARCS.into_iter().zip(quotients) {
+        let less = t.lt(number(t, from));
+        (above, below) = (L::select(less, above, a), L::select(less, below, b));
+        (high, low) = (L::select(less, high, number(t, arc)), L::select(less, low, number(t, rest)));
+    }
+    let u = above / below;
+    let z = u * u;
+    let w = z * z;
+    let [a, b, c, d, e] = ARC_TANGENT;
+    let even = z * (number(t, a) + w * (number(t, c) + w * number(t, e)));
+    let odd = w * (number(t, b) + w * number(t, d));
+    high - ((u * (even + odd) - low) - u)
+}
+
+#[inline(always)]
+fn number<L: Lane>(like: L, value: f32) -> L {
+    like.lit(f64::from(value))
+}
+
 /// e^(high + low), for a `low` that is small beside `high`.
 #[inline(always)]
 fn exp_sum<L: Lane>(high: L, low: L) -> L {
@@ -218,6 +273,19 @@ mod tests {
         ];
         for (name, bound, error) in found {
             assert!(error <= bound, "{name}: {error} ulp, {bound} promised");
+        }
+    }
+
+    #[test]
+    fn angles_are_those_of_libm_to_the_bit() {
+        let numbers = (0..300).scan(1e-7f32, |x, _| Some(std::mem::replace(x, *x * -1.117)));
+        let few = [0.0, 1.0, -1.0, 0.4375, 0.6875, -1.1875, 2.4375, 1e-30];
+        let numbers: Vec<f32> = numbers.chain(few).collect();
+        for (x, y) in numbers.iter().flat_map(|x| numbers.iter().map(move |y| (*x, *y))) {
+            let apart = if x == 0.0 || y == 0.0 { 1.0 } else { (y / x).abs() };
+            if (1.0 / (1 << 26) as f32..(1 << 26) as f32).contains(&apart) {
+                assert_eq!(angle(y, x).to_bits(), libm::atan2f(y, x).to_bits(), "{y} {x}");
+            }
         }
     }
 

@@ -15,7 +15,11 @@ pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
             for _ in 0..50 {
                 let (p, below) = legendre(count, x);
                 slope = count as f64 * (x * p - below) / (x * x - 1.0);
+                let before = x;
                 x -= p / slope;
+                if x == before {
+                    break;
+                }
             }
             (x, 2.0 / ((1.0 - x * x) * slope * slope))
         })
@@ -34,7 +38,11 @@ fn legendre(count: usize, x: f64) -> (f64, f64) {
 
 /// Nodes and weights over all intervals between consecutive `ends`, `points` in each.
 pub fn nodes(points: usize, ends: &[f64]) -> Vec<(f64, f64)> {
-    let rule = gauss_legendre(points);
+    nodes_of(&gauss_legendre(points), ends)
+}
+
+/// Nodes and weights over all intervals between consecutive `ends`, in each those of a `rule` on [−1, 1].
+pub fn nodes_of(rule: &[(f64, f64)], ends: &[f64]) -> Vec<(f64, f64)> {
     let within = |pair: &[f64]| {
         let (middle, half) = ((pair[0] + pair[1]) / 2.0, (pair[1] - pair[0]) / 2.0);
         rule.iter().map(|(x, w)| (middle + half * x, w * half)).collect::<Vec<_>>()

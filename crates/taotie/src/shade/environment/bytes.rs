@@ -25,7 +25,8 @@ const MOST_TEXELS: usize = 4096;
 impl Environment {
     /// All of it, to be read by [`Self::from_bytes`] of the same [`ENVIRONMENT_VERSION`].
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut bytes = SIGNATURE.to_vec();
+        let mut bytes = Vec::with_capacity(self.stored_bytes());
+        bytes.extend(SIGNATURE);
         bytes.extend(ENVIRONMENT_VERSION.to_le_bytes());
         bytes.extend([0; 4]);
         put_count(&mut bytes, self.mended);
@@ -40,6 +41,13 @@ impl Environment {
         let sum = crc32fast::hash(&bytes[HEADER..]);
         bytes[HEADER - 4..HEADER].copy_from_slice(&sum.to_le_bytes());
         bytes
+    }
+
+    /// About how many bytes [`Self::to_bytes`] makes, and no fewer.
+    fn stored_bytes(&self) -> usize {
+        let levels = self.levels.0.iter().map(|level| level.map.texels());
+        let texels: usize = levels.chain([self.picture.texels()]).map(|texels| texels.texels().len()).sum();
+        1024 + texels * 6
     }
 
     /// Reads what [`Self::to_bytes`] made, to the same bits.
@@ -94,8 +102,12 @@ fn put_map(bytes: &mut Vec<u8>, map: &Octahedron) {
 
 fn put_texels(bytes: &mut Vec<u8>, texels: &HalfTexels) {
     bytes.extend(texels.exponent().to_le_bytes());
-    for texel in texels.texels() {
-        bytes.extend(texel.iter().flat_map(|half| half.to_le_bytes()));
+    let mut piece = [[0; 2]; PIECE / 2];
+    for halves in texels.texels().as_flattened().chunks(piece.len()) {
+        for (stored, half) in piece.iter_mut().zip(halves) {
+            *stored = half.to_le_bytes();
+        }
+        bytes.extend_from_slice(piece[..halves.len()].as_flattened());
     }
 }
 
@@ -103,7 +115,7 @@ fn wrong(why: &str) -> Error {
     Error::invalid("the bytes of an environment", why)
 }
 
-/// The number of bytes of texels read at once: few enough to stay in the cache until they are texels.
+/// The number of bytes of texels read or written at once: few enough to stay in the cache until they are texels.
 const PIECE: usize = 6 << 13;
 
 /// The most texels for which room is made before they are read; more room is made as they are.

@@ -3,7 +3,8 @@
 use super::bilinear::bilinear;
 use super::texels::{HalfTexels, MAX_RADIANCE};
 use crate::image::Image;
-use crate::math::{Lane, Number, Vec3, scalar};
+use crate::math::{Lane, Number, Vec3, poly, scalar};
+use crate::parallel;
 use std::f32::consts::PI;
 
 /// An equirectangular image.
@@ -20,6 +21,14 @@ pub(super) fn uv_of<L: Number>(direction: Vec3<L>) -> [L; 2] {
     // Near the poles the arc cosine of y would lose half the digits.
     let polar = L::angle((x * x + z * z).sqrt(), y);
     picture_uv(L::angle(z, x), polar)
+}
+
+/// [`uv_of`] many at once, to the same bits.
+#[inline(always)]
+pub(super) fn uv_of_lanes<L: Lane>(direction: Vec3<L>) -> [L; 2] {
+    let Vec3 { x, y, z } = direction;
+    let polar = poly::angle((x * x + z * z).sqrt(), y);
+    picture_uv(poly::angle(z, x), polar)
 }
 
 /// The place in an equirectangular picture, [0, 1]² from the top left: `azimuth` is atan2(z, x), in [−π, π], and `polar`
@@ -99,19 +108,33 @@ impl Equirect {
     }
 
     /// The texel in column `x` of row `y`, linear RGB.
+    #[inline(always)]
     pub(super) fn texel(&self, x: usize, y: usize) -> Vec3 {
         self.texels.get(y * self.width + x)
     }
 
     /// The radiance from the direction at u and v in [0, 1], linear RGB: the mean of the four texels around it, by
     /// nearness.
+    #[inline(always)]
     pub(super) fn radiance_at<L: Number>(&self, uv: [L; 2]) -> Vec3<L> {
-        let number = |value: f64| uv[0].lit(value);
-        let at = PicturePosition::of(uv, [number(self.width as f64), number(self.height as f64)]);
-        let [left, right, top, bottom] = [at.left, at.right, at.top, at.bottom].map(L::index);
-        let texels = [[left, top], [right, top], [left, bottom], [right, bottom]];
-        let texel = |[x, y]: [usize; 2]| self.texel(x, y).map(|channel| number(f64::from(channel)));
-        bilinear(texels.map(texel), [at.across, at.down])
+        let size = [uv[0].lit(self.width as f64), uv[0].lit(self.height as f64)];
+        let at = PicturePosition::of(uv, size);
+        let [left, right] = [at.left.index(), at.right.index()];
+        let [top, bottom] = [at.top.index() * self.width, at.bottom.index() * self.width];
+        let texels = [
+            self.number(top + left, uv[0]),
+            self.number(top + right, uv[0]),
+            self.number(bottom + left, uv[0]),
+            self.number(bottom + right, uv[0]),
+        ];
+        bilinear(texels, [at.across, at.down])
+    }
+
+    /// Texel `i` as numbers like `like`.
+    #[inline(always)]
+    fn number<L: Number>(&self, i: usize, like: L) -> Vec3<L> {
+        let Vec3 { x, y, z } = self.texels.get(i);
+        Vec3::new(like.lit(f64::from(x)), like.lit(f64::from(y)), like.lit(f64::from(z)))
     }
 }
 
@@ -119,6 +142,10 @@ impl Equirect {
 /// becomes 0, infinite becomes 65504, the largest half float, or the largest number of the image where that is more.
 pub(super) fn mended(image: &mut Image) -> usize {
     let sound = |v: f32| (0.0..=MAX_RADIANCE).contains(&v);
+    let pixels = image.pixels();
+    if parallel::count(pixels.len(), |i| !pixels[i][..3].iter().all(|v| sound(*v))) == 0 {
+        return 0;
+    }
     let largest = |most: f32, v: f32| if sound(v) && v > most { v } else { most };
     let brightest = image.pixels().iter().flat_map(|p| &p[..3]).fold(65_504.0, |most, v| largest(most, *v));
     let mut count = 0;

@@ -33,30 +33,30 @@ pub fn place_of<L: Lane>(direction: Vec3<L>) -> [L; 2] {
 }
 
 /// The unit direction of a place.
-fn direction_of([u, v]: [f32; 2]) -> Vec3 {
-    let (x, z) = (u * 2.0 - 1.0, v * 2.0 - 1.0);
-    let y = 1.0 - x.abs() - z.abs();
-    let (x, z) = if y < 0.0 { folded(x, z) } else { (x, z) };
-    Vec3::new(x, y, z).normalize()
+#[inline(always)]
+pub(super) fn direction_of<L: Lane>([u, v]: [L; 2]) -> Vec3<L> {
+    let (zero, one, two) = (u.lit(0.0), u.lit(1.0), u.lit(2.0));
+    let (x, z) = (u * two - one, v * two - one);
+    let y = one - x.abs() - z.abs();
+    let (far_x, far_z) = (one - z.abs(), one - x.abs());
+    let below = y.lt(zero);
+    // Mirrored at the edge of the middle faces.
+    let folded_x = L::select(x.lt(zero), -far_x, far_x);
+    let folded_z = L::select(z.lt(zero), -far_z, far_z);
+    Vec3::new(L::select(below, folded_x, x), y, L::select(below, folded_z, z)).normalize()
 }
 
-/// The direction of texel `i` of a map, counted row by row.
-pub(super) fn direction(side: usize, i: usize) -> Vec3 {
-    let middle = |i: usize| (i as f32 + 0.5) / side as f32;
-    direction_of([middle(i % side), middle(i / side)])
-}
-
-/// Mirrored at the edge of the middle faces; its own inverse.
-fn folded(x: f32, z: f32) -> (f32, f32) {
-    ((1.0 - z.abs()).copysign(x), (1.0 - x.abs()).copysign(z))
+/// The coordinate in the middle of texel `i` of `side`.
+pub(super) fn middle(side: usize, i: usize) -> f32 {
+    (i as f32 + 0.5) / side as f32
 }
 
 impl Octahedron {
-    /// Makes a map from what is seen in the [`direction`] of each texel.
-    pub(super) fn new(side: usize, light: impl Fn(usize) -> [f32; 4] + Sync) -> Self {
-        let mut colors = vec![[0.0; 4]; (side + 2) * (side + 2)];
+    /// Makes a map; `light` writes what is seen in the direction of each texel of a row, whose number it is told.
+    pub(super) fn new(side: usize, light: impl Fn(usize, &mut [[f32; 3]]) + Sync) -> Self {
+        let mut colors = vec![[0.0; 3]; (side + 2) * (side + 2)];
         parallel::pieces(&mut colors[side + 2..(side + 2) * (side + 1)], side + 2, &|y, row| {
-            row[1..=side].iter_mut().enumerate().for_each(|(x, color)| *color = light(y * side + x));
+            light(y, &mut row[1..=side]);
         });
         for i in 0..side + 2 {
             for [x, y] in [[0, i], [side + 1, i], [i, 0], [i, side + 1]] {
@@ -126,9 +126,12 @@ mod tests {
     /// A linear function of the direction has no jump anywhere.
     #[test]
     fn there_is_no_seam() {
-        let directions: Vec<Vec3> = (0..64 * 64).map(|i| direction(64, i)).collect();
-        let map = Octahedron::new(64, |i| {
-            [directions[i].x + 2.0, directions[i].y + 2.0, directions[i].z + 2.0, 1.0]
+        let direction = |i: usize| direction_of([middle(64, i % 64), middle(64, i / 64)]);
+        let directions: Vec<Vec3> = (0..64 * 64).map(direction).collect();
+        let map = Octahedron::new(64, |y, row| {
+            for (color, d) in row.iter_mut().zip(&directions[y * 64..]) {
+                *color = [d.x + 2.0, d.y + 2.0, d.z + 2.0];
+            }
         });
         let mut random = 1u32;
         let mut next = || {

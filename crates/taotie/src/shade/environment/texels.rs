@@ -1,6 +1,7 @@
 //! Light in half floats: an environment's image and its levels are large, and are read far more often than made.
 
-use crate::math::Vec3;
+use crate::math::{SimdLevel, Vec3, dispatch_registers};
+use crate::parallel;
 use half::f16;
 
 /// The largest radiance that is stored; the disc of the sun has 1.6e9 in cd/m², and no image holds it whole.
@@ -18,13 +19,20 @@ pub(super) struct HalfTexels {
 
 impl HalfTexels {
     /// Encodes linear RGB in [0, [`MAX_RADIANCE`]]; a fourth channel is not looked at.
-    pub(super) fn encode(colors: &[[f32; 4]]) -> Self {
-        let brightest =
-            colors.iter().flat_map(|c| &c[..3]).fold(0.0f32, |most, v| if *v > most { *v } else { most });
-        let exponent = exponent_of(brightest) - 15;
+    pub(super) fn encode<const N: usize>(colors: &[[f32; N]]) -> Self {
+        let level = SimdLevel::fastest();
+        let piece = |i: usize| &colors[i * PIECE..colors.len().min((i + 1) * PIECE)];
+        let brightest = parallel::tasks(
+            colors.len().div_ceil(PIECE),
+            &|i| dispatch_registers!(level, _simd => brightest(piece(i))),
+        );
+        let exponent = exponent_of(brightest.into_iter().fold(0.0, brighter)) - 15;
         let scale = power_of_two(-exponent);
-        let texels = colors.iter().map(|[r, g, b, _]| [half(*r, scale), half(*g, scale), half(*b, scale)]);
-        Self::new(exponent, texels.collect())
+        let mut texels = vec![[0; 3]; colors.len()];
+        parallel::pieces(&mut texels, PIECE, &|i, texels| {
+            dispatch_registers!(level, _simd => halves(piece(i), scale, texels));
+        });
+        Self::new(exponent, texels)
     }
 
     fn new(exponent: i32, texels: Vec<[u16; 3]>) -> Self {
@@ -58,7 +66,7 @@ impl HalfTexels {
     }
 
     /// Linear RGB.
-    #[inline]
+    #[inline(always)]
     pub(super) fn get(&self, index: usize) -> Vec3 {
         let [r, g, b] = self.texels[index];
         Vec3::new(self.float(r), self.float(g), self.float(b))
@@ -85,16 +93,52 @@ impl HalfTexels {
     }
 
     /// A half float's exponent and mantissa moved to where a float has them are the same number but for 2¹¹².
-    #[inline]
+    #[inline(always)]
     fn float(&self, stored: u16) -> f32 {
         f32::from_bits(u32::from(stored) << 13) * self.decode
     }
 }
 
-/// The nearest half float; zero where that has less than its full precision.
+/// The number of texels that a thread encodes at once.
+const PIECE: usize = 4096;
+
+#[inline(always)]
+fn brighter(most: f32, value: f32) -> f32 {
+    if value > most { value } else { most }
+}
+
+/// The largest number of the first three channels, at least 0.
+#[inline(always)]
+fn brightest<const N: usize>(colors: &[[f32; N]]) -> f32 {
+    let (eights, rest) = colors.as_chunks::<8>();
+    let mut most = [[0.0; N]; 8];
+    for eight in eights {
+        for (most, color) in most.as_flattened_mut().iter_mut().zip(eight.as_flattened()) {
+            *most = brighter(*most, *color);
+        }
+    }
+    most.iter().chain(rest).flat_map(|color| &color[..3]).fold(0.0, |most, value| brighter(most, *value))
+}
+
+#[inline(always)]
+fn halves<const N: usize>(colors: &[[f32; N]], scale: f64, texels: &mut [[u16; 3]]) {
+    for (texel, color) in texels.iter_mut().zip(colors) {
+        *texel = [half(color[0], scale), half(color[1], scale), half(color[2], scale)];
+    }
+}
+
+/// The least number of which the nearest half float has its full precision.
+const LEAST: f32 = 1.0 / (1 << 14) as f32 - 1.0 / (1 << 25) as f32;
+
+/// The nearest half float, below 65504; zero where that has less than its full precision.
+#[inline(always)]
 fn half(value: f32, scale: f64) -> u16 {
-    let nearest = f16::from_f32((f64::from(value) * scale) as f32);
-    if nearest >= f16::MIN_POSITIVE { nearest.to_bits() } else { 0 }
+    let scaled = (f64::from(value) * scale) as f32;
+    let bits = scaled.to_bits();
+    // Half of what is cut off, to even; and the exponent counts from −14, not from −126.
+    let nearest = (bits.wrapping_add(0xfff + ((bits >> 13) & 1)) >> 13).wrapping_sub(112 << 10);
+    let least = u32::from(f16::MIN_POSITIVE.to_bits());
+    if scaled >= LEAST { nearest.max(least) as u16 } else { 0 }
 }
 
 /// e with 2^(e−1) ≤ `value` < 2^e, for values from 2⁻¹²⁶; −126 below.

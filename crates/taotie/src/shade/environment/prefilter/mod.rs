@@ -12,14 +12,17 @@ mod lobe;
 mod resize;
 mod rings;
 
-use super::equirect::{Equirect, uv_of};
+use super::equirect::{Equirect, uv_of_lanes};
 use super::levels::{Levels, RoughnessLevel, alphas};
 use super::octahedron::{self, Octahedron};
+use crate::math::{MOST_LANES, Pack, SimdLevel, dispatch_pack, dispatch_registers, quadrature};
 use crate::parallel;
 use blur::blur;
-use harmonics::Harmonics;
+use fearless_simd::{Level, Simd};
+use harmonics::{Grid, Harmonics};
 use lobe::{Coefficients, Fisher, Ggx};
-use rings::{Areas, Rings, accumulate};
+use rings::{Areas, Pixel, Rings, accumulate, areas};
+use std::collections::BTreeMap;
 use std::f64::consts::{SQRT_2, TAU};
 
 /// Up to this degree light is kept as spherical harmonics.
@@ -51,30 +54,42 @@ const FEWEST_TEXELS: f64 = 64.0;
 
 /// The light of an image at each roughness.
 pub(super) fn levels(picture: &Equirect) -> Levels {
-    let scales = Scales::new(resize::rings(picture));
-    let mut places = Vec::new();
+    levels_at(SimdLevel::fastest(), picture)
+}
+
+fn levels_at(simd: Level, picture: &Equirect) -> Levels {
+    let scales = Scales::new(simd, picture);
+    let (mut places, mut spare) = (Places::default(), Vec::new());
     let level = |alpha: f64| {
         let smooth = usize::from(alpha >= SHARP);
         let most = scales.widths[0] as f64 * MOST_TEXELS[smooth];
         let side = (TEXELS[smooth] / alpha).min(most).max(FEWEST_TEXELS) as usize;
-        if places.len() != side * side {
-            places = parallel::collect(side * side, |texel| uv_of(octahedron::direction(side, texel)));
+        if places.side != side {
+            places = Places::new(simd, side);
         }
-        let sum = scales.sum(Ggx::new(alpha));
-        let map = Octahedron::new(side, |texel| sum.at(places[texel], picture));
+        let sum = scales.sum(Ggx::new(alpha), std::mem::take(&mut spare));
+        let map = Octahedron::new(side, |y, row| {
+            dispatch_registers!(simd, simd => sum.row(simd, places.row(y), row));
+        });
+        spare = sum.rings.pixels;
         RoughnessLevel { alpha: alpha as f32, map }
     };
     Levels(alphas().into_iter().map(level).collect())
 }
 
 /// The image at all scales.
-struct Scales {
+struct Scales<'a> {
+    picture: &'a Equirect,
     /// The number of pixels a ring, for each size of image, finest first.
     widths: Vec<usize>,
     blurred: Vec<Scale>,
     /// Those of the image blurred like `reference`.
     harmonics: Harmonics,
     reference: usize,
+    /// Where harmonics are shown: as finely as `reference`, and half as finely.
+    grids: [Grid; 2],
+    /// The nodes and weights that lobes are integrated by.
+    rule: Vec<(f64, f64)>,
 }
 
 /// The image blurred.
@@ -85,20 +100,23 @@ struct Scale {
     coefficients: Coefficients,
 }
 
-impl Scales {
-    fn new(base: Rings) -> Self {
+impl<'a> Scales<'a> {
+    fn new(simd: Level, picture: &'a Equirect) -> Self {
+        let base = resize::rings(simd, picture);
         let coarser = |width: &usize| (width.is_multiple_of(2) && width / 2 >= 256).then_some(width / 2);
         let widths: Vec<usize> = std::iter::successors(Some(base.width), coarser).collect();
         let coarsest = widths[widths.len() - 1];
         let shown =
             |width: usize, sigma: f64| sigma > TAU / width as f64 * SHOWN[usize::from(width == coarsest)];
+        let smooth = |width: &usize| (*width, areas(*width / 2, &Areas::Smooth));
+        let smooth: BTreeMap<usize, Vec<f64>> = widths.iter().map(smooth).collect();
         let mut blurred: Vec<Scale> = Vec::new();
         let mut sigma = NARROWEST * base.step();
         while sigma < WIDEST {
             let width = widths.iter().rfind(|width| shown(**width, sigma)).unwrap_or(&base.width);
             let next = match blurred.last() {
                 Some(last) if sigma > base.step() * 1.1 => {
-                    Scale::after(last, Fisher::of_width(sigma), *width)
+                    Scale::after(last, &smooth[&last.rings.width], Fisher::of_width(sigma), *width)
                 }
                 _ => Scale::first(&base, Fisher::of_width(sigma)),
             };
@@ -107,15 +125,18 @@ impl Scales {
         }
         let reference = blurred.iter().position(|scale| shown(coarsest, scale.lobe.width()));
         let reference = reference.unwrap_or(blurred.len() - 1);
-        let harmonics = Harmonics::new(&blurred[reference].rings, DEGREE);
-        Self { widths, blurred, harmonics, reference }
+        let rings = &blurred[reference].rings;
+        let grids = [rings.width, rings.width / 2].map(|width| Grid::new(width, DEGREE));
+        let harmonics = Harmonics::new(rings, &smooth[&rings.width], &grids[0]);
+        let rule = quadrature::gauss_legendre(64);
+        Self { picture, widths, blurred, harmonics, reference, grids, rule }
     }
 
-    /// The image filtered by a lobe.
-    fn sum(&self, lobe: Ggx) -> Sum {
+    /// The image filtered by a lobe; `spare` pixels are written over.
+    fn sum(&self, lobe: Ggx, mut spare: Vec<Pixel>) -> Sum<'a> {
         let finer = (1..).map(|n| lobe.share(self.blurred[0].lobe.kappa * f64::from(1u32 << n)));
         let sharp: f64 = finer.take(24).sum();
-        let mut rest = lobe.coefficients(DEGREE);
+        let mut rest = lobe.coefficients(DEGREE, &self.rule);
         rest.iter_mut().for_each(|rest| *rest -= sharp);
         let shares: Vec<f64> = self.blurred.iter().map(|scale| lobe.share(scale.lobe.kappa)).collect();
         for (scale, share) in self.blurred.iter().zip(&shares) {
@@ -123,51 +144,112 @@ impl Scales {
         }
         let reference = &self.blurred[self.reference];
         rest.iter_mut().zip(&reference.coefficients).for_each(|(rest, c)| *rest /= c);
-        let width = if lobe.alpha() < WIDE { reference.rings.width } else { reference.rings.width / 2 };
-        let mut rings = self.harmonics.rings(&rest, width);
+        let mut rings = self.harmonics.rings(&rest, &self.grids[usize::from(lobe.alpha() >= WIDE)]);
         for width in self.widths.iter().rev() {
             let here = self.blurred.iter().zip(&shares).filter(|(scale, _)| scale.rings.width == *width);
             let here =
                 here.map(|(scale, share)| (*share as f32, &scale.rings)).filter(|(share, _)| *share > LEAST);
             let here: Vec<_> = here.collect();
             if !here.is_empty() {
-                while rings.width < *width {
-                    rings = rings.doubled();
-                }
-                rings.add(&here);
+                rings = rings.added(&here, *width, &mut spare);
             }
         }
-        Sum { sharp: sharp as f32, rings }
+        Sum { picture: self.picture, sharp: sharp as f32, rings }
     }
 }
 
 impl Scale {
     fn first(base: &Rings, lobe: Fisher) -> Self {
-        let rings = blur(base, &Areas::Solid, lobe, base.width);
+        let rings = blur(base, &areas(base.height, &Areas::Solid), lobe, base.width);
         Self { lobe, rings, coefficients: lobe.coefficients(DEGREE) }
     }
 
-    fn after(narrower: &Self, lobe: Fisher, width: usize) -> Self {
+    fn after(narrower: &Self, areas: &[f64], lobe: Fisher, width: usize) -> Self {
         let step = lobe.after(narrower.lobe);
-        let rings = blur(&narrower.rings, &Areas::Smooth, step, width);
+        let rings = blur(&narrower.rings, areas, step, width);
         let both = narrower.coefficients.iter().zip(step.coefficients(DEGREE));
         Self { lobe, rings, coefficients: both.map(|(a, b)| a * b).collect() }
     }
 }
 
 /// A filtered image: one that is smooth, and a share of the image itself.
-struct Sum {
+struct Sum<'a> {
+    picture: &'a Equirect,
     sharp: f32,
     rings: Rings,
 }
 
-impl Sum {
-    fn at(&self, uv: [f32; 2], picture: &Equirect) -> [f32; 4] {
-        let mut sum = self.rings.cubic(uv);
-        if self.sharp > LEAST {
-            let light = picture.radiance_at(uv);
-            accumulate(&mut sum, self.sharp, &[light.x, light.y, light.z, 0.0]);
+impl Sum<'_> {
+    /// Writes the light at each place.
+    #[inline(always)]
+    fn row<S: Simd>(&self, simd: S, [u, v]: [&[f32]; 2], row: &mut [[f32; 3]]) {
+        let mut sums = [[0.0; 4]; MOST_LANES];
+        for (i, colors) in row.chunks_mut(MOST_LANES).enumerate() {
+            let (u, v) = (&u[i * MOST_LANES..], &v[i * MOST_LANES..]);
+            self.rings.cubic(simd, [u, v], &mut sums);
+            for (i, (color, sum)) in colors.iter_mut().zip(&mut sums).enumerate() {
+                if self.sharp > LEAST {
+                    let light = self.picture.radiance_at([u[i], v[i]]);
+                    accumulate(sum, self.sharp, &[light.x, light.y, light.z, 0.0]);
+                }
+                *color = [sum[0].max(0.0), sum[1].max(0.0), sum[2].max(0.0)];
+            }
         }
-        sum.map(|v| v.max(0.0))
+    }
+}
+
+/// The places in the picture that the texels of a map show.
+#[derive(Default)]
+struct Places {
+    side: usize,
+    /// Row by row their u, then their v, each rounded up to whole packs.
+    rows: Vec<f32>,
+}
+
+impl Places {
+    fn new(simd: Level, side: usize) -> Self {
+        let room = side.next_multiple_of(MOST_LANES);
+        let middles: Vec<f32> = (0..room).map(|i| octahedron::middle(side, i)).collect();
+        let mut rows = vec![0.0; 2 * room * side];
+        parallel::pieces(&mut rows, 2 * room, &|y, row| {
+            dispatch_pack!(simd, P, token => fill_row::<P>(token, &middles, y, row));
+        });
+        Self { side, rows }
+    }
+
+    fn row(&self, y: usize) -> [&[f32]; 2] {
+        let room = self.side.next_multiple_of(MOST_LANES);
+        let (u, v) = self.rows[2 * room * y..][..2 * room].split_at(room);
+        [u, v]
+    }
+}
+
+/// Writes the places of the texels of row `y`, whose middles are at these coordinates.
+#[inline(always)]
+fn fill_row<P: Pack>(token: P::Token, middles: &[f32], y: usize, row: &mut [f32]) {
+    let down = P::splat(token, middles[y]);
+    let (u, v) = row.split_at_mut(middles.len());
+    for i in (0..middles.len()).step_by(P::LANES) {
+        let [left, top] = uv_of_lanes(octahedron::direction_of([P::load(token, &middles[i..]), down]));
+        left.store(&mut u[i..]);
+        top.store(&mut v[i..]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Image;
+
+    #[test]
+    fn each_simd_level_gives_the_same_bits() {
+        let mut image = Image::new(300, 150, [0.25, 0.5, 2.0, 1.0]).unwrap();
+        for (i, pixel) in image.pixels_mut().iter_mut().enumerate().step_by(97) {
+            *pixel = [i as f32 / 50.0, 1000.0 / (i + 1) as f32, (i % 300) as f32, 1.0];
+        }
+        let picture = Equirect::new(&image);
+        let at = |level: &SimdLevel| levels_at(level.dispatch().unwrap(), &picture);
+        let all: Vec<Levels> = SimdLevel::available().iter().map(at).collect();
+        assert!(all.iter().all(|levels| *levels == all[0]));
     }
 }

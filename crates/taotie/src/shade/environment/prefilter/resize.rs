@@ -4,6 +4,7 @@ use super::rings::{Pixel, Rings, accumulate};
 use crate::math::scalar;
 use crate::parallel;
 use crate::shade::environment::equirect::Equirect;
+use fearless_simd::Level;
 use std::f64::consts::PI;
 
 /// The narrowest and the widest image that is filtered.
@@ -11,21 +12,21 @@ const WIDTHS: [usize; 2] = [256, 2048];
 
 /// The image on rings, half as many as pixels a ring. Their number can be halved until rings of 256 pixels to 511
 /// are left. An image that already is like this stays as it is.
-pub(super) fn rings(picture: &Equirect) -> Rings {
+pub(super) fn rings(level: Level, picture: &Equirect) -> Rings {
     let wanted = picture.width().clamp(WIDTHS[0], WIDTHS[1]);
     let unit = 2 << (wanted / 256).ilog2();
     let width = wanted / unit * unit;
-    let mut output = Rings::black(width, width / 2);
+    let mut output = Rings::black(level, width);
     let same = [width, width / 2] == [picture.width(), picture.height()];
     let shrinks = picture.width() >= width && picture.height() >= width / 2;
-    let height = output.height;
+    let shares = Shares::new(picture, width);
     parallel::pieces(&mut output.pixels, width, &|y, row| {
         if same {
             row.iter_mut().enumerate().for_each(|(x, pixel)| *pixel = texel(picture, x, y));
         } else if shrinks {
-            gather(picture, y, height, row);
+            shares.gather(y, row);
         } else {
-            interpolate(picture, (y as f64 + 0.5) / height as f64, row);
+            interpolate(picture, (2 * y + 1) as f64 / width as f64, row);
         }
     });
     output
@@ -45,29 +46,47 @@ fn interpolate(picture: &Equirect, v: f64, row: &mut [Pixel]) {
     }
 }
 
-/// A row to which each texel gives its light by nearness, which leaves the middle of all light where it is.
-fn gather(picture: &Equirect, y: usize, height: usize, row: &mut [Pixel]) {
-    let (width, scale) = (row.len(), height as f64 / picture.height() as f64);
-    let mut weights = vec![0.0f32; width];
-    for source in 0..picture.height() {
-        let at = ((source as f64 + 0.5) * scale - 0.5).clamp(0.0, (height - 1) as f64);
-        let near = 1.0 - (at - y as f64).abs();
-        if near <= 0.0 {
-            continue;
-        }
-        let area = scalar::sin((source as f64 + 0.5) * PI / picture.height() as f64) * near;
-        for x in 0..picture.width() {
+/// To which pixels the texels of a larger picture give their light.
+struct Shares<'a> {
+    picture: &'a Equirect,
+    /// The left pixel of the two between which each texel of a row lies, and how far on it lies, [0, 1).
+    columns: Vec<(usize, f64)>,
+    /// The ring that each row lies on, with fractions.
+    rows: Vec<f64>,
+}
+
+impl<'a> Shares<'a> {
+    fn new(picture: &'a Equirect, width: usize) -> Self {
+        let column = |x: usize| {
             let at = (x as f64 + 0.5) * width as f64 / picture.width() as f64 - 0.5;
-            let right = (at - at.floor()) * area;
-            let column = at.floor().rem_euclid(width as f64) as usize;
-            for (column, weight) in [(column, area - right), ((column + 1) % width, right)] {
-                accumulate(&mut row[column], weight as f32, &texel(picture, x, source));
-                weights[column] += weight as f32;
+            (at.floor().rem_euclid(width as f64) as usize, at - at.floor())
+        };
+        let scale = (width / 2) as f64 / picture.height() as f64;
+        let row = |y: usize| ((y as f64 + 0.5) * scale - 0.5).clamp(0.0, (width / 2 - 1) as f64);
+        let columns = (0..picture.width()).map(column).collect();
+        Self { picture, columns, rows: (0..picture.height()).map(row).collect() }
+    }
+
+    /// Makes ring `y`. Each texel gives its light by nearness, which leaves the middle of all light where it is.
+    fn gather(&self, y: usize, row: &mut [Pixel]) {
+        let height = self.picture.height();
+        let mut weights = vec![0.0f32; row.len()];
+        let from = self.rows.partition_point(|at| *at <= y as f64 - 1.0);
+        let near = self.rows[from..].iter().map(|at| 1.0 - (at - y as f64).abs());
+        for (source, near) in (from..).zip(near.take_while(|near| *near > 0.0)) {
+            let area = scalar::sin((source as f64 + 0.5) * PI / height as f64) * near;
+            for (x, (left, between)) in self.columns.iter().enumerate() {
+                let light = texel(self.picture, x, source);
+                let (share, right) = (between * area, if left + 1 == row.len() { 0 } else { left + 1 });
+                for (column, weight) in [(*left, (area - share) as f32), (right, share as f32)] {
+                    accumulate(&mut row[column], weight, &light);
+                    weights[column] += weight;
+                }
             }
         }
-    }
-    for (pixel, weight) in row.iter_mut().zip(weights) {
-        *pixel = pixel.map(|v| v / weight);
+        for (pixel, weight) in row.iter_mut().zip(weights) {
+            *pixel = pixel.map(|v| v / weight);
+        }
     }
 }
 
@@ -75,6 +94,7 @@ fn gather(picture: &Equirect, y: usize, height: usize, row: &mut [Pixel]) {
 mod tests {
     use super::*;
     use crate::image::Image;
+    use crate::math::SimdLevel;
 
     #[test]
     fn sizes_can_be_halved_until_few_pixels_are_left() {
@@ -82,7 +102,7 @@ mod tests {
             [(1, 256), (600, 600), (1000, 1000), (1023, 1020), (1024, 1024), (9000, 2048)]
         {
             let image = Image::new(width, 2, [1.0; 4]).unwrap();
-            let rings = rings(&Equirect::new(&image));
+            let rings = rings(SimdLevel::fastest(), &Equirect::new(&image));
             assert_eq!((rings.width, rings.height), (expected, expected / 2));
             assert!(rings.pixels.iter().all(|pixel| (pixel[0] - 1.0).abs() < 1e-6));
         }
@@ -94,7 +114,7 @@ mod tests {
         let mut image = Image::new(4100, 2050, [0.0, 0.0, 0.0, 1.0]).unwrap();
         let (x, y) = (1000, 700);
         image.pixels_mut()[y * 4100 + x][0] = 1000.0;
-        let rings = rings(&Equirect::new(&image));
+        let rings = rings(SimdLevel::fastest(), &Equirect::new(&image));
         let (mut light, mut middle) = (0.0, [0.0, 0.0]);
         for (i, pixel) in rings.pixels.iter().enumerate() {
             let area = scalar::sin(rings.polar(i / rings.width)) * f64::from(pixel[0]);

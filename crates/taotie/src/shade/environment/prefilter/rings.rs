@@ -1,15 +1,18 @@
 //! Pictures of the sphere on rings of latitude, and smooth lookup in them.
 
-use crate::math::scalar;
+use crate::math::{Lane, MOST_LANES, Pack, dispatch_registers, scalar};
 use crate::parallel;
+use fearless_simd::{Level, Simd, f32x4, f32x16, prelude::*};
 use std::f64::consts::PI;
 
 /// A pixel: linear RGB, and a fourth number that is carried along for the sake of speed.
 pub(super) type Pixel = [f32; 4];
 
 /// An equirectangular image on its way.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) struct Rings {
+    /// What its pixels are computed by; all levels give the same bits.
+    pub(super) level: Level,
     /// Pixels a ring, even.
     pub(super) width: usize,
     /// Rings; that of row y lies at the polar angle (y + ½)π/height.
@@ -26,10 +29,30 @@ pub(super) enum Areas {
     Smooth,
 }
 
+/// The polar angle of ring `y` of `height`.
+pub(super) fn polar(height: usize, y: usize) -> f64 {
+    (y as f64 + 0.5) * (PI / height as f64)
+}
+
+/// The weight of a pixel in each of `height` rows. Source of the smooth ones: Fejér's first rule, as in Waldvogel 2006,
+/// eq. 2.3.
+pub(super) fn areas(height: usize, kind: &Areas) -> Vec<f64> {
+    let smooth = |polar: f64| {
+        let term = |k: usize| scalar::cos(2.0 * k as f64 * polar) / (4 * k * k - 1) as f64;
+        1.0 - 2.0 * (1..=height / 2).map(term).sum::<f64>()
+    };
+    let area = |polar| match kind {
+        Areas::Solid => scalar::sin(polar),
+        Areas::Smooth => smooth(polar),
+    };
+    parallel::collect(height, |y| area(polar(height, y)))
+}
+
 impl Rings {
-    /// All black.
-    pub(super) fn black(width: usize, height: usize) -> Self {
-        Self { width, height, pixels: vec![[0.0; 4]; width * height] }
+    /// All black, `width` pixels a ring and half as many rings.
+    pub(super) fn black(level: Level, width: usize) -> Self {
+        let height = width / 2;
+        Self { level, width, height, pixels: vec![[0.0; 4]; width * height] }
     }
 
     /// The angle between rings.
@@ -39,73 +62,82 @@ impl Rings {
 
     /// The polar angle of a ring.
     pub(super) fn polar(&self, y: usize) -> f64 {
-        (y as f64 + 0.5) * self.step()
+        polar(self.height, y)
     }
 
     pub(super) fn row(&self, y: usize) -> &[Pixel] {
         &self.pixels[y * self.width..][..self.width]
     }
 
-    /// The weight of a pixel in each row. Source of the smooth ones: Fejér's first rule, as in Waldvogel 2006, eq. 2.3.
-    pub(super) fn areas(&self, kind: &Areas) -> Vec<f64> {
-        let smooth = |polar: f64| {
-            let term = |k: usize| scalar::cos(2.0 * k as f64 * polar) / (4 * k * k - 1) as f64;
-            1.0 - 2.0 * (1..=self.height / 2).map(term).sum::<f64>()
-        };
-        let area = |polar| match kind {
-            Areas::Solid => scalar::sin(polar),
-            Areas::Smooth => smooth(polar),
-        };
-        (0..self.height).map(|y| area(self.polar(y))).collect()
-    }
-
-    /// Adds images of the same size, each times its weight.
-    pub(super) fn add(&mut self, others: &[(f32, &Self)]) {
-        parallel::pieces(&mut self.pixels, self.width, &|y, row| {
-            for (weight, other) in others {
-                for (pixel, other) in row.iter_mut().zip(other.row(y)) {
-                    accumulate(pixel, *weight, other);
-                }
+    /// The image, doubled until its rings have `width` pixels, and images of that size added, each times its weight.
+    /// `spare` pixels are written over.
+    pub(super) fn added(mut self, others: &[(f32, &Self)], width: usize, spare: &mut Vec<Pixel>) -> Self {
+        if self.width < width {
+            while self.width * 2 < width {
+                self = self.doubled(&[], Vec::new());
             }
-        });
-    }
-
-    /// The image on twice as many rings of twice as many pixels, by the same cubic as [`Self::cubic`].
-    pub(super) fn doubled(&self) -> Self {
-        let mut output = Self::black(self.width * 2, self.height * 2);
-        parallel::pieces(&mut output.pixels, self.width * 2, &|y, row| {
-            let (first, weights) = halfway(y);
-            let mut down = vec![[0.0; 4]; self.width];
-            for (k, weight) in weights.into_iter().enumerate() {
-                let (from, turn) = self.through_pole(first + k as isize);
-                let (early, late) = self.row(from).split_at(turn as usize);
-                for (sum, pixel) in down.iter_mut().zip(late.iter().chain(early)) {
-                    accumulate(sum, weight, pixel);
-                }
-            }
-            for (x, pixel) in row.iter_mut().enumerate() {
-                let (first, weights) = halfway(x);
-                *pixel = across(&down, first, weights);
-            }
-        });
-        output
-    }
-
-    /// The image at (u, v) in [0, 1]² by Catmull and Rom's cubic, smooth across the seam and through the poles.
-    pub(super) fn cubic(&self, [u, v]: [f32; 2]) -> Pixel {
-        // One pixel on, so that what is cut off is what lies below.
-        let (x, y) = (u * self.width as f32 + 0.5, v * self.height as f32 + 0.5);
-        let (left, top) = (x as isize, y as isize);
-        let (weights, down) = (catmull_rom(x - left as f32), catmull_rom(y - top as f32));
-        let mut sum = [0.0; 4];
-        for (k, weight) in down.into_iter().enumerate() {
-            let (row, turn) = self.through_pole(top + k as isize - 2);
-            accumulate(&mut sum, weight, &across(self.row(row), left - 2 + turn, weights));
+            return self.doubled(others, std::mem::take(spare));
         }
-        sum
+        let level = self.level;
+        parallel::pieces(&mut self.pixels, self.width, &|y, row| {
+            dispatch_registers!(level, _simd => add_rows(row, y, others));
+        });
+        self
+    }
+
+    /// The image on twice as many rings of twice as many pixels, by the same cubic as [`Self::cubic`], and images of that
+    /// size added, each times its weight. `pixels` are written over.
+    fn doubled(&self, others: &[(f32, &Self)], mut pixels: Vec<Pixel>) -> Self {
+        let (level, width, height) = (self.level, self.width * 2, self.height * 2);
+        if pixels.len() != width * height {
+            pixels = vec![[0.0; 4]; width * height];
+        }
+        parallel::pieces(&mut pixels, width, &|y, row| {
+            dispatch_registers!(level, simd => {
+                widen(simd, &self.between_rings(y), row);
+                add_rows(row, y, others);
+            });
+        });
+        Self { level, width, height, pixels }
+    }
+
+    /// The ring `y` of twice as many, with two more pixels at each end.
+    #[inline(always)]
+    fn between_rings(&self, y: usize) -> Vec<Pixel> {
+        let (first, weights) = halfway(y);
+        let mut sums = vec![[0.0; 4]; self.width + 4];
+        let (inside, end) = (2..self.width + 2, self.width + 2);
+        for (k, weight) in weights.into_iter().enumerate() {
+            let (from, turn) = self.through_pole(first + k as isize);
+            let (early, late) = self.row(from).split_at(turn as usize);
+            let (left, right) = sums[inside.clone()].split_at_mut(late.len());
+            add_row(left, weight, late);
+            add_row(right, weight, early);
+        }
+        sums.copy_within(self.width..end, 0);
+        sums.copy_within(2..4, end);
+        sums
+    }
+
+    /// The image at places (u, v) in [0, 1]² by Catmull and Rom's cubic, smooth across the seam and through the poles.
+    #[inline(always)]
+    pub(super) fn cubic<S: Simd>(&self, simd: S, [u, v]: [&[f32]; 2], out: &mut [Pixel; MOST_LANES]) {
+        let across = Taps::new::<f32x16<S>>(simd, u, self.width);
+        let down = Taps::new::<f32x16<S>>(simd, v, self.height);
+        for (i, out) in out.iter_mut().enumerate() {
+            let weights = across.weights(simd, i);
+            let (left, top) = (across.first[i] as isize - 2, down.first[i] as isize - 2);
+            let mut rows = weights;
+            for (k, sum) in rows.iter_mut().enumerate() {
+                let (row, turn) = self.through_pole(top + k as isize);
+                *sum = weighted(weights, four(simd, self.row(row), left + turn));
+            }
+            *out = weighted(down.weights(simd, i), rows).into();
+        }
     }
 
     /// The row that lies `y` rows from the top if one walks on beyond the poles, and how far it is turned.
+    #[inline(always)]
     fn through_pole(&self, y: isize) -> (usize, isize) {
         let (height, turned) = (self.height as isize, self.width as isize / 2);
         match y {
@@ -116,21 +148,91 @@ impl Rings {
     }
 }
 
-/// Four neighbours of a row from column `x` on, weighted. The column is at most one row's length outside.
-#[inline(always)]
-fn across(row: &[Pixel], x: isize, weights: [f32; 4]) -> Pixel {
-    let width = row.len() as isize;
-    let mut sum = [0.0; 4];
-    if x >= 0 && x + 4 <= width {
-        for (weight, pixel) in weights.into_iter().zip(&row[x as usize..]) {
-            accumulate(&mut sum, weight, pixel);
+/// The four pixels along one coordinate around each of some places.
+struct Taps {
+    /// The number of the first one, and two.
+    first: [u32; MOST_LANES],
+    weights: [[f32; MOST_LANES]; 4],
+}
+
+impl Taps {
+    /// Finds the pixels around coordinates in [0, 1] of `count` pixels, as many as a pack holds.
+    #[inline(always)]
+    fn new<P: Pack>(token: P::Token, coordinates: &[f32], count: usize) -> Self {
+        let mut taps = Self { first: [0; MOST_LANES], weights: [[0.0; MOST_LANES]; 4] };
+        // One pixel on, so that what is cut off is what lies below.
+        let x = P::load(token, coordinates) * P::splat(token, count as f32) + P::splat(token, 0.5);
+        let first = x.floor();
+        first.store_words(&mut taps.first);
+        for (stored, weights) in taps.weights.iter_mut().zip(catmull_rom(x - first)) {
+            weights.store(stored);
         }
-    } else {
-        for (k, weight) in weights.into_iter().enumerate() {
-            accumulate(&mut sum, weight, &row[(x + k as isize).rem_euclid(width) as usize]);
-        }
+        taps
     }
-    sum
+
+    /// The weights of the pixels around place `i`.
+    #[inline(always)]
+    fn weights<S: Simd>(&self, simd: S, i: usize) -> [f32x4<S>; 4] {
+        let [a, b, c, d] = &self.weights;
+        splats(simd, [a[i], b[i], c[i], d[i]])
+    }
+}
+
+/// Four neighbours of a row from column `x` on, which is at most one row's length outside.
+#[inline(always)]
+fn four<S: Simd>(simd: S, row: &[Pixel], x: isize) -> [f32x4<S>; 4] {
+    let at = |k: isize| row[(x + k).rem_euclid(row.len() as isize) as usize];
+    if x >= 0
+        && let Some(four) = row.get(x as usize..).and_then(|right| right.first_chunk())
+    {
+        load(simd, four)
+    } else {
+        load(simd, &[at(0), at(1), at(2), at(3)])
+    }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, [a, b, c, d]: &[Pixel; 4]) -> [f32x4<S>; 4] {
+    [
+        f32x4::simd_from(simd, *a),
+        f32x4::simd_from(simd, *b),
+        f32x4::simd_from(simd, *c),
+        f32x4::simd_from(simd, *d),
+    ]
+}
+
+#[inline(always)]
+fn splats<S: Simd>(simd: S, [a, b, c, d]: [f32; 4]) -> [f32x4<S>; 4] {
+    [f32x4::splat(simd, a), f32x4::splat(simd, b), f32x4::splat(simd, c), f32x4::splat(simd, d)]
+}
+
+#[inline(always)]
+fn weighted<S: Simd>([a, b, c, d]: [f32x4<S>; 4], pixels: [f32x4<S>; 4]) -> f32x4<S> {
+    a * pixels[0] + b * pixels[1] + c * pixels[2] + d * pixels[3]
+}
+
+/// Puts values between those of a ring that has two more pixels at each end.
+#[inline(always)]
+fn widen<S: Simd>(simd: S, ring: &[Pixel], row: &mut [Pixel]) {
+    let (even, odd) = (splats(simd, halfway(0).1), splats(simd, halfway(1).1));
+    for (pair, near) in row.as_chunks_mut::<2>().0.iter_mut().zip(ring.windows(5)) {
+        let [a, b, c, d, e] = [near[0], near[1], near[2], near[3], near[4]];
+        let (left, right) = (load(simd, &[a, b, c, d]), load(simd, &[b, c, d, e]));
+        *pair = [weighted(even, left).into(), weighted(odd, right).into()];
+    }
+}
+
+/// Adds the rings `y` of other images, each times its weight.
+#[inline(always)]
+fn add_rows(row: &mut [Pixel], y: usize, others: &[(f32, &Rings)]) {
+    others.iter().for_each(|(weight, other)| add_row(row, *weight, other.row(y)));
+}
+
+#[inline(always)]
+fn add_row(sums: &mut [Pixel], weight: f32, pixels: &[Pixel]) {
+    for (sum, value) in sums.as_flattened_mut().iter_mut().zip(pixels.as_flattened()) {
+        *sum += weight * value;
+    }
 }
 
 /// The neighbours of pixel `x` of twice as many: the first of four among the half, and their weights.
@@ -150,7 +252,13 @@ pub(super) fn accumulate(sum: &mut Pixel, weight: f32, pixel: &Pixel) {
 ///
 /// Source: Catmull and Rom 1974; Keys 1981, eq. 15 with a = −½.
 #[inline(always)]
-pub(super) fn catmull_rom(t: f32) -> [f32; 4] {
+pub(super) fn catmull_rom<L: Lane>(t: L) -> [L; 4] {
+    let (half, one, half3, two, half5) = (t.lit(0.5), t.lit(1.0), t.lit(1.5), t.lit(2.0), t.lit(2.5));
     let (t2, t3) = (t * t, t * t * t);
-    [-0.5 * t3 + t2 - 0.5 * t, 1.5 * t3 - 2.5 * t2 + 1.0, -1.5 * t3 + 2.0 * t2 + 0.5 * t, 0.5 * t3 - 0.5 * t2]
+    [
+        -half * t3 + t2 - half * t,
+        half3 * t3 - half5 * t2 + one,
+        -half3 * t3 + two * t2 + half * t,
+        half * t3 - half * t2,
+    ]
 }
