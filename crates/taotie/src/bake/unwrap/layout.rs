@@ -128,7 +128,8 @@ impl Search<'_> {
     fn run(&self, start: f64, progress: Progress<'_>) -> Result<Option<Fit>> {
         let (width, side) = (f64::from(self.cells.bin.width), f64::from(self.cells.side));
         // A UV island that is longer than the bin fits in no turn.
-        let mut known = Known { fits: 0.0, fails: f64::INFINITY, most: 0.9998 * width / longest_side(self.laid) };
+        let mut known =
+            Known { fits: 0.0, fails: f64::INFINITY, most: 0.9998 * width / longest_side(self.laid) };
         let (mut scale, mut best) = ((start / side).min(0.999 * known.most), None);
         for attempt in 0..MOST_TRIES {
             progress.at(attempt.min(self.tries) as f64 / (self.tries + 1) as f64)?;

@@ -181,7 +181,8 @@ fn keep(columns: &[Run], free: &[Run], [from, to]: Run, kept: &mut Vec<Run>) {
             i += 1;
         }
         for free in free[i..].iter().take_while(|free| free[0] < end + from) {
-            let columns = [free[0].saturating_sub(from).max(*first), (free[1] + 1).saturating_sub(to).min(*end)];
+            let columns =
+                [free[0].saturating_sub(from).max(*first), (free[1] + 1).saturating_sub(to).min(*end)];
             if columns[0] < columns[1] {
                 kept.push(columns);
             }
