@@ -94,9 +94,9 @@ ABOUT_SLOPES = (
 )
 
 ABOUT_TRUTHS = (
-    "Both programs compute the same. How far Taotie's pictures of 16,384 paths are from Mitsuba's, by pixels and by their "
-    "means: they differ where surfaces are seen or lit at a grazing angle, since Smith's masking is one for light and view "
-    "together in Taotie and a product of two in Mitsuba, and since shadow rays begin at other heights. Starts are what is "
+    "How far Taotie's pictures of 16,384 paths are from Mitsuba's, by pixels and by their means. Both are to compute the "
+    "same; what is known to differ is Smith's masking, which is one for light and view together in Taotie and a product of "
+    "two in Mitsuba, and the height at which shadow rays begin. Starts are what is "
     "not counted above: Taotie's tree of triangles, Mitsuba's compiling for a number of paths."
 )
 
