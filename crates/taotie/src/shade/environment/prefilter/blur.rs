@@ -1,11 +1,13 @@
 //! Blurring an image of the sphere by a lobe, exactly alike everywhere: near the poles too, where pixels are narrow.
 
 use super::lobe::Fisher;
-use super::rings::{Pixel, Rings, accumulate, catmull_rom};
+use super::rings::{Areas, Pixel, Rings, accumulate, areas, catmull_rom, polar};
 use crate::math::{dispatch_registers, scalar};
 use crate::parallel;
 use fearless_simd::{Level, Simd, f32x4, f32x16, prelude::*};
+use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 /// Lobes are cut where exp(−κq) falls below exp(−`REACH`).
 const REACH: f64 = 10.0;
@@ -13,18 +15,52 @@ const REACH: f64 = 10.0;
 /// The fewest pixels of a ring that are summed up; the others lie between them.
 const FEWEST: usize = 8;
 
-/// `input` blurred by `lobe`, on rings of `width` pixels, half as many rings. The width is that of `input` or half
-/// of it; `areas` are the weights of the input's pixels in each row.
-pub(super) fn blur(input: &Rings, areas: &[f64], lobe: Fisher, width: usize) -> Rings {
-    let mut output = Rings::black(input.level, width);
-    let polars: Vec<f64> = (0..output.height).map(|y| output.polar(y)).collect();
-    let sources = InputRings::new(input, areas, input.width / width);
-    parallel::pieces(&mut output.pixels, width, &|y, row| {
-        let stride = stride(width, polars[y]);
-        sources.sum(lobe, polars[y], stride, row);
-        fill(row, stride);
-    });
-    output
+/// Blurs images, one after the other in the same memory.
+pub(super) struct Blurring {
+    /// The smooth weights of pixels in each row, by the width of an image.
+    areas: BTreeMap<usize, Vec<f64>>,
+    /// What was [`InputRings::twice`] last.
+    twice: Vec<Pixel>,
+}
+
+impl Blurring {
+    /// For images of these widths.
+    pub(super) fn new(widths: &[usize]) -> Self {
+        let smooth = |width: &usize| (*width, areas(*width / 2, &Areas::Smooth));
+        Self { areas: widths.iter().map(smooth).collect(), twice: Vec::new() }
+    }
+
+    /// The weights of the pixels of an image in each row.
+    pub(super) fn areas(&self, input: &Rings) -> &[f64] {
+        &self.areas[&input.width]
+    }
+
+    /// An image whose texels are even, blurred by `lobe`.
+    pub(super) fn first(&mut self, input: &Rings, lobe: Fisher) -> Rings {
+        let twice = std::mem::take(&mut self.twice);
+        let sources = InputRings::new(input, &areas(input.height, &Areas::Solid), (1, twice));
+        self.blurred(sources, lobe)
+    }
+
+    /// A smooth image blurred by `lobe`, on rings of `width` pixels: its width, or half of it.
+    pub(super) fn next(&mut self, input: &Rings, lobe: Fisher, width: usize) -> Rings {
+        let twice = std::mem::take(&mut self.twice);
+        let sources = InputRings::new(input, self.areas(input), (input.width / width, twice));
+        self.blurred(sources, lobe)
+    }
+
+    fn blurred(&mut self, sources: InputRings, lobe: Fisher) -> Rings {
+        let mut output = Rings::black(sources.level, sources.width / sources.ratio);
+        let width = output.width;
+        parallel::pieces(&mut output.pixels, width, &|y, row| {
+            let polar = polar(width / 2, y);
+            let stride = stride(width, polar);
+            sources.sum(lobe, polar, stride, row);
+            fill(row, stride);
+        });
+        self.twice = sources.twice;
+        output
+    }
 }
 
 /// Every how many pixels of a ring one is needed, so that they lie no farther apart than rings do.
@@ -60,32 +96,43 @@ struct InputRings {
     /// The sine of half the turn from the middle of the output's first pixel to each pixel.
     turns: Vec<f64>,
     rings: Vec<InputRing>,
+    /// The pixels of each ring, twice in a row and a little further so that no sum meets its end.
+    twice: Vec<Pixel>,
 }
 
-/// A ring of the input, twice in a row and a little further so that no sum meets its end.
+/// A ring of the input.
 struct InputRing {
     polar: f64,
     /// The sine of it.
     sine: f64,
     area: f64,
-    twice: Vec<Pixel>,
 }
 
 impl InputRings {
-    fn new(input: &Rings, areas: &[f64], ratio: usize) -> Self {
+    /// Makes them for an output of so many pixels less along a ring; `twice` is written over.
+    fn new(input: &Rings, areas: &[f64], (ratio, mut twice): (usize, Vec<Pixel>)) -> Self {
         let ring = |y: usize| {
-            let (row, polar) = (input.row(y), input.polar(y));
-            let twice = [row, row, &row[..NEIGHBOURS]].concat();
-            InputRing { polar, sine: scalar::sin(polar), area: areas[y], twice }
+            let polar = input.polar(y);
+            InputRing { polar, sine: scalar::sin(polar), area: areas[y] }
         };
         let step = TAU / input.width as f64;
         let turn = |x: usize| scalar::sin((x as f64 - middle(ratio)) * step / 2.0);
+        let room = 2 * input.width + NEIGHBOURS;
+        if twice.len() != room * input.height {
+            twice = vec![[0.0; 4]; room * input.height];
+        }
+        parallel::pieces(&mut twice, room, &|y, twice| {
+            for part in twice.chunks_mut(input.width) {
+                part.copy_from_slice(&input.row(y)[..part.len()]);
+            }
+        });
         Self {
             level: input.level,
             width: input.width,
             ratio,
             turns: (0..input.width).map(turn).collect(),
-            rings: parallel::tasks(input.height, &ring),
+            rings: (0..input.height).map(ring).collect(),
+            twice,
         }
     }
 
@@ -93,7 +140,7 @@ impl InputRings {
     fn sum(&self, lobe: Fisher, polar: f64, stride: usize, row: &mut [Pixel]) {
         let here = [polar, scalar::sin(polar)];
         let near = self.near(lobe, polar);
-        let mut parts: Vec<Part<'_>> = near.iter().filter_map(|ring| self.part(ring, lobe, here)).collect();
+        let mut parts: Vec<Part<'_>> = near.filter_map(|y| self.part(y, lobe, here)).collect();
         let total: f64 = parts.iter().flat_map(|part| &part.shares).sum();
         for part in &mut parts {
             part.weights = part.shares.iter().map(|share| (share / total) as f32).collect();
@@ -152,18 +199,19 @@ impl InputRings {
         }
     }
 
-    /// All rings that the lobe may reach from the ring at `polar`.
-    fn near(&self, lobe: Fisher, polar: f64) -> &[InputRing] {
+    /// The numbers of all rings that the lobe may reach from the ring at `polar`.
+    fn near(&self, lobe: Fisher, polar: f64) -> Range<usize> {
         let reach = 2.0 * scalar::asin((REACH / lobe.kappa / 2.0).sqrt().min(1.0));
         let place = |polar: f64| polar / PI * self.rings.len() as f64;
         // One more on each side, and negative numbers become 0.
         let first = (place(polar - reach) - 2.0) as usize;
         let end = (place(polar + reach) + 2.0) as usize;
-        &self.rings[first..end.min(self.rings.len())]
+        first..end.min(self.rings.len())
     }
 
-    /// The part of a ring that the lobe reaches from the ring at a polar angle, told with its sine.
-    fn part<'a>(&self, ring: &'a InputRing, lobe: Fisher, [polar, sine]: [f64; 2]) -> Option<Part<'a>> {
+    /// The part of ring `y` that the lobe reaches from the ring at a polar angle, told with its sine.
+    fn part(&self, y: usize, lobe: Fisher, [polar, sine]: [f64; 2]) -> Option<Part<'_>> {
+        let ring = &self.rings[y];
         let apart = scalar::sin((polar - ring.polar) / 2.0);
         let round = 2.0 * sine * ring.sine;
         // q = 2 sin²(Δθ/2) + 2 sin θ sin θ' sin²(Δφ/2)
@@ -185,7 +233,9 @@ impl InputRings {
         let count = last.max(mirrored(first)) as usize + 1;
         let right: Vec<f64> = self.turns[..count].iter().map(share).collect();
         let shares = (first..=last).map(|x| right[mirrored(x) as usize]).collect();
-        Some(Part { first, shares, weights: Vec::new(), twice: &ring.twice })
+        let room = 2 * self.width + NEIGHBOURS;
+        let twice = &self.twice[y * room..][..room];
+        Some(Part { first, shares, weights: Vec::new(), twice })
     }
 }
 

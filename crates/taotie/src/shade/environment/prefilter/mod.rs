@@ -17,12 +17,11 @@ use super::levels::{Levels, RoughnessLevel, alphas};
 use super::octahedron::{self, Octahedron};
 use crate::math::{MOST_LANES, Pack, SimdLevel, dispatch_pack, dispatch_registers, quadrature};
 use crate::parallel;
-use blur::blur;
+use blur::Blurring;
 use fearless_simd::{Level, Simd};
 use harmonics::{Grid, Harmonics};
 use lobe::{Coefficients, Fisher, Ggx};
-use rings::{Areas, Pixel, Rings, accumulate, areas};
-use std::collections::BTreeMap;
+use rings::{Pixel, Rings, accumulate};
 use std::f64::consts::{SQRT_2, TAU};
 
 /// Up to this degree light is kept as spherical harmonics.
@@ -108,17 +107,16 @@ impl<'a> Scales<'a> {
         let coarsest = widths[widths.len() - 1];
         let shown =
             |width: usize, sigma: f64| sigma > TAU / width as f64 * SHOWN[usize::from(width == coarsest)];
-        let smooth = |width: &usize| (*width, areas(*width / 2, &Areas::Smooth));
-        let smooth: BTreeMap<usize, Vec<f64>> = widths.iter().map(smooth).collect();
+        let mut blurring = Blurring::new(&widths);
         let mut blurred: Vec<Scale> = Vec::new();
         let mut sigma = NARROWEST * base.step();
         while sigma < WIDEST {
             let width = widths.iter().rfind(|width| shown(**width, sigma)).unwrap_or(&base.width);
             let next = match blurred.last() {
                 Some(last) if sigma > base.step() * 1.1 => {
-                    Scale::after(last, &smooth[&last.rings.width], Fisher::of_width(sigma), *width)
+                    Scale::after(last, Fisher::of_width(sigma), *width, &mut blurring)
                 }
-                _ => Scale::first(&base, Fisher::of_width(sigma)),
+                _ => Scale::first(&base, Fisher::of_width(sigma), &mut blurring),
             };
             blurred.push(next);
             sigma *= SQRT_2;
@@ -127,7 +125,7 @@ impl<'a> Scales<'a> {
         let reference = reference.unwrap_or(blurred.len() - 1);
         let rings = &blurred[reference].rings;
         let grids = [rings.width, rings.width / 2].map(|width| Grid::new(width, DEGREE));
-        let harmonics = Harmonics::new(rings, &smooth[&rings.width], &grids[0]);
+        let harmonics = Harmonics::new(rings, blurring.areas(rings), &grids[0]);
         let rule = quadrature::gauss_legendre(64);
         Self { picture, widths, blurred, harmonics, reference, grids, rule }
     }
@@ -159,14 +157,13 @@ impl<'a> Scales<'a> {
 }
 
 impl Scale {
-    fn first(base: &Rings, lobe: Fisher) -> Self {
-        let rings = blur(base, &areas(base.height, &Areas::Solid), lobe, base.width);
-        Self { lobe, rings, coefficients: lobe.coefficients(DEGREE) }
+    fn first(base: &Rings, lobe: Fisher, blurring: &mut Blurring) -> Self {
+        Self { lobe, rings: blurring.first(base, lobe), coefficients: lobe.coefficients(DEGREE) }
     }
 
-    fn after(narrower: &Self, areas: &[f64], lobe: Fisher, width: usize) -> Self {
+    fn after(narrower: &Self, lobe: Fisher, width: usize, blurring: &mut Blurring) -> Self {
         let step = lobe.after(narrower.lobe);
-        let rings = blur(&narrower.rings, areas, step, width);
+        let rings = blurring.next(&narrower.rings, step, width);
         let both = narrower.coefficients.iter().zip(step.coefficients(DEGREE));
         Self { lobe, rings, coefficients: both.map(|(a, b)| a * b).collect() }
     }
