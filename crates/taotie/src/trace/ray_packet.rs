@@ -70,11 +70,12 @@ impl<'a> RayPacket<'a> {
         Some(Self { rays, view, corner, scale, cells, starts, order, columns })
     }
 
-    /// The cells that an interval of columns (0) or rows (1) touches.
-    fn cells(&self, axis: usize, low: f32, high: f32) -> [usize; 2] {
-        let cell = |v: f32| ((v - self.corner[axis]) * self.scale[axis]).max(0.0) as usize;
-        let slack = self.view.slack[axis];
-        [cell(low - slack), cell(high + slack).min(self.cells[axis] - 1)]
+    /// Returns the columns (0) or rows (1) of cells in which places up to these coordinates lie, not yet rounded down.
+    #[inline(always)]
+    fn in_cells<P: Pack>(&self, token: P::Token, axis: usize, places: P) -> P {
+        let [corner, scale] = [self.corner, self.scale].map(|v| P::splat(token, v[axis]));
+        let last = P::splat(token, (self.cells[axis] - 1) as f32);
+        ((places - corner) * scale).max(P::splat(token, 0.0)).min(last)
     }
 
     /// The least and the largest coordinate that matter.
@@ -185,11 +186,20 @@ fn touched<P: Pack>(token: P::Token, boxes: &Boxes, packet: &RayPacket<'_>) -> u
     touched
 }
 
-/// Columns and rows of a leaf's triangles.
+/// The first and last column and row of cells that the shadow of each of a leaf's triangles touches, not yet rounded
+/// down.
 #[derive(Default)]
 struct Shadows {
     low: [[f32; WIDTH]; 2],
     high: [[f32; WIDTH]; 2],
+}
+
+impl Shadows {
+    /// Returns the first and last column (0) or row (1) of cells of a triangle.
+    #[inline(always)]
+    fn cells(&self, axis: usize, triangle: usize) -> [usize; 2] {
+        [self.low[axis][triangle] as u32 as usize, self.high[axis][triangle] as u32 as usize]
+    }
 }
 
 impl Shadows {
@@ -215,8 +225,9 @@ impl Shadows {
                 within = within.and(least.le(P::splat(token, high)));
                 within = within.and(P::splat(token, low).le(most));
                 if axis < 2 {
-                    least.store(&mut self.low[axis][k..]);
-                    most.store(&mut self.high[axis][k..]);
+                    let slack = P::splat(token, packet.view.slack[axis]);
+                    packet.in_cells(token, axis, least - slack).store(&mut self.low[axis][k..]);
+                    packet.in_cells(token, axis, most + slack).store(&mut self.high[axis][k..]);
                 }
             }
             cast |= P::bits(within) << k;
@@ -241,26 +252,25 @@ fn in_shadow<P: Pack>(
     mut meet: impl FnMut(usize, f32, [f32; 3]) -> bool,
 ) -> bool {
     let Caster { packet, shadows, leaf, i } = *caster;
-    let [left, right] = packet.cells(0, shadows.low[0][i], shadows.high[0][i]);
-    let [top, bottom] = packet.cells(1, shadows.low[1][i], shadows.high[1][i]);
+    let [left, right] = shadows.cells(0, i);
+    let [top, bottom] = shadows.cells(1, i);
     for row in top..=bottom {
-        let first = packet.starts[row * packet.cells[0] + left.min(packet.cells[0] - 1)] as usize;
+        let first = packet.starts[row * packet.cells[0] + left] as usize;
         let end = packet.starts[row * packet.cells[0] + right + 1] as usize;
-        let mut from = first;
-        while from < end {
-            let (mut hit, mut unsure) = (0, 0);
-            let (mut distances, mut weights) = ([0.0; WIDTH], [[0.0; WIDTH]; 3]);
-            if let Some(edges) = packet.columns.edges::<P>(token, from, &leaf.corners, i) {
-                let met = edges.meet();
-                hit = P::bits(met.hit);
-                unsure = P::bits(edges.unsure);
-                met.distance.store(&mut distances);
-                for (weight, to) in met.weights.into_iter().zip(&mut weights) {
-                    weight.store(to);
-                }
-            }
+        for from in (first..end).step_by(P::LANES) {
+            let Some(edges) = packet.columns.edges::<P>(token, from, &leaf.corners, i) else { continue };
+            let met = edges.meet();
+            let unsure = P::bits(edges.unsure);
             let lanes = (end - from).min(P::LANES);
-            let mut any = (hit | unsure) & ((1 << lanes) - 1);
+            let mut any = (P::bits(met.hit) | unsure) & ((1 << lanes) - 1);
+            if any == 0 {
+                continue;
+            }
+            let (mut distances, mut weights) = ([0.0; WIDTH], [[0.0; WIDTH]; 3]);
+            met.distance.store(&mut distances);
+            for (weight, to) in met.weights.into_iter().zip(&mut weights) {
+                weight.store(to);
+            }
             while any != 0 {
                 let lane = any.trailing_zeros() as usize;
                 any &= any - 1;
@@ -275,7 +285,6 @@ fn in_shadow<P: Pack>(
                     return false;
                 }
             }
-            from += P::LANES;
         }
     }
     true
