@@ -1,4 +1,4 @@
-"""What times say that were taken in pairs: a loss, a gain, or neither.
+"""The verdict on times that were taken in pairs: a loss, a gain, or neither.
 
 A virtual machine changes its speed by a third from minute to minute. The two of a pair stand side by side, so a ratio of
 theirs is worth more than one of means; the median leaves out the pairs in between which the machine changed; and

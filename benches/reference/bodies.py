@@ -1,4 +1,4 @@
-"""What stands in the scenes, as arrays."""
+"""The bodies of the scenes, as arrays."""
 
 import dataclasses
 

@@ -1,4 +1,4 @@
-"""What a program's pictures of more and more paths tell: errors over seconds, and the time to an error."""
+"""The curve of a program's pictures of more and more paths: errors over seconds, and the time to an error."""
 
 import math
 import statistics

@@ -20,7 +20,7 @@ SAMPLER = "multijitter"
 
 
 def transform():
-    """Where the camera is."""
+    """The camera's place and direction."""
     return mi.ScalarTransform4f().look_at(origin=view.EYE, target=view.TARGET, up=[0, 1, 0])
 
 

@@ -54,7 +54,7 @@ def slopes(results):
 
 
 def truths(results):
-    """How far apart they are, and how long programs take before the first path."""
+    """The distances between them, and the time that programs take before the first path."""
     rows = []
     for result in results:
         own, other = result.truths["taotie"], result.truths["mitsuba"]

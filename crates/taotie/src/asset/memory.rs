@@ -3,7 +3,7 @@
 use super::options::BakeOptions;
 use super::packing::Packing;
 use super::scan_size::ScanSize;
-use crate::bake::{MapKind, Maps};
+use crate::bake::{MapKind, Maps, bytes_of_bands};
 use crate::error::{Error, Result};
 use crate::io::{Bytes, GltfImages, Limits};
 
@@ -36,6 +36,8 @@ pub struct Need {
     pub texels: u64,
     /// Bytes a texel over all maps while they are made.
     pub texel_bytes: u64,
+    /// Bytes of the bands of texels that threads bake at once.
+    pub band_bytes: u64,
     /// Bytes a texel over all maps as they are stored.
     pub stored_bytes: u64,
     /// Maps that are stored, at most.
@@ -54,7 +56,8 @@ pub struct Need {
 
 impl Need {
     pub(super) fn of(options: &BakeOptions, scan: ScanSize) -> Self {
-        let maps = maps(options, scan.carries).iter().count() as u64;
+        let wanted = maps(options, scan.carries);
+        let maps = wanted.iter().count() as u64;
         Self {
             scan,
             simplifies: options.low.is_none(),
@@ -62,6 +65,7 @@ impl Need {
             inspects: options.inspect,
             texels: options.map_size().map(u64::from).iter().product(),
             texel_bytes: texel_bytes(options, scan.carries),
+            band_bytes: bytes_of_bands(options.map_size(), options.side, wanted),
             stored_bytes: maps * codes(options),
             maps,
             materials: 1,
@@ -89,7 +93,7 @@ impl Need {
 
     /// Returns the whole, scan included: the most of what its stages take, one after the other.
     pub fn bytes(&self) -> Bytes {
-        /// The program itself, its threads' bands, and the low-poly mesh.
+        /// The program itself, its threads, and the low-poly mesh.
         const REST: u64 = 32 << 20;
         /// The same while tangents are made, and what was freed then and is not given back.
         const FRAMING_REST: u64 = 96 << 20;
@@ -123,7 +127,8 @@ impl Need {
         let beside = self.scan.triangles * SORTING.max(simplifying).max(inspecting);
         // One material is baked after the other.
         let stored = self.stored_of(self.materials.saturating_sub(1));
-        (self.scan.bytes() + beside.max(self.texels * self.texel_bytes)).saturating_add(stored)
+        let maps = (self.texels * self.texel_bytes).saturating_add(self.band_bytes);
+        self.scan.bytes().saturating_add(beside.max(maps)).saturating_add(stored)
     }
 
     /// Returns the bytes while textures are packed, one for each thread at a time.
@@ -257,6 +262,7 @@ mod tests {
             inspects: true,
             texels: 1 << 22,
             texel_bytes: 20,
+            band_bytes: 0,
             stored_bytes: 8,
             maps: 2,
             materials: 1,
@@ -288,6 +294,18 @@ mod tests {
         let textured = ScanSize { texture_bytes: 1 << 30, ..size };
         assert_eq!(need(textured), need(size) + (1 << 30));
     }
+
+    #[test]
+    fn each_thread_has_a_band_of_its_own() {
+        let of_threads = |count: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
+            pool.install(|| Need::of(&BakeOptions::default(), ScanSize::default()).bytes().0)
+        };
+        let band = (of_threads(16) - of_threads(2)) / 14;
+        assert!((6 << 20..8 << 20).contains(&band), "{band}");
+        assert_eq!(of_threads(1000), of_threads(64), "a map of 2048 rows has 64 bands");
+    }
+
     #[test]
     fn packing_and_proof_count_where_they_are_the_most() {
         let options = BakeOptions::default();

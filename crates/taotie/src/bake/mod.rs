@@ -51,6 +51,7 @@ pub use projection::{Correspondence, ProjectionRay};
 pub use scan::Scan;
 pub use simplify::{Simplified, SimplifyMethod, SimplifyOptions, simplify};
 pub use texel_surface::{SurfacePoint, TexelSurface};
+pub(crate) use texels::bytes_of_bands;
 pub use texels::{BakeCounts, BakeInput, BakeSettings, Baked, bake};
 pub use texture_lookup::LookupPoint;
 pub use textured_mesh::{TexturedMesh, lacks_tangents};

@@ -119,6 +119,15 @@ pub struct BakeInput<'a> {
     pub scan: &'a Scan,
 }
 
+/// Returns the bytes that threads take for bands of maps of this size, with `side` · `side` samples a texel.
+pub(crate) fn bytes_of_bands(size: [u32; 2], side: u32, maps: Maps) -> u64 {
+    let at_once = rayon::current_num_threads().min(size[1].div_ceil(BAND) as usize) as u64;
+    let owners = u64::from(side).pow(2) * size_of::<u32>() as u64;
+    let materials = if maps.has_any(&OF_MATERIALS) { size_of::<MaterialSums>() as u64 } else { 0 };
+    let texel = size_of::<Cell>() as u64 + owners + materials;
+    (at_once * u64::from(BAND)).saturating_mul(u64::from(size[0]) * texel)
+}
+
 /// Bakes the maps of a scan for a low-poly mesh.
 ///
 /// # Errors

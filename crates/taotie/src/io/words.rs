@@ -106,8 +106,9 @@ impl<'a> Words<'a> {
         self.parts(0)
     }
 
+    /// Passes over blanks within the line.
     #[inline]
-    fn skip_blanks(&mut self) {
+    pub fn skip_blanks(&mut self) {
         while let [b' ' | b'\t' | b'\r', rest @ ..] = self.rest {
             self.rest = rest;
         }

@@ -135,7 +135,7 @@ const PI: [f64; 2] = [std::f32::consts::PI as f64, -8.742_278e-8_f32 as f64];
 const ARC_TANGENT: [f32; 5] =
     [3.333_332_8e-1, -1.999_915_8e-1, 1.425_363_6e-1, -1.064_801_74e-1, 6.168_760_6e-2];
 
-/// Where a number is at least the first, its arc tangent is the second and the third more than that of a small one.
+/// Arcs: for numbers from the first on, the second and third are added to the arc tangent of a small one.
 const ARCS: [[f32; 3]; 4] = [
     [0.4375, f32::from_bits(0x3eed_6338), 5.012_158_2e-9],
     [0.6875, f32::from_bits(0x3f49_0fda), 3.774_894_7e-8],

@@ -200,9 +200,7 @@ impl Shadows {
     fn cells(&self, axis: usize, triangle: usize) -> [usize; 2] {
         [self.low[axis][triangle] as u32 as usize, self.high[axis][triangle] as u32 as usize]
     }
-}
 
-impl Shadows {
     /// Returns the triangles that may be met, a bit each.
     #[inline(always)]
     fn cast<P: Pack>(&mut self, token: P::Token, leaf: &Leaf, packet: &RayPacket<'_>) -> u64 {

@@ -9,9 +9,9 @@ use crate::parallel;
 use crate::progress::Progress;
 use std::cmp::Reverse;
 
-/// Cells along a side of the coarse bin, on which the scale is sought in several orders.
+/// Cells along a side of the coarse bin, on which a first scale is sought in one order.
 const COARSE: f64 = 256.0;
-/// Cells along a side of the fine bin, on which UV islands are placed in the best of them; the time that it takes
+/// Cells along a side of the fine bin, on which UV islands are placed in several orders; the time that it takes
 /// grows with the number of UV islands and the fourth power of this.
 const FINE: f64 = 1024.0;
 /// The same where there are more than [`MANY`] UV islands.
@@ -28,7 +28,7 @@ const EXACT: f64 = 1.004;
 /// The same after as many tries as there should be.
 const NEAR: f64 = 1.02;
 /// The first scale on the fine bin, times the best on the coarse one, whose cells waste more.
-const FINER: f64 = 1.02;
+const LESS_WASTE: f64 = 1.02;
 /// The orders that are tried: by half the circumference, the longer side, the cells, the shorter side; largest first.
 const ORDERS: [usize; 4] = [0, 1, 2, 3];
 
@@ -99,7 +99,7 @@ pub(super) fn lay_out(
         Start::Near(scale) => scale,
         Start::Guess(scale) => {
             let search = Search { laid, cells: &coarse, orders: &ORDERS[..1], tries: TRIES[0] };
-            search.run(scale, progress.part(0.0, 0.2))?.map_or(scale, |fit| fit.scale * FINER)
+            search.run(scale, progress.part(0.0, 0.2))?.map_or(scale, |fit| fit.scale * LESS_WASTE)
         }
     };
     let search = Search { laid, cells: &fine, orders: &ORDERS, tries: TRIES[1] };
@@ -152,7 +152,7 @@ impl Search<'_> {
     }
 }
 
-/// What is known of scales.
+/// The scales that were tried, as far as they bound the next one.
 struct Known {
     /// The largest at which UV islands were seen to fit, or 0.
     fits: f64,

@@ -37,7 +37,7 @@ struct Region {
 /// is computed in its turn; of equal worths the possible one comes first.
 type Pair = (u64, Worth, [u32; 2], [u32; 2]);
 
-/// How well the worth of a pair is known.
+/// The kind of a pair's worth: as computed, or the most that is possible.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Worth {
     Computed,

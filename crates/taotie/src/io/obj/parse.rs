@@ -77,7 +77,7 @@ impl Default for Whole {
 }
 
 impl Whole {
-    /// Where the next block starts.
+    /// Returns the start of the next block.
     fn offset(&self) -> FileOffset {
         let Obj { positions, uvs, normals, .. } = &self.obj;
         FileOffset { lines: self.lines, counts: [positions.len(), uvs.len(), normals.len()] }

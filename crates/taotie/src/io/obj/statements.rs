@@ -19,13 +19,13 @@ const INHERITED: u32 = u32::MAX - 1;
 
 /// Reads one block.
 pub(super) struct Parser {
-    /// Where the block starts; `None` where that is not known, and then relative indices are errors.
+    /// The start of the block; `None` where that is not known, and then relative indices are errors.
     start: Option<FileOffset>,
     /// The content of the block. Corners count from the start of the file, all else from that of the block.
     pub obj: Obj,
     /// The number of lines.
     pub lines: usize,
-    /// What could not be read.
+    /// Statements that were left out, counted.
     pub warnings: Warnings,
     /// The material of the last statement.
     pub material: u32,

@@ -184,7 +184,7 @@ impl<'a> Element<'a> {
         Some(self.columns(|row| words(&row[start..]).map(f32::from_le_bytes)))
     }
 
-    /// What `of` makes of the numbers of consecutive slots as in [`Self::floats`], where these are `uchar`.
+    /// Returns `of` the numbers of consecutive slots as in [`Self::floats`], where these are `uchar`.
     pub fn bytes<const N: usize>(
         &self,
         slot: usize,
@@ -199,7 +199,7 @@ impl<'a> Element<'a> {
         self.properties.iter().any(|p| p.role == Role::Slot(slot))
     }
 
-    /// What `of` makes of each row, which all have as many bytes.
+    /// Returns `of` each row, which all have as many bytes.
     fn columns<const N: usize>(&self, of: impl Fn(&[u8]) -> [f32; N] + Sync) -> Vec<[f32; N]> {
         let row = self.row.unwrap_or(1).max(1);
         let mut columns = vec![[0.0; N]; self.count];

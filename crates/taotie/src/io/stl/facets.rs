@@ -73,7 +73,7 @@ fn read_piece(pieces: &[&[u8]], number: usize) -> Option<Vec<Vec3>> {
 /// Passes over the line that begins a solid, whatever its name is.
 fn begin_solid(words: &mut Words) -> Option<()> {
     words.skip_empty_lines();
-    words.at_end_of_line();
+    words.skip_blanks();
     let start = words.rest().get(..5)?;
     let is_solid = start.eq_ignore_ascii_case(b"solid") && words.rest().contains(&b'\n');
     is_solid.then(|| words.skip_line())

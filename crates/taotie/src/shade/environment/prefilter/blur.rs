@@ -19,7 +19,7 @@ const FEWEST: usize = 8;
 pub(super) struct Blurring {
     /// The smooth weights of pixels in each row, by the width of an image.
     areas: BTreeMap<usize, Vec<f64>>,
-    /// What was [`InputRings::twice`] last.
+    /// The memory of [`InputRings::twice`], from blur to blur.
     twice: Vec<Pixel>,
 }
 
@@ -38,14 +38,14 @@ impl Blurring {
     /// An image whose texels are even, blurred by `lobe`.
     pub(super) fn first(&mut self, input: &Rings, lobe: Fisher) -> Rings {
         let twice = std::mem::take(&mut self.twice);
-        let sources = InputRings::new(input, &areas(input.height, &Areas::Solid), (1, twice));
+        let sources = InputRings::new(input, &areas(input.height, &Areas::Solid), 1, twice);
         self.blurred(sources, lobe)
     }
 
     /// A smooth image blurred by `lobe`, on rings of `width` pixels: its width, or half of it.
     pub(super) fn next(&mut self, input: &Rings, lobe: Fisher, width: usize) -> Rings {
         let twice = std::mem::take(&mut self.twice);
-        let sources = InputRings::new(input, self.areas(input), (input.width / width, twice));
+        let sources = InputRings::new(input, self.areas(input), input.width / width, twice);
         self.blurred(sources, lobe)
     }
 
@@ -110,7 +110,7 @@ struct InputRing {
 
 impl InputRings {
     /// Makes them for an output of so many pixels less along a ring; `twice` is written over.
-    fn new(input: &Rings, areas: &[f64], (ratio, mut twice): (usize, Vec<Pixel>)) -> Self {
+    fn new(input: &Rings, areas: &[f64], ratio: usize, mut twice: Vec<Pixel>) -> Self {
         let ring = |y: usize| {
             let polar = input.polar(y);
             InputRing { polar, sine: scalar::sin(polar), area: areas[y] }
@@ -248,8 +248,9 @@ fn middle(ratio: usize) -> f64 {
 struct Part<'a> {
     /// The first neighbour, counted from the pixel that the output's first lies on.
     first: isize,
-    /// How much each counts, and as part of all.
+    /// The share of each, not yet divided by the sum of all parts.
     shares: Vec<f64>,
+    /// The shares divided by it.
     weights: Vec<f32>,
     twice: &'a [Pixel],
 }

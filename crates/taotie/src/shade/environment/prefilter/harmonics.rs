@@ -53,7 +53,7 @@ impl Harmonics {
         output
     }
 
-    /// What light a ring has with the waves of each order.
+    /// Returns the light of a ring with the waves of each order.
     #[inline(always)]
     fn waves<S: Simd>(&self, simd: S, coefficients: &Coefficients, grid: &Grid, y: usize) -> Vec<[f32; 8]> {
         let mut waves = vec![[0.0; 8]; self.orders.len()];
@@ -81,7 +81,7 @@ pub(super) struct Grid {
     /// Associated Legendre functions at each ring, for each order those of its degrees; normalised so that harmonics are
     /// orthonormal.
     legendre: Vec<Vec<f64>>,
-    /// Where those of each order begin.
+    /// The start of those of each order.
     starts: Vec<usize>,
 }
 

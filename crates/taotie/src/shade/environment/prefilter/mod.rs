@@ -85,7 +85,7 @@ struct Scales<'a> {
     /// Those of the image blurred like `reference`.
     harmonics: Harmonics,
     reference: usize,
-    /// Where harmonics are shown: as finely as `reference`, and half as finely.
+    /// The grids that harmonics are shown on: as fine as `reference`, and half as fine.
     grids: [Grid; 2],
     /// The nodes and weights that lobes are integrated by.
     rule: Vec<(f64, f64)>,

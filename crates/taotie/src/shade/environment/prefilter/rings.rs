@@ -11,7 +11,7 @@ pub(super) type Pixel = [f32; 4];
 /// An equirectangular image on its way.
 #[derive(Debug, Clone)]
 pub(super) struct Rings {
-    /// What its pixels are computed by; all levels give the same bits.
+    /// The SIMD level that its pixels are computed at; all give the same bits.
     pub(super) level: Level,
     /// Pixels a ring, even.
     pub(super) width: usize,
