@@ -2,7 +2,6 @@
 
 mod bitmap;
 pub(crate) mod cache;
-mod decimal;
 mod environment;
 mod file;
 mod gltf;

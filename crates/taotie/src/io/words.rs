@@ -1,7 +1,4 @@
 //! The words of plain text, read line by line. What is not plain is left to those who tell what is wrong.
-
-use super::decimal::Decimal;
-
 /// Text from some place on. Spaces, tabs and carriage returns part words; line feeds end lines.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Words<'a> {
@@ -65,14 +62,10 @@ impl<'a> Words<'a> {
     #[inline]
     pub fn number(&mut self) -> Option<f32> {
         self.skip_blanks();
-        if let Some((decimal, length)) = Decimal::scan(self.rest)
-            && self.parts(length)
-            && let Some(value) = decimal.to_f32()
-        {
-            self.skip(length);
-            return Some(value);
-        }
-        self.any_number()
+        let length = (0..).find(|i| self.parts(*i))?;
+        let value = std::str::from_utf8(self.rest.get(..length)?).ok()?.parse().ok();
+        self.skip(length);
+        value
     }
 
     /// Takes a whole number of at most nine digits, which any byte may follow; `None` where there is none.
@@ -117,14 +110,6 @@ impl<'a> Words<'a> {
     #[inline]
     fn parts(&self, at: usize) -> bool {
         matches!(self.rest.get(at), None | Some(b' ' | b'\t' | b'\r' | b'\n'))
-    }
-
-    #[cold]
-    fn any_number(&mut self) -> Option<f32> {
-        let length = (0..).find(|i| self.parts(*i))?;
-        let value = std::str::from_utf8(self.rest.get(..length)?).ok()?.parse().ok();
-        self.skip(length);
-        value
     }
 }
 

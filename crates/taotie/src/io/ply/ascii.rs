@@ -2,7 +2,6 @@
 //! `nan`, which writers do write, so words are taken one by one here: in parallel where each row has a line of its own, else
 //! wherever lines end.
 
-use super::super::decimal::Decimal;
 use super::super::text::quote;
 use super::super::words::line_ends;
 use super::names::is_float;
@@ -133,26 +132,14 @@ impl<'a> Tokens<'a> {
     #[inline]
     fn number(&mut self) -> std::result::Result<f64, String> {
         self.skip_space();
-        if let Some((decimal, length)) = Decimal::scan(self.rest)
-            && self.rest.get(length).is_none_or(u8::is_ascii_whitespace)
-            && let Some(value) = decimal.to_f64()
-        {
-            self.rest = &self.rest[length..];
-            return Ok(value);
-        }
-        self.any_number()
-    }
-
-    #[cold]
-    fn any_number(&mut self) -> std::result::Result<f64, String> {
         let end = self.rest.iter().position(|b| b.is_ascii_whitespace()).unwrap_or(self.rest.len());
         let (word, rest) = self.rest.split_at(end);
         if word.is_empty() {
             return Err("the file ends too early".to_owned());
         }
         self.rest = rest;
-        let text = String::from_utf8_lossy(word);
-        text.parse().map_err(|_| format!("{} is not a number", quote(&text)))
+        let value = std::str::from_utf8(word).ok().and_then(|text| text.parse().ok());
+        value.ok_or_else(|| format!("{} is not a number", quote(&String::from_utf8_lossy(word))))
     }
 
     #[inline]
