@@ -1,4 +1,5 @@
 //! The words of plain text, read line by line. What is not plain is left to those who tell what is wrong.
+
 /// Text from some place on. Spaces, tabs and carriage returns part words; line feeds end lines.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Words<'a> {

@@ -3,6 +3,7 @@
 use crate::math::{SimdLevel, Vec3, dispatch_registers};
 use crate::parallel;
 use half::f16;
+use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
 
 /// The largest radiance that is stored; the disc of the sun has 1.6e9 in cd/m², and no image holds it whole.
 pub(super) const MAX_RADIANCE: f32 = 1e9;
@@ -30,7 +31,7 @@ impl HalfTexels {
         let scale = power_of_two(-exponent);
         let mut texels = vec![[0; 3]; colors.len()];
         parallel::pieces(&mut texels, PIECE, &|i, texels| {
-            dispatch_registers!(level, _simd => halves(piece(i), scale, texels));
+            halves(piece(i), scale, texels);
         });
         Self::new(exponent, texels)
     }
@@ -120,25 +121,15 @@ fn brightest<const N: usize>(colors: &[[f32; N]]) -> f32 {
     most.iter().chain(rest).flat_map(|color| &color[..3]).fold(0.0, |most, value| brighter(most, *value))
 }
 
-#[inline(always)]
+/// Writes the nearest half floats of colours times `scale`; zeros where these have less than their full precision.
 fn halves<const N: usize>(colors: &[[f32; N]], scale: f64, texels: &mut [[u16; 3]]) {
-    for (texel, color) in texels.iter_mut().zip(colors) {
-        *texel = [half(color[0], scale), half(color[1], scale), half(color[2], scale)];
+    let scaled = |v: f32| (f64::from(v) * scale) as f32;
+    let scaled: Vec<[f32; 3]> = colors.iter().map(|c| [scaled(c[0]), scaled(c[1]), scaled(c[2])]).collect();
+    let halves = texels.as_flattened_mut().reinterpret_cast_mut::<f16>();
+    halves.convert_from_f32_slice(scaled.as_flattened());
+    for half in halves.iter_mut().filter(|half| **half < f16::MIN_POSITIVE) {
+        *half = f16::ZERO;
     }
-}
-
-/// The least number of which the nearest half float has its full precision.
-const LEAST: f32 = 1.0 / (1 << 14) as f32 - 1.0 / (1 << 25) as f32;
-
-/// The nearest half float, below 65504; zero where that has less than its full precision.
-#[inline(always)]
-fn half(value: f32, scale: f64) -> u16 {
-    let scaled = (f64::from(value) * scale) as f32;
-    let bits = scaled.to_bits();
-    // Half of what is cut off, to even; and the exponent counts from −14, not from −126.
-    let nearest = (bits.wrapping_add(0xfff + ((bits >> 13) & 1)) >> 13).wrapping_sub(112 << 10);
-    let least = u32::from(f16::MIN_POSITIVE.to_bits());
-    if scaled >= LEAST { nearest.max(least) as u16 } else { 0 }
 }
 
 /// e with 2^(e−1) ≤ `value` < 2^e, for values from 2⁻¹²⁶; −126 below.
