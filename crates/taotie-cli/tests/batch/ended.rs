@@ -56,7 +56,8 @@ fn wait_for_end(processes: &[u32]) {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_signal_ends_driver_and_processes_and_the_next_call_goes_on() {
-    let collection = Collection::of_balls(4);
+    // So many that none of the calls is done before its signal comes.
+    let collection = Collection::of_balls(24);
     for (signal, code) in [("-INT", 130), ("-TERM", 143)] {
         let (mut driver, _) = begin(&collection);
         std::thread::sleep(Duration::from_millis(60));
