@@ -18,7 +18,7 @@ use taotie::Progress;
 use taotie::film::{Development, develop8};
 use taotie::math::Vec3;
 use taotie::raster::{Tile, TilePlane, TileSample};
-use taotie::render::{BATCH, Lighting, Pass, Prepared, RenderSettings, Shot, Stages};
+use taotie::render::{Lighting, Pass, Prepared, RenderSettings, Shot, Stages, VisibleSpan, batches};
 use taotie::scene::{Camera, NormalSpace};
 
 /// Texels across each of the four textures.
@@ -48,9 +48,9 @@ fn stages(stages: &Stages<'_>) -> Times {
         let start = Instant::now();
         let visible = stages.visible(at, &mut plane).expect("the SIMD level is there");
         times.raster += start.elapsed();
-        times.fragments += visible.len();
+        times.fragments += visible.iter().map(VisibleSpan::len).sum::<usize>();
         for (draw, visible) in stages.runs(&visible) {
-            for visible in visible.chunks(BATCH) {
+            for visible in batches(visible) {
                 let start = Instant::now();
                 stages.gather(at, draw, visible, &mut batch);
                 let gathered = Instant::now();

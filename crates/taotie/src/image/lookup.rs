@@ -3,7 +3,7 @@
 use super::decode::linear_from_code;
 use super::sampler::{MipFilter, Sampler, TexelFilter, Wrap};
 use super::{Encoding, Texels, Texture};
-use crate::math::{BATCH, COLUMN, Column, Lane, Mask, Pack, Quads, Words, dispatch_pack};
+use crate::math::{BATCH, Column, Lane, Mask, Pack, Quads, Words, dispatch_pack};
 use fearless_simd::Level;
 use std::ops::Range;
 
@@ -107,12 +107,11 @@ impl Lookup {
     pub fn place(&mut self, level: Level, texture: &Texture, sampler: &Sampler, points: LookupPoints<'_>) {
         let LookupPoints { uv, lod, len } = points;
         self.len = len.min(BATCH);
-        let last = (texture.levels() - 1) as f32;
-        dispatch_pack!(level, P, token => self.choose_levels::<P>(token, sampler, last, lod));
+        dispatch_pack!(level, P, token => self.choose_levels::<P>(token, texture, sampler, lod));
         self.blended = self.share[..self.len].iter().any(|share| *share > 0.0);
         let wanted = Wanted { sampler, smooth: &self.smooth, uv, len: self.len };
         for taps in [&mut self.fine].into_iter().chain(self.blended.then_some(&mut self.coarse)) {
-            taps.look_up_sizes(texture, self.len);
+            taps.find_runs(self.len);
             dispatch_pack!(level, P, token => taps.place::<P>(token, &wanted));
         }
     }
@@ -130,9 +129,16 @@ impl Lookup {
         }
     }
 
-    /// Levels and their shares, as OpenGL 4.6, 8.14.
+    /// Levels with their sizes and shares, as OpenGL 4.6, 8.14.
     #[inline(always)]
-    fn choose_levels<P: Pack>(&mut self, token: P::Token, sampler: &Sampler, last: f32, lod: &Column) {
+    fn choose_levels<P: Pack>(
+        &mut self,
+        token: P::Token,
+        texture: &Texture,
+        sampler: &Sampler,
+        lod: &Column,
+    ) {
+        let last = (texture.levels() - 1) as f32;
         let smooth = |filter| if filter == TexelFilter::Linear { 1.0 } else { 0.0 };
         let [magnify, minify] = [smooth(sampler.magnify), smooth(sampler.minify)];
         let (magnify, minify) = (P::splat(token, magnify), P::splat(token, minify));
@@ -149,8 +155,8 @@ impl Lookup {
             };
             let share = if sampler.mip == MipFilter::Linear { kept - fine } else { zero };
             P::select(minified, minify, magnify).store(&mut self.smooth[i..]);
-            fine.store_words(&mut self.fine.level[i..]);
-            (fine + one).min(last).store_words(&mut self.coarse.level[i..]);
+            self.fine.set_level(texture, fine, i);
+            self.coarse.set_level(texture, (fine + one).min(last), i);
             share.store(&mut self.share[i..]);
         }
     }
@@ -166,19 +172,29 @@ struct Wanted<'a> {
 }
 
 impl Taps {
-    /// Fills the sizes of the levels, and finds neighbours of one level.
-    fn look_up_sizes(&mut self, texture: &Texture, len: usize) {
+    /// Sets the level of the points from `i` on, with its size: each level halves the one before, rounding down.
+    #[inline(always)]
+    fn set_level<P: Pack>(&mut self, texture: &Texture, level: P, i: usize) {
+        let halved = |side: u32| level.lit(f64::from(side)).ldexp(-level).floor().max(level.lit(1.0));
+        level.store_words(&mut self.level[i..]);
+        halved(texture.width()).store(&mut self.width[i..]);
+        halved(texture.height()).store(&mut self.height[i..]);
+    }
+
+    /// Finds neighbours of one level.
+    fn find_runs(&mut self, len: usize) {
+        let levels = &self.level[..len];
+        let Some(first) = levels.first() else { return self.runs.clear() };
         self.runs.clear();
-        let mut start = 0;
-        for same in self.level[..len].chunk_by(|a, b| a == b) {
-            let (level, end) = (same[0] as usize, start + same.len());
-            self.runs.push((level, end));
-            // Packs read on beyond the last.
-            let end = if end == len { COLUMN } else { end };
-            let (width, height) = texture.level_size(level);
-            self.width[start..end].fill(width as f32);
-            self.height[start..end].fill(height as f32);
-            start = end;
+        // Mostly all are of one level, which is faster to see than where they change.
+        if levels.iter().fold(0, |parted, level| parted | (level ^ first)) == 0 {
+            self.runs.push((*first as usize, len));
+            return;
+        }
+        let mut end = 0;
+        for same in levels.chunk_by(|a, b| a == b) {
+            end += same.len();
+            self.runs.push((same[0] as usize, end));
         }
     }
 
@@ -251,10 +267,15 @@ impl Points<'_> {
     fn fetch_wide<T: Copy + Default>(&self, texels: &[T], found: &mut Found, codes: impl Fn(T) -> [u16; 4]) {
         let [top, bottom, ..] = found;
         let (top, bottom) = (&mut top[self.span.clone()], &mut bottom[self.span.clone()]);
-        let mask = if self.alpha { u32::MAX } else { 0xffff };
+        let mask = if self.alpha { u64::MAX } else { u64::MAX >> 16 };
+        let words = |texel| {
+            let [r, g, b, a] = codes(texel).map(u64::from);
+            (r | g << 16 | b << 32 | a << 48) & mask
+        };
+        // What fits a register is moved as one.
         let pair = |a, b| {
-            let ([r, g, b, a], [r2, g2, b2, a2]) = (codes(a).map(u32::from), codes(b).map(u32::from));
-            [r | g << 16, (b | a << 16) & mask, r2 | g2 << 16, (b2 | a2 << 16) & mask].map(f32::from_bits)
+            let (a, b) = (words(a), words(b));
+            [a as u32, (a >> 32) as u32, b as u32, (b >> 32) as u32].map(f32::from_bits)
         };
         self.each(texels, |i, [a, b, c, d]| (top[i], bottom[i]) = (pair(a, b), pair(c, d)));
     }

@@ -25,20 +25,56 @@ pub struct Barycentric<L = f32> {
     pub d_y: [L; 3],
 }
 
-impl PerspectiveTriangle {
-    /// Makes the planes from the corners' (x, y, z, w). Points are counted from `origin`, in pixels from the image's
-    /// top left corner; near it they are most exact.
-    pub fn new(corners: [[f32; 4]; 3], viewport: &Viewport, [x, y]: [f64; 2]) -> Self {
-        let p = corners.map(|[x, y, _, w]| [x, y, w].map(f64::from));
-        let (sx, sy) = (2.0 / f64::from(viewport.width), -2.0 / f64::from(viewport.height));
+/// The number of triangles whose planes are made side by side.
+pub const TRIANGLES: usize = 8;
+
+/// Makes the planes of triangles that are seen in one image.
+///
+/// Points are counted from an origin, in pixels from the image's top left corner; near it they are most exact.
+#[derive(Debug, Clone, Copy)]
+pub struct PlaneSetup {
+    /// A pixel right and down, in the image's halves.
+    step: [f64; 2],
+    origin: [f64; 2],
+}
+
+/// Three numbers of each of three corners of some triangles.
+pub type CornerNumbers<T> = [[[T; TRIANGLES]; 3]; 3];
+
+impl PlaneSetup {
+    /// Counts points from `origin`, pixels.
+    pub fn new(viewport: &Viewport, origin: [f64; 2]) -> Self {
+        Self { step: [2.0 / f64::from(viewport.width), -2.0 / f64::from(viewport.height)], origin }
+    }
+
+    /// The planes of triangles whose corners have these (x, y, w) in clip space. One loop over all, of which compilers
+    /// make packs.
+    #[inline(always)]
+    pub fn planes(&self, corners: &CornerNumbers<f64>) -> CornerNumbers<f32> {
+        let mut planes = [[[0.0; TRIANGLES]; 3]; 3];
+        let [a, b, c] = corners;
+        for i in 0..TRIANGLES {
+            let at = |corner: &[[f64; TRIANGLES]; 3]| [corner[0][i], corner[1][i], corner[2][i]];
+            let [first, second, third] = self.planes_of([at(a), at(b), at(c)]);
+            for n in 0..3 {
+                (planes[0][n][i], planes[1][n][i], planes[2][n][i]) = (first[n], second[n], third[n]);
+            }
+        }
+        planes
+    }
+
+    #[inline(always)]
+    fn planes_of(&self, p: [[f64; 3]; 3]) -> [[f32; 3]; 3] {
+        let ([sx, sy], [x, y]) = (self.step, self.origin);
         let normals = [cross(p[1], p[2]), cross(p[2], p[0]), cross(p[0], p[1])];
         let determinant = p[0][0] * normals[0][0] + p[0][1] * normals[0][1] + p[0][2] * normals[0][2];
         let scale = 1.0 / determinant;
         let plane = |[a, b, c]: [f64; 3]| {
             let (right, down) = (a * sx, b * sy);
-            [c - a + b + right * x + down * y, right, down].map(|v| (v * scale) as f32)
+            let value = c - a + b + right * x + down * y;
+            [(value * scale) as f32, (right * scale) as f32, (down * scale) as f32]
         };
-        Self { planes: normals.map(plane) }
+        [plane(normals[0]), plane(normals[1]), plane(normals[2])]
     }
 }
 
@@ -78,6 +114,7 @@ fn changes<L: Lane>([a, b, c]: [L; 3], [wa, wb, wc]: [L; 3], inverse: L) -> [L; 
     [(a - wa * all) * inverse, (b - wb * all) * inverse, (c - wc * all) * inverse]
 }
 
+#[inline(always)]
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
@@ -87,12 +124,19 @@ mod tests {
     use super::*;
     use crate::raster::SamplePattern;
 
+    fn triangle(corners: [[f32; 4]; 3], viewport: &Viewport, origin: [f64; 2]) -> PerspectiveTriangle {
+        let all = corners.map(|[x, y, _, w]| [x, y, w].map(|number| [f64::from(number); TRIANGLES]));
+        let planes = PlaneSetup::new(viewport, origin).planes(&all);
+        assert!(planes.iter().flatten().all(|same| same[1..].iter().all(|n| n.to_bits() == same[0].to_bits())));
+        PerspectiveTriangle { planes: planes.map(|plane| plane.map(|number| number[0])) }
+    }
+
     #[test]
     fn corners_and_perspective_midpoint() {
         let viewport = Viewport { width: 100, height: 50, pattern: SamplePattern::new(1).unwrap() };
         // A triangle whose second corner is three times as far as the others.
         let corners = [[-1.0, -1.0, 0.0, 1.0], [3.0, -3.0, 0.0, 3.0], [-1.0, 1.0, 0.0, 1.0]];
-        let triangle = PerspectiveTriangle::new(corners, &viewport, [0.0; 2]);
+        let triangle = triangle(corners, &viewport, [0.0; 2]);
         let close = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6);
         assert!(close(triangle.at(0.0f32, 50.0).weights, [1.0, 0.0, 0.0]));
         assert!(close(triangle.at(100.0f32, 50.0).weights, [0.0, 1.0, 0.0]));
@@ -108,7 +152,7 @@ mod tests {
         for (corners, x, y) in
             [(flat, 50.0f32, 25.0f32), (flat, 3.0, 40.0), (wide, -4.0, 60.0), (wide, 120.0, 10.0)]
         {
-            let weights = PerspectiveTriangle::new(corners, &viewport, [32.0, 0.0]).at(x - 32.0, y).weights;
+            let weights = triangle(corners, &viewport, [32.0, 0.0]).at(x - 32.0, y).weights;
             assert!(weights.iter().all(|w: &f32| (0.0..=1.0).contains(w)), "{weights:?}");
             assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-6, "{weights:?}");
         }
@@ -118,7 +162,7 @@ mod tests {
     fn derivatives_match_differences() {
         let viewport = Viewport { width: 64, height: 64, pattern: SamplePattern::new(1).unwrap() };
         let corners = [[-0.5, -0.7, 0.0, 1.0], [1.5, -0.3, 0.0, 2.0], [0.2, 0.9, 0.0, 1.3]];
-        let triangle = PerspectiveTriangle::new(corners, &viewport, [30.0, 31.0]);
+        let triangle = triangle(corners, &viewport, [30.0, 31.0]);
         let (h, at) = (0.05f32, triangle.at(0.0f32, 0.0));
         for i in 0..3 {
             let dx = (triangle.at(h, 0.0).weights[i] - triangle.at(-h, 0.0).weights[i]) / (2.0 * h);

@@ -21,7 +21,7 @@ mod triangle;
 mod vertices;
 mod viewport;
 
-pub use barycentric::{Barycentric, PerspectiveTriangle};
+pub use barycentric::{Barycentric, CornerNumbers, PerspectiveTriangle, PlaneSetup, TRIANGLES};
 pub use bin::{Bins, Geometry, bin};
 pub use rasterize::{rasterize_layers, rasterize_opaque};
 pub use samples::SamplePattern;

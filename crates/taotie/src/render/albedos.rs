@@ -24,9 +24,10 @@ pub(super) fn look_up(level: Level, settings: &RenderSettings, draw: &Draw<'_>, 
     } else {
         entries.for_each(|(dfg, (node, (x, y)))| *dfg = Dfg::of_ggx_at(*node, [*x, *y]));
     }
-    if takes_layers(shading) {
+    let material = draw.material;
+    if takes_layers(shading) && (material.clearcoat.is_some() || material.sheen.is_some()) {
         for i in 0..batch.len {
-            look_up_layers(draw.material, batch, i);
+            look_up_layers(material, batch, i);
         }
     }
 }

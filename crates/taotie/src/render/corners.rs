@@ -12,6 +12,9 @@ pub(super) struct Run {
     pub end: usize,
 }
 
+/// The most fragments that are written one by one, which takes less than a pack that reaches over lines of the caches.
+const SHORT: usize = 2;
+
 /// Up to four numbers of each corner, side by side with the fragments of a batch.
 ///
 /// Triangles may be smaller than a pixel. Written out for each fragment, what their corners hold can be weighted in
@@ -31,6 +34,15 @@ impl VertexAttributes {
         run: Run,
         numbers: [[f32; N]; 3],
     ) {
+        let Run { start, end, .. } = run;
+        if end - start <= SHORT {
+            for (columns, numbers) in self.0.iter_mut().zip(&numbers) {
+                for (column, number) in columns.iter_mut().zip(numbers) {
+                    column[start..end].iter_mut().for_each(|value| *value = *number);
+                }
+            }
+            return;
+        }
         for i in (run.start..run.end).step_by(P::LANES) {
             for (columns, numbers) in self.0.iter_mut().zip(&numbers) {
                 for (column, number) in columns.iter_mut().zip(numbers) {

@@ -1,7 +1,9 @@
 //! The pixels of a tile, sorted by the triangle that they show: what fragments of a triangle share is made once.
 
-use super::visible_sample::VisibleSample;
+use super::visible::VisibleSpan;
+use crate::math::dispatch_registers;
 use crate::raster::{NO_TRIANGLE, TILE_PIXELS, TILE_SIZE, TilePlane};
+use fearless_simd::{Level, Simd, prelude::*, u32x16};
 
 /// Entries of the table from triangle to group; twice as many as there may be groups.
 const TABLE: usize = 2 * TILE_PIXELS;
@@ -44,37 +46,40 @@ impl Default for Grouping {
 }
 
 impl Grouping {
-    /// Appends the pixels of `plane` to `samples`, those of a triangle together and the triangles in the order of
-    /// `rank`, at equal rank in that of their first pixels.
+    /// Appends the pixels of `plane` to `spans`, those of a triangle together and the triangles in the order of `rank`, at
+    /// equal rank in that of their first pixels.
     pub(super) fn append(
         &mut self,
+        level: Level,
         plane: &TilePlane,
         rank: impl Fn(u32) -> usize,
-        samples: &mut Vec<VisibleSample>,
+        spans: &mut Vec<VisibleSpan>,
     ) {
-        for (y, row) in plane.ids.chunks_exact(TILE_SIZE as usize).enumerate() {
+        let (rows, _) = plane.ids.as_chunks();
+        for (y, row) in rows.iter().enumerate() {
+            let mut ends = dispatch_registers!(level, simd => ends(simd, row));
             let mut start = 0;
-            while start < row.len() {
-                let id = row[start];
-                let length = row[start..].iter().take_while(|other| **other == id).count();
+            while ends != 0 {
+                let end = ends.trailing_zeros() + 1;
+                let id = row[start as usize];
                 if id != NO_TRIANGLE {
-                    let first = (y * row.len() + start) as u32;
-                    self.add(id, first, first + length as u32);
+                    let first = y as u32 * TILE_SIZE;
+                    self.add(id, first + start, first + end);
                 }
-                start += length;
+                ends &= ends - 1;
+                start = end;
             }
         }
-        self.groups.sort_by_cached_key(|group| rank(group.triangle));
+        let rank = |group: &Group| rank(group.triangle);
+        if !self.groups.is_sorted_by_key(rank) {
+            self.groups.sort_by_cached_key(rank);
+        }
         for group in self.groups.drain(..) {
             self.table[group.entry as usize] = 0;
             let mut next = group.first;
-            while let Some(span) = self.spans.get(next as usize) {
-                samples.extend((span.start..span.end).map(|pixel| VisibleSample {
-                    pixel,
-                    triangle: group.triangle,
-                    depth: plane.depths[pixel as usize],
-                }));
-                next = span.next;
+            while let Some(Span { start, end, next: further }) = self.spans.get(next as usize).copied() {
+                spans.push(VisibleSpan { start, end, triangle: group.triangle, depth: 0.0 });
+                next = further;
             }
         }
         self.spans.clear();
@@ -101,9 +106,22 @@ impl Grouping {
     }
 }
 
+/// Bit i is set where entry i of a row is the last of neighbours that are alike.
+#[inline(always)]
+fn ends<S: Simd>(simd: S, row: &[u32; TILE_SIZE as usize]) -> u64 {
+    let same = |at: usize| {
+        let here: u32x16<S> = u32x16::from_slice(simd, &row[at..at + 16]);
+        here.simd_eq(u32x16::from_slice(simd, &row[at + 1..at + 17])).to_bitmask() << at
+    };
+    // Nothing follows the last entry, so that the last sixteen begin one earlier.
+    let last = row.len() - 17;
+    !((0..last).step_by(16).fold(0, |all, at| all | same(at)) | same(last))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::SimdLevel;
 
     #[test]
     fn every_pixel_is_there_once_and_triangles_are_together() {
@@ -115,21 +133,19 @@ mod tests {
                 (1, _) => pixel as u32 * 4096,
                 (_, band) => band as u32,
             };
-            plane.depths[pixel] = pixel as f32;
         }
-        let (mut grouping, mut samples) = (Grouping::default(), Vec::new());
-        for _ in 0..2 {
-            samples.clear();
-            grouping.append(&plane, |triangle| usize::from(triangle < 100), &mut samples);
+        let (mut grouping, mut spans) = (Grouping::default(), Vec::new());
+        for simd in SimdLevel::available() {
+            let level = simd.dispatch().unwrap();
+            spans.clear();
+            grouping.append(level, &plane, |triangle| usize::from(triangle < 100), &mut spans);
             let seen = plane.ids.iter().filter(|id| **id != NO_TRIANGLE).count();
-            assert_eq!(samples.len(), seen);
-            for sample in &samples {
-                assert_eq!(
-                    (plane.ids[sample.pixel as usize], sample.depth),
-                    (sample.triangle, sample.pixel as f32)
-                );
+            assert_eq!(spans.iter().map(VisibleSpan::len).sum::<usize>(), seen);
+            for span in &spans {
+                let shown = &plane.ids[span.start as usize..span.end as usize];
+                assert!(shown.iter().all(|id| *id == span.triangle), "{span:?}: {shown:?}");
             }
-            let mut groups: Vec<u32> = samples.iter().map(|sample| sample.triangle).collect();
+            let mut groups: Vec<u32> = spans.iter().map(|span| span.triangle).collect();
             groups.dedup();
             let ranks: Vec<bool> = groups.iter().map(|triangle| *triangle < 100).collect();
             assert!(ranks.is_sorted());

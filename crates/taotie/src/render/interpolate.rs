@@ -7,7 +7,7 @@ use super::draw::{Draw, NormalSource};
 use super::lookups::UvSet;
 use super::view::Eye;
 use crate::math::{Pack, Vec3, dispatch_pack};
-use crate::raster::{PerspectiveTriangle, Viewport};
+use crate::raster::{CornerNumbers, PerspectiveTriangle, PlaneSetup, TRIANGLES, Viewport};
 use crate::scene::Scene;
 use crate::shade::curvature_variance;
 use crate::surface;
@@ -50,10 +50,13 @@ impl Interpolation<'_> {
     #[inline(always)]
     fn weigh_packs<P: Pack>(&self, token: P::Token, screen: &Screen<'_>, batch: &mut Batch) {
         let Batch { len, points: Points { runs, corners, place: [x, y], weights, d_x, d_y, .. }, .. } = batch;
-        for run in runs.iter().copied() {
-            let clip = self.draw.vertices(run.triangle).map(|v| screen.clip[v as usize]);
-            let triangle = PerspectiveTriangle::new(clip, screen.viewport, screen.origin);
-            corners.write::<P, 3>(token, run, triangle.planes);
+        let setup = PlaneSetup::new(screen.viewport, screen.origin);
+        for runs in runs.chunks(TRIANGLES) {
+            let planes = setup.planes(&self.clip_corners(screen.clip, runs));
+            for (i, run) in runs.iter().enumerate() {
+                let planes = planes.each_ref().map(|[c, a, b]| [c[i], a[i], b[i]]);
+                corners.write::<P, 3>(token, *run, planes);
+            }
         }
         let spacing = P::splat(token, screen.viewport.pattern.spacing());
         for i in (0..*len).step_by(P::LANES) {
@@ -69,6 +72,19 @@ impl Interpolation<'_> {
                 (bary.d_y[corner] * spacing).store(&mut d_y[corner][i..]);
             }
         }
+    }
+
+    /// The corners' (x, y, w) in clip space of at most [`TRIANGLES`] triangles.
+    #[inline(always)]
+    fn clip_corners(&self, clip: &[[f32; 4]], runs: &[Run]) -> CornerNumbers<f64> {
+        let mut corners = [[[0.0; TRIANGLES]; 3]; 3];
+        for (i, run) in runs.iter().enumerate() {
+            for (corner, vertex) in corners.iter_mut().zip(self.draw.vertices(run.triangle)) {
+                let [x, y, _, w] = clip[vertex as usize];
+                (corner[0][i], corner[1][i], corner[2][i]) = (x.into(), y.into(), w.into());
+            }
+        }
+        corners
     }
 
     #[inline(always)]

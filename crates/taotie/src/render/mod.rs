@@ -41,7 +41,7 @@ mod surfaces;
 mod tiles;
 mod tree;
 mod view;
-mod visible_sample;
+mod visible;
 
 pub use backdrop::fill_backdrop;
 pub use batch::{BATCH, Batch};
@@ -61,7 +61,10 @@ pub use settings::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, S
 pub use surfaces::Surface;
 pub use view::Eye;
 #[doc(hidden)]
-pub use {stages::Stages, visible_sample::VisibleSample};
+pub use {
+    stages::Stages,
+    visible::{VisibleBatch, VisibleSpan, batches},
+};
 
 use crate::error::Result;
 use crate::progress::Progress;

@@ -3,7 +3,7 @@
 use super::batch::Batch;
 use super::columns::get3;
 use super::view::View;
-use super::visible_sample::VisibleSample;
+use super::visible::VisibleBatch;
 use crate::math::Vec3;
 use crate::raster::TILE_PIXELS;
 use crate::scene::AlphaMode;
@@ -26,7 +26,10 @@ pub(super) struct Resolve {
 /// A fragment with its colour.
 #[derive(Debug, Clone, Copy)]
 struct Shaded {
-    sample: VisibleSample,
+    pixel: u32,
+    triangle: u32,
+    /// Reversed depth.
+    depth: f32,
     /// The radiance, linear RGB, not premultiplied.
     radiance: Vec3,
     /// The part of what is behind that is covered.
@@ -48,19 +51,29 @@ impl Resolve {
     }
 
     /// Adds fragments of which each is all that is seen in its pixel.
-    pub(super) fn add_opaque(&mut self, samples: &[VisibleSample], batch: &Batch) {
-        let weight = self.weight;
-        for (i, sample) in samples.iter().enumerate() {
-            let sum = &mut self.color[sample.pixel as usize];
-            let [r, g, b] = get3(&batch.lit.radiance, i).to_array();
-            *sum = [sum[0] + r * weight, sum[1] + g * weight, sum[2] + b * weight, sum[3] + weight];
+    pub(super) fn add_opaque(&mut self, visible: VisibleBatch<'_>, batch: &Batch) {
+        let (weight, mut first) = (self.weight, 0);
+        for span in visible.spans() {
+            let [r, g, b] = batch.lit.radiance.each_ref().map(|column| &column[first..first + span.len()]);
+            let sums = &mut self.color[span.start as usize..span.end as usize];
+            for (i, sum) in sums.iter_mut().enumerate() {
+                *sum = [
+                    sum[0] + r[i] * weight,
+                    sum[1] + g[i] * weight,
+                    sum[2] + b[i] * weight,
+                    sum[3] + weight,
+                ];
+            }
+            first += span.len();
         }
     }
 
     /// Keeps fragments that may lie over one another until [`Self::add_layers`].
-    pub(super) fn keep(&mut self, samples: &[VisibleSample], mode: AlphaMode, batch: &Batch) {
-        self.layers.extend(samples.iter().enumerate().map(|(i, sample)| Shaded {
-            sample: *sample,
+    pub(super) fn keep(&mut self, visible: VisibleBatch<'_>, mode: AlphaMode, batch: &Batch) {
+        self.layers.extend(visible.pixels().enumerate().map(|(i, (pixel, span))| Shaded {
+            pixel,
+            triangle: span.triangle,
+            depth: span.depth,
             radiance: get3(&batch.lit.radiance, i),
             coverage: coverage(mode, batch.material.alpha[i]),
         }));
@@ -70,10 +83,10 @@ impl Resolve {
     pub(super) fn add_layers(&mut self) {
         // At equal depth what was drawn first lies on top, as in the depth test.
         self.layers.sort_by(|a, b| {
-            let order = |s: &Shaded| (s.sample.pixel, s.sample.depth.to_bits());
-            order(a).cmp(&order(b)).then(b.sample.triangle.cmp(&a.sample.triangle))
+            let order = |s: &Shaded| (s.pixel, s.depth.to_bits());
+            order(a).cmp(&order(b)).then(b.triangle.cmp(&a.triangle))
         });
-        for fragments in self.layers.chunk_by(|a, b| a.sample.pixel == b.sample.pixel) {
+        for fragments in self.layers.chunk_by(|a, b| a.pixel == b.pixel) {
             let mut color = [0.0f32; 4];
             for fragment in fragments {
                 let [r, g, b] = fragment.radiance.to_array();
@@ -81,7 +94,7 @@ impl Resolve {
                 let behind = 1.0 - fragment.coverage;
                 color = std::array::from_fn(|c| source[c] * fragment.coverage + color[c] * behind);
             }
-            let sum = &mut self.color[fragments[0].sample.pixel as usize];
+            let sum = &mut self.color[fragments[0].pixel as usize];
             for c in 0..4 {
                 sum[c] += color[c] * self.weight;
             }
@@ -92,7 +105,7 @@ impl Resolve {
     /// Keeps in the output variables what is nearest so far and at least half there.
     pub(super) fn note_aovs(
         &mut self,
-        samples: &[VisibleSample],
+        visible: VisibleBatch<'_>,
         mode: AlphaMode,
         batch: &Batch,
         view: &View,
@@ -101,10 +114,11 @@ impl Resolve {
         if normals.is_empty() {
             return;
         }
-        for (i, sample) in
-            samples.iter().enumerate().filter(|(i, _)| coverage(mode, batch.material.alpha[*i]) >= 0.5)
-        {
-            let pixel = sample.pixel as usize;
+        for (i, (pixel, span)) in visible.pixels().enumerate() {
+            if coverage(mode, batch.material.alpha[i]) < 0.5 {
+                continue;
+            }
+            let pixel = pixel as usize;
             let distance = view.depth(get3(&batch.geometry.position, i));
             if depth[pixel][3] != 0.0 && depth[pixel][0] <= distance {
                 continue;
@@ -115,7 +129,7 @@ impl Resolve {
             albedo[pixel] = with_one(get3(&batch.lit.albedo, i));
             let [u, v] = batch.first_uv(i);
             uv[pixel] = [u, v, 0.0, 1.0];
-            let id = sample.triangle as f32;
+            let id = span.triangle as f32;
             triangle[pixel] = [id, id, id, 1.0];
         }
     }

@@ -1,6 +1,6 @@
 //! The stages of an image: visibility, fragments, normals, shadows, lighting, and resolve into the tile.
 
-use super::batch::{BATCH, Batch};
+use super::batch::{Batch, Points};
 use super::corners::Run;
 use super::draw::Draws;
 use super::environment_lookup::{self, EnvironmentQuery};
@@ -15,9 +15,9 @@ use super::settings::{EnvironmentLight, RenderSettings, Shot};
 use super::shadows::trace_shadows;
 use super::tree::Casters;
 use super::view::View;
-use super::visible_sample::VisibleSample;
+use super::visible::{VisibleBatch, VisibleSpan, batches};
 use crate::error::Result;
-use crate::math::Vec3;
+use crate::math::{MOST_LANES, Pack, Vec3, dispatch_pack};
 use crate::pixel::{LightSource, takes_roughness};
 use crate::raster::{self, SamplePattern, TILE_PIXELS, TILE_SIZE, Tile, TilePlane, TileSample, Viewport};
 use fearless_simd::Level;
@@ -44,7 +44,7 @@ pub(super) struct TileScratch {
     pub codes: Vec<[u8; 4]>,
     plane: TilePlane,
     grouping: Grouping,
-    visible: Vec<VisibleSample>,
+    visible: Vec<VisibleSpan>,
     batch: Box<Batch>,
 }
 
@@ -144,7 +144,7 @@ impl<'p> Stages<'p> {
     ///
     /// # Errors
     /// Returns an error if the SIMD level is not available.
-    pub fn visible(&self, at: TileSample<'_>, plane: &mut TilePlane) -> Result<Vec<VisibleSample>> {
+    pub fn visible(&self, at: TileSample<'_>, plane: &mut TilePlane) -> Result<Vec<VisibleSpan>> {
         let mut visible = Vec::new();
         self.find(at, plane, &mut Grouping::default(), &mut visible)?;
         Ok(visible)
@@ -155,15 +155,16 @@ impl<'p> Stages<'p> {
         at: TileSample<'_>,
         plane: &mut TilePlane,
         grouping: &mut Grouping,
-        visible: &mut Vec<VisibleSample>,
+        visible: &mut Vec<VisibleSpan>,
     ) -> Result<()> {
         let simd = self.settings.surface.simd;
         raster::rasterize_opaque(&self.projected.opaque, at, simd, plane)?;
         let layers = raster::rasterize_layers(&self.projected.layered, at, simd, plane)?;
-        grouping.append(plane, |triangle| self.draws.number_of(triangle), visible);
+        grouping.append(self.level, plane, |triangle| self.draws.number_of(triangle), visible);
         // Layers come in the order of drawing, and no draw has both.
-        visible.extend(layers.iter().map(|l| VisibleSample {
-            pixel: l.pixel,
+        visible.extend(layers.iter().map(|l| VisibleSpan {
+            start: l.pixel,
+            end: l.pixel + 1,
             triangle: l.id,
             depth: l.depth,
         }));
@@ -173,10 +174,10 @@ impl<'p> Stages<'p> {
     /// Runs stages 2 to 5 for all fragments of a sample, the first of its tile or a later one.
     fn shade(&self, at: TileSample<'_>, first: bool, scratch: &mut TileScratch) {
         let TileScratch { visible, batch, resolve, .. } = scratch;
-        let layered = self.runs(visible).any(|(draw, _)| self.draws.all[draw].layered());
+        let layered = visible.last().is_some_and(|last| self.draws.of(last.triangle).layered());
         for (draw, visible) in self.runs(visible) {
             let alpha = self.draws.all[draw].material.alpha;
-            for visible in visible.chunks(BATCH) {
+            for visible in batches(visible) {
                 self.gather(at, draw, visible, batch);
                 self.light(draw, batch);
                 if layered {
@@ -192,24 +193,25 @@ impl<'p> Stages<'p> {
         resolve.add_layers();
     }
 
-    /// The parts of `visible`, samples in which those of a draw are together, with the draw's number.
+    /// The parts of `visible`, spans in which those of a draw are together, with the draw's number.
     pub fn runs<'k>(
         &self,
-        mut visible: &'k [VisibleSample],
-    ) -> impl Iterator<Item = (usize, &'k [VisibleSample])> {
+        mut visible: &'k [VisibleSpan],
+    ) -> impl Iterator<Item = (usize, &'k [VisibleSpan])> {
         std::iter::from_fn(move || {
             let draw = self.draws.number_of(visible.first()?.triangle);
             let triangles = self.draws.all[draw].numbers();
-            let same = visible.iter().take_while(|sample| triangles.contains(&sample.triangle)).count();
+            let same = visible.iter().take_while(|span| triangles.contains(&span.triangle)).count();
             let (run, rest) = visible.split_at(same.max(1));
             visible = rest;
             Some((draw, run))
         })
     }
 
-    /// Stage 2: interpolates vertices and reads textures for at most [`BATCH`] visible samples of one draw.
-    pub fn gather(&self, at: TileSample<'_>, draw: usize, visible: &[VisibleSample], batch: &mut Batch) {
-        place(visible, at.offset.map(|o| o as f32 / 256.0), batch);
+    /// Stage 2: interpolates vertices and reads textures for visible pixels of one draw.
+    pub fn gather(&self, at: TileSample<'_>, draw: usize, visible: VisibleBatch<'_>, batch: &mut Batch) {
+        let offset = at.offset.map(|o| o as f32 / 256.0);
+        dispatch_pack!(self.level, P, token => place::<P>(token, visible, offset, batch));
         let interpolation = self.interpolation(draw);
         let screen = Screen {
             viewport: &self.viewport,
@@ -262,16 +264,31 @@ impl<'p> Stages<'p> {
     }
 }
 
-/// Empties `batch` and fills in the places of visible samples, seen at `offset` within their pixels.
-fn place(visible: &[VisibleSample], offset: [f32; 2], batch: &mut Batch) {
+/// Empties `batch` and fills in the places of what is seen at `offset` within the pixels.
+#[inline(always)]
+fn place<P: Pack>(token: P::Token, visible: VisibleBatch<'_>, offset: [f32; 2], batch: &mut Batch) {
+    let Points { place: [x, y], runs, .. } = &mut batch.points;
     batch.len = visible.len();
-    batch.points.runs.clear();
-    for (i, sample) in visible.iter().enumerate() {
-        batch.points.place[0][i] = (sample.pixel % TILE_SIZE) as f32 + offset[0];
-        batch.points.place[1][i] = (sample.pixel / TILE_SIZE) as f32 + offset[1];
-        match batch.points.runs.last_mut() {
-            Some(run) if run.triangle == sample.triangle => run.end = i + 1,
-            _ => batch.points.runs.push(Run { triangle: sample.triangle, start: i, end: i + 1 }),
+    runs.clear();
+    let (numbers, [right, down]) = (P::load(token, &NUMBERS), offset.map(|offset| P::splat(token, offset)));
+    let mut start = 0;
+    for span in visible.spans() {
+        let end = start + span.len();
+        let column = (span.start % TILE_SIZE) as f32;
+        let row = P::splat(token, (span.start / TILE_SIZE) as f32) + down;
+        // A pack's end may reach over the span's, where the next one is written.
+        for i in (start..end).step_by(P::LANES) {
+            (numbers + P::splat(token, column + (i - start) as f32) + right).store(&mut x[i..]);
+            row.store(&mut y[i..]);
         }
+        match runs.last_mut() {
+            Some(run) if run.triangle == span.triangle => run.end = end,
+            _ => runs.push(Run { triangle: span.triangle, start, end }),
+        }
+        start = end;
     }
 }
+
+/// The lanes' numbers.
+const NUMBERS: [f32; MOST_LANES] =
+    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
