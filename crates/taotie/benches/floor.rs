@@ -48,7 +48,8 @@ struct Constants<L> {
     /// Positions, normals, tangents: the first corner's, and how far the others are.
     corners: [[Vec3<L>; 3]; 3],
     uvs: [[L; 3]; 2],
-    texels: [L; 16],
+    /// The codes of four colours and four vectors, of two levels.
+    texels: [[L; 8]; 2],
 }
 
 /// The formulas of a pixel. `at` holds its place and numbers that stand for what tables give.
@@ -57,8 +58,6 @@ fn pixel<L: Lane>(at: [L; INPUTS], constants: &Constants<L>) -> Vec3<L> {
     let [x, y, ..] = at;
     let (zero, one) = (x.lit(0.0), x.lit(1.0));
     let bary = PerspectiveTriangle { planes: constants.planes }.at(x, y);
-    let mix = |[a, b, c]: [Vec3<L>; 3], w: [L; 3]| a + b * w[1] + c * w[2];
-    let change = |[_, b, c]: [Vec3<L>; 3], w: [L; 3]| b * w[1] + c * w[2];
     let [positions, normals, tangents] = constants.corners;
     let (position, normal) = (mix(positions, bary.weights), mix(normals, bary.weights));
     let tangent = mix(tangents, bary.weights);
@@ -67,10 +66,11 @@ fn pixel<L: Lane>(at: [L; INPUTS], constants: &Constants<L>) -> Vec3<L> {
     let v = (Vec3::new(zero, zero, x.lit(3.0)) - position).normalize_or(facet);
 
     // The level of detail, and the places in two levels.
-    let uv = constants.uvs.map(|[a, b, c]| a + b * bary.weights[1] + c * bary.weights[2]);
+    let [us, vs] = constants.uvs;
+    let uv = [us[0] + along(us, bary.weights), vs[0] + along(vs, bary.weights)];
     let size = x.lit(TEXTURE_SIZE as f64);
-    let [du_dx, dv_dx] = constants.uvs.map(|[_, b, c]| (b * bary.d_x[1] + c * bary.d_x[2]) * size);
-    let [du_dy, dv_dy] = constants.uvs.map(|[_, b, c]| (b * bary.d_y[1] + c * bary.d_y[2]) * size);
+    let (du_dx, dv_dx) = (along(us, bary.d_x) * size, along(vs, bary.d_x) * size);
+    let (du_dy, dv_dy) = (along(us, bary.d_y) * size, along(vs, bary.d_y) * size);
     let texels = (du_dx.squared() + dv_dx.squared()).max(du_dy.squared() + dv_dy.squared());
     let lod = poly::log2(texels.clamp(1e-30, 1e30)) * x.lit(0.5);
     let kept = lod.clamp(0.0, 11.0);
@@ -79,30 +79,27 @@ fn pixel<L: Lane>(at: [L; INPUTS], constants: &Constants<L>) -> Vec3<L> {
     let mut stored = [zero; 4];
     for level in 0..2 {
         let size = size * x.lit(if level == 0 { 1.0 } else { 0.5 });
-        let [across, down] = uv.map(|u| {
-            let place = (u - u.floor()) * size - x.lit(0.5);
-            // The index takes as much again.
-            let first = place.floor();
-            (place - first) + (first.max(zero).min(size) - first) * zero
-        });
-        let codes = &constants.texels[8 * level..8 * level + 8];
-        let between = |a: L, b: L, c: L, d: L| {
-            let (top, bottom) = (a + (b - a) * across, c + (d - c) * across);
-            top + (bottom - top) * down
-        };
-        let colors = [0, 1, 2].map(|channel| {
-            let [a, b, c, d] = [0, 1, 2, 3].map(|i| linear(codes[i] + at[2 + channel]));
-            between(a, b, c, d)
-        });
-        let vectors = [0, 1, 2, 3].map(|channel| {
-            let [a, b, c, d] = [4, 5, 6, 7].map(|i| codes[i] + at[5 + channel]);
-            between(a, b, c, d) * x.lit(1.0 / 255.0)
-        });
-        let blend = |a: L, b: L| if level == 0 { b } else { a + (b - a) * share };
-        let [r, g, b] = colors;
-        color = Vec3::new(blend(color.x, r), blend(color.y, g), blend(color.z, b));
-        for (stored, vector) in stored.iter_mut().zip(vectors) {
-            *stored = blend(*stored, vector);
+        let place = [fraction(uv[0], size), fraction(uv[1], size)];
+        let [a, b, c, d, e, f, g, h] = constants.texels[level];
+        let (reds, greens, blues) = (at[2], at[3], at[4]);
+        let red = between([linear(a + reds), linear(b + reds), linear(c + reds), linear(d + reds)], place);
+        let green =
+            between([linear(a + greens), linear(b + greens), linear(c + greens), linear(d + greens)], place);
+        let blue = between([linear(a + blues), linear(b + blues), linear(c + blues), linear(d + blues)], place);
+        let vector = [
+            between([e + at[5], f + at[5], g + at[5], h + at[5]], place) * x.lit(1.0 / 255.0),
+            between([e + at[6], f + at[6], g + at[6], h + at[6]], place) * x.lit(1.0 / 255.0),
+            between([e + at[7], f + at[7], g + at[7], h + at[7]], place) * x.lit(1.0 / 255.0),
+            between([e + at[8], f + at[8], g + at[8], h + at[8]], place) * x.lit(1.0 / 255.0),
+        ];
+        let coarse = Vec3::new(red, green, blue);
+        if level == 0 {
+            (color, stored) = (coarse, vector);
+            continue;
+        }
+        color = color + (coarse - color) * share;
+        for (stored, vector) in stored.iter_mut().zip(vector) {
+            *stored = *stored + (vector - *stored) * share;
         }
     }
 
@@ -130,8 +127,46 @@ fn pixel<L: Lane>(at: [L; INPUTS], constants: &Constants<L>) -> Vec3<L> {
     let reflected = reflect(Shading::CookTorrance, &sample, &Angles::new(n, v, l));
     let radiance = reflected * lights::inverse_square(squared) + color * x.lit(0.04);
     // The film: within [0, 1], and a place in the table of codes.
-    let code = |light: L| light.clamp(0.0, 1.0) * x.lit(4096.0);
     Vec3::new(code(radiance.x), code(radiance.y), code(radiance.z))
+}
+
+// Functions, not closures handed to others: what is not inlined falls out of the SIMD level.
+
+/// What corners hold, at a point.
+#[inline(always)]
+fn mix<L: Lane>([a, b, c]: [Vec3<L>; 3], w: [L; 3]) -> Vec3<L> {
+    a + b * w[1] + c * w[2]
+}
+
+/// The change for changes of the weights.
+#[inline(always)]
+fn change<L: Lane>([_, b, c]: [Vec3<L>; 3], w: [L; 3]) -> Vec3<L> {
+    b * w[1] + c * w[2]
+}
+
+#[inline(always)]
+fn along<L: Lane>([_, b, c]: [L; 3], w: [L; 3]) -> L {
+    b * w[1] + c * w[2]
+}
+
+/// The way from the texel before a coordinate to the next.
+#[inline(always)]
+fn fraction<L: Lane>(u: L, size: L) -> L {
+    let place = (u - u.floor()) * size - u.lit(0.5);
+    // The index takes as much again.
+    let first = place.floor();
+    (place - first) + (first.max(u.lit(0.0)).min(size) - first) * u.lit(0.0)
+}
+
+#[inline(always)]
+fn between<L: Lane>([a, b, c, d]: [L; 4], [across, down]: [L; 2]) -> L {
+    let (top, bottom) = (a + (b - a) * across, c + (d - c) * across);
+    top + (bottom - top) * down
+}
+
+#[inline(always)]
+fn code<L: Lane>(light: L) -> L {
+    light.clamp(0.0, 1.0) * light.lit(4096.0)
 }
 
 /// A polynomial of as many terms as the renderer's.
@@ -152,7 +187,7 @@ fn constants<L: Lane>(lift: impl Fn(f32) -> L) -> Constants<L> {
         planes: [plane(0.3, 0.001, 0.002), plane(0.4, -0.003, 0.001), plane(0.5, 0.002, -0.003)],
         corners: [0, 1, 2].map(|k| [vector(k), vector(k + 1), vector(k + 4)]),
         uvs: [0, 1].map(|k| [number(k), number(k + 2), number(k + 7)]),
-        texels: std::array::from_fn(|i| lift(20.0 + 13.0 * i as f32)),
+        texels: [0, 8].map(|first| std::array::from_fn(|i| lift(20.0 + 13.0 * (first + i) as f32))),
     }
 }
 

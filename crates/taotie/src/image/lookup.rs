@@ -260,13 +260,14 @@ struct Points<'t> {
 impl Points<'_> {
     /// Texels of 8 bits.
     fn fetch_codes(&self, texels: &[[u8; 4]], found: &mut Found) {
-        let quads = &mut found[0][self.span.clone()];
+        let quads = &mut found[0][self.span.start..][..self.span.len()];
         self.each(texels, |i, four| quads[i] = four.map(|texel| f32::from_bits(u32::from_le_bytes(texel))));
     }
 
     fn fetch_wide<T: Copy + Default>(&self, texels: &[T], found: &mut Found, codes: impl Fn(T) -> [u16; 4]) {
         let [top, bottom, ..] = found;
-        let (top, bottom) = (&mut top[self.span.clone()], &mut bottom[self.span.clone()]);
+        let (start, count) = (self.span.start, self.span.len());
+        let (top, bottom) = (&mut top[start..][..count], &mut bottom[start..][..count]);
         let mask = if self.alpha { u64::MAX } else { u64::MAX >> 16 };
         let words = |texel| {
             let [r, g, b, a] = codes(texel).map(u64::from);
@@ -293,9 +294,9 @@ impl Points<'_> {
     #[inline(always)]
     fn each<T: Copy + Default>(&self, texels: &[T], mut write: impl FnMut(usize, [T; 4])) {
         let count = self.span.len();
-        let places = self.taps.place.each_ref().map(|places| &places[self.span.clone()]);
-        // As long as that, which the compiler cannot know.
-        let [tops, bottoms] = places.map(|places| &places[..count]);
+        // As long as what is written to, which spares comparing.
+        let [tops, bottoms] = &self.taps.place;
+        let (tops, bottoms) = (&tops[self.span.start..][..count], &bottoms[self.span.start..][..count]);
         let two = |place: u32| match texels.get(place as usize..place as usize + 2) {
             Some(&[left, right]) => [left, right],
             _ => Default::default(),
