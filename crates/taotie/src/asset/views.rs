@@ -7,7 +7,7 @@ use crate::film::Development;
 use crate::math::Vec3;
 use crate::progress::Progress;
 use crate::render::{EnvironmentLight, RenderSettings, Renderer, Shot};
-use crate::scene::{Camera, Orbit, Scene, fitting_distance};
+use crate::scene::{Camera, Orbit, Outline, Scene};
 
 /// From how many sides.
 const COUNT: usize = 8;
@@ -148,11 +148,12 @@ fn azimuth(view: usize) -> f64 {
 }
 
 fn cameras(scene: &Scene) -> Vec<Camera> {
-    let Some(bounds) = scene.bounds() else { return Vec::new() };
+    let outline = Outline::new(scene);
+    let Some(bounds) = outline.bounds() else { return Vec::new() };
     let camera = |i: usize| {
         let [azimuth, elevation, fov_y] = [azimuth(i), ELEVATIONS[i % 2], 30.0].map(f64::to_radians);
         let mut orbit = Orbit { azimuth, elevation, distance: 0.0, target: bounds.center(), fov_y };
-        orbit.distance = fitting_distance(&orbit, 1.0, 0.92, scene.corners());
+        orbit.distance = outline.fitting_distance(&orbit, 1.0, 0.92);
         orbit.camera(bounds.diagonal() / 2.0)
     };
     (0..COUNT).map(camera).collect()

@@ -19,10 +19,31 @@ impl Bounds {
 
     /// The least box around both.
     pub fn united(&self, other: &Self) -> Self {
-        let pick = |a: Vec3<f64>, b: Vec3<f64>, of: fn(f64, f64) -> f64| {
-            Vec3::new(of(a.x, b.x), of(a.y, b.y), of(a.z, b.z))
-        };
-        Self { min: pick(self.min, other.min, f64::min), max: pick(self.max, other.max, f64::max) }
+        let lower = Vec3::new(
+            self.min.x.min(other.min.x),
+            self.min.y.min(other.min.y),
+            self.min.z.min(other.min.z),
+        );
+        let upper = Vec3::new(
+            self.max.x.max(other.max.x),
+            self.max.y.max(other.max.y),
+            self.max.z.max(other.max.z),
+        );
+        Self { min: lower, max: upper }
+    }
+
+    /// The least box around all points; `None` of none.
+    pub fn around(points: impl Iterator<Item = Vec3<f64>>) -> Option<Self> {
+        points.map(|point| Self { min: point, max: point }).reduce(|all, point| all.united(&point))
+    }
+
+    /// The eight corners.
+    pub fn corners(&self) -> [Vec3<f64>; 8] {
+        let Self { min, max } = *self;
+        std::array::from_fn(|i| {
+            let pick = |axis: usize, low: f64, high: f64| if i >> axis & 1 == 0 { low } else { high };
+            Vec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z))
+        })
     }
 
     /// The length of the diagonal.

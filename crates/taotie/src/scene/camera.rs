@@ -133,15 +133,35 @@ pub fn fitting_distance(
     fill: f64,
     points: impl Iterator<Item = Vec3<f64>>,
 ) -> f64 {
-    let tan_y = scalar::tan(orbit.fov_y / 2.0) * fill;
-    let tan_x = tan_y * aspect;
-    let camera = Orbit { distance: 0.0, ..*orbit }.camera(0.0).world_from_view;
-    let [right, up, back] = [0, 1, 2].map(|j| camera.axis(j));
-    points.fold(f64::MIN_POSITIVE, |distance, point| {
-        let p = point - orbit.target;
-        let near = p.dot(back);
-        distance.max(near + p.dot(right).abs() / tan_x).max(near + p.dot(up).abs() / tan_y)
-    })
+    let frame = Frame::new(orbit, aspect, fill);
+    points.fold(f64::MIN_POSITIVE, |distance, point| distance.max(frame.need(point)))
+}
+
+/// The part of an image that points are to lie within, from a camera that looks at a target.
+pub(super) struct Frame {
+    target: Vec3<f64>,
+    right: Vec3<f64>,
+    up: Vec3<f64>,
+    back: Vec3<f64>,
+    /// The tangents of half the angle of view across and down.
+    tan: [f64; 2],
+}
+
+impl Frame {
+    /// The part `fill` of an image of width over height `aspect`; `orbit.distance` is not read.
+    pub(super) fn new(orbit: &Orbit, aspect: f64, fill: f64) -> Self {
+        let tan_y = scalar::tan(orbit.fov_y / 2.0) * fill;
+        let camera = Orbit { distance: 0.0, ..*orbit }.camera(0.0).world_from_view;
+        let [right, up, back] = [0, 1, 2].map(|j| camera.axis(j));
+        Self { target: orbit.target, right, up, back, tan: [tan_y * aspect, tan_y] }
+    }
+
+    /// The least distance of the camera from its target at which a point lies within.
+    pub(super) fn need(&self, point: Vec3<f64>) -> f64 {
+        let p = point - self.target;
+        let (near, [tan_x, tan_y]) = (p.dot(self.back), self.tan);
+        (near + p.dot(self.right).abs() / tan_x).max(near + p.dot(self.up).abs() / tan_y)
+    }
 }
 
 #[cfg(test)]

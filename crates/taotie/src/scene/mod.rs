@@ -9,6 +9,7 @@ mod light;
 mod material;
 mod material_check;
 mod material_textures;
+mod outline;
 mod presets;
 
 pub use bounds::Bounds;
@@ -19,6 +20,7 @@ pub use material::{
     AlphaMode, Anisotropy, Classic, Clearcoat, GreenChannel, HeightMap, Material, NormalMap, NormalSpace,
     Sheen, Specular, TextureRef, UvTransform,
 };
+pub use outline::Outline;
 pub use presets::{PRESETS, Preset, preset};
 
 use crate::error::Result;
@@ -123,12 +125,7 @@ impl Scene {
 
     /// The world-space box around every triangle's corners, or `None` where there is no triangle.
     pub fn bounds(&self) -> Option<Bounds> {
-        let mut bounds: Option<Bounds> = None;
-        for p in self.corners() {
-            let point = Bounds { min: p, max: p };
-            bounds = Some(bounds.map_or(point, |b| b.united(&point)));
-        }
-        bounds
+        Outline::new(self).bounds()
     }
 
     /// Every corner of every triangle, world space, as often as it is used.

@@ -4,7 +4,7 @@ use super::motion::Motion;
 use super::parse::MOST;
 use crate::error::{Error, Result};
 use crate::math::{Mat4, Vec3};
-use crate::scene::{Bounds, Camera, Orbit, Scene, fitting_distance};
+use crate::scene::{Bounds, Camera, Orbit, Outline, Scene};
 use std::f64::consts::{PI, TAU};
 
 /// Directions from which an object that turns must fit.
@@ -105,13 +105,13 @@ pub struct Framing {
 }
 
 impl Framing {
-    fn distance(self, scene: &Scene, orbit: &Orbit) -> f64 {
+    fn distance(self, outline: &Outline<'_>, orbit: &Orbit) -> f64 {
         let aspect = f64::from(self.size[0]) / f64::from(self.size[1]);
         let turns = if self.all_around { TURNS } else { 1 };
         let around = (0..turns).map(|i| TAU * f64::from(i) / f64::from(turns));
         let distances = around.map(|turn| {
             let turned = Orbit { azimuth: orbit.azimuth + turn, ..*orbit };
-            fitting_distance(&turned, aspect, FILL, scene.corners())
+            outline.fitting_distance(&turned, aspect, FILL)
         });
         distances.fold(0.0, f64::max)
     }
@@ -144,9 +144,10 @@ impl Viewpoint {
     /// [`Error::Invalid`] for an option out of range, a name that no camera of the scene has (the text lists those that
     /// there are), or a scene without triangles.
     pub fn choose(options: &CameraOptions, framing: Framing, scene: &Scene) -> Result<Self> {
-        let bounds = scene.bounds().ok_or_else(nothing_to_see)?;
+        let outline = Outline::new(scene);
+        let bounds = outline.bounds().ok_or_else(nothing_to_see)?;
         Chosen { options, named: options.named(scene)?, bounds }
-            .viewpoint(|orbit| Ok(framing.distance(scene, orbit)))
+            .viewpoint(|orbit| Ok(framing.distance(&outline, orbit)))
     }
 
     /// Chooses as [`Viewpoint::choose`] and frames all that the object fills in the course of its motion, so that every
@@ -165,7 +166,9 @@ impl Viewpoint {
         let bounds = all.ok_or_else(nothing_to_see)?;
         Chosen { options, named: options.named(scene)?, bounds }.viewpoint(|orbit| {
             let mut distance = 0.0;
-            motion.tour(scene, |posed| distance = framing.distance(posed, orbit).max(distance))?;
+            motion.tour(scene, |posed| {
+                distance = framing.distance(&Outline::new(posed), orbit).max(distance);
+            })?;
             Ok(distance)
         })
     }

@@ -4,7 +4,7 @@
 //! one that weighs surface areas, and costs one sort. Boxes take 3 bytes a triangle.
 //! Source: Kamel and Faloutsos 1993, "On packing R-trees".
 
-use super::hilbert::{BITS, hilbert_index};
+use super::hilbert::{BITS, CELLS, Cells, hilbert_indices};
 use crate::math::Vec3;
 use crate::parallel;
 use rayon::prelude::*;
@@ -14,6 +14,9 @@ pub(super) const WIDTH: usize = 8;
 
 /// Bits of a sort key that hold the triangle's number.
 const INDEX_BITS: u32 = 64 - 3 * BITS;
+
+/// Triangles whose keys a thread makes at once.
+const PIECE: usize = 4096;
 
 /// The boxes of up to eight children, coordinate by coordinate; those of absent ones are empty.
 #[derive(Debug, Clone, Copy)]
@@ -27,9 +30,7 @@ impl Boxes {
 
     /// The least box around all children.
     fn around(&self) -> [[f32; 3]; 2] {
-        let least = |v: [f32; WIDTH]| v.into_iter().fold(f32::INFINITY, f32::min);
-        let most = |v: [f32; WIDTH]| v.into_iter().fold(f32::NEG_INFINITY, f32::max);
-        [self.min.map(least), self.max.map(most)]
+        [self.min.map(|v| extent(&v)[0]), self.max.map(|v| extent(&v)[1])]
     }
 
     pub fn set(&mut self, child: usize, [min, max]: [[f32; 3]; 2]) {
@@ -46,7 +47,28 @@ pub(super) struct Leaf {
     pub corners: [[[f32; WIDTH]; 3]; 3],
 }
 
+/// The least and the greatest of some numbers, those aside that are NaN; ∞ and −∞ of none.
+#[inline(always)]
+fn extent(numbers: &[f32; WIDTH]) -> [f32; 2] {
+    numbers.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[least, most], v| {
+        [if *v < least { *v } else { least }, if *v > most { *v } else { most }]
+    })
+}
+
 impl Leaf {
+    /// The least box around all triangles.
+    fn bounds(&self) -> [[f32; 3]; 2] {
+        let mut bounds = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+        for corner in &self.corners {
+            for (axis, numbers) in corner.iter().enumerate() {
+                let [least, most] = extent(numbers);
+                bounds[0][axis] = bounds[0][axis].min(least);
+                bounds[1][axis] = bounds[1][axis].max(most);
+            }
+        }
+        bounds
+    }
+
     #[inline]
     pub fn triangle(&self, i: usize) -> [Vec3; 3] {
         // Written out: closures over arrays of arrays are not inlined where optimisation is moderate.
@@ -92,16 +114,8 @@ impl Tree {
         let order = sorted(count, corners);
         // Most of the tree's memory: Rayon's collection is filled by all threads from its first byte on.
         let leaves: Vec<Leaf> = order.par_chunks(WIDTH).map(|slots| leaf(slots, corners)).collect();
-        let bounds = |leaf: &Leaf| {
-            let around = |of: fn(f32, f32) -> f32, start: f32| {
-                [0, 1, 2].map(|axis| {
-                    leaf.corners.iter().flat_map(|c| c[axis]).filter(|v| !v.is_nan()).fold(start, of)
-                })
-            };
-            [around(f32::min, f32::INFINITY), around(f32::max, f32::NEG_INFINITY)]
-        };
         let slack = slack(&leaves);
-        let mut levels = vec![above(leaves.len(), |i| widened(bounds(&leaves[i]), slack))];
+        let mut levels = vec![above(leaves.len(), |i| widened(leaves[i].bounds(), slack))];
         while let Some(below) = levels.last().filter(|level| level.len() > 1) {
             let next = above(below.len(), |i| below[i].around());
             levels.push(next);
@@ -164,12 +178,21 @@ fn sorted(count: usize, corners: Corners<'_>) -> Vec<u32> {
     let [low, high] = parts.into_iter().flatten().fold(none, join);
     let size = high - low;
     let side = size.x.max(size.y).max(size.z).max(f32::MIN_POSITIVE);
-    let cells = (1u32 << BITS) as f32;
-    let key = |t: usize| {
-        let cell = (middle(t) - low).to_array().map(|v| ((v / side * cells) as u32).min((1 << BITS) - 1));
-        hilbert_index(cell) << INDEX_BITS | t as u64
-    };
-    let mut keys = parallel::collect(count, key);
+    let scale = |v: f32| ((v / side * (1u32 << BITS) as f32) as u32).min((1 << BITS) - 1);
+    let mut keys = vec![0u64; count];
+    parallel::pieces(&mut keys, PIECE, &|piece, keys| {
+        for (block, keys) in keys.chunks_mut(CELLS).enumerate() {
+            let first = piece * PIECE + block * CELLS;
+            let mut cells: Cells = [[0; CELLS]; 3];
+            for i in 0..keys.len() {
+                let cell = (middle(first + i) - low).to_array().map(scale);
+                (0..3).for_each(|axis| cells[axis][i] = cell[axis]);
+            }
+            for ((i, key), index) in keys.iter_mut().enumerate().zip(hilbert_indices(&cells)) {
+                *key = index << INDEX_BITS | (first + i) as u64;
+            }
+        }
+    });
     keys.par_sort_unstable();
     parallel::collect(count, |i| (keys[i] & ((1 << INDEX_BITS) - 1)) as u32)
 }
