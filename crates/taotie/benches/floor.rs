@@ -85,7 +85,8 @@ fn pixel<L: Lane>(at: [L; INPUTS], constants: &Constants<L>) -> Vec3<L> {
         let red = between([linear(a + reds), linear(b + reds), linear(c + reds), linear(d + reds)], place);
         let green =
             between([linear(a + greens), linear(b + greens), linear(c + greens), linear(d + greens)], place);
-        let blue = between([linear(a + blues), linear(b + blues), linear(c + blues), linear(d + blues)], place);
+        let blue =
+            between([linear(a + blues), linear(b + blues), linear(c + blues), linear(d + blues)], place);
         let vector = [
             between([e + at[5], f + at[5], g + at[5], h + at[5]], place) * x.lit(1.0 / 255.0),
             between([e + at[6], f + at[6], g + at[6], h + at[6]], place) * x.lit(1.0 / 255.0),

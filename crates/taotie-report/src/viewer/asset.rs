@@ -28,7 +28,8 @@ pub(super) fn glb(prepared: &Prepared, warnings: &mut Warnings) -> Result<Vec<u8
         ..SceneData::default()
     })?;
     // WebP loses nothing here, and every browser reads it.
-    let format = GltfFormat { meshopt: true, images: GltfImages::WebP, ..GltfFormat::default() };
+    let format =
+        GltfFormat { meshopt: true, images: GltfImages::WebP, quick_webp: true, ..GltfFormat::default() };
     encode_scene_as(&written, &names, &format, warnings)
 }
 

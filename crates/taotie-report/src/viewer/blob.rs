@@ -20,23 +20,32 @@ impl Blob {
 
     /// The element that holds it, compressed.
     pub fn element(&self) -> String {
-        let text = STANDARD.encode(gzip(&self.bytes));
+        let text = STANDARD.encode(gzip(&self.bytes, self.compression()));
         format!("<script type=\"application/gzip\" id=\"taotie-{}\">{text}</script>\n", self.name)
+    }
+
+    fn is_model(&self) -> bool {
+        matches!(self.name, "asset" | "scan")
+    }
+
+    /// Models are packed already: a long search would find next to nothing.
+    fn compression(&self) -> Compression {
+        if self.is_model() { Compression::fast() } else { Compression::default() }
     }
 
     /// The file that holds it: models as they are, all else compressed.
     pub fn file(&self) -> PageFile {
         let (name, bytes) = (self.name, &self.bytes);
         match name {
-            "asset" | "scan" => PageFile { name: format!("{name}.glb"), bytes: bytes.clone() },
-            _ => PageFile { name: format!("{name}.bin"), bytes: gzip(bytes) },
+            _ if self.is_model() => PageFile { name: format!("{name}.glb"), bytes: bytes.clone() },
+            _ => PageFile { name: format!("{name}.bin"), bytes: gzip(bytes, self.compression()) },
         }
     }
 }
 
 /// The bytes by the format of gzip, without a time.
-fn gzip(bytes: &[u8]) -> Vec<u8> {
-    let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+fn gzip(bytes: &[u8], compression: Compression) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), compression);
     encoder.write_all(bytes).and_then(|()| encoder.finish()).expect("memory takes every byte")
 }
 

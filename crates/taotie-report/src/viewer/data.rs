@@ -99,9 +99,12 @@ impl Models<'_> {
         warnings: &mut Warnings,
     ) -> Result<()> {
         let (settings, environment) = (self.settings, self.environment);
-        let surfaces = Drawing { prepared, settings, environment, shaders: &mut self.shaders }.surfaces();
-        let (textures, numbers) = textures(prepared.scene(), codes);
-        self.blobs.push(Blob::new(glb, asset::glb(prepared, warnings)?));
+        let mut drawing = Drawing { prepared, settings, environment, shaders: &mut self.shaders };
+        let (model, (surfaces, (textures, numbers))) = rayon::join(
+            || asset::glb(prepared, warnings),
+            || (drawing.surfaces(), textures(prepared.scene(), codes)),
+        );
+        self.blobs.push(Blob::new(glb, model?));
         self.blobs.extend(numbers);
         self.all.push(Model { glb, codes, surfaces, textures });
         Ok(())

@@ -3,6 +3,7 @@
 use super::blob::Blob;
 use crate::Page;
 use crate::document::{Document, WITHOUT_SCRIPT, html_with, sha256};
+use rayon::prelude::*;
 
 const STYLE: &str = include_str!("page.css");
 
@@ -29,7 +30,7 @@ pub(super) fn within(page: &Page, blobs: &[Blob]) -> String {
 }
 
 fn elements(blobs: &[Blob]) -> String {
-    blobs.iter().map(Blob::element).collect()
+    blobs.par_iter().map(Blob::element).collect()
 }
 
 /// The page of an element, which may connect to `sources`.

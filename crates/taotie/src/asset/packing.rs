@@ -58,6 +58,7 @@ impl Packing {
         GltfFormat {
             images: self.images,
             webp_quality: self.webp_quality,
+            quick_webp: false,
             uastc_rdo: self.uastc_rdo,
             jpeg: self.jpeg,
             meshopt: self.meshopt,

@@ -127,7 +127,9 @@ mod tests {
     fn triangle(corners: [[f32; 4]; 3], viewport: &Viewport, origin: [f64; 2]) -> PerspectiveTriangle {
         let all = corners.map(|[x, y, _, w]| [x, y, w].map(|number| [f64::from(number); TRIANGLES]));
         let planes = PlaneSetup::new(viewport, origin).planes(&all);
-        assert!(planes.iter().flatten().all(|same| same[1..].iter().all(|n| n.to_bits() == same[0].to_bits())));
+        assert!(
+            planes.iter().flatten().all(|same| same[1..].iter().all(|n| n.to_bits() == same[0].to_bits()))
+        );
         PerspectiveTriangle { planes: planes.map(|plane| plane.map(|number| number[0])) }
     }
 

@@ -57,12 +57,8 @@ impl Resolve {
             let [r, g, b] = batch.lit.radiance.each_ref().map(|column| &column[first..first + span.len()]);
             let sums = &mut self.color[span.start as usize..span.end as usize];
             for (i, sum) in sums.iter_mut().enumerate() {
-                *sum = [
-                    sum[0] + r[i] * weight,
-                    sum[1] + g[i] * weight,
-                    sum[2] + b[i] * weight,
-                    sum[3] + weight,
-                ];
+                *sum =
+                    [sum[0] + r[i] * weight, sum[1] + g[i] * weight, sum[2] + b[i] * weight, sum[3] + weight];
             }
             first += span.len();
         }

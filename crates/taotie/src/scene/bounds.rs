@@ -19,16 +19,10 @@ impl Bounds {
 
     /// The least box around both.
     pub fn united(&self, other: &Self) -> Self {
-        let lower = Vec3::new(
-            self.min.x.min(other.min.x),
-            self.min.y.min(other.min.y),
-            self.min.z.min(other.min.z),
-        );
-        let upper = Vec3::new(
-            self.max.x.max(other.max.x),
-            self.max.y.max(other.max.y),
-            self.max.z.max(other.max.z),
-        );
+        let lower =
+            Vec3::new(self.min.x.min(other.min.x), self.min.y.min(other.min.y), self.min.z.min(other.min.z));
+        let upper =
+            Vec3::new(self.max.x.max(other.max.x), self.max.y.max(other.max.y), self.max.z.max(other.max.z));
         Self { min: lower, max: upper }
     }
 

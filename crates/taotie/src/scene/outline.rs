@@ -78,9 +78,9 @@ fn corners(scene: &Scene, instance: usize, triangles: Range<usize>) -> impl Iter
     let instance = &scene.instances()[instance];
     let mesh = &scene.meshes()[instance.mesh];
     let indices = mesh.triangles()[triangles].as_flattened();
-    indices.iter().map(|index| {
-        instance.world_from_object.transform_point(mesh.positions()[*index as usize].to_f64())
-    })
+    indices
+        .iter()
+        .map(|index| instance.world_from_object.transform_point(mesh.positions()[*index as usize].to_f64()))
 }
 
 #[cfg(test)]

@@ -18,13 +18,14 @@ pub(super) fn hilbert_indices(cells: &Cells) -> [u64; CELLS] {
     let mut x = *cells;
     for bit in (1..BITS).rev() {
         let low = (1 << bit) - 1;
-        for axis in 0..3 {
-            for i in 0..CELLS {
-                let set = all_ones(x[axis][i] >> bit & 1);
-                let swapped = (x[0][i] ^ x[axis][i]) & low & !set;
-                x[0][i] ^= low & set | swapped;
-                x[axis][i] ^= swapped;
-            }
+        let [first, second, third] = &mut x;
+        // The first is swapped with itself, which leaves it.
+        first.iter_mut().for_each(|first| *first ^= low & all_ones(*first >> bit & 1));
+        for (first, other) in first.iter_mut().zip(second) {
+            turn(first, other, bit);
+        }
+        for (first, other) in first.iter_mut().zip(third) {
+            turn(first, other, bit);
         }
     }
     let mut indices = [0; CELLS];
@@ -35,6 +36,15 @@ pub(super) fn hilbert_indices(cells: &Cells) -> [u64; CELLS] {
         *index = a << 2 | b << 1 | c;
     }
     indices
+}
+
+/// Where a bit of `other` is set, flips the lower ones of `first`; elsewhere swaps those of both.
+#[inline(always)]
+fn turn(first: &mut u32, other: &mut u32, bit: u32) {
+    let (low, set) = ((1 << bit) - 1, all_ones(*other >> bit & 1));
+    let swapped = (*first ^ *other) & low & !set;
+    *first ^= low & set | swapped;
+    *other ^= swapped;
 }
 
 /// All ones for 1, none for 0.

@@ -184,9 +184,10 @@ fn sorted(count: usize, corners: Corners<'_>) -> Vec<u32> {
         for (block, keys) in keys.chunks_mut(CELLS).enumerate() {
             let first = piece * PIECE + block * CELLS;
             let mut cells: Cells = [[0; CELLS]; 3];
-            for i in 0..keys.len() {
-                let cell = (middle(first + i) - low).to_array().map(scale);
-                (0..3).for_each(|axis| cells[axis][i] = cell[axis]);
+            let triangles = first..first + keys.len();
+            for (i, triangle) in triangles.enumerate() {
+                let cell = (middle(triangle) - low).to_array().map(scale);
+                cells.iter_mut().zip(cell).for_each(|(axis, cell)| axis[i] = cell);
             }
             for ((i, key), index) in keys.iter_mut().enumerate().zip(hilbert_indices(&cells)) {
                 *key = index << INDEX_BITS | (first + i) as u64;

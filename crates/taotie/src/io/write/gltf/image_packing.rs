@@ -23,28 +23,26 @@ pub(super) enum ImagePacking {
     Ktx2(u8),
 }
 
-impl From<GltfImages> for ImagePacking {
+impl ImagePacking {
     /// Returns the packing that loses least.
-    fn from(images: GltfImages) -> Self {
-        match images {
+    pub fn losing_least(format: &GltfFormat) -> Self {
+        match format.images {
             GltfImages::Png => Self::Png,
+            GltfImages::WebP if format.quick_webp => Self::WebP(WebPLoss::LosslessSoon),
             GltfImages::WebP => Self::WebP(WebPLoss::Lossless),
             GltfImages::Ktx2 => Self::Ktx2(0),
         }
     }
-}
 
-impl ImagePacking {
     /// Returns the packing of an image of some meaning: colours may lose what is asked for, normals nothing more than
     /// the format costs. Other numbers are lossless in WebP, since its losses blur their channels together.
     pub fn new(format: &GltfFormat, encoding: Encoding) -> Self {
-        match (format.images, encoding) {
-            (images, Encoding::Normal) | (images @ GltfImages::WebP, Encoding::Linear) => images.into(),
-            (GltfImages::WebP, Encoding::Srgb) => {
-                Self::WebP(format.webp_quality.map_or(WebPLoss::Lossless, WebPLoss::Quality))
+        match (Self::losing_least(format), encoding) {
+            (Self::WebP(lossless), Encoding::Srgb) => {
+                Self::WebP(format.webp_quality.map_or(lossless, WebPLoss::Quality))
             }
-            (GltfImages::Ktx2, _) => Self::Ktx2(format.uastc_rdo.unwrap_or(0)),
-            (GltfImages::Png, _) => Self::Png,
+            (Self::Ktx2(_), Encoding::Srgb | Encoding::Linear) => Self::Ktx2(format.uastc_rdo.unwrap_or(0)),
+            (packing, _) => packing,
         }
     }
 

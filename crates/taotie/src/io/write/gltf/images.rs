@@ -119,7 +119,7 @@ const ROLES: [&str; 6] = ["orm", "color", "metallic_roughness", "occlusion", "em
 /// Returns the name of every file that an image may have beside a model in this format.
 pub(super) fn possible_names(stem: &str, format: &GltfFormat) -> Vec<String> {
     let mut extensions =
-        vec![ImagePacking::Png.file_extension(), ImagePacking::from(format.images).file_extension()];
+        vec![ImagePacking::Png.file_extension(), ImagePacking::losing_least(format).file_extension()];
     extensions.dedup();
     extensions.extend(format.jpeg.map(|_| "jpg"));
     let named = |role: &str| -> Vec<String> {

@@ -66,7 +66,7 @@ impl Writer<'_> {
     /// Encodes every image that was asked for.
     pub(super) fn encoded_images(&mut self) -> Result<Vec<Image>> {
         self.format.check()?;
-        let (scene, packing) = (self.scene, self.format.images.into());
+        let (scene, packing) = (self.scene, ImagePacking::losing_least(&self.format));
         let used = &self.textures.images;
         let encode = |i: usize| encoded(&scene.textures()[used[i].texture], used[i].turned, packing);
         let images = parallel::tasks(used.len(), &encode);
