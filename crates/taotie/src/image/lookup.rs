@@ -1,14 +1,11 @@
 //! Filtered lookup of many points at once: places in packs, texels one by one, decoding and filtering in packs.
 
-use super::decode::linear_from_code;
+use super::filter::{Filter, Format, Found, Weights};
 use super::sampler::{MipFilter, Sampler, TexelFilter, Wrap};
 use super::{Encoding, Texels, Texture};
 use crate::math::{BATCH, Column, Lane, Mask, Pack, Quads, Words, dispatch_pack};
 use fearless_simd::Level;
 use std::ops::Range;
-
-/// The four texels read around each point, as the bits of floats; see [`Format`].
-type Found = [Quads; 4];
 
 /// A lookup of [`BATCH`] points in textures of one size: levels, texels and weights. It serves every texture that has
 /// this size and is read by the same sampler at the same places.
@@ -41,27 +38,7 @@ struct Taps {
     place: [Words; 2],
     /// The step from the left texels to the right ones, modulo 2³².
     step: Words,
-    /// The fraction of the way to the right texels, and with `down` to the lower ones.
-    across: Column,
-    down: Column,
-    /// The factor of filtered values of [`Format::Wide`], and of the fourth channel of [`Format::Codes`] and
-    /// [`Format::Srgb`].
-    scale: Column,
-    alpha: Column,
-}
-
-/// The storage of texels, and the order in [`Found`] of those around a point.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Format {
-    /// Four codes of 8 bits: all four texels are the first quad.
-    Codes,
-    /// The same, with colour in sRGB.
-    Srgb,
-    /// Four codes of 16 bits, or of 8 where the point's level has no more: the first quad has the upper two texels, the
-    /// second the lower two.
-    Wide,
-    /// Four floats: a quad each.
-    Floats,
+    weights: Weights,
 }
 
 impl Default for Lookup {
@@ -74,10 +51,7 @@ impl Default for Lookup {
             height: Column::ZERO,
             place: [Words::ZERO; 2],
             step: Words::ZERO,
-            across: Column::ZERO,
-            down: Column::ZERO,
-            scale: Column::ZERO,
-            alpha: Column::ZERO,
+            weights: Weights::ZERO,
         };
         Self {
             len: 0,
@@ -121,11 +95,11 @@ impl Lookup {
         let alpha = has_alpha(texture);
         let format = self.fine.fetch(texture, &mut self.found);
         let filter = Filter { found: &self.found, format, alpha, len: self.len };
-        dispatch_pack!(level, P, token => filter.fill::<P>(token, &self.fine, &mut out));
+        dispatch_pack!(level, P, token => filter.fill::<P>(token, &self.fine.weights, &mut out));
         if self.blended {
             let format = self.coarse.fetch(texture, &mut self.found);
             let filter = Filter { found: &self.found, format, alpha, len: self.len };
-            dispatch_pack!(level, P, token => filter.blend::<P>(token, (&self.coarse, &self.share), &mut out));
+            dispatch_pack!(level, P, token => filter.blend::<P>(token, (&self.coarse.weights, &self.share), &mut out));
         }
     }
 
@@ -213,8 +187,8 @@ impl Taps {
             left.store_place(top, width, &mut self.place[0][i..]);
             left.store_place(bottom, width, &mut self.place[1][i..]);
             (right - left).store_words(&mut self.step[i..]);
-            across.store(&mut self.across[i..]);
-            down.store(&mut self.down[i..]);
+            across.store(&mut self.weights.across[i..]);
+            down.store(&mut self.weights.down[i..]);
         }
     }
 
@@ -232,8 +206,8 @@ impl Taps {
         let mut start = 0;
         for (level, end) in self.runs.iter().copied() {
             let (stored, alpha) = (texture.level(level).texels(), !(normals && level == 0));
-            self.scale[start..end].fill(texture.scale(level)[0]);
-            self.alpha[start..end].fill(if alpha { 1.0 / 255.0 } else { 0.0 });
+            self.weights.scale[start..end].fill(texture.scale(level)[0]);
+            self.weights.alpha[start..end].fill(if alpha { 1.0 / 255.0 } else { 0.0 });
             let points = Points { taps: self, alpha, span: start..end };
             match stored {
                 Texels::U8(texels) if format == Format::Wide => {
@@ -317,168 +291,6 @@ impl Points<'_> {
     }
 }
 
-/// The texels read, to be filtered within their level.
-struct Filter<'w> {
-    found: &'w Found,
-    format: Format,
-    /// Says whether the fourth channel may be anything but 1.
-    alpha: bool,
-    len: usize,
-}
-
-impl Filter<'_> {
-    /// Writes the channels at all points.
-    #[inline(always)]
-    fn fill<P: Pack>(&self, token: P::Token, taps: &Taps, out: &mut [&mut Column; 4]) {
-        match self.format {
-            Format::Codes => self.each::<P, Code, Fill>(token, (taps, &taps.across), out),
-            Format::Srgb => self.each::<P, SrgbCode, Fill>(token, (taps, &taps.across), out),
-            Format::Wide => self.each::<P, WideCode, Fill>(token, (taps, &taps.across), out),
-            Format::Floats => self.each::<P, Float, Fill>(token, (taps, &taps.across), out),
-        }
-    }
-
-    /// Goes by `share` from what `out` holds to this level's.
-    #[inline(always)]
-    fn blend<P: Pack>(&self, token: P::Token, taps: (&Taps, &Column), out: &mut [&mut Column; 4]) {
-        match self.format {
-            Format::Codes => self.each::<P, Code, Blend>(token, taps, out),
-            Format::Srgb => self.each::<P, SrgbCode, Blend>(token, taps, out),
-            Format::Wide => self.each::<P, WideCode, Blend>(token, taps, out),
-            Format::Floats => self.each::<P, Float, Blend>(token, taps, out),
-        }
-    }
-
-    #[inline(always)]
-    fn each<P: Pack, T: Stored, W: Way>(
-        &self,
-        token: P::Token,
-        (taps, share): (&Taps, &Column),
-        [r, g, b, a]: &mut [&mut Column; 4],
-    ) {
-        for i in (0..self.len).step_by(P::LANES) {
-            let red: P = self.mean::<P, T>(token, taps, 0, i);
-            let green: P = self.mean::<P, T>(token, taps, 1, i);
-            let blue: P = self.mean::<P, T>(token, taps, 2, i);
-            let alpha = match self.alpha {
-                true => self.mean::<P, T>(token, taps, 3, i),
-                false => P::splat(token, 1.0),
-            };
-            W::lay(token, red, &share[i..], &r[i..]).store(&mut r[i..]);
-            W::lay(token, green, &share[i..], &g[i..]).store(&mut g[i..]);
-            W::lay(token, blue, &share[i..], &b[i..]).store(&mut b[i..]);
-            W::lay(token, alpha, &share[i..], &a[i..]).store(&mut a[i..]);
-        }
-    }
-
-    /// The mean of a channel by nearness. What is read for one channel serves the others too.
-    #[inline(always)]
-    fn mean<P: Pack, T: Stored>(&self, token: P::Token, taps: &Taps, channel: usize, i: usize) -> P {
-        let (across, down) = (P::load(token, &taps.across[i..]), P::load(token, &taps.down[i..]));
-        let [top_left, top_right, bottom_left, bottom_right] = T::load::<P>(token, self.found, channel, i);
-        let top = mix(top_left, top_right, across);
-        let bottom = mix(bottom_left, bottom_right, across);
-        mix(top, bottom, down) * T::scale(token, taps, channel, i)
-    }
-}
-
-/// The use that is made of filtered values.
-trait Way {
-    fn lay<P: Pack>(token: P::Token, mean: P, share: &[f32], out: &[f32]) -> P;
-}
-
-struct Fill;
-
-impl Way for Fill {
-    #[inline(always)]
-    fn lay<P: Pack>(_: P::Token, mean: P, _: &[f32], _: &[f32]) -> P {
-        mean
-    }
-}
-
-struct Blend;
-
-impl Way for Blend {
-    #[inline(always)]
-    fn lay<P: Pack>(token: P::Token, mean: P, share: &[f32], out: &[f32]) -> P {
-        mix(P::load(token, out), mean, P::load(token, share))
-    }
-}
-
-/// A way of storing channels.
-trait Stored {
-    /// The factor of the means.
-    fn scale<P: Pack>(token: P::Token, taps: &Taps, channel: usize, i: usize) -> P;
-    /// A channel of the four texels around the points from `i` on.
-    fn load<P: Pack>(token: P::Token, found: &Found, channel: usize, i: usize) -> [P; 4];
-}
-
-struct Code;
-
-impl Stored for Code {
-    #[inline(always)]
-    fn scale<P: Pack>(token: P::Token, taps: &Taps, channel: usize, i: usize) -> P {
-        if channel == 3 { P::load(token, &taps.alpha[i..]) } else { P::splat(token, 1.0 / 255.0) }
-    }
-    #[inline(always)]
-    fn load<P: Pack>(token: P::Token, found: &Found, channel: usize, i: usize) -> [P; 4] {
-        let [a, b, c, d] = P::load_pixels(token, &found[0][i..]);
-        let shift = 8 * channel as u32;
-        [a.field(shift, 0xff), b.field(shift, 0xff), c.field(shift, 0xff), d.field(shift, 0xff)]
-    }
-}
-
-struct SrgbCode;
-
-impl Stored for SrgbCode {
-    #[inline(always)]
-    fn scale<P: Pack>(token: P::Token, taps: &Taps, channel: usize, i: usize) -> P {
-        if channel == 3 { P::load(token, &taps.alpha[i..]) } else { P::splat(token, 1.0) }
-    }
-    #[inline(always)]
-    fn load<P: Pack>(token: P::Token, found: &Found, channel: usize, i: usize) -> [P; 4] {
-        let codes = Code::load(token, found, channel, i);
-        if channel == 3 {
-            return codes;
-        }
-        let [a, b, c, d] = codes;
-        [linear_from_code(a), linear_from_code(b), linear_from_code(c), linear_from_code(d)]
-    }
-}
-
-struct WideCode;
-
-impl Stored for WideCode {
-    #[inline(always)]
-    fn scale<P: Pack>(token: P::Token, taps: &Taps, _: usize, i: usize) -> P {
-        P::load(token, &taps.scale[i..])
-    }
-    #[inline(always)]
-    fn load<P: Pack>(token: P::Token, found: &Found, channel: usize, i: usize) -> [P; 4] {
-        let top: [P; 4] = P::load_pixels(token, &found[0][i..]);
-        let bottom: [P; 4] = P::load_pixels(token, &found[1][i..]);
-        let (left, right, shift) = (channel / 2, channel / 2 + 2, 16 * (channel as u32 % 2));
-        let (a, b) = (top[left].field(shift, 0xffff), top[right].field(shift, 0xffff));
-        [a, b, bottom[left].field(shift, 0xffff), bottom[right].field(shift, 0xffff)]
-    }
-}
-
-struct Float;
-
-impl Stored for Float {
-    #[inline(always)]
-    fn scale<P: Pack>(token: P::Token, _: &Taps, _: usize, _: usize) -> P {
-        P::splat(token, 1.0)
-    }
-    #[inline(always)]
-    fn load<P: Pack>(token: P::Token, found: &Found, channel: usize, i: usize) -> [P; 4] {
-        let [a, b, c, d] = found;
-        let (a, b) = (P::load_pixels(token, &a[i..]), P::load_pixels(token, &b[i..]));
-        let (c, d) = (P::load_pixels(token, &c[i..]), P::load_pixels(token, &d[i..]));
-        [a[channel], b[channel], c[channel], d[channel]]
-    }
-}
-
 /// The two texels around the coordinate `u` on an axis of `size` texels, and how far it is from the first to the
 /// second; where `smooth` is 0, the one it lies in.
 #[inline(always)]
@@ -516,11 +328,6 @@ fn wrapped<L: Lane>(wrap: Wrap, i: L, size: L) -> L {
 fn within<L: Lane>(i: L, period: L) -> L {
     let above = L::select(period.le(i), i - period, i);
     L::select(i.lt(i.lit(0.0)), i + period, above)
-}
-
-#[inline(always)]
-fn mix<L: Lane>(a: L, b: L, t: L) -> L {
-    a + (b - a) * t
 }
 
 /// Says whether the fourth channel may be anything but 1.

@@ -4,6 +4,7 @@ mod bitmap;
 mod codec;
 mod decode;
 mod encoding;
+mod filter;
 mod linear;
 mod lookup;
 mod mips;

@@ -98,7 +98,7 @@ mod tests {
                 let turned = Mat4::rotation_about(Vec3::new(0.6, 0.0, 0.8), 0.7);
                 let world_from_object = Mat4::translation(Vec3::new(2.0, 0.3, -1.0)) * turned;
                 scene.meshes.push(Mesh::sphere(0.5, 9, 5));
-                scene.instances.push(Instance { mesh: 1, world_from_object, ..scene.instances[0].clone() });
+                scene.instances.push(Instance { mesh: 1, world_from_object, ..scene.instances[0] });
             })
             .unwrap();
         let outline = Outline::new(&scene);

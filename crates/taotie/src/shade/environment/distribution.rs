@@ -10,6 +10,15 @@ const MOST: [usize; 2] = [1024, 512];
 /// The weight of a cell without light, as part of the mean: no direction is left out.
 const FLOOR: f64 = 0.02;
 
+/// A sequence that rises from 0 to 1, with marks from which its steps are soon found.
+#[derive(Debug, Clone)]
+struct Rising {
+    values: Vec<f64>,
+    /// The step in which each of as many equal parts of [0, 1] begins; a power of two of them, so that a number's part is
+    /// exact.
+    marks: Vec<u16>,
+}
+
 /// A density over the sphere that is constant in each cell of an equirectangular grid, and there as high as the
 /// brightest that filtered lookup within the cell finds.
 ///
@@ -21,9 +30,9 @@ pub(super) struct Distribution {
     columns: usize,
     rows: usize,
     /// The probability of all above each row, and at the end 1.
-    above: Vec<f64>,
+    above: Rising,
     /// The probability in each row of all to the left of each column, and at the end 1.
-    left: Vec<f64>,
+    left: Vec<Rising>,
     /// The density in each cell, sr⁻¹.
     density: Vec<f32>,
 }
@@ -44,35 +53,23 @@ impl Distribution {
         let floor = if mean > 0.0 { mean * FLOOR } else { 1.0 };
         weights.iter_mut().for_each(|weight| *weight += floor);
         let total = total(&weights);
-        let mut distribution =
-            Self { columns, rows, above: vec![0.0], left: Vec::new(), density: Vec::new() };
-        let mut all = 0.0;
+        let (mut above, mut all) = (vec![0.0], 0.0);
+        let (mut left, mut density) = (Vec::with_capacity(rows), Vec::with_capacity(weights.len()));
         for (row, area) in weights.chunks_exact(columns).zip(&areas) {
             let sum: f64 = row.iter().sum();
             all += sum * area / total;
-            distribution.above.push(all);
-            distribution.push_row(row, sum);
-            distribution.density.extend(row.iter().map(|weight| (weight / total) as f32));
+            above.push(all);
+            left.push(Rising::new(shares_to_the_left(row, sum)));
+            density.extend(row.iter().map(|weight| (weight / total) as f32));
         }
-        distribution.above[rows] = 1.0;
-        distribution
-    }
-
-    fn push_row(&mut self, row: &[f64], sum: f64) {
-        let mut all = 0.0;
-        self.left.push(0.0);
-        for weight in &row[..row.len() - 1] {
-            all += weight;
-            self.left.push(all / sum);
-        }
-        self.left.push(1.0);
+        above[rows] = 1.0;
+        Self { columns, rows, above: Rising::new(above), left, density }
     }
 
     /// A direction and its density; `u` in [0, 1)².
     pub(super) fn sample(&self, u: [f32; 2]) -> (Vec3, f32) {
-        let (row, t) = find(&self.above, f64::from(u[0]));
-        let start = row * (self.columns + 1);
-        let (column, s) = find(&self.left[start..=start + self.columns], f64::from(u[1]));
+        let (row, t) = self.above.find(f64::from(u[0]));
+        let (column, s) = self.left[row].find(f64::from(u[1]));
         let (top, bottom) = (edge(row, self.rows), edge(row + 1, self.rows));
         let direction = direction_at((column as f64 + s) / self.columns as f64, top + (bottom - top) * t);
         (direction, self.density[row * self.columns + column])
@@ -91,11 +88,39 @@ fn edge(row: usize, rows: usize) -> f64 {
     scalar::cos(PI * row as f64 / rows as f64)
 }
 
-/// The step of a rising sequence from 0 to 1 in which `u` lies, and how far in it.
-fn find(rising: &[f64], u: f64) -> (usize, f64) {
-    let step = rising.partition_point(|value| *value <= u).clamp(1, rising.len() - 1) - 1;
-    let (from, to) = (rising[step], rising[step + 1]);
-    (step, ((u - from) / (to - from)).clamp(0.0, 1.0))
+/// The share of a row's sum that lies to the left of each of its cells, and at the end 1.
+fn shares_to_the_left(row: &[f64], sum: f64) -> Vec<f64> {
+    let (mut shares, mut all) = (vec![0.0], 0.0);
+    for weight in &row[..row.len() - 1] {
+        all += weight;
+        shares.push(all / sum);
+    }
+    shares.push(1.0);
+    shares
+}
+
+impl Rising {
+    /// Takes at most 2^16 values.
+    fn new(values: Vec<f64>) -> Self {
+        let parts = (values.len() - 1).next_power_of_two();
+        let step = |part: usize| {
+            let from = part as f64 / parts as f64;
+            values.partition_point(|value| *value <= from).clamp(1, values.len() - 1) as u16 - 1
+        };
+        let marks = (0..parts).map(step).collect();
+        Self { values, marks }
+    }
+
+    /// The step in which `u` in [0, 1) lies, and how far in it.
+    fn find(&self, u: f64) -> (usize, f64) {
+        let part = (u * self.marks.len() as f64) as usize;
+        let mut step = usize::from(self.marks[part.min(self.marks.len() - 1)]);
+        while self.values[step + 1] <= u && step + 2 < self.values.len() {
+            step += 1;
+        }
+        let (from, to) = (self.values[step], self.values[step + 1]);
+        (step, ((u - from) / (to - from)).clamp(0.0, 1.0))
+    }
 }
 
 /// The mean of the channels where filtered lookup finds most, for each cell, row by row.
@@ -122,4 +147,24 @@ fn most(index: usize, count: usize, size: usize, texel: impl Fn(isize) -> f64) -
 
 fn mean(color: Vec3) -> f64 {
     (f64::from(color.x) + f64::from(color.y) + f64::from(color.z)) / 3.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_lead_to_the_steps_that_searching_finds() {
+        for count in [1usize, 2, 5, 64, 1000] {
+            // Steps of very different heights, some of them none at all.
+            let weights: Vec<f64> = (0..count).map(|i| [0.0, 1e-9, 1.0, 300.0][i * 7 % 4] + 1e-12).collect();
+            let values = shares_to_the_left(&weights, weights.iter().sum());
+            let rising = Rising::new(values.clone());
+            let near = values.iter().flat_map(|value| [value - 1e-12, *value, value + 1e-12]);
+            for u in (0..999).map(|i| f64::from(i) / 999.0).chain(near).filter(|u| (0.0..1.0).contains(u)) {
+                let expected = values.partition_point(|value| *value <= u).clamp(1, count) - 1;
+                assert_eq!(rising.find(u).0, expected, "{u} of {count}");
+            }
+        }
+    }
 }
