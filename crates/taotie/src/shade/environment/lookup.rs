@@ -49,9 +49,8 @@ pub(crate) struct EnvironmentLookup {
 /// The four texels around places in maps.
 #[derive(Debug, Clone)]
 struct Taps {
-    /// Neighbours that look into one map: its number, and where they end.
-    runs: Vec<(usize, usize)>,
-    /// The maps' texels across, and what their half floats are multiplied by.
+    /// The numbers of the maps, their texels across, and what their half floats are multiplied by.
+    map: Words,
     side: Column,
     decode: Column,
     /// The index of the top left texel.
@@ -66,7 +65,7 @@ impl Default for EnvironmentLookup {
     fn default() -> Self {
         let zero = Column::ZERO;
         let taps = Taps {
-            runs: Vec::new(),
+            map: Words::ZERO,
             side: zero,
             decode: zero,
             place: Words::ZERO,
@@ -90,12 +89,13 @@ impl Environment {
         let LookupRequest { directions, len, factor } = request;
         dispatch_pack!(level, P, token => lookup.choose::<P>(token, &directions.roughness, len));
         let EnvironmentLookup { below, above, number, .. } = lookup;
-        for (further, taps) in [below, above].into_iter().enumerate() {
-            taps.runs.clear();
-            for same in number[..len].chunk_by(f32::eq) {
-                // As an integer: −1 becomes 0.
-                taps.choose(&self.levels, same[0] as u32 as usize + further, same.len());
-            }
+        for (i, number) in number.iter().take(len).enumerate() {
+            // As integers: −1 becomes 0.
+            let number = *number as u32 as usize;
+            below.choose(i, &self.levels, number);
+            above.choose(i, &self.levels, number + 1);
+        }
+        for taps in [below, above] {
             taps.read(level, &self.levels, &directions.place, len);
         }
         dispatch_pack!(level, P, token => lookup.mix::<P>(token, len, factor, out));
@@ -118,8 +118,7 @@ impl Environment {
     ) {
         let LookupRequest { directions, len, factor } = request;
         let (taps, roughest) = (&mut lookup.below, self.levels.count() - 1);
-        taps.runs.clear();
-        taps.choose(&self.levels, roughest, len);
+        taps.choose_all(&self.levels, roughest, len);
         taps.read(level, &self.levels, &directions.place, len);
         dispatch_pack!(level, P, token => taps.fill::<P>(token, len, factor, out));
     }
@@ -151,29 +150,33 @@ impl EnvironmentLookup {
 }
 
 impl Taps {
-    /// Looks the next `count` points up in a map.
-    fn choose(&mut self, levels: &Levels, number: usize, count: usize) {
-        let (map, start) = (levels.numbered(number), self.runs.last().map_or(0, |(_, end)| *end));
-        let end = start + count;
-        self.side[start..end].fill(map.side() as f32);
-        self.decode[start..end].fill(map.texels().factor());
-        self.runs.push((number, end));
+    /// Looks point `i` up in a map.
+    #[inline(always)]
+    fn choose(&mut self, i: usize, levels: &Levels, number: usize) {
+        let map = levels.numbered(number);
+        self.map[i] = number as u32;
+        self.side[i] = map.side() as f32;
+        self.decode[i] = map.texels().factor();
+    }
+
+    /// Looks the first `len` points up in one map.
+    fn choose_all(&mut self, levels: &Levels, number: usize, len: usize) {
+        let map = levels.numbered(number);
+        self.map[..len].fill(number as u32);
+        self.side[..len].fill(map.side() as f32);
+        self.decode[..len].fill(map.texels().factor());
     }
 
     /// Reads the texels around the places.
     fn read(&mut self, level: Level, levels: &Levels, places: &[Column; 2], len: usize) {
         dispatch_pack!(level, P, token => self.find::<P>(token, places, len));
+        let (maps, places) = (&self.map[..len], &self.place[..len]);
         let [top, bottom] = &mut self.rows;
-        let mut start = 0;
-        for (number, end) in self.runs.iter().copied() {
-            let (map, span) = (levels.numbered(number), start..end);
-            let (texels, below) = (map.texels(), map.side() + 2);
-            let rows = top[span.clone()].iter_mut().zip(&mut bottom[span.clone()]);
-            for ((top, bottom), place) in rows.zip(&self.place[span]) {
-                *top = words(texels.two(*place as usize));
-                *bottom = words(texels.two(*place as usize + below));
-            }
-            start = end;
+        let (top, bottom) = (&mut top[..len], &mut bottom[..len]);
+        for i in 0..len {
+            let (map, start) = (levels.numbered(maps[i] as usize), places[i] as usize);
+            top[i] = words(map.texels().two(start));
+            bottom[i] = words(map.texels().two(start + map.side() + 2));
         }
     }
 
