@@ -131,7 +131,8 @@ ABOUT = (
     "`make bench-render` lets each program in turn render a carved bronze vessel with maps of 2048² "
     "(`benches/render/scene.py`): `cook-torrance` with colours, normals and one light, `ggx` with occlusion, roughness "
     "and metal too and under an environment. Each frame turns the object, draws it at one sample a pixel with trilinear filtering, and "
-    "ends with all pixels as 8-bit sRGB in memory. Median over the rounds; in brackets the multiple of Taotie's."
+    "ends with all pixels as 8-bit sRGB in memory. Median over the rounds; in brackets the multiple of Taotie's. "
+    "The goal beside llvmpipe at 1024×1024: 2 at 2,048 triangles, 3 from 199,680 on."
 )
 
 ABOUT_COLD = (
