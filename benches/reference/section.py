@@ -82,7 +82,8 @@ ABOUT = (
     "`make bench-reference` lets Taotie's path tracer (`--integrator reference`) and Mitsuba's (`path`, "
     "`multijitter`) follow paths through three scenes of the same arrays (`benches/reference/scenes.py`), pictures of {side}² "
     "on {threads} threads, in turn. Seconds are those of paths alone: without loading, building trees and compiling, "
-    "and a dash where starts vary by as much. RMSE is in linear light against the program's own picture of 16,384 paths a pixel, in parts of its mean."
+    "and a dash where starts vary by as much. RMSE is in linear light against the program's own picture of 16,384 "
+    "paths a pixel, in parts of its mean."
 )
 
 ABOUT_EQUAL = (

@@ -38,6 +38,7 @@ pub mod compare;
 pub mod comparison;
 pub mod error;
 pub mod film;
+mod groups;
 pub mod image;
 pub mod inspection;
 pub mod io;

@@ -36,9 +36,9 @@ impl Blob {
     /// The file that holds it: models as they are, all else compressed.
     pub fn file(&self) -> PageFile {
         let (name, bytes) = (self.name, &self.bytes);
-        match name {
-            _ if self.is_model() => PageFile { name: format!("{name}.glb"), bytes: bytes.clone() },
-            _ => PageFile { name: format!("{name}.bin"), bytes: gzip(bytes, self.compression()) },
+        match self.is_model() {
+            true => PageFile { name: format!("{name}.glb"), bytes: bytes.clone() },
+            false => PageFile { name: format!("{name}.bin"), bytes: gzip(bytes, self.compression()) },
         }
     }
 }

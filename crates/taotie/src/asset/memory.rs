@@ -120,7 +120,7 @@ impl Need {
         const SORTING: u64 = 8;
         /// The memory of simplification for a triangle: joined vertices, blocks, and the half that is left of them.
         const SIMPLIFYING: u64 = 24;
-        /// The scan's edges and triangles as they are sorted to find its faults.
+        /// The scan's edges and triangles in groups, in which its faults are found.
         const INSPECTING: u64 = 40;
         let simplifying = if self.simplifies { SIMPLIFYING } else { 0 };
         let inspecting = if self.inspects { INSPECTING } else { 0 };

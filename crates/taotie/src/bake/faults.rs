@@ -1,5 +1,6 @@
 //! Faults of a surface itself.
 
+use crate::groups::Groups;
 use crate::mesh::Mesh;
 use crate::parallel;
 use crate::surface;
@@ -21,16 +22,17 @@ impl Faults {
     /// Counts the faults of a mesh, vertices at one position counted as one.
     pub fn of(mesh: &Mesh) -> Self {
         let places = surface::by_position(mesh.positions());
-        let whole = Whole { triangles: mesh.triangles(), places: &places.of };
+        let whole = || whole_triangles(mesh.triangles(), &places.of);
         let count = places.firsts.len();
-        let edges = Groups::of(&whole, count, |[a, b, c]| [(a, b), (a, c), (b, c)]);
-        let found = edges.runs(|tally, length| {
+        let edges =
+            Groups::new(count, || whole().flat_map(|[a, b, c]| [(a, b), (a, c), (b, c)]).map(by_place));
+        let found = runs(&edges, |tally, length| {
             tally.ones += usize::from(length == 1);
             tally.many += usize::from(length > 2);
         });
         drop(edges);
-        let twins = Groups::of(&whole, count, |[a, b, c]| [(a, (b, c))]);
-        let twins = twins.runs(|tally, length| tally.many += length - 1);
+        let twins = Groups::new(count, || whole().map(|[a, b, c]| (a, (b, c))).map(by_place));
+        let twins = runs(&twins, |tally, length| tally.many += length - 1);
         Self {
             open_edges: found.ones,
             crowded_edges: found.many,
@@ -40,89 +42,50 @@ impl Faults {
     }
 }
 
-/// Triangles on places, those with two equal corners left out.
-struct Whole<'m> {
-    triangles: &'m [[u32; 3]],
-    places: &'m [u32],
+/// Returns the places of each triangle, the lowest first; those with two equal corners are left out.
+fn whole_triangles<'m>(triangles: &'m [[u32; 3]], places: &'m [u32]) -> impl Iterator<Item = [u32; 3]> + 'm {
+    triangles.iter().filter_map(|triangle| {
+        let [mut a, mut b, mut c] = triangle.map(|v| places[v as usize]);
+        (a, b) = (a.min(b), a.max(b));
+        (b, c) = (b.min(c), b.max(c));
+        (a, b) = (a.min(b), a.max(b));
+        (a != b && b != c).then_some([a, b, c])
+    })
 }
 
-impl Whole<'_> {
-    /// Calls `with` for each triangle with its places, the lowest first.
-    #[inline]
-    fn each(&self, mut with: impl FnMut([u32; 3])) {
-        for triangle in self.triangles {
-            let [mut a, mut b, mut c] = triangle.map(|v| self.places[v as usize]);
-            (a, b) = (a.min(b), a.max(b));
-            (b, c) = (b.min(c), b.max(c));
-            (a, b) = (a.min(b), a.max(b));
-            if a != b && b != c {
-                with([a, b, c]);
-            }
-        }
-    }
-}
-
-/// Values by the place that they belong to. Neighbours in a file mostly have neighbouring places, so that filling is
-/// faster than sorting, and takes less memory.
-struct Groups<T> {
-    /// The start of each place's values; one more at the end.
-    starts: Vec<usize>,
-    values: Vec<T>,
+/// Neighbours in a file mostly have neighbouring places, so that grouping by them is faster than sorting, and takes less
+/// memory.
+fn by_place<T>((place, value): (u32, T)) -> (usize, T) {
+    (place as usize, value)
 }
 
 /// Runs of equal values, counted.
 #[derive(Default)]
 struct Tally<T> {
-    /// Room for the values of a place.
+    /// Room for the values of a group.
     sorted: Vec<T>,
     ones: usize,
     many: usize,
 }
 
-impl<T: Copy + Default + Ord + Send + Sync> Groups<T> {
-    /// Takes the values that each triangle has, with the places below `count` that they belong to.
-    fn of<const N: usize>(
-        triangles: &Whole<'_>,
-        count: usize,
-        values_of: impl Fn([u32; 3]) -> [(u32, T); N],
-    ) -> Self {
-        let mut starts = vec![0; count + 2];
-        triangles.each(|corners| {
-            values_of(corners).iter().for_each(|(place, _)| starts[*place as usize + 2] += 1);
-        });
-        for place in 2..starts.len() {
-            starts[place] += starts[place - 1];
-        }
-        // What is one further than a place's start moves from its start to its end.
-        let mut values = vec![T::default(); starts[count + 1]];
-        triangles.each(|corners| {
-            for (place, value) in values_of(corners) {
-                let next = &mut starts[place as usize + 1];
-                values[*next] = value;
-                *next += 1;
-            }
-        });
-        starts.pop();
-        Self { starts, values }
-    }
-
-    /// Calls `count` with the length of each run of equal values of a place; returns the sums.
-    fn runs(&self, count: impl Fn(&mut Tally<T>, usize) + Sync) -> Tally<T> {
-        let parts = parallel::fold(self.starts.len() - 1, |tally: &mut Tally<T>, place| {
-            let mut sorted = std::mem::take(&mut tally.sorted);
-            sorted.clear();
-            sorted.extend_from_slice(&self.values[self.starts[place]..self.starts[place + 1]]);
-            sorted.sort_unstable();
-            sorted.chunk_by(T::eq).for_each(|run| count(tally, run.len()));
-            tally.sorted = sorted;
-        });
-        let sum = |all: Tally<T>, part: Tally<T>| Tally {
-            sorted: Vec::new(),
-            ones: all.ones + part.ones,
-            many: all.many + part.many,
-        };
-        parts.into_iter().fold(Tally { sorted: Vec::new(), ones: 0, many: 0 }, sum)
-    }
+/// Calls `count` with the length of each run of equal values of a group; returns the sums.
+fn runs<T>(groups: &Groups<T>, count: impl Fn(&mut Tally<T>, usize) + Sync) -> Tally<T>
+where
+    T: Copy + Default + Ord + Send + Sync,
+{
+    let parts = parallel::fold(groups.len(), |tally: &mut Tally<T>, group| {
+        let mut sorted = std::mem::take(&mut tally.sorted);
+        sorted.clear();
+        sorted.extend_from_slice(groups.of(group));
+        sorted.sort_unstable();
+        sorted.chunk_by(T::eq).for_each(|run| count(tally, run.len()));
+        tally.sorted = sorted;
+    });
+    parts.into_iter().fold(Tally::default(), |all, part| Tally {
+        sorted: Vec::new(),
+        ones: all.ones + part.ones,
+        many: all.many + part.many,
+    })
 }
 
 #[cfg(test)]

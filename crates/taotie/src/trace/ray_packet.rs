@@ -7,6 +7,7 @@
 use super::bvh::{Bvh, Hit};
 use super::tree::{Boxes, Leaf, WIDTH};
 use super::{Ray, triangle::RayColumns};
+use crate::groups::Groups;
 use crate::math::{Mask, Pack, Vec3, dispatch_eight};
 
 /// The coordinates in which a ray packet is seen: a place V has column · (V − origin), row · (V − origin) and
@@ -31,10 +32,8 @@ pub struct RayPacket<'a> {
     corner: [f32; 2],
     scale: [f32; 2],
     cells: [usize; 2],
-    /// The starts of the rays of each cell in `order`, row by row, and the end of those of the last.
-    starts: Vec<u32>,
-    /// The rays cell by cell.
-    order: Vec<u32>,
+    /// The rays of each cell, row by row.
+    order: Groups<u32>,
     columns: RayColumns,
 }
 
@@ -65,9 +64,10 @@ impl<'a> RayPacket<'a> {
             let [x, y] = [0, 1].map(|k| (((place[k] - corner[k]) * scale[k]) as usize).min(cells[k] - 1));
             y * cells[0] + x
         };
-        let (starts, order) = by_cell(places.iter().map(cell).collect(), cells[0] * cells[1]);
-        let columns = RayColumns::new(rays, &order)?;
-        Some(Self { rays, view, corner, scale, cells, starts, order, columns })
+        let cell_of: Vec<usize> = places.iter().map(cell).collect();
+        let order = Groups::new(cells[0] * cells[1], || cell_of.iter().copied().zip(0u32..));
+        let columns = RayColumns::new(rays, order.values())?;
+        Some(Self { rays, view, corner, scale, cells, order, columns })
     }
 
     /// Returns the columns (0) or rows (1) of cells in which places up to these coordinates lie, not yet rounded down.
@@ -88,22 +88,6 @@ impl<'a> RayPacket<'a> {
             }
         }
     }
-}
-
-/// Returns the starts of each cell and the end of the last, in numbers sorted by their cell.
-fn by_cell(cell_of: Vec<usize>, cells: usize) -> (Vec<u32>, Vec<u32>) {
-    // The start of cell i waits at i + 1 and ends up as the end of it, which is the start of the next.
-    let mut starts = vec![0u32; cells + 2];
-    cell_of.iter().for_each(|cell| starts[cell + 2] += 1);
-    (2..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
-    let mut order = vec![0u32; cell_of.len()];
-    for (i, cell) in cell_of.into_iter().enumerate() {
-        let slot = &mut starts[cell + 1];
-        order[*slot as usize] = i as u32;
-        *slot += 1;
-    }
-    starts.pop();
-    (starts, order)
 }
 
 impl Bvh {
@@ -253,9 +237,10 @@ fn in_shadow<P: Pack>(
     let [left, right] = shadows.cells(0, i);
     let [top, bottom] = shadows.cells(1, i);
     for row in top..=bottom {
-        let first = packet.starts[row * packet.cells[0] + left] as usize;
-        let end = packet.starts[row * packet.cells[0] + right + 1] as usize;
-        for from in (first..end).step_by(P::LANES) {
+        let first_of_row = row * packet.cells[0];
+        let places = packet.order.places(first_of_row + left, first_of_row + right);
+        let end = places.end;
+        for from in places.step_by(P::LANES) {
             let Some(edges) = packet.columns.edges::<P>(token, from, &leaf.corners, i) else { continue };
             let met = edges.meet();
             let unsure = P::bits(edges.unsure);
@@ -272,7 +257,7 @@ fn in_shadow<P: Pack>(
             while any != 0 {
                 let lane = any.trailing_zeros() as usize;
                 any &= any - 1;
-                let ray = packet.order[from + lane] as usize;
+                let ray = packet.order.values()[from + lane] as usize;
                 let met = match unsure & 1 << lane {
                     0 => Some((distances[lane], [weights[0][lane], weights[1][lane], weights[2][lane]])),
                     _ => packet.rays[ray].intersect(leaf.triangle(i)),

@@ -1,5 +1,6 @@
 //! Triangles around vertices, while single triangles are changed.
 
+use crate::groups::Groups;
 use crate::math::Vec3;
 
 /// Stands in the place of a triangle that was removed.
@@ -56,31 +57,20 @@ fn position(points: &[[f32; 3]], v: u32) -> Vec3<f64> {
 pub(super) struct Fans<'a> {
     points: &'a [[f32; 3]],
     triangles: Vec<[u32; 3]>,
-    /// Where the triangles around each vertex begin in `around`.
-    starts: Vec<u32>,
-    around: Vec<u32>,
+    /// The triangles around each vertex.
+    around: Groups<u32>,
     /// Whether each triangle was changed.
     touched: Vec<bool>,
 }
 
 impl<'a> Fans<'a> {
     pub fn new(points: &'a [[f32; 3]], triangles: Vec<[u32; 3]>) -> Self {
-        let mut starts = vec![0; points.len() + 1];
-        triangles.as_flattened().iter().for_each(|v| starts[*v as usize + 1] += 1);
-        for v in 0..points.len() {
-            starts[v + 1] += starts[v];
-        }
-        let mut ends = starts.clone();
-        let mut around = vec![0; 3 * triangles.len()];
-        for (t, triangle) in (0u32..).zip(&triangles) {
-            for v in triangle {
-                let end = &mut ends[*v as usize];
-                around[*end as usize] = t;
-                *end += 1;
-            }
-        }
+        let around = Groups::new(points.len(), || {
+            let numbered = (0u32..).zip(&triangles);
+            numbered.flat_map(|(t, triangle)| triangle.iter().map(move |v| (*v as usize, t)))
+        });
         let touched = vec![false; triangles.len()];
-        Self { points, triangles, starts, around, touched }
+        Self { points, triangles, around, touched }
     }
 
     /// Returns the number of triangles, those that were removed among them.
@@ -104,8 +94,7 @@ impl<'a> Fans<'a> {
     }
 
     fn fan(&self, v: u32) -> impl Iterator<Item = usize> {
-        let [start, end] = [v as usize, v as usize + 1].map(|v| self.starts[v] as usize);
-        self.around[start..end].iter().map(|t| *t as usize)
+        self.around.of(v as usize).iter().map(|t| *t as usize)
     }
 
     /// Returns the triangles that have both vertices.

@@ -37,8 +37,8 @@ pub struct GltfFormat {
     /// The quality, 1 to 100, of base colour and emission as lossy WebP; `None` loses nothing. Normals,
     /// roughness, metallic, occlusion and alpha always are lossless. For WebP only.
     pub webp_quality: Option<u8>,
-    /// `true` where lossless WebP is to be there soon: it takes less than half the time, and about 3 % more bytes. For
-    /// WebP only.
+    /// `true` where the search for repetitions in lossless WebP is shorter: it takes less than half the time, and the file
+    /// about 3 % more bytes. For WebP only.
     pub quick_webp: bool,
     /// The rate–distortion optimisation of UASTC, 1 to 64: blocks repeat what earlier ones hold where Zstandard then saves
     /// enough. The mean square error of a block rises by its square at most, of 255². Normals are left out. For KTX2 only.

@@ -28,7 +28,7 @@ impl ImagePacking {
     pub fn losing_least(format: &GltfFormat) -> Self {
         match format.images {
             GltfImages::Png => Self::Png,
-            GltfImages::WebP if format.quick_webp => Self::WebP(WebPLoss::LosslessSoon),
+            GltfImages::WebP if format.quick_webp => Self::WebP(WebPLoss::LosslessQuick),
             GltfImages::WebP => Self::WebP(WebPLoss::Lossless),
             GltfImages::Ktx2 => Self::Ktx2(0),
         }

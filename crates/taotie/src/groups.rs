@@ -1,0 +1,65 @@
+//! Values in groups, by the number of each group: counted first, then placed, so that nothing is sorted.
+
+use std::ops::Range;
+
+/// The values of each group one after the other, in the order in which they came.
+#[derive(Debug)]
+pub(crate) struct Groups<T> {
+    /// The start of each group in `values`, and the end of the last.
+    starts: Vec<usize>,
+    values: Vec<T>,
+}
+
+impl<T: Copy + Default> Groups<T> {
+    /// Takes values, each with its group below `count`. `entries` is called twice and gives the same both times.
+    pub fn new<I: Iterator<Item = (usize, T)>>(count: usize, entries: impl Fn() -> I) -> Self {
+        // The start of group i waits at i + 1 and moves on to its end, which is the start of the next.
+        let mut starts = vec![0; count + 2];
+        entries().for_each(|(group, _)| starts[group + 2] += 1);
+        (2..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
+        let mut values = vec![T::default(); starts[count + 1]];
+        entries().for_each(|(group, value)| {
+            let next = &mut starts[group + 1];
+            values[*next] = value;
+            *next += 1;
+        });
+        starts.pop();
+        Self { starts, values }
+    }
+
+    /// The number of groups.
+    pub fn len(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// The values of a group.
+    pub fn of(&self, group: usize) -> &[T] {
+        &self.values[self.places(group, group)]
+    }
+
+    /// The places in [`Self::values`] of the groups from `first` to `last`.
+    #[inline(always)]
+    pub fn places(&self, first: usize, last: usize) -> Range<usize> {
+        self.starts[first]..self.starts[last + 1]
+    }
+
+    /// All values, group by group.
+    pub fn values(&self) -> &[T] {
+        &self.values
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_stand_in_their_groups_in_the_order_in_which_they_came() {
+        let entries = [(3, 'a'), (0, 'b'), (3, 'c'), (1, 'd'), (0, 'e')];
+        let groups = Groups::new(5, || entries.into_iter());
+        let found: Vec<&[char]> = (0..groups.len()).map(|group| groups.of(group)).collect();
+        assert_eq!(found, [&['b', 'e'][..], &['d'], &[], &['a', 'c'], &[]]);
+        assert_eq!((groups.places(1, 3), groups.values()), (2..5, &['b', 'e', 'd', 'a', 'c'][..]));
+        assert_eq!(Groups::<u8>::new(0, std::iter::empty).len(), 0);
+    }
+}
