@@ -23,6 +23,7 @@ const LAYERS: [(&str, u32); 23] = [
     ("error", 0),
     ("names", 1),
     ("progress", 1),
+    ("groups", 0),
     ("parallel", 1),
     ("math", 2),
     ("image", 3),
