@@ -133,10 +133,8 @@ impl Format {
     /// Returns the bytes that a byte of the file takes in all; `None` where its content tells.
     fn unpacked(self) -> Option<u64> {
         match self {
-            Self::Gltf => None,
+            Self::Gltf | Self::Stl => None,
             Self::Obj | Self::Ply => Some(4),
-            // Nothing says how many corners are one; they are looked up by their places.
-            Self::Stl => Some(5),
         }
     }
 }

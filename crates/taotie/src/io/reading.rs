@@ -86,8 +86,8 @@ impl Reading {
         self.read_own(path)
     }
 
-    /// Counts a file of text or packed numbers, and what is made of it: OBJ, MTL, PLY, STL. `unpacked` is the number of bytes
-    /// that each of its bytes takes in all.
+    /// Counts what a file of text or packed numbers takes: OBJ, MTL, PLY, STL. `unpacked` is the number of bytes for each of
+    /// its bytes.
     ///
     /// # Errors
     /// [`Error::Limit`] where it does not fit the memory; [`Error::Io`] where it is not there.

@@ -50,7 +50,7 @@ impl Ground {
     /// The ground of a shot; `None` where it has none.
     pub(super) fn of(ready: Ready<'_>, shot: &Shot<'_>, rays: CameraRays) -> Option<Self> {
         let bounds = ready.bounds().filter(|_| shot.settings.ground)?;
-        let casters = Casters { tree: ready.tree(), draws: &ready.draws() };
+        let casters = Casters { tree: ready.tree(0), draws: &ready.draws() };
         Some(Self::new(casters, bounds, shot.lighting, rays))
     }
 

@@ -58,7 +58,7 @@ impl Prepared {
     /// # Ok::<(), taotie::Error>(())
     /// ```
     pub fn bvh(&self) -> &Bvh {
-        &self.ready().tree().0
+        &self.ready().tree(0).0
     }
 
     /// The height above the surface at which shadow rays start, model units.
@@ -133,9 +133,9 @@ impl<'p> Ready<'p> {
         Draws { scene, all: parts.placed.iter().map(|one| one.draw(scene)).collect() }
     }
 
-    /// All triangles, sorted for rays; made when first asked for.
-    pub(super) fn tree(self) -> &'p SceneTree {
-        self.parts.tree.get_or_init(|| SceneTree::new(&self.draws(), self.parts.level))
+    /// All triangles, sorted for rays, of which at least so many are to come; made when first asked for.
+    pub(super) fn tree(self, rays: u64) -> &'p SceneTree {
+        self.parts.tree.get_or_init(|| SceneTree::new(&self.draws(), rays, self.parts.level))
     }
 
     /// The box around all triangles; measured when first asked for.

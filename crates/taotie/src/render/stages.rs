@@ -90,7 +90,7 @@ impl<'p> Stages<'p> {
 
     /// The shadow casters; the tree is made when first asked for.
     pub(super) fn casters(&self) -> Casters<'_> {
-        Casters { tree: self.ready.tree(), draws: &self.draws }
+        Casters { tree: self.ready.tree(0), draws: &self.draws }
     }
 
     /// The number of tiles of the image.

@@ -11,13 +11,17 @@ use fearless_simd::Level;
 pub(super) struct SceneTree(pub Bvh);
 
 impl SceneTree {
-    /// Sorts all triangles for rays that are traced at a SIMD level.
-    pub(super) fn new(draws: &Draws<'_>, level: Level) -> Self {
+    /// Sorts all triangles for rays, at least so many, which are traced at a SIMD level.
+    pub(super) fn new(draws: &Draws<'_>, rays: u64, level: Level) -> Self {
+        /// Rays a triangle from which on it is worth to sort for many.
+        const MANY: u64 = 4;
         let triangles = |draw: &Draw<'_>| -> Vec<[Vec3; 3]> {
             draw.mesh.triangles().iter().map(|t| t.map(|v| draw.positions[v as usize])).collect()
         };
         let corners: Vec<_> = draws.all.iter().flat_map(triangles).collect();
-        Self(Bvh::build(&corners).at(level))
+        let many = rays / MANY > corners.len() as u64;
+        let bvh = if many { Bvh::for_many_rays(&corners) } else { Bvh::build(&corners) };
+        Self(bvh.at(level))
     }
 }
 

@@ -1,8 +1,9 @@
 //! A bounding volume hierarchy over triangles.
 
 use super::Ray;
+use super::by_area::by_area;
 use super::nearby::{Closest, closest};
-use super::tree::Tree;
+use super::tree::{Tree, along_curve};
 use super::walk::{Cast, Met, Span, walk};
 use crate::error::Result;
 use crate::math::{SimdLevel, Vec3, dispatch_eight};
@@ -43,7 +44,14 @@ impl Bvh {
     /// Sorts the triangles 0 to `count` − 1, at most 2^32, whose finite corners `corners` returns. It is called several
     /// times.
     pub fn of(count: usize, corners: impl Fn(usize) -> [Vec3; 3] + Sync) -> Self {
-        Self { tree: Tree::new(count, &corners), level: SimdLevel::fastest() }
+        Self { tree: Tree::new(along_curve(count, &corners), &corners), level: SimdLevel::fastest() }
+    }
+
+    /// Sorts as [`Bvh::build`] does, for many rays: sorting takes some seventeen times as long, and rays take a fifth less
+    /// time. It is worth it from about four rays a triangle on. Hits are the same.
+    pub fn for_many_rays(triangles: &[[Vec3; 3]]) -> Self {
+        let corners = |t: usize| triangles[t];
+        Self { tree: Tree::new(by_area(triangles.len(), &corners), &corners), level: SimdLevel::fastest() }
     }
 
     /// Returns the same tree, whose rays are traced at another SIMD level than the machine's fastest.

@@ -1,6 +1,7 @@
 //! Rays against triangles. Finds hits, never colours.
 
 mod bvh;
+mod by_area;
 mod flat;
 mod hilbert;
 mod nearby;

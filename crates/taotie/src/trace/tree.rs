@@ -109,9 +109,8 @@ impl Tree {
         self.order.len().saturating_sub(leaf * WIDTH).min(WIDTH)
     }
 
-    /// Makes the tree of `count` triangles, at most 2^32.
-    pub fn new(count: usize, corners: Corners<'_>) -> Self {
-        let order = sorted(count, corners);
+    /// Makes the tree of triangles, at most 2^32, of which each eight in `order` share a leaf.
+    pub fn new(order: Vec<u32>, corners: Corners<'_>) -> Self {
         // Most of the tree's memory: Rayon's collection is filled by all threads from its first byte on.
         let leaves: Vec<Leaf> = order.par_chunks(WIDTH).map(|slots| leaf(slots, corners)).collect();
         let slack = slack(&leaves);
@@ -162,8 +161,8 @@ fn leaf(slots: &[u32], corners: Corners<'_>) -> Leaf {
     leaf
 }
 
-/// The triangles in the order of their middles along the curve; of equal ones the lower number first.
-fn sorted(count: usize, corners: Corners<'_>) -> Vec<u32> {
+/// Returns the triangles in the order of their middles along the curve; of equal ones the lower number first.
+pub(super) fn along_curve(count: usize, corners: Corners<'_>) -> Vec<u32> {
     let middle = |t: usize| {
         let [a, b, c] = corners(t);
         a * (1.0 / 3.0) + b * (1.0 / 3.0) + c * (1.0 / 3.0)

@@ -3,7 +3,6 @@
 mod facets;
 mod solids;
 
-use super::file;
 use super::loaded::{Loaded, checked};
 use super::obj::neutral;
 use super::reading::Reading;
@@ -21,6 +20,10 @@ use std::path::Path;
 const BINARY_START: usize = 84;
 /// Bytes of a triangle in a binary file.
 const BINARY_TRIANGLE: usize = 50;
+/// Bytes that are made of each byte of a binary file, as if no triangle shared a corner: only looking at them tells.
+const BINARY_MADE: u64 = 4;
+/// The same of an ascii file, whose triangles have a hundred bytes at least.
+const ASCII_MADE: u64 = 2;
 
 /// Reads an STL file into one mesh without normals, since those of the file are the triangles' own.
 ///
@@ -28,13 +31,15 @@ const BINARY_TRIANGLE: usize = 50;
 /// whatever it starts with; else it is ascii where it starts with `solid`.
 ///
 /// # Errors
-/// [`Error::Io`] where the file cannot be read, [`Error::Parse`] naming the first triangle that cannot be used, or
-/// where there is none.
+/// [`Error::Io`] where the file cannot be read, [`Error::Limit`] where it does not fit the memory, [`Error::Parse`] naming
+/// the first triangle that cannot be used, or where there is none.
 pub(super) fn read(reading: &Reading) -> Result<Loaded> {
     let path = reading.path();
-    let bytes = file::read(path)?;
+    let bytes = reading.read_own(path)?;
+    let is_ascii = is_ascii(&bytes);
+    reading.count_file(path, if is_ascii { ASCII_MADE } else { BINARY_MADE })?;
     let mut warnings = Warnings::default();
-    let data = if is_ascii(&bytes) {
+    let data = if is_ascii {
         let corners = ascii(path, &text::decode(bytes))?;
         welded(corners.len(), |c| corners[c])
     } else {

@@ -53,7 +53,8 @@ impl<'t> Tracer<'t> {
         let camera = CameraRays::new(shot.camera, [width, height]);
         let view = View::new(shot.camera, width, height)?;
         let level = settings.surface.simd.dispatch()?;
-        let tree = ready.tree();
+        let rays = u64::from(width) * u64::from(height) * u64::from(paths.spp);
+        let tree = ready.tree(rays);
         Ok(Self {
             draws,
             sight: Sight { draws, tree },
