@@ -8,8 +8,8 @@ use crate::progress::Progress;
 use meshopt::SimplifyOptions as Choices;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Triangles of a block. Its border, which cannot change, is about one vertex in a hundred.
-const BLOCK: usize = 1 << 18;
+/// Triangles of a block. Its border, which cannot change, is about one vertex in fifty.
+const BLOCK: usize = 1 << 16;
 /// For one triangle of the result this many are left by the blocks, so that the choice among them is free.
 const FOR_ONE: usize = 8;
 /// No less is left by the blocks.
