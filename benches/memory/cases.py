@@ -147,6 +147,8 @@ def geometry_cases():
     for count in (200_000, 1_000_000):
         name = f"soup-{count}.stl"
         yield Case(name, [INSPECT, RENDER], functools.partial(models.soup, name, count))
+    name = "soup-ascii-1000000.stl"
+    yield Case(name, [INSPECT, RENDER], functools.partial(models.ascii_soup, name, 1_000_000))
     for side in (200, 500, 1000):
         for ending, is_embedded in (("glb", False), ("gltf", False), ("gltf", True)):
             name = f"grid-{side}{'-embedded' * is_embedded}.{ending}"

@@ -22,8 +22,8 @@ const BINARY_START: usize = 84;
 const BINARY_TRIANGLE: usize = 50;
 /// Bytes that are made of each byte of a binary file, as if no triangle shared a corner: only looking at them tells.
 const BINARY_MADE: u64 = 4;
-/// The same of an ascii file, whose triangles have a hundred bytes at least.
-const ASCII_MADE: u64 = 2;
+/// The same of an ascii file, whose shortest triangles have ninety bytes.
+const ASCII_MADE: u64 = 3;
 
 /// Reads an STL file into one mesh without normals, since those of the file are the triangles' own.
 ///
