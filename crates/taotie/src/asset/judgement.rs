@@ -94,9 +94,8 @@ pub(super) fn judge(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts, warnings: 
     warnings.note("triangles of the low-poly mesh without uv area, which have no relief", counts.flat);
     let turned = turned(&pair.low.mesh);
     match is_made(pair) {
-        true => {
-            warnings.note("triangles made with normals on their other side, a fault of the program", turned)
-        }
+        true => warnings
+            .note("triangles that simplification folded over; another number of them may avoid that", turned),
         false => {
             warnings.note("triangles of the low-poly mesh that face away from their own normals", turned)
         }

@@ -1,7 +1,8 @@
 //! Folds of a simplified surface, unfolded: facets that face away from the normals of the surface at their corners.
 //!
-//! Collapses near one another can turn a small facet over. One of its edges is flipped, or collapsed, where then fewer
-//! facets face away and none gets thinner than a sliver.
+//! Collapses near one another can turn a small facet over. One of its edges is flipped, or one of its corners moved to a
+//! neighbour, where then fewer facets face away and none is a sliver. A fin, two facets back to back on an edge of the
+//! surface, is taken off.
 
 use super::fan::Fans;
 use super::slivers::THIN;
@@ -11,7 +12,7 @@ use crate::math::Vec3;
 const ROUNDS: usize = 4;
 /// Where more than one triangle of so many faces away, the high-poly surface has no one outside there.
 const OF_MANY: usize = 20;
-/// A facet that is changed faces the normals of its corners by at least this cosine afterwards: that of 78°.
+/// A facet faces the normals of its corners by more than this cosine: that of 78°.
 const FACING: f64 = 0.2;
 
 /// Returns the triangles with fewer folds; as they are where there is none. `normals` are those of the high-poly surface
@@ -57,30 +58,57 @@ impl Folds<'_> {
         }
         let [a, b, c] = self.fans.longest_first(t);
         let turned = [[a, b, c], [b, c, a], [c, a, b]];
-        self.changed |= turned.iter().any(|corners| self.flip(t, *corners))
-            || turned.iter().any(|[a, b, _]| self.collapse(*a, *b) || self.collapse(*b, *a));
+        self.changed |= turned.iter().any(|corners| self.take_fin_off(t, *corners))
+            || turned.iter().any(|corners| self.flip(t, *corners))
+            || turned.iter().any(|[a, b, _]| self.collapse(*a, *b) || self.collapse(*b, *a))
+            || [a, b, c].into_iter().any(|from| self.collapse_to_neighbour(from));
     }
 
-    /// Returns `true` where a facet faces the normals of its corners and is no sliver.
-    fn is_sound(&self, corners: [u32; 3]) -> bool {
-        self.cosine(corners) > FACING && self.fans.shape(corners).height() >= THIN
+    /// Returns `true` where a change leaves fewer facets that face away, or nearly so, and makes no sliver.
+    fn is_better(&self, before: &[[u32; 3]], after: &[[u32; 3]]) -> bool {
+        let away = |facets: &[[u32; 3]]| facets.iter().filter(|t| self.cosine(**t) <= FACING).count();
+        let is_sliver = |corners: &[u32; 3]| self.fans.shape(*corners).height() < THIN;
+        away(after) < away(before) && !after.iter().any(is_sliver)
     }
 
     fn flip(&mut self, t: usize, corners: [u32; 3]) -> bool {
         let Some(flip) = self.fans.flip(t, corners) else { return false };
-        let is_possible = flip.after.iter().all(|corners| self.is_sound(*corners));
+        let is_possible = self.is_better(&flip.before, &flip.after);
         if is_possible {
             self.fans.take(&flip);
         }
         is_possible
     }
 
-    /// Moves a vertex of a facet along an edge to another one, so that both facets at the edge vanish.
+    /// Takes off a facet whose back lies on another's back, where nothing else hangs at their tip: the surface goes on
+    /// below them, at the edge opposite.
+    fn take_fin_off(&mut self, t: usize, [a, b, tip]: [u32; 3]) -> bool {
+        let &[one, other] = self.fans.around(tip) else { return false };
+        let back = if one as usize == t { other } else { one } as usize;
+        let is_possible = self.fans.opposite(back, b, a) == Some(tip)
+            && self.fans.at_edge(a, b).len() > 2
+            && self.fans.are_untouched(&[a, b])
+            && self.fans.shape([b, a, tip]).cosine(self.normals[tip as usize].to_f64()) > FACING;
+        if is_possible {
+            self.fans.remove(t);
+            self.fans.remove(back);
+        }
+        is_possible
+    }
+
+    fn collapse_to_neighbour(&mut self, from: u32) -> bool {
+        self.fans.neighbours(from).into_iter().any(|to| self.collapse(from, to))
+    }
+
+    /// Moves a vertex along an edge to another one, so that both facets at the edge vanish.
     fn collapse(&mut self, from: u32, to: u32) -> bool {
+        let before: Vec<[u32; 3]> =
+            self.fans.around(from).iter().map(|t| self.fans.corners(*t as usize)).collect();
+        let after: Vec<[u32; 3]> = self.fans.moved(from, to).into_iter().map(|[_, new]| new).collect();
         let is_possible = self.fans.are_untouched(&[from, to])
             && self.fans.can_collapse(from, to)
             && self.fans.keeps_border(from, to)
-            && self.fans.moved(from, to).iter().all(|[_, new]| self.is_sound(*new));
+            && self.is_better(&before, &after);
         if is_possible {
             self.fans.collapse(from, to);
         }
@@ -117,6 +145,22 @@ mod tests {
             found.len() == 2 && doubled_areas(&points, &found).iter().all(|area| *area > 0.0),
             "{found:?}"
         );
+    }
+
+    /// A square, and on its diagonal two facets back to back, as if a blade stood there.
+    #[test]
+    fn a_fin_is_taken_off() {
+        let points: Vec<[f32; 3]> = CORNERS.into_iter().chain([[0.9, 0.2, 0.01]]).collect();
+        let square = vec![[0, 1, 2], [0, 2, 3]];
+        let fin = |back: [u32; 3]| [square.clone(), vec![[0, 2, 4], back]].concat();
+        let unfolded = |triangles: Vec<[u32; 3]>| {
+            let mut folds = Folds { fans: Fans::new(&points, triangles), normals: &[UP; 5], changed: false };
+            (2..4).for_each(|t| folds.unfold(t));
+            folds.fans.into_triangles()
+        };
+        assert!(doubled_areas(&points, &fin([2, 0, 4]))[2] < 0.0);
+        assert_eq!(unfolded(fin([2, 0, 4])), square);
+        assert_ne!(unfolded(fin([0, 2, 4])), square, "two facets that lie alike are no fin");
     }
 
     /// A grid, one of whose inner points is drawn across the edge opposite.
