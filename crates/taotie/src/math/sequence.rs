@@ -4,7 +4,7 @@
 /// scrambling. Different seeds give independent sequences.
 ///
 /// Law: of the first 4ⁿ points, each of 2ⁿ × 2ⁿ squares holds one (`sequence::tests::squares_hold_one_point_each`).
-/// Source: Burley 2020, "Practical hash-based Owen scrambling"; the crate `sobol_burley`.
+/// Source: Burley 2020, "Practical hash-based Owen scrambling", with its padding (§5); the crate `sobol_burley`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sequence {
     seed: u32,
@@ -19,13 +19,14 @@ impl Sequence {
         Self { seed }
     }
 
-    /// Four coordinates of point `index`, below [`Sequence::MOST`]: those of dimensions 4 · `set` and on.
+    /// Four coordinates of point `index`, below [`Sequence::MOST`]. Those of one set cover space evenly together, and best
+    /// two by two; sets are independent of each other.
     ///
-    /// From set 64 on, further sequences are used, each with its own seed.
+    /// Each set is the first four dimensions of a sequence of its own: the later ones of Sobol's sequence leave squares
+    /// empty that its first points should cover.
     pub fn four(self, index: u32, set: u32) -> [f32; 4] {
-        let sets = sobol_burley::NUM_DIMENSION_SETS_4D;
-        let seed = if set < sets { self.seed } else { hash(self.seed, set / sets) };
-        sobol_burley::sample_4d(index % Self::MOST, set % sets, seed)
+        let seed = if set == 0 { self.seed } else { hash(self.seed, set) };
+        sobol_burley::sample_4d(index % Self::MOST, 0, seed)
     }
 }
 
@@ -56,21 +57,21 @@ mod tests {
 
     #[test]
     fn squares_hold_one_point_each() {
-        for seed in [0, 1, 0xdead_beef] {
+        for (seed, set) in [(0, 0), (1, 0), (0xdead_beef, 1), (7, 64)] {
             for n in [4, 16, 64] {
                 let mut held = vec![0; (n * n) as usize];
                 for index in 0..n * n {
-                    let [x, y, ..] = Sequence::new(seed).four(index, 0);
+                    let [x, y, ..] = Sequence::new(seed).four(index, set);
                     let cell = (x * n as f32) as u32 + (y * n as f32) as u32 * n;
                     held[cell as usize] += 1;
                 }
-                assert!(held.iter().all(|count| *count == 1), "seed {seed}, {n} a side");
+                assert!(held.iter().all(|count| *count == 1), "seed {seed}, set {set}, {n} a side");
             }
         }
     }
 
     #[test]
-    fn sets_beyond_the_last_are_others() {
+    fn sets_are_others() {
         let sequence = Sequence::new(3);
         let sets = [0, 1, 63, 64, 65, 128].map(|set| sequence.four(5, set).map(f32::to_bits));
         for (i, a) in sets.iter().enumerate() {

@@ -170,15 +170,15 @@ impl<L: Lane> Lobes<L> {
         Self { alpha: [width.clamp(MIN_ALPHA, 1.0); 2], glossy: share * (one - even), even }
     }
 
-    /// A direction for a viewer `v` (unit, v.z above 0); it may lie below the horizon. `u` chooses the lobe and the
-    /// direction.
+    /// A direction for a viewer `v` (unit, v.z above 0); it may lie below the horizon. `u` in [0, 1)².
     #[inline(always)]
-    pub fn direction(&self, v: Vec3<L>, u: [L; 3]) -> Vec3<L> {
-        let along = [u[1], u[2]];
-        let glossy = mirrored(v, ggx_visible_normal(v, self.alpha, along));
-        let even = uniform_direction(along);
-        let matt = Vec3::select(u[0].lt(self.glossy + self.even), even, cosine_direction(along));
-        Vec3::select(u[0].lt(self.glossy), glossy, matt)
+    pub fn direction(&self, v: Vec3<L>, [u, around]: [L; 2]) -> Vec3<L> {
+        let glossy = mirrored(v, ggx_visible_normal(v, self.alpha, [stretched(u, self.glossy), around]));
+        let rest = u - self.glossy;
+        let even = uniform_direction([stretched(rest, self.even), around]);
+        let matt = u.lit(1.0) - self.glossy - self.even;
+        let matt = cosine_direction([stretched(rest - self.even, matt), around]);
+        Vec3::select(rest.lt(u.lit(0.0)), glossy, Vec3::select(rest.lt(self.even), even, matt))
     }
 
     /// The density with which [`Self::direction`] gives `l` (unit) for the same viewer.
@@ -191,6 +191,14 @@ impl<L: Lane> Lobes<L> {
         let matt = (one - self.glossy - self.even) * cosine_pdf(l.z);
         self.glossy * ggx_visible_pdf(v, l, self.alpha) + even + matt
     }
+}
+
+/// The place of `u` in the part of [0, 1) that is `size` wide and begins at 0, as a part of it: so one number chooses
+/// among ways and the direction in each, and numbers that are evenly spread stay so. In [0, 1), whatever they are.
+#[inline(always)]
+pub fn stretched<L: Lane>(u: L, size: L) -> L {
+    let most = 1.0 - f64::from(f32::EPSILON);
+    (u / size.max(u.lit(1e-6))).clamp(0.0, most)
 }
 
 #[inline(always)]

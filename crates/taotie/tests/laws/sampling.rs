@@ -201,7 +201,7 @@ fn sampled_albedo(shading: Shading, s: &MaterialSample<f64>, n_dot_v: f64, sampl
     let mut random = Random(11);
     let (mut sum, mut squares) = (0.0, 0.0);
     for _ in 0..samples {
-        let l = lobes.direction(v, [random.next(), random.next(), random.next()]);
+        let l = lobes.direction(v, [random.next(), random.next()]);
         if l.z > 0.0 {
             let a = Angles::new(N, v, l);
             let weight = reflect(shading, s, &a).x / lobes.pdf(v, l);

@@ -32,7 +32,7 @@ pub(super) struct BsdfQuery<'t> {
 /// A batch of BSDF evaluations: directions of fragments and the answers to them.
 pub(super) struct BsdfBatch {
     /// Numbers in [0, 1) that choose where the path goes on.
-    pub u: [Column; 3],
+    pub u: [Column; 2],
     pub grooves: Grooves,
     /// The direction chosen for the environment's light; unit, world space.
     pub to_sky: Column3,
@@ -53,7 +53,7 @@ pub(super) struct BsdfBatch {
 impl BsdfBatch {
     pub(super) fn new(sources: usize) -> Box<Self> {
         Box::new(Self {
-            u: ZERO3,
+            u: [ZERO; 2],
             grooves: Grooves { u: ZERO, v: ZERO3 },
             to_sky: ZERO3,
             onward: ZERO3,
@@ -79,8 +79,8 @@ fn all_packs<P: Pack>(token: P::Token, query: &BsdfQuery<'_>, batch: &Batch, bsd
         let seen: Seen<P> = Seen::new(at, query, bsdf);
         store3(seen.surface.own(at.splat3(query.ambient)), &mut bsdf.own, i);
         let scatter = Scatter::new(&seen.surface, seen.from, seen.groove.as_ref());
-        let [u, v, w] = &bsdf.u;
-        let onward = scatter.direction([at.load(u), at.load(v), at.load(w)]);
+        let [u, v] = &bsdf.u;
+        let onward = scatter.direction([at.load(u), at.load(v)]);
         store3(onward, &mut bsdf.onward, i);
         let position = at.load3(&batch.geometry.position);
         // One loop over all directions, so that reflection is compiled once.

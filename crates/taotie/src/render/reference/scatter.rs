@@ -5,7 +5,7 @@ use crate::math::{Lane, Pack, Vec3};
 use crate::pixel::{Coat, SurfacePoint};
 use crate::shade::coat_fresnel;
 use crate::shade::ndf::alpha_from_roughness;
-use crate::shade::sampling::{Lobes, ggx_visible_normal, ggx_visible_pdf, mirrored, raised};
+use crate::shade::sampling::{Lobes, ggx_visible_normal, ggx_visible_pdf, mirrored, raised, stretched};
 
 /// The distribution of directions in which a surface point sends paths.
 pub(super) struct Scatter<'s, L> {
@@ -53,16 +53,15 @@ impl<'s, P: Pack> Scatter<'s, P> {
         Self { base, lobes, coat, groove }
     }
 
-    /// A direction, unit, world space; it may lie below the horizon. `u` in [0, 1)³.
+    /// A direction, unit, world space; it may lie below the horizon. `u` in [0, 1)².
     #[inline(always)]
-    pub(super) fn direction(&self, [u, along, around]: [P; 3]) -> Vec3<P> {
-        let zero = u.lit(0.0);
-        let share = self.coat.as_ref().map_or(zero, |coat| coat.share);
-        let rest = ((u - share) / (u.lit(1.0) - share)).max(zero);
-        let base = self.base.to_world(self.lobes.direction(self.base.v, [rest, along, around]));
+    pub(super) fn direction(&self, [u, around]: [P; 2]) -> Vec3<P> {
+        let share = self.coat.as_ref().map_or(u.lit(0.0), |coat| coat.share);
+        let rest = stretched(u - share, u.lit(1.0) - share);
+        let base = self.base.to_world(self.lobes.direction(self.base.v, [rest, around]));
         let base = self.groove.map_or(base, |groove| groove.leaving(base));
         let Some(coat) = &self.coat else { return base };
-        let m = ggx_visible_normal(coat.frame.v, [coat.alpha; 2], [along, around]);
+        let m = ggx_visible_normal(coat.frame.v, [coat.alpha; 2], [stretched(u, share), around]);
         Vec3::select(u.lt(share), coat.frame.to_world(mirrored(coat.frame.v, m)), base)
     }
 

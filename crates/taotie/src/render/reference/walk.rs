@@ -244,7 +244,7 @@ impl Tracer<'_> {
         }
         for i in work.batch.entries() {
             let path = &paths[stop.entry(i).0 as usize];
-            work.bsdf.grooves.u[i] = path.sequence.four(path.index, 2 + 2 * stop.depth)[3];
+            work.bsdf.grooves.u[i] = path.at_surface(stop.depth)[3];
         }
         work.bsdf.grooves.complete(self.level, &self.settings, stop.draw, &mut work.batch);
     }
@@ -256,10 +256,9 @@ impl Tracer<'_> {
             self.environment.filter(|_| self.reference.environment != EnvironmentSampling::BySurface);
         for (i, (index, _)) in stop.intersections.iter().enumerate() {
             let path = &paths[*index as usize];
-            let [a, b, c, _] = path.sequence.four(path.index, 1 + 2 * stop.depth);
-            set3(&mut work.bsdf.u, i, Vec3::new(a, b, c));
+            let [u, around, a, b] = path.of_light(stop.depth);
+            (work.bsdf.u[0][i], work.bsdf.u[1][i]) = (u, around);
             if let Some(environment) = environment {
-                let [a, b, ..] = path.sequence.four(path.index, 2 + 2 * stop.depth);
                 let sample = environment.sample([a, b]);
                 set3(&mut work.bsdf.to_sky, i, sample.direction);
                 work.sky.push(sample);
@@ -313,7 +312,7 @@ impl Tracer<'_> {
         if depth >= ROULETTE_FROM {
             let most = path.throughput.x.max(path.throughput.y).max(path.throughput.z);
             let survives = most.clamp(LEAST_CHANCE, 1.0);
-            let [.., u] = path.sequence.four(path.index, 1 + 2 * depth);
+            let [u, ..] = path.at_surface(depth);
             if u >= survives {
                 return false;
             }
@@ -339,9 +338,21 @@ fn show_color(stop: &Stop<'_>, paths: &mut [Path], work: &PathScratch) {
 }
 
 impl Path {
+    /// Numbers of the path's way to surface `depth`: whether it goes on from there (its place in the pixel at first),
+    /// one more of that place, which blended surfaces are there for the ray that leads to it, which facet of a groove it
+    /// meets.
+    fn at_surface(&self, depth: u32) -> [f32; 4] {
+        self.sequence.four(self.index, 2 * depth)
+    }
+
+    /// Numbers of the light at surface `depth`: two for the direction in which the path goes on, two for the environment.
+    fn of_light(&self, depth: u32) -> [f32; 4] {
+        self.sequence.four(self.index, 2 * depth + 1)
+    }
+
     /// Decides which blended surfaces are there for the ray that leads to surface `depth`.
     fn chance(&self, depth: u32) -> f32 {
-        self.sequence.four(self.index, 2 * depth)[2]
+        self.at_surface(depth)[2]
     }
 
     /// The number of one of the shadow rays from surface `depth`.
