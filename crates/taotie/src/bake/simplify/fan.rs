@@ -154,18 +154,13 @@ impl<'a> Fans<'a> {
         others
     }
 
-    /// Returns the vertices that share an edge with a vertex, sorted.
-    pub fn neighbours(&self, v: u32) -> Vec<u32> {
-        let mut others = self.others(v);
-        others.dedup();
-        others
-    }
-
     /// Returns `true` where the vertices of an edge can become one and the surface stays what it is: all their common
     /// neighbours are corners of triangles at the edge, both have other triangles, and none of those become equal.
     pub fn can_collapse(&self, a: u32, b: u32) -> bool {
         let at_edge = self.at_edge(a, b).len();
-        let [of_a, of_b] = [a, b].map(|v| self.neighbours(v));
+        let [mut of_a, mut of_b] = [self.others(a), self.others(b)];
+        of_a.dedup();
+        of_b.dedup();
         let common = of_a.iter().filter(|v| of_b.binary_search(v).is_ok()).count();
         let both_stay = [a, b].iter().all(|v| self.fan(*v).count() > at_edge);
         (1..=2).contains(&at_edge) && common == at_edge && both_stay && !self.have_equal_sides(a, b)

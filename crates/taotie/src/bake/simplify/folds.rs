@@ -1,8 +1,8 @@
 //! Folds of a simplified surface, unfolded: facets that face away from the normals of the surface at their corners.
 //!
-//! Collapses near one another can turn a small facet over. One of its edges is flipped, or one of its corners moved to a
-//! neighbour, where then fewer facets face away and none is a sliver. A fin, two facets back to back on an edge of the
-//! surface, is taken off.
+//! Collapses near one another can turn a small facet over. One of its edges is flipped, or collapsed, where then fewer
+//! facets face away and none gets thinner than a sliver. A fin, two facets back to back on an edge of the surface, is
+//! taken off.
 
 use super::fan::Fans;
 use super::slivers::THIN;
@@ -12,7 +12,7 @@ use crate::math::Vec3;
 const ROUNDS: usize = 4;
 /// Where more than one triangle of so many faces away, the high-poly surface has no one outside there.
 const OF_MANY: usize = 20;
-/// A facet faces the normals of its corners by more than this cosine: that of 78°.
+/// A facet that is changed faces the normals of its corners by at least this cosine afterwards: that of 78°.
 const FACING: f64 = 0.2;
 
 /// Returns the triangles with fewer folds; as they are where there is none. `normals` are those of the high-poly surface
@@ -60,20 +60,17 @@ impl Folds<'_> {
         let turned = [[a, b, c], [b, c, a], [c, a, b]];
         self.changed |= turned.iter().any(|corners| self.take_fin_off(t, *corners))
             || turned.iter().any(|corners| self.flip(t, *corners))
-            || turned.iter().any(|[a, b, _]| self.collapse(*a, *b) || self.collapse(*b, *a))
-            || [a, b, c].into_iter().any(|from| self.collapse_to_neighbour(from));
+            || turned.iter().any(|[a, b, _]| self.collapse(*a, *b) || self.collapse(*b, *a));
     }
 
-    /// Returns `true` where a change leaves fewer facets that face away, or nearly so, and makes no sliver.
-    fn is_better(&self, before: &[[u32; 3]], after: &[[u32; 3]]) -> bool {
-        let away = |facets: &[[u32; 3]]| facets.iter().filter(|t| self.cosine(**t) <= FACING).count();
-        let is_sliver = |corners: &[u32; 3]| self.fans.shape(*corners).height() < THIN;
-        away(after) < away(before) && !after.iter().any(is_sliver)
+    /// Returns `true` where a facet faces the normals of its corners and is no sliver.
+    fn is_sound(&self, corners: [u32; 3]) -> bool {
+        self.cosine(corners) > FACING && self.fans.shape(corners).height() >= THIN
     }
 
     fn flip(&mut self, t: usize, corners: [u32; 3]) -> bool {
         let Some(flip) = self.fans.flip(t, corners) else { return false };
-        let is_possible = self.is_better(&flip.before, &flip.after);
+        let is_possible = flip.after.iter().all(|corners| self.is_sound(*corners));
         if is_possible {
             self.fans.take(&flip);
         }
@@ -96,19 +93,12 @@ impl Folds<'_> {
         is_possible
     }
 
-    fn collapse_to_neighbour(&mut self, from: u32) -> bool {
-        self.fans.neighbours(from).into_iter().any(|to| self.collapse(from, to))
-    }
-
-    /// Moves a vertex along an edge to another one, so that both facets at the edge vanish.
+    /// Moves a vertex of a facet along an edge to another one, so that both facets at the edge vanish.
     fn collapse(&mut self, from: u32, to: u32) -> bool {
-        let before: Vec<[u32; 3]> =
-            self.fans.around(from).iter().map(|t| self.fans.corners(*t as usize)).collect();
-        let after: Vec<[u32; 3]> = self.fans.moved(from, to).into_iter().map(|[_, new]| new).collect();
         let is_possible = self.fans.are_untouched(&[from, to])
             && self.fans.can_collapse(from, to)
             && self.fans.keeps_border(from, to)
-            && self.is_better(&before, &after);
+            && self.fans.moved(from, to).iter().all(|[_, new]| self.is_sound(*new));
         if is_possible {
             self.fans.collapse(from, to);
         }
