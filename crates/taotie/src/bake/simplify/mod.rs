@@ -51,7 +51,7 @@ pub struct Simplified {
 /// Parts without connection to one another are never joined, but in a soup of loose triangles. A part of more than half a
 /// per cent of the area, or a fiftieth of the diagonal, is not lost; smaller ones may be, and are counted. Slivers are
 /// flipped or collapsed away where that does not bend the surface; so are facets that face away from the normals of the
-/// high-poly surface.
+/// high-poly surface. Two facets back to back on an edge of the surface are taken off.
 ///
 /// # Errors
 /// [`Error::Cancelled`]; [`Error::Invalid`] where no triangle is wanted, the weight is not a number from 0 up, the mesh

@@ -10,6 +10,7 @@ use super::settings::{NormalMapping, ReferenceSettings};
 use crate::math::{Pack, Vec3};
 use crate::pixel::{SurfacePoint, takes_albedos};
 use crate::shade::Facets;
+use crate::shade::sampling::stretched;
 use fearless_simd::Level;
 
 /// Says whether the draw's normals are taken as grooves.
@@ -45,9 +46,9 @@ impl Grooves {
             let u = self.u[i];
             self.u[i] = if u < share {
                 set3(&mut batch.geometry.v, i, facets.mirrored(v));
-                u / share
+                stretched(u, share)
             } else {
-                (u - share) / (1.0 - share)
+                stretched(u - share, 1.0 - share)
             };
         }
         if takes_albedos(settings.shading) {
