@@ -1,7 +1,5 @@
 //! Values in groups, by the number of each group: counted first, then placed, so that nothing is sorted.
 
-use std::ops::Range;
-
 /// The values of each group one after the other, in the order in which they came.
 #[derive(Debug)]
 pub(crate) struct Groups<T> {
@@ -34,18 +32,7 @@ impl<T: Copy + Default> Groups<T> {
 
     /// The values of a group.
     pub fn of(&self, group: usize) -> &[T] {
-        &self.values[self.places(group, group)]
-    }
-
-    /// The places in [`Self::values`] of the groups from `first` to `last`.
-    #[inline(always)]
-    pub fn places(&self, first: usize, last: usize) -> Range<usize> {
-        self.starts[first]..self.starts[last + 1]
-    }
-
-    /// All values, group by group.
-    pub fn values(&self) -> &[T] {
-        &self.values
+        &self.values[self.starts[group]..self.starts[group + 1]]
     }
 }
 
@@ -59,7 +46,6 @@ mod tests {
         let groups = Groups::new(5, || entries.into_iter());
         let found: Vec<&[char]> = (0..groups.len()).map(|group| groups.of(group)).collect();
         assert_eq!(found, [&['b', 'e'][..], &['d'], &[], &['a', 'c'], &[]]);
-        assert_eq!((groups.places(1, 3), groups.values()), (2..5, &['b', 'e', 'd', 'a', 'c'][..]));
         assert_eq!(Groups::<u8>::new(0, std::iter::empty).len(), 0);
     }
 }

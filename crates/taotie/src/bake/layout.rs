@@ -22,6 +22,9 @@ pub(super) struct Layout<'a> {
     pub flat: usize,
 }
 
+/// A row of samples, the first and last column, and how many rows farther down it lies than the map's copy.
+type Span = (i64, [i64; 2], i64);
+
 /// The samples of one triangle in one tile.
 pub(super) struct TriangleSamples {
     pub triangle: u32,
@@ -93,7 +96,7 @@ impl<'a> Layout<'a> {
         first..(first + BAND).min(self.size[1])
     }
 
-    /// Calls `take` with all samples of a band, triangle by triangle and tile by tile. Of triangles that lie over one
+    /// Calls `take` with all samples of a band, triangle by triangle and tile by tile, neighbours one after the other. Of triangles that lie over one
     /// another the one with the lowest number has the sample. Returns the number of samples that others would have had
     /// too.
     pub fn triangle_samples(&self, band: usize, mut take: impl FnMut(&TriangleSamples)) -> usize {
@@ -112,7 +115,7 @@ impl<'a> Layout<'a> {
                 }
             });
         }
-        let mut spans = Vec::new();
+        let mut spans: Vec<Span> = Vec::new();
         let mut triangle_samples =
             TriangleSamples { triangle: 0, samples: Vec::new(), weights: Default::default() };
         for t in &self.bands[band] {
@@ -126,19 +129,17 @@ impl<'a> Layout<'a> {
                 triangle_samples.triangle = *t;
                 triangle_samples.samples.clear();
                 let left = column * tile;
-                for (y, [from, to], down) in &spans {
-                    for x in *from.max(&left)..=*to.min(&(left + tile - 1)) {
-                        let owner = &mut owners[places.at(x, *y)];
-                        if *owner == *t {
-                            *owner = NONE;
-                            triangle_samples.samples.push(Sample {
-                                texel: self.texel(places.column(x), *y - rows.start),
-                                at: [(x - left) as u16, (y - rows.start) as u16],
-                                weights: weights.at(x, y + down),
-                            });
-                        }
+                self.in_strips(&spans, left..left + tile, |x, y, down| {
+                    let owner = &mut owners[places.at(x, y)];
+                    if *owner == *t {
+                        *owner = NONE;
+                        triangle_samples.samples.push(Sample {
+                            texel: self.texel(places.column(x), y - rows.start),
+                            at: [(x - left) as u16, (y - rows.start) as u16],
+                            weights: weights.at(x, y + down),
+                        });
                     }
-                }
+                });
                 if let Some((_, _, down)) = spans.first() {
                     let corner = |x: i64, y: i64| weights.at(left + x, rows.start + y + down);
                     triangle_samples.weights = [corner(0, 0), corner(1, 0), corner(0, 1)];
@@ -149,6 +150,29 @@ impl<'a> Layout<'a> {
             }
         }
         shared
+    }
+
+    /// Calls `give` with the samples of some spans within these columns: two rows of texels at a time, there and back, so
+    /// that samples that follow one another are neighbours. Those of a texel follow one another row by row.
+    #[inline]
+    fn in_strips(&self, spans: &[Span], columns: Range<i64>, mut give: impl FnMut(i64, i64, i64)) {
+        let side = i64::from(self.side);
+        let row = |span: &Span| span.0.div_euclid(side);
+        for (n, strip) in spans.chunk_by(|a, b| row(a) / 2 == row(b) / 2).enumerate() {
+            let (from, to) =
+                strip.iter().fold((i64::MAX, i64::MIN), |(l, h), (_, s, _)| (l.min(s[0]), h.max(s[1])));
+            let (from, to) =
+                (from.max(columns.start).div_euclid(side), to.min(columns.end - 1).div_euclid(side));
+            for texel in from..=to {
+                let texel = if n % 2 == 0 { texel } else { from + to - texel } * side;
+                for (y, [from, to], down) in strip {
+                    let (from, to) = ((*from).max(columns.start), (*to).min(columns.end - 1));
+                    for x in from.max(texel)..=to.min(texel + side - 1) {
+                        give(x, *y, *down);
+                    }
+                }
+            }
+        }
     }
 
     /// Returns the texel, counted within the band, of a sample at a column of the map and a row of the band.

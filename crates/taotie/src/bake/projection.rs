@@ -30,10 +30,10 @@ pub struct ProjectionRay {
 }
 
 impl ProjectionRay {
-    /// Returns the ray from its inner end, beside others that run along `main`, and the part of it that matters.
+    /// Returns the ray from its inner end, and the part of it that matters.
     #[inline]
-    pub(super) fn ray(&self, main: Vec3) -> (Ray, RayInterval) {
-        let ray = Ray::beside(self.point - self.direction * self.distance, self.direction, main);
+    pub(super) fn ray(&self) -> (Ray, RayInterval) {
+        let ray = Ray::new(self.point - self.direction * self.distance, self.direction);
         (ray, RayInterval { from: 0.0, center: self.distance, to: self.distance + self.distance })
     }
 
@@ -48,7 +48,7 @@ impl Scan {
     /// Returns the nearest point on the ray where the scan faces as the ray does: whatever faces the other way is the
     /// far side of something else.
     pub fn project(&self, projection: &ProjectionRay) -> Option<Correspondence> {
-        let (ray, interval) = projection.ray(projection.direction);
+        let (ray, interval) = projection.ray();
         let (hit, normal) = self.bvh().nearest_to(&ray, interval, |hit| self.facing(hit, projection))?;
         Some(projection.found(&hit, normal))
     }

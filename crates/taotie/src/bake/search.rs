@@ -1,6 +1,6 @@
 //! The points of a scan that correspond to all samples of a triangle in a tile, at once.
 
-use super::layout::TriangleSamples;
+use super::layout::{Sample, TriangleSamples};
 use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
 use crate::math::Vec3;
@@ -10,7 +10,7 @@ use crate::trace::{Nearest, PacketView, Ray, RayPacket};
 /// Fewer samples are found faster one by one.
 const FEW: usize = 6;
 
-/// Directions that part more than this from the triangle's own are no packet: within it, all run along one axis.
+/// Directions that part more than this from the triangle's own are no packet: each would be beside many others.
 const LEAST_COSINE: f32 = 0.9;
 
 /// Returns the correspondence of each projection ray of a triangle in a tile, as [`Scan::project`] finds it.
@@ -31,13 +31,15 @@ pub(super) fn search(
     let (rays, mut nearest): (Vec<Ray>, Vec<Nearest<Vec3>>) = projections
         .iter()
         .map(|projection| {
-            let (ray, interval) = projection.ray(view.axes[2]);
+            let (ray, interval) = projection.ray();
             (ray, Nearest::on(interval))
         })
         .unzip();
-    let places: Vec<[f32; 2]> = group.samples.iter().map(|sample| sample.at.map(f32::from)).collect();
-    let Some(packet) = RayPacket::new(&rays, &places, view) else { return one_by_one() };
-    scan.bvh().meet_all(&packet, |i, hit| {
+    let middle = middle(group).at.map(f32::from);
+    let place = |sample: &Sample| [0, 1].map(|axis| f32::from(sample.at[axis]) - middle[axis]);
+    let places: Vec<[f32; 2]> = group.samples.iter().map(place).collect();
+    let Some(mut packet) = RayPacket::new(&rays, &places, view) else { return one_by_one() };
+    scan.bvh().meet_all(&mut packet, |i, hit| {
         nearest[i].offer(hit, |hit| scan.facing(hit, &projections[i]));
         true
     });
@@ -47,12 +49,18 @@ pub(super) fn search(
     projections.iter().zip(nearest).map(found).collect()
 }
 
+/// Returns the sample at which columns and rows are zero: near all others, so that coordinates round little.
+fn middle(group: &TriangleSamples) -> &Sample {
+    &group.samples[group.samples.len() / 2]
+}
+
 /// Returns the view of a ray packet along the projection rays of a triangle; `None` where it is seen edge on.
 ///
-/// A sample at column x and row y looks along corner + x · across + y · down + depth · direction.
+/// A sample at column x and row y looks along origin + x · across + y · down + depth · direction.
 fn view(group: &TriangleSamples, corners: [Vec3; 3], projections: &[ProjectionRay]) -> Option<PacketView> {
-    let [origin, across, down] = group.weights.map(|weights| blend(corners, weights));
-    let (across, down) = (across - origin, down - origin);
+    let [corner, across, down] = group.weights.map(|weights| blend(corners, weights));
+    let (across, down) = (across - corner, down - corner);
+    let origin = blend(corners, middle(group).weights);
     let sum = projections.iter().fold(Vec3::default(), |sum, projection| sum + projection.direction);
     let mean = sum.normalize_or(projections[0].direction);
     let scale = 1.0 / across.cross(down).dot(mean);
@@ -133,7 +141,7 @@ mod tests {
                         let all = search(&scan, group, corners, &projections);
                         for (projection, found) in projections.iter().zip(all) {
                             let alone = scan.project(projection);
-                            // Rays of a packet are all intersected along one axis, which rounds otherwise.
+                            // Rays of a packet are intersected in its coordinates, which rounds otherwise.
                             let apart = match (alone, found) {
                                 (Some(a), Some(b)) => (a.height - b.height).abs(),
                                 (None, None) => 0.0,

@@ -4,7 +4,7 @@ use super::projection::Correspondence;
 use super::scan::Scan;
 use crate::math::{Vec3, scalar};
 use crate::surface;
-use crate::trace::{PacketView, Ray, RayPacket};
+use crate::trace::{PacketOrigins, ParallelRays, Ray};
 
 /// Directions all over the sphere, the same for every point of a map, so that neighbouring texels differ by what they
 /// see and not by chance, and their rays run side by side.
@@ -24,14 +24,6 @@ pub(super) struct AoSample {
     normal: Vec3,
     facet: Vec3,
     class: u32,
-}
-
-impl AoSample {
-    /// Returns `true` where a direction leads away from the surface: below its facet a point sees nothing; the smooth
-    /// surface that the facet stands for would.
-    fn looks(&self, direction: Vec3) -> bool {
-        self.normal.dot(direction) > 0.0 && self.facet.dot(direction) > 0.0
-    }
 }
 
 /// The open part of a hemisphere: sums over directions, each weighted by its cosine.
@@ -78,20 +70,18 @@ impl Sky {
         AoSample { origin, normal: found.normal, facet, class: class % self.classes }
     }
 
-    /// Looks out from each of these points, which should lie near one another.
+    /// Looks out from each of these points, of which neighbours should follow one another.
     pub fn open(&self, scan: &Scan, ao_samples: &[AoSample]) -> Vec<Open> {
         let mut open = vec![Open::default(); ao_samples.len()];
-        let mut looking = Vec::with_capacity(ao_samples.len());
-        for (class, direction) in self.by_class(ao_samples).iter().cycle().zip(&self.directions) {
-            looking.clear();
-            looking.extend(class.iter().copied().filter(|k| ao_samples[*k].looks(*direction)));
-            let blocked = self.blocked(scan, ao_samples, &looking, *direction);
-            for (k, blocked) in looking.iter().zip(blocked) {
-                let weight = ao_samples[*k].normal.dot(*direction);
-                open[*k].looked += weight;
-                if !blocked {
-                    open[*k].seen += weight;
-                    open[*k].direction += *direction * weight;
+        for (class, direction) in self.classes(ao_samples).iter().cycle().zip(&self.directions) {
+            let look = class.look(*direction);
+            let unblocked = self.unblocked(scan, &look);
+            for ((i, weight), k) in look.weights.iter().enumerate().zip(&class.numbers) {
+                let open = &mut open[*k];
+                open.looked += weight;
+                if unblocked[i / 8] & 1 << (i % 8) != 0 {
+                    open.seen += weight;
+                    open.direction += *direction * *weight;
                 }
             }
         }
@@ -99,50 +89,87 @@ impl Sky {
     }
 
     /// Returns the samples of each class; direction `i` belongs to class `i` modulo their number.
-    fn by_class(&self, ao_samples: &[AoSample]) -> Vec<Vec<usize>> {
-        let mut classes = vec![Vec::new(); self.classes as usize];
-        for (k, sample) in ao_samples.iter().enumerate() {
-            classes[sample.class as usize].push(k);
-        }
-        classes
-    }
-
-    /// Returns for each of these points whether something blocks its ray.
-    fn blocked(&self, scan: &Scan, ao_samples: &[AoSample], looking: &[usize], direction: Vec3) -> Vec<bool> {
-        /// Fewer rays are faster one by one.
-        const FEW: usize = 6;
-        let along = Ray::new(Vec3::default(), direction);
-        let rays: Vec<Ray> = looking.iter().map(|k| along.from(ao_samples[*k].origin)).collect();
-        let packet = (rays.len() > FEW).then(|| self.packet(&rays, direction)).flatten();
-        let Some(packet) = packet else {
-            return rays.iter().map(|ray| scan.bvh().occluded(ray, self.distance, |_| true)).collect();
+    fn classes(&self, ao_samples: &[AoSample]) -> Vec<Class> {
+        let of = |class| {
+            let numbers: Vec<usize> =
+                (0..ao_samples.len()).filter(|k| ao_samples[*k].class == class).collect();
+            Class::new(ao_samples, numbers)
         };
-        let mut blocked = vec![false; rays.len()];
-        let mut open = rays.len();
-        scan.bvh().meet_all(&packet, |ray, hit| {
-            if hit.distance < self.distance && !blocked[ray] {
-                blocked[ray] = true;
-                open -= 1;
-            }
-            open > 0
-        });
-        blocked
+        (0..self.classes).map(of).collect()
     }
 
-    fn packet<'a>(&self, rays: &'a [Ray], direction: Vec3) -> Option<RayPacket<'a>> {
-        let x = direction.any_perpendicular();
-        let axes = [x, direction.cross(x), direction];
-        let origin = rays.first()?.origin();
-        let (mut nearest, mut farthest) = (f32::INFINITY, f32::NEG_INFINITY);
-        let mut places = Vec::with_capacity(rays.len());
-        for ray in rays {
-            let [column, row, depth] = axes.map(|axis| axis.dot(ray.origin() - origin));
-            places.push([column, row]);
-            (nearest, farthest) = (nearest.min(depth), farthest.max(depth));
-        }
-        // Rounding of places and of their shadows, which grows with how far away they are from zero.
-        let slack = (origin.length() + farthest - nearest) * 2e-6 + self.offset * 0.1;
-        let depths = [nearest - slack, farthest + self.distance];
-        RayPacket::new(rays, &places, PacketView { origin, axes, slack: [slack; 2], depths })
+    /// Returns the samples whose rays nothing blocks, of those with a weight, a bit each.
+    fn unblocked(&self, scan: &Scan, look: &Look<'_>) -> Vec<u8> {
+        /// Fewer rays are faster one by one.
+        const FEW: u32 = 6;
+        let looking = bits(&look.weights, |(_, weight)| *weight > 0.0);
+        let rays =
+            ParallelRays { direction: look.direction, reach: self.distance, margin: self.offset * 0.1 };
+        let count: u32 = looking.iter().map(|looking| looking.count_ones()).sum();
+        let packet = (count > FEW).then(|| look.class.origins.packet(looking, rays)).flatten();
+        let Some(mut packet) = packet else {
+            let along = Ray::new(Vec3::default(), look.direction);
+            return bits(&look.weights, |(i, weight)| {
+                let ray = along.from(look.class.origins.at(i));
+                *weight > 0.0 && !scan.bvh().occluded(&ray, self.distance, |_| true)
+            });
+        };
+        scan.bvh().meet_all(&mut packet, |_, hit| hit.distance >= self.distance);
+        packet.into_going()
     }
+}
+
+/// Returns an answer a number as bits, eight in a byte.
+fn bits(numbers: &[f32], yes: impl Fn((usize, &f32)) -> bool) -> Vec<u8> {
+    let mut bits = vec![0; numbers.len().div_ceil(8)];
+    for (i, number) in numbers.iter().enumerate() {
+        bits[i / 8] |= u8::from(yes((i, number))) << (i % 8);
+    }
+    bits
+}
+
+/// The samples of a class, component by component.
+struct Class {
+    /// Which of all samples they are.
+    numbers: Vec<usize>,
+    origins: PacketOrigins,
+    normals: [Vec<f32>; 3],
+    facets: [Vec<f32>; 3],
+}
+
+impl Class {
+    fn new(ao_samples: &[AoSample], numbers: Vec<usize>) -> Self {
+        let column =
+            |value: &dyn Fn(&AoSample) -> f32| numbers.iter().map(|k| value(&ao_samples[*k])).collect();
+        let normals = [0, 1, 2].map(|axis| column(&|sample: &AoSample| sample.normal.to_array()[axis]));
+        let facets = [0, 1, 2].map(|axis| column(&|sample: &AoSample| sample.facet.to_array()[axis]));
+        Self {
+            origins: PacketOrigins::new(numbers.iter().map(|k| ao_samples[*k].origin)),
+            normals,
+            facets,
+            numbers,
+        }
+    }
+
+    /// Looks along a direction.
+    fn look(&self, direction: Vec3) -> Look<'_> {
+        let cosines = |[x, y, z]: &[Vec<f32>; 3]| -> Vec<f32> {
+            let vectors = x.iter().zip(y).zip(z);
+            vectors.map(|((x, y), z)| Vec3::new(*x, *y, *z).dot(direction)).collect()
+        };
+        let mut weights = cosines(&self.normals);
+        for (weight, facet) in weights.iter_mut().zip(cosines(&self.facets)) {
+            *weight = if *weight > 0.0 && facet > 0.0 { *weight } else { 0.0 };
+        }
+        Look { class: self, direction, weights }
+    }
+}
+
+/// A direction along which the samples of a class look.
+struct Look<'a> {
+    class: &'a Class,
+    direction: Vec3,
+    /// Its cosine at each sample; 0 where it does not lead away from the surface: below its facet a point sees nothing;
+    /// the smooth surface that the facet stands for would.
+    weights: Vec<f32>,
 }

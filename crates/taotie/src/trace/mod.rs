@@ -1,12 +1,16 @@
 //! Rays against triangles. Finds hits, never colours.
 
+mod bounds;
 mod bvh;
 mod by_area;
 mod flat;
 mod hilbert;
 mod nearby;
 mod nearest;
+mod packet_origins;
+mod packet_walk;
 mod ray_packet;
+mod shadows;
 mod tree;
 mod triangle;
 mod walk;
@@ -15,5 +19,6 @@ pub use bvh::{Bvh, Hit};
 pub use flat::{FlatBox, FlatBvh};
 pub use nearby::Closest;
 pub use nearest::{Nearest, RayInterval};
+pub use packet_origins::{PacketOrigins, ParallelRays};
 pub use ray_packet::{PacketView, RayPacket};
 pub use triangle::Ray;

@@ -16,15 +16,8 @@ pub struct Ray {
 impl Ray {
     /// Makes a ray from any point along a direction that is not zero; distances count in lengths of `direction`.
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
-        Self::beside(origin, direction, direction)
-    }
-
-    /// The same ray, intersected along the axis that `main` runs along, as all rays of a packet must be. The
-    /// direction's part along that axis must have the sign of `main`'s.
-    pub fn beside(origin: Vec3, direction: Vec3, main: Vec3) -> Self {
-        let m = main.to_array();
         let d = direction.to_array();
-        let z = (0..3).fold(0, |best, i| if m[i].abs() > m[best].abs() { i } else { best });
+        let z = (0..3).fold(0, |best, i| if d[i].abs() > d[best].abs() { i } else { best });
         let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
         if d[z] < 0.0 {
             std::mem::swap(&mut x, &mut y);
@@ -54,16 +47,8 @@ impl Ray {
         let [sx, sy, sz] = self.shear;
         let local = corners.map(|p| (p - self.origin).to_array());
         let [a, b, c] = local.map(|p| [p[kx] - sx * p[kz], p[ky] - sy * p[kz]]);
-        let edges = edge_functions(a, b, c);
-        if edges.iter().any(|e| *e < 0.0) && edges.iter().any(|e| *e > 0.0) {
-            return None;
-        }
-        let det = edges[0] + edges[1] + edges[2];
-        if det == 0.0 {
-            return None;
-        }
-        let weights = edges.map(|e| e / det);
-        let t = sz * (weights[0] * local[0][kz] + weights[1] * local[1][kz] + weights[2] * local[2][kz]);
+        let (along, weights) = pierced([a, b, c], local.map(|p| p[kz]))?;
+        let t = sz * along;
         (t >= 0.0).then_some((t, weights))
     }
 
@@ -93,68 +78,6 @@ impl Ray {
     }
 }
 
-/// Rays that run along the same axis the same way, component by component, in packs.
-pub(super) struct RayColumns {
-    axes: [usize; 3],
-    /// Origins, then shears in the order of `axes`: six columns, each with room for a pack beyond its last.
-    columns: Vec<f32>,
-    height: usize,
-}
-
-impl RayColumns {
-    /// Makes columns of some rays in some order; `None` where they run along different axes.
-    pub fn new(rays: &[Ray], order: &[u32]) -> Option<Self> {
-        let axes = rays.first()?.axes;
-        if rays.iter().any(|ray| ray.axes != axes) {
-            return None;
-        }
-        let height = order.len() + 8;
-        let mut columns = vec![0.0; 6 * height];
-        for (row, i) in order.iter().enumerate() {
-            let ray = &rays[*i as usize];
-            let origin = ray.origin.to_array();
-            for k in 0..3 {
-                columns[k * height + row] = origin[axes[k]];
-                columns[(3 + k) * height + row] = ray.shear[k];
-            }
-        }
-        Some(Self { axes, columns, height })
-    }
-
-    /// A pack of a column from a row on.
-    #[inline(always)]
-    fn load<P: Pack>(&self, token: P::Token, column: usize, from: usize) -> P {
-        P::load(token, &self.columns[column * self.height + from..])
-    }
-
-    /// Returns [`Ray::edges`] of as many rays as a pack has lanes, from the ray `from` on, and triangle `i` of a leaf's
-    /// `corners[corner][axis][triangle]`.
-    #[inline(always)]
-    pub fn edges<P: Pack>(
-        &self,
-        token: P::Token,
-        from: usize,
-        corners: &[[[f32; 8]; 3]; 3],
-        i: usize,
-    ) -> Option<Edges<P>> {
-        let [kx, ky, kz] = self.axes;
-        let zero = P::splat(token, 0.0);
-        let (mut o, mut s) = ([zero; 3], [zero; 3]);
-        for k in 0..3 {
-            o[k] = self.load(token, k, from);
-            s[k] = self.load(token, 3 + k, from);
-        }
-        let (mut along, mut seen) = ([zero; 3], [[zero; 2]; 3]);
-        for k in 0..3 {
-            along[k] = P::splat(token, corners[k][kz][i]) - o[2];
-            let x = P::splat(token, corners[k][kx][i]) - o[0] - s[0] * along[k];
-            let y = P::splat(token, corners[k][ky][i]) - o[1] - s[1] * along[k];
-            seen[k] = [x, y];
-        }
-        Edges::new(seen, along, s[2])
-    }
-}
-
 /// The tests of rays against the edges of triangles: a pack of either.
 pub(super) struct Edges<P: Pack> {
     /// Twice the areas opposite each corner.
@@ -179,7 +102,7 @@ pub(super) struct PackHits<P: Pack> {
 impl<P: Pack> Edges<P> {
     /// Returns the edges of corners seen along the ray, `None` where all are passed by.
     #[inline(always)]
-    fn new([a, b, c]: [[P; 2]; 3], along: [P; 3], scale: P) -> Option<Self> {
+    pub fn new([a, b, c]: [[P; 2]; 3], along: [P; 3], scale: P) -> Option<Self> {
         let edges = [b[0] * c[1] - b[1] * c[0], c[0] * a[1] - c[1] * a[0], a[0] * b[1] - a[1] * b[0]];
         let zero = scale.lit(0.0);
         let below = edges[0].min(edges[1]).min(edges[2]).lt(zero);
@@ -187,6 +110,15 @@ impl<P: Pack> Edges<P> {
         let inside = below.and(above).not();
         let unsure = edges[0].abs().min(edges[1].abs()).min(edges[2].abs()).le(zero);
         inside.or(unsure).any().then_some(Self { edges, along, inside, unsure, scale })
+    }
+
+    /// Returns the rays that a triangle may lie ahead of, without the divisions of [`Self::meet`].
+    #[inline(always)]
+    pub fn ahead(&self) -> P::Mask {
+        let [e, z] = [self.edges, self.along];
+        let det = e[0] + e[1] + e[2];
+        let along = e[0] * z[0] + e[1] * z[1] + e[2] * z[2];
+        self.unsure.or(self.inside.and(det.lit(0.0).le(det * along * self.scale)))
     }
 
     /// The second half of [`Ray::intersect`].
@@ -199,6 +131,22 @@ impl<P: Pack> Edges<P> {
         let zero = det.lit(0.0);
         PackHits { hit: self.inside.and(det.abs().le(zero).not()).and(zero.le(distance)), distance, weights }
     }
+}
+
+/// Returns where a ray through zero pierces a triangle of these corners, seen along it, and the weights of the corners;
+/// `None` where it passes by.
+#[inline]
+pub(super) fn pierced([a, b, c]: [[f32; 2]; 3], along: [f32; 3]) -> Option<(f32, [f32; 3])> {
+    let edges = edge_functions(a, b, c);
+    if edges.iter().any(|e| *e < 0.0) && edges.iter().any(|e| *e > 0.0) {
+        return None;
+    }
+    let det = edges[0] + edges[1] + edges[2];
+    if det == 0.0 {
+        return None;
+    }
+    let weights = edges.map(|e| e / det);
+    Some((weights[0] * along[0] + weights[1] * along[1] + weights[2] * along[2], weights))
 }
 
 /// Twice the areas opposite each corner; in double precision where one is zero, since its sign decides an edge.
