@@ -96,9 +96,9 @@ impl<'a> Layout<'a> {
         first..(first + BAND).min(self.size[1])
     }
 
-    /// Calls `take` with all samples of a band, triangle by triangle and tile by tile, neighbours one after the other. Of triangles that lie over one
-    /// another the one with the lowest number has the sample. Returns the number of samples that others would have had
-    /// too.
+    /// Calls `take` with all samples of a band, triangle by triangle and tile by tile, neighbours one after the other. Of
+    /// triangles that lie over one another the one with the lowest number has the sample. Returns the number of samples
+    /// that others would have had too.
     pub fn triangle_samples(&self, band: usize, mut take: impl FnMut(&TriangleSamples)) -> usize {
         let rows = self.texel_rows(band);
         let rows = i64::from(rows.start * self.side)..i64::from(rows.end * self.side);

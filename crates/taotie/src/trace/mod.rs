@@ -7,6 +7,8 @@ mod flat;
 mod hilbert;
 mod nearby;
 mod nearest;
+#[cfg(test)]
+mod numbers;
 mod packet_origins;
 mod packet_walk;
 mod ray_packet;

@@ -111,21 +111,13 @@ fn closest_weights([a, b, c]: [Vec3; 3], p: Vec3) -> [f32; 3] {
 
 #[cfg(test)]
 mod tests {
+    use super::super::numbers::numbers;
     use super::*;
     use crate::trace::Bvh;
 
-    /// Numbers in [0, 1) from an additive recurrence.
-    fn numbers() -> impl FnMut() -> f32 {
-        let mut phase = 0u32;
-        move || {
-            phase = phase.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (phase >> 8) as f32 / (1 << 24) as f32
-        }
-    }
-
     #[test]
     fn no_point_of_any_triangle_is_closer() {
-        let mut next = numbers();
+        let mut next = numbers(0);
         let mut point = || Vec3::new(next(), next(), next());
         let triangles: Vec<[Vec3; 3]> = (0..300)
             .map(|_| {

@@ -6,8 +6,7 @@ use crate::math::Vec3;
 
 /// The origins of rays that run the same way, in the order of the packet's rays: neighbours one after the other.
 pub struct PacketOrigins {
-    /// Component by component, up to a whole number of blocks: the last is there more than once.
-    columns: [Vec<f32>; 3],
+    blocks: Vec<Places>,
 }
 
 /// The way that the rays of a packet run.
@@ -24,39 +23,36 @@ pub struct ParallelRays {
 impl PacketOrigins {
     /// Takes origins.
     pub fn new(origins: impl ExactSizeIterator<Item = Vec3>) -> Self {
-        let height = origins.len().next_multiple_of(WIDTH);
-        let mut columns = [0; 3].map(|_| Vec::with_capacity(height));
-        for origin in origins {
-            columns.iter_mut().zip(origin.to_array()).for_each(|(column, v)| column.push(v));
+        let mut blocks = vec![Places::default(); origins.len().div_ceil(WIDTH)];
+        for (ray, origin) in origins.enumerate() {
+            let block = &mut blocks[ray / WIDTH];
+            block.iter_mut().zip(origin.to_array()).for_each(|(axis, v)| axis[ray % WIDTH] = v);
         }
-        columns
-            .iter_mut()
-            .for_each(|column| column.resize(height, column.last().copied().unwrap_or_default()));
-        Self { columns }
+        Self { blocks }
     }
 
     /// Returns an origin.
     pub fn at(&self, ray: usize) -> Vec3 {
-        let [x, y, z] = &self.columns;
-        Vec3::new(x[ray], y[ray], z[ray])
+        let [x, y, z] = &self.blocks[ray / WIDTH];
+        Vec3::new(x[ray % WIDTH], y[ray % WIDTH], z[ray % WIDTH])
     }
 
     /// Makes a packet of rays from these origins. `going` has a bit of each ray, eight in a byte: those whose bit is 0
     /// are left out. Returns `None` where one ray at a time is faster, as [`RayPacket::new`] does.
     pub fn packet(&self, mut going: Vec<u8>, rays: ParallelRays) -> Option<RayPacket> {
         let ParallelRays { direction, reach, margin } = rays;
-        going.resize(self.columns[0].len() / WIDTH, 0);
+        going.resize(self.blocks.len(), 0);
         let first = going.iter().position(|going| *going != 0)?;
         let origin = self.at(first * WIDTH);
         let x = direction.any_perpendicular();
         let axes = [x, direction.cross(x), direction];
-        let [columns, rows, depths] = axes.map(|axis| self.along(axis, origin));
-        let mut places = vec![Places::default(); going.len()];
+        let along = |axis: Vec3, [x, y, z]: &Places| -> [f32; WIDTH] {
+            std::array::from_fn(|lane| axis.dot(Vec3::new(x[lane], y[lane], z[lane]) - origin))
+        };
+        let places: Vec<Places> =
+            self.blocks.iter().map(|block| axes.map(|axis| along(axis, block))).collect();
         let (mut nearest, mut farthest) = (f32::INFINITY, f32::NEG_INFINITY);
-        for (i, (places, going)) in places.iter_mut().zip(&going).enumerate() {
-            for (to, from) in places.iter_mut().zip([&columns, &rows, &depths]) {
-                to.copy_from_slice(&from[i * WIDTH..][..WIDTH]);
-            }
+        for (places, going) in places.iter().zip(&going) {
             for depth in (0..WIDTH).filter(|lane| going & 1 << lane != 0).map(|lane| places[2][lane]) {
                 (nearest, farthest) = (nearest.min(depth), farthest.max(depth));
             }
@@ -65,12 +61,5 @@ impl PacketOrigins {
         let slack = (origin.length() + farthest - nearest) * 2e-6 + margin;
         let depths = [nearest - slack, farthest + reach];
         RayPacket::parallel(PacketView { origin, axes, slack: [slack; 2], depths }, places, going)
-    }
-
-    /// Returns the coordinates along an axis that is 0 at `zero`.
-    fn along(&self, axis: Vec3, zero: Vec3) -> Vec<f32> {
-        let [x, y, z] = &self.columns;
-        let places = x.iter().zip(y).zip(z);
-        places.map(|((x, y), z)| axis.dot(Vec3::new(*x, *y, *z) - zero)).collect()
     }
 }

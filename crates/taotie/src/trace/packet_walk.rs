@@ -79,18 +79,10 @@ fn touched<P: Pack>(token: P::Token, boxes: &Boxes, packet: &RayPacket) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::numbers::numbers;
     use super::super::{PacketView, Ray};
     use super::*;
     use crate::math::Vec3;
-
-    /// Numbers in [0, 1) from a linear congruence.
-    fn numbers() -> impl FnMut() -> f32 {
-        let mut state = 7u32;
-        move || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as f32 / (1 << 24) as f32
-        }
-    }
 
     /// A ray, the triangle that it meets, distance and weights.
     type Met = (usize, u32, f32, [f32; 3]);
@@ -100,7 +92,7 @@ mod tests {
 
     #[test]
     fn a_packet_meets_what_its_rays_meet() {
-        let mut next = numbers();
+        let mut next = numbers(7);
         let mut point = || Vec3::new(next(), next(), next());
         let triangles: Vec<[Vec3; 3]> = (0..3000)
             .map(|_| {

@@ -19,14 +19,14 @@ pub struct PacketView {
     pub depths: [f32; 2],
 }
 
-/// Column, row and depth of eight places.
+/// Three coordinates of eight places.
 pub(super) type Places = [[f32; WIDTH]; 3];
 
 /// Rays that run side by side, of which each eight that follow one another are a block. Blocks should be narrow, so
 /// rays that follow one another should be neighbours.
 pub struct RayPacket {
     pub(super) view: PacketView,
-    /// The origins of each block's rays.
+    /// Column, row and depth of the origins of each block's rays.
     pub(super) origins: Vec<Places>,
     /// What the rays of each block gain for a step in depth: columns, rows, lengths of their directions. Empty where all
     /// run along the depth: 0, 0 and 1.
@@ -65,46 +65,31 @@ impl RayPacket {
             }
             going[block] |= 1 << lane;
         }
-        Self { slopes, ..Self::of(view, origins, going) }.spread(|ray| places[ray])
+        let bounds = bounds(&going, |ray| places[ray]);
+        Some(Self { origins, slopes, ..Self::within(view, bounds, going)? })
     }
 
     /// Makes a packet of those rays along the depth, one length a step, that `going` has a bit of. Origins and depths of
     /// the view are in its coordinates.
     pub(super) fn parallel(view: PacketView, origins: Vec<Places>, going: Vec<u8>) -> Option<Self> {
-        let packet = Self::of(view, Vec::new(), going);
-        let packet = packet.spread(|ray| [0, 1].map(|axis| origins[ray / WIDTH][axis][ray % WIDTH]))?;
-        Some(Self { origins, ..packet })
+        let bounds = bounds(&going, |ray| [0, 1].map(|axis| origins[ray / WIDTH][axis][ray % WIDTH]));
+        Some(Self { origins, ..Self::within(view, bounds, going)? })
     }
 
-    /// Makes a packet that does not know yet where its rays are.
-    fn of(view: PacketView, origins: Vec<Places>, going: Vec<u8>) -> Self {
-        let left = going.iter().map(|going| going.count_ones() as usize).sum();
-        Self { view, origins, slopes: Vec::new(), bounds: Vec::new(), going, left, limits: [[0.0; 2]; 3] }
-    }
-
-    /// Notes the columns and rows of the rays.
-    fn spread(mut self, place: impl Fn(usize) -> [f32; 2]) -> Option<Self> {
+    /// Makes a packet of rays within these bounds, whose origins and slopes the caller adds.
+    fn within(view: PacketView, bounds: Vec<Bounds>, going: Vec<u8>) -> Option<Self> {
         /// Rays that one may be spread over by the slack, along each side.
         const WIDEST: f32 = 16.0;
-        let slack = self.view.slack;
-        let mut all = Bounds::EMPTY.of(0);
-        self.bounds = vec![Bounds::EMPTY; self.going.len().div_ceil(WIDTH)];
-        for (block, going) in self.going.iter().enumerate() {
-            let mut bounds = Bounds::EMPTY.of(0);
-            for lane in (0..WIDTH).filter(|lane| going & 1 << lane != 0) {
-                let place = place(block * WIDTH + lane);
-                bounds = joined(bounds, [place, place]);
-            }
-            all = joined(all, bounds);
-            self.bounds[block / WIDTH].set(block % WIDTH, bounds);
-        }
+        let left: usize = going.iter().map(|going| going.count_ones() as usize).sum();
+        let [least, most] = bounds.iter().fold(Bounds::EMPTY.of(0), |all, bounds| joined(all, bounds.all()));
         let narrow = |axis: usize| {
-            let spacing = (all[1][axis] - all[0][axis]).max(1e-30) / (self.left as f32).sqrt();
-            spacing.is_finite() && slack[axis] < WIDEST * spacing
+            let spacing = (most[axis] - least[axis]).max(1e-30) / (left as f32).sqrt();
+            spacing.is_finite() && view.slack[axis] < WIDEST * spacing
         };
-        let limit = |axis: usize| [all[0][axis] - slack[axis], all[1][axis] + slack[axis]];
-        self.limits = [limit(0), limit(1), self.view.depths];
-        (narrow(0) && narrow(1)).then_some(self)
+        let limit = |axis: usize| [least[axis] - view.slack[axis], most[axis] + view.slack[axis]];
+        let limits = [limit(0), limit(1), view.depths];
+        let (origins, slopes) = (Vec::new(), Vec::new());
+        (narrow(0) && narrow(1)).then_some(Self { view, origins, slopes, bounds, going, left, limits })
     }
 
     /// Returns the rays that go on, a bit each, eight in a byte.
@@ -120,4 +105,15 @@ impl RayPacket {
             self.bounds[block / WIDTH].set(block % WIDTH, Bounds::EMPTY.of(0));
         }
     }
+}
+
+/// Returns the bounds of the rays of each block that go on, which lie at the columns and rows that `place` returns.
+fn bounds(going: &[u8], place: impl Fn(usize) -> [f32; 2]) -> Vec<Bounds> {
+    let mut bounds = vec![Bounds::EMPTY; going.len().div_ceil(WIDTH)];
+    for (block, going) in going.iter().enumerate() {
+        let rays = (0..WIDTH).filter(|lane| going & 1 << lane != 0).map(|lane| place(block * WIDTH + lane));
+        bounds[block / WIDTH]
+            .set(block % WIDTH, rays.fold(Bounds::EMPTY.of(0), |all, place| joined(all, [place, place])));
+    }
+    bounds
 }

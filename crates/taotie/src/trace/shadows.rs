@@ -19,6 +19,7 @@ pub(super) struct Shadows {
 }
 
 impl Shadows {
+    /// Returns the shadows of a leaf's triangles; those that no ray can meet have empty bounds.
     #[inline(always)]
     pub fn new<P: Pack>(token: P::Token, tree: &Tree, leaf: usize, packet: &RayPacket) -> Self {
         let present = (1 << tree.triangles(leaf)) - 1;
