@@ -95,6 +95,18 @@ pub(super) fn lay_out(
     let fine = if laid.len() > MANY { FINE_FOR_MANY } else { FINE };
     let least = FOR_ONE * (laid.len() as f64).sqrt();
     let [coarse, fine] = [COARSE, fine].map(|wanted| Cells::new(options, wanted.max(least)));
+    let too_many = || {
+        Error::limit(
+            format!("a mesh of {} UV islands on a map of {} texels a side", laid.len(), options.size),
+            format!(
+                "their padding of {} texels fills it; take a larger map or less padding",
+                options.padding
+            ),
+        )
+    };
+    if laid.len() as u64 > fine.bin.room() {
+        return Err(too_many());
+    }
     let scale = match start {
         Start::Near(scale) => scale,
         Start::Guess(scale) => {
@@ -103,15 +115,7 @@ pub(super) fn lay_out(
         }
     };
     let search = Search { laid, cells: &fine, orders: &ORDERS, tries: TRIES[1] };
-    let fit = search.run(scale, progress.part(0.2, 1.0))?.ok_or_else(|| {
-        Error::limit(
-            format!("a mesh of {} UV islands on a map of {} texels a side", laid.len(), options.size),
-            format!(
-                "their padding of {} texels fills it; take a larger map or less padding",
-                options.padding
-            ),
-        )
-    })?;
+    let fit = search.run(scale, progress.part(0.2, 1.0))?.ok_or_else(too_many)?;
     Ok(layout(laid, &fit, &fine, options))
 }
 

@@ -30,6 +30,15 @@ pub(super) struct Bin {
     pub most: u32,
 }
 
+impl Bin {
+    /// Returns a number of UV islands above which they do not fit into a square of the bin's width, however small.
+    pub fn room(&self) -> u64 {
+        // Of two UV islands with cells in the same square of this side, the gap between them is too narrow.
+        let side = 1 + (0..self.gap).take_while(|apart| 2 * apart * apart < self.gap * self.gap).count() as u32;
+        u64::from(self.width.div_ceil(side)).pow(2)
+    }
+}
+
 /// Puts UV islands, each given in its four turns, into a bin in the order of `order`: each as far up as it can be, then
 /// as far left. Gives the places and how many rows are used; `None` where a UV island is wider than the bin, or the
 /// rows are more than the most.
@@ -224,6 +233,18 @@ mod tests {
         assert_eq!(drawn(&islands, &places, [8, 4]), ["aaaa.bb.", "aaaa.bb.", "........", "ccccccc."]);
         assert!(pack(&islands, &[0, 1, 2], &Bin { most: 3, ..bin }).is_none());
         assert!(pack(&[rectangle(9, 9)], &[0], &bin).is_none());
+    }
+
+    #[test]
+    fn no_more_islands_fit_than_there_is_room_for() {
+        for (gap, width, room) in [(0, 8, 64), (1, 8, 16), (2, 9, 9), (3, 8, 4), (4, 8, 4)] {
+            let bin = Bin { width, gap, most: 1000 };
+            assert_eq!(bin.room(), room, "{bin:?}");
+            let order: Vec<u32> = (0..room as u32 + 1).collect();
+            let islands = vec![rectangle(1, 1); order.len()];
+            let (_, rows) = pack(&islands, &order, &bin).unwrap();
+            assert!(rows > width, "{bin:?}: {rows} rows");
+        }
     }
 
     #[test]
