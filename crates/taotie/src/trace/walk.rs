@@ -3,8 +3,9 @@
 use super::Ray;
 use super::tree::{Boxes, Leaf, Tree, WIDTH};
 use crate::math::{Mask, Pack};
+use arrayvec::ArrayVec;
 
-/// The part of a ray that still matters: distances in lengths of its direction.
+/// The part of a ray that still matters: distances in lengths of its direction, at least 0.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Span {
     pub from: f32,
@@ -54,11 +55,11 @@ pub(super) fn walk<P: Pack>(
 ) {
     let Cast { ray, mut span } = cast;
     let slabs = Slabs::new(ray);
-    let mut stack = [Waiting { enters: 0.0, level: tree.levels.len() as u32, node: 0 }; STACK];
-    let mut waiting = usize::from(!tree.leaves.is_empty());
-    while waiting > 0 {
-        waiting -= 1;
-        let Waiting { enters, level, node } = stack[waiting];
+    let mut stack = ArrayVec::<Waiting, STACK>::new();
+    if !tree.leaves.is_empty() {
+        stack.push(Waiting { enters: 0.0, level: tree.levels.len() as u32, node: 0 });
+    }
+    while let Some(Waiting { enters, level, node }) = stack.pop() {
         if enters > span.to {
             continue;
         }
@@ -74,18 +75,20 @@ pub(super) fn walk<P: Pack>(
         let (mut hit, entries) =
             slabs.entries::<P>(token, &tree.levels[level as usize - 1][node as usize], span);
         hit &= (1 << tree.children(level as usize, node as usize)) - 1;
-        let first = waiting;
+        let first = stack.len();
         while hit != 0 {
             let i = hit.trailing_zeros();
             hit &= hit - 1;
-            let enters = entries[i as usize];
-            let mut place = waiting;
-            while place > first && stack[place - 1].enters < enters {
-                stack[place] = stack[place - 1];
+            let mut place = stack.len();
+            stack.push(Waiting {
+                enters: entries[i as usize],
+                level: level - 1,
+                node: node * WIDTH as u32 + i,
+            });
+            while place > first && stack[place - 1].enters < stack[place].enters {
+                stack.swap(place - 1, place);
                 place -= 1;
             }
-            stack[place] = Waiting { enters, level: level - 1, node: node * WIDTH as u32 + i };
-            waiting += 1;
         }
     }
 }
@@ -124,10 +127,9 @@ impl Slabs {
                 near = enter.max(near);
                 far = leave.min(far);
             }
-            // Boxes that are empty are entered at infinity; its difference is NaN, which is not below anything.
-            let enters = near - near.abs() * near.lit(ROUNDING);
-            let leaves = far + far.abs() * far.lit(ROUNDING);
-            hit |= P::bits(enters.le(leaves)) << k;
+            // Empty boxes are entered at infinity and left at minus infinity.
+            let enters = near * near.lit(1.0 - ROUNDING);
+            hit |= P::bits(enters.le(far * far.lit(1.0 + ROUNDING))) << k;
             enters.store(&mut entries[k..]);
         }
         (hit, entries)

@@ -34,7 +34,8 @@ impl Bin {
     /// Returns a number of UV islands above which they do not fit into a square of the bin's width, however small.
     pub fn room(&self) -> u64 {
         // Of two UV islands with cells in the same square of this side, the gap between them is too narrow.
-        let side = 1 + (0..self.gap).take_while(|apart| 2 * apart * apart < self.gap * self.gap).count() as u32;
+        let side =
+            1 + (0..self.gap).take_while(|apart| 2 * apart * apart < self.gap * self.gap).count() as u32;
         u64::from(self.width.div_ceil(side)).pow(2)
     }
 }
