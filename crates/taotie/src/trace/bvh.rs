@@ -74,7 +74,7 @@ impl Bvh {
     /// Returns the nearest hit below the distance `limit` that `counts`, which may be called for any hit in any order.
     pub fn nearest_of(&self, ray: &Ray, limit: f32, counts: impl Fn(&Hit) -> bool) -> Option<Hit> {
         let mut best: Option<Hit> = None;
-        self.walk(ray, Span { from: 0.0, to: limit }, |hit, span| {
+        self.walk::<true>(ray, Span { from: 0.0, to: limit }, |hit, span| {
             if hit.distance < limit && best.is_none_or(|best| comes_before(&hit, &best)) && counts(&hit) {
                 best = Some(hit);
                 return Span { from: 0.0, to: hit.distance };
@@ -87,7 +87,7 @@ impl Bvh {
     /// Says whether anything that `blocks` is hit at a distance below `limit`.
     pub fn occluded(&self, ray: &Ray, limit: f32, blocks: impl Fn(&Hit) -> bool) -> bool {
         let mut blocked = false;
-        self.walk(ray, Span { from: 0.0, to: limit }, |hit, span| {
+        self.walk::<false>(ray, Span { from: 0.0, to: limit }, |hit, span| {
             blocked |= hit.distance < limit && blocks(&hit);
             if blocked { Span::NONE } else { span }
         });
@@ -99,9 +99,9 @@ impl Bvh {
         closest(&self.tree, point, reach)
     }
 
-    fn walk(&self, ray: &Ray, span: Span, mut meet: impl FnMut(Hit, Span) -> Span) {
+    fn walk<const NEAR_FIRST: bool>(&self, ray: &Ray, span: Span, mut meet: impl FnMut(Hit, Span) -> Span) {
         dispatch_eight!(self.level, P, token => {
-            walk::<P>(token, &self.tree, Cast { ray, span }, |met, span| meet(self.hit(&met), span));
+            walk::<P, NEAR_FIRST>(token, &self.tree, Cast { ray, span }, |met, span| meet(self.hit(&met), span));
         });
     }
 

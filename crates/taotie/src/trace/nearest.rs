@@ -84,7 +84,7 @@ impl Bvh {
             nearest.offer(self.hit(&met), &judge);
             nearest.span()
         };
-        dispatch_eight!(self.level, P, token => walk::<P>(token, &self.tree, Cast { ray, span }, meet));
+        dispatch_eight!(self.level, P, token => walk::<P, true>(token, &self.tree, Cast { ray, span }, meet));
         nearest.best()
     }
 }

@@ -44,10 +44,10 @@ struct Waiting {
     node: u32,
 }
 
-/// Calls `meet` with each triangle that the ray meets within the span, roughly from near to far; what it returns is
-/// the span from then on.
+/// Calls `meet` with each triangle that the ray meets within the span, with `NEAR_FIRST` roughly from near to far; what it
+/// returns is the span from then on.
 #[inline(always)]
-pub(super) fn walk<P: Pack>(
+pub(super) fn walk<P: Pack, const NEAR_FIRST: bool>(
     token: P::Token,
     tree: &Tree,
     cast: Cast<'_>,
@@ -85,7 +85,7 @@ pub(super) fn walk<P: Pack>(
                 level: level - 1,
                 node: node * WIDTH as u32 + i,
             });
-            while place > first && stack[place - 1].enters < stack[place].enters {
+            while NEAR_FIRST && place > first && stack[place - 1].enters < stack[place].enters {
                 stack.swap(place - 1, place);
                 place -= 1;
             }
