@@ -19,14 +19,17 @@ def cores():
 
 
 def processor():
-    """The name its maker gave it, or at least its kind."""
+    """The name its maker gave it, with its family where a virtual machine leaves out its number; or at least its kind."""
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as file:
-            for line in file:
-                if line.startswith("model name"):
-                    return line.split(":", 1)[1].strip()
+            said = [line.split(":", 1) for line in file if ":" in line]
     except OSError:
-        pass
+        said = []
+    facts = {key.strip(): value.strip() for key, value in said}
+    if "model name" in facts:
+        name, family = facts["model name"], facts.get("cpu family")
+        is_numbered = any(letter.isdigit() for letter in name)
+        return name if is_numbered or family is None else f"{name} (family {family})"
     return _printed(["sysctl", "-n", "machdep.cpu.brand_string"]) or platform.machine()
 
 

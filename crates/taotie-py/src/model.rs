@@ -73,7 +73,7 @@ pub fn model_of_arrays(py: Python<'_>, arrays: MeshArrays<'_>, request: Options)
 }
 
 impl Model {
-    /// Returns the scan, sorted for rays; that is done once.
+    /// Returns the scan, which is made once.
     pub fn scan(&self, progress: Progress<'_>) -> taotie::Result<Scan> {
         let mut kept = self.scan.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(scan) = &*kept {
@@ -83,7 +83,7 @@ impl Model {
             Some(path) => ScanFile::from_loaded(self.loaded.clone(), path, &self.limits)?,
             None => ScanFile::from_scene(self.loaded.scene.clone())?,
         };
-        Ok(kept.insert(file.sort(progress)?).clone())
+        Ok(kept.insert(file.into_scan(progress)?).clone())
     }
 
     /// Returns all triangles as one mesh in world space.

@@ -41,7 +41,7 @@ fn tangents_of_a_scan_take_what_was_said() {
     let options = BakeOptions { triangles: 1000, size: 64, ..BakeOptions::default() };
     let need = Baker::new(options).need(file.size());
     assert!(need.scan.framed_triangles >= 1_000_000, "{need:?}");
-    file.sort(Progress::SILENT).unwrap();
+    file.into_scan(Progress::SILENT).unwrap();
     let Some(peak) = peak() else { return };
     let said = need.bytes();
     assert!(peak <= said, "{peak} were taken, {said} were said");

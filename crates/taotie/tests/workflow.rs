@@ -342,15 +342,16 @@ fn a_cancel_in_any_stage_leaves_no_file() {
     stages.dedup();
     stages.retain(|stage| !stage.is_empty());
     let wanted = [
-        "sort the scan",
+        "join the scan",
+        "inspect the scan",
         "simplify",
         "unwrap",
         "tangents",
+        "sort the scan",
         "measure the gap",
         "bake",
         "store",
         "levels of detail",
-        "inspect the scan",
         "write",
     ];
     assert_eq!(stages, wanted);

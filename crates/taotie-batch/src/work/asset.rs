@@ -20,7 +20,7 @@ pub fn make(work: &Work<'_>, file: ScanFile, address: &str) -> Result<AssetObjec
     let path = work.store.claim(address, &files)?.join(format!("{}.glb", work.stem()));
     files.protect(file.files())?;
     let baker = Baker::new(settings.bake.clone()).with_limits(job.limits).with_files(&files);
-    let scan = file.sort(progress)?;
+    let scan = file.into_scan(progress)?;
     let asset = baker.bake(&scan, progress)?;
     let written = asset.write_in(&files, &path, &settings.packing, progress)?;
     let mut report = Report::of(&written)?;

@@ -49,7 +49,7 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
         clock.expect(schedule);
     }
     files.protect(file.files())?;
-    let scan = file.sort(progress)?;
+    let scan = file.into_scan(progress)?;
     let asset = baker.bake(&scan, progress)?;
     console::say_warnings(asset.warnings());
     let written = asset.write_in(files, &args.output, &args.packing(), progress)?;

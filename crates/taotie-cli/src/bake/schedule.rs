@@ -54,16 +54,17 @@ impl Work<'_> {
         let (scan, texels) = (self.scan, self.texels);
         let made = if self.options.low.is_none() { 1.0 } else { 0.0 };
         vec![
-            ("sort the scan", 5.0 + 600.0 * scan),
+            ("join the scan", 5.0 + 100.0 * scan),
             ("read the low-poly mesh", 10.0 * (1.0 - made)),
+            ("inspect the scan", if self.options.inspect { 200.0 * scan } else { 0.0 }),
             ("simplify", 1200.0 * scan * made),
             ("unwrap", (200.0 + 900.0 * texels) * made),
             ("tangents", 10.0),
+            ("sort the scan", 500.0 * scan),
             ("measure the gap", 10.0 + 500.0 * scan),
             ("bake", texels * self.samples()),
             ("store", 100.0 * texels),
             ("levels of detail", 10.0 * self.options.lods.len() as f64),
-            ("inspect the scan", if self.options.inspect { 300.0 * scan } else { 0.0 }),
         ]
     }
 
@@ -150,7 +151,7 @@ mod tests {
     fn nothing_is_foretold_from_nothing() {
         let schedule = schedule(&BakeOptions::default());
         let second = Duration::from_secs(1);
-        assert_eq!(schedule.left(second, "sort the scan", 0.0), None);
+        assert_eq!(schedule.left(second, "join the scan", 0.0), None);
         assert_eq!(schedule.left(second, "read the scan", 1.0), None);
         let search = BakeOptions { mean_error_deg: Some(1.0), ..BakeOptions::default() };
         assert_eq!(Schedule::of(&search, scan(1000), false), None);

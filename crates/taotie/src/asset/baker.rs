@@ -109,9 +109,9 @@ impl Baker {
 
     /// Bakes a scan: simplifies and unwraps it, or takes the mesh that is given; bakes the maps; measures the result.
     ///
-    /// The listener hears the stages `simplify`, `unwrap`, `read the low-poly mesh`, `tangents`, `measure the gap`,
-    /// `bake`,
-    /// `store`, `levels of detail` and `inspect the scan`, and is asked about every 20 ms whether to go on.
+    /// The listener hears the stages `read the low-poly mesh`, `inspect the scan`, `simplify`, `unwrap`, `tangents`, `sort
+    /// the scan` where no bake did that before, `measure the gap`, `bake`, `store` and `levels of detail`, and is asked
+    /// about every 20 ms whether to go on.
     ///
     /// # Errors
     /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`BakeOptions::check`] and of reading what the options
@@ -123,7 +123,7 @@ impl Baker {
         scan.limits.allow_outside |= self.limits.allow_outside;
         options.check()?;
         let limits = self.limits_beside(&scan);
-        self.need(scan.about.size.sorted()).check(limits)?;
+        need_of(&options, &scan).check(limits)?;
         self.protect(scan.files())?;
         let (asked, reading) = (Arc::clone(&options), scan.limits);
         let inputs = progress.apart(move |progress| Inputs::read(&asked, &reading, progress))?;
@@ -139,7 +139,7 @@ impl Baker {
 
     /// Returns the limits of a bake; what the scan holds already counts as free.
     fn limits_beside(&self, scan: &Scan) -> Limits {
-        let held = scan.about.size.bytes();
+        let held = scan.held();
         let free = || io::free_memory().map(|free| Bytes(free + held));
         Limits { memory: self.limits.memory.or_else(free), ..self.limits }
     }
@@ -160,6 +160,11 @@ struct Sources {
     limits: Limits,
 }
 
+/// Returns what a bake of a scan takes that is read and one mesh.
+fn need_of(options: &BakeOptions, scan: &Scan) -> Need {
+    Need { is_sorted: scan.is_sorted(), ..Need::of(options, scan.about.size.joined()) }
+}
+
 /// The surfaces that a bake begins with.
 struct Subject<'a> {
     scan: &'a Scan,
@@ -174,7 +179,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let mut warnings = about.warnings.clone();
     warnings.absorb(of_inputs);
     let materials = given.as_ref().map_or(1, GivenMesh::material_count);
-    Need { materials, ..Need::of(asked, about.size.sorted()) }.check(limits)?;
+    Need { materials, ..need_of(asked, scan) }.check(limits)?;
     let looks = given.as_ref().map_or_else(Vec::new, GivenMesh::looks);
     let plan = BakePlan::of(asked, &about.carried, &looks);
     notes::unread_options(&plan.options, &mut warnings);
@@ -183,6 +188,12 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     materials.for_each(|material| plan.fill(&about.carried, material));
     let document = given.as_mut().and_then(GivenMesh::take_document);
     let BakePlan { options, carried, left, .. } = plan;
+    let mut of_scan = Warnings::default();
+    if options.inspect {
+        // Before the scan is sorted for rays: both together would be the most that a bake takes.
+        progress.begin("inspect the scan")?;
+        judgement::inspect(scan.mesh(), &mut of_scan);
+    }
     let (subject, recipe) = (Subject { scan, given }, Recipe { options: &options, rays: &rays });
     let Lightened { mut parts, size, trials } = lightened(recipe, subject, &mut warnings, progress)?;
     for part in &mut parts {
@@ -199,10 +210,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         false => Vec::new(),
     };
     parts.iter().for_each(|part| judge(scan, part, &mut warnings));
-    if options.inspect {
-        progress.begin("inspect the scan")?;
-        judgement::inspect(scan.mesh(), &mut warnings);
-    }
+    warnings.absorb(of_scan);
     let options = Arc::new(options);
     Ok(Asset::new(Made {
         options,
@@ -233,7 +241,7 @@ fn judge(scan: &Scan, part: &Part, warnings: &mut Warnings) {
 
 /// Returns the treatment of alpha: that of the scan where its alpha is baked, else the low-poly mesh's own.
 fn alpha(options: &BakeOptions, scan: &Scan, low: &LowPoly) -> AlphaMode {
-    match scan.high.surface().alpha_mode() {
+    match scan.surface().alpha_mode() {
         mode if options.bakes(&[MapKind::Alpha]) && mode != AlphaMode::Opaque => mode,
         _ => low.material.alpha,
     }
@@ -241,13 +249,13 @@ fn alpha(options: &BakeOptions, scan: &Scan, low: &LowPoly) -> AlphaMode {
 
 /// Says whether triangles of the scan have several alpha modes.
 fn has_several_modes(scan: &Scan) -> bool {
-    scan.high.surface().alpha_modes().len() > 1
+    scan.surface().alpha_modes().len() > 1
 }
 
 /// Returns the alpha mode of each triangle of each level of the only part.
 fn alpha_modes(scan: &Scan, Part { low, maps }: &Part, coarser: &[Mesh]) -> Vec<Vec<AlphaMode>> {
-    let of_level = |mesh: &Mesh| scan.high.alpha_modes(mesh, &maps.cage.carried_over(&low.mesh, mesh));
-    let finest = scan.high.alpha_modes(&low.mesh, &maps.cage);
+    let of_level = |mesh: &Mesh| scan.sorted().alpha_modes(mesh, &maps.cage.carried_over(&low.mesh, mesh));
+    let finest = scan.sorted().alpha_modes(&low.mesh, &maps.cage);
     std::iter::once(finest).chain(coarser.iter().map(of_level)).collect()
 }
 

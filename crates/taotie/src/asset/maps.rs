@@ -34,6 +34,7 @@ pub(super) fn bake_maps(
     progress: Progress<'_>,
 ) -> Result<StoredMaps> {
     let Pair { scan, low } = pair;
+    scan.sort(progress)?;
     progress.begin("measure the gap")?;
     let cage = cage(rays, low, scan)?;
     let settings = BakeSettings {
@@ -46,7 +47,7 @@ pub(super) fn bake_maps(
         roughness: options.roughness.map(|v| v as f32),
         dilation: options.dilation,
     };
-    let input = BakeInput { low: &low.mesh, cage: &cage, scan: &scan.high };
+    let input = BakeInput { low: &low.mesh, cage: &cage, scan: scan.sorted() };
     let Baked { maps, counts } = bake::bake(input, &settings, progress.begin("bake")?)?;
     refuse_no_hit(pair, &cage, &counts)?;
     progress.begin("store")?;
@@ -56,7 +57,7 @@ pub(super) fn bake_maps(
 
 fn cage(rays: &Rays, low: &LowPoly, scan: &Scan) -> Result<Cage> {
     match rays {
-        Rays::Auto => Ok(Cage::automatic(&low.mesh, &scan.high)),
+        Rays::Auto => Ok(Cage::automatic(&low.mesh, scan.sorted())),
         Rays::Uniform(distance) => Cage::uniform(&low.mesh, *distance as f32),
         Rays::Cage(cage) => {
             let made = match &low.own {

@@ -7,9 +7,9 @@ use crate::bake::{MapKind, Maps, bytes_of_bands};
 use crate::error::{Error, Result};
 use crate::io::{Bytes, GltfImages, Limits};
 
-/// The memory of a bake at its peak: the scan with its textures, sorted for rays, simplification, maps; or, where that is
-/// more, the tangents that a scan with a normal map gets before, the packing of textures, the measuring of the asset, or
-/// the page that shows it.
+/// The memory of a bake at its peak: the scan with its textures, sorted for rays, and maps; or, where that is more, the
+/// tangents that a scan with a normal map gets before, its inspection, simplification, the packing of textures, the
+/// measuring of the asset, or the page that shows it.
 ///
 /// ```
 /// use taotie::asset::{BakeOptions, Baker, Bytes, Limits, ScanSize};
@@ -26,6 +26,8 @@ use crate::io::{Bytes, GltfImages, Limits};
 pub struct Need {
     /// The size of the scan.
     pub scan: ScanSize,
+    /// `true` where an earlier bake has sorted the scan for rays; else that comes after inspection and simplification.
+    pub is_sorted: bool,
     /// `true` where the low-poly mesh has to be made.
     pub simplifies: bool,
     /// Triangles that the low-poly mesh is asked to have; where it is given or its error is, this stands for it all the same.
@@ -60,6 +62,7 @@ impl Need {
         let maps = wanted.iter().count() as u64;
         Self {
             scan,
+            is_sorted: false,
             simplifies: options.low.is_none(),
             low_triangles: u64::from(options.triangles).min(scan.triangles),
             inspects: options.inspect,
@@ -103,7 +106,8 @@ impl Need {
         let proving = if self.is_proved { self.proving() } else { 0 };
         let showing = self.shown_side.map_or(0, |side| self.showing(side));
         let most = self
-            .baking()
+            .lightening()
+            .max(self.baking())
             .max(self.writing())
             .max(proving)
             .max(showing)
@@ -115,16 +119,23 @@ impl Need {
         Bytes(most.max(framing))
     }
 
-    fn baking(&self) -> u64 {
-        /// Keys while the tree is sorted.
-        const SORTING: u64 = 8;
+    /// Returns the bytes while the scan is inspected and the low-poly mesh is made.
+    fn lightening(&self) -> u64 {
         /// The memory of simplification for a triangle: joined vertices, blocks, and the half that is left of them.
         const SIMPLIFYING: u64 = 24;
         /// The scan's edges and triangles in groups, in which its faults are found.
         const INSPECTING: u64 = 40;
         let simplifying = if self.simplifies { SIMPLIFYING } else { 0 };
         let inspecting = if self.inspects { INSPECTING } else { 0 };
-        let beside = self.scan.triangles * SORTING.max(simplifying).max(inspecting);
+        let scan = if self.is_sorted { self.scan.bytes() } else { self.scan.mesh_bytes() };
+        scan.saturating_add(self.scan.triangles * simplifying.max(inspecting))
+    }
+
+    /// Returns the bytes while the scan is sorted and maps are made.
+    fn baking(&self) -> u64 {
+        /// Keys while the tree is sorted.
+        const SORTING: u64 = 8;
+        let beside = self.scan.triangles * SORTING;
         // One material is baked after the other.
         let stored = self.stored_of(self.materials.saturating_sub(1));
         let maps = (self.texels * self.texel_bytes).saturating_add(self.band_bytes);
@@ -257,6 +268,7 @@ mod tests {
     fn what_does_not_fit_is_refused_with_both_numbers() {
         let need = Need {
             scan: ScanSize { triangles: 20_000_000, vertices: 10_000_000, ..ScanSize::default() },
+            is_sorted: false,
             simplifies: true,
             low_triangles: 50_000,
             inspects: true,
@@ -290,7 +302,7 @@ mod tests {
         let need = |size| Need::of(&BakeOptions::default(), size).bytes().0;
         let framed = ScanSize { framed_triangles: 20_000_000, framed_vertices: 10_000_000, ..size };
         assert!(need(framed) > 8 << 30, "{}", need(framed));
-        assert_eq!(need(framed.sorted()), need(size));
+        assert_eq!(need(framed.joined()), need(size));
         let textured = ScanSize { texture_bytes: 1 << 30, ..size };
         assert_eq!(need(textured), need(size) + (1 << 30));
     }

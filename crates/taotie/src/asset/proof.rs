@@ -239,7 +239,7 @@ impl Written {
         let mut scenes: Vec<Scene> = levels.into_iter().map(|level| level.scene).collect();
         for scene in &scenes {
             let shown = Shown::of(scene, object_maps[0], self.path())?;
-            let cage = Cage::automatic(&shown.mesh, &scan.high);
+            let cage = Cage::automatic(&shown.mesh, scan.sorted());
             let parts = vec![ShownPart { shown, cage }];
             let subject = Subject { parts, whole: None, scan: &scan, has_material: self.has_material() };
             let (surface, points) = (subject.surface(), PointCounts::from(options).quarter());

@@ -1,11 +1,13 @@
 //! The scan that is baked from: its triangles, and what its file says beside them.
+//!
+//! Its tree takes more memory than its triangles. It is made when rays first need it, so simplification goes before it.
 
 use super::carried::Carried;
 use super::hash::FileHash;
 use super::look;
 use super::notes;
 use super::scan_size::ScanSize;
-use crate::bake;
+use crate::bake::{self, TexturedMesh};
 use crate::error::{Error, Result, Warnings};
 use crate::io::{self, Limits};
 use crate::math::Vec3;
@@ -13,7 +15,7 @@ use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
 use crate::scene::{Material, NormalSpace, Scene};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// The properties of a scan beside its triangles.
 #[derive(Debug)]
@@ -46,7 +48,7 @@ impl About {
     }
 }
 
-/// A scan as its file says, not yet sorted for rays, so that one can ask what a bake of it will need.
+/// A scan as its file says, not yet one mesh, so that one can ask what a bake of it will need.
 ///
 /// ```no_run
 /// use taotie::Progress;
@@ -56,7 +58,7 @@ impl About {
 /// let file = ScanFile::read("scan.ply", &limits, Progress::SILENT)?;
 /// let baker = Baker::new(BakeOptions::default());
 /// println!("a bake needs about {} of memory", baker.need(file.size()).bytes());
-/// let scan = file.sort(Progress::SILENT)?;
+/// let scan = file.into_scan(Progress::SILENT)?;
 /// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug)]
@@ -66,7 +68,7 @@ pub struct ScanFile {
     limits: Limits,
 }
 
-/// A scan, sorted for rays. Clones share all of it.
+/// A scan: one mesh with its materials, which is sorted for rays once a bake needs them. Clones share all of it.
 ///
 /// ```
 /// use taotie::Progress;
@@ -80,7 +82,9 @@ pub struct ScanFile {
 /// ```
 #[derive(Clone)]
 pub struct Scan {
-    pub(super) high: Arc<bake::Scan>,
+    surface: Arc<TexturedMesh>,
+    /// The surface sorted for rays; empty until that is needed.
+    sorted: Arc<OnceLock<bake::Scan>>,
     pub(super) about: Arc<About>,
     /// The limits within which it was read, and what a bake of it names is read.
     pub(super) limits: Limits,
@@ -111,7 +115,7 @@ impl ScanFile {
     /// use taotie::asset::{Limits, ScanFile};
     ///
     /// let loaded = taotie::io::load_model("scan.ply".as_ref())?;
-    /// let scan = ScanFile::from_loaded(loaded, "scan.ply", &Limits::default())?.sort(Progress::SILENT)?;
+    /// let scan = ScanFile::from_loaded(loaded, "scan.ply", &Limits::default())?.into_scan(Progress::SILENT)?;
     /// # Ok::<(), taotie::Error>(())
     /// ```
     ///
@@ -162,53 +166,86 @@ impl ScanFile {
         self.about.size
     }
 
-    /// Sorts the scan for rays. Meshes with a normal for each facet, or without normals, get smooth ones, counted; but
-    /// not those whose normal map is relative to their facets.
+    /// Makes the scan one mesh. Meshes with a normal for each facet, or without normals, get smooth ones, counted; but not
+    /// those whose normal map is relative to their facets.
     ///
     /// # Errors
     /// [`Error::Cancelled`]; [`Error::Limit`] where the scene has more than 2^32 − 1 vertices.
-    pub fn sort(self, progress: Progress<'_>) -> Result<Scan> {
-        progress.begin("sort the scan")?.apart(move |_| {
+    pub fn into_scan(self, progress: Progress<'_>) -> Result<Scan> {
+        progress.begin("join the scan")?.apart(move |_| {
             let Self { mut scene, mut about, limits } = self;
             about.warnings.note("flat-shaded scan: smooth normals computed", smooth_facets(&mut scene)?);
-            Ok(Scan { high: Arc::new(bake::Scan::new(scene)?), about: Arc::new(about), limits })
+            let surface = Arc::new(bake::Scan::surface_of(scene)?);
+            Ok(Scan { surface, sorted: Arc::default(), about: Arc::new(about), limits })
         })
     }
 }
 
 impl Scan {
-    /// Reads a scan and sorts it: [`ScanFile::read`] and [`ScanFile::sort`].
+    /// Reads a scan: [`ScanFile::read`] and [`ScanFile::into_scan`].
     ///
     /// # Errors
     /// As theirs.
     pub fn read(path: impl AsRef<Path>, limits: &Limits, progress: Progress<'_>) -> Result<Self> {
-        ScanFile::read(path, limits, progress)?.sort(progress)
+        ScanFile::read(path, limits, progress)?.into_scan(progress)
     }
 
-    /// Sorts a mesh, a scan of the default material.
+    /// Takes a mesh over, a scan of the default material.
     ///
     /// # Errors
-    /// As [`ScanFile::from_scene`] and [`ScanFile::sort`].
+    /// As [`ScanFile::from_scene`] and [`ScanFile::into_scan`].
     pub fn from_mesh(mesh: Mesh, progress: Progress<'_>) -> Result<Self> {
         Self::from_scene(Scene::of_mesh(mesh, Material::default())?, progress)
     }
 
-    /// Sorts a scene, in which all instances are one scan.
+    /// Takes a scene over, in which all instances are one scan.
     ///
     /// # Errors
-    /// As [`ScanFile::from_scene`] and [`ScanFile::sort`].
+    /// As [`ScanFile::from_scene`] and [`ScanFile::into_scan`].
     pub fn from_scene(scene: Scene, progress: Progress<'_>) -> Result<Self> {
-        ScanFile::from_scene(scene)?.sort(progress)
+        ScanFile::from_scene(scene)?.into_scan(progress)
     }
 
-    /// Returns its triangles, sorted for rays.
+    /// Returns its triangles sorted for rays, which the first call does.
     pub fn sorted(&self) -> &bake::Scan {
-        &self.high
+        match self.sorted.get() {
+            Some(sorted) => sorted,
+            // Not made by `get_or_init`: a thread that waits for others' part of the work may take up a bake of this scan.
+            None => {
+                let made = bake::Scan::of(Arc::clone(&self.surface));
+                self.sorted.get_or_init(|| made)
+            }
+        }
+    }
+
+    /// Sorts it for rays, a stage of its own, where that is still to be done.
+    pub(super) fn sort(&self, progress: Progress<'_>) -> Result<()> {
+        if !self.is_sorted() {
+            progress.begin("sort the scan")?;
+            self.sorted();
+        }
+        Ok(())
+    }
+
+    /// Says whether it is sorted for rays already.
+    pub(super) fn is_sorted(&self) -> bool {
+        self.sorted.get().is_some()
+    }
+
+    /// Returns the bytes that it takes now.
+    pub(super) fn held(&self) -> u64 {
+        let size = self.about.size;
+        if self.is_sorted() { size.bytes() } else { size.mesh_bytes() }
+    }
+
+    /// Returns its triangles with their materials.
+    pub(super) fn surface(&self) -> &TexturedMesh {
+        &self.surface
     }
 
     /// Returns its triangles, in world space, with normals.
     pub fn mesh(&self) -> &Mesh {
-        self.high.mesh()
+        self.surface.mesh()
     }
 
     /// Returns the file that it was read from; empty in memory.
@@ -236,8 +273,9 @@ impl Scan {
 
     /// Gives the tree up, and the triangles too where no clone of this scan holds them.
     pub(super) fn into_scene(self) -> Result<Scene> {
-        let shared = |high: Arc<bake::Scan>| high.surface().clone();
-        Arc::try_unwrap(self.high).map_or_else(shared, bake::Scan::into_surface).into_scene()
+        let Self { surface, sorted, .. } = self;
+        drop(sorted);
+        Arc::unwrap_or_clone(surface).into_scene()
     }
 }
 

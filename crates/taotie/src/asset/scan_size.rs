@@ -65,7 +65,7 @@ impl ScanSize {
         self.mesh_bytes() + self.triangles * TREE
     }
 
-    /// Returns what the scan takes at most while its tangents are made, which is before it is sorted; 0 where none are.
+    /// Returns what the scan takes at most while its tangents are made, which is before it is one mesh; 0 where none are.
     pub(super) fn framing_bytes(self) -> u64 {
         match self.framed_triangles {
             0 => 0,
@@ -80,12 +80,13 @@ impl ScanSize {
         self.mesh_bytes() + self.vertices * PLACED_VERTEX + self.triangles * PLACED_TRIANGLE
     }
 
-    /// Returns the size without what making its tangents takes: they are there once it is sorted.
-    pub(super) fn sorted(self) -> Self {
+    /// Returns the size without what making its tangents takes: they are there once it is one mesh.
+    pub(super) fn joined(self) -> Self {
         Self { framed_triangles: 0, framed_vertices: 0, ..self }
     }
 
-    fn mesh_bytes(self) -> u64 {
+    /// Returns what the scan takes as one mesh, before it is sorted for rays.
+    pub(super) fn mesh_bytes(self) -> u64 {
         /// Position and normal.
         const VERTEX: u64 = 24;
         const TRIANGLE: u64 = 12;
@@ -152,8 +153,8 @@ mod tests {
         assert_eq!(made.attribute_bytes, made.vertices * (8 + 16), "uvs and tangents");
         let framing = made.framing_bytes();
         assert!(framing > 300 * made.framed_triangles + made.mesh_bytes(), "{framing}");
-        assert_eq!(made.sorted().framing_bytes(), 0);
-        assert_eq!(made.sorted().bytes(), made.bytes());
+        assert_eq!(made.joined().framing_bytes(), 0);
+        assert_eq!(made.joined().bytes(), made.bytes());
         let there = of(NormalSpace::Tangent, true);
         assert_eq!((there.framing_bytes(), there.attribute_bytes), (0, made.attribute_bytes));
         let object = of(NormalSpace::Object, false);

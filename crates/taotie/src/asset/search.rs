@@ -138,7 +138,7 @@ fn mean_angle(pair: Pair<'_>, maps: &StoredMaps) -> Result<f64> {
         mesh: &pair.low.mesh,
         normal: Some(ShownNormals { texture: &texture, space: NormalSpace::Tangent, sampler }),
         cage: &maps.cage,
-        scan: &pair.scan.high,
+        scan: pair.scan.sorted(),
     };
     let angles = verifier.normal_error(POINTS)?.angles;
     Ok(angles.summary().map_or(f64::INFINITY, |summary| summary.mean))

@@ -86,7 +86,7 @@ impl Subject<'_> {
 
     fn of_part<'s>(&'s self, part: &'s ShownPart<'_>) -> PartSurface<'s> {
         let Shown { mesh, normal, material } = &part.shown;
-        let plain = Verifier { mesh, normal: None, cage: &part.cage, scan: &self.scan.high };
+        let plain = Verifier { mesh, normal: None, cage: &part.cage, scan: self.scan.sorted() };
         let mapped = Verifier { normal: *normal, ..plain };
         let is_compared = self.has_material && !self.scan.about.is_plain;
         PartSurface { mapped, plain, material: is_compared.then_some(material) }
@@ -96,6 +96,6 @@ impl Subject<'_> {
     pub fn whole(&self) -> Verifier<'_> {
         let first = &self.parts[0];
         let mesh = self.whole.as_ref().unwrap_or(&first.shown.mesh);
-        Verifier { mesh, normal: None, cage: &first.cage, scan: &self.scan.high }
+        Verifier { mesh, normal: None, cage: &first.cage, scan: self.scan.sorted() }
     }
 }

@@ -24,18 +24,22 @@ impl Faults {
         let places = surface::by_position(mesh.positions());
         let whole = || whole_triangles(mesh.triangles(), &places.of);
         let count = places.firsts.len();
-        let edges =
-            Groups::new(count, || whole().flat_map(|[a, b, c]| [(a, b), (a, c), (b, c)]).map(by_place));
-        let found = runs(&edges, |tally, length| {
-            tally.ones += usize::from(length == 1);
-            tally.many += usize::from(length > 2);
-        });
-        drop(edges);
-        let twins = Groups::new(count, || whole().map(|[a, b, c]| (a, (b, c))).map(by_place));
-        let twins = runs(&twins, |tally, length| tally.many += length - 1);
+        let edges = || {
+            let edges = || whole().flat_map(|[a, b, c]| [(a, b), (a, c), (b, c)]).map(by_place);
+            runs(&Groups::new(count, edges), |tally, length| {
+                tally.ones += usize::from(length == 1);
+                tally.many += usize::from(length > 2);
+            })
+        };
+        let twins = || {
+            let twins = || whole().map(|[a, b, c]| (a, (b, c))).map(by_place);
+            runs(&Groups::new(count, twins), |tally, length| tally.many += length - 1)
+        };
+        // Groups are made by one thread each.
+        let (edges, twins) = rayon::join(edges, twins);
         Self {
-            open_edges: found.ones,
-            crowded_edges: found.many,
+            open_edges: edges.ones,
+            crowded_edges: edges.many,
             duplicates: twins.many,
             flat: mesh.degenerate_triangles(),
         }

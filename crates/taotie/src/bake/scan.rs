@@ -7,6 +7,7 @@ use crate::error::Result;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 use crate::trace::Bvh;
+use std::sync::Arc;
 
 /// The triangles of a high-poly scene with their materials, sorted so that they can be found from points of a low-poly
 /// one.
@@ -14,7 +15,7 @@ use crate::trace::Bvh;
 /// Its shape is its triangles: rays, heights, occlusion and curvature know no map. Its normals are those that its
 /// normal and height maps make of it.
 pub struct Scan {
-    surface: TexturedMesh,
+    surface: Arc<TexturedMesh>,
     bvh: Bvh,
 }
 
@@ -24,10 +25,22 @@ impl Scan {
     /// # Errors
     /// [`crate::Error::Limit`] where the scene has more than 2^32 − 1 vertices.
     pub fn new(scene: Scene) -> Result<Self> {
-        let surface = TexturedMesh::new(scene)?.with_visible_means()?;
+        Ok(Self::of(Arc::new(Self::surface_of(scene)?)))
+    }
+
+    /// Makes the surface that [`Scan::of`] sorts.
+    ///
+    /// # Errors
+    /// As those of [`Scan::new`].
+    pub(crate) fn surface_of(scene: Scene) -> Result<TexturedMesh> {
+        TexturedMesh::new(scene)?.with_visible_means()
+    }
+
+    /// Sorts a surface, which others may share.
+    pub(crate) fn of(surface: Arc<TexturedMesh>) -> Self {
         let mesh = surface.mesh();
         let bvh = Bvh::of(mesh.triangles().len(), |t| mesh.corners(t));
-        Ok(Self { surface, bvh })
+        Self { surface, bvh }
     }
 
     /// Returns the triangles, world space, with normals.
@@ -38,11 +51,6 @@ impl Scan {
     /// Returns the triangles with their materials.
     pub fn surface(&self) -> &TexturedMesh {
         &self.surface
-    }
-
-    /// Returns the triangles with their materials alone.
-    pub fn into_surface(self) -> TexturedMesh {
-        self.surface
     }
 
     /// Returns the triangles sorted for rays.

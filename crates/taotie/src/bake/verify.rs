@@ -223,14 +223,20 @@ pub(super) enum Way {
 
 /// Returns each of `count` points spread evenly over a mesh's area by its number; they are the same for the same mesh.
 pub(super) fn sample_area(mesh: &Mesh, count: usize) -> Result<impl Fn(usize) -> Point + Sync> {
+    /// Triangles whose areas have one sum, so that sums take little memory.
+    const BLOCK: usize = 32;
+    let triangles = mesh.triangles().len();
+    let areas = move |block: usize| {
+        let block = block * BLOCK..((block + 1) * BLOCK).min(triangles);
+        block.map(move |t| doubled_area(mesh, t)).map(|area| if area.is_finite() { area } else { 0.0 })
+    };
+    // The area up to the end of each block.
+    let mut sums: Vec<f64> = parallel::collect(triangles.div_ceil(BLOCK), |block| areas(block).sum());
     let mut sum = 0.0;
-    let sums: Vec<f64> = (0..mesh.triangles().len())
-        .map(|t| {
-            let area = doubled_area(mesh, t);
-            sum += if area.is_finite() { area } else { 0.0 };
-            sum
-        })
-        .collect();
+    for to_end in &mut sums {
+        sum += *to_end;
+        *to_end = sum;
+    }
     if sum <= 0.0 {
         return Err(Error::invalid("the mesh", "its triangles have no area"));
     }
@@ -239,7 +245,13 @@ pub(super) fn sample_area(mesh: &Mesh, count: usize) -> Result<impl Fn(usize) ->
         // One point in each of equal parts of the area.
         let [jitter, u, v, _] = points.four(i as u32 % Sequence::MOST, (i as u32 / Sequence::MOST) * 2);
         let target = (i as f64 + f64::from(jitter)) / count as f64 * sum;
-        let triangle = sums.partition_point(|s| *s <= target).min(sums.len() - 1);
+        let block = sums.partition_point(|s| *s <= target).min(sums.len() - 1);
+        let mut before = if block == 0 { 0.0 } else { sums[block - 1] };
+        let is_before = |area: &f64| {
+            before += area;
+            before <= target
+        };
+        let triangle = (block * BLOCK + areas(block).take_while(is_before).count()).min(triangles - 1);
         Point { triangle: triangle as u32, weights: triangle_weights(u, v) }
     })
 }
