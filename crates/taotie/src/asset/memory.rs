@@ -192,20 +192,14 @@ impl Need {
 
     /// Returns the bytes of what a proof holds, and of how the report shows it.
     fn proof(&self, side: u32) -> u64 {
-        /// Images of scan and level from all sides in one look, and their differences, up to so many pixels along a side;
-        /// and each pixel beyond.
-        const VIEWS: u64 = 48 << 20;
-        const SIDE: u64 = 384;
-        const PIXEL: u64 = 480;
+        /// A pixel of the images of scan and level from all sides in one look, and of their differences.
+        const VIEWS: u64 = 342;
         /// A map of errors, at most, and its texels.
         const MOST_ERRORS: u64 = 1 << 20;
         const ERROR: u64 = 37;
         let looks = if self.scan.has_material { 2 } else { 1 };
         let errors = self.materials.saturating_mul(self.texels.min(MOST_ERRORS) * ERROR * looks);
-        let beyond = u64::from(side).pow(2).saturating_sub(SIDE.pow(2));
-        errors.saturating_add(
-            (self.levels * looks).saturating_mul(VIEWS.saturating_add(beyond.saturating_mul(PIXEL))),
-        )
+        errors.saturating_add((self.levels * looks * VIEWS).saturating_mul(u64::from(side).pow(2)))
     }
 
     /// Returns the bytes of the stored maps of so many materials.
