@@ -117,7 +117,7 @@ impl Work<'_> {
         const BESIDE: u64 = 6;
         let settings = &self.job.settings.asset;
         let baker = Baker::new(settings.bake.clone());
-        let proved = baker.need(file.size()).with_packing(&settings.packing).with_proof(&settings.verify);
+        let proved = baker.need(file.size()).with_packing(&settings.packing).with_proof();
         let shown = self.job.settings.viewer.is_some();
         let Bytes(bytes) =
             if shown { proved.with_viewer(taotie_report::viewer::MOST_TEXTURE_SIDE) } else { proved }.bytes();

@@ -82,11 +82,10 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
 /// Says how much memory the bake of a scan needs before it begins.
 fn check_memory(args: &BakeArgs, baked: &Need, limits: Limits) -> Result<()> {
     let written = baked.with_packing(&args.packing());
-    let proved = written.with_proof(&args.verify_options());
     let need = match (args.no_verify, args.shown_model()) {
         (true, _) => written,
-        (false, None) => proved,
-        (false, Some(_)) => proved.with_viewer(taotie_report::viewer::MOST_TEXTURE_SIDE),
+        (false, None) => written.with_proof(),
+        (false, Some(_)) => written.with_proof().with_viewer(taotie_report::viewer::MOST_TEXTURE_SIDE),
     };
     need.check(limits)?;
     let (triangles, bytes) = (need.scan.triangles, need.bytes());

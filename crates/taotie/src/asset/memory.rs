@@ -2,7 +2,6 @@
 
 use super::options::BakeOptions;
 use super::packing::Packing;
-use super::proof::VerifyOptions;
 use super::scan_size::ScanSize;
 use crate::bake::{MapKind, Maps, bytes_of_bands};
 use crate::error::{Error, Result};
@@ -51,8 +50,8 @@ pub struct Need {
     pub levels: u64,
     /// The packing of its textures.
     pub images: GltfImages,
-    /// Pixels along a side of the images by which the asset is measured against the scan afterwards; `None` where it is not.
-    pub proof_side: Option<u32>,
+    /// `true` where the asset is measured against the scan afterwards.
+    pub is_proved: bool,
     /// Texels along a side, at most, of the textures of a page that shows the asset afterwards; `None` where no page does.
     pub shown_side: Option<u32>,
 }
@@ -75,7 +74,7 @@ impl Need {
             materials: 1,
             levels: 1 + options.lods.len() as u64,
             images: GltfImages::default(),
-            proof_side: None,
+            is_proved: false,
             shown_side: None,
         }
     }
@@ -86,8 +85,8 @@ impl Need {
     }
 
     /// Returns what a bake needs whose asset is measured against the scan afterwards.
-    pub fn with_proof(self, options: &VerifyOptions) -> Self {
-        Self { proof_side: Some(options.view), ..self }
+    pub fn with_proof(self) -> Self {
+        Self { is_proved: true, ..self }
     }
 
     /// Returns what a bake needs whose asset a page shows afterwards, with textures of at most `side` texels along a side.
@@ -104,7 +103,7 @@ impl Need {
         /// What was freed in pieces and the allocator keeps: for each triangle, and at most.
         const KEPT: u64 = 96;
         const MOST_KEPT: u64 = 48 << 20;
-        let proving = self.proof_side.map_or(0, |side| self.proving(side));
+        let proving = if self.is_proved { self.proving() } else { 0 };
         let showing = self.shown_side.map_or(0, |side| self.showing(side));
         let most = self
             .lightening()
@@ -156,14 +155,14 @@ impl Need {
     }
 
     /// Returns the bytes while the asset is read back and measured.
-    fn proving(&self, side: u32) -> u64 {
+    fn proving(&self) -> u64 {
         /// Points at which normals and distances are measured.
         const POINTS: u64 = 32 << 20;
         /// A triangle of the asset, sorted for rays and placed for pictures.
         const LOW_TRIANGLE: u64 = 220;
-        let scan = self.scan.bytes().max(self.scan.viewing_bytes(side));
+        let scan = self.scan.bytes().max(self.scan.viewing_bytes());
         let low = self.low_triangles * LOW_TRIANGLE;
-        [self.stored_of(self.materials), self.read_back(), self.proof(side), low, POINTS]
+        [self.stored_of(self.materials), self.read_back(), self.proof(), low, POINTS]
             .into_iter()
             .fold(scan, u64::saturating_add)
     }
@@ -176,7 +175,7 @@ impl Need {
         const KEPT: u64 = 600;
         const MOST_KEPT: u64 = 64 << 20;
         let packing = self.packing(self.texels.min(u64::from(side).pow(2)), GltfImages::WebP);
-        let proof = self.proof_side.map_or(0, |side| self.proof(side));
+        let proof = if self.is_proved { self.proof() } else { 0 };
         let low = self.low_triangles * LOW_TRIANGLE + (self.scan.triangles * KEPT).min(MOST_KEPT);
         [self.stored_of(self.materials), self.read_back(), packing, low]
             .into_iter()
@@ -191,15 +190,15 @@ impl Need {
     }
 
     /// Returns the bytes of what a proof holds, and of how the report shows it.
-    fn proof(&self, side: u32) -> u64 {
-        /// A pixel of the images of scan and level from all sides in one look, and of their differences.
-        const VIEWS: u64 = 342;
+    fn proof(&self) -> u64 {
+        /// Images of scan and level from all sides in one look, and their differences.
+        const VIEWS: u64 = 48 << 20;
         /// A map of errors, at most, and its texels.
         const MOST_ERRORS: u64 = 1 << 20;
         const ERROR: u64 = 37;
         let looks = if self.scan.has_material { 2 } else { 1 };
         let errors = self.materials.saturating_mul(self.texels.min(MOST_ERRORS) * ERROR * looks);
-        errors.saturating_add((self.levels * looks * VIEWS).saturating_mul(u64::from(side).pow(2)))
+        errors.saturating_add(self.levels * looks * VIEWS)
     }
 
     /// Returns the bytes of the stored maps of so many materials.
@@ -281,7 +280,7 @@ mod tests {
             materials: 1,
             levels: 1,
             images: GltfImages::Png,
-            proof_side: None,
+            is_proved: false,
             shown_side: None,
         };
         assert!(need.bytes() < Bytes(4 << 30), "{}", need.bytes());

@@ -73,15 +73,11 @@ impl ScanSize {
         }
     }
 
-    /// Returns what the scan takes while images of it are taken, of so many pixels along a side: its tree is gone, and its
-    /// triangles are placed. Those without a sample of the image are dropped.
-    pub(super) fn viewing_bytes(self, side: u32) -> u64 {
+    /// Returns what the scan takes while images of it are taken: its tree is gone, and its triangles are placed.
+    pub(super) fn viewing_bytes(self) -> u64 {
         const PLACED_VERTEX: u64 = 72;
         const PLACED_TRIANGLE: u64 = 60;
-        /// Triangles that lie over a pixel of four samples.
-        const SEEN: u64 = 16;
-        let seen = self.triangles.min(u64::from(side).pow(2).saturating_mul(SEEN));
-        self.mesh_bytes() + self.vertices * PLACED_VERTEX + seen * PLACED_TRIANGLE
+        self.mesh_bytes() + self.vertices * PLACED_VERTEX + self.triangles * PLACED_TRIANGLE
     }
 
     /// Returns the size without what making its tangents takes: they are there once it is one mesh.
