@@ -114,33 +114,35 @@ pub struct ShortFigures {
     pub bytes_in: u64,
     /// Bytes of the asset's files.
     pub bytes_out: u64,
-    /// Mean angle between the normals, degrees.
+    /// Mean angle between the normals as seen, degrees.
     pub mean_angle: Option<f64>,
     /// Its 95th percentile.
     pub p95_angle: Option<f64>,
     /// The largest one.
     pub max_angle: Option<f64>,
-    /// Mean difference of base colours, CIEDE2000.
+    /// Mean difference of base colours as seen, CIEDE2000.
     pub mean_color: Option<f64>,
-    /// The largest distance between the surfaces as a part of the diagonal.
+    /// The largest distance between the visible surfaces as a part of the diagonal, its upper bound.
     pub hausdorff: f64,
-    /// The part of the texels whose ray missed.
+    /// The share of the visible surface where the other shows nothing, the worse of scan and asset.
     pub missed: f64,
 }
 
 impl ShortFigures {
     /// Shortens what was measured.
     pub fn of(figures: &Figures) -> Self {
-        let angle = |of: fn(&taotie::compare::Summary) -> f64| figures.angles.as_ref().map(of);
+        let finest = figures.finest();
+        let angles = finest.and_then(|finest| finest.overview.angles);
+        let angle = |of: fn(&taotie::compare::Summary) -> f64| angles.as_ref().map(|angles| of(&angles.summary));
         Self {
             bytes_in: figures.bytes_in,
             bytes_out: figures.bytes_out,
             mean_angle: angle(|summary| summary.mean),
             p95_angle: angle(|summary| summary.p95),
             max_angle: angle(|summary| summary.max),
-            mean_color: figures.material.color.as_ref().map(|summary| summary.mean),
-            hausdorff: figures.hausdorff_of_diagonal,
-            missed: figures.missed_texels,
+            mean_color: finest.and_then(|finest| Some(finest.overview.color?.summary.mean)),
+            hausdorff: finest.map_or(0.0, |finest| finest.hausdorff_of_diagonal.upper),
+            missed: finest.map_or(0.0, |finest| finest.coverage.missed()),
             ..Self::default()
         }
     }

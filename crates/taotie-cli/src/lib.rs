@@ -16,10 +16,12 @@ mod limits;
 mod materials;
 mod normals;
 mod options;
+mod proof_args;
 mod render;
 mod shader;
 mod stop;
 mod studio;
+mod verify;
 mod view;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -45,6 +47,8 @@ enum Command {
     Compare(Box<compare::CompareArgs>),
     /// Bakes a high-poly scan to low-poly glTF with a normal map, and measures the error.
     Bake(Box<bake::BakeArgs>),
+    /// Compares an asset, made by any program, with its scan.
+    Verify(Box<verify::VerifyArgs>),
     /// Bakes a whole collection: each scan in a process of its own, and nothing twice.
     Batch(Box<batch::BatchArgs>),
     /// Does the job that stands on stdin, for `taotie batch`.
@@ -107,6 +111,7 @@ pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Render(args) => render::run(&args).map(|()| Outcome::Fine),
         Command::Compare(args) => compare::run(&args).map(|()| Outcome::Fine),
         Command::Bake(args) => bake::run(&args),
+        Command::Verify(args) => verify::run(&args),
         Command::Batch(args) => batch::run(&args),
         Command::BatchBook(args) => batch::keep(&args),
         Command::BatchWorker => batch::work().map(|()| Outcome::Fine),

@@ -193,7 +193,8 @@ impl Written {
 fn told<'py>(py: Python<'py>, proof: &Proof) -> PyResult<Bound<'py, PyDict>> {
     let found = PyDict::new(py);
     found.set_item("figures", serde_json::to_string(&proof.figures).map_err(no_json)?)?;
-    found.set_item("error_map", arrays::of_field(py, &proof.error_map)?)?;
+    let errors = proof.error_map.as_ref().map(|map| arrays::of_field(py, map)).transpose()?;
+    found.set_item("error_map", errors)?;
     let colors = proof.color_map.as_ref().map(|map| arrays::of_field(py, map)).transpose()?;
     found.set_item("color_map", colors)?;
     found.set_item("warnings", work::listed(&proof.warnings))?;
@@ -201,8 +202,8 @@ fn told<'py>(py: Python<'py>, proof: &Proof) -> PyResult<Bound<'py, PyDict>> {
 }
 
 fn met(py: Python<'_>, figures: &Figures, required: &[String]) -> PyResult<Vec<Met>> {
-    let required = required.iter().map(|text| text.parse()).collect::<taotie::Result<Vec<Requirement>>>();
-    Ok(figures.require(&required.map_err(|error| exception(py, &error))?))
+    let required = required.iter().map(|text| Requirement::read(text)).collect::<taotie::Result<Vec<_>>>();
+    Ok(figures.require(&required.map_err(|error| exception(py, &error))?.concat()))
 }
 
 /// Holds requirements, as the command reads them, against figures; returns each as JSON, with its text.

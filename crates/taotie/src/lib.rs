@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! L6   asset          comparison
-//! L5   normal_map     studio         inspection
+//! L5   normal_map     studio         inspection     proof
 //! L4   render          bake           io
 //! L3   pixel
 //! L2   surface  shade  scene  raster  trace  film  compare
@@ -49,6 +49,7 @@ pub mod normal_map;
 mod parallel;
 pub mod pixel;
 pub mod progress;
+pub mod proof;
 pub mod raster;
 pub mod render;
 pub mod scene;

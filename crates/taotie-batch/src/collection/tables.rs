@@ -113,10 +113,13 @@ impl Choices {
     /// [`Error::Parse`] with the line.
     pub fn of(made: &Made, lines: Lines<'_>) -> Result<Self> {
         let requirement = |text: &Spanned<String>| {
-            let read = text.get_ref().parse::<Requirement>();
+            let read = Requirement::read(text.get_ref());
             read.map_err(|error| lines.parse(text.span(), &error.to_string()))
         };
-        let require = made.require.as_ref().map(|list| list.iter().map(requirement).collect::<Result<_>>());
+        let require = made.require.as_ref().map(|list| {
+            let read = list.iter().map(requirement).collect::<Result<Vec<_>>>()?;
+            Ok::<_, Error>(read.concat())
+        });
         let choices = Self {
             bake: lines.known::<BakeOptions>(("bake", &made.bake))?,
             packing: lines.known::<Packing>(("packing", &made.packing))?,

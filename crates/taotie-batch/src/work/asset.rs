@@ -57,7 +57,7 @@ fn told(mut report: Report, proof: &Proof, written: &Written, files: &FileSet) -
     report.files.iter_mut().for_each(|file| *file = name_of(file));
     files.write_text(
         &html,
-        &taotie_report::html(&bake_page::page_of_collection(&report, proof, written.asset())?),
+        &taotie_report::html(&bake_page::page_of_collection(&report, proof, Some(written.asset()))?),
     )?;
     files.write_text(&json, &serde_json::to_string_pretty(&report).expect("all keys are text"))?;
     Ok([html, json])

@@ -3,13 +3,12 @@
 use super::purpose::{Defaults, Purpose};
 use crate::limits::LimitArgs;
 use crate::options::{self, fraction, positive};
+use crate::proof_args::ProofArgs;
 use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
-use taotie::asset::{
-    BakeOptions, Baker, Limits, MeshSource, Packing, RayDistance, Requirement, VerifyOptions,
-};
+use taotie::asset::{BakeOptions, Baker, Limits, MeshSource, Packing, RayDistance};
 use taotie::bake::MapKind;
 use taotie::io::{FileSet, GltfImages};
 use taotie::names::Named;
@@ -21,7 +20,7 @@ Examples:
   taotie bake scan.ply --low low.glb -o normal.png
   taotie bake scan.ply -o scan.glb --triangles 150000 --lods 50000,10000 --meshopt
   taotie bake scan.ply -o scan.glb --for web
-  taotie bake scan.ply -o scan.glb --error 2 --require mean-angle=2,missed=0.1%
+  taotie bake scan.ply -o scan.glb --error 2 --require standard,bytes=3MB
 
 Without --low the scan is simplified and unwrapped. The asset is read back and measured against the scan: \
 OUT.report.html and OUT.report.json, beside OUT, hold its normal error in degrees, its shape error, and where they are.";
@@ -47,7 +46,7 @@ pub struct BakeArgs {
     /// Triangles of the low-poly mesh; 50000 if not given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..), help_heading = "Low-poly mesh", conflicts_with = "low")]
     pub triangles: Option<u32>,
-    /// Find the mesh and map of the fewest bytes whose mean normal error is at most so many degrees
+    /// Find the smallest asset with a mean normal error, as seen, of at most DEG degrees
     #[arg(long, value_name = "DEG", value_parser = degrees, help_heading = "Low-poly mesh", conflicts_with_all = ["low", "triangles", "size"])]
     pub error: Option<f64>,
     /// Further levels of detail in the same file (MSFT_lod): the triangles of each, separated by commas
@@ -120,27 +119,10 @@ pub struct BakeArgs {
     #[arg(long, value_name = "FILE.json", help_heading = "File")]
     pub provenance: Option<PathBuf>,
 
-    /// Exit with 1 unless every figure is at most so large: mean-angle, p95-angle, max-angle (normal error, °),
-    /// mean-color, p95-color (colour error, CIEDE2000), missed (texels with a missed ray, %), hausdorff (largest shape
-    /// error, % of the diagonal), bytes (of the asset with all its files). A bare number has that unit: missed=0.1 is
-    /// 0.1 %; bytes may have B, kB, MB, GB, KiB, MiB, GiB. Angles, colours and hausdorff count at every level of detail;
-    /// mean-angle@1=5 is for level 1 alone, level 0 is the finest
-    #[arg(
-        long,
-        value_name = "FIGURE[@LEVEL]=MAX[UNIT],...",
-        value_delimiter = ',',
-        help_heading = "Proof",
-        conflicts_with = "no_verify"
-    )]
-    pub require: Vec<Requirement>,
-    /// Points of the low-poly mesh at which normals are compared, at least 10; distances are measured at half as many
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..), default_value_t = 200_000, help_heading = "Proof", conflicts_with = "no_verify")]
-    pub proof_points: u32,
-    /// Pixels along a side of the images from all sides that are compared, 11 to 4096
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(11..=4096), default_value_t = 384, help_heading = "Proof", conflicts_with = "no_verify")]
-    pub proof_view: u32,
+    #[command(flatten)]
+    pub proof: ProofArgs,
     /// Do not measure the error and write no report
-    #[arg(long, help_heading = "Proof")]
+    #[arg(long, help_heading = "Proof", conflicts_with_all = ["require", "proof_points", "proof_view"])]
     pub no_verify: bool,
 
     #[command(flatten)]
@@ -379,13 +361,6 @@ impl BakeArgs {
         Ok(reports.try_for_each(|path| files.claim(path))?)
     }
 
-    /// Returns the way in which the error is measured.
-    pub fn verify_options(&self) -> VerifyOptions {
-        let points = self.proof_points as usize;
-        let view = self.proof_view;
-        VerifyOptions { points, distance_points: points / 2, view, ..VerifyOptions::default() }
-    }
-
     /// Returns the files of the report: a page and JSON.
     pub fn reports(&self) -> [PathBuf; 2] {
         ["report.html", "report.json"].map(|kind| self.output.with_extension(kind))
@@ -399,8 +374,9 @@ impl BakeArgs {
     /// Refuses requirements of levels of detail that are not asked for.
     fn check_levels(&self) -> Result<()> {
         let coarsest = self.lods().len();
+        let requirements = self.proof.requirements();
         let named =
-            self.require.iter().filter_map(|requirement| Some((requirement.figure, requirement.level?)));
+            requirements.iter().filter_map(|requirement| Some((requirement.figure, requirement.level?)));
         for (figure, level) in named {
             if level > coarsest {
                 bail!(

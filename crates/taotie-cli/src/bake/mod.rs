@@ -1,10 +1,10 @@
 //! `taotie bake`: a high-poly scan to a low-poly asset with a normal map, and its measured error.
 
 mod args;
-mod clock;
+pub mod clock;
 mod purpose;
 mod schedule;
-mod text;
+pub mod text;
 
 pub use args::BakeArgs;
 
@@ -57,14 +57,14 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
     let mut report = Report::of(&written)?;
     let proved = match args.no_verify {
         true => None,
-        false => Some(written.verify(scan, &args.verify_options(), progress)),
+        false => Some(written.verify(scan, &args.proof.options(), progress)),
     };
     report.stages = clock.done();
     if let Some(proof) = proved {
         let proof = proof?;
         tell(args, &mut report, &proof);
         let shown = args.shown_model().map(|path| files.current(path));
-        let page = bake_page::page(&report, &proof, written.asset())?;
+        let page = bake_page::page(&report, &proof, Some(written.asset()))?;
         let (page, warnings) = match &shown {
             Some(path) => bake_page::html_with_asset(&page, &proof, path),
             None => (taotie_report::html(&page), Warnings::default()),
@@ -98,6 +98,6 @@ fn tell(args: &BakeArgs, report: &mut Report, proof: &Proof) {
     console::say_warnings(&proof.warnings);
     report.warnings.extend(Warning::list(&proof.warnings));
     report.proof = Some(proof.figures.clone());
-    report.required = proof.require(&args.require);
+    report.required = proof.require(&args.proof.requirements());
     report.files.extend(args.reports());
 }

@@ -1,7 +1,9 @@
 //! A bake in plain words.
 
 use std::fmt::Write;
-use taotie::asset::{Figures, LevelFigures, MaterialFigures, Met, PartFigures, Report, ViewFigures};
+use taotie::asset::{
+    BakeFigures, Figures, LevelFigures, MaterialFigures, Met, PartFigures, Report, ViewFigures,
+};
 use taotie::compare::Summary;
 use taotie::names::Named;
 use taotie_report::summary;
@@ -10,29 +12,32 @@ use taotie_report::table::Table;
 /// Returns the report as aligned lines for people.
 pub fn of(report: &Report) -> String {
     let triangles: Vec<String> = report.triangles.iter().map(ToString::to_string).collect();
-    let mut text = format!(
-        "{} triangles onto {}, maps of {}×{}\n",
-        report.high_triangles,
-        triangles.join(", "),
-        report.size[0],
-        report.size[1]
-    );
+    let mut text = format!("{} triangles onto {}", report.high_triangles, triangles.join(", "));
+    if report.size != [0; 2] {
+        let _ = write!(text, ", maps of {}×{}", report.size[0], report.size[1]);
+    }
+    text.push('\n');
     let mut table = Table::untitled(&["", ""]);
     if !report.carried.is_empty() {
         table.row(["carried".into(), report.carried.join(", ")]);
     }
     if let Some(figures) = &report.proof {
-        normals(figures, &mut table);
-        shape(figures, &mut table);
-        material(&figures.material, &mut table);
-        table.row(["visual difference".into(), visual_difference(&figures.views)]);
-        if !figures.full_views.is_empty() {
-            table.row(["in full material".into(), visual_difference(&figures.full_views)]);
+        if let Some(finest) = figures.finest() {
+            as_seen(finest, &mut table);
+            on_surface(finest, report.bake.as_ref(), &mut table);
+            shape(finest, &mut table);
+            material(&finest.material, &mut table);
+            table.row(["visual difference".into(), visual_difference(&finest.views)]);
+            if !finest.full_views.is_empty() {
+                table.row(["in full material".into(), visual_difference(&finest.full_views)]);
+            }
         }
         levels(figures, &mut table);
         figures.parts.iter().for_each(|part| table.row([part.material.clone(), of_part(part)]));
-        if !figures.unseen.is_empty() {
-            table.row(["not looked at".into(), figures.unseen.join("; ")]);
+        let unproved = report.bake.iter().flat_map(|bake| &bake.unproved_maps);
+        let unseen: Vec<&str> = figures.unseen.iter().chain(unproved).map(String::as_str).collect();
+        if !unseen.is_empty() {
+            table.row(["not compared".into(), unseen.join("; ")]);
         }
         table.row(["bytes".into(), format!("{} in, {} out", figures.bytes_in, figures.bytes_out)]);
     }
@@ -49,40 +54,77 @@ fn percent(part: f64) -> String {
     format!("{:.3} %", part * 100.0)
 }
 
-fn normals(figures: &Figures, table: &mut Table) {
-    if let Some(angles) = &figures.angles {
-        table.row(["normal error".into(), summary::text(angles, 3, "°")]);
+fn as_seen(level: &LevelFigures, table: &mut Table) {
+    if let Some(angles) = &level.overview.angles {
+        let [low, high] = angles.mean_interval;
+        let half = (high - low) / 2.0;
+        let text = summary::text(&angles.summary, 3, "°");
+        table.row(["normal error as seen".into(), format!("{text}; mean ± {half:.3}°")]);
     }
-    if let Some([floor, _]) = figures.floor_8_bit {
+    if let Some(color) = &level.overview.color {
+        table.row(["colour error as seen (ΔE00)".into(), summary::text(&color.summary, 2, "")]);
+    }
+    let patches = [(&level.patches.angle, "", "°"), (&level.patches.color, "ΔE ", "")];
+    let patches: Vec<String> = patches
+        .into_iter()
+        .filter_map(|(patch, before, after)| {
+            let patch = patch.as_ref()?;
+            let [x, y, z] = patch.center;
+            Some(format!("{before}{:.2}{after} around ({x:.4}, {y:.4}, {z:.4})", patch.mean))
+        })
+        .collect();
+    if !patches.is_empty() {
+        table.row(["worst 1 % of the surface".into(), patches.join("; ")]);
+    }
+}
+
+fn on_surface(level: &LevelFigures, bake: Option<&BakeFigures>, table: &mut Table) {
+    if let Some(angles) = &level.surface_angles {
+        table.row(["normal error on the surface".into(), summary::text(angles, 3, "°")]);
+    }
+    if let Some([floor, _]) = bake.and_then(|bake| bake.floor_8_bit) {
         table.row([String::new(), format!("storing normals in 8 bits alone costs {floor}° on average")]);
     }
-    if let Some(plain) = &figures.without_map {
+    if let Some(plain) = &level.without_map {
         let mean = format!("mean {:.3}°, by vertex normals alone", plain.mean);
         table.row(["error without normal map".into(), mean]);
     }
+    let Some(bake) = bake else { return };
     let rays = format!(
         "{} of the texels, {} of the samples (closest point used); no hit: {} of the samples",
-        percent(figures.missed_texels),
-        percent(figures.fallback),
-        percent(figures.lost)
+        percent(bake.missed_texels),
+        percent(bake.missed_samples),
+        percent(bake.lost_samples)
     );
     table.row(["ray missed".into(), rays]);
 }
 
-fn shape(figures: &Figures, table: &mut Table) {
+fn shape(level: &LevelFigures, table: &mut Table) {
+    let LevelFigures { hausdorff, hausdorff_of_diagonal, silhouette, coverage, .. } = level;
     let distances = format!(
-        "at most {:.4} ({} of the diagonal), RMS {:.5} ({})",
-        figures.hausdorff,
-        percent(figures.hausdorff_of_diagonal),
-        figures.rms,
-        percent(figures.rms_of_diagonal)
+        "between {:.4} and {:.4} at most ({} of the diagonal), RMS {:.5} ({})",
+        hausdorff.lower,
+        hausdorff.upper,
+        percent(hausdorff_of_diagonal.upper),
+        level.rms,
+        percent(level.rms_of_diagonal)
     );
     table.row(["shape error".into(), distances]);
-    if let Some(density) = &figures.density {
-        let digits = if density.median < 100.0 { 1 } else { 0 };
-        let (median, used) = (density.median, percent(figures.uv_use));
-        let text = format!("{median:.digits$} texels per unit (median), {used} of the map used");
-        table.row(["texel density".into(), text]);
+    let outline = format!("{:.2} pixels of 512 on average, {:.1} at most", silhouette.mean_pixels, silhouette.max_pixels);
+    table.row(["silhouette".into(), outline]);
+    let missed = format!(
+        "{} of the scan, {} of the asset; {} of the scan within 0.5 % of the diagonal",
+        percent(coverage.missed_of_scan),
+        percent(coverage.missed_of_asset),
+        percent(coverage.completeness)
+    );
+    table.row(["missed".into(), missed]);
+    if coverage.hidden_of_scan > 0.001 {
+        table.row(["hidden".into(), format!("{} of the scan's area cannot be seen", percent(coverage.hidden_of_scan))]);
+    }
+    if let Some(resolution) = &level.resolution {
+        let text = format!("{:.4} model units wide (median)", resolution.texel);
+        table.row(["texel".into(), text]);
     }
 }
 
@@ -95,7 +137,7 @@ fn material(figures: &MaterialFigures, table: &mut Table) {
         ]);
     }
     let Some(color) = &figures.color else { return };
-    table.row(["colour error (ΔE00)".into(), summary::text(color, 2, "")]);
+    table.row(["colour error on the surface (ΔE00)".into(), summary::text(color, 2, "")]);
     let mean = |(name, of): (&str, Option<Summary>)| Some(format!("{name} {:.4}", of?.mean));
     let means: Vec<String> = figures.numbers().into_iter().filter_map(mean).collect();
     table.row(["material error".into(), format!("means: {}", means.join(", "))]);
@@ -131,20 +173,24 @@ fn mean_and_p95(angles: Option<&Summary>) -> String {
 }
 
 fn of_level(figures: &LevelFigures) -> String {
-    let angles = mean_and_p95(figures.angles.as_ref());
-    let no_hit = || format!("no hit at {} of the points; ", percent(figures.lost));
-    let lost = if figures.lost > 0.0 { no_hit() } else { String::new() };
+    let seen = mean_and_p95(figures.overview.angles.as_ref().map(|angles| &angles.summary));
+    let surface = mean_and_p95(figures.surface_angles.as_ref());
     format!(
-        "{} triangles: normal error mean {angles}; {lost}shape error at most {} of the diagonal; {}",
+        "{} triangles: normal error as seen mean {seen}, on the surface mean {surface}; shape error at most {} of the \
+         diagonal; {}",
         figures.triangles,
-        percent(figures.hausdorff_of_diagonal),
+        percent(figures.hausdorff_of_diagonal.upper),
         visual_difference(&figures.views)
     )
 }
 
 /// Tells a requirement's outcome, and at which level where there are several.
 fn requirement(met: &Met, triangles: &[usize]) -> String {
-    let verdict = if met.met { "met" } else { "NOT met" };
+    let verdict = match met.met {
+        true => "met",
+        false if met.is_undecided() => "UNDECIDED",
+        false => "NOT met",
+    };
     let level = match (met.level, triangles.len()) {
         (None, _) | (_, 0..=1) => String::new(),
         (Some(level), _) => match triangles.get(level) {

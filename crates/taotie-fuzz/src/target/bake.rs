@@ -33,7 +33,7 @@ fn baked(options: BakeOptions, from: &Path, to: &Path, packing: &Packing) -> Res
     };
     let asset = Baker::new(options).with_limits(limits()).bake(&scan, Progress::SILENT)?;
     let written = asset.write(to, packing, Progress::SILENT)?;
-    let few = VerifyOptions { points: 100, distance_points: 100, map: 16, view: 16 };
+    let few = VerifyOptions { points: 100, map: 16, view: 16, ..VerifyOptions::default() };
     written.verify(scan, &few, Progress::SILENT).map(drop)
 }
 

@@ -9,8 +9,10 @@ use taotie::asset::{LevelFigures, Proof, ViewFigures, Views};
 /// Makes the table of all levels; `None` where there is one alone.
 pub fn table(levels: &[LevelFigures]) -> Option<Section> {
     let further = [
-        Column::numbers("shape error, largest", "% of the diagonal"),
-        Column::numbers("colour error, mean", "ΔE00"),
+        Column::numbers("as seen, mean", "°"),
+        Column::numbers("worst 1 %", "°"),
+        Column::numbers("shape error, at most", "% of the diagonal"),
+        Column::numbers("colour error as seen, mean", "ΔE00"),
         Column::numbers("FLIP", ""),
         Column::numbers("SSIM", ""),
     ];
@@ -25,10 +27,12 @@ pub fn table(levels: &[LevelFigures]) -> Option<Section> {
 }
 
 fn row((level, figures): (usize, &LevelFigures)) -> Vec<Cell> {
-    let color = figures.material.color.as_ref();
+    let mean_of = |estimate: &Option<taotie::proof::Estimate>| estimate.as_ref().map(|of| of.summary.mean);
     let further = [
-        Cell::number(figures.hausdorff_of_diagonal * 100.0, 4),
-        Cell::Number { value: color.map(|color| color.mean), digits: 3 },
+        Cell::Number { value: mean_of(&figures.overview.angles), digits: 3 },
+        Cell::Number { value: figures.patches.angle.map(|patch| patch.mean), digits: 2 },
+        Cell::number(figures.hausdorff_of_diagonal.upper * 100.0, 4),
+        Cell::Number { value: mean_of(&figures.overview.color), digits: 3 },
         mean(&figures.views, |view| view.flip),
         mean(&figures.views, |view| view.ssim),
     ];
@@ -67,7 +71,7 @@ mod tests {
         let level = |triangles: usize| {
             let mut level = LevelFigures::default();
             level.triangles = triangles;
-            level.hausdorff_of_diagonal = 0.01;
+            level.hausdorff_of_diagonal.upper = 0.01;
             level
         };
         assert_eq!(table(&[level(300)]), None, "the other tables tell all of one level");
@@ -77,6 +81,6 @@ mod tests {
         assert!(rows.len() == 2 && rows.iter().all(|row| row.len() == columns.len()));
         assert_eq!(rows[1][..2], [Cell::number(1.0, 0), Cell::number(20.0, 0)]);
         assert_eq!(rows[1][2], Cell::Number { value: None, digits: 3 }, "no angle was measured");
-        assert_eq!(rows[1][8], Cell::number(1.0, 4), "per cent");
+        assert_eq!(rows[1][9], Cell::number(1.0, 4), "per cent");
     }
 }

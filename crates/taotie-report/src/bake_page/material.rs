@@ -2,18 +2,13 @@
 
 use crate::heat_map::HeatMap;
 use crate::summary::figures;
-use crate::{Cell, Column, Fact, Legend, Picture, Section, View};
+use crate::{Cell, Column, Legend, Picture, Section, View};
 use taotie::Result;
 use taotie::asset::MaterialFigures;
 use taotie::compare::{ColorMap, Field, Summary};
 
 /// The last colour of the map of colour errors stands for this difference.
 const TOP: f32 = 10.0;
-
-/// Makes the mean as a fact; none where colours were not compared.
-pub fn fact(material: &MaterialFigures) -> Option<Fact> {
-    Some(Fact::new("Colour error, mean", format!("ΔE00 {:.2}", material.color?.mean)))
-}
 
 /// Makes the table of all differences; none where nothing was compared.
 pub fn section(material: &MaterialFigures) -> Option<Section> {
@@ -28,7 +23,7 @@ pub fn section(material: &MaterialFigures) -> Option<Section> {
     };
     let color = [("colour (CIEDE2000)", material.color)];
     Some(Section::Table {
-        title: "Colour and material error".into(),
+        title: "Colour and material error on the surface".into(),
         note: note(material),
         columns,
         rows: color.into_iter().chain(material.numbers()).filter_map(row).collect(),

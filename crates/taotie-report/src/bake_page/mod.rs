@@ -12,7 +12,7 @@
 //! let mut report = Report::of(&written)?;
 //! let proof = written.verify(scan, &VerifyOptions::default(), quiet)?;
 //! report.proof = Some(proof.figures.clone());
-//! let page = taotie_report::bake_page::page(&report, &proof, written.asset())?;
+//! let page = taotie_report::bake_page::page(&report, &proof, Some(written.asset()))?;
 //! io::write_text(Path::new("scan.report.html"), &taotie_report::html(&page))?;
 //! # Ok::<(), taotie::Error>(())
 //! ```
@@ -32,16 +32,17 @@ use std::path::Path;
 use taotie::asset::{Asset, Figures, Limits, Proof, Report};
 use taotie::{Result, Warnings};
 
-/// Makes the page of a bake: verdict and warnings, facts, views of scan and asset, maps, and every figure.
+/// Makes the page of a proof: verdict and warnings, facts, views of scan and asset, maps, and every figure. `asset` is `None`
+/// if it was not baked here.
 ///
 /// # Errors
 /// [`taotie::Error::Invalid`] where a picture has no pixels.
-pub fn page(report: &Report, proof: &Proof, asset: &Asset) -> Result<Page> {
+pub fn page(report: &Report, proof: &Proof, asset: Option<&Asset>) -> Result<Page> {
     let figures = &proof.figures;
     let title = Path::new(&report.high).file_name().unwrap_or_default().to_string_lossy();
     Ok(Page {
         title: title.into_owned(),
-        subtitle: "The scan, and the low-poly asset baked from it".into(),
+        subtitle: "The scan, and the low-poly asset made from it".into(),
         notices: notices::notices(report, figures),
         facts: facts(report, figures),
         views: views::views(proof, asset)?.into_iter().chain(levels::worst_views(proof)?).collect(),
@@ -58,7 +59,7 @@ pub fn page(report: &Report, proof: &Proof, asset: &Asset) -> Result<Page> {
 ///
 /// # Errors
 /// As [`page`].
-pub fn page_of_collection(report: &Report, proof: &Proof, asset: &Asset) -> Result<Page> {
+pub fn page_of_collection(report: &Report, proof: &Proof, asset: Option<&Asset>) -> Result<Page> {
     let mut unjudged = report.clone();
     unjudged.required.clear();
     let mut page = page(&unjudged, proof, asset)?;
@@ -71,12 +72,13 @@ pub fn page_of_collection(report: &Report, proof: &Proof, asset: &Asset) -> Resu
 /// Writes a page of a bake as one HTML document whose first view is the asset as it lies at `path`: by the shaders of
 /// Taotie, with the error of its normals on it. Where it cannot be shown, the page is without it, and a warning says why.
 pub fn html_with_asset(page: &Page, proof: &Proof, path: &Path) -> (String, Warnings) {
-    let Figures { rms, hausdorff, .. } = proof.figures;
+    let finest = proof.figures.finest();
+    let (rms, hausdorff) = finest.map_or((0.0, 0.0), |finest| (finest.rms, finest.hausdorff.upper));
     let subject = AssetSubject {
         path,
         title: &path.file_name().unwrap_or_default().to_string_lossy(),
         limits: &Limits::default(),
-        errors: Some(MeasuredErrors { normals: &proof.error_map, rms, hausdorff }),
+        errors: proof.error_map.as_ref().map(|normals| MeasuredErrors { normals, rms, hausdorff }),
     };
     match subject.viewer() {
         Ok(viewer) => (viewer.within(page), viewer.warnings),
@@ -93,19 +95,27 @@ fn facts(report: &Report, proof: &Figures) -> Vec<Fact> {
     let mut facts = vec![
         Fact::new("Scan", format!("{} triangles, {} bytes", report.high_triangles, proof.bytes_in)),
         Fact::new("Asset", format!("{triangles} triangles, {} bytes", proof.bytes_out)),
-        Fact::new("Maps", format!("{} × {}", report.size[0], report.size[1])),
     ];
+    if report.size != [0; 2] {
+        facts.push(Fact::new("Maps", format!("{} × {}", report.size[0], report.size[1])));
+    }
     if !report.carried.is_empty() {
         facts.push(Fact::new("Carried", report.carried.join(", ")));
     }
-    if let Some(angles) = &proof.angles {
-        facts.push(Fact::new("Normal error, mean", format!("{:.2}°", angles.mean)));
+    let Some(finest) = proof.finest() else { return facts };
+    if let Some(angles) = &finest.overview.angles {
+        facts.push(Fact::new("Normal error as seen, mean", format!("{:.2}°", angles.summary.mean)));
     }
-    facts.extend(material::fact(&proof.material));
-    facts.push(Fact::new("Texels with a missed ray", format!("{:.3} %", proof.missed_texels * 100.0)));
+    if let Some(patch) = &finest.patches.angle {
+        facts.push(Fact::new("Worst 1 % of the surface", format!("{:.1}°", patch.mean)));
+    }
+    if let Some(color) = &finest.overview.color {
+        facts.push(Fact::new("Colour error as seen, mean", format!("ΔE00 {:.2}", color.summary.mean)));
+    }
+    facts.push(Fact::new("Missed", format!("{:.3} %", finest.coverage.missed() * 100.0)));
     facts.push(Fact::new(
-        "Shape error, largest",
-        format!("{:.3} % of the diagonal", proof.hausdorff_of_diagonal * 100.0),
+        "Shape error, at most",
+        format!("{:.3} % of the diagonal", finest.hausdorff_of_diagonal.upper * 100.0),
     ));
     facts
 }

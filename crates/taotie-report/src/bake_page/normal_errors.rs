@@ -10,7 +10,6 @@ pub struct NormalErrors<'a> {
     angles: Option<&'a Summary>,
     without_map: Option<&'a Summary>,
     missed: f64,
-    lost: f64,
 }
 
 impl<'a> From<&'a PartFigures> for NormalErrors<'a> {
@@ -20,7 +19,6 @@ impl<'a> From<&'a PartFigures> for NormalErrors<'a> {
             angles: part.angles.as_ref(),
             without_map: part.without_map.as_ref(),
             missed: part.missed,
-            lost: part.lost,
         }
     }
 }
@@ -29,10 +27,9 @@ impl<'a> From<&'a LevelFigures> for NormalErrors<'a> {
     fn from(level: &'a LevelFigures) -> Self {
         Self {
             triangles: level.triangles,
-            angles: level.angles.as_ref(),
+            angles: level.surface_angles.as_ref(),
             without_map: level.without_map.as_ref(),
-            missed: level.missed,
-            lost: level.lost,
+            missed: level.surface_missed,
         }
     }
 }
@@ -42,12 +39,11 @@ pub fn columns(subject: Column) -> Vec<Column> {
     vec![
         subject,
         Column::numbers("triangles", ""),
-        Column::numbers("normal error, mean", "°"),
+        Column::numbers("normal error on the surface, mean", "°"),
         Column::numbers("95 %", "°"),
         Column::numbers("max", "°"),
         Column::numbers("without map, mean", "°"),
         Column::numbers("points with a missed ray", "%"),
-        Column::numbers("points with no hit", "%"),
     ]
 }
 
@@ -63,6 +59,5 @@ pub fn cells<'a>(subject: Cell, figures: impl Into<NormalErrors<'a>>) -> Vec<Cel
         degrees(figures.angles.map(|angles| angles.max)),
         degrees(figures.without_map.map(|angles| angles.mean)),
         Cell::number(figures.missed * 100.0, 3),
-        Cell::number(figures.lost * 100.0, 3),
     ]
 }

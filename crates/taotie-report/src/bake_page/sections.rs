@@ -3,9 +3,12 @@
 use super::{levels, material, parts};
 use crate::summary::figures;
 use crate::{Cell, Column, Section, Series, Tone};
-use taotie::asset::{BIN_WIDTH, FigureUnit, Figures, Met, Report, StageTime, ViewFigures};
+use taotie::asset::{
+    BIN_WIDTH, BakeFigures, FigureUnit, Figures, LevelFigures, Met, Report, StageTime, ViewFigures,
+};
 use taotie::compare::Summary;
 use taotie::names::Named;
+use taotie::proof::Estimate;
 
 /// Makes all sections in order.
 pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
@@ -13,11 +16,14 @@ pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
     if !report.required.is_empty() {
         sections.push(required(report));
     }
-    sections.extend([normals(proof), histogram(proof), shape(proof)]);
-    sections.extend(material::section(&proof.material));
-    sections.extend(parts::table(&proof.parts));
-    sections.push(views(proof));
+    if let Some(finest) = proof.finest() {
+        sections.extend([as_seen(finest), shape(finest), on_surface(report, finest), histogram(finest)]);
+        sections.extend(material::section(&finest.material));
+        sections.extend(parts::table(&proof.parts));
+        sections.push(views(finest));
+    }
     sections.extend(levels::table(&proof.levels));
+    sections.extend(report.bake.as_ref().map(rays));
     if !report.stages.is_empty() {
         sections.push(stages(report));
     }
@@ -32,7 +38,7 @@ fn required(report: &Report) -> Section {
             Column::words("figure"),
             Column::words("level"),
             Column::numbers("value", ""),
-            Column::numbers("at most", ""),
+            Column::numbers("limit", ""),
             Column::words("unit"),
             Column::words("result"),
         ],
@@ -41,9 +47,13 @@ fn required(report: &Report) -> Section {
 }
 
 fn row_of_requirement(met: &Met) -> Vec<Cell> {
-    let (text, tone) = if met.met { ("met", Tone::Good) } else { ("not met", Tone::Bad) };
+    let (text, tone) = match met.met {
+        true => ("met", Tone::Good),
+        false if met.is_undecided() => ("undecided", Tone::Bad),
+        false => ("not met", Tone::Bad),
+    };
     let FigureUnit { name, size } = met.figure.unit();
-    let (value, most) = (met.value.map(|value| value / size), met.most / size);
+    let (value, most) = (met.value().map(|value| value / size), met.most / size);
     let digits = digits(met.met, value.unwrap_or(most), most);
     vec![
         Cell::text(met.figure.name()),
@@ -65,26 +75,66 @@ fn digits(met: bool, value: f64, most: f64) -> usize {
     if met || value <= most { FEW } else { (FEW..ALL).find(differ).unwrap_or(ALL) }
 }
 
-fn normals(proof: &Figures) -> Section {
-    let mut columns = vec![Column::words("figure")];
-    columns.extend(["mean", "median", "95 %", "max"].map(|name| Column::numbers(name, "°")));
-    let rows = [("normal error", &proof.angles), ("error without normal map", &proof.without_map)];
-    let row = |(name, summary): (&str, &Option<Summary>)| {
-        let numbers = figures(summary.as_ref()?).map(|value| Cell::number(value, 3));
-        Some([Cell::text(name)].into_iter().chain(numbers).collect())
-    };
+fn quantiles(title: &str) -> Vec<Column> {
+    let mut columns = vec![Column::words(title)];
+    columns.extend(["mean", "median", "95 %", "max"].map(|name| Column::numbers(name, "")));
+    columns
+}
+
+/// Makes the row of a summary; none if nothing was measured.
+fn row_of_summary(name: &str, summary: Option<&Summary>) -> Option<Vec<Cell>> {
+    let numbers = figures(summary?).map(|value| Cell::number(value, 3));
+    Some([Cell::text(name)].into_iter().chain(numbers).collect())
+}
+
+fn as_seen(level: &LevelFigures) -> Section {
+    let overview = &level.overview;
+    let of = |estimate: &Option<Estimate>| estimate.as_ref().map(|estimate| estimate.summary);
+    let mut rows: Vec<Vec<Cell>> = [
+        row_of_summary("normals, overview (°)", of(&overview.angles).as_ref()),
+        row_of_summary("colours, overview (ΔE00)", of(&overview.color).as_ref()),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    let patches = [
+        ("normals, worst 1 % of the surface (°)", &level.patches.angle),
+        ("colours, worst 1 % of the surface (ΔE00)", &level.patches.color),
+    ];
+    for (name, patch) in patches {
+        let Some(patch) = patch else { continue };
+        let none = || Cell::Number { value: None, digits: 3 };
+        rows.push(vec![Cell::text(name), Cell::number(patch.mean, 3), none(), none(), none()]);
+    }
     Section::Table {
-        title: "Normal error".into(),
-        note: note_of_normals(proof),
-        columns,
-        rows: rows.into_iter().filter_map(row).collect(),
+        title: "As seen".into(),
+        note: format!(
+            "Differences at the same pixel of scan and asset, parallax and texture filtering included, outlines left out. \
+             Overview: {} random pixels of 32 fixed views in which the object fills 512 × 512 pixels. Worst 1 %: the window \
+             of one per cent of the visible surface with the largest mean, seen close up, as finely as the scan has detail. \
+             Largest values are maxima over these samples.",
+            overview.pixels
+        ),
+        columns: quantiles("figure"),
+        rows,
     }
 }
 
-fn note_of_normals(proof: &Figures) -> String {
+fn on_surface(report: &Report, level: &LevelFigures) -> Section {
+    let rows = [("normal error", &level.surface_angles), ("error without normal map", &level.without_map)];
+    Section::Table {
+        title: "Normal error on the surface (°)".into(),
+        note: note_of_normals(report.bake.as_ref()),
+        columns: quantiles("figure"),
+        rows: rows.into_iter().filter_map(|(name, summary)| row_of_summary(name, summary.as_ref())).collect(),
+    }
+}
+
+fn note_of_normals(bake: Option<&BakeFigures>) -> String {
     let note = "The angle between the normals of asset and scan, at points spread evenly over the asset as it was \
-                written and read back.";
-    match proof.floor_8_bit {
+                written and read back: each point against the point of the scan that its projection ray meets. This is not \
+                what a viewer sees: parallax, filtering and silhouettes do not count.";
+    match bake.and_then(|bake| bake.floor_8_bit) {
         Some([mean, most]) => format!(
             "{note} Storing normals in 8 bits alone costs {mean}° on average and {most}° at most; dithering raises the \
              average a little and removes the steps in gentle curves."
@@ -93,45 +143,72 @@ fn note_of_normals(proof: &Figures) -> String {
     }
 }
 
-fn histogram(proof: &Figures) -> Section {
+fn histogram(level: &LevelFigures) -> Section {
     Section::Histogram {
-        title: "Histogram of normal error".into(),
+        title: "Histogram of normal error on the surface".into(),
         note: "Points by their normal error; the last bin holds all that is larger.".into(),
         unit: "°".into(),
         bin_width: BIN_WIDTH,
         last_is_open: true,
-        series: vec![Series { label: "asset".into(), counts: proof.histogram.clone() }],
+        series: vec![Series { label: "asset".into(), counts: level.histogram.clone() }],
     }
 }
 
-fn shape(proof: &Figures) -> Section {
-    let row = |name: &str, value: f64, digits: usize, unit: &str| {
-        vec![Cell::text(name), Cell::number(value, digits), Cell::text(unit)]
-    };
-    let mut rows = vec![
-        row("shape error, largest (Hausdorff distance)", proof.hausdorff, 6, "model units"),
-        row("shape error, largest", proof.hausdorff_of_diagonal * 100.0, 4, "% of the diagonal"),
-        row("shape error, root mean square", proof.rms, 6, "model units"),
-        row("shape error, root mean square", proof.rms_of_diagonal * 100.0, 4, "% of the diagonal"),
-        row("texels with a missed ray", proof.missed_texels * 100.0, 4, "%"),
-        row("samples whose ray missed (closest point used)", proof.fallback * 100.0, 4, "%"),
-        row("samples with no hit (low-poly normal used)", proof.lost * 100.0, 4, "%"),
-        row("map covered by UV islands", proof.uv_use * 100.0, 1, "%"),
-    ];
-    if let Some(density) = &proof.density {
-        rows.push(row("texel density, median", density.median, 2, "texels per unit"));
-    }
+/// Makes the row of a number with its unit.
+fn row_of_number(name: &str, value: f64, (digits, unit): (usize, &str)) -> Vec<Cell> {
+    vec![Cell::text(name), Cell::number(value, digits), Cell::text(unit)]
+}
+
+fn numbers(title: &str, note: &str, rows: Vec<Vec<Cell>>) -> Section {
     Section::Table {
-        title: "Shape, rays and map".into(),
-        note: "The shape error is the distance from points spread evenly over each surface to the other. A ray misses \
-               where it meets no surface of the scan that faces it."
-            .into(),
+        title: title.into(),
+        note: note.into(),
         columns: vec![Column::words("figure"), Column::numbers("value", ""), Column::words("unit")],
         rows,
     }
 }
 
-fn views(proof: &Figures) -> Section {
+fn shape(level: &LevelFigures) -> Section {
+    let LevelFigures { hausdorff, hausdorff_of_diagonal, silhouette, coverage, .. } = level;
+    let units = (6, "model units");
+    let of_diagonal = (4, "% of the diagonal");
+    let percent = (4, "%");
+    let row = row_of_number;
+    let mut rows = vec![
+        row("largest distance (Hausdorff), at least", hausdorff.lower, units),
+        row("largest distance (Hausdorff), at most", hausdorff.upper, units),
+        row("largest distance (Hausdorff), at most", hausdorff_of_diagonal.upper * 100.0, of_diagonal),
+        row("root mean square distance", level.rms, units),
+        row("root mean square distance", level.rms_of_diagonal * 100.0, of_diagonal),
+        row("silhouette, mean deviation", silhouette.mean_pixels, (3, "pixels of 512")),
+        row("silhouette, largest deviation", silhouette.max_pixels, (2, "pixels of 512")),
+        row("silhouette, largest deviation", silhouette.max_length, units),
+        row("scan with nothing in its place on the asset", coverage.missed_of_scan * 100.0, percent),
+        row("asset with nothing in its place on the scan", coverage.missed_of_asset * 100.0, percent),
+        row("scan within 0.5 % of the diagonal of the asset", coverage.completeness * 100.0, percent),
+        row("scan that cannot be seen", coverage.hidden_of_scan * 100.0, percent),
+    ];
+    if let Some(resolution) = &level.resolution {
+        rows.push(row("texel, median width", resolution.texel, units));
+        rows.push(row("surface where texels are twice as coarse as the scan", resolution.share * 100.0, percent));
+    }
+    let note = "Distances in both directions between what can be seen of the surfaces. The largest lies between two proven \
+                bounds; all other figures are of samples.";
+    numbers("Shape and completeness", note, rows)
+}
+
+fn rays(bake: &BakeFigures) -> Section {
+    let percent = (4, "%");
+    let rows = vec![
+        row_of_number("texels with a missed ray", bake.missed_texels * 100.0, percent),
+        row_of_number("samples whose ray missed (closest point used)", bake.missed_samples * 100.0, percent),
+        row_of_number("samples with no hit (low-poly normal used)", bake.lost_samples * 100.0, percent),
+        row_of_number("map covered by UV islands", bake.uv_use * 100.0, (1, "%")),
+    ];
+    numbers("The bake", "A ray misses where it meets no surface of the scan that faces it.", rows)
+}
+
+fn views(level: &LevelFigures) -> Section {
     let row = |(look, view): (&str, &ViewFigures)| {
         vec![
             Cell::text(look),
@@ -141,8 +218,8 @@ fn views(proof: &Figures) -> Section {
             Cell::number(view.ssim, 4),
         ]
     };
-    let grey = proof.views.iter().map(|view| ("grey", view));
-    let full = proof.full_views.iter().map(|view| ("full", view));
+    let grey = level.views.iter().map(|view| ("grey", view));
+    let full = level.full_views.iter().map(|view| ("full", view));
     Section::Table {
         title: "Visual difference".into(),
         note: "Pictures of scan and asset, compared pixel by pixel: FLIP is 0 and SSIM is 1 where they are equal. Both \
@@ -175,21 +252,27 @@ mod tests {
     use super::*;
     use taotie::asset::Requirement;
 
+    /// One level of which this share is missed.
+    fn missing(share: f64) -> Figures {
+        let (mut figures, mut level) = (Figures::default(), LevelFigures::default());
+        level.coverage.missed_interval = [share; 2];
+        figures.levels.push(level);
+        figures
+    }
+
     #[test]
     fn what_is_required_is_told_in_its_unit() {
-        let mut figures = Figures::default();
-        figures.missed_texels = 0.02;
+        let figures = missing(0.02);
         let row = |requirement| row_of_requirement(&figures.require(&[requirement])[0]);
         let missed = row(Requirement::missed(0.001));
-        let wanted = [Cell::text("missed"), Cell::text("all"), Cell::number(2.0, 4), Cell::number(0.1, 4)];
+        let wanted = [Cell::text("missed"), Cell::text("0"), Cell::number(2.0, 4), Cell::number(0.1, 4)];
         assert_eq!((&missed[..4], &missed[4]), (&wanted[..], &Cell::text("%")));
         let angle = row(Requirement::mean_angle_deg(1.0).at_level(2));
         assert_eq!((&angle[1], &angle[2]), (&Cell::text("2"), &Cell::text("not measured")));
     }
     #[test]
     fn a_value_that_is_too_large_looks_larger() {
-        let mut figures = Figures::default();
-        figures.missed_texels = 0.001_234_12;
+        let figures = missing(0.001_234_12);
         let row = |most| row_of_requirement(&figures.require(&[Requirement::missed(most)])[0]);
         let told = |most| {
             let row = row(most);

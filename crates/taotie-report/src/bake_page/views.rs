@@ -19,7 +19,7 @@ const TOP: f32 = 10.0;
 ///
 /// # Errors
 /// [`taotie::Error::Invalid`] where a picture has no pixels.
-pub fn views(proof: &Proof, asset: &Asset) -> Result<Vec<View>> {
+pub fn views(proof: &Proof, asset: Option<&Asset>) -> Result<Vec<View>> {
     let mut views = sides(&proof.views, &GREY)?;
     if let Some(full) = &proof.full_views {
         views.extend(sides(full, &FULL)?);
@@ -28,7 +28,7 @@ pub fn views(proof: &Proof, asset: &Asset) -> Result<Vec<View>> {
     if let Some(field) = &proof.color_map {
         views.push(material::view(field)?);
     }
-    for (material, textures) in asset.texture_sets() {
+    for (material, textures) in asset.into_iter().flat_map(Asset::texture_sets) {
         views.extend(missed_rays(material, textures)?);
     }
     Ok(views)
@@ -98,10 +98,12 @@ pub fn side(shots: &Views, i: usize, look: &Look) -> Result<View> {
 }
 
 /// The map of errors, then the baked maps of each material.
-fn maps(proof: &Proof, asset: &Asset) -> Result<Vec<Picture>> {
-    let mut maps =
-        vec![Picture::new("normal error", "", &HeatMap::of_angles(&proof.error_map, TOP).plain())?];
-    for (material, textures) in asset.texture_sets() {
+fn maps(proof: &Proof, asset: Option<&Asset>) -> Result<Vec<Picture>> {
+    let mut maps = Vec::new();
+    if let Some(errors) = &proof.error_map {
+        maps.push(Picture::new("normal error", "", &HeatMap::of_angles(errors, TOP).plain())?);
+    }
+    for (material, textures) in asset.into_iter().flat_map(Asset::texture_sets) {
         let inside = [("normal", &textures.normal), ("albedo", &textures.color), ("orm", &textures.orm)];
         for (name, bitmap) in inside {
             if let Some(bitmap) = bitmap {

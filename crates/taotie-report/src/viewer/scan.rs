@@ -1,14 +1,13 @@
 //! The scan beside the asset that was baked from it, and the error of the asset's normals on its surface.
 
-use super::asset::mesh;
 use super::blob::{Blob, bytes_of_words};
 use serde::Serialize;
-use taotie::bake::{self, Cage, ShownNormals, SimplifyOptions, Verifier, simplify};
+use taotie::bake::{self, Cage, SimplifyOptions, TexturedMesh, Verifier, simplify};
 use taotie::compare::{ColorMap, Field};
 use taotie::math::Mat4;
-use taotie::mesh::Mesh;
-use taotie::render::{NormalSource, Prepared, Surface};
-use taotie::scene::{GreenChannel, Instance, Material, Scene, SceneData, UvTransform};
+use taotie::proof::{CloseUp, Pair, ShapeFigures, Side};
+use taotie::render::{Prepared, Surface};
+use taotie::scene::{Instance, Material, Scene, SceneData};
 use taotie::{Progress, Result, Warnings};
 
 /// The most triangles of a scan that a page shows.
@@ -23,7 +22,7 @@ const STOPS: usize = 17;
 /// Steps of a degree in which errors are stored, and the step that stands for none.
 const STEPS: f32 = 100.0;
 const NONE: u16 = u16::MAX;
-/// Points on each surface from which distances are measured.
+/// Points of each surface at which it is looked at, as many as in a proof.
 const POINTS: usize = 20_000;
 
 /// A scan beside its asset.
@@ -94,16 +93,17 @@ pub(super) fn errors(
 ) -> Result<(Errors, Blob)> {
     let mut codes: Vec<u16> = Vec::new();
     let mut maps = Vec::new();
-    for surface in prepared.surfaces() {
-        let normal = normals(&surface, prepared);
-        let field = is_measurable(&surface).then(|| error_map(&mesh(&surface)?, normal, high)).transpose()?;
+    for (instance, surface) in prepared.surfaces().iter().enumerate() {
+        let field = is_measurable(surface).then(|| error_map(prepared.scene(), instance, high)).transpose()?;
         warnings.note("surfaces without a map of their normals' error", usize::from(field.is_none()));
         maps.push(field.map(|field| ErrorMap::put(&field, &mut codes)));
     }
-    let whole = bake::low_poly_mesh(Scene::clone(prepared.scene()))?;
-    let cage = Cage::automatic(&whole, high);
-    let deviation = Verifier { mesh: &whole, normal: None, cage: &cage, scan: high }.deviation(POINTS)?;
-    let errors = Errors::new(maps, [deviation.rms(), deviation.hausdorff()]);
+    let (scan, asset) = (Side::of(high), bake::Scan::new(Scene::clone(prepared.scene()))?);
+    let (asset, diagonal) = (scan.like(&asset), high.mesh().diagonal() as f32);
+    let pair = Pair { scan: &scan, asset: &asset, diagonal, has_material: false };
+    let close_ups = [CloseUp::of_scan(&pair, POINTS)?, CloseUp::of_asset(&pair, POINTS)?];
+    let shape = ShapeFigures::of(&pair, close_ups.each_ref());
+    let errors = Errors::new(maps, [shape.rms, shape.hausdorff.upper]);
     Ok((errors, Blob::new("errors", bytes_of_words(codes.into_iter()))))
 }
 
@@ -130,10 +130,13 @@ pub(super) fn known_errors(known: &MeasuredErrors<'_>, surfaces: usize) -> (Erro
     (errors, Blob::new("errors", bytes_of_words(codes.into_iter())))
 }
 
-/// The error of a surface's normals at the texels of its map, degrees.
-fn error_map(low: &Mesh, normal: Option<ShownNormals<'_>>, high: &bake::Scan) -> Result<Field> {
-    let cage = Cage::automatic(low, high);
-    Verifier { mesh: low, normal, cage: &cage, scan: high }.error_map([MAP; 2])
+/// The error of the normals of one instance at the texels of its map, degrees.
+fn error_map(scene: &Scene, instance: usize, high: &bake::Scan) -> Result<Field> {
+    let mut own = scene.clone();
+    own.edit(|scene| scene.instances = vec![scene.instances[instance]])?;
+    let shown = TexturedMesh::new(own)?;
+    let (mesh, cage) = (shown.mesh(), Cage::automatic(shown.mesh(), high));
+    Verifier { mesh, shown: Some(&shown), cage: &cage, scan: high }.error_map([MAP; 2])
 }
 
 impl Errors {
@@ -156,32 +159,16 @@ fn code(degrees: &f32) -> u16 {
     if degrees.is_nan() { NONE } else { (degrees * STEPS + 0.5).min(f32::from(NONE - 1)) as u16 }
 }
 
-/// The normal map of a surface as a viewer looks it up; none where its vertex normals are shown.
-fn normals<'a>(surface: &Surface<'_>, prepared: &'a Prepared) -> Option<ShownNormals<'a>> {
-    let NormalSource::TangentMap(map) = surface.normal_source else { return None };
-    let texture = prepared.scene().textures().get(map.texture.texture)?;
-    Some(ShownNormals { texture, space: map.space, sampler: map.texture.sampler })
-}
-
-/// Says whether the error of a surface's normals can be looked up by its first uvs.
+/// Returns `true` if the error of a surface's normals can be laid out on its first uvs.
 fn is_measurable(surface: &Surface<'_>) -> bool {
-    let is_plain = match surface.normal_source {
-        NormalSource::Smooth => true,
-        NormalSource::TangentMap(map) => {
-            map.texture.uv_set == 0
-                && map.texture.transform == UvTransform::default()
-                && map.green == GreenChannel::Up
-                && map.scale == 1.0
-        }
-        _ => false,
-    };
-    is_plain && !surface.uvs.is_empty() && !surface.triangles.is_empty()
+    !surface.uvs.is_empty() && !surface.triangles.is_empty()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use taotie::math::Vec3;
+    use taotie::mesh::Mesh;
     use taotie::render::SurfaceSettings;
 
     /// A ball that is pressed flat, with its own normals or still with those of the ball.

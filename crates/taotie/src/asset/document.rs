@@ -19,8 +19,6 @@ use std::sync::Arc;
 pub(super) struct Document {
     /// The file.
     pub source: Source,
-    /// The way in which it moves, where it does.
-    pub moving: Option<&'static str>,
     /// All of its triangles, where it has several materials.
     pub whole: Option<Mesh>,
     /// The limits within which it is read.
@@ -113,7 +111,7 @@ pub(super) fn kept(
     };
     check(source.gltf(), read.limits)?;
     note(read, options, warnings);
-    Ok(Some(Document { source, moving: read.moving, whole: None, limits: read.limits }))
+    Ok(Some(Document { source, whole: None, limits: read.limits }))
 }
 
 /// Returns a GLB of a file of another format, whose meshes get normals where they have none.

@@ -15,21 +15,43 @@ use crate::names::Named;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Figure {
-    /// The mean angle between normals, degrees; of each level of detail.
+    /// As seen: the mean angle between normals at the same pixel of the overview, degrees; of each level of detail.
     MeanAngle,
-    /// The angle that 95 % of the points stay below, degrees; of each level.
+    /// As seen: the angle that 95 % of the pixels stay below, degrees; of each level.
     P95Angle,
-    /// The largest angle, degrees; of each level.
+    /// As seen: the largest angle of the pixels that were compared, degrees; of each level.
     MaxAngle,
-    /// The mean difference of base colours, CIEDE2000; of each level.
+    /// As seen close up: the mean angle in the worst window of 1 % of the surface, degrees; of each level.
+    PatchAngle,
+    /// As seen: the mean difference of base colours at the same pixel, CIEDE2000; of each level.
     MeanColor,
-    /// The difference of base colours that 95 % of the points stay below, CIEDE2000; of each level.
+    /// As seen: the difference of base colours that 95 % of the pixels stay below, CIEDE2000; of each level.
     P95Color,
-    /// The part of the texels with a ray that missed; of the maps, which all levels share.
+    /// As seen close up: the mean difference of base colours in the worst window of 1 % of the surface, CIEDE2000; of each
+    /// level.
+    PatchColor,
+    /// On the surface: the mean angle between normals, degrees; of each level.
+    SurfaceMeanAngle,
+    /// On the surface: the angle that 95 % of the points stay below, degrees; of each level.
+    SurfaceP95Angle,
+    /// On the surface: the largest angle of the points that were compared, degrees; of each level.
+    SurfaceMaxAngle,
+    /// The share of the visible surface where the other surface shows nothing, the worse of scan and asset; of each level.
     Missed,
-    /// The largest distance between the surfaces, as a part of the diagonal; of each level.
+    /// The least share of the scan's visible area that lies within half a per cent of the diagonal of the asset; of each
+    /// level.
+    Completeness,
+    /// The largest distance between the visible surfaces, as a part of the diagonal, its upper bound; of each level.
     Hausdorff,
-    /// Bytes of the asset with all its files.
+    /// The largest deviation of outlines, pixels of 512 across the object; of each level.
+    Silhouette,
+    /// The mean of FLIP over the images from all sides; of each level.
+    Flip,
+    /// The largest mean of FLIP of these images; of each level.
+    WorstView,
+    /// The least structural similarity (SSIM) of these images; of each level.
+    Ssim,
+    /// Bytes of the asset with the files that it names.
     Bytes,
 }
 
@@ -39,10 +61,20 @@ impl Named for Figure {
         ("mean-angle", Self::MeanAngle),
         ("p95-angle", Self::P95Angle),
         ("max-angle", Self::MaxAngle),
+        ("patch-angle", Self::PatchAngle),
         ("mean-color", Self::MeanColor),
         ("p95-color", Self::P95Color),
+        ("patch-color", Self::PatchColor),
+        ("surface-mean-angle", Self::SurfaceMeanAngle),
+        ("surface-p95-angle", Self::SurfaceP95Angle),
+        ("surface-max-angle", Self::SurfaceMaxAngle),
         ("missed", Self::Missed),
+        ("completeness", Self::Completeness),
         ("hausdorff", Self::Hausdorff),
+        ("silhouette", Self::Silhouette),
+        ("flip", Self::Flip),
+        ("worst-view", Self::WorstView),
+        ("ssim", Self::Ssim),
         ("bytes", Self::Bytes),
     ];
 }
@@ -70,6 +102,8 @@ const fn unit(name: &'static str, size: f64) -> FigureUnit {
 const DEGREES: &[FigureUnit] = &[unit("°", 1.0), unit("deg", 1.0)];
 const PER_CENT: &[FigureUnit] = &[unit("%", 0.01)];
 const COLOR: &[FigureUnit] = &[unit("ΔE", 1.0), unit("ΔE00", 1.0)];
+const PIXELS: &[FigureUnit] = &[unit("px", 1.0)];
+const NUMBER: &[FigureUnit] = &[unit("", 1.0)];
 const BYTES: &[FigureUnit] = &[
     unit("B", 1.0),
     unit("kB", 1e3),
@@ -84,21 +118,29 @@ impl Figure {
     /// Returns the units that its limit may be written in, the first of which a bare number has.
     pub(super) fn units(self) -> &'static [FigureUnit] {
         match self {
-            Self::MeanAngle | Self::P95Angle | Self::MaxAngle => DEGREES,
-            Self::MeanColor | Self::P95Color => COLOR,
-            Self::Missed | Self::Hausdorff => PER_CENT,
+            Self::MeanAngle | Self::P95Angle | Self::MaxAngle | Self::PatchAngle => DEGREES,
+            Self::SurfaceMeanAngle | Self::SurfaceP95Angle | Self::SurfaceMaxAngle => DEGREES,
+            Self::MeanColor | Self::P95Color | Self::PatchColor => COLOR,
+            Self::Missed | Self::Completeness | Self::Hausdorff => PER_CENT,
+            Self::Silhouette => PIXELS,
+            Self::Flip | Self::WorstView | Self::Ssim => NUMBER,
             Self::Bytes => BYTES,
         }
     }
 
-    /// Returns the unit that it is told in, and that a bare number has: degrees, ΔE, per cent or bytes.
+    /// Returns the unit that it is reported in, and that a bare number has: degrees, ΔE, per cent, pixels or bytes.
     pub fn unit(self) -> FigureUnit {
         self.units()[0]
     }
 
     /// Returns `true` where each level of detail has its own, `false` where the whole asset has one.
     pub fn is_of_level(self) -> bool {
-        !matches!(self, Self::Missed | Self::Bytes)
+        self != Self::Bytes
+    }
+
+    /// Returns `true` if more is better, so that a limit is the least that is wanted.
+    pub fn is_at_least(self) -> bool {
+        matches!(self, Self::Completeness | Self::Ssim)
     }
 
     /// Returns a value of the figure in its unit, with five digits.
@@ -121,10 +163,10 @@ impl Figure {
     }
 
     fn with_unit(self, number: &str) -> String {
-        let name = self.unit().name;
-        match self {
-            Self::MeanAngle | Self::P95Angle | Self::MaxAngle => format!("{number}{name}"),
-            _ => format!("{number} {name}"),
+        match self.unit().name {
+            "" => number.to_owned(),
+            name if self.units() == DEGREES => format!("{number}{name}"),
+            name => format!("{number} {name}"),
         }
     }
 }

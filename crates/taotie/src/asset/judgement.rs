@@ -110,7 +110,7 @@ fn is_made(pair: Pair<'_>) -> bool {
 /// Returns the ways in which the meshes of a pair do not lie on one another.
 fn misfits(pair: Pair<'_>, cage: &Cage) -> Vec<String> {
     let diagonal = pair.scan.mesh().diagonal();
-    let verifier = Verifier { mesh: &pair.low.mesh, normal: None, cage, scan: pair.scan.sorted() };
+    let verifier = Verifier { mesh: &pair.low.mesh, shown: None, cage, scan: pair.scan.sorted() };
     let Some(fit) = verifier.fit(POINTS, diagonal) else {
         return vec!["the low-poly mesh has no area".into()];
     };

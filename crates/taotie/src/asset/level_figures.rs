@@ -6,6 +6,10 @@ use crate::bake::{MaterialError, TexturedMesh, Verifier};
 use crate::compare::{Field, Summary};
 use crate::error::Result;
 use crate::math::Mat4;
+use crate::proof::{
+    CloseUp, DistanceBounds, Overview, Pair, Patch, ShapeFigures, SilhouetteFigures, SurfaceSample,
+    most_missing, overview, share_interval, silhouettes, worst_patch,
+};
 
 /// Bins of the histogram.
 const BINS: usize = 50;
@@ -24,12 +28,16 @@ pub const BIN_WIDTH: f64 = 0.2;
 
 /// The differences of one level of detail from the scan, in numbers. All levels show the same maps.
 ///
+/// Three kinds of figures: *as seen* ([`LevelFigures::overview`], [`LevelFigures::patches`]) compares the same pixel of scan
+/// and asset; *silhouette* compares outlines; *on the surface* compares each point of the asset with the point of the scan
+/// that its projection ray meets.
+///
 /// ```
 /// use taotie::asset::{Figures, LevelFigures};
 ///
-/// /// Returns the number of the coarsest level whose normals are off by less than `degrees` on average.
+/// /// Returns the number of the coarsest level whose normals are off by less than `degrees` on average, as seen.
 /// fn coarsest_below(figures: &Figures, degrees: f64) -> Option<usize> {
-///     let is_near = |level: &LevelFigures| level.angles.is_some_and(|angles| angles.mean < degrees);
+///     let is_near = |level: &LevelFigures| level.overview.angles.is_some_and(|angles| angles.summary.mean < degrees);
 ///     figures.levels.iter().rposition(is_near)
 /// }
 /// ```
@@ -39,25 +47,34 @@ pub const BIN_WIDTH: f64 = 0.2;
 pub struct LevelFigures {
     /// Triangles.
     pub triangles: usize,
-    /// Degrees between the normals shown and the scan's, over points spread evenly; `None` where no point was found.
-    pub angles: Option<Summary>,
-    /// Their histogram, [`BIN_WIDTH`] a bin; the last is open.
-    pub histogram: Vec<u64>,
-    /// The same angles without the map: what vertex normals alone would give.
-    pub without_map: Option<Summary>,
-    /// The part of the points whose projection ray missed the scan, so that its closest point was taken, [0, 1].
-    pub missed: f64,
-    /// The part for which that failed too; they have no angle.
-    pub lost: f64,
-    /// The largest distance between the surfaces, model units.
-    pub hausdorff: f64,
+    /// As seen: differences at the same pixel, the object filling 512².
+    pub overview: Overview,
+    /// As seen close up: the worst windows of one per cent of the visible surface.
+    pub patches: WorstPatches,
+    /// The deviation of outlines.
+    pub silhouette: SilhouetteFigures,
+    /// What one surface shows and the other lacks.
+    pub coverage: Coverage,
+    /// The largest distance between the surfaces, of what can be seen of them, model units.
+    pub hausdorff: DistanceBounds,
     /// The same as a part of the diagonal.
-    pub hausdorff_of_diagonal: f64,
-    /// The root mean square distance, model units.
+    pub hausdorff_of_diagonal: DistanceBounds,
+    /// The root mean square distance of visible points, model units.
     pub rms: f64,
     /// The same as a part of the diagonal.
     pub rms_of_diagonal: f64,
-    /// The differences of colour and material.
+    /// How the asset's texels compare with the scan's detail; `None` without textures.
+    pub resolution: Option<Resolution>,
+    /// On the surface: degrees between the normals shown and the scan's, over points spread evenly; `None` where no point was
+    /// found.
+    pub surface_angles: Option<Summary>,
+    /// The histogram of these, [`BIN_WIDTH`] a bin; the last is open.
+    pub histogram: Vec<u64>,
+    /// The same angles without the map: what vertex normals alone would give.
+    pub without_map: Option<Summary>,
+    /// The share of the points whose projection ray missed the scan, so that its closest point was taken, [0, 1].
+    pub surface_missed: f64,
+    /// On the surface: the differences of colour and material.
     pub material: MaterialFigures,
     /// Of the images from all sides in one grey material, each against that of the scan.
     pub views: Vec<ViewFigures>,
@@ -65,19 +82,71 @@ pub struct LevelFigures {
     pub full_views: Vec<ViewFigures>,
 }
 
+/// The worst windows of one per cent of the visible surface, seen close up, of scan and asset.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct WorstPatches {
+    /// That with the largest mean angle between normals, degrees.
+    pub angle: Option<Patch>,
+    /// That with the largest mean difference of base colours, CIEDE2000; `None` if colours are not compared.
+    pub color: Option<Patch>,
+}
+
+/// What one surface shows and the other lacks, as shares of area, [0, 1].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Coverage {
+    /// The share of the scan's visible area where the asset shows nothing, or another part of the object.
+    pub missed_of_scan: f64,
+    /// The share of the asset's visible area where the scan shows nothing, or another part of the object.
+    pub missed_of_asset: f64,
+    /// The 99 % interval of the larger of the two.
+    pub missed_interval: [f64; 2],
+    /// The middle of the place where most is missed, model units; `None` if nothing is.
+    pub missed_at: Option<[f64; 3]>,
+    /// The share of the scan's visible area within half a per cent of the diagonal of the asset.
+    pub completeness: f64,
+    /// The share of the scan's area that cannot be seen: hidden walls, ghost layers, duplicate shells, closed cavities.
+    pub hidden_of_scan: f64,
+    /// `true` if the scan is an interior, seen from within: a room, a tomb, a cave.
+    pub is_interior: bool,
+}
+
+impl Coverage {
+    /// Returns the share of the visible area that is missed, the worse of both directions.
+    pub fn missed(&self) -> f64 {
+        self.missed_of_scan.max(self.missed_of_asset)
+    }
+}
+
+/// How the texels of an asset compare with the finest detail of its scan: a texel of its textures, or half its median edge.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Resolution {
+    /// The median width of the asset's finest texels, model units.
+    pub texel: f64,
+    /// How many times coarser than the scan's detail texels are where they are coarser, 95 % of them at most; 1 if none is.
+    pub coarser: f64,
+    /// The share of the visible area where they are more than twice as coarse, [0, 1].
+    pub share: f64,
+}
+
 /// The numbers of points at which a level is measured.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PointCounts {
     /// At which normals are compared.
     pub normals: usize,
-    /// From which distances are measured, on each surface.
-    pub distances: usize,
+    /// Pixels of the overview, and points of each surface that are seen close up.
+    pub seen: usize,
 }
 
 impl PointCounts {
     /// Returns a quarter of them, for a coarser level.
     pub fn quarter(self) -> Self {
-        Self { normals: (self.normals / 4).max(10), distances: (self.distances / 4).max(1) }
+        Self { normals: (self.normals / 4).max(10), seen: (self.seen / 4).max(10) }
     }
 }
 
@@ -87,14 +156,6 @@ pub(super) struct PartSurface<'a> {
     pub plain: Verifier<'a>,
     /// Their material, where that is compared.
     pub material: Option<&'a TexturedMesh>,
-}
-
-/// A level of detail.
-pub(super) struct LevelSurface<'a> {
-    /// Its parts, by material.
-    pub parts: Vec<PartSurface<'a>>,
-    /// All of its triangles, from which distances are measured.
-    pub whole: Verifier<'a>,
 }
 
 /// The differences of the triangles of one material, point by point.
@@ -119,45 +180,112 @@ impl PartSurface<'_> {
     }
 }
 
-impl LevelSurface<'_> {
-    /// Measures each part, at points that are spread evenly over the area of all.
-    ///
-    /// # Errors
-    /// Those of [`Verifier::normal_error`].
-    pub fn measured(&self, points: PointCounts) -> Result<Vec<Measured>> {
-        if let [only] = &self.parts[..] {
-            return Ok(vec![only.measured(points.normals)?]);
-        }
-        let areas: Vec<f64> = self.parts.iter().map(|part| part.mapped.mesh.area(&Mat4::IDENTITY)).collect();
-        let all: f64 = areas.iter().sum();
-        let count = |area: f64| (points.normals as f64 * area / all).max(1.0) as usize;
-        self.parts.iter().zip(areas).map(|(part, area)| part.measured(count(area))).collect()
+/// Measures each part along the rays of a bake, at `points` points that are spread evenly over the area of all.
+///
+/// # Errors
+/// Those of [`Verifier::normal_error`].
+pub(super) fn measured(parts: &[PartSurface<'_>], points: usize) -> Result<Vec<Measured>> {
+    if let [only] = parts {
+        return Ok(vec![only.measured(points)?]);
     }
+    let areas: Vec<f64> = parts.iter().map(|part| part.mapped.mesh.area(&Mat4::IDENTITY)).collect();
+    let all: f64 = areas.iter().sum();
+    let count = |area: f64| (points as f64 * area / all).max(1.0) as usize;
+    parts.iter().zip(areas).map(|(part, area)| part.measured(count(area))).collect()
+}
 
-    /// Returns all figures but those of the views. `diagonal` is the scan's, model units.
+impl LevelFigures {
+    /// Returns the figures on the surface, of what was found of all parts.
     ///
     /// # Errors
-    /// Those of [`Verifier::deviation`].
-    pub fn figures(&self, found: &[Measured], points: PointCounts, diagonal: f64) -> Result<LevelFigures> {
+    /// [`crate::Error::Invalid`] for more than 2^32 − 1 points.
+    pub(super) fn on_surface(found: &[Measured], triangles: usize) -> Result<Self> {
         let angles = chained(found.iter().map(|part| &part.angles))?;
         let plain = chained(found.iter().map(|part| &part.plain))?;
-        let deviation = self.whole.deviation(points.distances)?;
-        Ok(LevelFigures {
-            triangles: self.whole.mesh.triangles().len(),
-            angles: angles.summary(),
+        Ok(Self {
+            triangles,
+            surface_angles: angles.summary(),
             histogram: angles.histogram(BINS, (BINS as f64 * BIN_WIDTH) as f32),
             without_map: plain.summary(),
-            missed: weighted(found, |part| part.missed),
-            lost: weighted(found, |part| part.lost),
-            hausdorff: deviation.hausdorff(),
-            hausdorff_of_diagonal: deviation.hausdorff() / diagonal,
-            rms: deviation.rms(),
-            rms_of_diagonal: deviation.rms() / diagonal,
+            surface_missed: weighted(found, |part| part.missed),
             material: material_figures(found)?,
-            views: Vec::new(),
-            full_views: Vec::new(),
+            ..Self::default()
         })
     }
+
+    /// Adds what a viewer sees of the level.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] if a surface has no area.
+    pub(super) fn with_seen(self, pair: &Pair<'_>, points: PointCounts) -> Result<Self> {
+        let of_scan = CloseUp::of_scan(pair, points.seen)?;
+        let of_asset = CloseUp::of_asset(pair, points.seen)?;
+        let ShapeFigures { hausdorff, rms } = ShapeFigures::of(pair, [&of_scan, &of_asset]);
+        let diagonal = f64::from(pair.diagonal);
+        Ok(Self {
+            overview: overview(pair, points.seen)?,
+            patches: WorstPatches {
+                angle: worse_patch(pair, [&of_scan, &of_asset], |sample| sample.angle_deg)?,
+                color: worse_patch(pair, [&of_scan, &of_asset], |sample| sample.color)?,
+            },
+            silhouette: silhouettes(pair),
+            coverage: coverage(pair, [&of_scan, &of_asset]),
+            hausdorff,
+            hausdorff_of_diagonal: hausdorff.scaled(1.0 / diagonal),
+            rms,
+            rms_of_diagonal: rms / diagonal,
+            resolution: resolution(&of_scan, &of_asset),
+            ..self
+        })
+    }
+}
+
+/// Returns the worse of the worst windows of scan and asset.
+fn worse_patch(
+    pair: &Pair<'_>,
+    [of_scan, of_asset]: [&CloseUp; 2],
+    difference: fn(&SurfaceSample) -> f32,
+) -> Result<Option<Patch>> {
+    let [a, b] = [worst_patch(pair, of_scan, true, difference)?, worst_patch(pair, of_asset, false, difference)?];
+    Ok(match (a, b) {
+        (Some(a), Some(b)) if b.mean > a.mean => Some(b),
+        (None, b) => b,
+        (a, _) => a,
+    })
+}
+
+/// The part of the diagonal within which the asset completes the scan.
+const COMPLETE: f32 = 0.005;
+fn coverage(pair: &Pair<'_>, [of_scan, of_asset]: [&CloseUp; 2]) -> Coverage {
+    let worse = if of_asset.missing() > of_scan.missing() { of_asset } else { of_scan };
+    let near = of_scan.samples.iter().filter(|sample| sample.distance <= pair.diagonal * COMPLETE).count();
+    Coverage {
+        missed_of_scan: of_scan.missing(),
+        missed_of_asset: of_asset.missing(),
+        missed_interval: share_interval(worse.missing(), worse.samples.len()),
+        missed_at: most_missing(worse),
+        completeness: near as f64 / of_scan.samples.len().max(1) as f64,
+        hidden_of_scan: of_scan.hidden,
+        is_interior: pair.scan.visibility.is_interior(),
+    }
+}
+
+/// Returns how coarse the asset's texels are; `None` if it has none.
+fn resolution(of_scan: &CloseUp, of_asset: &CloseUp) -> Option<Resolution> {
+    /// From so many times on texels lose detail.
+    const TWICE: f32 = 2.0;
+    let numbers = |values: Vec<f32>| {
+        let mut values: Vec<f32> = values.into_iter().filter(|v| v.is_finite()).collect();
+        values.sort_unstable_by(f32::total_cmp);
+        values
+    };
+    let texels = numbers(of_asset.samples.iter().map(|sample| sample.texel).collect());
+    let texel = f64::from(*texels.get(texels.len() / 2)?);
+    let coarser = numbers(of_scan.samples.iter().map(|sample| sample.coarser).collect());
+    let lossy = &coarser[coarser.partition_point(|v| *v <= TWICE)..];
+    let share = lossy.len() as f64 / coarser.len().max(1) as f64;
+    let p95 = lossy.get(lossy.len() * 95 / 100).map_or(1.0, |v| f64::from(*v));
+    Some(Resolution { texel, coarser: p95, share })
 }
 
 /// Returns the mean of a figure over the points of all parts.

@@ -1,136 +1,111 @@
-//! The proof: an asset as it was written, read back and held against the scan.
+//! The proof: an asset as its files show it, compared with the scan.
 
-use super::level_figures::{LevelFigures, Measured, PointCounts, chained, stacked};
-use super::made::{Asset, Made, Part};
-use super::map_note::MapNote;
-use super::map_numbers;
+use super::findings;
+use super::level_figures::{LevelFigures, Measured, PointCounts, measured, stacked};
+use super::made::Made;
 use super::maps_alone;
-use super::material_figures::MaterialFigures;
 use super::part_figures::PartFigures;
+use super::requirement::Requirement;
 use super::scan::Scan;
-use super::shown::{Shown, ShownPart, Subject, normal_map};
+use super::shown::ShownLevel;
 use super::unseen::unseen;
-use super::views::{self, Looks, ViewFigures, Views};
+use super::views::{self, Looks, Views};
 use super::write::Written;
-use crate::bake::{Cage, Fit, MapKind, ShownNormals, low_poly_mesh};
-use crate::compare::{Field, Summary};
+use crate::bake::Fit;
+use crate::compare::Field;
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Encoding, Texture};
-use crate::io::{self, GltfImages, Limits, Loaded};
+use crate::io::{self, Limits, Loaded};
 use crate::progress::Progress;
-use crate::scene::{NormalSpace, Scene};
-use std::path::Path;
+use crate::proof::{Pair, Side};
+use crate::scene::{GreenChannel, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
+use std::path::{Path, PathBuf};
 
 /// The options of a proof. Built by `Default` and struct update.
 ///
 /// ```
-/// use taotie::asset::{Proof, Scan, VerifyOptions, Written};
+/// use taotie::asset::{Proof, Requirement, Scan, VerifyOptions, Written};
 /// use taotie::{Progress, Result};
 ///
-/// /// Measures at five times as many points as by default.
-/// fn verify_thoroughly(written: &Written, scan: Scan) -> Result<Proof> {
-///     let options = VerifyOptions { points: 1_000_000, ..VerifyOptions::default() };
-///     written.verify(scan, &options, Progress::SILENT)
+/// /// Measures at as many points as it takes to tell whether the mean angle is at most 1°.
+/// fn verify_to_one_degree(written: &Written, scan: Scan) -> Result<Proof> {
+///     let requirements = vec![Requirement::mean_angle_deg(1.0)];
+///     written.verify(scan, &VerifyOptions { requirements, ..VerifyOptions::default() }, Progress::SILENT)
 /// }
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct VerifyOptions {
-    /// Points of the low-poly mesh at which normals are compared, at least 10.
+    /// Pixels of the overview, and points of each surface, at which scan and asset are compared at first, at least 10. If a
+    /// requirement's limit lies within the interval of what was found, they are doubled, up to 4 million.
     pub points: usize,
-    /// Points of each surface from which the distance to the other is measured, at least 1.
-    pub distance_points: usize,
     /// Texels along a side of the map of errors, at most; no more than the maps have.
     pub map: u32,
     /// Pixels along a side of the images from all sides, at least 11.
     pub view: u32,
+    /// What the figures have to decide.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub requirements: Vec<Requirement>,
 }
 
 impl Default for VerifyOptions {
-    /// Normals at 200,000 points, distances at 100,000, a map of 1024² and images of 384².
+    /// 20,000 points, a map of 1024² and images of 384², no requirements.
     fn default() -> Self {
-        Self { points: 200_000, distance_points: 100_000, map: 1024, view: 384 }
+        Self { points: 20_000, map: 1024, view: 384, requirements: Vec::new() }
     }
 }
+
+/// Points at most, when samples double to decide a requirement.
+const MOST_POINTS: usize = 4_000_000;
 
 /// The mean and the largest angle, degrees, between unit vectors and what eight bits store of them.
 ///
 /// ```
-/// use taotie::asset::{FLOOR_8_BIT, Figures};
+/// use taotie::asset::FLOOR_8_BIT;
 ///
-/// /// Returns `true` where more bits would gain more than a finer map.
-/// fn is_near_floor(figures: &Figures) -> bool {
-///     figures.floor_8_bit.is_some() && figures.angles.is_some_and(|angles| angles.mean < 1.1 * FLOOR_8_BIT[0])
+/// /// Returns `true` if more bits would gain more than a finer map.
+/// fn is_near_floor(mean_angle: f64) -> bool {
+///     mean_angle < 1.1 * FLOOR_8_BIT[0]
 /// }
 /// ```
 pub const FLOOR_8_BIT: [f64; 2] = [0.17, 0.38];
 
-/// The differences of an asset from its scan, in numbers. Where there are several levels of detail these are the finest
-/// one's; `levels` holds those of each.
+/// The differences of an asset from its scan, in numbers.
 ///
 /// ```
 /// use taotie::asset::{BIN_WIDTH, Figures};
 ///
-/// /// Returns the mean angle by which the map improves on vertex normals alone, degrees.
+/// /// Returns the mean angle by which the map improves on vertex normals alone, degrees, on the surface.
 /// fn gain(figures: &Figures) -> Option<f64> {
-///     Some(figures.without_map?.mean - figures.angles?.mean)
-/// }
-///
-/// /// Returns the number of points whose normal is off by less than `degrees`.
-/// fn below(figures: &Figures, degrees: f64) -> u64 {
-///     figures.histogram.iter().take((degrees / BIN_WIDTH) as usize).sum()
+///     let finest = figures.finest()?;
+///     Some(finest.without_map?.mean - finest.surface_angles?.mean)
 /// }
 /// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Figures {
-    /// Degrees between the normals shown and the scan's, over points spread evenly; `None` where no point was found.
-    pub angles: Option<Summary>,
-    /// Their histogram, [`BIN_WIDTH`](super::BIN_WIDTH) a bin; the last is open.
-    pub histogram: Vec<u64>,
-    /// The same angles without the map: what vertex normals alone would give.
-    pub without_map: Option<Summary>,
-    /// Mean and largest angle that 8 bits cost at least, degrees; `None` where no normals are stored so.
-    pub floor_8_bit: Option<[f64; 2]>,
-    /// The part of the texels with a sample that missed the scan.
-    pub missed_texels: f64,
-    /// The part of the samples that missed and took the closest point.
-    pub fallback: f64,
-    /// The part of the samples for which that failed too.
-    pub lost: f64,
-    /// The largest distance between the surfaces, model units.
-    pub hausdorff: f64,
-    /// The same as a part of the diagonal.
-    pub hausdorff_of_diagonal: f64,
-    /// The root mean square distance, model units.
-    pub rms: f64,
-    /// The same as a part of the diagonal.
-    pub rms_of_diagonal: f64,
-    /// The scan's diagonal, model units.
-    pub diagonal: f64,
-    /// Texels a model unit over the triangles of the low-poly mesh.
-    pub density: Option<Summary>,
-    /// The part of the map that UV islands cover.
-    pub uv_use: f64,
-    /// Of the images from all sides in one grey material, each against that of the scan.
-    pub views: Vec<ViewFigures>,
-    /// The fit of the meshes to one another; `None` where the low-poly mesh has no area.
-    pub fit: Option<FitFigures>,
-    /// Bytes of the scan's file; 0 in memory.
-    pub bytes_in: u64,
-    /// Bytes of the asset, with its files.
-    pub bytes_out: u64,
     /// Of each level of detail, the finest first.
     pub levels: Vec<LevelFigures>,
-    /// The differences of colour and material.
-    pub material: MaterialFigures,
-    /// As `views`, in full material; empty where the scan says nothing of its material.
-    pub full_views: Vec<ViewFigures>,
+    /// The scan's diagonal, model units.
+    pub diagonal: f64,
+    /// The fit of the meshes to one another; `None` where the low-poly mesh has no area.
+    pub fit: Option<FitFigures>,
+    /// Bytes of the scan's files; 0 in memory.
+    pub bytes_in: u64,
+    /// Bytes of the asset, with the files that it names.
+    pub bytes_out: u64,
     /// Of each material of the asset, where it has several.
     pub parts: Vec<PartFigures>,
     /// What no figure and no image looks at.
     pub unseen: Vec<String>,
+}
+
+impl Figures {
+    /// Returns the figures of the finest level; `None` if nothing was measured.
+    pub fn finest(&self) -> Option<&LevelFigures> {
+        self.levels.first()
+    }
 }
 
 /// The fit of two meshes to one another; see [`Fit`].
@@ -177,10 +152,11 @@ impl From<Fit> for FitFigures {
 pub struct Proof {
     /// The figures.
     pub figures: Figures,
-    /// Angles between the normals of asset and scan at the texels of a map, degrees; NaN between UV islands. Where there
-    /// are several materials their maps stand one below the other, in the order of [`Figures::parts`].
-    pub error_map: Field,
-    /// CIEDE2000 between the base colours of asset and scan at the same texels; `None` where the scan says nothing of its
+    /// Angles between the normals of asset and scan at the texels of a map, on the surface, degrees; NaN between UV islands.
+    /// If there are several materials their maps stand one below the other, in the order of [`Figures::parts`]. `None` if the
+    /// asset has no uvs.
+    pub error_map: Option<Field>,
+    /// CIEDE2000 between the base colours of asset and scan at the same texels; `None` if the scan says nothing of its
     /// material.
     pub color_map: Option<Field>,
     /// Scan and asset from all sides, in one grey material.
@@ -189,8 +165,163 @@ pub struct Proof {
     pub full_views: Option<Views>,
     /// As `views`, for each coarser level of detail.
     pub coarser_views: Vec<Views>,
-    /// The faults of the file as it was read back.
+    /// The faults of the file as it was read, and of what was measured.
     pub warnings: Warnings,
+}
+
+/// Reads an asset that any program made, and measures how far it is from its scan, as [`Written::verify`] does.
+///
+/// ```no_run
+/// use taotie::Progress;
+/// use taotie::asset::{Limits, Requirement, Scan, VerifyOptions, verify};
+///
+/// let limits = Limits::default();
+/// let scan = Scan::read("scan.ply", &limits, Progress::SILENT)?;
+/// let options = VerifyOptions { requirements: Requirement::standard(), ..VerifyOptions::default() };
+/// let proof = verify("packed.glb", scan, &options, Progress::SILENT)?;
+/// assert!(proof.require(&options.requirements).iter().all(|met| met.met));
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`Written::verify`], and those of reading the asset.
+pub fn verify(
+    asset: impl AsRef<Path>,
+    scan: impl Into<Scan>,
+    options: &VerifyOptions,
+    progress: Progress<'_>,
+) -> Result<Proof> {
+    check(options)?;
+    let (path, scan, options) = (asset.as_ref().to_path_buf(), scan.into(), options.clone());
+    progress.apart(move |progress| {
+        progress.begin("read back")?;
+        let levels = io::load_levels_within(&path, &scan.limits)?;
+        let files = levels.iter().flat_map(|level| &level.files).cloned().collect();
+        let bytes_out = bytes_of(&path, files)?;
+        prove(Shown { levels, path, bytes_out, has_material: true }, scan, &options, progress)
+    })
+}
+
+/// Returns the bytes of a model's file and all that it names.
+fn bytes_of(path: &Path, mut others: Vec<PathBuf>) -> Result<u64> {
+    super::scan::all_files(path, &mut others).iter().map(|file| io::file_size(file)).sum()
+}
+
+/// An asset as its files show it.
+struct Shown {
+    /// Of each level of detail, the finest first; at least one.
+    levels: Vec<Loaded>,
+    path: PathBuf,
+    bytes_out: u64,
+    /// `true` if the files say what their material is.
+    has_material: bool,
+}
+
+fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'_>) -> Result<Proof> {
+    let Shown { mut levels, path, bytes_out, has_material } = shown;
+    let mut warnings = Warnings::default();
+    for level in &mut levels {
+        warnings.absorb(std::mem::take(&mut level.warnings));
+    }
+    let poses = levels.iter().any(|level| level.rig.is_some());
+    let scenes: Vec<Scene> = levels.into_iter().map(|level| level.scene).collect();
+    scan.sort(progress)?;
+    progress.begin("measure normals")?;
+    let level = |scene: &Scene| ShownLevel::of(scene, &scan, (&path, has_material));
+    let finest = level(&scenes[0])?;
+    let (mut figures, parts) = Measurement { scan: &scan, options }.all(&finest, &scenes[1..], &level, progress)?;
+    figures.parts = parts;
+    if let Some(found) = figures.finest() {
+        findings::note(found, &finest, &mut warnings);
+    }
+    figures.bytes_in = scan.about.bytes;
+    figures.bytes_out = bytes_out;
+    progress.begin("map errors")?;
+    let [error_map, color_map] = maps(&finest, options.map)?;
+    drop(finest);
+    let views = progress.begin("compare views")?;
+    let scan = scan.into_scene()?;
+    figures.unseen = unseen([&scan, &scenes[0]], poses);
+    let mut looks = views::take(scan, scenes, options.view, views)?;
+    if !has_material {
+        looks.full.clear();
+    }
+    Ok(Proof { error_map, color_map, warnings, ..Proof::new(figures, looks) })
+}
+
+/// Returns the maps of the errors of normals and colours of all parts with uvs, with at most so many texels along a side.
+fn maps(level: &ShownLevel<'_>, most: u32) -> Result<[Option<Field>; 2]> {
+    let (mut angles, mut colors) = (Vec::new(), Vec::new());
+    for (part, surface) in level.parts.iter().zip(level.part_surfaces()) {
+        let has_uvs = !part.shown.mesh().uvs().is_empty();
+        let Some(size) = part.shown.map_size().filter(|_| has_uvs).map(|size| within(size, most)) else { continue };
+        angles.push(surface.mapped.error_map(size)?);
+        if let Some(material) = surface.material {
+            colors.push(surface.mapped.color_map(material, size)?);
+        }
+    }
+    let stack = |maps: &[Field]| (!maps.is_empty()).then(|| stacked(maps)).transpose();
+    Ok([stack(&angles)?, stack(&colors)?])
+}
+
+/// Measures levels of detail until all requirements are decided.
+struct Measurement<'a> {
+    scan: &'a Scan,
+    options: &'a VerifyOptions,
+}
+
+impl<'a> Measurement<'a> {
+    /// Returns the figures of all levels, and of the finest level's materials.
+    fn all(
+        &self,
+        finest: &ShownLevel<'a>,
+        coarser: &[Scene],
+        level: &dyn Fn(&Scene) -> Result<ShownLevel<'a>>,
+        progress: Progress<'_>,
+    ) -> Result<(Figures, Vec<PartFigures>)> {
+        let Self { scan, options } = self;
+        let side = Side::of(scan.sorted());
+        let diagonal = scan.mesh().diagonal();
+        let fit = finest.whole().fit((options.points / 2).max(1), diagonal).map(FitFigures::from);
+        let mut points = options.points;
+        loop {
+            let counts = PointCounts { normals: points, seen: points };
+            let (first, parts) = self.of_level(finest, &side, counts)?;
+            let mut figures = Figures { levels: vec![first], diagonal, fit, ..Figures::default() };
+            if !coarser.is_empty() {
+                progress.begin("measure levels")?;
+            }
+            for scene in coarser {
+                figures.levels.push(self.of_level(&level(scene)?, &side, counts.quarter())?.0);
+            }
+            let is_decided = figures.require(&options.requirements).iter().all(|met| !met.is_undecided());
+            if is_decided || points >= MOST_POINTS {
+                return Ok((figures, parts));
+            }
+            points = (points * 2).min(MOST_POINTS);
+            progress.begin("measure more points")?;
+        }
+    }
+
+    fn of_level(
+        &self,
+        level: &ShownLevel<'_>,
+        scan: &Side<'a>,
+        points: PointCounts,
+    ) -> Result<(LevelFigures, Vec<PartFigures>)> {
+        let found = measured(&level.part_surfaces(), points.normals)?;
+        let asset = scan.like(&level.surface);
+        let diagonal = self.scan.mesh().diagonal() as f32;
+        let pair = Pair { scan, asset: &asset, diagonal, has_material: level.has_material() };
+        let figures = LevelFigures::on_surface(&found, level.surface.mesh().triangles().len())?;
+        Ok((figures.with_seen(&pair, points)?, part_figures(level, &found)))
+    }
+}
+
+/// Returns the figures of each material if there are several.
+fn part_figures(level: &ShownLevel<'_>, found: &[Measured]) -> Vec<PartFigures> {
+    let parts = level.parts.iter().zip(found).filter(|(part, _)| !part.label.is_empty());
+    parts.map(|(part, found)| PartFigures::of(&part.label, part.shown.mesh().triangles().len(), found)).collect()
 }
 
 impl Written {
@@ -198,7 +329,7 @@ impl Written {
     ///
     /// Each level of detail is measured, the coarser ones at a quarter of the points. A scan that is given up, not
     /// borrowed, has its tree freed before images of it are taken. The listener hears the stages `read back`,
-    /// `measure normals`, `map errors`, `measure levels` where there are several, and `compare views`.
+    /// `measure normals`, `measure levels` where there are several, `map errors`, and `compare views`.
     ///
     /// # Errors
     /// [`Error::Cancelled`]; those of reading, where the files are not as they were written;
@@ -210,233 +341,99 @@ impl Written {
         progress: Progress<'_>,
     ) -> Result<Proof> {
         check(options)?;
-        let (written, scan, options) = (self.clone(), scan.into(), *options);
-        progress.apart(move |progress| written.prove(scan, &options, progress))
+        let (written, scan, options) = (self.clone(), scan.into(), options.clone());
+        progress.apart(move |progress| {
+            progress.begin("read back")?;
+            let shown = written.shown()?;
+            let mut proof = prove(shown, scan, &options, progress)?;
+            proof.figures.unseen.extend(maps_alone::unseen(&written.asset.made).filter(|_| written.is_alone()));
+            Ok(proof)
+        })
     }
 
-    fn prove(&self, scan: Scan, options: &VerifyOptions, progress: Progress<'_>) -> Result<Proof> {
-        progress.begin("read back")?;
-        let mut levels = self.levels_read_back()?;
-        let loaded = levels.remove(0);
-        let object_maps = self.object_maps()?;
-        let object_maps = self.object_normals(&object_maps);
-        let subject = self.subject(&loaded.scene, &object_maps, &scan)?;
-        progress.begin("measure normals")?;
-        let mut figures = self.measure(&subject, options)?;
-        progress.begin("map errors")?;
-        let surface = subject.surface();
-        let size = within(self.asset.made.size, options.map);
-        let errors =
-            surface.parts.iter().map(|part| part.mapped.error_map(size)).collect::<Result<Vec<_>>>()?;
-        let error_map = stacked(&errors)?;
-        let colors =
-            surface.parts.iter().filter_map(|part| Some(part.mapped.color_map(part.material?, size)));
-        let colors = colors.collect::<Result<Vec<_>>>()?;
-        let color_map = (!colors.is_empty()).then(|| stacked(&colors)).transpose()?;
-        if !levels.is_empty() {
-            progress.begin("measure levels")?;
-        }
-        let mut scenes: Vec<Scene> = levels.into_iter().map(|level| level.scene).collect();
-        for scene in &scenes {
-            let shown = Shown::of(scene, object_maps[0], self.path())?;
-            let cage = Cage::automatic(&shown.mesh, scan.sorted());
-            let parts = vec![ShownPart { shown, cage }];
-            let subject = Subject { parts, whole: None, scan: &scan, has_material: self.has_material() };
-            let (surface, points) = (subject.surface(), PointCounts::from(options).quarter());
-            let found = surface.measured(points)?;
-            figures.levels.push(surface.figures(&found, points, scan.mesh().diagonal())?);
-        }
-        let levels = loaded.levels;
-        scenes.insert(0, loaded.scene);
-        let views = progress.begin("compare views")?;
-        let scan = scan.into_scene()?;
-        let maps: Vec<MapKind> = self.maps().iter().map(|note| note.map).collect();
-        figures.unseen = unseen(&maps, self.asset.made.options.space, [&scan, &scenes[0]]);
-        figures.unseen.extend(self.unseen_of_document(levels));
-        figures.unseen.extend(maps_alone::unseen(&self.asset.made).filter(|_| self.is_alone()));
-        let mut looks = views::take(scan, scenes, options.view, views)?;
-        if !self.has_material() {
-            looks.full.clear();
-        }
-        Ok(Proof { color_map, warnings: loaded.warnings, ..Proof::new(figures, error_map, looks) })
-    }
-
-    /// Says whether the files say what their material is.
-    fn has_material(&self) -> bool {
-        !self.is_alone() || maps_alone::has_material(&self.asset.made)
-    }
-
-    /// Returns what is measured of the asset as it was read back.
-    fn subject<'a>(
-        &self,
-        scene: &'a Scene,
-        object_maps: &[Option<ShownNormals<'a>>],
-        scan: &'a Scan,
-    ) -> Result<Subject<'a>> {
-        let parts = self.asset.made.parts.iter().zip(object_maps);
-        let parts = parts.map(|(part, map)| self.shown(part, scene, *map));
-        let parts = parts.collect::<Result<Vec<_>>>()?;
-        let whole = (parts.len() > 1).then(|| low_poly_mesh(scene.clone())).transpose()?;
-        Ok(Subject { parts, whole, scan, has_material: self.has_material() })
-    }
-
-    fn shown<'a>(
-        &self,
-        part: &Part,
-        scene: &'a Scene,
-        object_map: Option<ShownNormals<'a>>,
-    ) -> Result<ShownPart<'a>> {
-        let has_map = part.maps.textures.normal.is_some();
-        let shown = match &part.low.own {
-            Some(own) if !self.is_alone() => {
-                // A normal map of the low-poly mesh itself, which may have uvs of its own, is not judged.
-                let inside = has_map.then(|| normal_map(scene, own.number)).flatten();
-                let shown = Shown::of_material(scene, own.number, self.path())?;
-                Shown { normal: object_map.or(inside), ..shown }
-            }
-            _ => Shown::of(scene, object_map, self.path())?,
-        };
-        if shown.normal.is_none() && has_map {
-            let why = "read back, it shows no normal map";
-            return Err(Error::invalid(self.path().display().to_string(), why));
-        }
-        // Packing sorts vertices anew.
-        let cage = part.maps.cage.carried_over(&part.low.mesh, &shown.mesh);
-        Ok(ShownPart { shown, cage })
-    }
-
-    /// Returns what is not looked at of a file that stays as it is.
-    fn unseen_of_document(&self, levels: usize) -> Vec<String> {
-        let Some(document) = &self.asset.made.document else { return Vec::new() };
-        let moving = document
-            .moving
-            .map(|moving| format!("poses: the asset, which has {moving}, is compared at rest"));
-        let coarser = (levels > 1).then(|| "levels of detail of the low-poly mesh's own file".to_owned());
-        let keeps_relief =
-            |part: &Part| part.low.material.normal.is_some() && part.maps.textures.normal.is_none();
-        let relief = self.asset.made.parts.iter().any(keeps_relief);
-        let relief = relief.then(|| "the low-poly mesh's own normal map, which no figure counts".to_owned());
-        moving.into_iter().chain(coarser).chain(relief).collect()
-    }
-
-    /// Reads all levels back, the finest first; of a file that stays that alone; maps alone onto the low-poly mesh. Maps
-    /// are decoded and in memory once.
-    fn levels_read_back(&self) -> Result<Vec<Loaded>> {
-        let made = &self.asset.made;
+    /// Reads all levels back, the finest first; maps alone onto the low-poly mesh. Maps are decoded and in memory once.
+    fn shown(&self) -> Result<Shown> {
+        let (made, limits) = (&self.asset.made, Limits::of_own_files());
+        let path = self.path().to_path_buf();
         if self.is_alone() {
-            return Ok(vec![maps_alone::read_back(made, self.packing.green, &self.current())?]);
+            let loaded = maps_alone::read_back(made, self.packing.green, &self.current())?;
+            let files = self.files.iter().map(|file| io::file_size(&self.set.current(file)));
+            let (bytes_out, has_material) = (files.sum::<Result<u64>>()?, maps_alone::has_material(made));
+            let mut levels = vec![loaded];
+            self.show_object_maps(&mut levels)?;
+            return Ok(Shown { levels, path, bytes_out, has_material });
         }
-        if made.document.is_some() {
-            return Ok(vec![io::load_model_within(&self.current(), &Limits::of_own_files())?]);
-        }
-        let levels = io::load_levels_within(&self.current(), &Limits::of_own_files())?;
+        let mut levels = io::load_levels_within(&self.current(), &limits)?;
+        let files = levels.iter().flat_map(|level| &level.files).cloned().collect();
+        let bytes_out = bytes_of(&self.current(), files)?;
+        self.check_read_back(&levels)?;
+        self.show_object_maps(&mut levels)?;
+        Ok(Shown { levels, path, bytes_out, has_material: true })
+    }
+
+    /// Refuses a file that does not hold what was written.
+    fn check_read_back(&self, levels: &[Loaded]) -> Result<()> {
+        let (made, name) = (&self.asset.made, self.path().display().to_string());
         let wanted = self.asset.levels().count();
-        if levels.len() == wanted {
-            return Ok(levels);
+        if made.document.is_none() && levels.len() != wanted {
+            let why = format!("read back, it has {} levels of detail instead of {wanted}", levels.len());
+            return Err(Error::invalid(name, why));
         }
-        let why = format!("read back, it has {} levels of detail and not {wanted}", levels.len());
-        Err(Error::invalid(self.path().display().to_string(), why))
+        let has_map = made.parts.iter().any(|part| part.maps.textures.normal.is_some());
+        let shows_map = levels.iter().any(|level| level.scene.materials().iter().any(|own| own.normal.is_some()));
+        if has_map && !shows_map {
+            return Err(Error::invalid(name, "read back, it shows no normal map"));
+        }
+        Ok(())
     }
 
-    /// Returns the maps in object space of all parts as they are looked up: as the textures that the file holds.
-    fn object_normals<'a>(&self, maps: &'a [Option<Texture>]) -> Vec<Option<ShownNormals<'a>>> {
-        let Made { parts, coarser, .. } = &*self.asset.made;
-        let shown = |(part, map): (&Part, &'a Option<Texture>)| {
-            let sampler = io::gltf_sampler(std::iter::once(&part.low.mesh).chain(coarser));
-            map.as_ref().map(|texture| ShownNormals { texture, space: NormalSpace::Object, sampler })
-        };
-        parts.iter().zip(maps).map(shown).collect()
-    }
-
-    /// Reads the normal map in object space of each part, which stands beside the asset.
-    fn object_maps(&self) -> Result<Vec<Option<Texture>>> {
-        let is_object = self.asset.made.options.space == NormalSpace::Object;
+    /// Gives materials the maps in object space that stand beside the asset, since glTF cannot name them.
+    fn show_object_maps(&self, levels: &mut [Loaded]) -> Result<()> {
+        let Made { parts, options, coarser, .. } = &*self.asset.made;
+        if options.space != NormalSpace::Object {
+            return Ok(());
+        }
         let notes = self.maps();
-        let read = |part: &Part| {
-            let is_it = |note: &&MapNote| {
-                is_object
-                    && note.map == MapKind::Normal
-                    && note.material.as_deref().unwrap_or("") == part.low.label()
+        for part in parts {
+            let label = part.low.label();
+            let is_it = |note: &&super::map_note::MapNote| {
+                note.map == crate::bake::MapKind::Normal && note.material.as_deref().unwrap_or("") == label
             };
-            let file = notes.iter().find(is_it).and_then(|note| note.file.as_ref());
-            file.map(|path| self.read_normals(path)).transpose()
-        };
-        self.asset.made.parts.iter().map(read).collect()
+            let Some(file) = notes.iter().find(is_it).and_then(|note| note.file.as_ref()) else { continue };
+            let texture = self.read_normals(file)?;
+            let sampler = io::gltf_sampler(std::iter::once(&part.low.mesh).chain(coarser));
+            let own = part.low.own.as_ref().map(|own| own.number);
+            levels.iter_mut().try_for_each(|level| show_object_map(&mut level.scene, own, (&texture, sampler)))?;
+        }
+        Ok(())
     }
 
     fn read_normals(&self, path: &Path) -> Result<Texture> {
         let codes = io::read_bitmap_within(&self.set.current(path), &Limits::of_own_files())?;
-        let codes = map_numbers::codes_of_normals(codes)?;
+        let codes = super::map_numbers::codes_of_normals(codes)?;
         Ok(Texture::new(codes, Encoding::Normal))
     }
+}
 
-    fn measure(&self, subject: &Subject<'_>, options: &VerifyOptions) -> Result<Figures> {
-        let (surface, diagonal) = (subject.surface(), subject.scan.mesh().diagonal());
-        let found = surface.measured(options.into())?;
-        let finest = surface.figures(&found, options.into(), diagonal)?;
-        let Asset { made } = &self.asset;
-        let (counts, size) = (self.asset.counts(), made.size);
-        let part = |of: usize, all: usize| of as f64 / all.max(1) as f64;
-        let densities = surface.parts.iter().map(|part| part.mapped.density(size));
-        let densities = densities.collect::<Result<Vec<_>>>()?;
-        let texels = size.map(|side| side as usize).iter().product::<usize>() * made.parts.len();
-        Ok(Figures {
-            histogram: finest.histogram.clone(),
-            angles: finest.angles,
-            without_map: finest.without_map,
-            floor_8_bit: self.stores_8_bits().then_some(FLOOR_8_BIT),
-            missed_texels: part(counts.missed_texels, counts.texels),
-            fallback: part(counts.missed, counts.samples),
-            lost: part(counts.lost, counts.samples),
-            hausdorff: finest.hausdorff,
-            hausdorff_of_diagonal: finest.hausdorff_of_diagonal,
-            rms: finest.rms,
-            rms_of_diagonal: finest.rms_of_diagonal,
-            diagonal,
-            density: chained(densities.iter())?.summary(),
-            uv_use: part(counts.texels, texels),
-            views: Vec::new(),
-            fit: subject.whole().fit(options.points / 10, diagonal).map(FitFigures::from),
-            parts: self.part_figures(subject, &found),
-            bytes_in: made.about.bytes,
-            bytes_out: self
-                .files
-                .iter()
-                .map(|path| io::file_size(&self.set.current(path)))
-                .sum::<Result<u64>>()?,
-            material: finest.material,
-            full_views: Vec::new(),
-            unseen: Vec::new(),
-            levels: vec![finest],
-        })
-    }
-
-    /// Returns the figures of each material where there are several.
-    fn part_figures(&self, subject: &Subject<'_>, found: &[Measured]) -> Vec<PartFigures> {
-        let parts = self.asset.made.parts.iter().zip(&subject.parts).zip(found);
-        let parts = parts.filter(|((part, _), _)| !part.low.label().is_empty());
-        let figures = |((part, own), found): ((&Part, &ShownPart<'_>), &Measured)| {
-            PartFigures::of(part.low.label(), own.shown.mesh.triangles().len(), found)
-        };
-        parts.map(figures).collect()
-    }
-
-    /// Returns `true` where the file holds normals in 8 bits. KTX2 packs them smaller still, and WebP has no more.
-    fn stores_8_bits(&self) -> bool {
-        let Some(note) = self.maps().into_iter().find(|note| note.map == MapKind::Normal) else {
-            return false;
-        };
-        match (note.file.is_some(), self.packing.images) {
-            (false, GltfImages::Ktx2) => false,
-            (false, GltfImages::WebP) => true,
-            _ => note.bits == 8,
-        }
-    }
+/// Gives the material of this number, or all of them, a normal map in object space.
+fn show_object_map(
+    scene: &mut Scene,
+    material: Option<usize>,
+    (texture, sampler): (&Texture, crate::image::Sampler),
+) -> Result<()> {
+    scene.edit(|scene| {
+        scene.textures.push(texture.clone());
+        let (number, transform) = (scene.textures.len() - 1, UvTransform::default());
+        let texture = TextureRef { texture: number, uv_set: 0, sampler, transform };
+        let map = NormalMap { texture, scale: 1.0, space: NormalSpace::Object, green: GreenChannel::Up };
+        let shown = scene.materials.iter_mut().enumerate().filter(|(i, _)| material.is_none_or(|own| own == *i));
+        shown.for_each(|(_, material)| material.normal = Some(map));
+    })
 }
 
 impl Proof {
     /// Puts the figures of the views, the finest level's first, to those of their levels.
-    fn new(mut figures: Figures, error_map: Field, looks: Looks) -> Self {
+    fn new(mut figures: Figures, looks: Looks) -> Self {
         for (level, views) in figures.levels.iter_mut().zip(&looks.grey) {
             level.views.clone_from(&views.figures);
         }
@@ -445,16 +442,8 @@ impl Proof {
         }
         let mut grey = looks.grey.into_iter();
         let (views, full_views) = (grey.next().unwrap_or_default(), looks.full.into_iter().next());
-        figures.views.clone_from(&views.figures);
-        figures.full_views = full_views.as_ref().map_or_else(Vec::new, |views| views.figures.clone());
         let (coarser_views, warnings) = (grey.collect(), Warnings::default());
-        Self { figures, error_map, color_map: None, views, full_views, coarser_views, warnings }
-    }
-}
-
-impl From<&VerifyOptions> for PointCounts {
-    fn from(options: &VerifyOptions) -> Self {
-        Self { normals: options.points, distances: options.distance_points }
+        Self { figures, error_map: None, color_map: None, views, full_views, coarser_views, warnings }
     }
 }
 
@@ -468,10 +457,7 @@ fn within(size: [u32; 2], most: u32) -> [u32; 2] {
 fn check(options: &VerifyOptions) -> Result<()> {
     let wrong = |what: &str, why: &str| Err(Error::invalid(what, why));
     match options {
-        VerifyOptions { points: 0..10, .. } => {
-            wrong("points at which normals are compared", "give at least 10")
-        }
-        VerifyOptions { distance_points: 0, .. } => wrong("points for distances", "give at least one"),
+        VerifyOptions { points: 0..10, .. } => wrong("points of the proof", "give at least 10"),
         VerifyOptions { map: 0, .. } => wrong("the map of errors", "give at least one texel"),
         VerifyOptions { view: 0..11, .. } => wrong("pictures from all sides", "give at least 11 pixels"),
         _ => Ok(()),

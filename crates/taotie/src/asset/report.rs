@@ -6,15 +6,19 @@ use super::maps_alone;
 use super::options::MeshSource;
 use super::parameters::Parameters;
 use super::plan::Left;
-use super::proof::Figures;
+use super::proof::{FLOOR_8_BIT, Figures, Proof};
 use super::requirement::Met;
+use super::scan::Scan;
 use super::search_course::Trial;
+use super::unseen::unproved_maps;
 use super::write::Written;
+use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
-use std::path::PathBuf;
+use crate::io::GltfImages;
+use std::path::{Path, PathBuf};
 
 /// The version of the report's layout.
-const SCHEMA: u32 = 3;
+const SCHEMA: u32 = 4;
 
 /// All that is to be told of a bake. What the caller knows, figures and times, is filled in by it.
 ///
@@ -54,8 +58,8 @@ pub struct Report {
     pub triangles: Vec<usize>,
     /// Texels across and down.
     pub size: [u32; 2],
-    /// All else that was asked for.
-    pub parameters: Parameters,
+    /// All else that was asked for; `None` if the asset was not baked here.
+    pub parameters: Option<Parameters>,
     /// The files written.
     pub files: Vec<PathBuf>,
     /// The kind and the place of each map.
@@ -64,8 +68,10 @@ pub struct Report {
     pub carried: Vec<String>,
     /// The properties that it does not have.
     pub left: Vec<Left>,
-    /// The measured figures; `None` where nothing was measured.
+    /// The measured figures, which a proof of the same files finds again; `None` where nothing was measured.
     pub proof: Option<Figures>,
+    /// What only the bake knows: the outcomes of its rays; `None` if the asset was not baked here.
+    pub bake: Option<BakeFigures>,
     /// The requirements and their outcomes.
     pub required: Vec<Met>,
     /// The trials of a search, where an error was wanted.
@@ -74,6 +80,62 @@ pub struct Report {
     pub stages: Vec<StageTime>,
     /// The things that are wrong or were put right.
     pub warnings: Vec<Warning>,
+}
+
+/// What only a bake knows of an asset, and no proof can find again.
+///
+/// ```
+/// use taotie::asset::Report;
+///
+/// /// Returns the part of the map that is wasted.
+/// fn wasted(report: &Report) -> f64 {
+///     report.bake.as_ref().map_or(0.0, |bake| 1.0 - bake.uv_use)
+/// }
+/// ```
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct BakeFigures {
+    /// The share of the texels with a projection ray that missed the scan, [0, 1].
+    pub missed_texels: f64,
+    /// The share of the samples that missed and took the closest point.
+    pub missed_samples: f64,
+    /// The share of the samples for which that failed too.
+    pub lost_samples: f64,
+    /// The share of the map that UV islands cover.
+    pub uv_use: f64,
+    /// Mean and largest angle that 8 bits cost at least, degrees; `None` if no normals are stored so.
+    pub floor_8_bit: Option<[f64; 2]>,
+    /// Maps beside the asset that nothing is compared with.
+    pub unproved_maps: Vec<String>,
+}
+
+impl BakeFigures {
+    fn of(written: &Written) -> Self {
+        let asset = written.asset();
+        let (counts, made) = (asset.counts(), &asset.made);
+        let share = |of: usize, all: usize| of as f64 / all.max(1) as f64;
+        let texels = made.size.map(|side| side as usize).iter().product::<usize>() * made.parts.len();
+        let maps: Vec<MapKind> = written.maps().iter().map(|note| note.map).collect();
+        Self {
+            missed_texels: share(counts.missed_texels, counts.texels),
+            missed_samples: share(counts.missed, counts.samples),
+            lost_samples: share(counts.lost, counts.samples),
+            uv_use: share(counts.texels, texels),
+            floor_8_bit: stores_8_bits(written).then_some(FLOOR_8_BIT),
+            unproved_maps: unproved_maps(&maps),
+        }
+    }
+}
+
+/// Returns `true` where the file holds normals in 8 bits. KTX2 packs them smaller still, and WebP has no more.
+fn stores_8_bits(written: &Written) -> bool {
+    let Some(note) = written.maps().into_iter().find(|note| note.map == MapKind::Normal) else { return false };
+    match (note.file.is_some(), written.packing.images) {
+        (false, GltfImages::Ktx2) => false,
+        (false, GltfImages::WebP) => true,
+        _ => note.bits == 8,
+    }
 }
 
 /// A stage that is done, and how long it took.
@@ -142,16 +204,48 @@ impl Report {
             origin: asset.origin().clone(),
             triangles: asset.levels().map(|mesh| mesh.triangles().len()).collect(),
             size: made.size,
-            parameters: Parameters::new(&made.options, &written.packing),
+            parameters: Some(Parameters::new(&made.options, &written.packing)),
             files: written.files.clone(),
             maps: written.maps(),
             carried: carried(written),
             left: made.left.clone(),
             proof: None,
+            bake: Some(BakeFigures::of(written)),
             required: Vec::new(),
             trials: made.trials.clone(),
             stages: Vec::new(),
             warnings,
+        })
+    }
+
+    /// Describes the proof of an asset that any program made.
+    ///
+    /// # Errors
+    /// [`Error::Io`](crate::Error::Io) if the scan's file cannot be read for its hash.
+    pub fn of_proof(asset: &Path, scan: &Scan, proof: &Proof) -> Result<Self> {
+        let size = proof.error_map.as_ref().map_or([0; 2], |map| [map.width(), map.height()]);
+        Ok(Self {
+            schema: SCHEMA,
+            kind: "taotie verify",
+            version: env!("CARGO_PKG_VERSION"),
+            high: scan.path().display().to_string(),
+            high_sha256: scan.sha256()?,
+            high_triangles: scan.about.size.triangles as usize,
+            low: Some(asset.display().to_string()),
+            origin: Origin::default(),
+            triangles: proof.figures.levels.iter().map(|level| level.triangles).collect(),
+            size,
+            parameters: None,
+            files: Vec::new(),
+            maps: Vec::new(),
+            carried: Vec::new(),
+            left: Vec::new(),
+            proof: Some(proof.figures.clone()),
+            bake: None,
+            required: Vec::new(),
+            trials: Vec::new(),
+            stages: Vec::new(),
+            warnings: Warning::list(&proof.warnings),
         })
     }
 

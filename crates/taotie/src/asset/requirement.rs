@@ -3,12 +3,14 @@
 use super::figure::Figure;
 use super::level_figures::LevelFigures;
 use super::proof::{Figures, Proof};
+use super::views::ViewFigures;
 use crate::compare::Summary;
 use crate::error::{Error, Result};
 use crate::names::Named;
+use crate::proof::{Estimate, Patch};
 use std::str::FromStr;
 
-/// A figure and the most that it may be, at every level of detail or at one.
+/// A figure and its limit, at every level of detail or at one: the most that it may be, or the least of completeness and SSIM.
 ///
 /// ```
 /// use taotie::asset::Requirement;
@@ -24,17 +26,43 @@ use std::str::FromStr;
 pub struct Requirement {
     /// The figure that is limited.
     pub figure: Figure,
-    /// The most: degrees, parts of 1, or bytes.
+    /// The limit: degrees, ΔE, parts of 1, pixels, or bytes.
     pub most: f64,
     /// The level of detail that it is for, 0 the finest; `None` for every level. Figures of the whole asset have none.
     #[cfg_attr(feature = "serde", serde(default))]
     pub level: Option<usize>,
+    /// `true` if the requirement is dropped when neither surface states its material, so that there is nothing to compare.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub if_compared: bool,
 }
 
 impl Requirement {
     /// Demands that a figure is at most so large: degrees, parts of 1, or bytes.
     pub fn of(figure: Figure, most: f64) -> Self {
-        Self { figure, most, level: None }
+        Self { figure, most, level: None, if_compared: false }
+    }
+
+    /// Returns what `--require standard` demands: a mean angle of at most 1° and p95 of 5° as seen, no window of 1 % of the
+    /// surface with more than 10° or ΔE 3 on average, at most 0.1 % missed, a Hausdorff distance of at most 1 % of the
+    /// diagonal, and a mean colour difference of at most ΔE 1. Limits of colours hold only if colours are compared.
+    pub fn standard() -> Vec<Self> {
+        vec![
+            Self::mean_angle_deg(1.0),
+            Self::of(Figure::P95Angle, 5.0),
+            Self::of(Figure::PatchAngle, 10.0),
+            Self::missed(0.001),
+            Self::hausdorff(0.01),
+            Self { if_compared: true, ..Self::mean_color(1.0) },
+            Self { if_compared: true, ..Self::of(Figure::PatchColor, 3.0) },
+        ]
+    }
+
+    /// Reads one requirement, such as `mean-angle=2`, or `standard` for all of [`Requirement::standard`].
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if it is neither.
+    pub fn read(text: &str) -> Result<Vec<Self>> {
+        if text.trim() == "standard" { Ok(Self::standard()) } else { Ok(vec![text.parse()?]) }
     }
 
     /// Demands a mean angle between normals of at most so many degrees.
@@ -67,49 +95,69 @@ impl Requirement {
         Self { level: Some(level), ..self }
     }
 
-    /// Holds the requirement against what was measured, level by level.
+    /// Compares the requirement with what was measured, level by level.
     fn against(&self, figures: &Figures) -> Vec<Met> {
         if !self.figure.is_of_level() {
-            return vec![self.outcome(self.level, self.value_of_asset(figures))];
+            let bytes = (self.level.is_none()).then_some([figures.bytes_out as f64; 2]);
+            return vec![self.outcome(self.level, bytes)];
+        }
+        let has_color = figures.finest().is_none_or(|finest| finest.overview.color.is_some());
+        if self.if_compared && !has_color {
+            return Vec::new();
         }
         let levels = match self.level {
             Some(level) => vec![level],
             None => (0..figures.levels.len().max(1)).collect(),
         };
         let outcome =
-            |level| self.outcome(Some(level), figures.levels.get(level).and_then(|of| self.value(of)));
+            |level| self.outcome(Some(level), figures.levels.get(level).and_then(|of| self.interval(of)));
         levels.into_iter().map(outcome).collect()
     }
 
-    fn outcome(&self, level: Option<usize>, value: Option<f64>) -> Met {
-        let met = value.is_some_and(|value| value <= self.most);
-        Met { figure: self.figure, most: self.most, level, value, met }
+    /// Returns the outcome for a figure that lies between two numbers.
+    fn outcome(&self, level: Option<usize>, interval: Option<[f64; 2]>) -> Met {
+        let meets = |value: f64| if self.figure.is_at_least() { value >= self.most } else { value <= self.most };
+        let met = interval.is_some_and(|interval| interval.into_iter().all(meets));
+        Met { figure: self.figure, most: self.most, level, interval, met }
     }
 
-    /// Returns a figure that the whole asset has; `None` where one level was named.
-    fn value_of_asset(&self, figures: &Figures) -> Option<f64> {
-        match (self.figure, self.level) {
-            (Figure::Missed, None) => Some(figures.missed_texels),
-            (Figure::Bytes, None) => Some(figures.bytes_out as f64),
-            _ => None,
-        }
-    }
-
-    fn value(&self, level: &LevelFigures) -> Option<f64> {
-        let angle = |of: fn(&Summary) -> f64| level.angles.as_ref().map(of);
-        // Colours that are no numbers are as far off as can be; no mean of the others speaks for them.
-        let color = level.material.color.as_ref().filter(|_| level.material.not_finite == 0.0);
-        let color = |of: fn(&Summary) -> f64| color.map(of);
+    /// Returns the two numbers between which a figure lies, with a confidence of 99 % if it is estimated from samples.
+    fn interval(&self, level: &LevelFigures) -> Option<[f64; 2]> {
+        let exactly = |value: f64| [value; 2];
+        let (angles, surface) = (level.overview.angles.as_ref(), level.surface_angles.as_ref());
+        // Colours that are not numbers are as far off as can be; no mean of the others speaks for them.
+        let is_finite = level.material.not_finite == 0.0;
+        let color = level.overview.color.as_ref().filter(|_| is_finite);
+        let surface = |of: fn(&Summary) -> f64| surface.map(of).map(exactly);
+        let patch = |patch: &Option<Patch>| patch.as_ref().map(|patch| patch.interval);
+        let mean = |estimate: Option<&Estimate>| estimate.map(|estimate| estimate.mean_interval);
+        let p95 = |estimate: Option<&Estimate>| estimate.map(|estimate| estimate.p95_interval);
         match self.figure {
-            Figure::MeanColor => color(|summary| summary.mean),
-            Figure::P95Color => color(|summary| summary.p95),
-            Figure::MeanAngle => angle(|summary| summary.mean),
-            Figure::P95Angle => angle(|summary| summary.p95),
-            Figure::MaxAngle => angle(|summary| summary.max),
-            Figure::Hausdorff => Some(level.hausdorff_of_diagonal),
-            Figure::Missed | Figure::Bytes => None,
+            Figure::MeanAngle => mean(angles),
+            Figure::P95Angle => p95(angles),
+            Figure::MaxAngle => angles.map(|angles| exactly(angles.summary.max)),
+            Figure::PatchAngle => patch(&level.patches.angle),
+            Figure::MeanColor => mean(color),
+            Figure::P95Color => p95(color),
+            Figure::PatchColor => patch(&level.patches.color).filter(|_| is_finite),
+            Figure::SurfaceMeanAngle => surface(|summary| summary.mean),
+            Figure::SurfaceP95Angle => surface(|summary| summary.p95),
+            Figure::SurfaceMaxAngle => surface(|summary| summary.max),
+            Figure::Missed => Some(level.coverage.missed_interval),
+            Figure::Completeness => Some(exactly(level.coverage.completeness)),
+            Figure::Hausdorff => Some([level.hausdorff_of_diagonal.lower, level.hausdorff_of_diagonal.upper]),
+            Figure::Silhouette => Some(exactly(level.silhouette.max_pixels)),
+            Figure::Flip => mean_of(&level.views, |view| view.flip).map(exactly),
+            Figure::WorstView => level.views.iter().map(|view| view.flip).reduce(f64::max).map(exactly),
+            Figure::Ssim => level.views.iter().map(|view| view.ssim).reduce(f64::min).map(exactly),
+            Figure::Bytes => None,
         }
     }
+}
+
+fn mean_of(views: &[ViewFigures], figure: fn(&ViewFigures) -> f64) -> Option<f64> {
+    let sum: f64 = views.iter().map(figure).sum();
+    (!views.is_empty()).then(|| sum / views.len() as f64)
 }
 
 impl FromStr for Requirement {
@@ -129,7 +177,7 @@ impl FromStr for Requirement {
         let figure = Figure::from_name(name)?;
         let level = level.map(|level| level_of(figure, level)).transpose().map_err(|why| wrong(&why))?;
         let most = most_of(figure, most.trim()).map_err(|why| wrong(&why))?;
-        Ok(Self { figure, most, level })
+        Ok(Self { level, ..Self::of(figure, most) })
     }
 }
 
@@ -184,35 +232,53 @@ fn unit_size(figure: Figure, name: &str) -> std::result::Result<f64, String> {
 pub struct Met {
     /// The figure that is limited.
     pub figure: Figure,
-    /// The most that it may be: degrees, parts of 1, or bytes.
+    /// The limit: degrees, ΔE, parts of 1, pixels, or bytes.
     pub most: f64,
     /// The level of detail, 0 the finest; `None` for a figure of the whole asset.
     pub level: Option<usize>,
-    /// The figure's value; `None` where it could not be measured.
-    pub value: Option<f64>,
-    /// `true` where it is no more.
+    /// The figure lies between these two, with a confidence of 99 % if it is estimated from samples; both are the same if it
+    /// is known exactly. `None` if it could not be measured.
+    pub interval: Option<[f64; 2]>,
+    /// `true` if the whole interval meets the limit.
     pub met: bool,
 }
 
 impl Met {
-    /// Tells value and limit in the figure's unit, such as `is 0.02 %, at most 0.1 %`. Both have all their digits where
-    /// fewer would hide that the value is larger.
+    /// Returns `true` if the limit lies within the interval, so that more samples may tell.
+    pub fn is_undecided(&self) -> bool {
+        let Some([low, high]) = self.interval else { return false };
+        !self.met && if self.figure.is_at_least() { high >= self.most } else { low <= self.most }
+    }
+
+    /// Returns the middle of the interval; `None` if the figure could not be measured.
+    pub fn value(&self) -> Option<f64> {
+        self.interval.map(|[low, high]| (low + high) / 2.0)
+    }
+
+    /// Returns value and limit in the figure's unit, such as `is 0.02 %, at most 0.1 %`. Both have all their digits if fewer
+    /// would hide that the limit is exceeded.
     pub fn text(&self) -> String {
         let Self { figure, most, .. } = *self;
-        let Some(value) = self.value else {
-            return format!("could not be measured, at most {}", figure.text(most));
+        let bound = if figure.is_at_least() { "at least" } else { "at most" };
+        let Some([low, high]) = self.interval else {
+            return format!("could not be measured, {bound} {}", figure.text(most));
         };
+        if self.is_undecided() {
+            let [low, high] = [low, high].map(|number| figure.text(number));
+            return format!("is undecided: between {low} and {high}, {bound} {}", figure.text(most));
+        }
+        let value = (low + high) / 2.0;
         let [mut told, mut limit] = [value, most].map(|number| figure.text(number));
         if !self.met && told == limit {
             [told, limit] = [value, most].map(|number| figure.exact_text(number));
         }
-        format!("is {told}, at most {limit}")
+        format!("is {told}, {bound} {limit}")
     }
 }
 
 impl Figures {
-    /// Holds each requirement against what was measured: a figure of levels of detail at every level, unless one is
-    /// named. What could not be measured, or a level that is not there, is not met.
+    /// Compares each requirement with what was measured: a figure of levels of detail at every level, unless one is named.
+    /// What could not be measured, or a level that does not exist, is not met.
     pub fn require(&self, requirements: &[Requirement]) -> Vec<Met> {
         requirements.iter().flat_map(|requirement| requirement.against(self)).collect()
     }

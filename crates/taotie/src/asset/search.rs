@@ -5,20 +5,21 @@ use super::low::{self, LowPoly};
 use super::maps::{Recipe, StoredMaps, bake_maps};
 use super::scan::Scan;
 use super::search_course::{Candidate, Course, Trial, Weight};
-use crate::bake::{ShownNormals, Simplified, Verifier};
+use crate::bake::{self, Simplified};
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Encoding, Texture};
 use crate::io::{self, GltfAsset, GltfFormat, GltfLevel};
 use crate::progress::Progress;
-use crate::scene::NormalSpace;
+use crate::proof::{self, Side};
+use crate::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
 /// The sizes that are tried: triangles, and texels along a side.
 const TRIANGLES: [u32; 9] = [1_000, 2_500, 5_000, 10_000, 20_000, 40_000, 80_000, 150_000, 300_000];
 const SIZES: [u32; 5] = [256, 512, 1024, 2048, 4096];
-/// The number of points at which a trial is measured.
-const POINTS: usize = 40_000;
+/// The number of pixels at which a trial is measured.
+const PIXELS: usize = 20_000;
 
 /// The mesh and map that were found.
 pub(super) struct Found {
@@ -39,7 +40,9 @@ pub(super) struct Found {
 pub(super) fn smallest(recipe: Recipe<'_>, scan: &Scan, most: f64, progress: Progress<'_>) -> Result<Found> {
     let total = scan.mesh().triangles().len();
     let (candidates, mut course) = (candidates(total), Course::default());
-    let mut search = Search { recipe, scan, known: BTreeMap::new(), best: None };
+    scan.sort(progress)?;
+    let side = Side::of(scan.sorted());
+    let mut search = Search { recipe, scan, side: &side, known: BTreeMap::new(), best: None };
     while let Some(candidate) = course.next(&candidates) {
         let (tried, mean_angle) = search.tried(candidate, progress)?;
         let weight = (mean_angle <= most).then(|| tried.weight()).transpose()?;
@@ -57,6 +60,7 @@ pub(super) fn smallest(recipe: Recipe<'_>, scan: &Scan, most: f64, progress: Pro
 struct Search<'a> {
     recipe: Recipe<'a>,
     scan: &'a Scan,
+    side: &'a Side<'a>,
     /// Maps of several sizes are tried on the same triangles.
     known: BTreeMap<u32, Simplified>,
     /// The smallest so far.
@@ -81,7 +85,7 @@ impl Search<'_> {
         let low = LowPoly::made(self.scan, simplified, size, progress)?;
         let pair = Pair { scan: self.scan, low: &low };
         let maps = bake_maps(self.recipe, [size; 2], pair, progress)?;
-        let mean_angle = mean_angle(pair, &maps)?;
+        let mean_angle = mean_angle(self.side, &low, &maps)?;
         Ok((Tried { low, maps, candidate }, mean_angle))
     }
 }
@@ -128,18 +132,23 @@ fn none_near_enough(most: f64, trials: &[Trial], scan: usize) -> Error {
     Error::invalid(format!("a mean normal error of {most}°"), why)
 }
 
-fn mean_angle(pair: Pair<'_>, maps: &StoredMaps) -> Result<f64> {
+/// Returns the mean angle as seen between a candidate and its scan, degrees.
+fn mean_angle(scan: &Side<'_>, low: &LowPoly, maps: &StoredMaps) -> Result<f64> {
     let Some(bitmap) = maps.textures.normal.clone() else {
         return Err(Error::invalid("a mean normal error", "it needs a normal map in tangent space"));
     };
-    let texture = Texture::new(bitmap, Encoding::Normal);
-    let sampler = io::gltf_sampler([&pair.low.mesh]);
-    let verifier = Verifier {
-        mesh: &pair.low.mesh,
-        normal: Some(ShownNormals { texture: &texture, space: NormalSpace::Tangent, sampler }),
-        cage: &maps.cage,
-        scan: pair.scan.sorted(),
-    };
-    let angles = verifier.normal_error(POINTS)?.angles;
-    Ok(angles.summary().map_or(f64::INFINITY, |summary| summary.mean))
+    let (space, green, transform) = (NormalSpace::Tangent, GreenChannel::Up, UvTransform::default());
+    let texture = TextureRef { texture: 0, uv_set: 0, sampler: io::gltf_sampler([&low.mesh]), transform };
+    let normal = Some(NormalMap { texture, scale: 1.0, space, green });
+    let mut scene = Scene::of_mesh(low.mesh.clone(), Material::default())?;
+    scene.edit(|scene| {
+        scene.textures = vec![Texture::new(bitmap, Encoding::Normal)];
+        scene.materials = vec![Material { normal, double_sided: low.material.double_sided, ..Material::default() }];
+    })?;
+    let surface = bake::Scan::new(scene)?;
+    let asset = scan.like(&surface);
+    let diagonal = scan.surface.mesh().diagonal() as f32;
+    let pair = proof::Pair { scan, asset: &asset, diagonal, has_material: false };
+    let angles = proof::overview(&pair, PIXELS)?.angles;
+    Ok(angles.map_or(f64::INFINITY, |angles| angles.summary.mean))
 }

@@ -1,101 +1,104 @@
-//! An asset as a viewer shows it, part by part, and the means to measure it.
+//! A level of detail of an asset as a viewer shows it, and the means to measure it.
 
-use super::level_figures::{LevelSurface, PartSurface};
+use super::level_figures::PartSurface;
 use super::scan::Scan;
-use crate::bake::{Cage, ShownNormals, TexturedMesh, Verifier, framed_low_poly_mesh, low_poly_mesh};
+use crate::bake::{self, Cage, TexturedMesh, Verifier};
 use crate::error::{Error, Result};
-use crate::mesh::Mesh;
-use crate::scene::{NormalSpace, Scene};
-use crate::surface::with_frames;
+use crate::scene::Scene;
 use std::path::Path;
 
-/// The triangles of one material at a level of detail.
-pub(super) struct Shown<'a> {
-    pub mesh: Mesh,
-    pub normal: Option<ShownNormals<'a>>,
-    /// The same triangles with all that the file says of their material.
-    pub material: TexturedMesh,
-}
-
-impl<'a> Shown<'a> {
-    /// Takes all of a scene that was read from `path`, which shows one normal map.
-    pub fn of(scene: &'a Scene, object_map: Option<ShownNormals<'a>>, path: &Path) -> Result<Self> {
-        let Some(first) = scene.instances().first() else { return Err(empty(path)) };
-        let normal = object_map.or(normal_map(scene, first.material));
-        let material = TexturedMesh::new(scene.clone())?;
-        // Triangles of several alpha modes are several meshes, whose order is that of the material's.
-        let joined = match scene.instances() {
-            [_] => low_poly_mesh(scene.clone())?,
-            _ => material.mesh().clone(),
-        };
-        let mesh = with_frames(&joined, 0, None)?.0.into_owned();
-        Ok(Self { mesh, normal, material })
-    }
-
-    /// Takes the triangles that show a material, without its normal map.
-    pub fn of_material(scene: &'a Scene, material: usize, path: &Path) -> Result<Self> {
-        let mut own = scene.clone();
-        own.edit(|scene| scene.instances.retain(|instance| instance.material == material))?;
-        if own.instances().is_empty() {
-            return Err(empty(path));
-        }
-        let mesh = framed_low_poly_mesh(own.clone())?;
-        Ok(Self { mesh, normal: None, material: TexturedMesh::new(own)? })
-    }
-}
-
-fn empty(path: &Path) -> Error {
-    Error::invalid(path.display().to_string(), "read back, it has no triangles")
-}
-
-/// Returns the normal map of a material.
-pub(super) fn normal_map(scene: &Scene, material: usize) -> Option<ShownNormals<'_>> {
-    let map = scene.materials().get(material)?.normal.as_ref()?;
-    Some(ShownNormals {
-        texture: &scene.textures()[map.texture.texture],
-        space: NormalSpace::Tangent,
-        sampler: map.texture.sampler,
-    })
-}
+/// Materials that are measured one by one, at most; more are measured as one.
+const MOST_PARTS: usize = 64;
 
 /// The triangles of one material, and the cage from which they are projected onto the scan.
-pub(super) struct ShownPart<'a> {
-    pub shown: Shown<'a>,
-    pub cage: Cage,
+pub(super) struct ShownPart {
+    /// The material's name, or its number if it has none; empty if the asset has but one.
+    pub label: String,
+    pub shown: TexturedMesh,
+    /// `true` if the material has a map that bends normals.
+    pub has_relief: bool,
+    cage: Cage,
 }
 
-/// The surfaces that are measured, and the means.
-pub(super) struct Subject<'a> {
+/// A level of detail, sorted for rays.
+pub(super) struct ShownLevel<'a> {
+    /// All of its triangles.
+    pub surface: bake::Scan,
     /// At least one.
-    pub parts: Vec<ShownPart<'a>>,
-    /// The triangles of all of them; `None` where there is but one.
-    pub whole: Option<Mesh>,
-    pub scan: &'a Scan,
-    /// `true` where the files say what their material is.
-    pub has_material: bool,
+    pub parts: Vec<ShownPart>,
+    scan: &'a Scan,
+    whole_cage: Cage,
+    /// `true` if the files state their material, and the scan too.
+    has_material: bool,
 }
 
-impl Subject<'_> {
-    /// Returns the surfaces of all parts.
-    pub fn surface(&self) -> LevelSurface<'_> {
-        LevelSurface {
-            parts: self.parts.iter().map(|part| self.of_part(part)).collect(),
-            whole: self.whole(),
+impl ShownPart {
+    fn of(scene: Scene, label: String, scan: &Scan) -> Result<Self> {
+        let has_relief = scene.instances().iter().any(|instance| {
+            let material = &scene.materials()[instance.material];
+            material.normal.is_some() || material.height.is_some()
+        });
+        let shown = TexturedMesh::new(scene)?;
+        let cage = Cage::automatic(shown.mesh(), scan.sorted());
+        Ok(Self { label, shown, has_relief, cage })
+    }
+}
+
+impl<'a> ShownLevel<'a> {
+    /// Takes a scene that was read from `path`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if it has no triangles; [`Error::Limit`] for more than 2^32 − 1 vertices.
+    pub fn of(scene: &Scene, scan: &'a Scan, (path, has_material): (&Path, bool)) -> Result<Self> {
+        let surface = bake::Scan::new(scene.clone())?;
+        if surface.mesh().triangles().is_empty() {
+            return Err(Error::invalid(path.display().to_string(), "it has no triangles to measure"));
         }
+        let mut used: Vec<usize> = scene.instances().iter().map(|instance| instance.material).collect();
+        used.sort_unstable();
+        used.dedup();
+        let parts = match used.len() {
+            2..=MOST_PARTS => used.iter().map(|material| part(scene, *material, scan)).collect::<Result<_>>()?,
+            _ => vec![ShownPart::of(scene.clone(), String::new(), scan)?],
+        };
+        let whole_cage = match &parts[..] {
+            [only] => only.cage.clone(),
+            _ => Cage::automatic(surface.mesh(), scan.sorted()),
+        };
+        let has_material = has_material && !scan.about.is_plain;
+        Ok(Self { surface, parts, scan, whole_cage, has_material })
     }
 
-    fn of_part<'s>(&'s self, part: &'s ShownPart<'_>) -> PartSurface<'s> {
-        let Shown { mesh, normal, material } = &part.shown;
-        let plain = Verifier { mesh, normal: None, cage: &part.cage, scan: self.scan.sorted() };
-        let mapped = Verifier { normal: *normal, ..plain };
-        let is_compared = self.has_material && !self.scan.about.is_plain;
-        PartSurface { mapped, plain, material: is_compared.then_some(material) }
+    /// Returns the surfaces of all parts.
+    pub fn part_surfaces(&self) -> Vec<PartSurface<'_>> {
+        self.parts.iter().map(|part| self.of_part(part)).collect()
     }
 
-    /// Returns all triangles, for distances alone.
+    fn of_part<'s>(&'s self, part: &'s ShownPart) -> PartSurface<'s> {
+        let (mesh, cage) = (part.shown.mesh(), &part.cage);
+        let plain = Verifier { mesh, shown: None, cage, scan: self.scan.sorted() };
+        let mapped = Verifier { shown: Some(&part.shown), ..plain };
+        PartSurface { mapped, plain, material: self.has_material.then_some(&part.shown) }
+    }
+
+    /// Returns all triangles, for their fit to the scan.
     pub fn whole(&self) -> Verifier<'_> {
-        let first = &self.parts[0];
-        let mesh = self.whole.as_ref().unwrap_or(&first.shown.mesh);
-        Verifier { mesh, normal: None, cage: &first.cage, scan: self.scan.sorted() }
+        Verifier { mesh: self.surface.mesh(), shown: None, cage: &self.whole_cage, scan: self.scan.sorted() }
     }
+
+    /// Returns `true` if colours and materials are compared.
+    pub fn has_material(&self) -> bool {
+        self.has_material
+    }
+}
+
+/// Returns the triangles that show one material of several.
+fn part(scene: &Scene, material: usize, scan: &Scan) -> Result<ShownPart> {
+    let mut own = scene.clone();
+    own.edit(|scene| scene.instances.retain(|instance| instance.material == material))?;
+    let label = match scene.materials()[material].name.as_str() {
+        "" => format!("material {material}"),
+        name => name.to_owned(),
+    };
+    ShownPart::of(own, label, scan)
 }

@@ -2,7 +2,7 @@
 
 use super::look;
 use crate::bake::MapKind;
-use crate::scene::{Material, NormalSpace, Scene, Specular};
+use crate::scene::{Material, Scene, Specular};
 
 /// A layer of a material: the test for it, and its name.
 type Layer = (fn(&Material) -> bool, &'static str);
@@ -15,22 +15,21 @@ const LAYERS: [Layer; 4] = [
     (|m| m.specular != Specular::default() || m.ior != 1.5, "specular strength and index of refraction"),
 ];
 
-/// Returns what an asset holds, or its scan, that no figure and no image compares.
-pub(super) fn unseen(maps: &[MapKind], space: NormalSpace, [scan, asset]: [&Scene; 2]) -> Vec<String> {
-    let blind = [
-        (MapKind::Occlusion, "ambient occlusion, whose rays are not traced a second time"),
-        (MapKind::OcclusionMap, "the occlusion of the scan's own texture"),
-        (MapKind::Bent, "bent normals"),
-        (MapKind::Height, "heights"),
-        (MapKind::Curvature, "curvature"),
-    ];
+/// Returns what the files of an asset hold, or its scan, that no figure and no image compares; `poses` if one of them moves.
+pub(super) fn unseen([scan, asset]: [&Scene; 2], poses: bool) -> Vec<String> {
     let materials = || look::used(scan).chain(look::used(asset));
-    let is_beside = space == NormalSpace::Object && maps.contains(&MapKind::Normal);
-    let beside = is_beside.then_some("the object-space normal map in the images");
-    let maps = blind.into_iter().filter(|(map, _)| maps.contains(map)).map(|(_, what)| what);
-    let layers = LAYERS.into_iter().filter(|(has, _)| materials().any(has)).map(|(_, what)| what);
     let plain = look::is_plain(scan).then_some("colour and material, of which the scan says nothing");
-    plain.into_iter().chain(beside).chain(maps).chain(layers).map(str::to_owned).collect()
+    let poses = poses.then_some("poses: an animated asset is compared at rest");
+    let has_occlusion = look::used(asset).any(|material| material.occlusion_texture.is_some());
+    let occlusion = has_occlusion.then_some("ambient occlusion, whose rays are not traced a second time");
+    let layers = LAYERS.into_iter().filter(|(has, _)| materials().any(has)).map(|(_, what)| what);
+    plain.into_iter().chain(poses).chain(occlusion).chain(layers).map(str::to_owned).collect()
+}
+
+/// Returns the maps that stand beside an asset and are not compared with anything.
+pub(super) fn unproved_maps(maps: &[MapKind]) -> Vec<String> {
+    let blind = [(MapKind::Bent, "bent normals"), (MapKind::Height, "heights"), (MapKind::Curvature, "curvature")];
+    blind.into_iter().filter(|(map, _)| maps.contains(map)).map(|(_, what)| what.to_owned()).collect()
 }
 
 #[cfg(test)]
@@ -48,12 +47,10 @@ mod tests {
         let sheen = Sheen { color: [1.0; 3], color_texture: None, roughness: 0.5, roughness_texture: None };
         let plain = ball(Material::default());
         let felt = ball(Material { sheen: Some(sheen), ..Material::default() });
-        let maps = [MapKind::Normal, MapKind::Height];
-        let named = unseen(&maps, NormalSpace::Tangent, [&plain, &plain]);
-        assert_eq!(named, ["colour and material, of which the scan says nothing", "heights"]);
-        assert_eq!(unseen(&maps, NormalSpace::Tangent, [&felt, &plain]), ["heights", "sheen"]);
-        assert_eq!(unseen(&[], NormalSpace::Object, [&felt, &felt]), ["sheen"]);
-        let named = unseen(&maps, NormalSpace::Object, [&felt, &felt]);
-        assert_eq!(named, ["the object-space normal map in the images", "heights", "sheen"]);
+        let plainly = "colour and material, of which the scan says nothing";
+        assert_eq!(unseen([&plain, &plain], false), [plainly]);
+        assert_eq!(unseen([&felt, &plain], false), ["sheen"]);
+        assert_eq!(unseen([&plain, &plain], true)[1], "poses: an animated asset is compared at rest");
+        assert_eq!(unproved_maps(&[MapKind::Normal, MapKind::Height]), ["heights"]);
     }
 }

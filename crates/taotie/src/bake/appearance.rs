@@ -155,6 +155,13 @@ impl Appearance {
         }
     }
 
+    /// Returns the width of the finest texel of all textures at a point, model units; `None` without textures.
+    pub fn texel_size(&self, mesh: &Mesh, point: Point) -> Option<f32> {
+        let textures = self.material(point.triangle).textures();
+        let widths = textures.iter().filter_map(|used| self.texture(mesh, used).texel_size(point));
+        widths.reduce(f32::min)
+    }
+
     /// Returns the value of the base colour's texture; white without one.
     fn base_texture(&self, mesh: &Mesh, at: LookupPoint, material: &Material) -> [f32; 4] {
         let Some(used) = &material.base_color_texture else { return [1.0; 4] };

@@ -97,6 +97,12 @@ impl TextureOnMesh<'_> {
         uv_derivatives(self.mesh.corners(point.triangle as usize), places)
     }
 
+    /// Returns the width of a texel of the finest level at a point, model units; `None` if uvs span no area.
+    pub fn texel_size(&self, point: Point) -> Option<f32> {
+        let derivatives = self.derivatives(point)?;
+        Some(poly::exp2(-self.lod(&derivatives, 1.0)))
+    }
+
     fn lod_at(&self, at: LookupPoint) -> f32 {
         // Told apart first, since most lookups of the finest level need no derivatives.
         if at.width > 0.0 { self.derivatives(at.point).map_or(0.0, |d| self.lod(&d, at.width)) } else { 0.0 }

@@ -8,7 +8,7 @@ use super::normal_source::NormalSource;
 use super::texture_lookup::LookupPoint;
 use crate::error::Result;
 use crate::math::{Mat4, Vec3};
-use crate::mesh::{Mesh, MeshData};
+use crate::mesh::{Mesh, MeshData, Point};
 use crate::scene::{AlphaMode, Instance, Material, Scene, SceneData};
 use crate::surface::with_frames;
 use std::collections::HashMap;
@@ -95,6 +95,24 @@ impl TexturedMesh {
     /// Where the mesh has no such triangle.
     pub fn normal(&self, at: LookupPoint, smooth: Vec3) -> MappedNormal {
         self.appearance.normal(&self.mesh, at, smooth)
+    }
+
+    /// Returns the width of the finest texel of all textures at a point, model units; `None` without textures.
+    ///
+    /// # Panics
+    /// If the mesh has no such triangle.
+    pub fn texel_size(&self, point: Point) -> Option<f32> {
+        self.appearance.texel_size(&self.mesh, point)
+    }
+
+    /// Returns the texels across and down of the first normal map, else of the largest texture; `None` without textures.
+    pub fn map_size(&self) -> Option<[u32; 2]> {
+        let Appearance { materials, textures, parts, .. } = &self.appearance;
+        let size = |texture: usize| [textures[texture].width(), textures[texture].height()];
+        let used = || parts.iter().map(|part| &materials[part.material]);
+        let normal = used().find_map(|material| material.normal).map(|map| size(map.texture.texture));
+        let all = || used().flat_map(Material::textures).map(|used| size(used.texture));
+        normal.or_else(|| all().max_by_key(|[width, height]| u64::from(*width) * u64::from(*height)))
     }
 
     /// Returns what the material is at a point.

@@ -4,47 +4,25 @@ use super::cage::{Cage, triangle_weights};
 use super::layout::{BAND, Layout};
 use super::projection::Correspondence;
 use super::scan::Scan;
+use super::texture_lookup::LookupPoint;
+use super::textured_mesh::TexturedMesh;
 use crate::compare::{Field, angle_deg};
 use crate::error::{Error, Result};
-use crate::image::{Sampler, Texture};
-use crate::math::{Vec2, Vec3, sequence::Sequence};
+use crate::math::{Vec3, sequence::Sequence};
 use crate::mesh::{Mesh, Point};
 use crate::parallel;
-use crate::scene::NormalSpace;
-use crate::surface::{decode_normal, decode_object_normal, facet_normal, tangent_normal};
-use crate::trace::Bvh;
+use crate::surface::facet_normal;
 
-/// A low-poly mesh as a viewer shows it.
+/// A low-poly mesh as a viewer shows it, measured along the rays of a bake.
 pub struct Verifier<'a> {
-    /// With uvs, normals and tangents.
+    /// With normals.
     pub mesh: &'a Mesh,
-    /// Its normal map; without one its vertex normals are measured.
-    pub normal: Option<ShownNormals<'a>>,
+    /// The same triangles with their material, whose normals are measured; `None` measures the vertex normals.
+    pub shown: Option<&'a TexturedMesh>,
     /// The cage from which each of its points is projected onto the scan.
     pub cage: &'a Cage,
     /// The scan that it should look like.
     pub scan: &'a Scan,
-}
-
-/// A normal map as a viewer looks it up.
-#[derive(Debug, Clone, Copy)]
-pub struct ShownNormals<'a> {
-    /// The map, on the first uv set.
-    pub texture: &'a Texture,
-    /// The space of its vectors.
-    pub space: NormalSpace,
-    /// The sampler that the file gives it. Its wrapping counts; its filters choose among levels, which are not read.
-    pub sampler: Sampler,
-}
-
-impl ShownNormals<'_> {
-    /// Returns the red, green and blue at a place, bilinear at the finest level.
-    fn at(&self, uv: Vec2) -> Vec3 {
-        let Sampler { wrap_u, wrap_v, .. } = self.sampler;
-        let sampler = Sampler { wrap_u, wrap_v, ..Sampler::BILINEAR };
-        let [r, g, b, _] = sampler.sample(self.texture, uv, 0.0);
-        Vec3::new(r, g, b)
-    }
 }
 
 /// The angles between normals and those of the scan.
@@ -58,40 +36,13 @@ pub struct NormalError {
     pub lost: f64,
 }
 
-/// The distance of two surfaces from one another, model units.
-#[derive(Debug, Clone)]
-pub struct Deviation {
-    /// From points of the scan to the low-poly mesh.
-    pub of_scan: Field,
-    /// From points of the low-poly mesh to the scan.
-    pub of_light: Field,
-}
-
-impl Deviation {
-    /// Returns the largest distance either way; infinite where one could not be measured.
-    pub fn hausdorff(&self) -> f64 {
-        self.both().fold(0.0, f64::max)
-    }
-
-    /// Returns the square root of the mean squared distance, over both ways.
-    pub fn rms(&self) -> f64 {
-        let (sum, count) = self.both().fold((0.0, 0usize), |(sum, count), d| (sum + d * d, count + 1));
-        (sum / count.max(1) as f64).sqrt()
-    }
-
-    fn both(&self) -> impl Iterator<Item = f64> + '_ {
-        let all = self.of_scan.values().iter().chain(self.of_light.values());
-        all.map(|d| f64::from(*d)).filter(|d| !d.is_nan())
-    }
-}
-
 impl Verifier<'_> {
     /// Measures the angle between the normal that a viewer shows, the map looked up bilinearly at its finest level, and
     /// the scan's, at `count` points spread evenly over the low-poly mesh's area. The scan's normal and height maps are
     /// read at their finest level, so relief that the low-poly mesh cannot hold counts.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where the mesh has no area, or lacks uvs, normals or tangents for its map.
+    /// [`Error::Invalid`] if the mesh has no area, no normals, or other triangles than its material.
     pub fn normal_error(&self, count: usize) -> Result<NormalError> {
         self.check()?;
         let point = sample_area(self.mesh, count)?;
@@ -108,7 +59,7 @@ impl Verifier<'_> {
     /// Returns the same angle at the middle of each texel of a map of this size, NaN away from all UV islands.
     ///
     /// # Errors
-    /// As [`Verifier::normal_error`].
+    /// As [`Verifier::normal_error`]; [`Error::Invalid`] if the mesh has no uvs.
     pub fn error_map(&self, size: [u32; 2]) -> Result<Field> {
         self.check()?;
         let layout = Layout::new(self.mesh, size, 1)?;
@@ -123,55 +74,14 @@ impl Verifier<'_> {
         Field::new(size[0], size[1], values)
     }
 
-    /// Returns the distances between the surfaces, from `count` points spread evenly over the area of each.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] where one of them has no area.
-    pub fn deviation(&self, count: usize) -> Result<Deviation> {
-        let light = Bvh::of(self.mesh.triangles().len(), |t| self.mesh.corners(t));
-        let measure = |from: &Mesh, to: &Bvh| {
-            let point = sample_area(from, count)?;
-            let distance = |i: usize| {
-                let closest = to.closest(point(i).position(from), f32::INFINITY);
-                closest.map_or(f32::INFINITY, |closest| closest.distance)
-            };
-            Field::new(count as u32, 1, parallel::collect(count, distance))
-        };
-        Ok(Deviation {
-            of_scan: measure(self.scan.mesh(), &light)?,
-            of_light: measure(self.mesh, self.scan.bvh())?,
-        })
-    }
-
-    /// Texels a model unit on each triangle of the low-poly mesh, on a map of this size; NaN for those without area.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] where the mesh has no uvs or no triangles.
-    pub fn density(&self, [width, height]: [u32; 2]) -> Result<Field> {
-        let Some(uvs) = self.mesh.uvs().first() else {
-            return Err(Error::invalid("the low-poly mesh", "it has no uvs"));
-        };
-        let density = |t: usize| {
-            let [a, b, c] = self.mesh.triangles()[t].map(|v| uvs[v as usize]);
-            let texels = f64::from(width) * f64::from(height);
-            let (e, f) = (b - a, c - a);
-            let on_map = f64::from((e.x * f.y - e.y * f.x).abs()) * texels;
-            (on_map / doubled_area(self.mesh, t)).sqrt() as f32
-        };
-        let count = self.mesh.triangles().len();
-        Field::new(count as u32, 1, parallel::collect(count, density))
-    }
-
-    fn check(&self) -> Result<()> {
-        let lacks_frames = self.mesh.normals().is_empty() || self.mesh.tangents().is_empty();
-        match self.normal {
-            Some(_) if self.mesh.uvs().is_empty() || lacks_frames => Err(Error::invalid(
+    pub(super) fn check(&self) -> Result<()> {
+        let count = |mesh: &Mesh| mesh.triangles().len();
+        match self.shown {
+            Some(shown) if count(shown.mesh()) != count(self.mesh) => Err(Error::invalid(
                 "the low-poly mesh",
-                "it has a normal map but no uvs, normals or tangents",
+                format!("it has {} triangles; the mesh of its material has {}", count(self.mesh), count(shown.mesh())),
             )),
-            None if self.mesh.normals().is_empty() => {
-                Err(Error::invalid("the low-poly mesh", "it has no normals"))
-            }
+            None if self.mesh.normals().is_empty() => Err(Error::invalid("the low-poly mesh", "it has no normals")),
             _ => Ok(()),
         }
     }
@@ -200,15 +110,8 @@ impl Verifier<'_> {
 
     /// Returns the normal that a viewer shows.
     fn shown(&self, point: Point) -> Vec3 {
-        let mesh = self.mesh;
-        let Some(normals) = self.normal else { return point.mean_normal(mesh) };
-        let stored = normals.at(point.uv(mesh, 0));
-        if normals.space == NormalSpace::Object {
-            return decode_object_normal(stored);
-        }
-        let frame = point.frame(mesh);
-        let map = decode_normal(stored, 1.0, 1.0);
-        tangent_normal(frame.normal, frame.tangent, frame.handedness, map)
+        let Some(shown) = self.shown else { return point.mean_normal(self.mesh) };
+        shown.normal(LookupPoint::finest(point), point.normal(shown.mesh())).normal
     }
 }
 
@@ -222,13 +125,32 @@ pub(super) enum Way {
 }
 
 /// Returns each of `count` points spread evenly over a mesh's area by its number; they are the same for the same mesh.
-pub(super) fn sample_area(mesh: &Mesh, count: usize) -> Result<impl Fn(usize) -> Point + Sync> {
+pub(crate) fn sample_area(mesh: &Mesh, count: usize) -> Result<impl Fn(usize) -> Point + Sync + '_> {
+    sample_triangles(mesh, None, count)
+}
+
+/// Returns each of `count` points spread evenly over the area of some triangles of a mesh by its number.
+pub(crate) fn sample_area_of<'a>(
+    mesh: &'a Mesh,
+    triangles: &'a [u32],
+    count: usize,
+) -> Result<impl Fn(usize) -> Point + Sync + 'a> {
+    sample_triangles(mesh, Some(triangles), count)
+}
+
+/// Samples the triangles `some`, or all of them.
+fn sample_triangles<'a>(
+    mesh: &'a Mesh,
+    some: Option<&'a [u32]>,
+    count: usize,
+) -> Result<impl Fn(usize) -> Point + Sync + 'a> {
     /// Triangles whose areas have one sum, so that sums take little memory.
     const BLOCK: usize = 32;
-    let triangles = mesh.triangles().len();
+    let triangles = some.map_or(mesh.triangles().len(), <[u32]>::len);
+    let numbered = move |i: usize| some.map_or(i, |some| some[i] as usize);
     let areas = move |block: usize| {
         let block = block * BLOCK..((block + 1) * BLOCK).min(triangles);
-        block.map(move |t| doubled_area(mesh, t)).map(|area| if area.is_finite() { area } else { 0.0 })
+        block.map(move |i| doubled_area(mesh, numbered(i))).map(|area| if area.is_finite() { area } else { 0.0 })
     };
     // The area up to the end of each block.
     let mut sums: Vec<f64> = parallel::collect(triangles.div_ceil(BLOCK), |block| areas(block).sum());
@@ -251,8 +173,8 @@ pub(super) fn sample_area(mesh: &Mesh, count: usize) -> Result<impl Fn(usize) ->
             before += area;
             before <= target
         };
-        let triangle = (block * BLOCK + areas(block).take_while(is_before).count()).min(triangles - 1);
-        Point { triangle: triangle as u32, weights: triangle_weights(u, v) }
+        let place = (block * BLOCK + areas(block).take_while(is_before).count()).min(triangles - 1);
+        Point { triangle: numbered(place) as u32, weights: triangle_weights(u, v) }
     })
 }
 

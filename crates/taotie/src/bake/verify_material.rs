@@ -5,7 +5,7 @@ use super::texture_lookup::LookupPoint;
 use super::textured_mesh::TexturedMesh;
 use super::verify::{Verifier, sample_area};
 use crate::compare::{Field, color_difference};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::math::Vec3;
 use crate::mesh::Point;
 use crate::parallel;
@@ -37,7 +37,7 @@ impl Verifier<'_> {
     /// # Errors
     /// [`Error::Invalid`] where the mesh has no area, or other triangles than `shown`.
     pub fn material_error(&self, shown: &TexturedMesh, count: usize) -> Result<MaterialError> {
-        self.check_triangles(shown)?;
+        self.check()?;
         let point = sample_area(self.mesh, count)?;
         let found = parallel::collect(count, |i| self.material_difference(shown, point(i)));
         let field = |of: fn(&Difference) -> f32| Field::new(count as u32, 1, found.iter().map(of).collect());
@@ -57,7 +57,7 @@ impl Verifier<'_> {
     /// # Errors
     /// As [`Verifier::material_error`]; [`Error::Invalid`] where the mesh has no uvs.
     pub fn color_map(&self, shown: &TexturedMesh, size: [u32; 2]) -> Result<Field> {
-        self.check_triangles(shown)?;
+        self.check()?;
         let layout = Layout::new(self.mesh, size, 1)?;
         let mut values = vec![f32::NAN; size[0] as usize * size[1] as usize];
         parallel::pieces(&mut values, (BAND * size[0]) as usize, &|band, values| {
@@ -69,17 +69,6 @@ impl Verifier<'_> {
             });
         });
         Field::new(size[0], size[1], values)
-    }
-
-    fn check_triangles(&self, shown: &TexturedMesh) -> Result<()> {
-        let [own, others] = [self.mesh, shown.mesh()].map(|mesh| mesh.triangles().len());
-        if own == others {
-            return Ok(());
-        }
-        Err(Error::invalid(
-            "the low-poly mesh",
-            format!("it has {own} triangles; the mesh of its material has {others}"),
-        ))
     }
 
     fn material_difference(&self, shown: &TexturedMesh, point: Point) -> Difference {

@@ -19,7 +19,7 @@ mod walk;
 
 pub use bvh::{Bvh, Hit};
 pub use flat::{FlatBox, FlatBvh};
-pub use nearby::Closest;
+pub use nearby::{Closest, distance_to_triangle};
 pub use nearest::{Nearest, RayInterval};
 pub use packet_origins::{PacketOrigins, ParallelRays};
 pub use ray_packet::{PacketView, RayPacket};

@@ -22,6 +22,12 @@ impl Closest {
     }
 }
 
+/// Returns the distance of a point from a triangle.
+pub fn distance_to_triangle(corners: [Vec3; 3], point: Vec3) -> f32 {
+    let weights = closest_weights(corners, point);
+    (corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2] - point).length()
+}
+
 /// Visits nodes from near to far, and passes over those that begin farther away than the best so far.
 pub(super) fn closest(tree: &Tree, point: Vec3, reach: f32) -> Option<Closest> {
     let mut best: Option<(f32, Closest)> = None;

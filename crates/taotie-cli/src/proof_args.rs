@@ -1,0 +1,47 @@
+//! Options of a proof that `bake` and `verify` share.
+
+use clap::Args;
+use taotie::asset::{Requirement, VerifyOptions};
+
+/// What is measured, and what it has to be.
+#[derive(Args)]
+#[command(next_help_heading = "Proof")]
+pub struct ProofArgs {
+    /// Exit with 1 unless every figure keeps to its limit. As seen, at the same pixel: mean-angle, p95-angle, max-angle (°),
+    /// mean-color, p95-color (CIEDE2000), and patch-angle, patch-color (the mean in the worst 1 % of the surface, seen close
+    /// up). On the surface, along the rays of a bake: surface-mean-angle, surface-p95-angle, surface-max-angle. Shape: missed
+    /// (visible surface that the other lacks, %), completeness (at least, %), hausdorff (upper bound of the largest distance,
+    /// % of the diagonal), silhouette (pixels of 512). Images: flip, worst-view, ssim (at least). bytes may have B, kB, MB,
+    /// GB, KiB, MiB, GiB. `standard` stands for mean-angle=1, p95-angle=5, patch-angle=10, missed=0.1%, hausdorff=1%,
+    /// mean-color=1, patch-color=3. Every level of detail counts; mean-angle@1=5 is for level 1 only, level 0 is the finest
+    #[arg(long, value_name = "standard|FIGURE[@LEVEL]=LIMIT[UNIT],...", value_delimiter = ',', value_parser = required)]
+    require: Vec<Required>,
+    /// Pixels of the overview and points of each surface that are compared at first, at least 10. If a limit lies within the
+    /// 99 % interval of what was found, they are doubled, up to 4 million
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=4_000_000), default_value_t = 20_000)]
+    proof_points: u32,
+    /// Width and height of the images from all sides that are compared, 11 to 4096 pixels
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(11..=4096), default_value_t = 384)]
+    proof_view: u32,
+}
+
+/// One requirement, or several that have a name.
+#[derive(Debug, Clone)]
+struct Required(Vec<Requirement>);
+
+fn required(text: &str) -> Result<Required, String> {
+    Requirement::read(text).map(Required).map_err(|error| error.to_string())
+}
+
+impl ProofArgs {
+    /// Returns all requirements.
+    pub fn requirements(&self) -> Vec<Requirement> {
+        self.require.iter().flat_map(|required| required.0.clone()).collect()
+    }
+
+    /// Returns the way in which the error is measured.
+    pub fn options(&self) -> VerifyOptions {
+        let (points, view) = (self.proof_points as usize, self.proof_view);
+        VerifyOptions { points, view, requirements: self.requirements(), ..VerifyOptions::default() }
+    }
+}

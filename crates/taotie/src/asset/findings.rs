@@ -1,0 +1,82 @@
+//! What a proof finds wrong, in plain words: how much of the surface, and where.
+
+use super::level_figures::LevelFigures;
+use super::shown::ShownLevel;
+use crate::error::Warnings;
+use crate::proof::Patch;
+
+/// Shares of the area below this are noise: folds, thin cracks.
+const WORTH_A_WORD: f64 = 0.01;
+/// More of the surface missed than this is worth a warning.
+const MISSED: f64 = 0.001;
+/// Texels that are coarser than the scan's detail on a larger share than this lose something.
+const COARSE: f64 = 0.005;
+/// The mean differences of the worst window from which on it is worth a warning: degrees, and CIEDE2000.
+const PATCH_DEG: f64 = 10.0;
+const PATCH_COLOR: f64 = 3.0;
+
+/// Notes what the finest level of an asset shows otherwise than its scan.
+pub(super) fn note(figures: &LevelFigures, level: &ShownLevel<'_>, warnings: &mut Warnings) {
+    note_coverage(figures, warnings);
+    let LevelFigures { patches, resolution, .. } = figures;
+    if let Some(patch) = patches.angle.filter(|patch| patch.mean > PATCH_DEG) {
+        let what = format!("normals are off by {:.1}° on average {}: relief is lost, inverted or moved", patch.mean, there(&patch));
+        warnings.note(what, 1);
+    }
+    if let Some(patch) = patches.color.filter(|patch| patch.mean > PATCH_COLOR) {
+        let what = format!("colours are off by ΔE {:.1} on average {}", patch.mean, there(&patch));
+        warnings.note(what, 1);
+    }
+    if let Some(resolution) = resolution.filter(|resolution| resolution.share > COARSE) {
+        let (times, share) = (resolution.coarser, percent(resolution.share));
+        let what = format!(
+            "texels are up to {times:.1} × coarser than the scan's detail on {share} of the surface; take a larger map"
+        );
+        warnings.note(what, 1);
+    }
+    let gains = match (&figures.surface_angles, &figures.without_map) {
+        (Some(mapped), Some(plain)) => mapped.mean < plain.mean,
+        _ => true,
+    };
+    let has_relief = level.parts.iter().any(|part| part.has_relief);
+    warnings.note(
+        "the normal map does not bring the asset closer to the scan than its vertex normals: is it the map of this scan, \
+         and is its green channel up?",
+        usize::from(has_relief && !gains),
+    );
+}
+
+fn note_coverage(figures: &LevelFigures, warnings: &mut Warnings) {
+    let coverage = &figures.coverage;
+    if coverage.is_interior {
+        warnings.note("the scan is an interior: what is compared is what can be seen from its largest free space", 1);
+    }
+    if coverage.hidden_of_scan > WORTH_A_WORD {
+        let share = percent(coverage.hidden_of_scan);
+        let what = format!(
+            "{share} of the scan's area cannot be seen (hidden walls, ghost layers, duplicate shells or cavities); it is not \
+             compared"
+        );
+        warnings.note(what, 1);
+    }
+    let place = coverage.missed_at.map_or_else(String::new, |at| format!(", most of it around {}", coordinates(at)));
+    let missed = [
+        (coverage.missed_of_scan, "of the scan's visible area has nothing in its place on the asset"),
+        (coverage.missed_of_asset, "of the asset's visible area shows what the scan does not have there"),
+    ];
+    for (share, what) in missed.into_iter().filter(|(share, _)| *share > MISSED) {
+        warnings.note(format!("{} {what}{place}", percent(share)), 1);
+    }
+}
+
+fn there(patch: &Patch) -> String {
+    format!("in the worst 1 % of the surface, around {}", coordinates(patch.center))
+}
+
+fn coordinates([x, y, z]: [f64; 3]) -> String {
+    format!("({x:.4}, {y:.4}, {z:.4})")
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", share * 100.0)
+}

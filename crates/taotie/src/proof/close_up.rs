@@ -1,0 +1,146 @@
+//! Points spread over what can be seen of a surface, each compared with what the other surface shows there.
+
+use super::footprint::Footprint;
+use super::pair::{Look, Pair, Sample, Side, view_ray};
+use crate::bake::{LookupPoint, Scan, sample_area};
+use crate::error::Result;
+use crate::math::Vec3;
+use crate::mesh::Point;
+use crate::parallel;
+
+/// A surface farther along the line of sight than this part of the diagonal is another part of the object.
+const SAME_PART: f32 = 0.02;
+/// The angle that counts where the other surface shows nothing, degrees.
+const NOTHING_DEG: f32 = 90.0;
+
+/// A visible point and what the other surface shows in its place.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SurfaceSample {
+    /// The place, world space.
+    pub position: Vec3,
+    /// The direction of the viewer, unit.
+    pub toward: Vec3,
+    /// The triangle of its own surface.
+    pub triangle: u32,
+    /// Degrees between the normals shown; 90 where the other surface shows nothing.
+    pub angle_deg: f32,
+    /// CIEDE2000 between the base colours; NaN if colours are not compared, or where nothing is shown.
+    pub color: f32,
+    /// `true` if the other surface shows nothing there, or another part of the object.
+    pub is_missing: bool,
+    /// The distance of the closest point of the other surface, model units.
+    pub distance: f32,
+    /// The width of the asset's finest texel there, model units; NaN without a texture.
+    pub texel: f32,
+    /// The same by the width of the close-up's pixels, which are as fine as the scan's detail.
+    pub coarser: f32,
+}
+
+/// Samples of what can be seen of one surface.
+#[derive(Debug, Clone, Default)]
+pub struct CloseUp {
+    /// Visible points, spread evenly.
+    pub samples: Vec<SurfaceSample>,
+    /// The share of the area that cannot be seen, [0, 1].
+    pub hidden: f64,
+}
+
+/// The two surfaces in the roles of a close-up.
+#[derive(Clone, Copy)]
+pub(super) struct Viewer<'a> {
+    pair: &'a Pair<'a>,
+    own: &'a Side<'a>,
+    other: &'a Side<'a>,
+    footprint: Footprint,
+    is_of_scan: bool,
+}
+
+impl<'a> Viewer<'a> {
+    /// Looks at points of the scan, and at what the asset shows in their place.
+    pub fn of_scan(pair: &'a Pair<'a>) -> Self {
+        let footprint = Footprint::of(pair.scan.surface);
+        Self { pair, own: pair.scan, other: pair.asset, footprint, is_of_scan: true }
+    }
+
+    /// Looks at points of the asset, and at what the scan shows in their place.
+    pub fn of_asset(pair: &'a Pair<'a>) -> Self {
+        Self { own: pair.asset, other: pair.scan, is_of_scan: false, ..Self::of_scan(pair) }
+    }
+
+    /// Returns what is seen at a point of its own surface; `None` if it is hidden.
+    pub fn sample(&self, point: Point) -> Option<SurfaceSample> {
+        let (own, other) = (self.own.surface, self.other.surface);
+        if !own.is_opaque_at(point) {
+            return None;
+        }
+        let line = self.own.visibility.sight_line(point)?;
+        let (position, reach) = (point.position(own.mesh()), self.pair.diagonal * SAME_PART);
+        let ray = view_ray(position, line.toward, line.distance);
+        let hit = other.first_seen(&ray, line.distance + reach);
+        let hit = hit.filter(|hit| hit.distance > line.distance - reach);
+        let on_scan = if self.is_of_scan { Some(point) } else { hit.map(|hit| hit.point()) };
+        let on_asset = if self.is_of_scan { hit.map(|hit| hit.point()) } else { Some(point) };
+        let width = on_scan.map_or(self.footprint.least, |at| self.footprint.at(self.pair.scan.surface, at));
+        let look = |surface: &Scan, point: Point| {
+            let mut look = Look::default();
+            let sample = Sample { at: LookupPoint { point, width }, toward: line.toward };
+            look.add(surface, sample, self.pair.has_material);
+            look
+        };
+        let texel = on_asset.and_then(|at| self.pair.asset.surface.surface().texel_size(at)).unwrap_or(f32::NAN);
+        let mut sample = SurfaceSample {
+            position,
+            toward: line.toward,
+            triangle: point.triangle,
+            angle_deg: NOTHING_DEG,
+            color: f32::NAN,
+            is_missing: true,
+            distance: other.bvh().closest(position, f32::INFINITY).map_or(f32::INFINITY, |found| found.distance),
+            texel,
+            coarser: texel / width,
+        };
+        if let Some(hit) = hit {
+            let (seen, shown) = (look(own, point), look(other, hit.point()));
+            sample.angle_deg = seen.angle_deg(&shown);
+            sample.color = if self.pair.has_material { seen.color_difference(&shown) } else { f32::NAN };
+            sample.is_missing = false;
+        }
+        Some(sample)
+    }
+
+    /// Returns the surface whose points are looked at.
+    pub fn own(&self) -> &'a Side<'a> {
+        self.own
+    }
+}
+
+impl CloseUp {
+    /// Looks at `count` points spread evenly over the scan.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] if it has no area.
+    pub fn of_scan(pair: &Pair<'_>, count: usize) -> Result<Self> {
+        Self::by(Viewer::of_scan(pair), count)
+    }
+
+    /// Looks at `count` points spread evenly over the asset.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] if it has no area.
+    pub fn of_asset(pair: &Pair<'_>, count: usize) -> Result<Self> {
+        Self::by(Viewer::of_asset(pair), count)
+    }
+
+    fn by(viewer: Viewer<'_>, count: usize) -> Result<Self> {
+        let point = sample_area(viewer.own.surface.mesh(), count)?;
+        let found: Vec<Option<SurfaceSample>> = parallel::collect(count, |i| viewer.sample(point(i)));
+        let hidden = found.iter().filter(|sample| sample.is_none()).count() as f64 / count as f64;
+        Ok(Self { samples: found.into_iter().flatten().collect(), hidden })
+    }
+
+    /// Returns the share of the visible area where the other surface shows nothing, or another part, [0, 1].
+    pub fn missing(&self) -> f64 {
+        let missing = self.samples.iter().filter(|sample| sample.is_missing).count();
+        missing as f64 / self.samples.len().max(1) as f64
+    }
+}

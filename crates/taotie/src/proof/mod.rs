@@ -1,0 +1,26 @@
+//! The proof: how an asset differs from its scan as a viewer sees both, obtained without the rays of a bake.
+//!
+//! A bake looks from the asset to the scan along its own rays; whatever it finds there is what its map shows, so measuring
+//! along the same rays confirms any mistake. Here both surfaces are looked at from the viewer's side: the same pixel, the
+//! first surface that is drawn, the normal as it is shaded. [`overview`] looks at whole objects, [`CloseUp`] at points
+//! spread over either surface, [`silhouettes`] at outlines, [`distance_bounds`] at shape.
+
+mod close_up;
+mod distance;
+mod estimate;
+mod footprint;
+mod overview;
+mod pair;
+mod patch;
+mod shape;
+mod silhouette;
+
+pub use close_up::{CloseUp, SurfaceSample};
+pub use distance::{DistanceBounds, Source, distance_bounds};
+pub use estimate::{Estimate, share_interval};
+pub use footprint::Footprint;
+pub use overview::{Overview, overview};
+pub use pair::{Pair, Side};
+pub use patch::{Patch, most_missing, worst_patch};
+pub use shape::ShapeFigures;
+pub use silhouette::{SilhouetteFigures, silhouettes};

@@ -1,0 +1,187 @@
+//! A surface as seen: the same pixels of scan and asset, from all sides.
+
+use super::estimate::Estimate;
+use super::pair::{Look, Pair, Sample, Side};
+use crate::bake::{LookupPoint, sphere_directions};
+use crate::error::Result;
+use crate::math::{Vec3, scalar, sequence::Sequence};
+use crate::parallel;
+use crate::trace::Ray;
+
+/// Fixed directions from which the object is seen.
+pub(super) const VIEWS: usize = 32;
+/// Pixels across the object.
+pub(super) const SIDE: usize = 512;
+/// Samples along each side of a pixel.
+const SAMPLES: u32 = 4;
+/// Depths within a pixel that differ by more than so many pixels belong to an outline, or to a surface that slants by more
+/// than 76°.
+const STEEPEST: f32 = 4.0;
+
+/// Differences at the same pixel, the object seen as a whole.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Overview {
+    /// Degrees between the mean normals of a pixel, outlines left out.
+    pub angles: Option<Estimate>,
+    /// CIEDE2000 between the mean base colours of a pixel; `None` if colours are not compared.
+    pub color: Option<Estimate>,
+    /// Pixels that were compared.
+    pub pixels: usize,
+}
+
+/// Compares `count` random pixels, 16 samples each: of 32 fixed views in which the object fills 512² pixels; of an interior,
+/// of views in all directions from places in its free space, 512 pixels to a right angle. Textures are read as finely as the
+/// samples lie apart.
+///
+/// # Errors
+/// As [`Estimate::of`].
+pub fn overview(pair: &Pair<'_>, count: usize) -> Result<Overview> {
+    let directions = sphere_directions(VIEWS);
+    let eyes: Vec<Eye> = match pair.scan.visibility.places() {
+        [] => parallel::tasks(VIEWS, &|i| Eye::Outside(View::fitting(pair, directions[i]))),
+        places => places.iter().map(|place| Eye::Within(*place)).collect(),
+    };
+    let numbers = Sequence::new(11);
+    let far = pair.diagonal * 4.0;
+    let probe = |i: usize| {
+        let round = (i / eyes.len()) as u32;
+        let set = 1 + (i % eyes.len()) as u32 + round / Sequence::MOST * eyes.len() as u32;
+        let [x, y, ..] = numbers.four(round % Sequence::MOST, set);
+        difference(pair, &eyes[i % eyes.len()].pixel([x, y], far))
+    };
+    let found: Vec<Option<(f32, f32)>> = parallel::collect(count, probe);
+    let (angles, colors): (Vec<f32>, Vec<f32>) = found.into_iter().flatten().unzip();
+    Ok(Overview { angles: Estimate::of(&angles)?, color: Estimate::of(&colors)?, pixels: angles.len() })
+}
+
+/// Returns the differences of angle and colour at a pixel; `None` unless all of its samples see both surfaces, away from
+/// outlines.
+fn difference(pair: &Pair<'_>, pixel: &Pixel) -> Option<(f32, f32)> {
+    let scan = pixel.look(pair.scan, pair.has_material)?;
+    let asset = pixel.look(pair.asset, pair.has_material)?;
+    let color = if pair.has_material { scan.color_difference(&asset) } else { f32::NAN };
+    Some((scan.angle_deg(&asset), color))
+}
+
+/// Where a viewer stands.
+enum Eye {
+    /// Far away, so that all lines of sight are parallel.
+    Outside(View),
+    /// At a place within, who looks around.
+    Within(Vec3),
+}
+
+impl Eye {
+    /// Returns the pixel at a place of the picture, [0, 1)², or of the sphere around the viewer. Surfaces are seen as far as
+    /// `far`.
+    fn pixel(&self, [x, y]: [f32; 2], far: f32) -> Pixel {
+        match self {
+            Self::Outside(view) => {
+                let [column, row] = [x, y].map(|v| (v * SIDE as f32).floor() * view.pixel);
+                let corner = view.corner + view.axes[0] * column + view.axes[1] * row;
+                Pixel {
+                    origin: corner + view.toward * view.away,
+                    direction: -view.toward,
+                    steps: view.axes.map(|axis| axis * view.pixel),
+                    size: view.pixel,
+                    is_central: false,
+                    limit: view.away * 2.0 + view.pixel,
+                }
+            }
+            Self::Within(place) => {
+                let direction = on_sphere([x, y]);
+                let across = direction.any_perpendicular();
+                let size = std::f32::consts::FRAC_PI_2 / SIDE as f32;
+                let steps = [across * size, direction.cross(across) * size];
+                Pixel { origin: *place, direction, steps, size, is_central: true, limit: far }
+            }
+        }
+    }
+}
+
+/// Returns a direction, spread evenly over the sphere for places spread evenly over [0, 1)².
+fn on_sphere([x, y]: [f32; 2]) -> Vec3 {
+    let z = 1.0 - 2.0 * f64::from(x);
+    let (r, angle) = ((1.0 - z * z).max(0.0).sqrt(), 2.0 * std::f64::consts::PI * f64::from(y));
+    Vec3::new(scalar::cos(angle) * r, scalar::sin(angle) * r, z).to_f32()
+}
+
+/// A pixel of a parallel or central view.
+struct Pixel {
+    /// The viewer, or the pixel's corner at the viewer's depth.
+    origin: Vec3,
+    direction: Vec3,
+    /// Along the pixel's sides: of a parallel view added to the origin, of a central one to the direction.
+    steps: [Vec3; 2],
+    /// The side of the pixel, model units; of a central view at the distance 1.
+    size: f32,
+    is_central: bool,
+    limit: f32,
+}
+
+impl Pixel {
+    /// Returns what the pixel shows of a surface; `None` if a sample sees nothing, or if it shows an outline.
+    fn look(&self, side: &Side<'_>, reads_material: bool) -> Option<Look> {
+        let mut look = Look::default();
+        let [mut nearest, mut farthest] = [f32::INFINITY, f32::NEG_INFINITY];
+        for i in 0..SAMPLES * SAMPLES {
+            let [x, y] = [i % SAMPLES, i / SAMPLES].map(|k| (k as f32 + 0.5) / SAMPLES as f32);
+            let step = self.steps[0] * x + self.steps[1] * y;
+            let ray = match self.is_central {
+                true => Ray::new(self.origin, (self.direction + step).normalize()),
+                false => Ray::new(self.origin + step, self.direction),
+            };
+            let hit = side.surface.first_seen(&ray, self.limit)?;
+            (nearest, farthest) = (nearest.min(hit.distance), farthest.max(hit.distance));
+            let at = LookupPoint { point: hit.point(), width: self.size_at(hit.distance) / SAMPLES as f32 };
+            look.add(side.surface, Sample { at, toward: -ray.direction() }, reads_material);
+        }
+        (farthest - nearest <= STEEPEST * self.size_at(nearest)).then_some(look)
+    }
+
+    fn size_at(&self, distance: f32) -> f32 {
+        if self.is_central { self.size * distance } else { self.size }
+    }
+}
+
+/// A parallel view of an object that fills the picture.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct View {
+    /// From the object to the viewer, unit.
+    pub toward: Vec3,
+    /// Across and down the picture, unit.
+    pub axes: [Vec3; 2],
+    /// The point that the picture's corner shows, at the depth of the object's centre.
+    pub corner: Vec3,
+    /// The side of a pixel, model units.
+    pub pixel: f32,
+    /// From the object's centre to the viewer, model units.
+    away: f32,
+}
+
+impl View {
+    /// Returns the view along a direction in which both surfaces of a pair just fit.
+    pub fn fitting(pair: &Pair<'_>, toward: Vec3) -> Self {
+        let across = toward.any_perpendicular();
+        let axes = [across, toward.cross(across)];
+        let mut low = [f32::INFINITY; 3];
+        let mut high = [f32::NEG_INFINITY; 3];
+        for side in [pair.scan, pair.asset] {
+            for position in side.surface.mesh().positions() {
+                let at = [axes[0].dot(*position), axes[1].dot(*position), toward.dot(*position)];
+                for k in 0..3 {
+                    low[k] = low[k].min(at[k]);
+                    high[k] = high[k].max(at[k]);
+                }
+            }
+        }
+        let middle: [f32; 3] = std::array::from_fn(|k| (low[k] + high[k]) * 0.5);
+        let width = (high[0] - low[0]).max(high[1] - low[1]).max(f32::MIN_POSITIVE);
+        let center = axes[0] * middle[0] + axes[1] * middle[1] + toward * middle[2];
+        let corner = center - axes[0] * (width * 0.5) - axes[1] * (width * 0.5);
+        let pixel = width / SIDE as f32;
+        Self { toward, axes, corner, pixel, away: (high[2] - low[2]) * 0.5 + pixel }
+    }
+}

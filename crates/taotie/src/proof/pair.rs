@@ -1,0 +1,89 @@
+//! An asset and the scan that it should look like, ready to be looked at.
+
+use crate::bake::{LookupPoint, Scan, Visibility};
+use crate::compare::{angle_deg, color_difference};
+use crate::math::Vec3;
+use crate::trace::Ray;
+
+/// A surface and which of its points can be seen.
+pub struct Side<'a> {
+    /// The triangles with their materials, sorted for rays.
+    pub surface: &'a Scan,
+    /// Which of its points can be seen.
+    pub visibility: Visibility<'a>,
+}
+
+/// A scan and an asset in the same space.
+pub struct Pair<'a> {
+    /// The surface that should be shown.
+    pub scan: &'a Side<'a>,
+    /// The surface that is shown.
+    pub asset: &'a Side<'a>,
+    /// The scan's diagonal, model units.
+    pub diagonal: f32,
+    /// `true` if colours are compared: the scan states its material, and the asset too.
+    pub has_material: bool,
+}
+
+/// What one pixel shows of a surface: the mean over its samples.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Look {
+    normal: Vec3,
+    color: Vec3,
+    samples: u32,
+}
+
+/// A place of a surface as a viewer looks at it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample {
+    /// The place, and how finely it is read.
+    pub at: LookupPoint,
+    /// The direction of the viewer, unit.
+    pub toward: Vec3,
+}
+
+impl<'a> Side<'a> {
+    /// Finds out what of a surface can be seen.
+    pub fn of(surface: &'a Scan) -> Self {
+        Self { surface, visibility: Visibility::of(surface) }
+    }
+
+    /// Looks at another surface from the same places.
+    pub fn like<'b>(&self, surface: &'b Scan) -> Side<'b> {
+        Side { surface, visibility: self.visibility.of_other(surface) }
+    }
+}
+
+impl Look {
+    /// Adds what a place of a surface shows.
+    pub fn add(&mut self, surface: &Scan, sample: Sample, reads_material: bool) {
+        let Sample { at, toward } = sample;
+        self.normal = self.normal + surface.seen_normal(at, toward);
+        if reads_material {
+            self.color = self.color + surface.seen_material(at).color;
+        }
+        self.samples += 1;
+    }
+
+    /// Returns the angle to another look's normal, degrees; NaN if one of them saw nothing.
+    pub fn angle_deg(&self, other: &Self) -> f32 {
+        match self.samples.min(other.samples) {
+            0 => f32::NAN,
+            _ => angle_deg(self.normal.to_f64(), other.normal.to_f64()) as f32,
+        }
+    }
+
+    /// Returns the CIEDE2000 difference to another look's colour; NaN if one of them saw nothing.
+    pub fn color_difference(&self, other: &Self) -> f32 {
+        let mean = |look: &Self| (look.color * (1.0 / look.samples as f32)).to_array();
+        match self.samples.min(other.samples) {
+            0 => f32::NAN,
+            _ => color_difference(mean(self), mean(other)) as f32,
+        }
+    }
+}
+
+/// Returns the ray of a viewer who looks at `point` from the distance `away` in the direction `toward`.
+pub(super) fn view_ray(point: Vec3, toward: Vec3, away: f32) -> Ray {
+    Ray::new(point + toward * away, -toward)
+}

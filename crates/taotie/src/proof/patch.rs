@@ -1,0 +1,144 @@
+//! The worst window that covers one per cent of a surface.
+
+use super::close_up::{CloseUp, SurfaceSample, Viewer};
+use super::estimate::Estimate;
+use super::pair::Pair;
+use crate::bake::sample_area_of;
+use crate::error::Result;
+use crate::math::Vec3;
+use crate::mesh::{Mesh, Point};
+use crate::parallel;
+
+/// The share of the samples that a window holds.
+const SHARE: f64 = 0.01;
+/// Windows that are tried, their middles spread over the surface.
+const WINDOWS: usize = 512;
+/// Fresh points at which the worst window is measured.
+const POINTS: usize = 2_048;
+
+/// Points that are spread over the triangles around it, at most.
+const MOST_TRIED: usize = 1 << 19;
+
+/// The window of one per cent of the visible surface in which an asset differs most from its scan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Patch {
+    /// The mean difference within, degrees or CIEDE2000.
+    pub mean: f64,
+    /// Its 99 % interval.
+    pub interval: [f64; 2],
+    /// Its middle, model units.
+    pub center: [f64; 3],
+    /// Its radius, model units.
+    pub radius: f64,
+    /// The direction from which it is seen, unit.
+    pub toward: [f64; 3],
+    /// `true` if its points are those of the scan, `false` if they are the asset's.
+    pub is_of_scan: bool,
+}
+
+/// Finds the window of one per cent of the samples with the largest mean of `difference`, and measures it at fresh points, so
+/// that it is not the worst by chance. `None` if there is nothing to compare.
+///
+/// # Errors
+/// As [`Estimate::of`].
+pub fn worst_patch(
+    pair: &Pair<'_>,
+    close_up: &CloseUp,
+    is_of_scan: bool,
+    difference: fn(&SurfaceSample) -> f32,
+) -> Result<Option<Patch>> {
+    let viewer = if is_of_scan { Viewer::of_scan(pair) } else { Viewer::of_asset(pair) };
+    let Some(window) = worst_window(&close_up.samples, difference) else { return Ok(None) };
+    let samples = fresh_samples(viewer, &window)?;
+    let values: Vec<f32> = samples.iter().map(difference).collect();
+    let Some(estimate) = Estimate::of(&values)? else { return Ok(None) };
+    Ok(Some(Patch {
+        mean: estimate.summary.mean,
+        interval: estimate.mean_interval,
+        center: window.center.to_f64().to_array(),
+        radius: f64::from(window.radius),
+        toward: window.toward.to_f64().to_array(),
+        is_of_scan,
+    }))
+}
+
+/// Returns the middle of the window of one per cent of the samples in which most of them are missing, model units; `None` if
+/// none is.
+pub fn most_missing(close_up: &CloseUp) -> Option<[f64; 3]> {
+    let window = worst_window(&close_up.samples, |sample| f32::from(u8::from(sample.is_missing)))?;
+    (window.mean > 0.0).then(|| window.center.to_f64().to_array())
+}
+
+/// A ball that holds one per cent of the samples.
+#[derive(Debug, Clone, Copy, Default)]
+struct Window {
+    center: Vec3,
+    radius: f32,
+    toward: Vec3,
+    mean: f64,
+}
+
+fn worst_window(samples: &[SurfaceSample], difference: fn(&SurfaceSample) -> f32) -> Option<Window> {
+    let known: Vec<(Vec3, Vec3, f32)> = samples
+        .iter()
+        .map(|sample| (sample.position, sample.toward, difference(sample)))
+        .filter(|(.., value)| !value.is_nan())
+        .collect();
+    if known.is_empty() {
+        return None;
+    }
+    let (windows, held) = (WINDOWS.min(known.len()), ((known.len() as f64 * SHARE) as usize).max(1));
+    let window = |i: usize| {
+        // Half of the windows lie around the worst samples of as many equal parts, half around their first.
+        let part = i / 2 * known.len() / windows.div_ceil(2);
+        let end = ((i / 2 + 1) * known.len() / windows.div_ceil(2)).max(part + 1).min(known.len());
+        let worst = (part..end).fold(part, |best, k| if known[k].2 > known[best].2 { k } else { best });
+        let (center, toward, _) = known[if i % 2 == 0 { worst } else { part }];
+        let mut squared: Vec<(f32, f32)> = known
+            .iter()
+            .map(|(position, _, value)| {
+                let away = *position - center;
+                (away.dot(away), *value)
+            })
+            .collect();
+        squared.select_nth_unstable_by(held - 1, |a, b| a.0.total_cmp(&b.0));
+        let radius = squared[held - 1].0.sqrt();
+        let mean = squared[..held].iter().map(|(_, value)| f64::from(*value)).sum::<f64>() / held as f64;
+        Window { center, radius, toward, mean }
+    };
+    let all = parallel::tasks(windows, &window);
+    all.into_iter().reduce(|worst, next| if next.mean > worst.mean { next } else { worst })
+}
+
+/// Returns what is seen at points spread evenly over the part of a surface that lies in a window.
+fn fresh_samples(viewer: Viewer<'_>, window: &Window) -> Result<Vec<SurfaceSample>> {
+    let mesh = viewer.own().surface.mesh();
+    let near: Vec<u32> =
+        parallel::filter(mesh.triangles().len(), |t| touches(mesh, t, window)).into_iter().map(|t| t as u32).collect();
+    if near.is_empty() {
+        return Ok(Vec::new());
+    }
+    let is_inside = |position: Vec3| (position - window.center).length() <= window.radius.max(f32::MIN_POSITIVE);
+    // Large triangles reach far beyond the window: more points, until enough of them lie in it.
+    let mut count = POINTS * 2;
+    let inside = loop {
+        let point = sample_area_of(mesh, &near, count)?;
+        let inside = parallel::filter(count, |i| is_inside(point(i).position(mesh)));
+        if inside.len() >= POINTS || count >= MOST_TRIED {
+            break inside.into_iter().map(point).collect::<Vec<Point>>();
+        }
+        count *= 4;
+    };
+    let found: Vec<Option<SurfaceSample>> = parallel::collect(inside.len(), |i| viewer.sample(inside[i]));
+    Ok(found.into_iter().flatten().collect())
+}
+
+/// Returns `true` if the ball around a triangle meets a window.
+fn touches(mesh: &Mesh, triangle: usize, window: &Window) -> bool {
+    let [a, b, c] = mesh.corners(triangle);
+    let middle = (a + b + c) * (1.0 / 3.0);
+    let radius = [a, b, c].into_iter().map(|corner| (corner - middle).length()).fold(0.0, f32::max);
+    (middle - window.center).length() <= window.radius + radius
+}
