@@ -133,7 +133,8 @@ impl ShortFigures {
     pub fn of(figures: &Figures) -> Self {
         let finest = figures.finest();
         let angles = finest.and_then(|finest| finest.overview.angles);
-        let angle = |of: fn(&taotie::compare::Summary) -> f64| angles.as_ref().map(|angles| of(&angles.summary));
+        let angle =
+            |of: fn(&taotie::compare::Summary) -> f64| angles.as_ref().map(|angles| of(&angles.summary));
         Self {
             bytes_in: figures.bytes_in,
             bytes_out: figures.bytes_out,

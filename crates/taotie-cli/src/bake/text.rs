@@ -110,7 +110,10 @@ fn shape(level: &LevelFigures, table: &mut Table) {
         percent(level.rms_of_diagonal)
     );
     table.row(["shape error".into(), distances]);
-    let outline = format!("{:.2} pixels of 512 on average, {:.1} at most", silhouette.mean_pixels, silhouette.max_pixels);
+    let outline = format!(
+        "{:.2} pixels of 512 on average, {:.1} at most",
+        silhouette.mean_pixels, silhouette.max_pixels
+    );
     table.row(["silhouette".into(), outline]);
     let missed = format!(
         "{} of the scan, {} of the asset; {} of the scan within 0.5 % of the diagonal",
@@ -120,7 +123,10 @@ fn shape(level: &LevelFigures, table: &mut Table) {
     );
     table.row(["missed".into(), missed]);
     if coverage.hidden_of_scan > 0.001 {
-        table.row(["hidden".into(), format!("{} of the scan's area cannot be seen", percent(coverage.hidden_of_scan))]);
+        table.row([
+            "hidden".into(),
+            format!("{} of the scan's area cannot be seen", percent(coverage.hidden_of_scan)),
+        ]);
     }
     if let Some(resolution) = &level.resolution {
         let text = format!("{:.4} model units wide (median)", resolution.texel);

@@ -2,14 +2,14 @@
 
 use taotie::Progress;
 use taotie::bake::{
-    BakeInput, BakeSettings, Cage, Scan, ShownNormals, SimplifyOptions, UnwrapOptions, Verifier, bake,
+    BakeInput, BakeSettings, Cage, Scan, SimplifyOptions, TexturedMesh, UnwrapOptions, Verifier, bake,
     simplify, unwrap,
 };
 use taotie::image::{Encoding, Texture};
 use taotie::io::gltf_sampler;
 use taotie::mesh::Mesh;
 use taotie::normal_map::{Storage, store_unit_vectors};
-use taotie::scene::{Material, NormalSpace, Scene};
+use taotie::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
 use taotie::surface::with_frames;
 use taotie_study::jue;
 
@@ -40,9 +40,19 @@ fn a_million_triangles_on_two_thousand_show_the_relief_that_the_formulas_say() {
     let bitmap = store_unit_vectors(baked.maps.size(), &baked.maps.normal, storage).unwrap();
     let texture = Texture::new(bitmap, Encoding::Normal);
 
-    let normals =
-        ShownNormals { texture: &texture, space: NormalSpace::Tangent, sampler: gltf_sampler([&low]) };
-    let verifier = Verifier { mesh: &low, normal: Some(normals), cage: &cage, scan: &scanned };
+    let texture_0 = TextureRef {
+        texture: 0,
+        uv_set: 0,
+        sampler: gltf_sampler([&low]),
+        transform: UvTransform::default(),
+    };
+    let (space, green) = (NormalSpace::Tangent, GreenChannel::Up);
+    let normal = Some(NormalMap { texture: texture_0, scale: 1.0, space, green });
+    let mut scene = Scene::of_mesh(low.clone(), Material::default()).unwrap();
+    let material = Material { normal, ..Material::default() };
+    scene.edit(|scene| (scene.textures, scene.materials) = (vec![texture], vec![material])).unwrap();
+    let shown = TexturedMesh::new(scene).unwrap();
+    let verifier = Verifier { mesh: &low, shown: Some(&shown), cage: &cage, scan: &scanned };
     let angles = verifier.normal_error(100_000).unwrap().angles.summary().unwrap();
     assert!(angles.mean < 1.0, "{angles:?}");
 }

@@ -53,7 +53,7 @@ fn row_of_requirement(met: &Met) -> Vec<Cell> {
         false => ("not met", Tone::Bad),
     };
     let FigureUnit { name, size } = met.figure.unit();
-    let (value, most) = (met.value().map(|value| value / size), met.most / size);
+    let (value, most) = (met.value.map(|value| value / size), met.most / size);
     let digits = digits(met.met, value.unwrap_or(most), most);
     vec![
         Cell::text(met.figure.name()),
@@ -190,7 +190,11 @@ fn shape(level: &LevelFigures) -> Section {
     ];
     if let Some(resolution) = &level.resolution {
         rows.push(row("texel, median width", resolution.texel, units));
-        rows.push(row("surface where texels are twice as coarse as the scan", resolution.share * 100.0, percent));
+        rows.push(row(
+            "surface where texels are twice as coarse as the scan",
+            resolution.share * 100.0,
+            percent,
+        ));
     }
     let note = "Distances in both directions between what can be seen of the surfaces. The largest lies between two proven \
                 bounds; all other figures are of samples.";

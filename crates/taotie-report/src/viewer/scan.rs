@@ -94,7 +94,8 @@ pub(super) fn errors(
     let mut codes: Vec<u16> = Vec::new();
     let mut maps = Vec::new();
     for (instance, surface) in prepared.surfaces().iter().enumerate() {
-        let field = is_measurable(surface).then(|| error_map(prepared.scene(), instance, high)).transpose()?;
+        let field =
+            is_measurable(surface).then(|| error_map(prepared.scene(), instance, high)).transpose()?;
         warnings.note("surfaces without a map of their normals' error", usize::from(field.is_none()));
         maps.push(field.map(|field| ErrorMap::put(&field, &mut codes)));
     }

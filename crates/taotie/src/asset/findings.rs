@@ -20,7 +20,11 @@ pub(super) fn note(figures: &LevelFigures, level: &ShownLevel<'_>, warnings: &mu
     note_coverage(figures, warnings);
     let LevelFigures { patches, resolution, .. } = figures;
     if let Some(patch) = patches.angle.filter(|patch| patch.mean > PATCH_DEG) {
-        let what = format!("normals are off by {:.1}° on average {}: relief is lost, inverted or moved", patch.mean, there(&patch));
+        let what = format!(
+            "normals are off by {:.1}° on average {}: relief is lost, inverted or moved",
+            patch.mean,
+            there(&patch)
+        );
         warnings.note(what, 1);
     }
     if let Some(patch) = patches.color.filter(|patch| patch.mean > PATCH_COLOR) {
@@ -49,7 +53,10 @@ pub(super) fn note(figures: &LevelFigures, level: &ShownLevel<'_>, warnings: &mu
 fn note_coverage(figures: &LevelFigures, warnings: &mut Warnings) {
     let coverage = &figures.coverage;
     if coverage.is_interior {
-        warnings.note("the scan is an interior: what is compared is what can be seen from its largest free space", 1);
+        warnings.note(
+            "the scan is an interior: what is compared is what can be seen from its largest free space",
+            1,
+        );
     }
     if coverage.hidden_of_scan > WORTH_A_WORD {
         let share = percent(coverage.hidden_of_scan);
@@ -59,7 +66,8 @@ fn note_coverage(figures: &LevelFigures, warnings: &mut Warnings) {
         );
         warnings.note(what, 1);
     }
-    let place = coverage.missed_at.map_or_else(String::new, |at| format!(", most of it around {}", coordinates(at)));
+    let place =
+        coverage.missed_at.map_or_else(String::new, |at| format!(", most of it around {}", coordinates(at)));
     let missed = [
         (coverage.missed_of_scan, "of the scan's visible area has nothing in its place on the asset"),
         (coverage.missed_of_asset, "of the asset's visible area shows what the scan does not have there"),

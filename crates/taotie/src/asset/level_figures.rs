@@ -246,7 +246,7 @@ fn worse_patch(
     [of_scan, of_asset]: [&CloseUp; 2],
     difference: fn(&SurfaceSample) -> f32,
 ) -> Result<Option<Patch>> {
-    let [a, b] = [worst_patch(pair, of_scan, true, difference)?, worst_patch(pair, of_asset, false, difference)?];
+    let [a, b] = [worst_patch(pair, of_scan, difference)?, worst_patch(pair, of_asset, difference)?];
     Ok(match (a, b) {
         (Some(a), Some(b)) if b.mean > a.mean => Some(b),
         (None, b) => b,

@@ -229,7 +229,8 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
     progress.begin("measure normals")?;
     let level = |scene: &Scene| ShownLevel::of(scene, &scan, (&path, has_material));
     let finest = level(&scenes[0])?;
-    let (mut figures, parts) = Measurement { scan: &scan, options }.all(&finest, &scenes[1..], &level, progress)?;
+    let (mut figures, parts) =
+        Measurement { scan: &scan, options }.all(&finest, &scenes[1..], &level, progress)?;
     figures.parts = parts;
     if let Some(found) = figures.finest() {
         findings::note(found, &finest, &mut warnings);
@@ -254,7 +255,9 @@ fn maps(level: &ShownLevel<'_>, most: u32) -> Result<[Option<Field>; 2]> {
     let (mut angles, mut colors) = (Vec::new(), Vec::new());
     for (part, surface) in level.parts.iter().zip(level.part_surfaces()) {
         let has_uvs = !part.shown.mesh().uvs().is_empty();
-        let Some(size) = part.shown.map_size().filter(|_| has_uvs).map(|size| within(size, most)) else { continue };
+        let Some(size) = part.shown.map_size().filter(|_| has_uvs).map(|size| within(size, most)) else {
+            continue;
+        };
         angles.push(surface.mapped.error_map(size)?);
         if let Some(material) = surface.material {
             colors.push(surface.mapped.color_map(material, size)?);
@@ -321,7 +324,9 @@ impl<'a> Measurement<'a> {
 /// Returns the figures of each material if there are several.
 fn part_figures(level: &ShownLevel<'_>, found: &[Measured]) -> Vec<PartFigures> {
     let parts = level.parts.iter().zip(found).filter(|(part, _)| !part.label.is_empty());
-    parts.map(|(part, found)| PartFigures::of(&part.label, part.shown.mesh().triangles().len(), found)).collect()
+    parts
+        .map(|(part, found)| PartFigures::of(&part.label, part.shown.mesh().triangles().len(), found))
+        .collect()
 }
 
 impl Written {
@@ -346,7 +351,10 @@ impl Written {
             progress.begin("read back")?;
             let shown = written.shown()?;
             let mut proof = prove(shown, scan, &options, progress)?;
-            proof.figures.unseen.extend(maps_alone::unseen(&written.asset.made).filter(|_| written.is_alone()));
+            proof
+                .figures
+                .unseen
+                .extend(maps_alone::unseen(&written.asset.made).filter(|_| written.is_alone()));
             Ok(proof)
         })
     }
@@ -380,7 +388,8 @@ impl Written {
             return Err(Error::invalid(name, why));
         }
         let has_map = made.parts.iter().any(|part| part.maps.textures.normal.is_some());
-        let shows_map = levels.iter().any(|level| level.scene.materials().iter().any(|own| own.normal.is_some()));
+        let shows_map =
+            levels.iter().any(|level| level.scene.materials().iter().any(|own| own.normal.is_some()));
         if has_map && !shows_map {
             return Err(Error::invalid(name, "read back, it shows no normal map"));
         }
@@ -403,7 +412,9 @@ impl Written {
             let texture = self.read_normals(file)?;
             let sampler = io::gltf_sampler(std::iter::once(&part.low.mesh).chain(coarser));
             let own = part.low.own.as_ref().map(|own| own.number);
-            levels.iter_mut().try_for_each(|level| show_object_map(&mut level.scene, own, (&texture, sampler)))?;
+            levels
+                .iter_mut()
+                .try_for_each(|level| show_object_map(&mut level.scene, own, (&texture, sampler)))?;
         }
         Ok(())
     }
@@ -426,7 +437,8 @@ fn show_object_map(
         let (number, transform) = (scene.textures.len() - 1, UvTransform::default());
         let texture = TextureRef { texture: number, uv_set: 0, sampler, transform };
         let map = NormalMap { texture, scale: 1.0, space: NormalSpace::Object, green: GreenChannel::Up };
-        let shown = scene.materials.iter_mut().enumerate().filter(|(i, _)| material.is_none_or(|own| own == *i));
+        let shown =
+            scene.materials.iter_mut().enumerate().filter(|(i, _)| material.is_none_or(|own| own == *i));
         shown.for_each(|(_, material)| material.normal = Some(map));
     })
 }

@@ -130,7 +130,9 @@ impl BakeFigures {
 
 /// Returns `true` where the file holds normals in 8 bits. KTX2 packs them smaller still, and WebP has no more.
 fn stores_8_bits(written: &Written) -> bool {
-    let Some(note) = written.maps().into_iter().find(|note| note.map == MapKind::Normal) else { return false };
+    let Some(note) = written.maps().into_iter().find(|note| note.map == MapKind::Normal) else {
+        return false;
+    };
     match (note.file.is_some(), written.packing.images) {
         (false, GltfImages::Ktx2) => false,
         (false, GltfImages::WebP) => true,

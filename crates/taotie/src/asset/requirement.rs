@@ -4,7 +4,6 @@ use super::figure::Figure;
 use super::level_figures::LevelFigures;
 use super::proof::{Figures, Proof};
 use super::views::ViewFigures;
-use crate::compare::Summary;
 use crate::error::{Error, Result};
 use crate::names::Named;
 use crate::proof::{Estimate, Patch};
@@ -98,7 +97,8 @@ impl Requirement {
     /// Compares the requirement with what was measured, level by level.
     fn against(&self, figures: &Figures) -> Vec<Met> {
         if !self.figure.is_of_level() {
-            let bytes = (self.level.is_none()).then_some([figures.bytes_out as f64; 2]);
+            let bytes = figures.bytes_out as f64;
+            let bytes = self.level.is_none().then_some(Value { value: bytes, interval: [bytes; 2] });
             return vec![self.outcome(self.level, bytes)];
         }
         let has_color = figures.finest().is_none_or(|finest| finest.overview.color.is_some());
@@ -110,48 +110,67 @@ impl Requirement {
             None => (0..figures.levels.len().max(1)).collect(),
         };
         let outcome =
-            |level| self.outcome(Some(level), figures.levels.get(level).and_then(|of| self.interval(of)));
+            |level| self.outcome(Some(level), figures.levels.get(level).and_then(|of| self.value(of)));
         levels.into_iter().map(outcome).collect()
     }
 
-    /// Returns the outcome for a figure that lies between two numbers.
-    fn outcome(&self, level: Option<usize>, interval: Option<[f64; 2]>) -> Met {
-        let meets = |value: f64| if self.figure.is_at_least() { value >= self.most } else { value <= self.most };
+    /// Returns the outcome for a figure and the interval in which it lies.
+    fn outcome(&self, level: Option<usize>, measured: Option<Value>) -> Met {
+        let meets =
+            |value: f64| if self.figure.is_at_least() { value >= self.most } else { value <= self.most };
+        let (value, interval) = (measured.map(|of| of.value), measured.map(|of| of.interval));
         let met = interval.is_some_and(|interval| interval.into_iter().all(meets));
-        Met { figure: self.figure, most: self.most, level, interval, met }
+        Met { figure: self.figure, most: self.most, level, value, interval, met }
     }
 
-    /// Returns the two numbers between which a figure lies, with a confidence of 99 % if it is estimated from samples.
-    fn interval(&self, level: &LevelFigures) -> Option<[f64; 2]> {
-        let exactly = |value: f64| [value; 2];
+    /// Returns a figure and the two numbers between which it lies, with a confidence of 99 % if it is estimated.
+    fn value(&self, level: &LevelFigures) -> Option<Value> {
         let (angles, surface) = (level.overview.angles.as_ref(), level.surface_angles.as_ref());
         // Colours that are not numbers are as far off as can be; no mean of the others speaks for them.
         let is_finite = level.material.not_finite == 0.0;
         let color = level.overview.color.as_ref().filter(|_| is_finite);
-        let surface = |of: fn(&Summary) -> f64| surface.map(of).map(exactly);
-        let patch = |patch: &Option<Patch>| patch.as_ref().map(|patch| patch.interval);
-        let mean = |estimate: Option<&Estimate>| estimate.map(|estimate| estimate.mean_interval);
-        let p95 = |estimate: Option<&Estimate>| estimate.map(|estimate| estimate.p95_interval);
+        let exactly = |value: Option<f64>| value.map(|value| Value { value, interval: [value; 2] });
+        let patch =
+            |patch: &Option<Patch>| patch.map(|patch| Value { value: patch.mean, interval: patch.interval });
+        let coverage = &level.coverage;
+        let bounds = level.hausdorff_of_diagonal;
         match self.figure {
-            Figure::MeanAngle => mean(angles),
-            Figure::P95Angle => p95(angles),
-            Figure::MaxAngle => angles.map(|angles| exactly(angles.summary.max)),
+            Figure::MeanAngle => angles.map(Value::mean),
+            Figure::P95Angle => angles.map(Value::p95),
+            Figure::MaxAngle => exactly(angles.map(|angles| angles.summary.max)),
             Figure::PatchAngle => patch(&level.patches.angle),
-            Figure::MeanColor => mean(color),
-            Figure::P95Color => p95(color),
+            Figure::MeanColor => color.map(Value::mean),
+            Figure::P95Color => color.map(Value::p95),
             Figure::PatchColor => patch(&level.patches.color).filter(|_| is_finite),
-            Figure::SurfaceMeanAngle => surface(|summary| summary.mean),
-            Figure::SurfaceP95Angle => surface(|summary| summary.p95),
-            Figure::SurfaceMaxAngle => surface(|summary| summary.max),
-            Figure::Missed => Some(level.coverage.missed_interval),
-            Figure::Completeness => Some(exactly(level.coverage.completeness)),
-            Figure::Hausdorff => Some([level.hausdorff_of_diagonal.lower, level.hausdorff_of_diagonal.upper]),
-            Figure::Silhouette => Some(exactly(level.silhouette.max_pixels)),
-            Figure::Flip => mean_of(&level.views, |view| view.flip).map(exactly),
-            Figure::WorstView => level.views.iter().map(|view| view.flip).reduce(f64::max).map(exactly),
-            Figure::Ssim => level.views.iter().map(|view| view.ssim).reduce(f64::min).map(exactly),
+            Figure::SurfaceMeanAngle => exactly(surface.map(|summary| summary.mean)),
+            Figure::SurfaceP95Angle => exactly(surface.map(|summary| summary.p95)),
+            Figure::SurfaceMaxAngle => exactly(surface.map(|summary| summary.max)),
+            Figure::Missed => Some(Value { value: coverage.missed(), interval: coverage.missed_interval }),
+            Figure::Completeness => exactly(Some(coverage.completeness)),
+            Figure::Hausdorff => Some(Value { value: bounds.upper, interval: [bounds.lower, bounds.upper] }),
+            Figure::Silhouette => exactly(Some(level.silhouette.max_pixels)),
+            Figure::Flip => exactly(mean_of(&level.views, |view| view.flip)),
+            Figure::WorstView => exactly(level.views.iter().map(|view| view.flip).reduce(f64::max)),
+            Figure::Ssim => exactly(level.views.iter().map(|view| view.ssim).reduce(f64::min)),
             Figure::Bytes => None,
         }
+    }
+}
+
+/// A figure and the interval in which it lies.
+#[derive(Clone, Copy)]
+struct Value {
+    value: f64,
+    interval: [f64; 2],
+}
+
+impl Value {
+    fn mean(estimate: &Estimate) -> Self {
+        Self { value: estimate.summary.mean, interval: estimate.mean_interval }
+    }
+
+    fn p95(estimate: &Estimate) -> Self {
+        Self { value: estimate.summary.p95, interval: estimate.p95_interval }
     }
 }
 
@@ -236,6 +255,8 @@ pub struct Met {
     pub most: f64,
     /// The level of detail, 0 the finest; `None` for a figure of the whole asset.
     pub level: Option<usize>,
+    /// The figure's value; `None` if it could not be measured.
+    pub value: Option<f64>,
     /// The figure lies between these two, with a confidence of 99 % if it is estimated from samples; both are the same if it
     /// is known exactly. `None` if it could not be measured.
     pub interval: Option<[f64; 2]>,
@@ -250,24 +271,18 @@ impl Met {
         !self.met && if self.figure.is_at_least() { high >= self.most } else { low <= self.most }
     }
 
-    /// Returns the middle of the interval; `None` if the figure could not be measured.
-    pub fn value(&self) -> Option<f64> {
-        self.interval.map(|[low, high]| (low + high) / 2.0)
-    }
-
     /// Returns value and limit in the figure's unit, such as `is 0.02 %, at most 0.1 %`. Both have all their digits if fewer
     /// would hide that the limit is exceeded.
     pub fn text(&self) -> String {
         let Self { figure, most, .. } = *self;
         let bound = if figure.is_at_least() { "at least" } else { "at most" };
-        let Some([low, high]) = self.interval else {
+        let (Some(value), Some([low, high])) = (self.value, self.interval) else {
             return format!("could not be measured, {bound} {}", figure.text(most));
         };
         if self.is_undecided() {
             let [low, high] = [low, high].map(|number| figure.text(number));
             return format!("is undecided: between {low} and {high}, {bound} {}", figure.text(most));
         }
-        let value = (low + high) / 2.0;
         let [mut told, mut limit] = [value, most].map(|number| figure.text(number));
         if !self.met && told == limit {
             [told, limit] = [value, most].map(|number| figure.exact_text(number));
@@ -294,8 +309,7 @@ impl Proof {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::asset::material_figures::MaterialFigures;
-    use crate::compare::Field;
+    use crate::proof::DistanceBounds;
 
     fn read(text: &str) -> Result<Requirement> {
         text.parse()
@@ -303,14 +317,17 @@ mod tests {
 
     /// A level whose angles are all of so many degrees, whose colours are off by half as much, and whose surface lies this
     /// part of the diagonal away.
-    fn level(degrees: f32, hausdorff_of_diagonal: f64) -> LevelFigures {
-        let all = |value: f32| Field::new(1, 1, vec![value]).unwrap().summary();
-        let material = MaterialFigures { color: all(degrees / 2.0), ..MaterialFigures::default() };
-        LevelFigures { angles: all(degrees), material, hausdorff_of_diagonal, ..LevelFigures::default() }
+    fn level(degrees: f32, hausdorff: f64) -> LevelFigures {
+        let all = |value: f32| Estimate::of(&[value]).unwrap();
+        let mut level = LevelFigures::default();
+        (level.overview.angles, level.overview.color) = (all(degrees), all(degrees / 2.0));
+        level.hausdorff_of_diagonal = DistanceBounds::exactly(hausdorff);
+        level.coverage.missed_interval = [0.001; 2];
+        level
     }
 
     fn figures(levels: Vec<LevelFigures>) -> Figures {
-        Figures { missed_texels: 0.001, bytes_out: 3_000_000, levels, ..Figures::default() }
+        Figures { bytes_out: 3_000_000, levels, ..Figures::default() }
     }
 
     fn outcomes(text: &str, figures: &Figures) -> Vec<bool> {
@@ -376,7 +393,7 @@ mod tests {
             let both = (outcomes(above, &figures), outcomes(below, &figures));
             assert_eq!(both, (vec![true], vec![false]), "{above}, {below}");
         }
-        let names = ["°", "deg", "ΔE", "ΔE00", "%", "B", "kB", "MB", "GB", "KiB", "MiB", "GiB"];
+        let names = ["°", "deg", "ΔE", "ΔE00", "%", "px", "", "B", "kB", "MB", "GB", "KiB", "MiB", "GiB"];
         let mut known = Figure::NAMES.iter().flat_map(|(_, figure)| figure.units());
         assert!(known.all(|unit| names.contains(&unit.name)), "a unit is not looked at");
     }
@@ -396,12 +413,46 @@ mod tests {
 
     #[test]
     fn a_value_just_above_its_limit_is_told_exactly() {
-        let of = |figure, value| Requirement::of(figure, 1.0).outcome(Some(0), Some(value)).text();
+        let exactly = |value| Some(Value { value, interval: [value; 2] });
+        let of = |figure, value| Requirement::of(figure, 1.0).outcome(Some(0), exactly(value)).text();
         assert_eq!(of(Figure::MeanAngle, 1.000_03), "is 1.00003°, at most 1°");
         assert_eq!(of(Figure::MeanAngle, 0.999_999), "is 1°, at most 1°");
         assert_eq!(of(Figure::MeanColor, 1.000_03), "is 1.00003 ΔE, at most 1 ΔE");
-        let bytes = Requirement::of(Figure::Bytes, 999.5).outcome(None, Some(1000.0));
+        let bytes = Requirement::of(Figure::Bytes, 999.5).outcome(None, exactly(1000.0));
         assert_eq!(bytes.text(), "is 1000 B, at most 999.5 B");
+    }
+
+    #[test]
+    fn a_limit_within_the_interval_is_undecided() {
+        let mut between = level(1.0, 0.005);
+        between.hausdorff_of_diagonal.lower = 0.003;
+        let figures = figures(vec![between]);
+        let of = |text: &str| figures.require(&[read(text).unwrap()])[0];
+        assert_eq!(
+            [of("hausdorff=0.6"), of("hausdorff=0.2")].map(|met| (met.met, met.is_undecided())),
+            [(true, false), (false, false)]
+        );
+        let undecided = of("hausdorff=0.4");
+        assert!(undecided.is_undecided() && !undecided.met);
+        assert_eq!(undecided.text(), "is undecided: between 0.3 % and 0.5 %, at most 0.4 %");
+        let complete = of("completeness=99%");
+        assert_eq!((complete.met, complete.text().as_str()), (false, "is 0 %, at least 99 %"));
+    }
+
+    #[test]
+    fn standard_drops_colours_that_nobody_states() {
+        let mut plain = level(0.5, 0.001);
+        plain.coverage.missed_interval = [0.0; 2];
+        let patch = |mean: f64| Patch { mean, interval: [mean; 2], ..Patch::default() };
+        plain.patches.angle = Some(patch(3.0));
+        let colored = plain.clone();
+        plain.overview.color = None;
+        let standard = Requirement::read("standard").unwrap();
+        let count = |level: LevelFigures| figures(vec![level]).require(&standard).len();
+        assert_eq!((count(plain.clone()), count(colored.clone())), (5, 7));
+        assert!(figures(vec![plain]).require(&standard).iter().all(|met| met.met));
+        let met = figures(vec![colored]).require(&standard);
+        assert!(!met[6].met && met[6].value.is_none(), "no patch of colours was measured: {met:?}");
     }
 
     #[test]
@@ -409,8 +460,8 @@ mod tests {
         assert_eq!(outcomes("mean-angle=180", &figures(Vec::new())), [false]);
         let nowhere = LevelFigures::default();
         assert_eq!(outcomes("mean-color=100", &figures(vec![nowhere.clone()])), [false]);
-        let material = MaterialFigures { not_finite: 0.01, ..level(0.2, 0.0).material };
-        let broken = LevelFigures { material, ..level(0.2, 0.0) };
+        let mut broken = level(0.2, 0.0);
+        broken.material.not_finite = 0.01;
         assert_eq!(
             outcomes("mean-color=100", &figures(vec![broken])),
             [false],

@@ -143,7 +143,8 @@ fn mean_angle(scan: &Side<'_>, low: &LowPoly, maps: &StoredMaps) -> Result<f64> 
     let mut scene = Scene::of_mesh(low.mesh.clone(), Material::default())?;
     scene.edit(|scene| {
         scene.textures = vec![Texture::new(bitmap, Encoding::Normal)];
-        scene.materials = vec![Material { normal, double_sided: low.material.double_sided, ..Material::default() }];
+        scene.materials =
+            vec![Material { normal, double_sided: low.material.double_sided, ..Material::default() }];
     })?;
     let surface = bake::Scan::new(scene)?;
     let asset = scan.like(&surface);

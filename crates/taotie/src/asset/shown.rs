@@ -58,7 +58,9 @@ impl<'a> ShownLevel<'a> {
         used.sort_unstable();
         used.dedup();
         let parts = match used.len() {
-            2..=MOST_PARTS => used.iter().map(|material| part(scene, *material, scan)).collect::<Result<_>>()?,
+            2..=MOST_PARTS => {
+                used.iter().map(|material| part(scene, *material, scan)).collect::<Result<_>>()?
+            }
             _ => vec![ShownPart::of(scene.clone(), String::new(), scan)?],
         };
         let whole_cage = match &parts[..] {

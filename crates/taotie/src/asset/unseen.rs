@@ -28,7 +28,8 @@ pub(super) fn unseen([scan, asset]: [&Scene; 2], poses: bool) -> Vec<String> {
 
 /// Returns the maps that stand beside an asset and are not compared with anything.
 pub(super) fn unproved_maps(maps: &[MapKind]) -> Vec<String> {
-    let blind = [(MapKind::Bent, "bent normals"), (MapKind::Height, "heights"), (MapKind::Curvature, "curvature")];
+    let blind =
+        [(MapKind::Bent, "bent normals"), (MapKind::Height, "heights"), (MapKind::Curvature, "curvature")];
     blind.into_iter().filter(|(map, _)| maps.contains(map)).map(|(_, what)| what.to_owned()).collect()
 }
 

@@ -59,7 +59,7 @@ pub use texture_lookup::LookupPoint;
 pub use textured_mesh::{TexturedMesh, lacks_tangents};
 pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};
 pub use uv_lookup::UvLookup;
-pub(crate) use verify::{sample_area, sample_area_of};
 pub use verify::{Fit, NormalError, Verifier};
+pub(crate) use verify::{sample_area, sample_area_of};
 pub use verify_material::MaterialError;
 pub use visibility::{SightLine, Visibility, sphere_directions};

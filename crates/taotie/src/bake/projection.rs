@@ -5,7 +5,7 @@ use super::scan::Scan;
 use super::texture_lookup::LookupPoint;
 use crate::math::Vec3;
 use crate::mesh::Point;
-use crate::trace::{Hit, Ray, RayInterval};
+use crate::trace::{Hit, Nearest, Ray, RayInterval};
 
 /// A correspondence: the point of the high-poly surface that a point of the low-poly mesh is projected onto.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,12 +45,35 @@ impl ProjectionRay {
 }
 
 impl Scan {
-    /// Returns the nearest point on the ray where the scan faces as the ray does: whatever faces the other way is the
-    /// far side of something else.
+    /// Returns the nearest point on the ray where the scan faces as the ray does and can be seen: whatever faces the other
+    /// way is the far side of something else, and hidden walls and ghost layers are nobody's surface. If none of the points
+    /// can be seen the nearest counts.
     pub fn project(&self, projection: &ProjectionRay) -> Option<Correspondence> {
         let (ray, interval) = projection.ray();
-        let (hit, normal) = self.bvh().nearest_to(&ray, interval, |hit| self.facing(hit, projection))?;
-        Some(projection.found(&hit, normal))
+        let nearest = self.bvh().nearest_to(&ray, interval, |hit| self.facing(hit, projection));
+        self.visible_of(projection, nearest)
+    }
+
+    /// Returns the correspondence among the hits that are nearest to a place on its ray. Only if there are several does it
+    /// matter which of them can be seen.
+    pub(super) fn visible_of(
+        &self,
+        projection: &ProjectionRay,
+        nearest: Nearest<Vec3>,
+    ) -> Option<Correspondence> {
+        let (hit, normal) = nearest.best()?;
+        let is_visible = |hit: &Hit| self.is_visible(hit.point(), projection.direction);
+        let found = match nearest.second() {
+            None => (hit, normal),
+            Some(_) if is_visible(&hit) => (hit, normal),
+            Some((second, normal)) if is_visible(&second) => (second, normal),
+            Some(_) => {
+                let (ray, interval) = projection.ray();
+                let facing = |hit: &Hit| self.facing(hit, projection).filter(|_| is_visible(hit));
+                self.bvh().nearest_to(&ray, interval, facing).best().unwrap_or((hit, normal))
+            }
+        };
+        Some(projection.found(&found.0, found.1))
     }
 
     /// Returns the normal of a correspondence with the relief of the scan's normal and height maps, which are read as

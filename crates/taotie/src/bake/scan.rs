@@ -3,11 +3,14 @@
 use super::appearance::MaterialSample;
 use super::texture_lookup::LookupPoint;
 use super::textured_mesh::TexturedMesh;
+use super::visibility::Sights;
 use crate::error::Result;
-use crate::mesh::Mesh;
+use crate::math::Vec3;
+use crate::mesh::{Mesh, Point};
 use crate::scene::Scene;
 use crate::trace::Bvh;
-use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Arc, OnceLock};
 
 /// The triangles of a high-poly scene with their materials, sorted so that they can be found from points of a low-poly
 /// one.
@@ -17,6 +20,9 @@ use std::sync::Arc;
 pub struct Scan {
     surface: Arc<TexturedMesh>,
     bvh: Bvh,
+    sights: Sights,
+    /// Of each triangle and side whether it can be seen, as far as that was asked for.
+    seen: OnceLock<Box<[AtomicU8]>>,
 }
 
 impl Scan {
@@ -40,7 +46,38 @@ impl Scan {
     pub(crate) fn of(surface: Arc<TexturedMesh>) -> Self {
         let mesh = surface.mesh();
         let bvh = Bvh::of(mesh.triangles().len(), |t| mesh.corners(t));
-        Self { surface, bvh }
+        let mut scan = Self { surface, bvh, sights: Sights::default(), seen: OnceLock::new() };
+        scan.sights = Sights::of(&scan);
+        scan
+    }
+
+    /// Returns the places from which the surface is seen.
+    pub(super) fn sights(&self) -> &Sights {
+        &self.sights
+    }
+
+    /// Returns `true` if the side of the surface that faces `direction` can be seen at a point. Small triangles are seen or
+    /// hidden as a whole, and asked about once.
+    pub(super) fn is_visible(&self, point: Point, direction: Vec3) -> bool {
+        /// Triangles whose first edge is longer than this part of the diagonal are asked about point by point.
+        const LARGE: f32 = 0.01;
+        let triangle = point.triangle as usize;
+        let [a, b, _] = self.mesh().corners(triangle);
+        if (b - a).length() > self.sights.reach() * LARGE {
+            return self.sights.is_side_visible(self, point, direction);
+        }
+        let seen =
+            self.seen.get_or_init(|| self.mesh().triangles().iter().map(|_| AtomicU8::new(0)).collect());
+        // Two bits a side: whether it is known, and whether it is seen.
+        let shift = if self.faces(point.triangle, direction) { 0 } else { 2 };
+        let known = seen[triangle].load(Ordering::Relaxed) >> shift;
+        if known & 1 != 0 {
+            return known & 2 != 0;
+        }
+        let middle = Point { triangle: point.triangle, weights: [1.0 / 3.0; 3] };
+        let is_seen = self.sights.is_side_visible(self, middle, direction);
+        seen[triangle].fetch_or((1 | u8::from(is_seen) << 1) << shift, Ordering::Relaxed);
+        is_seen
     }
 
     /// Returns the triangles, world space, with normals.

@@ -43,9 +43,7 @@ pub(super) fn search(
         nearest[i].offer(hit, |hit| scan.facing(hit, &projections[i]));
         true
     });
-    let found = |(projection, nearest): (&ProjectionRay, Nearest<Vec3>)| {
-        nearest.best().map(|(hit, normal)| projection.found(&hit, normal))
-    };
+    let found = |(projection, nearest): (&ProjectionRay, Nearest<Vec3>)| scan.visible_of(projection, nearest);
     projections.iter().zip(nearest).map(found).collect()
 }
 

@@ -19,10 +19,9 @@ impl Scan {
         self.bvh().nearest_of(ray, limit, |hit| self.is_drawn(hit.point(), toward))
     }
 
-    /// Returns `true` if nothing that a renderer draws hides the ray's origin from a viewer at the distance `limit` along
-    /// the ray.
+    /// Returns `true` if nothing but what alpha makes transparent lies between the ray's origin and the distance `limit`.
     pub fn is_seen_along(&self, ray: &Ray, limit: f32) -> bool {
-        !self.bvh().occluded(ray, limit, |hit| self.is_drawn(hit.point(), ray.direction()))
+        !self.bvh().occluded(ray, limit, |hit| self.is_opaque_at(hit.point()))
     }
 
     /// Returns the normal that a renderer shades a point with, unit, read as finely as `at.width`, for a viewer in the
@@ -45,7 +44,10 @@ impl Scan {
     }
 
     /// Returns `true` if a renderer draws this point for a viewer in the direction `toward`.
-    pub(super) fn is_drawn(&self, point: Point, toward: Vec3) -> bool {
+    ///
+    /// # Panics
+    /// If the mesh has no such triangle.
+    pub fn is_drawn(&self, point: Point, toward: Vec3) -> bool {
         let material = self.surface().material(point.triangle);
         if !material.double_sided && !self.faces(point.triangle, toward) {
             return false;

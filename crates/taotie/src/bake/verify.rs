@@ -79,9 +79,15 @@ impl Verifier<'_> {
         match self.shown {
             Some(shown) if count(shown.mesh()) != count(self.mesh) => Err(Error::invalid(
                 "the low-poly mesh",
-                format!("it has {} triangles; the mesh of its material has {}", count(self.mesh), count(shown.mesh())),
+                format!(
+                    "it has {} triangles; the mesh of its material has {}",
+                    count(self.mesh),
+                    count(shown.mesh())
+                ),
             )),
-            None if self.mesh.normals().is_empty() => Err(Error::invalid("the low-poly mesh", "it has no normals")),
+            None if self.mesh.normals().is_empty() => {
+                Err(Error::invalid("the low-poly mesh", "it has no normals"))
+            }
             _ => Ok(()),
         }
     }
@@ -150,7 +156,9 @@ fn sample_triangles<'a>(
     let numbered = move |i: usize| some.map_or(i, |some| some[i] as usize);
     let areas = move |block: usize| {
         let block = block * BLOCK..((block + 1) * BLOCK).min(triangles);
-        block.map(move |i| doubled_area(mesh, numbered(i))).map(|area| if area.is_finite() { area } else { 0.0 })
+        block
+            .map(move |i| doubled_area(mesh, numbered(i)))
+            .map(|area| if area.is_finite() { area } else { 0.0 })
     };
     // The area up to the end of each block.
     let mut sums: Vec<f64> = parallel::collect(triangles.div_ceil(BLOCK), |block| areas(block).sum());

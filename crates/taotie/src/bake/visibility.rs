@@ -15,20 +15,27 @@ const POINTS: usize = 2_000;
 /// If a smaller share of the surface is visible from outside, it is the inside of something.
 const LEAST_OUTSIDE: f64 = 0.5;
 /// Rays start this part of the diagonal above the surface.
-const OFFSET: f64 = 1e-5;
+const OFFSET: f32 = 1e-5;
 
 /// Tells which points of a surface a viewer can see.
 ///
 /// A point is visible from outside if nothing hides it in the direction of its facet normal or in one of 256 fixed directions
 /// on its front; of double-sided materials, on either side. If less than half of the area is visible so, the surface is an
 /// interior (a room, a tomb, a cave), and its points are seen from the largest free space within it.
+#[derive(Clone, Copy)]
 pub struct Visibility<'a> {
     surface: &'a Scan,
+    sights: &'a Sights,
+}
+
+/// The places from which a surface is seen.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Sights {
     directions: Vec<Vec3>,
     /// Places in the free space of an interior; empty if the surface is seen from outside.
     places: Vec<Vec3>,
-    offset: f32,
-    far: f32,
+    /// The surface's diagonal, model units.
+    diagonal: f32,
 }
 
 /// A line of sight from a visible point to a viewer.
@@ -41,76 +48,87 @@ pub struct SightLine {
 }
 
 impl<'a> Visibility<'a> {
-    /// Finds out whether a surface is seen from outside or from within.
+    /// Looks at a surface.
     pub fn of(surface: &'a Scan) -> Self {
-        let diagonal = surface.mesh().diagonal();
-        let outside = Self {
-            surface,
-            directions: sphere_directions(DIRECTIONS),
-            places: Vec::new(),
-            offset: (diagonal * OFFSET) as f32,
-            far: (diagonal * 4.0) as f32,
-        };
-        if outside.visible_share(POINTS) >= LEAST_OUTSIDE {
-            return outside;
-        }
-        let inside = Self { places: free_places(surface), ..outside };
-        if inside.places.is_empty() { Self { places: Vec::new(), ..inside } } else { inside }
+        Self { surface, sights: surface.sights() }
     }
 
     /// Looks at another surface in the same space from the same places.
-    pub fn of_other<'b>(&self, surface: &'b Scan) -> Visibility<'b> {
-        let (directions, places) = (self.directions.clone(), self.places.clone());
-        Visibility { surface, directions, places, offset: self.offset, far: self.far }
+    pub fn of_other(&self, surface: &'a Scan) -> Self {
+        Self { surface, ..*self }
     }
 
     /// Returns the places in the free space from which an interior is seen; none if it is seen from outside.
-    pub fn places(&self) -> &[Vec3] {
-        &self.places
+    pub fn places(&self) -> &'a [Vec3] {
+        &self.sights.places
     }
 
     /// Returns `true` if the surface is seen from within: a room, a tomb or a cave.
     pub fn is_interior(&self) -> bool {
-        !self.places.is_empty()
-    }
-
-    /// Returns the share of the area that is visible, [0, 1], estimated at `count` points; 1 without area.
-    pub fn visible_share(&self, count: usize) -> f64 {
-        let Ok(point) = sample_area(self.surface.mesh(), count) else { return 1.0 };
-        parallel::count(count, |i| self.sight_line(point(i)).is_some()) as f64 / count as f64
+        !self.sights.places.is_empty()
     }
 
     /// Returns the line along which a point is seen best: that closest to its normal. `None` if it is hidden.
     pub fn sight_line(&self, point: Point) -> Option<SightLine> {
-        let (mesh, is_double) = (self.surface.mesh(), self.is_double_sided(point.triangle));
-        let normal = facet_normal(mesh.corners(point.triangle as usize))?;
-        let front = self.sight_line_on(point, normal);
-        if is_double { front.or_else(|| self.sight_line_on(point, -normal)) } else { front }
+        self.sights.sight_line(self.surface, point)
     }
+}
 
-    /// Returns `true` if the side of a point that faces `direction` is visible.
-    pub fn is_side_visible(&self, point: Point, direction: Vec3) -> bool {
-        let Some(normal) = facet_normal(self.surface.mesh().corners(point.triangle as usize)) else { return false };
-        let side = if normal.dot(direction) < 0.0 { -normal } else { normal };
-        self.sight_line_on(point, side).is_some()
-    }
-
-    fn is_double_sided(&self, triangle: u32) -> bool {
-        self.surface.surface().material(triangle).double_sided
-    }
-
-    /// Returns the line closest to `normal` on whose side of the facet it lies.
-    fn sight_line_on(&self, point: Point, normal: Vec3) -> Option<SightLine> {
-        let start = point.position(self.surface.mesh()) + normal * self.offset;
-        match self.places.is_empty() {
-            true => self.from_outside(start, normal),
-            false => self.from_within(start, normal),
+impl Sights {
+    /// Finds out whether a surface is seen from outside or from within.
+    pub fn of(surface: &Scan) -> Self {
+        let diagonal = surface.mesh().diagonal() as f32;
+        let outside = Self { directions: sphere_directions(DIRECTIONS), places: Vec::new(), diagonal };
+        match outside.visible_share(surface) >= LEAST_OUTSIDE {
+            true => outside,
+            false => Self { places: free_places(surface), ..outside },
         }
     }
 
-    fn from_outside(&self, start: Vec3, normal: Vec3) -> Option<SightLine> {
-        let escapes = |toward: Vec3| self.surface.is_seen_along(&Ray::new(start, toward), self.far);
-        let line = |toward: Vec3| SightLine { toward, distance: self.far };
+    /// Returns the surface's diagonal, model units.
+    pub fn reach(&self) -> f32 {
+        self.diagonal
+    }
+
+    /// Returns the share of the area that is visible, [0, 1]; 1 without area.
+    fn visible_share(&self, surface: &Scan) -> f64 {
+        let Ok(point) = sample_area(surface.mesh(), POINTS) else { return 1.0 };
+        parallel::count(POINTS, |i| self.sight_line(surface, point(i)).is_some()) as f64 / POINTS as f64
+    }
+
+    /// Returns the line along which a point is seen best; `None` if it is hidden.
+    fn sight_line(&self, surface: &Scan, point: Point) -> Option<SightLine> {
+        let normal = facet_normal(surface.mesh().corners(point.triangle as usize))?;
+        let front = self.sight_line_on(surface, point, normal);
+        let is_double = surface.surface().material(point.triangle).double_sided;
+        if is_double { front.or_else(|| self.sight_line_on(surface, point, -normal)) } else { front }
+    }
+
+    /// Returns `true` if the side of a point that faces `direction` is visible.
+    pub fn is_side_visible(&self, surface: &Scan, point: Point, direction: Vec3) -> bool {
+        let Some(normal) = facet_normal(surface.mesh().corners(point.triangle as usize)) else {
+            return false;
+        };
+        let side = if normal.dot(direction) < 0.0 { -normal } else { normal };
+        self.sight_line_on(surface, point, side).is_some()
+    }
+
+    fn far(&self) -> f32 {
+        self.diagonal * 4.0
+    }
+
+    /// Returns the line closest to `normal` on whose side of the facet it lies.
+    fn sight_line_on(&self, surface: &Scan, point: Point, normal: Vec3) -> Option<SightLine> {
+        let start = point.position(surface.mesh()) + normal * (self.diagonal * OFFSET);
+        match self.places.is_empty() {
+            true => self.from_outside(surface, start, normal),
+            false => self.from_within(surface, start, normal),
+        }
+    }
+
+    fn from_outside(&self, surface: &Scan, start: Vec3, normal: Vec3) -> Option<SightLine> {
+        let escapes = |toward: Vec3| surface.is_seen_along(&Ray::new(start, toward), self.far());
+        let line = |toward: Vec3| SightLine { toward, distance: self.far() };
         if escapes(normal) {
             return Some(line(normal));
         }
@@ -124,7 +142,7 @@ impl<'a> Visibility<'a> {
         on_front.into_iter().map(|(_, toward)| toward).find(|toward| escapes(*toward)).map(line)
     }
 
-    fn from_within(&self, start: Vec3, normal: Vec3) -> Option<SightLine> {
+    fn from_within(&self, surface: &Scan, start: Vec3, normal: Vec3) -> Option<SightLine> {
         let mut lines: Vec<(f32, SightLine)> = self
             .places
             .iter()
@@ -136,9 +154,7 @@ impl<'a> Visibility<'a> {
             .filter(|(cosine, _)| *cosine > 0.0)
             .collect();
         lines.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let is_free = |line: &SightLine| {
-            self.surface.is_seen_along(&Ray::new(start, line.toward), line.distance)
-        };
+        let is_free = |line: &SightLine| surface.is_seen_along(&Ray::new(start, line.toward), line.distance);
         lines.into_iter().map(|(_, line)| line).find(is_free)
     }
 }

@@ -43,6 +43,10 @@ pub struct CloseUp {
     pub samples: Vec<SurfaceSample>,
     /// The share of the area that cannot be seen, [0, 1].
     pub hidden: f64,
+    /// Points that were looked at, hidden ones too.
+    pub points: usize,
+    /// `true` if the points are those of the scan, `false` if they are the asset's.
+    pub is_of_scan: bool,
 }
 
 /// The two surfaces in the roles of a close-up.
@@ -87,7 +91,8 @@ impl<'a> Viewer<'a> {
             look.add(surface, sample, self.pair.has_material);
             look
         };
-        let texel = on_asset.and_then(|at| self.pair.asset.surface.surface().texel_size(at)).unwrap_or(f32::NAN);
+        let texel =
+            on_asset.and_then(|at| self.pair.asset.surface.surface().texel_size(at)).unwrap_or(f32::NAN);
         let mut sample = SurfaceSample {
             position,
             toward: line.toward,
@@ -95,7 +100,10 @@ impl<'a> Viewer<'a> {
             angle_deg: NOTHING_DEG,
             color: f32::NAN,
             is_missing: true,
-            distance: other.bvh().closest(position, f32::INFINITY).map_or(f32::INFINITY, |found| found.distance),
+            distance: other
+                .bvh()
+                .closest(position, f32::INFINITY)
+                .map_or(f32::INFINITY, |found| found.distance),
             texel,
             coarser: texel / width,
         };
@@ -135,7 +143,8 @@ impl CloseUp {
         let point = sample_area(viewer.own.surface.mesh(), count)?;
         let found: Vec<Option<SurfaceSample>> = parallel::collect(count, |i| viewer.sample(point(i)));
         let hidden = found.iter().filter(|sample| sample.is_none()).count() as f64 / count as f64;
-        Ok(Self { samples: found.into_iter().flatten().collect(), hidden })
+        let samples = found.into_iter().flatten().collect();
+        Ok(Self { samples, hidden, points: count, is_of_scan: viewer.is_of_scan })
     }
 
     /// Returns the share of the visible area where the other surface shows nothing, or another part, [0, 1].

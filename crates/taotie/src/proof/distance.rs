@@ -28,6 +28,11 @@ pub struct DistanceBounds {
 }
 
 impl DistanceBounds {
+    /// Bounds a distance that is known.
+    pub fn exactly(distance: f64) -> Self {
+        Self { lower: distance, upper: distance }
+    }
+
     /// Returns the bounds of the larger of two distances.
     pub fn larger(self, other: Self) -> Self {
         Self { lower: self.lower.max(other.lower), upper: self.upper.max(other.upper) }
@@ -156,7 +161,8 @@ impl Search<'_> {
             let Some(closest) = self.to.bvh().closest(middle, f32::INFINITY) else { return };
             let radius = places.into_iter().map(|place| (place - middle).length()).fold(0.0, f32::max);
             let triangle = self.to.mesh().corners(closest.triangle as usize);
-            let from_one = places.map(|place| distance_to_triangle(triangle, place)).into_iter().fold(0.0, f32::max);
+            let from_one =
+                places.map(|place| distance_to_triangle(triangle, place)).into_iter().fold(0.0, f32::max);
             piece.middle = closest.distance;
             piece.most = (closest.distance + radius).min(from_one).max(closest.distance);
         });
@@ -166,7 +172,8 @@ impl Search<'_> {
     /// Raises the lower bound, and returns the pieces that may hold a larger distance.
     fn promising(&mut self, mut pieces: Vec<Piece>) -> Vec<Piece> {
         pieces.sort_by(|a, b| b.middle.total_cmp(&a.middle).then(a.triangle.cmp(&b.triangle)));
-        let farthest = pieces.iter().take_while(|piece| piece.middle > self.lower).find(|piece| self.is_seen(piece));
+        let farthest =
+            pieces.iter().take_while(|piece| piece.middle > self.lower).find(|piece| self.is_seen(piece));
         if let Some(farthest) = farthest {
             self.lower = farthest.middle;
         }

@@ -39,7 +39,9 @@ impl Estimate {
         if sorted.is_empty() {
             return Ok(None);
         }
-        let Some(summary) = Field::new(sorted.len() as u32, 1, sorted.clone())?.summary() else { return Ok(None) };
+        let Some(summary) = Field::new(sorted.len() as u32, 1, sorted.clone())?.summary() else {
+            return Ok(None);
+        };
         sorted.sort_unstable_by(f32::total_cmp);
         let count = sorted.len() as f64;
         let squares: f64 = sorted.iter().map(|v| (f64::from(*v) - summary.mean).powi(2)).sum();

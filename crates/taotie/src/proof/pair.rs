@@ -49,7 +49,10 @@ impl<'a> Side<'a> {
     }
 
     /// Looks at another surface from the same places.
-    pub fn like<'b>(&self, surface: &'b Scan) -> Side<'b> {
+    pub fn like<'b>(&self, surface: &'b Scan) -> Side<'b>
+    where
+        'a: 'b,
+    {
         Side { surface, visibility: self.visibility.of_other(surface) }
     }
 }

@@ -13,14 +13,15 @@ use crate::parallel;
 const SHARE: f64 = 0.01;
 /// Windows that are tried, their middles spread over the surface.
 const WINDOWS: usize = 512;
-/// Fresh points at which the worst window is measured.
+/// Fresh points at which the worst window is measured, at least, and as a part of those of the whole surface.
 const POINTS: usize = 2_048;
+const PART: usize = 8;
 
-/// Points that are spread over the triangles around it, at most.
-const MOST_TRIED: usize = 1 << 19;
+/// Points that are spread over the triangles around it for each of these, at most.
+const MOST_TRIED: usize = 128;
 
 /// The window of one per cent of the visible surface in which an asset differs most from its scan.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Patch {
@@ -46,12 +47,11 @@ pub struct Patch {
 pub fn worst_patch(
     pair: &Pair<'_>,
     close_up: &CloseUp,
-    is_of_scan: bool,
     difference: fn(&SurfaceSample) -> f32,
 ) -> Result<Option<Patch>> {
-    let viewer = if is_of_scan { Viewer::of_scan(pair) } else { Viewer::of_asset(pair) };
+    let viewer = if close_up.is_of_scan { Viewer::of_scan(pair) } else { Viewer::of_asset(pair) };
     let Some(window) = worst_window(&close_up.samples, difference) else { return Ok(None) };
-    let samples = fresh_samples(viewer, &window)?;
+    let samples = fresh_samples(viewer, &window, (close_up.points / PART).max(POINTS))?;
     let values: Vec<f32> = samples.iter().map(difference).collect();
     let Some(estimate) = Estimate::of(&values)? else { return Ok(None) };
     Ok(Some(Patch {
@@ -60,7 +60,7 @@ pub fn worst_patch(
         center: window.center.to_f64().to_array(),
         radius: f64::from(window.radius),
         toward: window.toward.to_f64().to_array(),
-        is_of_scan,
+        is_of_scan: close_up.is_of_scan,
     }))
 }
 
@@ -113,20 +113,23 @@ fn worst_window(samples: &[SurfaceSample], difference: fn(&SurfaceSample) -> f32
 }
 
 /// Returns what is seen at points spread evenly over the part of a surface that lies in a window.
-fn fresh_samples(viewer: Viewer<'_>, window: &Window) -> Result<Vec<SurfaceSample>> {
+fn fresh_samples(viewer: Viewer<'_>, window: &Window, points: usize) -> Result<Vec<SurfaceSample>> {
     let mesh = viewer.own().surface.mesh();
-    let near: Vec<u32> =
-        parallel::filter(mesh.triangles().len(), |t| touches(mesh, t, window)).into_iter().map(|t| t as u32).collect();
+    let near: Vec<u32> = parallel::filter(mesh.triangles().len(), |t| touches(mesh, t, window))
+        .into_iter()
+        .map(|t| t as u32)
+        .collect();
     if near.is_empty() {
         return Ok(Vec::new());
     }
-    let is_inside = |position: Vec3| (position - window.center).length() <= window.radius.max(f32::MIN_POSITIVE);
+    let is_inside =
+        |position: Vec3| (position - window.center).length() <= window.radius.max(f32::MIN_POSITIVE);
     // Large triangles reach far beyond the window: more points, until enough of them lie in it.
-    let mut count = POINTS * 2;
+    let mut count = points * 2;
     let inside = loop {
         let point = sample_area_of(mesh, &near, count)?;
         let inside = parallel::filter(count, |i| is_inside(point(i).position(mesh)));
-        if inside.len() >= POINTS || count >= MOST_TRIED {
+        if inside.len() >= points || count >= points * MOST_TRIED {
             break inside.into_iter().map(point).collect::<Vec<Point>>();
         }
         count *= 4;

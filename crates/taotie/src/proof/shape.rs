@@ -8,6 +8,8 @@ use super::pair::Pair;
 const HARDLY_HIDDEN: f64 = 1e-3;
 /// The width of the bounds of distances, as a part of the diagonal, and as a part of the distance.
 const WIDTH: [f32; 2] = [5e-4, 0.05];
+/// The bounds are closer in proportion if more points than these are looked at.
+const POINTS: f32 = 20_000.0;
 
 /// The distances between what can be seen of two surfaces, in both directions, model units.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -32,7 +34,9 @@ fn hausdorff(pair: &Pair<'_>, close_ups: [&CloseUp; 2]) -> DistanceBounds {
         let known = close_up.samples.iter().map(|sample| sample.distance).fold(0.0, f32::max);
         let visible = (close_up.hidden > HARDLY_HIDDEN).then_some(from);
         let source = Source { mesh: from.surface.mesh(), visible, known };
-        distance_bounds(source, to.surface, (pair.diagonal * WIDTH[0]).max(known * WIDTH[1]))
+        let width = (pair.diagonal * WIDTH[0]).max(known * WIDTH[1]);
+        // Closer where more points have to decide a requirement.
+        distance_bounds(source, to.surface, width * (POINTS / close_up.points.max(1) as f32).min(1.0))
     });
     bounds.fold(DistanceBounds::default(), DistanceBounds::larger)
 }

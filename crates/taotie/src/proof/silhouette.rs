@@ -83,7 +83,9 @@ impl Mask {
         if right < left as f32 || bottom < top as f32 {
             return;
         }
-        let edge = |p: [f32; 2], q: [f32; 2], x: f32, y: f32| (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
+        let edge = |p: [f32; 2], q: [f32; 2], x: f32, y: f32| {
+            (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0])
+        };
         for y in top..=bottom as usize {
             for x in left..=right as usize {
                 let (px, py) = (x as f32, y as f32);

@@ -16,29 +16,35 @@ pub struct RayInterval {
     pub to: f32,
 }
 
-/// The hit nearest to the centre of an interval so far, with what was said of it.
+/// The two hits nearest to the centre of an interval so far, with what was said of them.
 #[derive(Debug, Clone, Copy)]
 pub struct Nearest<T> {
     interval: RayInterval,
     best: Option<(Hit, T)>,
+    second: Option<(Hit, T)>,
 }
 
-impl<T> Nearest<T> {
+impl<T: Copy> Nearest<T> {
     /// Begins without a hit.
     #[inline]
     pub fn on(interval: RayInterval) -> Self {
-        Self { interval, best: None }
+        Self { interval, best: None, second: None }
     }
 
-    /// Takes a hit that lies in the interval, is nearer than the best so far, and for which `judge` returns something;
+    /// Takes a hit that lies in the interval, is nearer than the second so far, and for which `judge` returns something;
     /// of two equally near the one farther along the ray, then the triangle with the lower number. So the order of hits
     /// does not matter.
     #[inline]
     pub fn offer(&mut self, hit: Hit, judge: impl FnOnce(&Hit) -> Option<T>) {
-        if self.is_before(&hit)
-            && let Some(said) = judge(&hit)
-        {
-            self.best = Some((hit, said));
+        let RayInterval { from, to, .. } = self.interval;
+        if !(from..=to).contains(&hit.distance) || !self.is_before(&hit, self.second.as_ref()) {
+            return;
+        }
+        if let Some(said) = judge(&hit) {
+            match self.is_before(&hit, self.best.as_ref()) {
+                true => (self.second, self.best) = (self.best, Some((hit, said))),
+                false => self.second = Some((hit, said)),
+            }
         }
     }
 
@@ -48,36 +54,38 @@ impl<T> Nearest<T> {
         self.best
     }
 
+    /// The best of all others.
     #[inline]
-    fn is_before(&self, hit: &Hit) -> bool {
-        let RayInterval { from, center, to } = self.interval;
-        if !(from..=to).contains(&hit.distance) {
-            return false;
-        }
-        let Some((best, _)) = &self.best else { return true };
-        let [new, old] = [hit, best].map(|hit| (hit.distance - center).abs());
-        let order = new.total_cmp(&old).then(best.distance.total_cmp(&hit.distance));
-        order.then(hit.triangle.cmp(&best.triangle)).is_lt()
+    pub fn second(self) -> Option<(Hit, T)> {
+        self.second
+    }
+
+    #[inline]
+    fn is_before(&self, hit: &Hit, other: Option<&(Hit, T)>) -> bool {
+        let Some((other, _)) = other else { return true };
+        let [new, old] = [hit, other].map(|hit| (hit.distance - self.interval.center).abs());
+        let order = new.total_cmp(&old).then(other.distance.total_cmp(&hit.distance));
+        order.then(hit.triangle.cmp(&other.triangle)).is_lt()
     }
 
     /// The interval in which a better hit may still lie.
     #[inline]
     fn span(&self) -> Span {
         let RayInterval { from, center, to } = self.interval;
-        let reach = self.best.as_ref().map_or(f32::INFINITY, |(hit, _)| (hit.distance - center).abs());
+        let reach = self.second.as_ref().map_or(f32::INFINITY, |(hit, _)| (hit.distance - center).abs());
         Span { from: from.max(center - reach), to: to.min(center + reach) }
     }
 }
 
 impl Bvh {
-    /// Returns the hit in an interval of a ray that is nearest to its centre, of those for which `judge` returns
-    /// something. It may be called for any hit, in any order; its answer for the nearest is returned with it.
-    pub fn nearest_to<T>(
+    /// Returns the two hits in an interval of a ray that are nearest to its centre, of those for which `judge` returns
+    /// something. It may be called for any hit, in any order; its answers are returned with them.
+    pub fn nearest_to<T: Copy>(
         &self,
         ray: &Ray,
         interval: RayInterval,
         judge: impl Fn(&Hit) -> Option<T>,
-    ) -> Option<(Hit, T)> {
+    ) -> Nearest<T> {
         let mut nearest = Nearest::on(interval);
         let span = nearest.span();
         let meet = |met: Met, _: Span| {
@@ -85,7 +93,7 @@ impl Bvh {
             nearest.span()
         };
         dispatch_eight!(self.level, P, token => walk::<P, true>(token, &self.tree, Cast { ray, span }, meet));
-        nearest.best()
+        nearest
     }
 }
 
@@ -100,8 +108,8 @@ mod tests {
         let bvh = Bvh::build(&[sheet(1.0), sheet(2.0), sheet(4.0)]);
         let ray = Ray::new(Vec3::default(), Vec3::new(0.0, 0.0, 1.0));
         let found = |[from, center, to]: [f32; 3], judge: &dyn Fn(&Hit) -> Option<u32>| {
-            bvh.nearest_to(&ray, RayInterval { from, center, to }, judge)
-                .map(|(hit, said)| (hit.triangle, said))
+            let nearest = bvh.nearest_to(&ray, RayInterval { from, center, to }, judge);
+            nearest.best().map(|(hit, said)| (hit.triangle, said))
         };
         let nearest = |interval: [f32; 3]| found(interval, &|_| Some(0)).map(|(triangle, _)| triangle);
         assert_eq!(nearest([0.0, 0.1, 9.0]), Some(0));
@@ -110,6 +118,11 @@ mod tests {
         assert_eq!(nearest([0.0, 1.4, 9.0]), Some(0));
         assert_eq!(nearest([1.5, 1.0, 9.0]), Some(1), "not before its beginning");
         assert_eq!(nearest([4.5, 5.0, 9.0]), None);
+        let second = |[from, center, to]: [f32; 3]| {
+            let nearest = bvh.nearest_to(&ray, RayInterval { from, center, to }, |_| Some(0));
+            nearest.second().map(|(hit, _)| hit.triangle)
+        };
+        assert_eq!([[0.0, 0.1, 9.0], [0.0, 3.5, 9.0], [1.5, 1.0, 3.0]].map(second), [Some(1), Some(1), None]);
         let not_the_first = |hit: &Hit| (hit.triangle != 0).then_some(7);
         assert_eq!(found([0.0, 1.0, 9.0], &not_the_first), Some((1, 7)));
     }

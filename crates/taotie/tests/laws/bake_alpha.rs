@@ -164,16 +164,16 @@ fn an_asset_has_a_part_for_each_mode_in_every_level() {
         let packing = Packing { meshopt, ..Packing::default() };
         let written = asset.write(&path, &packing, Progress::SILENT).unwrap();
         counts.iter().enumerate().for_each(|(level, count)| assert_parts(&path, level, *count));
-        let options = VerifyOptions { points: 20_000, distance_points: 1000, map: 64, view: 96 };
+        let options = VerifyOptions { points: 20_000, map: 64, view: 96, ..VerifyOptions::default() };
         let proof = written.verify(&scan, &options, Progress::SILENT).unwrap();
         for level in &proof.figures.levels {
             let alpha = level.material.alpha.unwrap().mean;
-            let angle = level.angles.unwrap().mean;
+            let angle = level.surface_angles.unwrap().mean;
             println!("{name}, {} triangles: alpha {alpha:.4}, {angle:.2}°", level.triangles);
             // The rim of the cut, and where a level shows a little of what lies beside it.
             assert!(alpha < 0.02, "{name}, {} triangles: {alpha}", level.triangles);
         }
-        let flip = proof.figures.full_views.iter().map(|view| view.flip).sum::<f64>() / 8.0;
+        let flip = proof.figures.finest().unwrap().full_views.iter().map(|view| view.flip).sum::<f64>() / 8.0;
         println!("{name}: FLIP {flip:.4}");
         assert!(flip < 0.03, "{name}: {flip}");
     }

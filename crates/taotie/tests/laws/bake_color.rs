@@ -3,7 +3,9 @@
 
 use std::sync::Arc;
 use taotie::Progress;
-use taotie::asset::{BakeOptions, Baker, MeshSource, Packing, Proof, Requirement, Scan, VerifyOptions};
+use taotie::asset::{
+    BakeOptions, Baker, LevelFigures, MeshSource, Packing, Proof, Requirement, Scan, VerifyOptions,
+};
 use taotie::bake::{self, Cage, MapKind, MaterialError, TexturedMesh, Verifier};
 use taotie::compare::{Field, color_difference};
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
@@ -12,7 +14,7 @@ use taotie::mesh::{Mesh, MeshData};
 use taotie::scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
 
 /// The numbers of points that a proof of these tests measures.
-const POINTS: VerifyOptions = VerifyOptions { points: 5_000, distance_points: 500, map: 32, view: 96 };
+const POINTS: VerifyOptions = VerifyOptions { points: 5_000, map: 32, view: 96, requirements: Vec::new() };
 
 fn ball(material: Material) -> Scene {
     Scene::of_mesh(Mesh::sphere(1.0, 32, 16), material).unwrap()
@@ -23,7 +25,7 @@ fn errors(scan: Material, asset: Material) -> (MaterialError, Field) {
     let scan = bake::Scan::new(ball(scan)).unwrap();
     let shown = TexturedMesh::new(ball(asset)).unwrap();
     let cage = Cage::automatic(shown.mesh(), &scan);
-    let verifier = Verifier { mesh: shown.mesh(), normal: None, cage: &cage, scan: &scan };
+    let verifier = Verifier { mesh: shown.mesh(), shown: None, cage: &cage, scan: &scan };
     let error = verifier.material_error(&shown, 500).unwrap();
     (error, verifier.color_map(&shown, [16, 8]).unwrap())
 }
@@ -86,7 +88,7 @@ fn colours_that_are_not_finite_are_told() {
     let scan = bake::Scan::new(scene).unwrap();
     let shown = TexturedMesh::new(ball(Material::default())).unwrap();
     let cage = Cage::automatic(shown.mesh(), &scan);
-    let verifier = Verifier { mesh: shown.mesh(), normal: None, cage: &cage, scan: &scan };
+    let verifier = Verifier { mesh: shown.mesh(), shown: None, cage: &cage, scan: &scan };
     let error = verifier.material_error(&shown, 2000).unwrap();
     assert!((error.not_finite - 0.25).abs() < 0.03, "{}", error.not_finite);
     let finite = error.color.values().iter().filter(|v| v.is_finite()).count();
@@ -103,7 +105,7 @@ fn another_mesh_is_refused() {
     let shown = TexturedMesh::new(ball(Material::default())).unwrap();
     let low = Mesh::sphere(1.0, 12, 6);
     let cage = Cage::automatic(&low, &scan);
-    let verifier = Verifier { mesh: &low, normal: None, cage: &cage, scan: &scan };
+    let verifier = Verifier { mesh: &low, shown: None, cage: &cage, scan: &scan };
     let why = verifier.material_error(&shown, 10).unwrap_err().to_string();
     assert!(why.contains("triangles"), "{why}");
 }
@@ -118,6 +120,10 @@ fn scan(is_colored: bool) -> Scan {
     let count = if is_colored { data.positions.len() } else { 0 };
     let colors = (0..count).map(color).collect();
     Scan::from_mesh(Mesh::new(MeshData { colors, ..data }).unwrap(), Progress::SILENT).unwrap()
+}
+
+fn finest(proof: &Proof) -> &LevelFigures {
+    proof.figures.finest().unwrap()
 }
 
 fn proof(scan: &Scan, maps: Vec<MapKind>) -> Proof {
@@ -138,17 +144,17 @@ fn colors_are_kept_or_the_proof_says_so() {
     let colored = scan(true);
     let wanted = [Requirement::mean_color(1.5)];
     let kept = proof(&colored, vec![MapKind::Normal, MapKind::Albedo]);
-    let color = kept.figures.material.color.unwrap();
+    let color = finest(&kept).material.color.unwrap();
     assert!(color.mean < 1.5 && color.p95 < 3.0, "{color:?}");
     assert!(kept.require(&wanted)[0].met);
     assert!(kept.color_map.as_ref().is_some_and(|map| map.width() == 32));
-    assert_eq!((kept.figures.full_views.len(), kept.figures.levels[0].full_views.len()), (8, 8));
+    assert_eq!(finest(&kept).full_views.len(), 8);
 
     let lost = proof(&colored, vec![MapKind::Normal]);
-    let color = lost.figures.material.color.unwrap();
+    let color = finest(&lost).material.color.unwrap();
     assert!(color.mean > 10.0, "{color:?}");
     assert!(!lost.require(&wanted)[0].met);
-    let flip = |proof: &Proof| proof.figures.full_views.iter().map(|view| view.flip).sum::<f64>() / 8.0;
+    let flip = |proof: &Proof| finest(proof).full_views.iter().map(|view| view.flip).sum::<f64>() / 8.0;
     assert!(flip(&lost) > 2.0 * flip(&kept), "{} without colours, {} with them", flip(&lost), flip(&kept));
 }
 
@@ -156,21 +162,20 @@ fn colors_are_kept_or_the_proof_says_so() {
 #[test]
 fn grey_views_are_grey_whatever_the_colors() {
     let [plain, colored] = [false, true].map(|is_colored| proof(&scan(is_colored), vec![MapKind::Normal]));
-    assert_eq!(plain.figures.views, colored.figures.views);
+    assert_eq!(finest(&plain).views, finest(&colored).views);
     for (a, b) in plain.views.scan.iter().zip(&colored.views.scan) {
         assert!(a.pixels() == b.pixels(), "colours show");
     }
-    assert!(colored.figures.views.iter().all(|view| view.flip < 0.06), "{:?}", colored.figures.views);
+    assert!(finest(&colored).views.iter().all(|view| view.flip < 0.06), "{:?}", finest(&colored).views);
 }
 
 #[test]
 fn a_scan_without_material_is_not_compared_and_the_proof_says_so() {
     let plain = proof(&scan(false), vec![MapKind::Normal, MapKind::Height]);
-    assert_eq!(plain.figures.material.color, None);
+    assert_eq!(finest(&plain).material.color, None);
     assert!(plain.full_views.is_none() && plain.color_map.is_none());
     assert!(!plain.require(&[Requirement::mean_color(100.0)])[0].met, "nothing was measured");
     assert!(plain.figures.unseen.iter().any(|what| what.contains("colour and material")));
-    assert!(plain.figures.unseen.contains(&"heights".to_owned()));
 }
 
 /// Three units along x for each ball of a row.
@@ -212,7 +217,7 @@ fn gold_clay_and_a_lamp_look_alike_on_one_map() {
     let scan = Scan::from_scene(Scene::new(scene).unwrap(), Progress::SILENT).unwrap();
     let low = Some(MeshSource::Mesh(Arc::new(row())));
     let proof = proof_of(&scan, BakeOptions { low, carry: true, size: 256, ..BakeOptions::default() });
-    let material = &proof.figures.material;
+    let material = &finest(&proof).material;
     let mean = |summary: Option<taotie::compare::Summary>| summary.unwrap().mean;
     println!("gold, clay and a lamp: {material:?}");
     assert!(mean(material.color) < 1.5, "{material:?}");
@@ -220,7 +225,7 @@ fn gold_clay_and_a_lamp_look_alike_on_one_map() {
     // Eight bits of at most 4.
     assert!(mean(material.emission) < 0.05, "{material:?}");
     assert_eq!(material.alpha.unwrap().max, 0.0);
-    let flip = proof.figures.full_views.iter().map(|view| view.flip).sum::<f64>() / 8.0;
+    let flip = finest(&proof).full_views.iter().map(|view| view.flip).sum::<f64>() / 8.0;
     // The balls cover an eighth of the images.
     assert!(flip < 0.03, "{flip}");
 }

@@ -4,8 +4,8 @@
 use std::ops::Range;
 use taotie::Progress;
 use taotie::bake::{
-    BakeInput, BakeSettings, BakedMaps, Cage, LookupPoint, MapKind, Scan, ShownNormals, TexturedMesh,
-    UvLookup, Verifier, bake, low_poly_mesh,
+    BakeInput, BakeSettings, BakedMaps, Cage, LookupPoint, MapKind, Scan, TexturedMesh, UvLookup, Verifier,
+    bake, low_poly_mesh,
 };
 use taotie::compare::angle_deg;
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture, Wrap};
@@ -126,6 +126,16 @@ fn largest_angle(normals: &[[f32; 3]], size: u32, truth: impl Fn(Vec2) -> Vec3) 
     pairs.map(|(n, uv)| degrees(Vec3::from_array(*n), truth(uv))).fold(0.0, f64::max)
 }
 
+/// A low-poly mesh that shows a normal map.
+fn shown(low: &Mesh, texture: &Texture, (space, sampler): (NormalSpace, Sampler)) -> TexturedMesh {
+    let texture_0 = TextureRef { texture: 0, uv_set: 0, sampler, transform: UvTransform::default() };
+    let map = NormalMap { texture: texture_0, scale: 1.0, space, green: GreenChannel::Up };
+    let mut scene = Scene::of_mesh(low.clone(), Material::default()).unwrap();
+    let material = Material { normal: Some(map), ..Material::default() };
+    scene.edit(|scene| (scene.textures, scene.materials) = (vec![texture.clone()], vec![material])).unwrap();
+    TexturedMesh::new(scene).unwrap()
+}
+
 #[test]
 fn a_normal_map_of_the_scan_is_baked_and_measured() {
     let scene = tilted_square(NormalSpace::Tangent, Mat4::IDENTITY);
@@ -134,14 +144,14 @@ fn a_normal_map_of_the_scan_is_baked_and_measured() {
     assert!(off < 0.1, "{off}°");
     let low = with_frames(&square(), 0, None).unwrap().0.into_owned();
     let (scan, cage) = (Scan::new(scene).unwrap(), Cage::uniform(&low, 0.01).unwrap());
-    let mean = |normal| {
-        let verifier = Verifier { mesh: &low, normal, cage: &cage, scan: &scan };
+    let mean = |shown: Option<&TexturedMesh>| {
+        let verifier = Verifier { mesh: &low, shown, cage: &cage, scan: &scan };
         verifier.normal_error(5000).unwrap().angles.summary().unwrap().mean
     };
     let fine = Storage { bits: 16, dither: false };
     let kept = Texture::new(store_unit_vectors([128; 2], &maps.normal, fine).unwrap(), Encoding::Normal);
     let sampler = texture_0().sampler;
-    let kept = mean(Some(ShownNormals { texture: &kept, space: NormalSpace::Object, sampler }));
+    let kept = mean(Some(&shown(&low, &kept, (NormalSpace::Object, sampler))));
     assert!(kept < 0.1, "an asset that holds the field: {kept}°");
     let flat = mean(None);
     assert!(flat > 5.0, "an asset that lost it: {flat}°");
@@ -157,8 +167,8 @@ fn the_map_is_read_beyond_its_borders_as_the_viewer_does() {
     let low = with_frames(&square(), 0, None).unwrap().0.into_owned();
     let (scan, cage) = (Scan::new(scene).unwrap(), Cage::uniform(&low, 0.01).unwrap());
     let largest = |sampler| {
-        let normals = ShownNormals { texture: &map, space: NormalSpace::Object, sampler };
-        let verifier = Verifier { mesh: &low, normal: Some(normals), cage: &cage, scan: &scan };
+        let shown = shown(&low, &map, (NormalSpace::Object, sampler));
+        let verifier = Verifier { mesh: &low, shown: Some(&shown), cage: &cage, scan: &scan };
         verifier.normal_error(5000).unwrap().angles.summary().unwrap().max
     };
     let clamped = gltf_sampler([&low]);

@@ -3,7 +3,7 @@
 
 use taotie::Progress;
 use taotie::bake::{
-    BakeInput, BakeSettings, Baked, BakedMaps, Cage, MapKind, Maps, Scan, ShownNormals, TexelStatus,
+    BakeInput, BakeSettings, Baked, BakedMaps, Cage, MapKind, Maps, Scan, TexelStatus, TexturedMesh,
     UnwrapOptions, Verifier, bake, unwrap,
 };
 use taotie::image::{Encoding, Sampler, Texture};
@@ -11,7 +11,7 @@ use taotie::math::Vec3;
 use taotie::mesh::{Mesh, MeshData};
 use taotie::names::Named;
 use taotie::normal_map::{Storage, store_unit_vectors};
-use taotie::scene::{Material, NormalSpace, Scene};
+use taotie::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
 use taotie::surface::{vertex_normals, with_frames};
 
 fn scene(mesh: Mesh) -> Scene {
@@ -54,13 +54,23 @@ fn covered(maps: &BakedMaps) -> impl Iterator<Item = usize> + '_ {
     (0..maps.texels.len()).filter(|i| maps.texels[*i] != TexelStatus::Free)
 }
 
+/// A low-poly mesh that shows a normal map.
+fn shown(low: &Mesh, texture: &Texture, (space, sampler): (NormalSpace, Sampler)) -> TexturedMesh {
+    let texture_0 = TextureRef { texture: 0, uv_set: 0, sampler, transform: UvTransform::default() };
+    let map = NormalMap { texture: texture_0, scale: 1.0, space, green: GreenChannel::Up };
+    let mut scene = Scene::of_mesh(low.clone(), Material::default()).unwrap();
+    let material = Material { normal: Some(map), ..Material::default() };
+    scene.edit(|scene| (scene.textures, scene.materials) = (vec![texture.clone()], vec![material])).unwrap();
+    TexturedMesh::new(scene).unwrap()
+}
+
 /// Angles over the surface as a viewer shows it, degrees: mean and largest.
 fn shown_angles(low: &Mesh, maps: &BakedMaps, storage: Storage, (cage, scan): (&Cage, &Scan)) -> [f64; 2] {
     let bitmap = store_unit_vectors(maps.size(), &maps.normal, storage).unwrap();
     let texture = Texture::new(bitmap, Encoding::Normal);
     let sampler = Sampler::BILINEAR;
-    let normals = ShownNormals { texture: &texture, space: NormalSpace::Tangent, sampler };
-    let verifier = Verifier { mesh: low, normal: Some(normals), cage, scan };
+    let shown = shown(low, &texture, (NormalSpace::Tangent, sampler));
+    let verifier = Verifier { mesh: low, shown: Some(&shown), cage, scan };
     let normal_error = verifier.normal_error(20_000).unwrap();
     assert_eq!(normal_error.lost, 0.0);
     let summary = normal_error.angles.summary().unwrap();
@@ -81,7 +91,7 @@ fn a_coarse_sphere_looks_like_a_fine_one() {
     let coarse = Storage { bits: 8, dither: false };
     let [mean, _] = shown_angles(&low, &baked.maps, coarse, (&cage, &scan));
     assert!(mean > 0.05 && mean < 0.25, "8 bits: {mean}°");
-    let verifier = Verifier { mesh: &low, normal: None, cage: &cage, scan: &scan };
+    let verifier = Verifier { mesh: &low, shown: None, cage: &cage, scan: &scan };
     let plain = verifier.normal_error(20_000).unwrap().angles.summary().unwrap().mean;
     assert!(plain > 20.0 * exact, "without the map: {plain}°");
 }
@@ -125,7 +135,7 @@ fn the_order_of_vertices_does_not_matter_to_the_proof() {
         "{mean}° {max}°, {again}° {largest}°"
     );
     let strange =
-        Verifier { mesh: &copy, normal: None, cage: &cage, scan: &scan }.normal_error(20_000).unwrap();
+        Verifier { mesh: &copy, shown: None, cage: &cage, scan: &scan }.normal_error(20_000).unwrap();
     assert!(strange.missed > 0.5, "a cage that is not carried over is another one: {}", strange.missed);
 }
 

@@ -28,6 +28,7 @@ mod environment;
 mod exact;
 mod facets;
 mod film;
+mod fooled;
 mod gradients;
 mod lane;
 mod made_meshes;

@@ -28,7 +28,7 @@ fn bits(hit: Hit) -> [u32; 5] {
 /// The answers to a ray that goes alone.
 fn alone(bvh: &Bvh, ray: &Ray) -> ([Option<[u32; 5]>; 2], bool) {
     let interval = RayInterval { from: 0.0, center: 1.0, to: 2.0 };
-    let around = bvh.nearest_to(ray, interval, |hit| (hit.triangle % 2 == 1).then_some(()));
+    let around = bvh.nearest_to(ray, interval, |hit| (hit.triangle % 2 == 1).then_some(())).best();
     let hits = [bvh.nearest(ray, 2.0), around.map(|(hit, ())| hit)];
     (hits.map(|hit| hit.map(bits)), bvh.occluded(ray, 1.0, |hit| hit.triangle % 3 == 0))
 }
