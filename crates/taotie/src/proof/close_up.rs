@@ -10,6 +10,8 @@ use crate::parallel;
 
 /// A surface farther along the line of sight than this part of the diagonal is another part of the object.
 const SAME_PART: f32 = 0.02;
+/// A surface within this part of the diagonal of a line of sight that misses it is that of an outline.
+const OUTLINE: f32 = 0.005;
 /// The angle that counts where the other surface shows nothing, degrees.
 const NOTHING_DEG: f32 = 90.0;
 
@@ -93,17 +95,19 @@ impl<'a> Viewer<'a> {
         };
         let texel =
             on_asset.and_then(|at| self.pair.asset.surface.surface().texel_size(at)).unwrap_or(f32::NAN);
+        let closest = other.bvh().closest(position, f32::INFINITY);
+        // Beside an outline the line of sight passes by a surface that is there, and turned to the viewer.
+        let is_beside = closest.is_some_and(|closest| {
+            closest.distance <= self.pair.diagonal * OUTLINE && other.is_drawn(closest.point(), line.toward)
+        });
         let mut sample = SurfaceSample {
             position,
             toward: line.toward,
             triangle: point.triangle,
-            angle_deg: NOTHING_DEG,
+            angle_deg: if is_beside { f32::NAN } else { NOTHING_DEG },
             color: f32::NAN,
-            is_missing: true,
-            distance: other
-                .bvh()
-                .closest(position, f32::INFINITY)
-                .map_or(f32::INFINITY, |found| found.distance),
+            is_missing: !is_beside,
+            distance: closest.map_or(f32::INFINITY, |closest| closest.distance),
             texel,
             coarser: texel / width,
         };
