@@ -7,6 +7,7 @@
 
 mod alpha;
 mod appearance;
+mod astray;
 mod baked_maps;
 mod cage;
 mod coverage;
@@ -39,6 +40,7 @@ mod verify;
 mod verify_material;
 
 pub use appearance::MaterialSample;
+pub(crate) use astray::Astray;
 pub use baked_maps::{BakedMaps, TexelStatus};
 pub use cage::Cage;
 pub use coverage::{Coverage, TexelGrid};
