@@ -81,7 +81,7 @@ pub(super) fn refuse_astray(Pair { scan, low }: Pair<'_>) -> Result<()> {
     }
     let why = format!(
         "simplification lost the scan's shape: {} of the mesh is farther than {} of the diagonal from the scan, and {} \
-         of the scan that far from the mesh; ask for more triangles, or repair the scan: weld its vertices, close its \
+         of the scan is that far from the mesh; ask for more triangles, or repair the scan: weld its vertices, close its \
          holes and remove loose triangles",
         percent(of_low),
         percent(far),

@@ -223,12 +223,17 @@ pub(super) enum Way {
 
 /// Returns each of `count` points spread evenly over a mesh's area by its number; they are the same for the same mesh.
 pub(super) fn sample_area(mesh: &Mesh, count: usize) -> Result<impl Fn(usize) -> Point + Sync> {
+    sample_every(mesh, count, 1)
+}
+
+/// Like [`sample_area`], but on the triangles 0, `step`, 2 · `step` and so on only; `step` at least 1.
+pub(super) fn sample_every(mesh: &Mesh, count: usize, step: usize) -> Result<impl Fn(usize) -> Point + Sync> {
     /// Triangles whose areas have one sum, so that sums take little memory.
     const BLOCK: usize = 32;
-    let triangles = mesh.triangles().len();
+    let triangles = mesh.triangles().len().div_ceil(step);
     let areas = move |block: usize| {
         let block = block * BLOCK..((block + 1) * BLOCK).min(triangles);
-        block.map(move |t| doubled_area(mesh, t)).map(|area| if area.is_finite() { area } else { 0.0 })
+        block.map(move |t| doubled_area(mesh, t * step)).map(|area| if area.is_finite() { area } else { 0.0 })
     };
     // The area up to the end of each block.
     let mut sums: Vec<f64> = parallel::collect(triangles.div_ceil(BLOCK), |block| areas(block).sum());
@@ -252,7 +257,7 @@ pub(super) fn sample_area(mesh: &Mesh, count: usize) -> Result<impl Fn(usize) ->
             before <= target
         };
         let triangle = (block * BLOCK + areas(block).take_while(is_before).count()).min(triangles - 1);
-        Point { triangle: triangle as u32, weights: triangle_weights(u, v) }
+        Point { triangle: (triangle * step) as u32, weights: triangle_weights(u, v) }
     })
 }
 
