@@ -35,7 +35,7 @@ impl Astray {
 /// Returns the fraction of a mesh's area that is farther than `far` from some triangles.
 fn far_part(mesh: &Mesh, from: &Bvh, far: f64) -> Result<f64> {
     // An odd step, so that both halves of the squares of a grid are met.
-    let step = mesh.triangles().len() / TRIANGLES | 1;
+    let step = (mesh.triangles().len() / TRIANGLES) | 1;
     let point = sample_every(mesh, POINTS, step)?;
     let is_far = |i: usize| from.closest(point(i).position(mesh), far as f32).is_none();
     Ok(parallel::count(POINTS, is_far) as f64 / POINTS as f64)
