@@ -198,6 +198,48 @@ fn the_example_runs_on_a_file() {
     assert!(source.contains(&format!("scan.glb (sha256:{hash})")), "{source}");
 }
 
+/// A ball of loose triangles, each of this part of its size, which no simplification can follow with few.
+fn in_pieces(ball: Mesh, part: f32) -> Scan {
+    let shrunk = |t: usize| {
+        let corners = ball.corners(t);
+        let middle = (corners[0] + corners[1] + corners[2]) * (1.0 / 3.0);
+        corners.map(|p| middle + (p - middle) * part)
+    };
+    let positions: Vec<Vec3> = (0..ball.triangles().len()).flat_map(shrunk).collect();
+    let triangles = (0..ball.triangles().len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    let mesh = Mesh::new(MeshData { positions, triangles, ..MeshData::default() }).unwrap();
+    Scan::from_mesh(mesh, Progress::SILENT).unwrap()
+}
+
+#[test]
+fn a_mesh_that_lost_the_shape_of_its_scan_is_an_error() {
+    let bake =
+        |options: BakeOptions| Baker::new(options).bake(in_pieces(wavy(100, 50), 0.9), Progress::SILENT);
+    let error = bake(options()).unwrap_err().to_string();
+    println!("{error}");
+    assert!(error.starts_with("a low-poly mesh of ") && error.contains("lost the scan's shape: "), "{error}");
+    assert!(
+        error.contains("farther than 2.0 % of the diagonal") && error.contains("ask for more"),
+        "{error}"
+    );
+    bake(BakeOptions { triangles: 9_500, size: 512, ..options() }).unwrap();
+}
+
+/// Meshes that lost the shape are not near enough, whatever their normals are, and the search goes on.
+#[test]
+fn a_search_passes_over_meshes_that_lost_the_shape() {
+    let search = |scan: Scan| {
+        let wanted = BakeOptions { mean_error_deg: Some(60.0), ..options() };
+        Baker::new(wanted).bake(scan, Progress::SILENT)
+    };
+    let found = search(in_pieces(wavy(100, 50), 0.9)).unwrap();
+    println!("{:?}\n{}", found.trials(), said(&found));
+    assert!(found.trials().iter().all(|trial| trial.triangles >= 5_000), "{:?}", found.trials());
+    assert!(said(&found).contains("not considered: a low-poly mesh of "), "{}", said(&found));
+    let error = search(in_pieces(wavy(50, 25), 0.3)).unwrap_err().to_string();
+    assert!(error.contains("lost the scan's shape"), "none was left: {error}");
+}
+
 #[test]
 fn a_bake_without_a_hit_is_an_error() {
     let far = Mesh::sphere(1.0, 32, 16).into_data();

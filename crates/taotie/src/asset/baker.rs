@@ -116,8 +116,8 @@ impl Baker {
     /// # Errors
     /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`BakeOptions::check`] and of reading what the options
     /// name; [`Error::Limit`](crate::Error::Limit) where the memory does not suffice;
-    /// [`Error::Invalid`](crate::Error::Invalid) where no ray met the scan, or no mesh and map come as near as is
-    /// wanted.
+    /// [`Error::Invalid`](crate::Error::Invalid) if simplification lost the scan's shape, no ray met the scan, or no mesh
+    /// and map come as near as is wanted.
     pub fn bake(&self, scan: impl Into<Scan>, progress: Progress<'_>) -> Result<Asset> {
         let (options, mut scan) = (Arc::clone(&self.options), scan.into());
         scan.limits.allow_outside |= self.limits.allow_outside;
@@ -284,7 +284,10 @@ fn lightened(
         None => {
             let simplified = low::simplified(scan, options.triangles, progress)?;
             low::note_simplified(&simplified, options.triangles, warnings);
-            vec![LowPoly::made(scan, &simplified, options.size, progress)?]
+            let low = LowPoly::made(scan, &simplified, options.size, progress)?;
+            scan.sort(progress)?;
+            judgement::refuse_astray(Pair { scan, low: &low })?;
+            vec![low]
         }
     };
     let size = options.map_size();

@@ -1,6 +1,6 @@
 //! The mesh and map of the fewest bytes whose normals are near enough.
 
-use super::judgement::Pair;
+use super::judgement::{Pair, refuse_astray};
 use super::low::{self, LowPoly};
 use super::maps::{Recipe, StoredMaps, bake_maps};
 use super::scan::Scan;
@@ -39,19 +39,31 @@ pub(super) struct Found {
 /// [`Error::Invalid`] where none comes within `most` degrees, with the nearest that was found.
 pub(super) fn smallest(recipe: Recipe<'_>, scan: &Scan, most: f64, progress: Progress<'_>) -> Result<Found> {
     let total = scan.mesh().triangles().len();
-    let (candidates, mut course) = (candidates(total), Course::default());
+    let (mut candidates, mut course) = (candidates(total), Course::default());
     scan.sort(progress)?;
     let side = Side::of(scan.sorted());
-    let mut search = Search { recipe, scan, side: &side, known: BTreeMap::new(), best: None };
+    let known = BTreeMap::new();
+    let mut search = Search { recipe, scan, side: &side, known, refused: Vec::new(), best: None };
     while let Some(candidate) = course.next(&candidates) {
-        let (tried, mean_angle) = search.tried(candidate, progress)?;
+        let Some((tried, mean_angle)) = search.tried(candidate, progress)? else {
+            candidates.retain(|other| other.triangles != candidate.triangles);
+            continue;
+        };
         let weight = (mean_angle <= most).then(|| tried.weight()).transpose()?;
         if course.add(candidate, mean_angle, weight) {
             search.best = Some(tried);
         }
     }
+    let mut refused = search.refused.into_iter();
     match search.best {
-        Some(best) => Ok(best.found(&search.known, course.trials)),
+        Some(best) => {
+            let mut found = best.found(&search.known, course.trials);
+            refused.for_each(|error| found.warnings.note(format!("not considered: {error}"), 1));
+            Ok(found)
+        }
+        None if course.trials.is_empty() => {
+            Err(refused.next().unwrap_or_else(|| none_near_enough(most, &[], total)))
+        }
         None => Err(none_near_enough(most, &course.trials, total)),
     }
 }
@@ -63,6 +75,8 @@ struct Search<'a> {
     side: &'a Side<'a>,
     /// Maps of several sizes are tried on the same triangles.
     known: BTreeMap<u32, Simplified>,
+    /// Why meshes were refused that lost the scan's shape; no map of any size makes up for that.
+    refused: Vec<Error>,
     /// The smallest so far.
     best: Option<Tried>,
 }
@@ -75,8 +89,8 @@ struct Tried {
 }
 
 impl Search<'_> {
-    /// Makes a candidate, and measures the mean angle of its normals.
-    fn tried(&mut self, candidate: Candidate, progress: Progress<'_>) -> Result<(Tried, f64)> {
+    /// Makes a candidate, and measures the mean angle of its normals; `None` if its mesh lost the scan's shape.
+    fn tried(&mut self, candidate: Candidate, progress: Progress<'_>) -> Result<Option<(Tried, f64)>> {
         let Candidate { triangles, size } = candidate;
         let simplified = match self.known.entry(triangles) {
             Entry::Occupied(entry) => entry.into_mut(),
@@ -84,9 +98,13 @@ impl Search<'_> {
         };
         let low = LowPoly::made(self.scan, simplified, size, progress)?;
         let pair = Pair { scan: self.scan, low: &low };
+        if let Err(error) = refuse_astray(pair) {
+            self.refused.push(error);
+            return Ok(None);
+        }
         let maps = bake_maps(self.recipe, [size; 2], pair, progress)?;
         let mean_angle = mean_angle(self.side, &low, &maps)?;
-        Ok((Tried { low, maps, candidate }, mean_angle))
+        Ok(Some((Tried { low, maps, candidate }, mean_angle)))
     }
 }
 

@@ -7,6 +7,7 @@
 
 mod alpha;
 mod appearance;
+mod astray;
 mod baked_maps;
 mod cage;
 mod coverage;
@@ -41,6 +42,7 @@ mod verify_material;
 mod visibility;
 
 pub use appearance::MaterialSample;
+pub(crate) use astray::Astray;
 pub use baked_maps::{BakedMaps, TexelStatus};
 pub use cage::Cage;
 pub use coverage::{Coverage, TexelGrid};
@@ -60,6 +62,6 @@ pub use textured_mesh::{TexturedMesh, lacks_tangents};
 pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};
 pub use uv_lookup::UvLookup;
 pub use verify::{Fit, NormalError, Verifier};
-pub(crate) use verify::{sample_area, sample_area_of};
+pub(crate) use verify::{Triangles, sample_area, sample_triangles};
 pub use verify_material::MaterialError;
 pub use visibility::{SightLine, Visibility, sphere_directions};

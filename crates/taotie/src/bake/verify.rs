@@ -132,33 +132,38 @@ pub(super) enum Way {
 
 /// Returns each of `count` points spread evenly over a mesh's area by its number; they are the same for the same mesh.
 pub(crate) fn sample_area(mesh: &Mesh, count: usize) -> Result<impl Fn(usize) -> Point + Sync + '_> {
-    sample_triangles(mesh, None, count)
+    sample_triangles(mesh, Triangles::Every(1), count)
 }
 
-/// Returns each of `count` points spread evenly over the area of some triangles of a mesh by its number.
-pub(crate) fn sample_area_of<'a>(
-    mesh: &'a Mesh,
-    triangles: &'a [u32],
-    count: usize,
-) -> Result<impl Fn(usize) -> Point + Sync + 'a> {
-    sample_triangles(mesh, Some(triangles), count)
+/// Triangles of a mesh that are sampled.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Triangles<'a> {
+    /// The triangles 0, `step`, 2 · `step` and so on; `step` at least 1.
+    Every(usize),
+    /// Those with these numbers.
+    These(&'a [u32]),
 }
 
-/// Samples the triangles `some`, or all of them.
-fn sample_triangles<'a>(
+/// Like [`sample_area`], but on some triangles only.
+pub(crate) fn sample_triangles<'a>(
     mesh: &'a Mesh,
-    some: Option<&'a [u32]>,
+    some: Triangles<'a>,
     count: usize,
 ) -> Result<impl Fn(usize) -> Point + Sync + 'a> {
     /// Triangles whose areas have one sum, so that sums take little memory.
     const BLOCK: usize = 32;
-    let triangles = some.map_or(mesh.triangles().len(), <[u32]>::len);
-    let numbered = move |i: usize| some.map_or(i, |some| some[i] as usize);
+    let triangles = match some {
+        Triangles::Every(step) => mesh.triangles().len().div_ceil(step),
+        Triangles::These(numbers) => numbers.len(),
+    };
+    let numbered = move |i: usize| match some {
+        Triangles::Every(step) => i * step,
+        Triangles::These(numbers) => numbers[i] as usize,
+    };
     let areas = move |block: usize| {
         let block = block * BLOCK..((block + 1) * BLOCK).min(triangles);
-        block
-            .map(move |i| doubled_area(mesh, numbered(i)))
-            .map(|area| if area.is_finite() { area } else { 0.0 })
+        let area = move |i: usize| doubled_area(mesh, numbered(i));
+        block.map(area).map(|area| if area.is_finite() { area } else { 0.0 })
     };
     // The area up to the end of each block.
     let mut sums: Vec<f64> = parallel::collect(triangles.div_ceil(BLOCK), |block| areas(block).sum());

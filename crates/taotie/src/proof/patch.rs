@@ -3,7 +3,7 @@
 use super::close_up::{CloseUp, SurfaceSample, Viewer};
 use super::estimate::Estimate;
 use super::pair::Pair;
-use crate::bake::sample_area_of;
+use crate::bake::{Triangles, sample_triangles};
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::mesh::{Mesh, Point};
@@ -127,7 +127,7 @@ fn fresh_samples(viewer: Viewer<'_>, window: &Window, points: usize) -> Result<V
     // Large triangles reach far beyond the window: more points, until enough of them lie in it.
     let mut count = points * 2;
     let inside = loop {
-        let point = sample_area_of(mesh, &near, count)?;
+        let point = sample_triangles(mesh, Triangles::These(&near), count)?;
         let inside = parallel::filter(count, |i| is_inside(point(i).position(mesh)));
         if inside.len() >= points || count >= points * MOST_TRIED {
             break inside.into_iter().map(point).collect::<Vec<Point>>();

@@ -7,8 +7,10 @@ mod collapse;
 mod components;
 mod fan;
 mod folds;
+mod morton;
 mod options;
 mod part;
+mod seams;
 mod slivers;
 mod weld;
 mod whole;
@@ -19,10 +21,11 @@ use crate::progress::Progress;
 use crate::surface::{creased, has_turned_facets, with_normals};
 pub(super) use collapse::is_near;
 use components::{Components, Fate};
+pub(super) use morton::morton;
 pub use options::{SimplifyMethod, SimplifyOptions};
 use part::Part;
 pub(super) use part::{UnitCube, adapter, compact, triples};
-pub(super) use weld::{morton, places};
+pub(super) use weld::places;
 
 /// A simplified surface.
 #[derive(Debug, Clone)]
@@ -43,8 +46,9 @@ pub struct Simplified {
 
 /// Simplifies a surface.
 ///
-/// Positions that are equal to the last bit are made one vertex first, whatever normals, uvs and colours they have;
-/// triangles with two equal corners, and all but one of equal triangles, are left out and counted. The normals are
+/// Vertices with equal positions are welded first, whatever normals, uvs and colours they have, and so are vertices of
+/// open edges that differ by less than a thousandth of their shortest edge or by rounding, counted. Triangles with two
+/// equal corners, and all but one of equal triangles, are left out and counted. The normals are
 /// those of [`creased`]: one a position, but where a facet would turn away from it. Large surfaces are first simplified
 /// block by block, in parallel; the result does not depend on the number of threads.
 ///

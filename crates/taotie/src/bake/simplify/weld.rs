@@ -1,9 +1,12 @@
-//! Equal positions made one vertex, in an order in which neighbours in space are neighbours in memory.
+//! Equal positions, and those on either side of a seam, made one vertex, in an order in which neighbours in space are
+//! neighbours in memory.
 //!
 //! Positions are sorted along a Morton curve, so that equal ones meet in one cell: no hash table, whose size and order
 //! would be felt at twenty million triangles.
 
+use super::morton::morton;
 use super::part::{Part, UnitCube};
+use super::seams;
 use crate::error::Warnings;
 use crate::math::Vec3;
 use crate::mesh::Mesh;
@@ -12,8 +15,6 @@ use rayon::prelude::*;
 
 /// Marks triangles that are left out; they are sorted to the end.
 const DROPPED: [u32; 3] = [u32::MAX; 3];
-/// Cells along a side of the cube: 2 to this power.
-const CELL_BITS: u32 = 10;
 
 /// Returns the mesh on welded points. Each triangle begins with its lowest vertex, and triangles are sorted.
 pub(super) fn weld(mesh: &Mesh, notes: &mut Warnings) -> (Part, UnitCube) {
@@ -22,7 +23,13 @@ pub(super) fn weld(mesh: &Mesh, notes: &mut Warnings) -> (Part, UnitCube) {
     let (places, sources) = classes(positions, &sorted(positions, &cube));
     let points = parallel::collect(sources.len(), |i| cube.scaled(positions[sources[i] as usize]));
     let triangles = sound_triangles(mesh.triangles(), &places, notes);
-    (Part { points, sources, triangles, labels: Vec::new() }, cube)
+    let part = Part { points, sources, triangles, labels: Vec::new() };
+    let Some((becomes, joined)) = seams::closed(&part, mesh, &cube) else {
+        return (part, cube);
+    };
+    notes.note("vertices on unwelded seams of the scan, welded before simplification", joined);
+    let triangles = sound_triangles(&part.triangles, &becomes, notes);
+    (Part { triangles, ..part }.compacted(), cube)
 }
 
 /// Returns the place of each vertex: vertices with equal positions have one.
@@ -89,32 +96,10 @@ fn bits(position: Vec3) -> [u32; 3] {
     position.to_array().map(|v| (v + 0.0).to_bits())
 }
 
-/// Returns the number of a point's cell along the Morton curve; the point lies in the unit cube.
-pub(in crate::bake) fn morton(point: [f32; 3]) -> u32 {
-    let cells = 1 << CELL_BITS;
-    let [x, y, z] = point.map(|v| spread_bits(((v * cells as f32) as u32).min(cells - 1)));
-    x << 2 | y << 1 | z
-}
-
-/// Spreads ten bits, with two free places before each.
-fn spread_bits(v: u32) -> u32 {
-    let v = (v | v << 16) & 0x0300_00FF;
-    let v = (v | v << 8) & 0x0300_F00F;
-    let v = (v | v << 4) & 0x030C_30C3;
-    (v | v << 2) & 0x0924_9249
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::mesh::MeshData;
-
-    #[test]
-    fn bits_are_spread_by_three() {
-        assert_eq!(spread_bits(0b11_1111_1111), 0x0924_9249);
-        assert_eq!(morton([0.0, 0.0, 1.0]), 0x0924_9249);
-        assert_eq!(morton([0.5, 0.0, 0.0]), 1 << 29);
-    }
 
     #[test]
     fn equal_positions_are_one_and_bad_triangles_are_counted() {

@@ -1,0 +1,84 @@
+//! How much of two surfaces is far from one another.
+
+use super::scan::Scan;
+use super::verify::{Triangles, sample_triangles};
+use crate::error::Result;
+use crate::mesh::Mesh;
+use crate::parallel;
+use crate::trace::Bvh;
+
+/// Points at which each surface is examined.
+const POINTS: usize = 4_000;
+/// On larger surfaces the points lie on about this many triangles: the areas of twenty million would take a second.
+const TRIANGLES: usize = 1 << 16;
+
+/// The fractions of a low-poly mesh and of its scan that are far from one another, [0, 1].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Astray {
+    /// Of the low-poly mesh's area: what is far from the scan.
+    pub low: f64,
+    /// Of the scan's area: what is far from the low-poly mesh.
+    pub scan: f64,
+}
+
+impl Astray {
+    /// Measures what is farther away than `far`, above 0, model units.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`](crate::Error::Invalid) if one of the meshes has no area.
+    pub fn measure(low: &Mesh, scan: &Scan, far: f64) -> Result<Self> {
+        let of_low = Bvh::of(low.triangles().len(), |t| low.corners(t));
+        Ok(Self { low: far_part(low, scan.bvh(), far)?, scan: far_part(scan.mesh(), &of_low, far)? })
+    }
+}
+
+/// Returns the fraction of a mesh's area that is farther than `far` from some triangles.
+fn far_part(mesh: &Mesh, from: &Bvh, far: f64) -> Result<f64> {
+    // An odd step, so that both halves of the squares of a grid are met.
+    let step = (mesh.triangles().len() / TRIANGLES) | 1;
+    let point = sample_triangles(mesh, Triangles::Every(step), POINTS)?;
+    let is_far = |i: usize| from.closest(point(i).position(mesh), far as f32).is_none();
+    Ok(parallel::count(POINTS, is_far) as f64 / POINTS as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+    use crate::mesh::MeshData;
+    use crate::scene::{Material, Scene};
+
+    fn scan(mesh: &Mesh) -> Scan {
+        Scan::new(Scene::of_mesh(mesh.clone(), Material::default()).unwrap()).unwrap()
+    }
+
+    /// A wall of this width and of height 1, of `cells` by `cells` squares.
+    fn wall(width: f32, cells: u32) -> Mesh {
+        let side = cells + 1;
+        let at = |i: u32| [i % side, i / side].map(|v| v as f32 / cells as f32);
+        let positions = (0..side * side).map(at).map(|[x, y]| Vec3::new(x * width, y, 0.0)).collect();
+        let square = |i: u32| {
+            let a = i / cells * side + i % cells;
+            [[a, a + 1, a + side + 1], [a, a + side + 1, a + side]]
+        };
+        let triangles = (0..cells * cells).flat_map(square).collect();
+        Mesh::new(MeshData { positions, triangles, ..MeshData::default() }).unwrap()
+    }
+
+    #[test]
+    fn each_side_is_measured() {
+        let [half, whole] = [wall(0.5, 1), wall(1.0, 1)];
+        let found = Astray::measure(&half, &scan(&whole), 0.1).unwrap();
+        assert!(found.low == 0.0 && (found.scan - 0.4).abs() < 0.01, "{found:?}");
+        let found = Astray::measure(&whole, &scan(&half), 0.1).unwrap();
+        assert!(found.scan == 0.0 && (found.low - 0.4).abs() < 0.01, "{found:?}");
+    }
+
+    #[test]
+    fn a_part_of_many_triangles_stands_for_all() {
+        let fine = wall(1.0, 400);
+        assert!(fine.triangles().len() > 4 * TRIANGLES);
+        let found = Astray::measure(&wall(0.5, 1), &scan(&fine), 0.1).unwrap();
+        assert!(found.low == 0.0 && (found.scan - 0.4).abs() < 0.02, "{found:?}");
+    }
+}

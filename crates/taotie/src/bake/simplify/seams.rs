@@ -1,0 +1,346 @@
+//! Unwelded seams: the vertices of open edges that are meant to be one, though their coordinates differ a little.
+//!
+//! Copies of a vertex differ where a surface was computed piece by piece, transformed, or written with few digits. To
+//! simplification each such seam is a border that has to stay, and where many meet, nothing can be collapsed.
+
+use super::morton::FineCells;
+use super::part::{Part, UnitCube};
+use crate::math::Vec3;
+use crate::mesh::Mesh;
+use crate::parallel;
+use rayon::prelude::*;
+
+/// Two vertices are one if they are nearer to each other than this fraction of the shortest edge at either...
+const GAP: f64 = 1e-3;
+/// ... or than this fraction of their largest coordinate, the last of six decimal digits...
+const ROUNDING: f64 = 1e-5;
+/// ... but then nearer than this fraction of the shortest edge too. Anything below a half keeps the corners of a
+/// triangle apart: two of them can be near one vertex only if the edge between them is shorter than the shortest edge.
+const MOST: f64 = 0.1;
+/// An edge shorter than this fraction of its largest coordinate is itself a rounding error: two units in the last place.
+const DEGENERATE: f64 = 2.5e-7;
+/// Normals whose cosine is below this, 150°, face opposite ways: those of the two sides of a thin wall are 180° apart but
+/// for the relief on them, those of a blade's edge seldom more than this.
+const OPPOSITE: f64 = -0.87;
+/// Blocks of cells are this many times as large as the distance within which neighbours are looked for, so that most
+/// searches look into a single one.
+const ROOM: f64 = 8.0;
+/// Stands for a point that is not on an open edge.
+const CLOSED: u32 = u32::MAX;
+
+/// A point on an open edge.
+#[derive(Clone, Copy, Default)]
+struct RimPoint {
+    /// Its number in the part.
+    point: u32,
+    /// The distance up to which others may be the same point, in parts of the unit cube.
+    reach: f32,
+    /// The sum of the doubled areas of its triangles.
+    normal: Vec3,
+}
+
+/// The points on open edges, and where they are.
+struct Rim<'a> {
+    part: &'a Part,
+    positions: &'a [Vec3],
+    cube: &'a UnitCube,
+    points: Vec<RimPoint>,
+    /// Codes of the points' cells, followed by their numbers; sorted.
+    codes: Vec<[u32; 4]>,
+}
+
+/// Returns for each point of a part the one that it becomes as seams are closed, and the number of points that do not
+/// remain; `None` if there is none.
+///
+/// Only points on open edges are joined, so a surface without them takes one pass over its triangles. The corners of a
+/// triangle are never joined unless they are a rounding error apart, and points that face opposite ways never are.
+pub(super) fn closed(part: &Part, mesh: &Mesh, cube: &UnitCube) -> Option<(Vec<u32>, usize)> {
+    let open = open_points(part);
+    if open.is_empty() {
+        return None;
+    }
+    let positions = mesh.positions();
+    let mut rim = Rim { part, positions, cube, points: Vec::new(), codes: Vec::new() };
+    rim.points = rim.measured(&open);
+    rim.codes = rim.sorted();
+    let mut becomes: Vec<u32> = (0..part.points.len() as u32).collect();
+    let joined = rim.join(&mut becomes);
+    (joined > 0).then_some((becomes, joined))
+}
+
+/// Returns the points whose triangles do not close around them.
+///
+/// Each triangle adds, at each of its corners, a number for the next corner and subtracts one for the previous corner.
+/// Around a closed point every neighbour is next as often as it is previous, so that the sum is 0.
+fn open_points(part: &Part) -> Vec<u32> {
+    let mut sums = vec![0u64; part.points.len()];
+    for [a, b, c] in &part.triangles {
+        let [of_a, of_b, of_c] = [*a, *b, *c].map(mixed);
+        let mut add = |v: u32, next: u64, previous: u64| {
+            let sum = &mut sums[v as usize];
+            *sum = sum.wrapping_add(next).wrapping_sub(previous);
+        };
+        add(*a, of_b, of_c);
+        add(*b, of_c, of_a);
+        add(*c, of_a, of_b);
+    }
+    (0..part.points.len() as u32).filter(|v| sums[*v as usize] != 0).collect()
+}
+
+/// Returns a number for a point such that no sums and differences of a few of them cancel by chance.
+fn mixed(v: u32) -> u64 {
+    let v = (u64::from(v) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    (v ^ v >> 32).wrapping_mul(0xD6E8_FEB8_6659_FD93)
+}
+
+impl Rim<'_> {
+    fn position(&self, point: u32) -> Vec3 {
+        self.positions[self.part.sources[point as usize] as usize]
+    }
+
+    /// Returns the points with their reaches and normals.
+    fn measured(&self, open: &[u32]) -> Vec<RimPoint> {
+        let mut numbers = vec![CLOSED; self.part.points.len()];
+        let mut points: Vec<RimPoint> = Vec::with_capacity(open.len());
+        for (i, point) in open.iter().enumerate() {
+            numbers[*point as usize] = i as u32;
+            points.push(RimPoint { point: *point, reach: f32::INFINITY, normal: Vec3::default() });
+        }
+        for triangle in &self.part.triangles {
+            let own = triangle.map(|v| numbers[v as usize]);
+            if own != [CLOSED; 3] {
+                self.add(*triangle, own, &mut points);
+            }
+        }
+        for point in &mut points {
+            let shortest = f64::from(point.reach);
+            let rounding = ROUNDING * largest(self.position(point.point).to_f64()) / self.cube.extent;
+            // Triangles all of whose edges are rounding errors say nothing about gaps.
+            let reach = (GAP * shortest).max(rounding.min(MOST * shortest)) as f32;
+            point.reach = if shortest.is_finite() { reach } else { 0.0 };
+        }
+        points
+    }
+
+    /// Adds a triangle to those of its corners that are on open edges, whose reach is the shortest edge until all are
+    /// known.
+    fn add(&self, triangle: [u32; 3], own: [u32; 3], points: &mut [RimPoint]) {
+        let places = triangle.map(|v| self.position(v).to_f64());
+        let normal = (places[1] - places[0]).cross(places[2] - places[0]).to_f32();
+        for k in 0..3 {
+            let [from, to] = [k, (k + 1) % 3];
+            let length = (places[to] - places[from]).length();
+            let is_edge = length > DEGENERATE * largest(places[from]).max(largest(places[to]));
+            for number in [own[from], own[to]].into_iter().filter(|number| *number != CLOSED && is_edge) {
+                let shortest = &mut points[number as usize].reach;
+                *shortest = shortest.min((length / self.cube.extent) as f32);
+            }
+            if own[k] != CLOSED {
+                points[own[k] as usize].normal += normal;
+            }
+        }
+    }
+
+    fn sorted(&self) -> Vec<[u32; 4]> {
+        let code = |i: usize| {
+            let cell = FineCells::FINEST.block(self.place(i).to_array());
+            let [[a, b, c], _] = FineCells::FINEST.codes(cell);
+            [a, b, c, i as u32]
+        };
+        let mut codes = parallel::collect(self.points.len(), code);
+        codes.par_sort_unstable();
+        codes
+    }
+
+    /// Returns the place of a point of the rim in the unit cube.
+    fn place(&self, i: usize) -> Vec3<f64> {
+        self.cube.unit(self.position(self.points[i].point))
+    }
+
+    /// Joins each point that is free to the first one along the curve, of those that stay, that is the same. Returns how
+    /// many do not stay.
+    fn join(&self, becomes: &mut [u32]) -> usize {
+        let mut is_taken = vec![false; self.points.len()];
+        let mut joined = 0;
+        for (at, key) in self.codes.iter().enumerate() {
+            let leader = key[3] as usize;
+            if is_taken[leader] {
+                continue;
+            }
+            self.for_near(at, |i| {
+                if !is_taken[i] && self.is_same(leader, i) {
+                    is_taken[i] = true;
+                    becomes[self.points[i].point as usize] = self.points[leader].point;
+                    joined += 1;
+                }
+            });
+        }
+        joined
+    }
+
+    /// Calls `visit` with the points further along the curve that may be near the one at a place of it.
+    fn for_near(&self, at: usize, mut visit: impl FnMut(usize)) {
+        let own = self.codes[at][3] as usize;
+        let (place, reach) = (self.place(own), f64::from(self.points[own].reach));
+        let cells = FineCells::at_least(ROOM * reach);
+        let [low, high] = [-reach, reach].map(|reach| cells.block((place + Vec3::splat(reach)).to_array()));
+        for x in low[0]..=high[0] {
+            for y in low[1]..=high[1] {
+                for z in low[2]..=high[2] {
+                    let [first, last] = cells.codes([x, y, z]);
+                    let start = (at + 1).max(self.first_from(at, first));
+                    let inside = self.codes[start..].iter().take_while(|key| key[..3] <= last[..]);
+                    inside.for_each(|key| visit(key[3] as usize));
+                }
+            }
+        }
+    }
+
+    /// Returns the first place along the curve with at least this code, looking in steps that grow from `near` on.
+    fn first_from(&self, near: usize, code: [u32; 3]) -> usize {
+        let is_before = |at: usize| self.codes[at][..3] < code[..];
+        if !is_before(near) {
+            return near;
+        }
+        let (mut low, mut step) = (near, 1);
+        while low + step < self.codes.len() && is_before(low + step) {
+            low += step;
+            step *= 2;
+        }
+        let high = (low + step).min(self.codes.len());
+        low + 1 + self.codes[low + 1..high].partition_point(|key| key[..3] < code[..])
+    }
+
+    /// Returns `true` if two points are near each other, and do not face opposite ways.
+    fn is_same(&self, i: usize, j: usize) -> bool {
+        let [a, b] = [i, j].map(|k| self.points[k]);
+        let near = f64::from(a.reach.min(b.reach));
+        let [m, n] = [a, b].map(|point| point.normal.to_f64());
+        (self.place(i) - self.place(j)).length() <= near && m.dot(n) >= OPPOSITE * m.length() * n.length()
+    }
+}
+
+/// Returns the largest coordinate, whatever its sign.
+fn largest(position: Vec3<f64>) -> f64 {
+    position.to_array().into_iter().fold(0.0, |most: f64, v| most.max(v.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bake::simplify::weld::weld;
+    use crate::error::Warnings;
+    use crate::mesh::MeshData;
+
+    /// Columns and rows of the sheets below, whose squares have sides of 1.
+    const COLUMNS: usize = 6;
+    const POINTS: usize = (COLUMNS + 1) * (COLUMNS + 1);
+
+    fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
+        Mesh::new(MeshData { positions, triangles, ..MeshData::default() }).unwrap()
+    }
+
+    /// A square sheet from this corner on, which faces up.
+    fn sheet(x: f32, y: f32, z: f32) -> Mesh {
+        let at = |i: usize| Vec3::new(x + (i % (COLUMNS + 1)) as f32, y + (i / (COLUMNS + 1)) as f32, z);
+        let square = |i: usize| {
+            let a = (i / COLUMNS * (COLUMNS + 1) + i % COLUMNS) as u32;
+            let (b, c, d) = (a + 1, a + COLUMNS as u32 + 2, a + COLUMNS as u32 + 1);
+            [[a, b, c], [a, c, d]]
+        };
+        mesh((0..POINTS).map(at).collect(), (0..COLUMNS * COLUMNS).flat_map(square).collect())
+    }
+
+    fn both(one: &Mesh, other: &Mesh) -> Mesh {
+        let first = one.positions().len() as u32;
+        let shifted = other.triangles().iter().map(|t| t.map(|v| v + first));
+        let triangles = one.triangles().iter().copied().chain(shifted).collect();
+        mesh([one.positions(), other.positions()].concat(), triangles)
+    }
+
+    fn turned(one: &Mesh) -> Mesh {
+        mesh(one.positions().to_vec(), one.triangles().iter().map(|[a, b, c]| [*a, *c, *b]).collect())
+    }
+
+    /// The triangles apart, each corner moved by a small step of its own.
+    fn loose(one: &Mesh, step: f32) -> Mesh {
+        let moved = |(i, p): (usize, Vec3)| {
+            p + Vec3::new((i % 3) as f32 - 1.0, (i % 5) as f32 * 0.5 - 1.0, (i % 7) as f32 / 3.0 - 1.0) * step
+        };
+        let corners = (0..one.triangles().len()).flat_map(|t| one.corners(t)).enumerate();
+        let triangles = (0..one.triangles().len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+        mesh(corners.map(moved).collect(), triangles.collect())
+    }
+
+    /// The numbers of points and triangles that are left.
+    fn welded(one: &Mesh) -> (usize, usize) {
+        let part = weld(one, &mut Warnings::default()).0;
+        (part.points.len(), part.triangles.len())
+    }
+
+    #[test]
+    fn seams_are_closed_and_gaps_are_not() {
+        let triangles = 4 * COLUMNS * COLUMNS;
+        let beside = |gap: f32| both(&sheet(0.0, 0.0, 0.0), &sheet(COLUMNS as f32 + gap, 0.0, 0.0));
+        assert_eq!(welded(&beside(2e-4)), (2 * POINTS - COLUMNS - 1, triangles));
+        assert_eq!(welded(&beside(5e-3)), (2 * POINTS, triangles), "a slot of a two-hundredth of its edges");
+        // The last of six digits of a coordinate of 1000 is worth 0.01, but a slot of a fifth of the edges is a slot.
+        let far = |x: f32, gap: f32| both(&sheet(x, 0.0, 0.0), &sheet(x + COLUMNS as f32 + gap, 0.0, 0.0));
+        assert_eq!(welded(&far(1e3, 5e-3)).0, 2 * POINTS - COLUMNS - 1);
+        assert_eq!(welded(&far(1e5, 0.2)).0, 2 * POINTS);
+    }
+
+    #[test]
+    fn sheets_that_face_opposite_ways_stay_apart() {
+        let (one, other) = (sheet(0.0, 0.0, 0.0), sheet(0.0, 0.0, -1e-4));
+        let wall = both(&one, &turned(&other));
+        assert_eq!(welded(&wall).0, 2 * POINTS, "their rims");
+        assert_eq!(welded(&loose(&wall, 1e-5)).0, 2 * POINTS, "all of their vertices, which are loose");
+        let slope = one.positions().iter().map(|p| Vec3::new(1e-4 - p.x, p.y, 2.0 * p.x)).collect();
+        let slope = mesh(slope, turned(&one).triangles().to_vec());
+        assert_eq!(welded(&both(&one, &slope)).0, 2 * POINTS - COLUMNS - 1, "a ridge is a seam");
+    }
+
+    #[test]
+    fn closed_surfaces_do_not_touch() {
+        let solid = |d: f32| {
+            let corners = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)];
+            let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+            mesh(corners.map(|(x, y, z)| Vec3::new(x, y, z) + Vec3::splat(d)).to_vec(), faces)
+        };
+        assert_eq!(welded(&both(&solid(0.0), &solid(0.0))), (4, 4), "equal positions are one");
+        assert_eq!(welded(&both(&solid(0.0), &solid(1e-5))), (8, 8));
+        assert_eq!(welded(&loose(&solid(0.0), 1e-5)), (4, 4));
+    }
+
+    #[test]
+    fn corners_of_a_triangle_are_joined_only_where_it_is_none() {
+        // A fan of needles around a pole, of which each has its own copy, and triangles between the copies.
+        let count = 40u32;
+        let ring = |i: u32, radius: f32| {
+            let angle = std::f64::consts::TAU * f64::from(i) / f64::from(count);
+            let [x, y] = [crate::math::scalar::cos(angle), crate::math::scalar::sin(angle)];
+            Vec3::new(x as f32 * radius, y as f32 * radius, 2.0 - radius)
+        };
+        let fan = |radius: f32| {
+            let poles = (0..count).map(|i| ring(i, radius));
+            let positions = poles.chain((0..count).map(|i| ring(i, 1.0))).collect();
+            let next = |i: u32| (i + 1) % count;
+            let triangles =
+                (0..count).flat_map(|i| [[i, count + i, count + next(i)], [i, count + next(i), next(i)]]);
+            mesh(positions, triangles.collect())
+        };
+        assert_eq!(welded(&fan(1e-7)), (count as usize + 1, count as usize), "a point");
+        assert_eq!(welded(&fan(1e-3)), (2 * count as usize, 2 * count as usize), "a hole");
+    }
+
+    #[test]
+    fn a_stray_vertex_far_away_changes_nothing() {
+        let loose = loose(&sheet(0.0, 0.0, 0.0), 1e-5);
+        let all = [loose.positions(), &[Vec3::new(3e6, -1e6, 7.0)]].concat();
+        let strayed = mesh(all, loose.triangles().to_vec());
+        let part = weld(&strayed, &mut Warnings::default()).0;
+        assert_eq!(part.points.len(), POINTS);
+        assert_eq!(welded(&loose), (POINTS, 2 * COLUMNS * COLUMNS));
+    }
+}
