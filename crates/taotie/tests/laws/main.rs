@@ -13,6 +13,8 @@ mod distance;
 mod files;
 #[path = "../common/hostile.rs"]
 mod hostile;
+#[path = "../common/modelled.rs"]
+mod modelled;
 #[path = "../common/random.rs"]
 mod random;
 #[path = "../common/skies.rs"]
@@ -36,6 +38,8 @@ mod names;
 mod pixel_gradients;
 mod rays;
 mod sampling;
+mod scan_creases;
+mod scan_faults;
 mod shade;
 mod simplify;
 mod surface;
