@@ -16,7 +16,7 @@ import numpy.typing as npt
 from . import _taotie
 from ._arrays import Array, PathLike
 from ._error import NotMet, invalid, warn
-from ._model import Model, _from_glb, load
+from ._model import Model, _from_glb, scan_options
 from ._model import model as a_model
 from ._options import Map
 from ._run import Progress, running

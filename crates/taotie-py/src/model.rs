@@ -144,12 +144,22 @@ impl Model {
             material.apply(&mut loaded.scene)
         });
         dressed.map_err(|error| exception(py, &error))?;
-        Ok(Self { loaded, path, limits: self.limits, scan_options: self.scan_options, scan: Mutex::default() })
+        Ok(Self {
+            loaded,
+            path,
+            limits: self.limits,
+            scan_options: self.scan_options,
+            scan: Mutex::default(),
+        })
     }
 
-    /// The same model, to be read as these options say where it is a scan.
+    /// The same model with other options of reading it as a scan; those that are not given stay.
     fn as_scan(&self, py: Python<'_>, request: Options) -> PyResult<Self> {
-        let scan_options = request.read::<ScanOptions>()?;
+        let (given, own) = (request.read::<ScanOptions>()?, self.scan_options);
+        let scan_options = ScanOptions {
+            crease_angle_deg: given.crease_angle_deg.or(own.crease_angle_deg),
+            green: given.green.or(own.green),
+        };
         scan_options.check().map_err(|error| exception(py, &error))?;
         let (loaded, path) = (self.loaded.clone(), self.path.clone());
         Ok(Self { loaded, path, limits: self.limits, scan_options, scan: Mutex::default() })

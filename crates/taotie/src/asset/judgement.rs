@@ -150,8 +150,7 @@ fn note_hard_edges(low: &Mesh, warnings: &mut Warnings) {
 
 /// Returns the extent of some triangles of a mesh; `None` if there are none.
 fn extent_of(mesh: &Mesh, triangles: &[usize]) -> Option<Extent> {
-    let spots: Vec<Spot> =
-        triangles.iter().map(|t| Spot::of_triangle(mesh, *t, &Mat4::IDENTITY)).collect();
+    let spots: Vec<Spot> = triangles.iter().map(|t| Spot::of_triangle(mesh, *t, &Mat4::IDENTITY)).collect();
     if spots.is_empty() { None } else { Extent::of(&spots, Whole::of_mesh(mesh)) }
 }
 
@@ -165,7 +164,8 @@ pub(super) fn note_missing_parts(scan: &Mesh, low: &Mesh, is_made: bool, warning
     }
     let spots: Vec<Spot> = points.into_iter().map(|at| Spot { at, amount: 1.0 }).collect();
     let Some(extent) = Extent::of(&spots, Whole { amount: SCAN_POINTS as f64, diagonal }) else { return };
-    let advice = if is_made { "ask for more triangles" } else { "add them to it, or remove them from the scan" };
+    let advice =
+        if is_made { "ask for more triangles" } else { "add them to it, or remove them from the scan" };
     let text = format!(
         "the low-poly mesh lacks parts of the scan: it has nothing within 1 % of the diagonal of {} of the scan's surface, \
          around {}; {advice}",
@@ -294,6 +294,9 @@ mod tests {
         assert_eq!(said(&Mesh::sphere(1.0, 60, 30), &ball), "");
         let text = said(&spiked, &ball);
         assert!(text.starts_with("the low-poly mesh lacks parts of the scan: "), "{text}");
-        assert!(text.contains("of 1.") && text.contains("around (1.") && text.contains("ask for more triangles"), "{text}");
+        assert!(
+            text.contains("of 1.") && text.contains("around (1.") && text.contains("ask for more triangles"),
+            "{text}"
+        );
     }
 }

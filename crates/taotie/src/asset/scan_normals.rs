@@ -97,16 +97,20 @@ impl Outcome {
 
     fn note(&self, options: &ScanOptions, diagonal: f64, warnings: &mut Warnings) {
         if options.crease_angle_deg.is_some() && self.affected == 0 {
-            warnings.note("the crease angle has no effect: the scan has normals of its own, which are kept", 1);
+            warnings
+                .note("the crease angle has no effect: the scan has normals of its own, which are kept", 1);
         }
-        let smoothed = "flat-shaded scan: smooth normals computed; a crease angle keeps edges hard, 0 all facets";
+        let smoothed =
+            "flat-shaded scan: smooth normals computed; a crease angle keeps edges hard, 0 all facets";
         warnings.note(smoothed, self.smoothed);
         let whole = Whole { amount: self.length, diagonal };
         let Some(extent) = Extent::of(&self.spots, whole) else { return };
         let crease = options.crease_angle_deg.unwrap_or(MODELLED_CREASE_DEG);
         let advice = match options.crease_angle_deg {
             Some(_) => "",
-            None => "; if they should be smooth, set a crease angle of 180, if all facets are meant, one of 0",
+            None => {
+                "; if they should be smooth, set a crease angle of 180, if all facets are meant, one of 0"
+            }
         };
         let text = format!(
             "scan without smooth normals: smoothed below {crease}°, {} hard edges kept ({} of the length of its edges, most \

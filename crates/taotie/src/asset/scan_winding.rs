@@ -62,9 +62,7 @@ pub(super) fn note_contradicting_normals(parts: &SceneData, warnings: &mut Warni
         true => "the scan is inside out, or its normals are: reverse one of them",
         false => "recompute its normals in a modelling program, or export it without",
     };
-    let text = format!(
-        "normals of the scan contradict its triangles, by more than 90°: {extent}; {advice}"
-    );
+    let text = format!("normals of the scan contradict its triangles, by more than 90°: {extent}; {advice}");
     warnings.note(text, 1);
 }
 

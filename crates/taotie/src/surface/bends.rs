@@ -47,7 +47,8 @@ impl<'a> Bends<'a> {
     pub fn of(mesh: &'a Mesh) -> Self {
         /// Four times the distance between neighbouring numbers, for the arithmetic before they were stored.
         const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
-        let largest = |most: f64, p: &Vec3| p.to_array().into_iter().fold(most, |m, v| m.max(f64::from(v).abs()));
+        let largest =
+            |most: f64, p: &Vec3| p.to_array().into_iter().fold(most, |m, v| m.max(f64::from(v).abs()));
         let rounding = ROUNDING * mesh.positions().iter().fold(0.0, largest);
         Self { mesh, edges: Edges::of(mesh), rounding }
     }
@@ -62,14 +63,16 @@ impl<'a> Bends<'a> {
         for edge in self.edges.iter().filter(|edge| sides[edge.triangle].sharp[edge.side]) {
             let length = self.length(edge);
             all += length;
-            beside_flat += if sides[edge.triangle].is_flat || sides[edge.other].is_flat { length } else { 0.0 };
+            beside_flat +=
+                if sides[edge.triangle].is_flat || sides[edge.other].is_flat { length } else { 0.0 };
             sharp.push(edge);
         }
         if beside_flat > MODELLED * all {
             return sharp;
         }
         let bent: usize = sides.iter().map(|sides| usize::from(sides.bent)).sum();
-        let is_polyhedral = !sharp.is_empty() && (bent as f64) < POLYHEDRAL * self.edges.iter().count() as f64;
+        let is_polyhedral =
+            !sharp.is_empty() && (bent as f64) < POLYHEDRAL * self.edges.iter().count() as f64;
         if is_polyhedral { sharp } else { Vec::new() }
     }
 
@@ -177,7 +180,9 @@ impl<'a> Bends<'a> {
     fn corners_at(&self, hard: &[Edge]) -> Vec<Corner> {
         let places = &self.edges.places;
         let mut is_end = vec![false; places.firsts.len()];
-        hard.iter().for_each(|edge| self.edges.ends(self.mesh, *edge).iter().for_each(|p| is_end[*p as usize] = true));
+        hard.iter().for_each(|edge| {
+            self.edges.ends(self.mesh, *edge).iter().for_each(|p| is_end[*p as usize] = true)
+        });
         let mut corners = Vec::new();
         for (triangle, vertices) in (0u32..).zip(self.mesh.triangles()) {
             for (number, vertex) in (0u8..).zip(vertices) {

@@ -41,8 +41,7 @@ impl Edges {
         let count = mesh.triangles().len();
         let sides = || (0..count).flat_map(|t| sides_of(mesh, &places.of, t));
         let groups = Groups::new(places.firsts.len(), sides);
-        let across: Vec<[AtomicU32; 3]> =
-            (0..count).map(|_| [NONE; 3].map(AtomicU32::new)).collect();
+        let across: Vec<[AtomicU32; 3]> = (0..count).map(|_| [NONE; 3].map(AtomicU32::new)).collect();
         let link = |(triangle, side): (u32, u8), other: u32| {
             across[triangle as usize][usize::from(side)].store(other, Ordering::Relaxed);
         };
@@ -129,8 +128,11 @@ mod tests {
             p(0.0, 0.0, 1.0),
         ];
         let mesh = |triangles: &[[u32; 3]]| {
-            let data =
-                MeshData { positions: positions.clone(), triangles: triangles.to_vec(), ..MeshData::default() };
+            let data = MeshData {
+                positions: positions.clone(),
+                triangles: triangles.to_vec(),
+                ..MeshData::default()
+            };
             Mesh::new(data).unwrap()
         };
         let square = mesh(&[[0, 1, 2], [4, 3, 2], [0, 0, 1]]);

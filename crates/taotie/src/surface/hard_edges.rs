@@ -63,7 +63,8 @@ mod tests {
             [p(1.0, 0.0, 0.0), p(1.0, 0.0, -1.0), p(1.0, 1.0, -1.0), p(1.0, 1.0, 0.0)],
         ];
         let uv = |u: f32, v: f32| Vec2::new(u, v);
-        let uvs = |start: f32| [uv(start, 0.0), uv(start + 0.25, 0.0), uv(start + 0.25, 0.25), uv(start, 0.25)];
+        let uvs =
+            |start: f32| [uv(start, 0.0), uv(start + 0.25, 0.0), uv(start + 0.25, 0.25), uv(start, 0.25)];
         let data = MeshData {
             positions: squares.concat(),
             normals: [[normals[0]; 4], [normals[1]; 4]].concat(),

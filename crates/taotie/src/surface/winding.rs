@@ -116,7 +116,8 @@ fn has_opposed_edge(mesh: &Mesh, places: &Classes) -> bool {
     for t in near {
         let [a, b, c] = corners(&mesh.triangles()[t]);
         let whole = a != b && b != c && c != a;
-        let odd = [(a, b), (b, c), (c, a)].into_iter().filter(|(from, to)| whole && is_odd(*from) && is_odd(*to));
+        let odd =
+            [(a, b), (b, c), (c, a)].into_iter().filter(|(from, to)| whole && is_odd(*from) && is_odd(*to));
         sides.extend(odd.map(|(from, to)| [from.min(to), from.max(to), u32::from(from < to)]));
     }
     sides.sort_unstable();
@@ -141,7 +142,8 @@ mod tests {
         let data = Mesh::sphere(1.0, 40, 20).into_data();
         let round = |v: f32| (v * 65536.0).round() / 65536.0;
         let positions: Vec<Vec3> = data.positions.iter().map(|p| p.map(round)).collect();
-        let turned = |(i, [a, b, c]): (usize, &[u32; 3])| if reversed(i) { [*a, *c, *b] } else { [*a, *b, *c] };
+        let turned =
+            |(i, [a, b, c]): (usize, &[u32; 3])| if reversed(i) { [*a, *c, *b] } else { [*a, *b, *c] };
         let triangles = data.triangles.iter().enumerate().map(turned).collect();
         Mesh::new(MeshData { positions, triangles, ..MeshData::default() }).unwrap()
     }

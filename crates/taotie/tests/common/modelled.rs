@@ -153,7 +153,8 @@ pub fn askew(facets: Vec<Facet>) -> Vec<Facet> {
         Vec3::new(v.x, c * v.y - s * v.z, s * v.y + c * v.z)
     };
     let shift = Vec3::new(3.0, -5.0, 10.0);
-    let moved = |f: Facet| Facet { corners: f.corners.map(|p| turn(p) + shift), normals: f.normals.map(turn) };
+    let moved =
+        |f: Facet| Facet { corners: f.corners.map(|p| turn(p) + shift), normals: f.normals.map(turn) };
     facets.into_iter().map(moved).collect()
 }
 

@@ -4,10 +4,12 @@ use crate::files::data_files;
 use crate::modelled::{Facet, askew, chamfered_box, cylinder, gear, loose, nut, welded};
 use crate::random::Random;
 use taotie::Progress;
-use taotie::asset::{Scan, ScanFile, ScanOptions};
+use taotie::asset::{BakeOptions, Baker, Scan, ScanFile, ScanOptions};
+use taotie::bake::{self, Cage, ShownNormals, Verifier};
+use taotie::image::{Encoding, Sampler, Texture};
 use taotie::math::{Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{Material, Scene};
+use taotie::scene::{Material, NormalSpace, Scene};
 use taotie::surface::vertex_normals;
 
 fn read(mesh: Mesh, crease_angle_deg: Option<f64>) -> Scan {
@@ -53,7 +55,8 @@ fn shapes() -> Vec<(&'static str, Vec<Facet>)> {
 fn modelled_shapes_keep_their_hard_edges() {
     for (name, facets) in shapes() {
         for mesh in [welded(&facets), loose(&facets)] {
-            let [smooth, kept] = [Some(180.0), None].map(|angle| mean_error(&read(mesh.clone(), angle), &facets));
+            let [smooth, kept] =
+                [Some(180.0), None].map(|angle| mean_error(&read(mesh.clone(), angle), &facets));
             println!("{name}: {kept:.3}° by itself, {smooth:.1}° smooth");
             assert!(kept < 0.1, "{name}: {kept}°");
             assert!(smooth > 10.0, "{name}: {smooth}°, else nothing is tested");
@@ -78,6 +81,29 @@ fn the_crease_angle_is_the_best_for_all_shapes() {
         assert!(own <= other + 1e-9, "{angle}°: {other}° against {own}°");
     }
     assert!(mean(Some(20.0)) > own + 0.5 && mean(Some(50.0)) > own + 0.5, "else the angle does not matter");
+}
+
+/// The mean angle between what an asset shows and the facets of the shape that was scanned, degrees.
+fn error_of_asset(facets: &[Facet], crease_angle_deg: Option<f64>) -> f64 {
+    let scan = read(welded(facets), crease_angle_deg);
+    let baker = Baker::new(BakeOptions { size: 512, ..BakeOptions::default() });
+    let asset = baker.bake(scan, Progress::SILENT).unwrap();
+    let low = asset.levels().next().unwrap();
+    let truth = bake::Scan::new(Scene::of_mesh(loose(facets), Material::default()).unwrap()).unwrap();
+    let texture = Texture::new(asset.textures().normal.clone().unwrap(), Encoding::Normal);
+    let normal = ShownNormals { texture: &texture, space: NormalSpace::Tangent, sampler: Sampler::BILINEAR };
+    let cage = Cage::automatic(low, &truth);
+    let verifier = Verifier { mesh: low, normal: Some(normal), cage: &cage, scan: &truth };
+    verifier.normal_error(20_000).unwrap().angles.summary().unwrap().mean
+}
+
+#[test]
+fn a_nut_is_baked_with_its_edges() {
+    let facets = askew(nut(96));
+    let [kept, smooth] = [None, Some(180.0)].map(|angle| error_of_asset(&facets, angle));
+    println!("a nut against its facets: {kept:.2}° with its edges, {smooth:.2}° smooth");
+    assert!(kept < 1.0, "{kept}°");
+    assert!(smooth > 10.0, "{smooth}°, else nothing is tested");
 }
 
 #[test]
@@ -130,7 +156,8 @@ fn noisy(noise: f64) -> Mesh {
 fn assert_smooth(name: &str, bare: Mesh) {
     let scan = read(bare.clone(), None);
     assert!(!warned(&scan).contains("hard edges"), "{name}: {}", warned(&scan));
-    let is_same = scan.mesh().positions() == bare.positions() && scan.mesh().normals() == vertex_normals(&bare);
+    let is_same =
+        scan.mesh().positions() == bare.positions() && scan.mesh().normals() == vertex_normals(&bare);
     assert!(is_same, "{name}: {}", warned(&scan));
 }
 
@@ -147,7 +174,8 @@ fn shared_scans_stay_smooth_to_the_bit() {
         let scene = taotie::io::load_model(&path).unwrap().scene;
         for mesh in scene.meshes() {
             let data = mesh.clone().into_data();
-            let bare = MeshData { positions: data.positions, triangles: data.triangles, ..MeshData::default() };
+            let bare =
+                MeshData { positions: data.positions, triangles: data.triangles, ..MeshData::default() };
             let bare = Mesh::new(bare).unwrap();
             // A scan that itself has reversed triangles is turned first; none of these has.
             assert_smooth(&path.display().to_string(), bare);

@@ -35,8 +35,12 @@ fn place(text: &str) -> Vec3<f64> {
 fn patched_ball(normals: bool, reversed: bool) -> Mesh {
     let ball = Mesh::sphere(1.0, 60, 30);
     let mut data = ball.clone().into_data();
-    data.positions.iter_mut().for_each(|p| *p = (*p * 65536.0).map(|v| v.round() / 65536.0) + Vec3::new(2.0, 0.0, 0.0));
-    let middle = |t: &[u32; 3]| t.iter().fold(Vec3::splat(0.0), |sum, v| sum + data.positions[*v as usize].to_f64() / 3.0);
+    data.positions
+        .iter_mut()
+        .for_each(|p| *p = (*p * 65536.0).map(|v| v.round() / 65536.0) + Vec3::new(2.0, 0.0, 0.0));
+    let middle = |t: &[u32; 3]| {
+        t.iter().fold(Vec3::splat(0.0), |sum, v| sum + data.positions[*v as usize].to_f64() / 3.0)
+    };
     let near = |t: &[u32; 3]| reversed && (middle(t) - Vec3::new(3.0, 0.0, 0.0)).length() < 0.25;
     data.triangles = data.triangles.iter().map(|t| if near(t) { [t[0], t[2], t[1]] } else { *t }).collect();
     data.uvs.clear();
@@ -90,7 +94,10 @@ fn halves_that_face_different_ways_are_noted_and_stay() {
     let given = Mesh::new(data).unwrap();
     let scan = read_mesh(given.clone());
     let text = warned(&scan);
-    assert!(text.contains("parts of the scan face opposite ways") && text.contains("% of its surface"), "{text}");
+    assert!(
+        text.contains("parts of the scan face opposite ways") && text.contains("% of its surface"),
+        "{text}"
+    );
     let stays = |t: usize| scan.mesh().corners(t) == given.corners(t);
     assert!((0..given.triangles().len()).all(stays));
 }
