@@ -73,7 +73,8 @@ fn what_is_required_and_not_met_ends_with_one() {
 /// A hexagonal prism as STL, of which the facets are meant.
 fn prism() -> String {
     let corner = |i: usize, z: f64| {
-        let [x, y] = [[1.0, 0.0], [0.5, 0.866], [-0.5, 0.866], [-1.0, 0.0], [-0.5, -0.866], [0.5, -0.866]][i % 6];
+        let [x, y] =
+            [[1.0, 0.0], [0.5, 0.866], [-0.5, 0.866], [-1.0, 0.0], [-0.5, -0.866], [0.5, -0.866]][i % 6];
         format!("vertex {x} {y} {z}\n")
     };
     let facet = |corners: [String; 3]| {

@@ -20,7 +20,7 @@ const PART: f64 = 0.02;
 /// A part of the scan from which the low-poly mesh is farther away than this part of the diagonal is missing.
 const MISSING: f64 = 0.01;
 /// Points of the scan at which a part of it may be missing.
-const SCAN_POINTS: usize = 16_384;
+const SCAN_POINTS: usize = 8_192;
 /// The least number of points that make a part.
 const LEAST_POINTS: usize = 4;
 /// Hard edges inside UV islands of more than this part of the length of all edges are worth a warning.

@@ -6,7 +6,7 @@ use crate::error::{Result, Warnings};
 use crate::math::{Mat4, Vec3};
 use crate::mesh::{Mesh, MeshData, with_flat_normals};
 use crate::scene::{NormalSpace, Scene, SceneData};
-use crate::surface::{Bends, MODELLED_CREASE_DEG};
+use crate::surface::{Bends, MODELLED_CREASE_DEG, looks_scanned};
 
 /// What was done to the meshes of a scan.
 #[derive(Default)]
@@ -73,6 +73,12 @@ fn mapped(parts: &SceneData) -> Vec<bool> {
 impl Outcome {
     /// Returns a mesh with normals that part at its hard edges; without normals if it has none.
     fn with_normals(&mut self, mesh: Mesh, placed: &[Mat4], options: &ScanOptions) -> Result<Mesh> {
+        let smooth = |mesh: Mesh| {
+            Mesh::new(MeshData { normals: Vec::new(), tangents: Vec::new(), ..mesh.into_data() })
+        };
+        if options.crease_angle_deg.is_none() && looks_scanned(&mesh)? {
+            return smooth(mesh);
+        }
         let bends = Bends::of(&mesh);
         let crease = options.crease_angle_deg.unwrap_or(MODELLED_CREASE_DEG).to_radians();
         let hard = match options.crease_angle_deg {
@@ -80,7 +86,7 @@ impl Outcome {
             None => bends.modelled(),
         };
         if hard.is_empty() {
-            return Mesh::new(MeshData { normals: Vec::new(), tangents: Vec::new(), ..mesh.into_data() });
+            return smooth(mesh);
         }
         let total = bends.total_length();
         for m in placed {

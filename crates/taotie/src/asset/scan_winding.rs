@@ -4,6 +4,7 @@
 use super::extent::{Extent, Spot, Whole};
 use super::scan_normals::placements;
 use crate::error::{Result, Warnings};
+use crate::math::Vec3;
 use crate::mesh::Mesh;
 use crate::parallel;
 use crate::scene::SceneData;
@@ -70,7 +71,8 @@ pub(super) fn note_contradicting_normals(parts: &SceneData, warnings: &mut Warni
 pub(super) fn turned(mesh: &Mesh) -> Vec<usize> {
     parallel::filter(mesh.triangles().len(), |t| {
         let [a, b, c] = mesh.triangles()[t].map(|v| mesh.normals()[v as usize]);
-        facet_normal(mesh.corners(t)).is_some_and(|facet| facet.dot(a + b + c) < 0.0)
+        let [p, q, r] = mesh.corners(t).map(Vec3::to_f64);
+        (q - p).cross(r - p).dot((a + b + c).to_f64()) < 0.0
     })
 }
 

@@ -28,8 +28,8 @@ const COMPARED: usize = 32;
 pub(crate) struct Bends<'a> {
     mesh: &'a Mesh,
     edges: Edges,
-    /// The distance by which rounding may have moved a corner, model units.
-    rounding: f64,
+    /// The unit normal of each triangle, and the angle by which rounding may have turned it, radians; infinite without area.
+    facets: Vec<(Vec3, f32)>,
 }
 
 /// The bends of a triangle at those of its edges that lead to triangles with higher numbers.
@@ -42,6 +42,33 @@ struct Sides {
     is_flat: bool,
 }
 
+/// Returns `true` if a sample of a mesh of many triangles shows that it is a scan, so that looking at all edges for those
+/// that are meant to be hard can be left out. The sample is made of runs of triangles, since neighbours in a file are mostly
+/// neighbours in space.
+pub(crate) fn looks_scanned(mesh: &Mesh) -> Result<bool> {
+    const RUNS: usize = 16;
+    const RUN: usize = 2048;
+    let count = mesh.triangles().len();
+    if count < 4 * RUNS * RUN {
+        return Ok(false);
+    }
+    let numbers = (0..RUNS).flat_map(|run| (0..RUN).map(move |i| run * (count - RUN) / (RUNS - 1) + i));
+    let positions: Vec<Vec3> = numbers.flat_map(|t| mesh.corners(t)).collect();
+    let triangles = (0..(RUNS * RUN) as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    let sample = Mesh::new(MeshData { positions, triangles, ..MeshData::default() })?;
+    Ok(Bends::of(&sample).looks_scanned())
+}
+
+/// Returns the unit normal of a triangle and the angle by which rounding may have turned it, radians.
+fn facet(corners: [Vec3; 3], rounding: f64) -> (Vec3, f32) {
+    let [a, b, c] = corners.map(Vec3::to_f64);
+    let cross = (b - a).cross(c - a);
+    let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+    // The height over the longest side is its cross product by its length.
+    let doubt = |normal: Vec3<f64>| (normal.to_f32(), (rounding * longest / cross.length()) as f32);
+    unit(cross).map_or((Vec3::default(), f32::INFINITY), doubt)
+}
+
 impl<'a> Bends<'a> {
     /// Finds the edges of a mesh.
     pub fn of(mesh: &'a Mesh) -> Self {
@@ -50,7 +77,8 @@ impl<'a> Bends<'a> {
         let largest =
             |most: f64, p: &Vec3| p.to_array().into_iter().fold(most, |m, v| m.max(f64::from(v).abs()));
         let rounding = ROUNDING * mesh.positions().iter().fold(0.0, largest);
-        Self { mesh, edges: Edges::of(mesh), rounding }
+        let facets = parallel::collect(mesh.triangles().len(), |t| facet(mesh.corners(t), rounding));
+        Self { mesh, edges: Edges::of(mesh), facets }
     }
 
     /// Returns the edges that are hard where no crease angle is given: those of [`MODELLED_CREASE_DEG`] or more if the
@@ -59,21 +87,45 @@ impl<'a> Bends<'a> {
     pub fn modelled(&self) -> Vec<Edge> {
         let crease = MODELLED_CREASE_DEG.to_radians();
         let sides = parallel::collect(self.mesh.triangles().len(), |t| self.sides(t, crease));
-        let (mut sharp, mut all, mut beside_flat) = (Vec::new(), 0.0, 0.0);
-        for edge in self.edges.iter().filter(|edge| sides[edge.triangle].sharp[edge.side]) {
-            let length = self.length(edge);
-            all += length;
-            beside_flat +=
-                if sides[edge.triangle].is_flat || sides[edge.other].is_flat { length } else { 0.0 };
-            sharp.push(edge);
-        }
-        if beside_flat > MODELLED * all {
+        let (sharp, beside_flat) = self.sharp(&sides);
+        if beside_flat > MODELLED {
             return sharp;
         }
         let bent: usize = sides.iter().map(|sides| usize::from(sides.bent)).sum();
         let is_polyhedral =
             !sharp.is_empty() && (bent as f64) < POLYHEDRAL * self.edges.iter().count() as f64;
         if is_polyhedral { sharp } else { Vec::new() }
+    }
+
+    /// Returns the sharp edges, and the share of their length that has a flat face on at least one side.
+    fn sharp(&self, sides: &[Sides]) -> (Vec<Edge>, f64) {
+        let (mut sharp, mut all, mut beside_flat) = (Vec::new(), 0.0, 0.0);
+        for edge in self.edges.iter().filter(|edge| sides[edge.triangle].sharp[edge.side]) {
+            let length = self.length(edge);
+            all += length;
+            if sides[edge.triangle].is_flat || sides[edge.other].is_flat {
+                beside_flat += length;
+            }
+            sharp.push(edge);
+        }
+        (sharp, if all > 0.0 { beside_flat / all } else { 0.0 })
+    }
+
+    /// Returns `true` if a sample of a large mesh looks like a scan: neighbours are in it, and its sharp edges have no flat
+    /// faces, or hardly any face is flat. Small meshes and those in doubt are left to [`Bends::modelled`].
+    fn looks_scanned(&self) -> bool {
+        /// Sharp edges that say something.
+        const ENOUGH: usize = 50;
+        /// The share of flat faces in a sample below which a mesh is a scan.
+        const FLAT_FACES: usize = 20;
+        let count = self.mesh.triangles().len();
+        let sides = parallel::collect(count, |t| self.sides(t, MODELLED_CREASE_DEG.to_radians()));
+        let (sharp, beside_flat) = self.sharp(&sides);
+        let flat = sides.iter().filter(|sides| sides.is_flat).count();
+        // A run may be a single row of a grid, whose triangles have two neighbours each.
+        let has_neighbours = 2 * self.edges.iter().count() > count;
+        let is_rough = sharp.len() >= ENOUGH && beside_flat < 0.5 * MODELLED;
+        has_neighbours && (is_rough || flat * FLAT_FACES < count)
     }
 
     /// Returns the edges at which the surface bends by `crease` radians or more, beyond rounding.
@@ -96,20 +148,16 @@ impl<'a> Bends<'a> {
 
     /// Returns the angle between two facets, radians, less what rounding may have added; 0 for a facet without area.
     fn bend(&self, one: usize, other: usize) -> f64 {
-        let [Some((one, doubt)), Some((other, doubt_of_other))] = [one, other].map(|t| self.facet(t)) else {
-            return 0.0;
+        let ([one, other], doubt) = match (self.facets[one], self.facets[other]) {
+            ((one, a), (other, b)) => ([one, other].map(Vec3::to_f64), f64::from(a) + f64::from(b)),
         };
-        let angle = scalar::atan2(one.cross(other).length(), one.dot(other));
-        (angle - doubt - doubt_of_other).max(0.0)
-    }
-
-    /// Returns the unit normal of a triangle and the angle by which rounding may have turned it, radians.
-    fn facet(&self, triangle: usize) -> Option<(Vec3<f64>, f64)> {
-        let [a, b, c] = self.mesh.corners(triangle).map(Vec3::to_f64);
-        let cross = (b - a).cross(c - a);
-        let longest = (b - a).length().max((c - b).length()).max((a - c).length());
-        // The height over the longest side is its cross product by its length.
-        Some((unit(cross)?, self.rounding * longest / cross.length()))
+        // Most facets are nearly parallel, and the series is exact to a millionth up to 20°.
+        let chord = (one - other).length();
+        let angle = match chord < 0.35 {
+            true => chord * (1.0 + chord * chord * (1.0 / 24.0 + chord * chord * (3.0 / 640.0))),
+            false => scalar::atan2(one.cross(other).length(), one.dot(other)),
+        };
+        (angle - doubt).max(0.0)
     }
 
     /// Returns the length of an edge, model units.

@@ -20,7 +20,7 @@ mod tangents;
 mod weld;
 mod winding;
 
-pub(crate) use bends::{Bends, MODELLED_CREASE_DEG};
+pub(crate) use bends::{Bends, MODELLED_CREASE_DEG, looks_scanned};
 pub use bump::{Relief, ReliefBase, bump, bump_printed, relief_normal, surface_gradient};
 pub use creases::creased;
 pub(crate) use creases::has_turned_facets;

@@ -145,6 +145,29 @@ pub fn chamfered_box() -> Vec<Facet> {
     facets
 }
 
+/// A cube of which each face is a grid of so many squares along a side.
+pub fn gridded_cube(squares: usize) -> Vec<Facet> {
+    let along = |i: usize| 2.0 * i as f64 / squares as f64 - 1.0;
+    let mut facets = Vec::new();
+    for axis in 0..3 {
+        for side in [-1.0, 1.0] {
+            for i in 0..squares * squares {
+                let (u, v) = (i % squares, i / squares);
+                let mut quad = [(u, v), (u + 1, v), (u + 1, v + 1), (u, v + 1)].map(|(u, v)| {
+                    let mut p = [0.0; 3];
+                    (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (side, along(u), along(v));
+                    Vec3::from_array(p)
+                });
+                if side < 0.0 {
+                    quad.reverse();
+                }
+                facets.extend(polygon(&quad));
+            }
+        }
+    }
+    facets
+}
+
 /// The facets turned and moved off the axes, so that no normal and no plane is exact.
 pub fn askew(facets: Vec<Facet>) -> Vec<Facet> {
     let [c, s] = [scalar::cos(0.7), scalar::sin(0.7)];

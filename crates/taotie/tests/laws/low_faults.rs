@@ -46,7 +46,10 @@ fn hard_edges_inside_uv_islands_are_noted() {
     let (whole, cut) = (walls(0.0), walls(0.02));
     let text = warned(whole.clone(), whole.clone());
     // Three of four upright edges of length 2; each wall has a diagonal too.
-    assert!(text.contains("hard edges inside UV islands of the low-poly mesh: 31.1 % of the length"), "{text}");
+    assert!(
+        text.contains("hard edges inside UV islands of the low-poly mesh: 31.1 % of the length"),
+        "{text}"
+    );
     assert!(text.contains("around (") && text.contains("cut the uvs"), "{text}");
     assert!(!warned(whole, cut).contains("hard edges"));
 }
@@ -62,7 +65,11 @@ fn reversed_triangles_of_a_low_poly_mesh_are_noted_with_their_place() {
     let sound = warned(scan.clone(), low.clone());
     assert!(!sound.contains("wound") && !sound.contains("face away"), "{sound}");
     let text = warned(scan, Mesh::new(data).unwrap());
-    assert!(text.contains("triangles of the low-poly mesh that are wound the other way than their neighbours: 1."));
+    assert!(
+        text.contains(
+            "triangles of the low-poly mesh that are wound the other way than their neighbours: 1."
+        )
+    );
     assert!(text.contains("that face away from their own normals: 1."), "{text}");
     assert!(text.contains("% of its surface, around (0.9") || text.contains("around (1.0"), "{text}");
 }
@@ -84,7 +91,10 @@ fn a_part_of_the_scan_that_the_low_poly_mesh_lacks_is_noted() {
     let both = Mesh::new(both).unwrap();
     let low = Mesh::sphere(1.0, 24, 12);
     let text = warned(both.clone(), low.clone());
-    assert!(text.contains("the low-poly mesh lacks parts of the scan") && text.contains("of 3.8 % "), "{text}");
+    assert!(
+        text.contains("the low-poly mesh lacks parts of the scan") && text.contains("of 3.8 % "),
+        "{text}"
+    );
     assert!(text.contains(", 1.") && text.contains("remove them from the scan"), "{text}");
     assert!(!warned(Mesh::sphere(1.0, 40, 20), low).contains("lacks parts"));
     assert!(!warned(both.clone(), both).contains("lacks parts"));

@@ -45,4 +45,3 @@ mod shade;
 mod simplify;
 mod surface;
 mod unwrap;
-mod zz_timing;

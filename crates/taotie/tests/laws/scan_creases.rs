@@ -1,7 +1,7 @@
 //! The normals of scans whose files have none: modelled shapes keep their hard edges, scans stay smooth.
 
 use crate::files::data_files;
-use crate::modelled::{Facet, askew, chamfered_box, cylinder, gear, loose, nut, welded};
+use crate::modelled::{Facet, askew, chamfered_box, cylinder, gear, gridded_cube, loose, nut, welded};
 use crate::random::Random;
 use taotie::Progress;
 use taotie::asset::{BakeOptions, Baker, Scan, ScanFile, ScanOptions};
@@ -63,6 +63,18 @@ fn modelled_shapes_keep_their_hard_edges() {
             let text = warned(&read(mesh, None));
             assert!(text.contains("hard edges kept") && text.contains("smoothed below 26°"), "{text}");
         }
+    }
+}
+
+/// Of large meshes a sample is looked at first.
+#[test]
+fn a_large_modelled_shape_keeps_its_edges_and_a_large_scan_none() {
+    let facets = askew(gridded_cube(150));
+    assert!(facets.len() > 200_000);
+    let kept = mean_error(&read(welded(&facets), None), &facets);
+    assert!(kept < 0.1, "{kept}°");
+    for noise in [0.0, 0.05, 1.0] {
+        assert_smooth(&format!("large, noise of {noise}"), noisy(noise, 300));
     }
 }
 
@@ -131,8 +143,7 @@ fn a_crease_angle_on_a_scan_with_normals_is_noted() {
 }
 
 /// Waves with noise, as scanners give surfaces: smooth though some of its edges are sharp.
-fn noisy(noise: f64) -> Mesh {
-    let side = 120usize;
+fn noisy(noise: f64, side: usize) -> Mesh {
     let mut random = Random(1);
     let jitters: Vec<f64> = (0..side * side).map(|_| random.next() - 0.5).collect();
     let at = |i: usize| {
@@ -164,7 +175,7 @@ fn assert_smooth(name: &str, bare: Mesh) {
 #[test]
 fn noise_stays_smooth_to_the_bit() {
     for noise in [0.0, 0.05, 0.3, 1.0, 2.0] {
-        assert_smooth(&format!("noise of {noise}"), noisy(noise));
+        assert_smooth(&format!("noise of {noise}"), noisy(noise, 120));
     }
 }
 

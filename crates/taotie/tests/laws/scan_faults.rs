@@ -6,7 +6,7 @@ use taotie::Progress;
 use taotie::asset::{Scan, ScanFile, ScanOptions};
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
 use taotie::math::{Mat4, Vec3, scalar};
-use taotie::mesh::{Mesh, MeshData};
+use taotie::mesh::Mesh;
 use taotie::scene::{
     GreenChannel, Instance, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef, UvTransform,
 };
