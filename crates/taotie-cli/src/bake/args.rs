@@ -1,6 +1,7 @@
 //! The options of `taotie bake`.
 
 use super::purpose::{Defaults, Purpose};
+use super::scan_args::ScanArgs;
 use crate::limits::LimitArgs;
 use crate::options::{self, fraction, positive};
 use crate::studio::{Green, Space};
@@ -8,12 +9,11 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use taotie::asset::{
-    BakeOptions, Baker, Limits, MeshSource, Packing, RayDistance, Requirement, ScanOptions, VerifyOptions,
+    BakeOptions, Baker, Limits, MeshSource, Packing, RayDistance, Requirement, VerifyOptions,
 };
 use taotie::bake::MapKind;
 use taotie::io::{FileSet, GltfImages};
 use taotie::names::Named;
-use taotie::scene::GreenChannel;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -45,17 +45,8 @@ pub struct BakeArgs {
     #[arg(long = "for", value_name = "USE", value_enum)]
     pub purpose: Option<Purpose>,
 
-    /// Angle between facets from which an edge is hard, degrees, for a scan without normals or with one for each facet
-    /// [default: smooth, except the hard edges of modelled shapes]
-    #[arg(long, value_name = "DEG", value_parser = crease_angle, help_heading = "Scan")]
-    pub crease_angle: Option<f64>,
-    /// Keep the facets of such a scan flat, as --crease-angle 0 does
-    #[arg(long, help_heading = "Scan", conflicts_with = "crease_angle")]
-    pub flat: bool,
-    /// Direction of green in the scan's normal maps: up (OpenGL), down (DirectX), or auto, which trusts the file unless the
-    /// pixels contradict it
-    #[arg(long, value_name = "auto|up|down", default_value = "auto", value_parser = scan_green, help_heading = "Scan")]
-    pub scan_green: Auto<GreenChannel>,
+    #[command(flatten)]
+    pub scan: ScanArgs,
 
     /// Triangles of the low-poly mesh; 50000 if not given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..), help_heading = "Low-poly mesh", conflicts_with = "low")]
@@ -179,21 +170,6 @@ fn map(text: &str) -> Result<Auto<MapKind>, String> {
     match text.trim() {
         "auto" => Ok(Auto::Auto),
         name => options::named(name).map(Auto::Given).map_err(|error| format!("{error}, or auto")),
-    }
-}
-
-fn crease_angle(text: &str) -> Result<f64, String> {
-    let angle: f64 = text.parse().map_err(|_| "expected an angle in degrees")?;
-    let range = 0.0..=180.0;
-    if range.contains(&angle) { Ok(angle) } else { Err("expected an angle between 0 and 180 degrees".into()) }
-}
-
-fn scan_green(text: &str) -> Result<Auto<GreenChannel>, String> {
-    match text {
-        "auto" => Ok(Auto::Auto),
-        "up" => Ok(Auto::Given(GreenChannel::Up)),
-        "down" => Ok(Auto::Given(GreenChannel::Down)),
-        _ => Err("expected auto, up or down".into()),
     }
 }
 
@@ -438,12 +414,6 @@ impl BakeArgs {
             }
         }
         Ok(())
-    }
-
-    /// Returns the options of reading the scan.
-    pub fn scan_options(&self) -> ScanOptions {
-        let crease_angle_deg = if self.flat { Some(0.0) } else { self.crease_angle };
-        ScanOptions { crease_angle_deg, green: self.scan_green.given() }
     }
 
     /// Returns the options of the bake.

@@ -70,45 +70,6 @@ fn what_is_required_and_not_met_ends_with_one() {
     assert_eq!((&report["required"][0]["met"], &report["required"][1]["met"]), (&json!(false), &json!(true)));
 }
 
-/// A hexagonal prism as STL, of which the facets are meant.
-fn prism() -> String {
-    let corner = |i: usize, z: f64| {
-        let [x, y] =
-            [[1.0, 0.0], [0.5, 0.866], [-0.5, 0.866], [-1.0, 0.0], [-0.5, -0.866], [0.5, -0.866]][i % 6];
-        format!("vertex {x} {y} {z}\n")
-    };
-    let facet = |corners: [String; 3]| {
-        format!("facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n", corners.concat())
-    };
-    let ends = ["vertex 0 0 1\n".to_owned(), "vertex 0 0 0\n".to_owned()];
-    let mut text = "solid\n".to_owned();
-    for i in 0..6 {
-        let j = i + 1;
-        text += &facet([corner(i, 0.0), corner(j, 0.0), corner(j, 1.0)]);
-        text += &facet([corner(i, 0.0), corner(j, 1.0), corner(i, 1.0)]);
-        text += &facet([ends[0].clone(), corner(i, 1.0), corner(j, 1.0)]);
-        text += &facet([ends[1].clone(), corner(j, 0.0), corner(i, 0.0)]);
-    }
-    text + "endsolid\n"
-}
-
-#[test]
-fn hard_edges_of_a_modelled_shape_are_kept_unless_asked_otherwise() {
-    let place = Place::with("nut.stl", prism());
-    let said = |options: &str| {
-        let line = format!("bake nut.stl -o out.glb --size 64 --no-verify {options}");
-        let assert = place.taotie(&line).assert().success();
-        String::from_utf8_lossy(&assert.get_output().stderr).into_owned()
-    };
-    let kept = "scan without smooth normals: smoothed below 26°, 18 hard edges kept (";
-    assert!(said("").contains(kept), "{}", said(""));
-    assert!(said("--crease-angle 70").contains("smoothed below 70°, 12 hard edges kept ("));
-    for options in ["--crease-angle 180", "--flat"] {
-        assert!(!said(options).contains("hard edges"), "{options}");
-    }
-    assert!(said("--scan-green down").contains("the direction of green has no effect"));
-}
-
 /// Every refusal: one plain line that names what is wrong, exit code 2, and nothing written.
 #[test]
 fn refusals() {
@@ -124,8 +85,6 @@ fn refusals() {
     let cases = [
         ("absent.obj -o out.glb", "absent.obj: No such file or directory"),
         ("scan.obj --low absent.obj -o out.glb", "absent.obj: No such file or directory"),
-        ("scan.obj -o out.glb --crease-angle 200", "expected an angle between 0 and 180 degrees"),
-        ("scan.obj -o out.glb --scan-green left", "expected auto, up or down"),
         ("scan.obj -o out.obj", "out.obj: assets are written as .glb or .gltf"),
         ("scan.obj -o out", "out: assets are written as .glb or .gltf"),
         ("scan.obj -o absent/out.glb", "absent: there is no such folder; make it first"),
