@@ -148,9 +148,9 @@ impl<'a> Bends<'a> {
 
     /// Returns the angle between two facets, radians, less what rounding may have added; 0 for a facet without area.
     fn bend(&self, one: usize, other: usize) -> f64 {
-        let ([one, other], doubt) = match (self.facets[one], self.facets[other]) {
-            ((one, a), (other, b)) => ([one, other].map(Vec3::to_f64), f64::from(a) + f64::from(b)),
-        };
+        let ((one, doubt), (other, doubt_of_other)) = (self.facets[one], self.facets[other]);
+        let [one, other] = [one, other].map(Vec3::to_f64);
+        let doubt = f64::from(doubt) + f64::from(doubt_of_other);
         // Most facets are nearly parallel, and the series is exact to a millionth up to 20°.
         let chord = (one - other).length();
         let angle = match chord < 0.35 {

@@ -102,9 +102,9 @@ fn has_opposed_edge(mesh: &Mesh, places: &Classes) -> bool {
     for triangle in mesh.triangles() {
         let corners = corners(triangle);
         let hashes = corners.map(mixed);
-        for k in 0..3 {
+        for (k, place) in corners.iter().enumerate() {
             let change = hashes[(k + 1) % 3].wrapping_sub(hashes[(k + 2) % 3]);
-            let sum = &mut sums[corners[k] as usize];
+            let sum = &mut sums[*place as usize];
             *sum = sum.wrapping_add(change);
         }
     }
