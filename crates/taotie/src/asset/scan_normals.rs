@@ -3,7 +3,7 @@
 use super::extent::{Extent, Spot, Whole};
 use super::scan_options::ScanOptions;
 use crate::error::{Result, Warnings};
-use crate::math::{Mat4, Vec3};
+use crate::math::{Mat4, Vec3, scalar};
 use crate::mesh::{Mesh, MeshData, with_flat_normals};
 use crate::scene::{NormalSpace, Scene, SceneData};
 use crate::surface::{Bends, MODELLED_CREASE_DEG, looks_scanned};
@@ -90,7 +90,7 @@ impl Outcome {
         }
         let total = bends.total_length();
         for m in placed {
-            let scale = m.determinant3().abs().cbrt();
+            let scale = scalar::cbrt(m.determinant3().abs());
             self.length += scale * total;
             self.hard += hard.len();
             self.spots.extend(hard.iter().map(|edge| {
