@@ -16,7 +16,7 @@ import numpy.typing as npt
 from . import _taotie
 from ._arrays import Array, PathLike
 from ._error import NotMet, invalid, warn
-from ._model import Model, _from_glb, load
+from ._model import Model, _from_glb, scan_options
 from ._model import model as a_model
 from ._options import Map
 from ._run import Progress, running
@@ -379,6 +379,8 @@ def bake(
     roughness: float | None = None,
     ray_distance: float | Literal["auto"] = "auto",
     cage: Any = None,
+    crease_angle: float | None = None,
+    scan_green: Literal["auto", "up", "down"] = "auto",
     memory_limit: str | None = None,
     threads: int | None = None,
     progress: Progress = None,
@@ -420,6 +422,10 @@ def bake(
         Length of the projection rays, model units; auto measures the gap between the meshes.
     cage : path, Model, or a mesh of another package, optional
         The low-poly mesh with its vertices moved outward.
+    crease_angle : float, optional
+        As in `load`; what the scan was loaded with if not given.
+    scan_green : {"auto", "up", "down"}
+        As in `load`; what the scan was loaded with if auto.
     memory_limit : str, optional
         The most memory to use, such as ``"4G"``.
     threads : int, optional
@@ -463,9 +469,11 @@ def bake(
         "inspect": True,
     }
     request = {"options": options, "low": low_mesh, "cage": cage_mesh, "memory_limit": memory_limit}
-    high = load(scan) if isinstance(scan, (str, os.PathLike)) else a_model(scan)
+    high = a_model(scan)._native
+    if crease_angle is not None or scan_green != "auto":
+        high = high.as_scan(scan_options(crease_angle, scan_green))
     with running(progress, threads) as run:
-        native = _taotie.bake(high._native, request, run)
+        native = _taotie.bake(high, request, run)
     warn(native.warnings())
     return Asset(native)
 

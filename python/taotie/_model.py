@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -175,10 +175,19 @@ def _from_glb(data: bytes, path: str | None) -> Model:
             return Model(_taotie.load(file, {}, run).without_file(), path)
 
 
+def scan_options(crease_angle: float | None, green: str) -> dict[str, Any]:
+    """Return how a scan is read, as native options."""
+    if green not in ("auto", "up", "down"):
+        raise invalid(f"scan_green {green!r}", "give auto, up or down")
+    return {"crease_angle_deg": crease_angle, "green": None if green == "auto" else green}
+
+
 def load(
     path: PathLike,
     *,
     material: Material | PathLike | None = None,
+    crease_angle: float | None = None,
+    scan_green: Literal["auto", "up", "down"] = "auto",
     memory_limit: str | None = None,
     allow_outside: bool = False,
     progress: Progress = None,
@@ -191,6 +200,11 @@ def load(
         The file.
     material : Material or str, optional
         What its materials are made of; a name is that of a preset or a TOML file.
+    crease_angle : float, optional
+        For a scan without normals, or with one for each facet: the angle between facets from which an edge is hard,
+        degrees; 0 keeps all facets flat. By default only the hard edges of modelled shapes are kept.
+    scan_green : {"auto", "up", "down"}
+        Direction of green in the normal maps of a scan; auto trusts the file unless the pixels contradict it.
     memory_limit : str, optional
         The most memory to use, such as ``"4G"``; what the machine has free if not given.
     allow_outside : bool
@@ -214,6 +228,7 @@ def load(
     """
     request = {
         "material": a_material(material)._options(),
+        "scan": scan_options(crease_angle, scan_green),
         "memory_limit": memory_limit,
         "allow_outside": allow_outside,
     }

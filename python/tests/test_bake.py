@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -68,6 +69,25 @@ def test_a_low_poly_mesh_of_arrays_keeps_its_triangles(scan: tt.Model) -> None:
     low = tt.Mesh(*sphere(24, 12))
     asset = tt.bake(scan, low=low, size=64)
     assert asset.triangles == [low.triangles]
+
+
+def test_hard_edges_of_a_modelled_shape_are_kept_unless_asked_otherwise() -> None:
+    corners = [[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)]
+    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    cube = tt.Mesh(corners, [[a, b, c] for a, *rest in quads for b, c in zip(rest, rest[1:])])
+
+    def said(**options: float) -> str:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            tt.bake(cube, size=64, **options)  # type: ignore[arg-type]
+        return "\n".join(str(warning.message) for warning in caught)
+
+    assert "smoothed below 26°, 12 hard edges kept" in said()
+    assert "hard edges" not in said(crease_angle=180.0) and "hard edges" not in said(crease_angle=0.0)
+    with pytest.raises(tt.Error, match="crease angle 200"):
+        tt.bake(cube, size=64, crease_angle=200.0)
+    with pytest.raises(tt.Error, match="scan_green"):
+        tt.bake(cube, size=64, scan_green="left")  # type: ignore[arg-type]
 
 
 def test_maps_alone_are_written_as_pictures(scan: tt.Model, asset: tt.Asset, tmp_path: Path) -> None:

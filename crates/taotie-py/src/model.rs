@@ -9,7 +9,7 @@ use pyo3::types::{PyBytes, PyDict};
 use serde::Deserialize;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
-use taotie::asset::{Limits, Scan, ScanFile};
+use taotie::asset::{Limits, Scan, ScanFile, ScanOptions};
 use taotie::bake::low_poly_mesh;
 use taotie::inspection::Inspection;
 use taotie::io::{self, Loaded};
@@ -24,6 +24,7 @@ use taotie::{Error, Progress, Warnings};
 #[serde(default, deny_unknown_fields)]
 struct Request {
     material: MaterialOptions,
+    scan: ScanOptions,
     memory_limit: Option<String>,
     allow_outside: bool,
 }
@@ -42,6 +43,7 @@ pub struct Model {
     /// The file that it was read from; `None` in memory.
     pub path: Option<PathBuf>,
     limits: Limits,
+    scan_options: ScanOptions,
     scan: Mutex<Option<Scan>>,
 }
 
@@ -54,7 +56,8 @@ pub fn load(py: Python<'_>, path: PathBuf, request: Options, running: Running) -
         let file = path.clone();
         let read = move |_: Progress<'_>| studio::load_within(&file, &request.material, &limits);
         let loaded = progress.begin("read the model")?.apart(read)?;
-        Ok(Model { loaded, path: Some(path), limits, scan: Mutex::default() })
+        request.scan.check()?;
+        Ok(Model { loaded, path: Some(path), limits, scan_options: request.scan, scan: Mutex::default() })
     })
 }
 
@@ -67,7 +70,8 @@ pub fn model_of_arrays(py: Python<'_>, arrays: MeshArrays<'_>, request: Options)
         let mut scene = Scene::of_mesh(Mesh::new(data)?, Material::default())?;
         request.material.apply(&mut scene)?;
         let loaded = Loaded::new(scene, Warnings::default(), "arrays");
-        Ok::<_, Error>(Model { loaded, path: None, limits: request.limits()?, scan: Mutex::default() })
+        let (limits, scan_options) = (request.limits()?, request.scan);
+        Ok::<_, Error>(Model { loaded, path: None, limits, scan_options, scan: Mutex::default() })
     });
     made.map_err(|error| exception(py, &error))
 }
@@ -83,7 +87,7 @@ impl Model {
             Some(path) => ScanFile::from_loaded(self.loaded.clone(), path, &self.limits)?,
             None => ScanFile::from_scene(self.loaded.scene.clone())?,
         };
-        Ok(kept.insert(file.into_scan(progress)?).clone())
+        Ok(kept.insert(file.with_options(self.scan_options).into_scan(progress)?).clone())
     }
 
     /// Returns all triangles as one mesh in world space.
@@ -140,12 +144,31 @@ impl Model {
             material.apply(&mut loaded.scene)
         });
         dressed.map_err(|error| exception(py, &error))?;
-        Ok(Self { loaded, path, limits: self.limits, scan: Mutex::default() })
+        Ok(Self {
+            loaded,
+            path,
+            limits: self.limits,
+            scan_options: self.scan_options,
+            scan: Mutex::default(),
+        })
+    }
+
+    /// The same model with other options of reading it as a scan; those that are not given stay.
+    fn as_scan(&self, py: Python<'_>, request: Options) -> PyResult<Self> {
+        let (given, own) = (request.read::<ScanOptions>()?, self.scan_options);
+        let scan_options = ScanOptions {
+            crease_angle_deg: given.crease_angle_deg.or(own.crease_angle_deg),
+            green: given.green.or(own.green),
+        };
+        scan_options.check().map_err(|error| exception(py, &error))?;
+        let (loaded, path) = (self.loaded.clone(), self.path.clone());
+        Ok(Self { loaded, path, limits: self.limits, scan_options, scan: Mutex::default() })
     }
 
     /// The same model without its file, which may be removed then.
     fn without_file(&self) -> Self {
-        Self { loaded: self.loaded.clone(), path: None, limits: self.limits, scan: Mutex::default() }
+        let (loaded, scan_options) = (self.loaded.clone(), self.scan_options);
+        Self { loaded, path: None, limits: self.limits, scan_options, scan: Mutex::default() }
     }
 
     /// What the model holds and what is wrong with it, as JSON.

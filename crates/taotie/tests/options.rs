@@ -6,7 +6,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{from_str, json, to_string, to_value};
 use std::fmt::Debug;
 use std::sync::Arc;
-use taotie::asset::{BakeOptions, Limits, Packing, VerifyOptions};
+use taotie::asset::{BakeOptions, Limits, Packing, ScanOptions, VerifyOptions};
 use taotie::bake::MapKind;
 use taotie::compare::NormalEncoding;
 use taotie::comparison::diff::{self, DiffOptions, Metric};
@@ -53,6 +53,7 @@ fn assert_names<T: Named + Debug + Serialize + DeserializeOwned>() {
 #[test]
 fn all_options_survive_json() {
     assert_options::<BakeOptions>();
+    assert_options::<ScanOptions>();
     assert_options::<VerifyOptions>();
     assert_options::<Packing>();
     assert_options::<Limits>();

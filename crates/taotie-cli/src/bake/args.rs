@@ -1,6 +1,7 @@
 //! The options of `taotie bake`.
 
 use super::purpose::{Defaults, Purpose};
+use super::scan_args::ScanArgs;
 use crate::limits::LimitArgs;
 use crate::options::{self, fraction, positive};
 use crate::proof_args::ProofArgs;
@@ -42,6 +43,9 @@ pub struct BakeArgs {
     /// Choose size and packing for a use; options that are given go before it
     #[arg(long = "for", value_name = "USE", value_enum)]
     pub purpose: Option<Purpose>,
+
+    #[command(flatten)]
+    pub scan: ScanArgs,
 
     /// Triangles of the low-poly mesh; 50000 if not given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..), help_heading = "Low-poly mesh", conflicts_with = "low")]

@@ -3,6 +3,7 @@
 mod args;
 pub mod clock;
 mod purpose;
+mod scan_args;
 mod schedule;
 pub mod text;
 
@@ -43,7 +44,7 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
     let progress = Progress::new(&listener);
     let limits = args.limits();
     let baker = Baker::new(args.options()).with_limits(limits).with_files(files);
-    let file = ScanFile::read(&args.high, &limits, progress)?;
+    let file = ScanFile::read(&args.high, &limits, progress)?.with_options(args.scan.options());
     check_memory(args, &baker.need(file.size()), limits)?;
     if let Some(schedule) = Schedule::of(baker.options(), file.size(), args.is_packed()) {
         clock.expect(schedule);

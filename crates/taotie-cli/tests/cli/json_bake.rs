@@ -70,6 +70,8 @@ struct Parameters {
     jpeg: Option<u8>,
     meshopt: bool,
     green: String,
+    crease_angle_deg: AutoOr,
+    scan_green: String,
 }
 
 #[derive(Deserialize, Debug, PartialEq)]
@@ -252,6 +254,8 @@ fn of_a_pair() {
         jpeg: None,
         meshopt: false,
         green: "up".into(),
+        crease_angle_deg: auto(),
+        scan_green: "auto".into(),
     };
     assert_eq!(report.parameters, parameters);
     assert_eq!(report.files, ["out.glb", "out.height.png", "out.report.html", "out.report.json"]);

@@ -9,6 +9,7 @@ mod bake_document;
 mod bake_document_materials;
 mod bake_page;
 mod bake_pairs;
+mod bake_scan;
 mod balls;
 mod compare;
 mod compare_paper;

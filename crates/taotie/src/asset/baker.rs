@@ -210,6 +210,9 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         false => Vec::new(),
     };
     parts.iter().for_each(|part| judge(scan, part, &mut warnings));
+    let whole = document.as_ref().and_then(|document| document.whole.as_ref()).unwrap_or(&parts[0].low.mesh);
+    let is_made = parts[0].low.origin.simplified.is_some();
+    judgement::note_missing_parts(scan.mesh(), whole, is_made, &mut warnings);
     warnings.absorb(of_scan);
     let options = Arc::new(options);
     Ok(Asset::new(Made {

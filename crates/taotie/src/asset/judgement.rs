@@ -1,11 +1,15 @@
 //! Faults of a pair of meshes, in plain words and with numbers. A bad map is never baked in silence.
 
+use super::extent::{Extent, Spot, Whole};
 use super::low::LowPoly;
 use super::scan::Scan;
-use crate::bake::{Astray, BakeCounts, Cage, Faults, Fit, Verifier};
+use super::scan_winding::turned;
+use crate::bake::{self, Astray, BakeCounts, Cage, Faults, Fit, Verifier};
+use crate::compare::Summary;
 use crate::error::{Error, Result, Warnings};
+use crate::math::Mat4;
 use crate::mesh::Mesh;
-use crate::surface::facet_normal;
+use crate::surface::{HardEdges, Opposed};
 
 /// Points at which the pair is looked at.
 const POINTS: usize = 4_000;
@@ -22,6 +26,14 @@ const OF_SIDE: f64 = 0.5;
 /// many thin parts at 508; nearly all have less than 1 %. A sword of 50 triangles that lost half its blade has 43 %, and
 /// what was left of balls with unwelded seams or in loose triangles 40 to 99 %.
 const MOST_FAR: f64 = 1.0 / 3.0;
+/// A part of the scan from which the low-poly mesh is farther away than this part of the diagonal is missing.
+const MISSING: f64 = 0.01;
+/// Points of the scan at which a part of it may be missing.
+const SCAN_POINTS: usize = 8_192;
+/// The least number of points that make a part.
+const LEAST_POINTS: usize = 4;
+/// Hard edges inside UV islands of more than this part of the length of all edges are worth a warning.
+const HARD: f64 = 0.001;
 
 /// A scan and the low-poly mesh made for it.
 #[derive(Clone, Copy)]
@@ -126,12 +138,85 @@ pub(super) fn judge(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts, warnings: 
     warnings.note("triangles of the low-poly mesh without uv area, which have no relief", counts.flat);
     let turned = turned(&pair.low.mesh);
     match is_made(pair) {
-        true => warnings
-            .note("triangles that simplification folded over; another number of them may avoid that", turned),
-        false => {
-            warnings.note("triangles of the low-poly mesh that face away from their own normals", turned)
-        }
+        true => warnings.note(
+            "triangles that simplification folded over; another number of them may avoid that",
+            turned.len(),
+        ),
+        false => judge_given(pair.low, &turned, warnings),
     }
+}
+
+/// Notes what is wrong with a low-poly mesh that was given, of which some triangles face away from their normals.
+fn judge_given(low: &LowPoly, turned: &[usize], warnings: &mut Warnings) {
+    if let Some(extent) = extent_of(&low.mesh, turned) {
+        let what = "triangles of the low-poly mesh that face away from their own normals";
+        warnings.note(format!("{what}: {extent}"), turned.len());
+    }
+    let Opposed { reversed, doubtful } = Opposed::of(&low.mesh);
+    let opposed: Vec<usize> = reversed.into_iter().chain(doubtful).map(|t| t as usize).collect();
+    if let Some(extent) = extent_of(&low.mesh, &opposed) {
+        let what = "triangles of the low-poly mesh that are wound the other way than their neighbours";
+        warnings.note(format!("{what}: {extent}; make their winding consistent"), opposed.len());
+    }
+    if low.origin.islands.is_none() {
+        note_hard_edges(&low.mesh, warnings);
+    }
+}
+
+/// Notes hard edges inside UV islands, where texels of both sides are blended.
+fn note_hard_edges(low: &Mesh, warnings: &mut Warnings) {
+    let HardEdges { inside, length } = HardEdges::inside_islands(low);
+    let spots: Vec<Spot> =
+        inside.iter().map(|[a, b]| Spot { at: (*a + *b) * 0.5, amount: (*b - *a).length() }).collect();
+    let whole = Whole { amount: length, diagonal: low.diagonal() };
+    if let Some(extent) = Extent::of(&spots, whole).filter(|extent| extent.share > HARD) {
+        let text = format!(
+            "hard edges inside UV islands of the low-poly mesh: {} of the length of its edges, around {}; the map blends \
+             both sides there: cut the uvs at these edges, or make them smooth",
+            extent.percent(),
+            extent.place()
+        );
+        warnings.note(text, 1);
+    }
+}
+
+/// Returns the extent of some triangles of a mesh; `None` if there are none.
+fn extent_of(mesh: &Mesh, triangles: &[usize]) -> Option<Extent> {
+    let spots: Vec<Spot> = triangles.iter().map(|t| Spot::of_triangle(mesh, *t, &Mat4::IDENTITY)).collect();
+    if spots.is_empty() { None } else { Extent::of(&spots, Whole::of_mesh(mesh)) }
+}
+
+/// Notes parts of the scan that the whole low-poly mesh lacks, such as thin ones that simplification removed. Meshes that
+/// lie apart altogether are left to [`judge`].
+pub(super) fn note_missing_parts(scan: &Mesh, low: &Mesh, is_made: bool, warnings: &mut Warnings) {
+    let diagonal = scan.diagonal();
+    let points = bake::uncovered(scan, low, SCAN_POINTS, MISSING * diagonal);
+    if points.len() < LEAST_POINTS || points.len() > SCAN_POINTS / 2 {
+        return;
+    }
+    let spots: Vec<Spot> = points.into_iter().map(|at| Spot { at, amount: 1.0 }).collect();
+    let Some(extent) = Extent::of(&spots, Whole { amount: SCAN_POINTS as f64, diagonal }) else { return };
+    let advice =
+        if is_made { "ask for more triangles" } else { "add them to it, or remove them from the scan" };
+    let text = format!(
+        "the low-poly mesh lacks parts of the scan: it has nothing within 1 % of the diagonal of {} of the scan's surface, \
+         around {}; {advice}",
+        extent.percent(),
+        extent.place()
+    );
+    warnings.note(text, 1);
+}
+
+/// Returns a warning if a normal map does not reduce the normal error, given the angles with and without it, degrees.
+#[cfg_attr(not(test), expect(dead_code, reason = "for the proof, which has both summaries"))]
+pub(super) fn useless_map(with: &Summary, without: &Summary) -> Option<String> {
+    (with.mean >= without.mean).then(|| {
+        format!(
+            "the normal map does not reduce the error: {:.2}° on average with it, {:.2}° without; check the direction of \
+             its green channel, the uvs and the ray distance",
+            with.mean, without.mean
+        )
+    })
 }
 
 /// Returns `true` where the low-poly mesh was made from the scan: what is wrong with it is not the user's.
@@ -190,15 +275,6 @@ fn reversed(fit: &Fit) -> String {
     )
 }
 
-/// Returns the number of triangles that face away from the mean of their corners' normals.
-fn turned(mesh: &Mesh) -> usize {
-    let is_turned = |t: &usize| {
-        let [a, b, c] = mesh.triangles()[*t].map(|v| mesh.normals()[v as usize]);
-        facet_normal(mesh.corners(*t)).is_some_and(|facet| facet.dot(a + b + c) < 0.0)
-    };
-    (0..mesh.triangles().len()).filter(is_turned).count()
-}
-
 /// Notes what is wrong with the scan itself.
 pub(super) fn inspect(scan: &Mesh, warnings: &mut Warnings) {
     let Faults { open_edges, crowded_edges, duplicates, flat } = Faults::of(scan);
@@ -206,4 +282,53 @@ pub(super) fn inspect(scan: &Mesh, warnings: &mut Warnings) {
     warnings.note("edges of the scan where more than two triangles meet", crowded_edges);
     warnings.note("duplicate triangles of the scan", duplicates);
     warnings.note("triangles of the scan without area", flat);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::Field;
+
+    fn summary(angles: &[f32]) -> Summary {
+        Field::new(angles.len() as u32, 1, angles.to_vec()).unwrap().summary().unwrap()
+    }
+
+    #[test]
+    fn a_map_is_useless_unless_it_reduces_the_mean_error() {
+        let (small, large) = (summary(&[1.0, 2.0]), summary(&[3.0, 5.0]));
+        assert_eq!(useless_map(&small, &large), None);
+        let text = useless_map(&large, &small).unwrap();
+        assert!(text.contains("4.00° on average with it, 1.50° without"), "{text}");
+        assert!(useless_map(&small, &small).is_some());
+    }
+
+    /// A ball with a thin spike to x = 2.
+    fn spiked() -> Mesh {
+        let mut data = Mesh::sphere(1.0, 60, 30).into_data();
+        let first = data.positions.len() as u32;
+        for (x, y, z) in [(0.9, 0.05, 0.0), (0.9, -0.05, 0.05), (0.9, -0.05, -0.05), (2.0, 0.0, 0.0)] {
+            data.positions.push(crate::math::Vec3::new(x, y, z));
+        }
+        data.triangles.extend([[0, 1, 3], [1, 2, 3], [2, 0, 3]].map(|t| t.map(|v| v + first)));
+        let data = crate::mesh::MeshData { normals: Vec::new(), uvs: Vec::new(), ..data };
+        Mesh::new(data).unwrap()
+    }
+
+    #[test]
+    fn a_spike_that_is_missing_is_noted_with_its_place() {
+        let said = |scan: &Mesh, low: &Mesh| -> String {
+            let mut warnings = Warnings::default();
+            note_missing_parts(scan, low, true, &mut warnings);
+            warnings.iter().map(|(what, _)| what).collect()
+        };
+        let (spiked, ball) = (spiked(), Mesh::sphere(1.0, 24, 12));
+        assert_eq!(said(&spiked, &spiked), "");
+        assert_eq!(said(&Mesh::sphere(1.0, 60, 30), &ball), "");
+        let text = said(&spiked, &ball);
+        assert!(text.starts_with("the low-poly mesh lacks parts of the scan: "), "{text}");
+        assert!(
+            text.contains("of 1.") && text.contains("around (1.") && text.contains("ask for more triangles"),
+            "{text}"
+        );
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::options::{BakeOptions, MeshSource, RayDistance};
 use super::packing::Packing;
+use super::scan_options::ScanOptions;
 use crate::io::GltfImages;
 use crate::names::Named;
 use crate::scene::{GreenChannel, NormalSpace};
@@ -31,7 +32,11 @@ impl fmt::Display for Parameters {
 
 impl Parameters {
     /// Collects what was asked for; a cage is named by its path.
-    pub(super) fn new(options: &BakeOptions, packing: &Packing) -> Self {
+    pub(super) fn new(options: &BakeOptions, scan: &ScanOptions, packing: &Packing) -> Self {
+        let green = |green| match green {
+            GreenChannel::Up => "up",
+            GreenChannel::Down => "down",
+        };
         let auto = |value: Option<f64>| value.map_or(json!("auto"), |value| json!(value));
         let searched = options.mean_error_deg.is_some();
         let (distance, cage) = match &options.ray_distance {
@@ -66,7 +71,9 @@ impl Parameters {
             "uastc_rdo": packing.uastc_rdo,
             "jpeg": packing.jpeg,
             "meshopt": packing.meshopt,
-            "green": match packing.green { GreenChannel::Up => "up", GreenChannel::Down => "down" },
+            "green": green(packing.green),
+            "crease_angle_deg": auto(scan.crease_angle_deg),
+            "scan_green": scan.green.map_or("auto", green),
         }))
     }
 

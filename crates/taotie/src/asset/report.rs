@@ -206,7 +206,7 @@ impl Report {
             origin: asset.origin().clone(),
             triangles: asset.levels().map(|mesh| mesh.triangles().len()).collect(),
             size: made.size,
-            parameters: Some(Parameters::new(&made.options, &written.packing)),
+            parameters: Some(Parameters::new(&made.options, &made.about.options, &written.packing)),
             files: written.files.clone(),
             maps: written.maps(),
             carried: carried(written),

@@ -6,14 +6,15 @@ use super::carried::Carried;
 use super::hash::FileHash;
 use super::look;
 use super::notes;
+use super::scan_options::ScanOptions;
 use super::scan_size::ScanSize;
+use super::{scan_green, scan_normals, scan_winding};
 use crate::bake::{self, TexturedMesh};
 use crate::error::{Error, Result, Warnings};
 use crate::io::{self, Limits};
-use crate::math::Vec3;
-use crate::mesh::{Mesh, MeshData};
+use crate::mesh::Mesh;
 use crate::progress::Progress;
-use crate::scene::{Material, NormalSpace, Scene};
+use crate::scene::{Material, Scene};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
@@ -36,6 +37,8 @@ pub(super) struct About {
     pub carried: Carried,
     /// `true` where it says nothing of its colour and material.
     pub is_plain: bool,
+    /// The way in which it is read.
+    pub options: ScanOptions,
 }
 
 impl About {
@@ -156,6 +159,12 @@ impl ScanFile {
         Ok(Self { scene: loaded.scene, about, limits: Limits::default() })
     }
 
+    /// Reads the scan as these options say, in place of the defaults.
+    pub fn with_options(mut self, options: ScanOptions) -> Self {
+        self.about.options = options;
+        self
+    }
+
     /// Returns all files that the scan was read from, its own first; none in memory.
     pub fn files(&self) -> &[PathBuf] {
         &self.about.files
@@ -163,18 +172,21 @@ impl ScanFile {
 
     /// Returns how many triangles and vertices the scan has, and what else takes memory.
     pub fn size(&self) -> ScanSize {
-        self.about.size
+        let added = scan_normals::added_vertices(&self.scene, &self.about.options);
+        self.about.size.with_vertices_added(added)
     }
 
-    /// Makes the scan one mesh. Meshes with a normal for each facet, or without normals, get smooth ones, counted; but not
-    /// those whose normal map is relative to their facets.
+    /// Makes the scan one mesh. Reversed triangles are turned if there is no doubt about them; meshes without normals, or
+    /// with one for each facet, get smooth ones with the hard edges of modelled shapes; normal maps with green pointing down
+    /// are read so. Each of these is a warning, and [`ScanOptions`] choose otherwise.
     ///
     /// # Errors
-    /// [`Error::Cancelled`]; [`Error::Limit`] where the scene has more than 2^32 − 1 vertices.
+    /// [`Error::Cancelled`]; [`Error::Limit`] where the scene has more than 2^32 − 1 vertices; those of
+    /// [`ScanOptions::check`].
     pub fn into_scan(self, progress: Progress<'_>) -> Result<Scan> {
         progress.begin("join the scan")?.apart(move |_| {
             let Self { mut scene, mut about, limits } = self;
-            about.warnings.note("flat-shaded scan: smooth normals computed", smooth_facets(&mut scene)?);
+            correct(&mut scene, &mut about)?;
             let surface = Arc::new(bake::Scan::surface_of(scene)?);
             Ok(Scan { surface, sorted: Arc::default(), about: Arc::new(about), limits })
         })
@@ -306,8 +318,21 @@ impl About {
             size,
             carried,
             is_plain: look::is_plain(scene),
+            options: ScanOptions::default(),
         }
     }
+}
+
+/// Corrects what a scan's file has wrong or leaves open, as the options say, and notes it.
+fn correct(scene: &mut Scene, about: &mut About) -> Result<()> {
+    let mut parts = std::mem::take(scene).into_data();
+    scan_winding::turn(&mut parts, &mut about.warnings)?;
+    scan_normals::compute(&mut parts, &about.options, &mut about.warnings)?;
+    scan_winding::note_contradicting_normals(&parts, &mut about.warnings);
+    scan_green::set(&mut parts, &about.options, &mut about.warnings);
+    *scene = Scene::new(parts)?;
+    about.size = ScanSize::of(scene, about.carried.maps());
+    Ok(())
 }
 
 /// Returns a model's file and all others that it was read from, each once.
@@ -336,32 +361,4 @@ pub(super) fn check_extent(scene: &Scene, name: &str) -> Result<()> {
         return Err(Error::invalid(name, why));
     }
     Ok(())
-}
-
-/// Takes the normals of meshes whose triangles share nothing and are flat, so that smooth ones are made; returns the
-/// number of such meshes. A scan is never meant in facets, unless a normal map in tangent space rounds them.
-fn smooth_facets(scene: &mut Scene) -> Result<usize> {
-    let (mut parts, mut count) = (std::mem::take(scene).into_data(), 0);
-    let mut is_mapped = vec![false; parts.meshes.len()];
-    for instance in &parts.instances {
-        let normal = parts.materials[instance.material].normal;
-        is_mapped[instance.mesh] |= normal.is_some_and(|map| map.space == NormalSpace::Tangent);
-    }
-    for (mesh, is_mapped) in parts.meshes.iter_mut().zip(is_mapped) {
-        if !is_mapped && is_faceted(mesh) {
-            let data = std::mem::take(mesh).into_data();
-            *mesh = Mesh::new(MeshData { normals: Vec::new(), tangents: Vec::new(), ..data })?;
-            count += 1;
-        }
-    }
-    *scene = Scene::new(parts)?;
-    Ok(count)
-}
-
-fn is_faceted(mesh: &Mesh) -> bool {
-    let is_alone = |(t, triangle): (usize, &[u32; 3])| *triangle == [0, 1, 2].map(|i| 3 * t as u32 + i);
-    let is_flat = |normals: &[Vec3]| normals[0] == normals[1] && normals[1] == normals[2];
-    !mesh.normals().is_empty()
-        && mesh.triangles().iter().enumerate().all(is_alone)
-        && mesh.normals().chunks_exact(3).all(is_flat)
 }

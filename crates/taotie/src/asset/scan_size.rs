@@ -58,6 +58,16 @@ impl ScanSize {
         }
     }
 
+    /// Returns the size with further vertices, which have normals and positions, and may have uvs and colours.
+    pub(super) fn with_vertices_added(self, added: u64) -> Self {
+        let attributes = self.attribute_bytes.div_ceil(self.vertices.max(1));
+        Self {
+            vertices: self.vertices + added,
+            attribute_bytes: self.attribute_bytes + added * attributes,
+            ..self
+        }
+    }
+
     /// Returns what the scan takes, sorted for rays.
     pub(super) fn bytes(self) -> u64 {
         /// Corners, order and boxes of the tree.

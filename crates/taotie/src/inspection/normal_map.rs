@@ -67,7 +67,7 @@ impl NormalMapReport {
 
 impl Pixels {
     /// Reports on a texture that is used as a normal map.
-    pub(super) fn of(bitmap: &Bitmap) -> Self {
+    pub(crate) fn of(bitmap: &Bitmap) -> Self {
         let kind = is_normal_map(bitmap);
         let guess = (kind == NormalMapKind::Tangent).then(|| green_direction(bitmap));
         Self {

@@ -9,7 +9,7 @@ mod sphere;
 pub(crate) use disjoint_sets::DisjointSets;
 pub use point::{Point, TangentFrame};
 pub(crate) use point::{blend, each};
-pub(crate) use repair::repair;
+pub(crate) use repair::{repair, with_flat_normals};
 
 use crate::error::{Error, Result};
 use crate::math::{Mat4, Vec2, Vec3};

@@ -19,7 +19,7 @@ pub(crate) fn repair(data: &mut MeshData, warnings: &mut Warnings) {
 }
 
 /// Every triangle with its own three vertices and its face's normal. Tangents are dropped, as glTF 2.0, 3.7.2.1 says.
-fn with_flat_normals(data: &MeshData) -> MeshData {
+pub(crate) fn with_flat_normals(data: &MeshData) -> MeshData {
     let corners = data.triangles.as_flattened();
     let normal = |t: &[u32; 3]| face_vector(data, t).normalize_or(Vec3::new(0.0, 0.0, 1.0)).to_f32();
     let normals: Vec<[Vec3; 3]> =

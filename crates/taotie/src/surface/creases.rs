@@ -41,11 +41,10 @@ pub fn creased(mesh: &Mesh) -> Result<Mesh> {
     }
     let places = weld::by_position(mesh.positions()).of;
     let corners = corners_at_creases(&mesh, &places, &turned);
-    let mut splitter = Splitter { data: mesh.clone().into_data(), numbers: BTreeMap::new() };
-    splitter.data.tangents = Vec::new();
+    let mut splitter = Splitter::new(mesh.clone().into_data());
     for around in corners.chunk_by(|a, b| a.place == b.place) {
         let spot = Spot::new(&mesh, &places, around);
-        let fans = spot.fans();
+        let fans = spot.fans(|i, j| is_smooth(spot.parts[i], spot.parts[j]));
         if spot.is_folded(&fans) {
             continue;
         }
@@ -53,7 +52,7 @@ pub fn creased(mesh: &Mesh) -> Result<Mesh> {
             splitter.set(corner, group, normal);
         }
     }
-    Mesh::new(splitter.data)
+    splitter.into_mesh()
 }
 
 /// Returns `true` where more than a hundredth of the facets turn away from a normal at their corners: more than are left
@@ -78,12 +77,12 @@ fn is_turned_at(mesh: &Mesh, t: usize, k: usize) -> bool {
 
 /// A corner of a triangle.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Corner {
+pub(super) struct Corner {
     /// Vertices at one position have one.
-    place: u32,
-    triangle: u32,
+    pub place: u32,
+    pub triangle: u32,
     /// 0 to 2.
-    number: u8,
+    pub number: u8,
 }
 
 /// Returns all corners at the places where a facet turns away, sorted.
@@ -108,7 +107,7 @@ fn corners_at_creases(mesh: &Mesh, places: &[u32], turned: &[usize]) -> Vec<Corn
 }
 
 /// A position with all corners around it.
-struct Spot<'a> {
+pub(super) struct Spot<'a> {
     mesh: &'a Mesh,
     places: &'a [u32],
     around: &'a [Corner],
@@ -145,7 +144,7 @@ struct Fan {
 }
 
 impl<'a> Spot<'a> {
-    fn new(mesh: &'a Mesh, places: &'a [u32], around: &'a [Corner]) -> Self {
+    pub fn new(mesh: &'a Mesh, places: &'a [u32], around: &'a [Corner]) -> Self {
         Self { mesh, places, around, parts: around.iter().map(|corner| Part::of(mesh, corner)).collect() }
     }
 
@@ -167,7 +166,7 @@ impl<'a> Spot<'a> {
 
     /// Returns the group of each corner, made of these fans, and the group's normal. Facets without area keep the normal
     /// that they had.
-    fn normals(&self, fans: Vec<u32>) -> Vec<(u32, Vec3)> {
+    pub fn normals(&self, fans: Vec<u32>) -> Vec<(u32, Vec3)> {
         let (groups, parts) = (self.groups(fans), &self.parts);
         let mut sums = vec![Vec3::<f64>::splat(0.0); self.around.len()];
         for (part, group) in parts.iter().zip(&groups) {
@@ -196,14 +195,15 @@ impl<'a> Spot<'a> {
         fans
     }
 
-    /// Returns for each corner the first one of its fan.
-    fn fans(&self) -> Vec<u32> {
+    /// Returns for each corner the first one of its fan, which goes on across edges whose facets `is_smooth` joins, given
+    /// by the numbers of their corners.
+    pub fn fans(&self, is_smooth: impl Fn(usize, usize) -> bool) -> Vec<u32> {
         let mut fans = DisjointSets::new(self.around.len());
         let edges = self.edges();
         for edge in edges.chunk_by(|a, b| a.0 == b.0) {
             for (i, (_, one)) in edge.iter().enumerate() {
                 for (_, other) in edge[i + 1..].iter().take(COMPARED) {
-                    if is_smooth(self.parts[*one as usize], self.parts[*other as usize]) {
+                    if is_smooth(*one as usize, *other as usize) {
                         fans.join(*one, *other);
                     }
                 }
@@ -264,14 +264,28 @@ fn sort_into_cones(mut fan: Vec<u32>, parts: &[Option<Part>], groups: &mut [u32]
 }
 
 /// Splits vertices between groups.
-struct Splitter {
+pub(super) struct Splitter {
     data: MeshData,
     /// The new vertex of an old one in a group.
     numbers: BTreeMap<(u32, u32), u32>,
 }
 
 impl Splitter {
-    fn set(&mut self, corner: &Corner, group: u32, normal: Vec3) {
+    /// Begins with a mesh that has normals. Its tangents are left out.
+    pub fn new(data: MeshData) -> Self {
+        Self { data: MeshData { tangents: Vec::new(), ..data }, numbers: BTreeMap::new() }
+    }
+
+    /// Returns the mesh with split vertices.
+    ///
+    /// # Errors
+    /// None can happen to a mesh that was checked.
+    pub fn into_mesh(self) -> Result<Mesh> {
+        Mesh::new(self.data)
+    }
+
+    /// Gives a corner the normal of its group.
+    pub fn set(&mut self, corner: &Corner, group: u32, normal: Vec3) {
         let Corner { triangle, number, .. } = *corner;
         let old = self.data.triangles[triangle as usize][usize::from(number)];
         let new = match self.numbers.get(&(old, group)) {

@@ -4,10 +4,13 @@
 //! [`crate::math::Lane`]; what runs once per mesh or per texture works on whole arrays.
 
 mod angles;
+mod bends;
 mod bump;
 mod corners;
 mod creases;
+mod edges;
 mod frame;
+mod hard_edges;
 mod inspect;
 mod maps;
 mod method;
@@ -15,11 +18,14 @@ mod mikktspace;
 mod normals;
 mod tangents;
 mod weld;
+mod winding;
 
+pub(crate) use bends::{Bends, MODELLED_CREASE_DEG, looks_scanned};
 pub use bump::{Relief, ReliefBase, bump, bump_printed, relief_normal, surface_gradient};
 pub use creases::creased;
 pub(crate) use creases::has_turned_facets;
 pub use frame::{UvDerivatives, uv_derivatives};
+pub(crate) use hard_edges::HardEdges;
 pub use inspect::{GreenGuess, GreenVerdict, NormalMapKind, green_direction, invalid_texels, is_normal_map};
 pub use maps::{
     decode_normal, decode_object_normal, encode_normal, object_normal, rebuild_z, tangent_normal,
@@ -31,3 +37,4 @@ pub(crate) use normals::{mean_by_position, shared_by_position, with_normals_at};
 pub(crate) use tangents::{NO_UV_AREA, tangent_bytes, with_frames_at};
 pub use tangents::{Tangented, with_frames, with_tangents};
 pub(crate) use weld::{Classes, bits, by_position};
+pub(crate) use winding::Opposed;

@@ -13,6 +13,8 @@ mod distance;
 mod files;
 #[path = "../common/hostile.rs"]
 mod hostile;
+#[path = "../common/modelled.rs"]
+mod modelled;
 #[path = "../common/random.rs"]
 mod random;
 #[path = "../common/skies.rs"]
@@ -32,12 +34,15 @@ mod film;
 mod fooled;
 mod gradients;
 mod lane;
+mod low_faults;
 mod made_meshes;
 mod maps;
 mod names;
 mod pixel_gradients;
 mod rays;
 mod sampling;
+mod scan_creases;
+mod scan_faults;
 mod seams;
 mod shade;
 mod simplify;

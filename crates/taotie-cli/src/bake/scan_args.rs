@@ -1,0 +1,51 @@
+//! The options of reading a scan.
+
+use clap::{Args, ValueEnum};
+use taotie::asset::ScanOptions;
+use taotie::scene::GreenChannel;
+
+/// How a scan is read where its file leaves room for doubt.
+#[derive(Args)]
+pub struct ScanArgs {
+    /// Angle between facets from which an edge is hard, degrees, for a scan without normals or with one for each facet
+    /// [default: smooth, except the hard edges of modelled shapes]
+    #[arg(long, value_name = "DEG", value_parser = crease_angle, help_heading = "Scan")]
+    pub crease_angle: Option<f64>,
+    /// Keep the facets of such a scan flat, as --crease-angle 0 does
+    #[arg(long, help_heading = "Scan", conflicts_with = "crease_angle")]
+    pub flat: bool,
+    /// Direction of green in the scan's normal maps: up (OpenGL), down (DirectX), or auto, which trusts the file unless the
+    /// pixels contradict it
+    #[arg(long, value_enum, default_value_t = ScanGreen::Auto, hide_possible_values = true, value_name = "auto|up|down", help_heading = "Scan")]
+    pub scan_green: ScanGreen,
+}
+
+/// The direction of green in a scan's normal maps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ScanGreen {
+    /// As the file says, unless the pixels contradict it.
+    Auto,
+    /// +Y.
+    Up,
+    /// −Y.
+    Down,
+}
+
+impl ScanArgs {
+    /// Returns the options of reading the scan.
+    pub fn options(&self) -> ScanOptions {
+        let crease_angle_deg = if self.flat { Some(0.0) } else { self.crease_angle };
+        let green = match self.scan_green {
+            ScanGreen::Auto => None,
+            ScanGreen::Up => Some(GreenChannel::Up),
+            ScanGreen::Down => Some(GreenChannel::Down),
+        };
+        ScanOptions { crease_angle_deg, green }
+    }
+}
+
+fn crease_angle(text: &str) -> Result<f64, String> {
+    let angle: f64 = text.parse().map_err(|_| "expected an angle in degrees")?;
+    let range = 0.0..=180.0;
+    if range.contains(&angle) { Ok(angle) } else { Err("expected an angle between 0 and 180 degrees".into()) }
+}

@@ -1,0 +1,43 @@
+//! The options of reading a scan.
+
+use crate::error::{Error, Result};
+use crate::scene::GreenChannel;
+
+/// How a scan is read where its file leaves room for doubt. Built by `Default` and struct update.
+///
+/// ```no_run
+/// use taotie::Progress;
+/// use taotie::asset::{Limits, ScanFile, ScanOptions};
+///
+/// let options = ScanOptions { crease_angle_deg: Some(40.0), ..ScanOptions::default() };
+/// let file = ScanFile::read("bracket.stl", &Limits::default(), Progress::SILENT)?;
+/// let scan = file.with_options(options).into_scan(Progress::SILENT)?;
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct ScanOptions {
+    /// The angle between facets from which an edge is hard, degrees, [0, 180]: 0 keeps all facets flat, 180 smooths
+    /// everything. It applies to meshes without normals, or with one for each facet. `None` smooths scans and keeps the
+    /// hard edges of modelled shapes.
+    pub crease_angle_deg: Option<f64>,
+    /// The direction of green in the scan's tangent-space normal maps; `None` trusts the file unless the pixels contradict
+    /// it.
+    pub green: Option<GreenChannel>,
+}
+
+impl ScanOptions {
+    /// Checks the options.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a crease angle outside [0, 180].
+    pub fn check(&self) -> Result<()> {
+        match self.crease_angle_deg {
+            Some(angle) if !(0.0..=180.0).contains(&angle) => {
+                let why = "it must be between 0 and 180 degrees: 0 keeps all facets, 180 smooths everything";
+                Err(Error::invalid(format!("crease angle {angle}"), why))
+            }
+            _ => Ok(()),
+        }
+    }
+}

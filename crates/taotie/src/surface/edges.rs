@@ -1,0 +1,151 @@
+//! The edges of a mesh: for each side of a triangle, the triangle across it.
+
+use super::weld::{self, Classes};
+use crate::groups::Groups;
+use crate::mesh::Mesh;
+use crate::parallel;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// Marks a side without exactly one triangle across it.
+const NONE: u32 = u32::MAX;
+
+/// The neighbours of each triangle. Vertices at equal positions count as one place.
+///
+/// Side k of a triangle runs from its corner k to the next one. Sides at which one triangle ends, or more than two
+/// meet, have no neighbour; nor do those of triangles with two corners at one place.
+pub(crate) struct Edges {
+    /// The place of each vertex.
+    pub places: Classes,
+    across: Vec<[u32; 3]>,
+}
+
+/// An edge at which exactly two triangles meet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Edge {
+    /// One of the triangles.
+    pub triangle: usize,
+    /// The side of that triangle, 0 to 2.
+    pub side: usize,
+    /// The other triangle.
+    pub other: usize,
+}
+
+impl Edges {
+    /// Finds the neighbours in a mesh.
+    pub fn of(mesh: &Mesh) -> Self {
+        Self::with_places(mesh, weld::by_position(mesh.positions()))
+    }
+
+    /// Finds the neighbours in a mesh of which the vertices at equal positions are known.
+    pub fn with_places(mesh: &Mesh, places: Classes) -> Self {
+        let count = mesh.triangles().len();
+        let sides = || (0..count).flat_map(|t| sides_of(mesh, &places.of, t));
+        let groups = Groups::new(places.firsts.len(), sides);
+        let across: Vec<[AtomicU32; 3]> = (0..count).map(|_| [NONE; 3].map(AtomicU32::new)).collect();
+        let link = |(triangle, side): (u32, u8), other: u32| {
+            across[triangle as usize][usize::from(side)].store(other, Ordering::Relaxed);
+        };
+        parallel::fold(groups.len(), |sorted: &mut Vec<Side>, place| {
+            sorted.clear();
+            sorted.extend_from_slice(groups.of(place));
+            sorted.sort_unstable();
+            for run in sorted.chunk_by(|a, b| a.0 == b.0) {
+                if let [(_, one, k), (_, other, l)] = *run {
+                    link((one, k), other);
+                    link((other, l), one);
+                }
+            }
+        });
+        drop(groups);
+        let across = across.into_iter().map(|sides| sides.map(AtomicU32::into_inner)).collect();
+        Self { places, across }
+    }
+
+    /// Returns the triangle across a side; `None` where there is not exactly one.
+    pub fn across(&self, triangle: usize, side: usize) -> Option<usize> {
+        let other = self.across[triangle][side];
+        (other != NONE).then_some(other as usize)
+    }
+
+    /// Returns the edges of a triangle, with that triangle first, at which exactly one other meets it.
+    pub fn around(&self, triangle: usize) -> impl Iterator<Item = Edge> + '_ {
+        (0..3).filter_map(move |side| Some(Edge { triangle, side, other: self.across(triangle, side)? }))
+    }
+
+    /// Returns each edge at which exactly two triangles meet once, in the order of triangles.
+    pub fn iter(&self) -> impl Iterator<Item = Edge> + '_ {
+        let all = (0..self.across.len()).flat_map(|triangle| self.around(triangle));
+        all.filter(|edge| edge.triangle < edge.other)
+    }
+
+    /// Returns `true` if both triangles run along their edge in the same direction, so that they face opposite ways.
+    pub fn is_reversed(&self, mesh: &Mesh, edge: Edge) -> bool {
+        let ends = self.ends(mesh, edge);
+        let corners = self.corners(mesh, edge.other);
+        (0..3).any(|k| [corners[k], corners[(k + 1) % 3]] == ends)
+    }
+
+    /// Returns the places at both ends of an edge, in the direction of its first triangle.
+    pub fn ends(&self, mesh: &Mesh, edge: Edge) -> [u32; 2] {
+        let corners = self.corners(mesh, edge.triangle);
+        [corners[edge.side], corners[(edge.side + 1) % 3]]
+    }
+
+    fn corners(&self, mesh: &Mesh, triangle: usize) -> [u32; 3] {
+        mesh.triangles()[triangle].map(|v| self.places.of[v as usize])
+    }
+}
+
+/// The higher place of a side, its triangle, and its number there.
+type Side = (u32, u32, u8);
+
+/// Returns the sides of a triangle, each grouped by its lower place; none where two corners lie at one place.
+fn sides_of(mesh: &Mesh, places: &[u32], triangle: usize) -> impl Iterator<Item = (usize, Side)> {
+    let [a, b, c] = mesh.triangles()[triangle].map(|v| places[v as usize]);
+    let is_whole = a != b && b != c && c != a;
+    let side = move |(from, to, number): (u32, u32, u8)| {
+        (from.min(to) as usize, (from.max(to), triangle as u32, number))
+    };
+    [(a, b, 0), (b, c, 1), (c, a, 2)].into_iter().filter(move |_| is_whole).map(side)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+    use crate::mesh::MeshData;
+
+    #[test]
+    fn neighbours_are_found_across_cuts_and_not_at_fins() {
+        let p = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
+        let positions = vec![
+            p(0.0, 0.0, 0.0),
+            p(1.0, 0.0, 0.0),
+            p(0.0, 1.0, 0.0),
+            p(1.0, 1.0, 0.0),
+            // The second once more, as behind a cut.
+            p(1.0, 0.0, 0.0),
+            p(0.0, 0.0, 1.0),
+        ];
+        let mesh = |triangles: &[[u32; 3]]| {
+            let data = MeshData {
+                positions: positions.clone(),
+                triangles: triangles.to_vec(),
+                ..MeshData::default()
+            };
+            Mesh::new(data).unwrap()
+        };
+        let square = mesh(&[[0, 1, 2], [4, 3, 2], [0, 0, 1]]);
+        let edges = Edges::of(&square);
+        let found: Vec<Edge> = edges.iter().collect();
+        assert_eq!(found, [Edge { triangle: 0, side: 1, other: 1 }]);
+        assert_eq!(edges.across(1, 2), Some(0));
+        assert!(!edges.is_reversed(&square, found[0]));
+        assert_eq!(edges.ends(&square, found[0]), [1, 2]);
+        let turned = mesh(&[[0, 1, 2], [3, 4, 2]]);
+        let edges = Edges::of(&turned);
+        assert!(edges.iter().all(|edge| edges.is_reversed(&turned, edge)) && edges.iter().count() == 1);
+        let fin = mesh(&[[0, 1, 2], [4, 3, 2], [1, 2, 5]]);
+        assert_eq!(Edges::of(&fin).iter().count(), 0, "three triangles meet there");
+    }
+}
