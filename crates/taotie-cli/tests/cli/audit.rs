@@ -190,3 +190,15 @@ taotie: error: s.json: line 1, column 44: unknown field `requireInverted`, expec
     place.write("p.json", "{}");
     place.taotie("inspect a.gltf --audit s.json --product-info p.json").assert().code(2).stdout_eq("");
 }
+
+/// The schema in `docs/audit.md` is one that is read, and turns on what it names.
+#[test]
+fn the_documented_schema_is_read() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/audit.md");
+    let page = std::fs::read_to_string(page).expect("the page is there");
+    let schema = page.split("```json\n").nth(1).and_then(|rest| rest.split("```").next());
+    let place = square_with(schema.expect("the page has a schema"));
+    let report = report(&place, "inspect a.gltf --audit s.json --json", 0);
+    let tested = report.checks.iter().filter(|check| check.status == "pass").count();
+    assert_eq!(tested, 9);
+}

@@ -62,7 +62,7 @@ pub fn audit_bytes(scene: &Scene, schema: &AuditSchema) -> u64 {
     /// Of a texel: its triangle, and its island twice or the island nearest to it.
     const TEXEL: u64 = 16;
     /// Of a triangle: its edges, or its uvs and those of its island.
-    const TRIANGLE: u64 = 128;
+    const TRIANGLE: u64 = 192;
     let largest = scene.meshes().iter().map(|mesh| mesh.triangles().len() as u64).max().unwrap_or(0);
     let is_drawn = schema.uvs.require_not_overlapping || schema.uvs.gutter_width.widest().is_some();
     let texels = if is_drawn { u64::from(MOST_SIDE) * u64::from(MOST_SIDE) } else { 0 };

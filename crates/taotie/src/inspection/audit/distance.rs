@@ -10,56 +10,73 @@ pub(super) const NONE: u32 = u32::MAX;
 /// this distance. Of a shortest way between two regions some step joins texels of different labels, and their distances
 /// add up to the number of texels on it.
 pub(super) fn narrowest_gap(labels: Vec<u32>, width: usize) -> Option<u32> {
-    let texel = |label: u32| Texel { label, steps: if label == NONE { FAR } else { 0 } };
-    let mut texels: Vec<Texel> = labels.into_iter().map(texel).collect();
+    let texel = |label: u32| u64::from(label) + if label == NONE { FAR } else { 0 };
+    let mut texels: Vec<u64> = labels.into_iter().map(texel).collect();
     sweep(&mut texels, width);
     texels.reverse();
     sweep(&mut texels, width);
-    let mut gap = None;
-    for at in 0..texels.len() {
-        let here = texels[at];
-        for near in behind(at, width).map(|at| texels[at]) {
-            if near.label != here.label && near.steps.max(here.steps) < FAR {
-                let between = near.steps + here.steps;
-                gap = Some(gap.map_or(between, |least: u32| least.min(between)));
-            }
+    let mut gap = FAR;
+    for start in (0..texels.len()).step_by(width) {
+        for column in 0..width {
+            let here = texels[start + column];
+            each_behind(&texels, Place { start, column, width }, |near| {
+                // Labels are the lower halves.
+                if near as u32 != here as u32 {
+                    gap = gap.min((near & !LABEL).saturating_add(here & !LABEL));
+                }
+            });
         }
     }
-    gap
+    (gap < FAR).then_some((gap / STEP) as u32)
 }
 
-/// The steps of a texel without a label.
-const FAR: u32 = u32::MAX;
+/// The region nearest to a texel is a number: the steps to it in the upper half, its label in the lower, so that the
+/// nearer of two is the lesser. This is one step.
+const STEP: u64 = 1 << 32;
 
-/// The region nearest to a texel.
-#[derive(Clone, Copy)]
-struct Texel {
-    label: u32,
-    steps: u32,
-}
+/// The label of a texel.
+const LABEL: u64 = STEP - 1;
+
+/// The steps of a texel without a region: more than any way has, and no sum of two overflows.
+const FAR: u64 = 1 << 62;
 
 /// Hands the nearest regions on from the first texel to the last.
-fn sweep(texels: &mut [Texel], width: usize) {
-    for at in 0..texels.len() {
-        let nearest = behind(at, width).map(|at| texels[at]).min_by_key(|near| near.steps);
-        if let Some(Texel { label, steps }) = nearest
-            && steps < FAR
-            && steps + 1 < texels[at].steps
-        {
-            texels[at] = Texel { label, steps: steps + 1 };
+fn sweep(texels: &mut [u64], width: usize) {
+    for start in (0..texels.len()).step_by(width) {
+        for column in 0..width {
+            let mut nearest = texels[start + column];
+            each_behind(texels, Place { start, column, width }, |near| nearest = nearest.min(near + STEP));
+            texels[start + column] = nearest;
         }
     }
 }
 
-/// Returns the neighbours of a texel that come before it: to the left, and the three above.
-#[inline]
-fn behind(at: usize, width: usize) -> impl Iterator<Item = usize> {
-    let (column, is_below) = (at % width, at >= width);
-    let left = (column > 0).then(|| at - 1);
-    let above_left = (column > 0 && is_below).then(|| at - width - 1);
-    let above = is_below.then(|| at - width);
-    let above_right = (is_below && column + 1 < width).then(|| at - width + 1);
-    [left, above_left, above, above_right].into_iter().flatten()
+/// The place of a texel.
+#[derive(Clone, Copy)]
+struct Place {
+    /// The first texel of its row.
+    start: usize,
+    column: usize,
+    width: usize,
+}
+
+/// Calls `give` with the neighbours of a texel that come before it: to the left, and the three above.
+#[inline(always)]
+fn each_behind(texels: &[u64], place: Place, mut give: impl FnMut(u64)) {
+    let Place { start, column, width } = place;
+    if column > 0 {
+        give(texels[start + column - 1]);
+    }
+    if start > 0 {
+        let above = start - width + column;
+        give(texels[above]);
+        if column > 0 {
+            give(texels[above - 1]);
+        }
+        if column + 1 < width {
+            give(texels[above + 1]);
+        }
+    }
 }
 
 #[cfg(test)]
