@@ -4,17 +4,16 @@ use super::check::{Check, CheckResult};
 use super::range::AuditRange;
 use super::schema::AuditSchema;
 use super::words::{listed, number};
-use crate::io::{Loaded, RootNode};
-use crate::math::Mat4;
+use crate::io::{GltfStructure, Loaded, RootNode};
+use crate::math::{Mat4, Vec3};
 
 /// Checks the size of the file and the number of its parts.
 pub(super) fn results(loaded: &Loaded, schema: &AuditSchema) -> Vec<CheckResult> {
     let (model, objects) = (&schema.model, &schema.model.object_count);
-    let of_document =
-        |check, count: fn(&crate::io::GltfStructure) -> usize, range: AuditRange| match &loaded.structure {
-            Some(structure) => CheckResult::of_value(check, (count(structure) as f64, ""), range),
-            None => not_gltf(check, loaded),
-        };
+    let of_document = |check, count: fn(&GltfStructure) -> usize, range: AuditRange| match &loaded.structure {
+        Some(structure) => CheckResult::of_value(check, (count(structure) as f64, ""), range),
+        None => not_gltf(check, loaded),
+    };
     vec![
         file_size(loaded.bytes, schema.file_size_in_kb),
         CheckResult::of_value(Check::TriangleCount, (triangles(loaded) as f64, ""), model.triangles),
@@ -27,7 +26,7 @@ pub(super) fn results(loaded: &Loaded, schema: &AuditSchema) -> Vec<CheckResult>
 }
 
 fn not_gltf(check: Check, loaded: &Loaded) -> CheckResult {
-    CheckResult::not_tested(check, format!("{} has no nodes, only glTF has", loaded.format))
+    CheckResult::not_tested(check, format!("not a glTF file but {}", loaded.format))
 }
 
 /// Whole KiB, as the auditor counts.
@@ -37,7 +36,7 @@ fn file_size(bytes: Option<u64>, range: AuditRange) -> CheckResult {
             let size = (bytes as f64 / 1024.0).round();
             CheckResult::of_value(Check::FileSize, (size, " KiB"), range)
         }
-        None => CheckResult::not_tested(Check::FileSize, "the model is not a file"),
+        None => CheckResult::not_tested(Check::FileSize, "the model was not read from a file"),
     }
 }
 
@@ -69,9 +68,8 @@ fn clean_root_transform(loaded: &Loaded, required: bool) -> CheckResult {
 /// Returns the name of a root node and what its transform does.
 fn displaced(root: &RootNode) -> String {
     let matrix = &root.world_from_node;
-    let vector = |v: crate::math::Vec3<f64>| v.to_array().map(number).join(" ");
-    let lengths =
-        crate::math::Vec3::new(matrix.axis(0).length(), matrix.axis(1).length(), matrix.axis(2).length());
+    let vector = |v: Vec3<f64>| v.to_array().map(number).join(" ");
+    let lengths = Vec3::new(matrix.axis(0).length(), matrix.axis(1).length(), matrix.axis(2).length());
     let mut does = Vec::new();
     if matrix.axis(3).length() > 0.0 {
         does.push(format!("moves by {}", vector(matrix.axis(3))));

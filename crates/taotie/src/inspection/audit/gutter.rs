@@ -14,42 +14,57 @@ use crate::surface::{Classes, bits};
 /// Texels of the raster on the gutter that is asked for.
 const TEXELS: f64 = 16.0;
 
+/// The least texels of the raster on a unit of uv, for small islands.
+const LEAST_TEXELS: f64 = 1024.0;
+
 /// Checks that UV islands of a mesh are at least so far apart, along the longer of the two axes. Islands are triangles
 /// joined by corners with equal uvs.
 ///
-/// The width is measured on a raster with 16 texels, or fewer where that would be more than 4096 across, on the gutter
-/// asked for. It is rounded up to the next texel, so that no island fails by rounding. Islands over one another have a
-/// gutter of 0; those too small to cover the centre of a texel are not seen.
+/// The width is measured on a raster with 16 texels on the gutter asked for, at least 1024 on a unit of uv and at most
+/// 4096 across, and rounded up to the next texel, so that no island fails by rounding. Islands over one another have a
+/// gutter of 0; those too small to cover the centre of a texel are not seen. Where uvs span so much that the gutter is
+/// narrower than a texel, the check is not tested, unless another mesh fails it.
 ///
 /// # Errors
 /// [`crate::Error::Limit`] for a mesh of 2³¹ triangles.
 pub(super) fn result(meshes: &[&Mesh], gutter: Option<Gutter>) -> Result<CheckResult> {
     let check = Check::GutterWidth;
     let Some(gutter) = gutter else { return Ok(CheckResult::not_tested(check, "not required")) };
-    let mut narrowest: Option<f64> = None;
+    let texels_per_uv = (TEXELS / gutter.width()).max(LEAST_TEXELS);
+    let (mut narrowest, mut coarse) = (f64::INFINITY, None);
     for mesh in meshes {
-        let Some(raster) = UvRaster::per_uv(mesh, TEXELS / gutter.width()) else { continue };
+        let Some(raster) = UvRaster::per_uv(mesh, texels_per_uv) else { continue };
         if raster.texel > gutter.width() * 1.0001 {
-            let why = format!(
-                "uvs span too much for a gutter of {}: texels of the raster are {} wide",
-                number(gutter.width()),
-                number(raster.texel)
-            );
-            return Ok(CheckResult::not_tested(check, why));
-        }
-        if let Some(width) = width(&raster, &islands(mesh))? {
-            narrowest = Some(narrowest.map_or(width, |least| least.min(width)));
+            coarse = Some(raster.texel);
+        } else if let Some(width) = width(&raster, &islands(mesh))? {
+            narrowest = narrowest.min(width);
         }
     }
-    let Some(width) = narrowest else {
-        return Ok(CheckResult::tested(check, true, "no two UV islands"));
-    };
+    Ok(match coarse {
+        Some(texel) if is_wide_enough(narrowest, gutter) => {
+            let (width, texel) = (number(gutter.width()), number(texel));
+            let why = format!(
+                "uvs span too much: the gutter of {width} is narrower than a raster's texel of {texel}"
+            );
+            CheckResult::not_tested(check, why)
+        }
+        _ if narrowest == f64::INFINITY => CheckResult::tested(check, true, "no two UV islands"),
+        _ => measured(narrowest, gutter),
+    })
+}
+
+/// Compares the narrowest gutter, uv, with the one asked for.
+fn measured(width: f64, gutter: Gutter) -> CheckResult {
     let pixels = rounded(width * gutter.resolution, 1e3);
     let (least, resolution) = (number(gutter.pixels), number(gutter.resolution));
     let message = format!("{} px at {resolution} (at least {least})", number(pixels));
-    let passes = width > gutter.width() * (1.0 + 1e-9);
-    let result = CheckResult::tested(check, passes, message);
-    Ok(CheckResult { value: Some(pixels), minimum: Some(gutter.pixels), ..result })
+    let result = CheckResult::tested(Check::GutterWidth, is_wide_enough(width, gutter), message);
+    CheckResult { value: Some(pixels), minimum: Some(gutter.pixels), ..result }
+}
+
+/// Returns true if a width, which is rounded up and so above the true one, is enough.
+fn is_wide_enough(width: f64, gutter: Gutter) -> bool {
+    width > gutter.width() * (1.0 + 1e-9)
 }
 
 /// Returns the island of each triangle, by a number that its triangles share.

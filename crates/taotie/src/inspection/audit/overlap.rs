@@ -7,10 +7,10 @@ use crate::error::Result;
 use crate::mesh::Mesh;
 
 /// Texels of a raster for each triangle, on average over the uvs' box.
-const TEXELS: f64 = 64.0;
+const TEXELS: f64 = 9.0;
 
 /// The shortest longer side of a raster.
-const LEAST_SIDE: f64 = 512.0;
+const LEAST_SIDE: f64 = 1024.0;
 
 /// Checks that no two triangles of a mesh overlap in uv: that none covers the centre of a texel that another covers.
 /// Edges are exact, so that neighbours never overlap. Meshes do not count against one another.
