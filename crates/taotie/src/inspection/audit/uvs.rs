@@ -61,9 +61,9 @@ impl Uvs {
     }
 
     fn take(&mut self, uv: [f32; 2]) {
-        for axis in 0..2 {
-            self.least[axis] = self.least[axis].min(uv[axis]);
-            self.greatest[axis] = self.greatest[axis].max(uv[axis]);
+        for (axis, v) in uv.into_iter().enumerate() {
+            self.least[axis] = self.least[axis].min(v);
+            self.greatest[axis] = self.greatest[axis].max(v);
         }
     }
 
