@@ -78,16 +78,20 @@ fn assert_status(loaded: &Loaded, text: &str, expected: (Check, CheckStatus)) {
 
 /// That a requirement is met by one model and not by the other, and is not tested where it is not asked for.
 #[track_caller]
-fn assert_requirement((group, key): (&str, &str), check: Check, good: &Loaded, bad: &Loaded) {
+fn assert_requirement(key: &str, check: Check, good: &Loaded, bad: &Loaded) {
+    let (group, key) = key.split_once('.').unwrap();
     let text = |required: bool| format!(r#""{group}": {{ "{key}": {required} }}"#);
     assert_status(good, &text(true), (check, CheckStatus::Pass));
     assert_status(bad, &text(true), (check, CheckStatus::Fail));
     assert_status(bad, &text(false), (check, CheckStatus::NotTested));
 }
 
+/// A value, limits that it is within, and limits that it is not within.
+struct Limited<'a>(f64, [&'a str; 2]);
+
 /// That a value is within `limits[0]` and not within `limits[1]`. `SCHEMA` in the text stands for the limits.
 #[track_caller]
-fn assert_limits(loaded: &Loaded, text: &str, check: Check, (value, limits): (f64, [&str; 2])) {
+fn assert_limits(loaded: &Loaded, text: &str, check: Check, Limited(value, limits): Limited<'_>) {
     let with = |limits: &str| text.replace("SCHEMA", &format!("{{ {limits} }}"));
     for (limits, status) in limits.iter().zip([CheckStatus::Pass, CheckStatus::Fail]) {
         let found = result(loaded, &with(limits), check);
@@ -130,10 +134,10 @@ fn counts_and_file_size() {
     for (text, check, value) in cases {
         let limit = |key: &str, limit: f64| format!(r#""{key}": {limit}"#);
         let (least, most) = (limit("minimum", value), limit("maximum", value));
-        assert_limits(&loaded, text, check, (value, [&most, &limit("maximum", value - 1.0)]));
-        assert_limits(&loaded, text, check, (value, [&least, &limit("minimum", value + 1.0)]));
+        assert_limits(&loaded, text, check, Limited(value, [&most, &limit("maximum", value - 1.0)]));
+        assert_limits(&loaded, text, check, Limited(value, [&least, &limit("minimum", value + 1.0)]));
         let both = format!("{least}, {most}");
-        assert_limits(&loaded, text, check, (value, [&both, r#""minimum": 100"#]));
+        assert_limits(&loaded, text, check, Limited(value, [&both, r#""minimum": 100"#]));
     }
 }
 
@@ -149,7 +153,7 @@ fn formats_without_nodes_are_not_tested_for_them() {
     assert_status(&loaded, sized, (Check::FileSize, CheckStatus::NotTested));
     let triangles = r#""model": { "triangles": SCHEMA }"#;
     let limits = [r#""maximum": 2"#, r#""maximum": 1"#];
-    assert_limits(&loaded, triangles, Check::TriangleCount, (2.0, limits));
+    assert_limits(&loaded, triangles, Check::TriangleCount, Limited(2.0, limits));
 }
 
 #[test]
@@ -162,7 +166,7 @@ fn root_nodes_stay_where_they_are() {
     };
     let moved = Mat4::translation(Vec3::new(0.0, 0.5, 0.0));
     let (good, bad) = (with(&[Mat4::IDENTITY]), with(&[Mat4::IDENTITY, moved]));
-    let key = ("model", "requireCleanRootNodeTransform");
+    let key = "model.requireCleanRootNodeTransform";
     assert_requirement(key, Check::CleanRootTransform, &good, &bad);
     let said = |root: Mat4| result(&with(&[root]), r#""uvs": {}"#, Check::CleanRootTransform).message;
     assert_eq!(said(moved), "'n0' moves by 0 0.5 0");
@@ -174,14 +178,14 @@ fn root_nodes_stay_where_they_are() {
 fn hard_and_crowded_edges() {
     let ball = plain(Mesh::sphere(1.0, 32, 16));
     let cube = plain(cuboid([1.0; 3]));
-    assert_requirement(("model", "requireBeveledEdges"), Check::BeveledEdges, &ball, &cube);
+    assert_requirement("model.requireBeveledEdges", Check::BeveledEdges, &ball, &cube);
     let hard = result(&cube, r#""model": { "requireBeveledEdges": true }"#, Check::BeveledEdges);
     assert_eq!((hard.value, hard.maximum), (Some(12.0), Some(0.0)), "{hard:?}");
     // A wall on the cube, from the edge 0-1 inwards.
     let mut data = cuboid([1.0; 3]).into_data();
     data.triangles.push([0, 1, 7]);
     let walled = plain(Mesh::new(data).unwrap());
-    assert_requirement(("model", "requireManifoldEdges"), Check::ManifoldEdges, &cube, &walled);
+    assert_requirement("model.requireManifoldEdges", Check::ManifoldEdges, &cube, &walled);
 }
 
 #[test]
@@ -224,17 +228,17 @@ fn sizes_of_textures() {
     let loaded = model(square.clone(), (8, 4), [100, 100]);
     let (height, width) = (r#""textures": { "height": SCHEMA }"#, r#""textures": { "width": SCHEMA }"#);
     let (most, least) = ([r#""maximum": 4"#, r#""maximum": 3"#], [r#""minimum": 4"#, r#""minimum": 5"#]);
-    assert_limits(&loaded, height, Check::TextureHeightMaximum, (4.0, most));
-    assert_limits(&loaded, height, Check::TextureHeightMinimum, (4.0, least));
+    assert_limits(&loaded, height, Check::TextureHeightMaximum, Limited(4.0, most));
+    assert_limits(&loaded, height, Check::TextureHeightMinimum, Limited(4.0, least));
     let (most, least) = ([r#""maximum": 8"#, r#""maximum": 7"#], [r#""minimum": 8"#, r#""minimum": 9"#]);
-    assert_limits(&loaded, width, Check::TextureWidthMaximum, (8.0, most));
-    assert_limits(&loaded, width, Check::TextureWidthMinimum, (8.0, least));
+    assert_limits(&loaded, width, Check::TextureWidthMaximum, Limited(8.0, most));
+    assert_limits(&loaded, width, Check::TextureWidthMinimum, Limited(8.0, least));
     let failed = result(&loaded, r#""textures": { "width": { "maximum": 7 } }"#, Check::TextureWidthMaximum);
     assert_eq!(failed.message, "8 (at most 7): base.png");
     let odd = model(square, (6, 6), [100, 100]);
-    let key = ("textures", "requireDimensionsBePowersOfTwo");
+    let key = "textures.requireDimensionsBePowersOfTwo";
     assert_requirement(key, Check::PowerOfTwoTextures, &loaded, &odd);
-    let key = ("textures", "requireDimensionsBeQuadratic");
+    let key = "textures.requireDimensionsBeQuadratic";
     assert_requirement(key, Check::SquareTextures, &odd, &loaded);
 }
 
@@ -244,9 +248,9 @@ fn base_colours_keep_their_distance_from_black_and_white() {
     let loaded = model(row(&[[0.0, 0.0, 1.0, 1.0]]), (4, 4), [240, 30]);
     let text = r#""textures": { "pbrColorRange": SCHEMA }"#;
     let most = [r#""maximum": 240"#, r#""maximum": 239"#];
-    assert_limits(&loaded, text, Check::PbrColorMaximum, (240.0, most));
+    assert_limits(&loaded, text, Check::PbrColorMaximum, Limited(240.0, most));
     let least = [r#""minimum": 30"#, r#""minimum": 31"#];
-    assert_limits(&loaded, text, Check::PbrColorMinimum, (30.0, least));
+    assert_limits(&loaded, text, Check::PbrColorMinimum, Limited(30.0, least));
 }
 
 /// A square of one metre has half an 8×8 image's width and height: 4 pixels on a metre; the other square 2.
@@ -256,27 +260,32 @@ fn texel_density_is_measured_in_pixels_per_metre() {
     let mut loaded = model(mesh, (8, 8), [100, 100]);
     let text = r#""uvs": { "pixelsPerMeter": SCHEMA }"#;
     let most = [r#""maximum": 4"#, r#""maximum": 3.9"#];
-    assert_limits(&loaded, text, Check::TexelDensityMaximum, (4.0, most));
+    assert_limits(&loaded, text, Check::TexelDensityMaximum, Limited(4.0, most));
     let least = [r#""minimum": 2"#, r#""minimum": 2.1"#];
-    assert_limits(&loaded, text, Check::TexelDensityMinimum, (2.0, least));
+    assert_limits(&loaded, text, Check::TexelDensityMinimum, Limited(2.0, least));
     loaded.scene.edit(|scene| scene.instances[0].world_from_object = Mat4::scale(Vec3::splat(10.0))).unwrap();
-    assert_limits(&loaded, text, Check::TexelDensityMaximum, (0.4, [r#""maximum": 1"#, r#""maximum": 0.3"#]));
+    assert_limits(
+        &loaded,
+        text,
+        Check::TexelDensityMaximum,
+        Limited(0.4, [r#""maximum": 1"#, r#""maximum": 0.3"#]),
+    );
 }
 
 #[test]
 fn uvs_in_range_and_upright() {
     let inside = plain(row(&[[0.0, 0.0, 1.0, 1.0]]));
     let outside = plain(row(&[[0.0, 0.0, 1.0, 1.0], [0.0, 0.0, 0.5, 1.001]]));
-    assert_requirement(("uvs", "requireRangeZeroToOne"), Check::UvRange, &inside, &outside);
+    assert_requirement("uvs.requireRangeZeroToOne", Check::UvRange, &inside, &outside);
     let mirrored = plain(row(&[[0.0, 0.0, 0.4, 1.0], [1.0, 0.0, 0.6, 1.0]]));
-    assert_requirement(("uvs", "requireNotInverted"), Check::InvertedUvs, &inside, &mirrored);
+    assert_requirement("uvs.requireNotInverted", Check::InvertedUvs, &inside, &mirrored);
     let inverted = result(&mirrored, r#""uvs": { "requireNotInverted": true }"#, Check::InvertedUvs);
     assert_eq!(inverted.value, Some(2.0));
 }
 
 #[test]
 fn overlapping_uvs() {
-    let key = ("uvs", "requireNotOverlapping");
+    let key = "uvs.requireNotOverlapping";
     let beside = plain(row(&[[0.0, 0.0, 0.5, 1.0], [0.5, 0.0, 1.0, 1.0]]));
     let over = plain(row(&[[0.0, 0.0, 0.5, 1.0], [0.49, 0.0, 1.0, 1.0]]));
     assert_requirement(key, Check::OverlappingUvs, &beside, &over);
