@@ -17,7 +17,7 @@ from ._compare import Comparison, View, compare
 from ._diff import Difference, diff
 from ._error import Cancelled, Error, NotMet, TaotieWarning
 from ._image import Image
-from ._inspect import Inspection, inspect
+from ._inspect import Audit, Inspection, inspect
 from ._model import Mesh, Model, load
 from ._options import Material, Orbit
 from ._render import Renderer, render
@@ -26,6 +26,7 @@ from ._view import Viewer, view
 
 __all__ = [
     "Asset",
+    "Audit",
     "Cancelled",
     "Comparison",
     "Difference",

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, overload
 
 from ._arrays import PathLike
 from ._model import Model
 from ._model import model as a_model
 
 
-class Inspection(Mapping[str, Any]):
-    """A report on a model: a mapping as ``taotie inspect --json`` prints it, whose keys are attributes too."""
+class _Report(Mapping[str, Any]):
+    """A report on a model, whose keys are attributes too."""
 
     def __init__(self, data: dict[str, Any]) -> None:
         self._data = data
@@ -35,28 +35,67 @@ class Inspection(Mapping[str, Any]):
         return [*super().__dir__(), *self._data]
 
     def __repr__(self) -> str:
-        return f"<taotie.Inspection {', '.join(self._data)}>"
+        return f"<taotie.{type(self).__name__} {', '.join(self._data)}>"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the report as plain data."""
         return dict(self._data)
 
 
+class Inspection(_Report):
+    """The content of a model and its defects: a mapping as ``taotie inspect --json`` prints it, keys as attributes."""
+
+
+class Audit(_Report):
+    """The result of an audit: a mapping as ``taotie inspect --audit --json`` prints it, keys as attributes.
+
+    ``passed`` is true if no check failed. ``checks`` has a dict for each check: ``name``, ``status`` (``pass``, ``fail``
+    or ``not-tested``), ``message``, and ``value``, ``minimum`` and ``maximum``, which may be ``None``.
+    """
+
+    def __repr__(self) -> str:
+        failed = [check["name"] for check in self["checks"] if check["status"] == "fail"]
+        return f"<taotie.Audit {'failed: ' + ', '.join(failed) if failed else 'passed'}>"
+
+
 def inspection(model: Model) -> Inspection:
-    """Return what a model holds and what is wrong with it."""
+    """Return the content of a model and its defects."""
     return Inspection(json.loads(model._native.inspection()))
 
 
-def inspect(model: PathLike | Model) -> Inspection:
-    """List the content of a model file and its defects.
+@overload
+def inspect(model: PathLike | Model) -> Inspection: ...
+
+
+@overload
+def inspect(model: PathLike | Model, *, audit: PathLike, product_info: PathLike | None = None) -> Audit: ...
+
+
+def inspect(
+    model: PathLike | Model, *, audit: PathLike | None = None, product_info: PathLike | None = None
+) -> Inspection | Audit:
+    """List the content of a model file and its defects, or check it against the schema of an auditor.
 
     Parameters
     ----------
     model : path or Model
         The model.
+    audit : path, optional
+        A schema of the Khronos glTF Asset Auditor, JSON. With it the model is checked instead.
+    product_info : path, optional
+        The dimensions of the product that the model shows, JSON as the auditor reads it. Needs ``audit``.
 
     Returns
     -------
-    Inspection
+    Inspection or Audit
+
+    Raises
+    ------
+    Error
+        A file cannot be read; the schema has a key or a value that the auditor does not know.
     """
+    if audit is not None:
+        return Audit(json.loads(a_model(model)._native.audit(audit, product_info)))
+    if product_info is not None:
+        raise TypeError("product_info needs audit, the schema to check the model against")
     return inspection(a_model(model))

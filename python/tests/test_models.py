@@ -100,3 +100,24 @@ def test_inspection_says_what_the_command_says(scan_file, run) -> None:  # type:
     assert report.format == "PLY" and "format" in dir(report)
     with pytest.raises(AttributeError):
         report.nothing
+
+
+def test_an_audit_gives_the_answers_of_the_command(scan_file, tmp_path) -> None:  # type: ignore[no-untyped-def]
+    import json
+    import subprocess
+    import sys
+
+    schema, product = tmp_path / "s.json", tmp_path / "p.json"
+    schema.write_text('{ "version": "1.0.4", "model": { "triangles": { "maximum": 100 } } }')
+    product.write_text('{ "dimensions": { "height": 2 } }')
+    line = ["inspect", scan_file, "--audit", schema, "--product-info", product, "--json"]
+    done = subprocess.run([sys.executable, "-m", "taotie", *map(str, line)], capture_output=True, text=True)
+    told = json.loads(done.stdout)
+    audit = tt.inspect(scan_file, audit=schema, product_info=product)
+    assert done.returncode == 1 and not audit.passed and repr(audit).startswith("<taotie.Audit failed: triangle-count")
+    assert audit.to_dict() == {key: told[key] for key in audit}
+    schema.write_text('{ "version": "1.0.4", "modle": {} }')
+    with pytest.raises(tt.Error, match="unknown field `modle`"):
+        tt.inspect(scan_file, audit=schema)
+    with pytest.raises(TypeError, match="needs audit"):
+        tt.inspect(scan_file, product_info=product)  # type: ignore[call-overload]

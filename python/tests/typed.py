@@ -36,6 +36,8 @@ def measure(low: str, high: str) -> dict[str, Any]:
     found = tt.compare(low, high, methods=["smooth", "tangent-normal"])
     error: float | None = tt.diff("a.png", "b.png").flip
     report: tt.Inspection = tt.inspect(low)
+    audit: tt.Audit = tt.inspect(low, audit="schema.json")
+    assert audit.passed
     heights: npt.NDArray[np.float32] = tt.normals.from_height(np.zeros((4, 4)), scale=2)
     value, by = tt.shade.gradient("d_ggx", "alpha", n_dot_h=0.9, alpha=heights)
     assert error is None or by["alpha"].shape == value.shape

@@ -1,6 +1,6 @@
 //! The `taotie` command as a library: [`run`] is all that a `main`, in Rust or elsewhere, has to call.
 //!
-//! Exit codes: 0 fine, 1 difference above the threshold asked for, 2 error, 130 interrupted, 143 asked to end. Results go
+//! Exit codes: 0 fine, 1 difference above the threshold asked for or a failed check, 2 error, 130 interrupted, 143 asked to end. Results go
 //! to stdout, talk to stderr; a closed pipe is no error.
 
 mod bake;
@@ -79,7 +79,7 @@ enum Command {
 enum Outcome {
     /// As wanted.
     Fine,
-    /// A difference was above the threshold asked for.
+    /// A difference was above the threshold asked for, or a check failed.
     Different,
     /// Part of the work failed, and was told of.
     Failed,
@@ -115,7 +115,7 @@ pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Batch(args) => batch::run(&args),
         Command::BatchBook(args) => batch::keep(&args),
         Command::BatchWorker => batch::work().map(|()| Outcome::Fine),
-        Command::Inspect(args) => inspect::run(&args).map(|()| Outcome::Fine),
+        Command::Inspect(args) => inspect::run(&args),
         Command::Normals(args) => normals::run(&args).map(|()| Outcome::Fine),
         Command::Diff(args) => diff::run(&args),
         Command::Shader(args) => shader::run(&args).map(|()| Outcome::Fine),

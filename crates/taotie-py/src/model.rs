@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use taotie::asset::{Limits, Scan, ScanFile, ScanOptions};
 use taotie::bake::low_poly_mesh;
-use taotie::inspection::Inspection;
+use taotie::inspection::{Audit, AuditSchema, Inspection, ProductInfo};
 use taotie::io::{self, Loaded};
 use taotie::mesh::Mesh;
 use taotie::scene::{Material, Scene};
@@ -174,6 +174,18 @@ impl Model {
     /// What the model holds and what is wrong with it, as JSON.
     fn inspection(&self, py: Python<'_>) -> PyResult<String> {
         py.detach(|| serde_json::to_string(&Inspection::of(&self.loaded))).map_err(no_json)
+    }
+
+    /// The model checked against the schema of an auditor in a file, as JSON.
+    fn audit(&self, py: Python<'_>, schema: PathBuf, product_info: Option<PathBuf>) -> PyResult<String> {
+        let audit = py.detach(|| {
+            let schema = AuditSchema::parse(&io::read_bytes(&schema)?, schema.display())?;
+            let product =
+                product_info.map(|path| ProductInfo::parse(&io::read_bytes(&path)?, path.display()));
+            Audit::of(&self.loaded, &schema, product.transpose()?.as_ref())
+        });
+        let audit = audit.map_err(|error| exception(py, &error))?;
+        serde_json::to_string(&audit).map_err(no_json)
     }
 
     /// The scene as a GLB, and what glTF cannot say of it.

@@ -9,7 +9,7 @@
 //! L3   pixel
 //! L2   surface  shade  scene  raster  trace  film  compare
 //! L1   image           mesh
-//! L0   math         error  names  progress  parallel
+//! L0   math         error  names  progress  parallel  length
 //! ```
 //!
 //! `raster` and `trace` find *hits*, never colours; `shade` turns numbers into numbers and never sees a scene;
@@ -42,6 +42,7 @@ mod groups;
 pub mod image;
 pub mod inspection;
 pub mod io;
+pub mod length;
 pub mod math;
 pub mod mesh;
 pub mod names;

@@ -26,6 +26,7 @@ const LAYERS: [(&str, u32); 25] = [
     ("groups", 0),
     ("parallel", 1),
     ("math", 2),
+    ("length", 2),
     ("image", 3),
     ("mesh", 3),
     ("surface", 4),

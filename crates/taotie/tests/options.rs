@@ -13,6 +13,8 @@ use taotie::comparison::diff::{self, DiffOptions, Metric};
 use taotie::comparison::{ComparisonOptions, Matching, Method, SamplePoints};
 use taotie::film::{Development, ToneCurve};
 use taotie::image::{Image, Wrap};
+use taotie::inspection::{Check, CheckStatus};
+use taotie::length::Unit;
 use taotie::math::{Mat4, SimdLevel, Vec3};
 use taotie::names::Named;
 use taotie::normal_map::{ConversionOptions, MapContent, Storage};
@@ -86,6 +88,9 @@ fn values_have_one_name() {
     assert_names::<NormalMapping>();
     assert_names::<ToneCurve>();
     assert_names::<SimdLevel>();
+    assert_names::<Check>();
+    assert_names::<CheckStatus>();
+    assert_names::<Unit>();
 }
 
 fn light(kind: LightKind) -> Light {

@@ -2,11 +2,12 @@
 //!
 //! The library's [`Inspection`] is made once; the text and the JSON are two ways to print it.
 
+mod audit;
 mod text;
 mod words;
 
-use crate::console;
 use crate::limits::LimitArgs;
+use crate::{Outcome, console};
 use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
@@ -23,6 +24,7 @@ const EXAMPLES: &str = "\
 Examples:
   taotie inspect statue.glb
   taotie inspect statue.obj --json
+  taotie inspect statue.glb --audit schema.json
 
 Counted as defects:
   UVs       triangles with a corner outside [0, 1], without UV area, or mirrored (UVs run clockwise)
@@ -40,6 +42,12 @@ pub struct InspectArgs {
     /// Print the report as JSON
     #[arg(long)]
     pub json: bool,
+    /// Check the model against a schema of the Khronos glTF Asset Auditor instead; exit code 1 if a check fails
+    #[arg(long, value_name = "SCHEMA")]
+    pub audit: Option<PathBuf>,
+    /// Dimensions of the product that the model shows, JSON as the auditor reads it
+    #[arg(long, value_name = "FILE", requires = "audit")]
+    pub product_info: Option<PathBuf>,
     #[command(flatten)]
     pub limits: LimitArgs,
 }
@@ -60,7 +68,14 @@ struct Report {
 }
 
 /// Runs the subcommand.
-pub fn run(args: &InspectArgs) -> Result<()> {
+pub fn run(args: &InspectArgs) -> Result<Outcome> {
+    match &args.audit {
+        Some(schema) => audit::run(args, schema),
+        None => inspect(args).map(|()| Outcome::Fine),
+    }
+}
+
+fn inspect(args: &InspectArgs) -> Result<()> {
     let limits = args.limits.limits();
     let loaded = taotie::io::load_model_within(&args.model, &limits)?;
     limits.check(args.model.display().to_string(), Bytes(need(&loaded.scene)))?;

@@ -4,8 +4,8 @@ use super::{Report, words};
 use crate::console;
 use std::collections::BTreeSet;
 use taotie::inspection::{
-    AnimationReport, Counts, Extent, Inspection, Listed, MaterialReport, MeshReport, NormalMapReport,
-    Normals, TangentHealth, TextureReport,
+    AnimationReport, Counted, Counts, Extent, Inspection, Listed, MaterialReport, MeshReport,
+    NormalMapReport, Normals, TangentHealth, TextureReport,
 };
 use taotie::io::XmpEvent;
 use taotie::surface::GreenVerdict;
@@ -34,7 +34,7 @@ pub fn of(told: &Report) -> String {
         ("History", history(&report.history)),
         ("Extensions", extensions(report)),
         ("Missing files", report.missing_files.iter().map(|file| format!("  {}\n", clean(file))).collect()),
-        ("Warnings", warnings(report)),
+        ("Warnings", warnings(&report.warnings)),
         ("Hints", told.hints.iter().map(|hint| format!("  {}\n", clean(hint))).collect()),
     ];
     let filled = sections.into_iter().filter(|(_, lines)| !lines.is_empty());
@@ -303,16 +303,17 @@ fn history(all: &[XmpEvent]) -> String {
     table.filled_lines(2)
 }
 
-fn warnings(report: &Inspection) -> String {
+/// Each warning with its count.
+pub fn warnings(all: &[Counted]) -> String {
     let mut table = Table::untitled(&[">", ""]);
-    for warning in &report.warnings {
+    for warning in all {
         table.row([format!("{}×", thousands(warning.count)), clean(&warning.what)]);
     }
     table.lines(2)
 }
 
 /// Text of a file without control characters, which could rule the terminal: at most [`TEXT`] characters.
-fn clean(text: &str) -> String {
+pub fn clean(text: &str) -> String {
     cut(text, TEXT)
 }
 

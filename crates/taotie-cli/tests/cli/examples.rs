@@ -23,6 +23,7 @@ fn place() -> Place {
     pictures(&place);
     models(&place);
     scan_and_low(&place);
+    place.write("schema.json", r#"{ "version": "1.0.4", "model": { "triangles": { "maximum": 100000 } } }"#);
     place
 }
 

@@ -3,6 +3,7 @@
 //! After a wanted change of output, `SNAPSHOTS=overwrite cargo test -p taotie-cli --test cli` renews the snapshots.
 
 mod arguments;
+mod audit;
 mod bake;
 mod bake_carried;
 mod bake_document;

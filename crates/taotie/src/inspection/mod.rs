@@ -12,6 +12,7 @@
 //! # Ok::<(), taotie::Error>(())
 //! ```
 
+mod audit;
 mod hints;
 mod layers;
 mod material;
@@ -21,6 +22,7 @@ mod report;
 mod tangents;
 mod uvs;
 
+pub use audit::{Audit, AuditSchema, Check, CheckResult, CheckStatus, ProductInfo, audit_bytes};
 pub use hints::Hint;
 pub use layers::{AnisotropyReport, ClearcoatReport, LayersReport, SheenReport, SpecularReport};
 pub use material::{ClassicReport, MaterialReport, TextureReport};

@@ -1,6 +1,7 @@
 //! The content of a model file.
 
 use super::json::Json;
+use super::structure::GltfStructure;
 use super::variants::Variants;
 use crate::error::{Error, Result, Warnings};
 use crate::scene::animation::Rig;
@@ -33,6 +34,10 @@ pub struct Loaded {
     pub texture_names: Vec<String>,
     /// Files that the model was read from beside its own, also those that could not be understood.
     pub files: Vec<PathBuf>,
+    /// The size of the file and of `files` together, bytes; `None` for a model that was not read from a file.
+    pub bytes: Option<u64>,
+    /// The contents of the glTF document, drawn or not; `None` for other formats.
+    pub structure: Option<GltfStructure>,
     /// Files that the model names and that are not there.
     pub missing_files: Vec<String>,
     /// The rig that moves the scene, where the file has animations; the scene itself is at rest.

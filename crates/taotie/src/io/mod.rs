@@ -17,6 +17,7 @@ mod polygon;
 mod reading;
 mod stl;
 mod stopwatch;
+mod structure;
 mod system;
 mod text;
 mod texture_room;
@@ -35,6 +36,7 @@ pub use json::Json;
 pub use limits::{Bytes, Limits};
 pub use loaded::Loaded;
 pub use stopwatch::Stopwatch;
+pub use structure::{GltfStructure, RootNode};
 pub use system::free_memory;
 pub use variants::Variants;
 pub use write::{
@@ -51,7 +53,8 @@ pub use xmp::{Provenance, XmpEvent, xmp_history, xmp_rights, xmp_sources};
 
 use crate::error::{Error, Result};
 use reading::Reading;
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Reads a model by its extension: `gltf`, `glb`, `obj`, `ply` or `stl`, in any case; its finest level of detail. Where
@@ -84,7 +87,7 @@ pub fn load_model_within(path: &Path, limits: &Limits) -> Result<Loaded> {
     };
     // What readers make a warning of, such as an image that is left out, still counts as wanted.
     reading.check()?;
-    let loaded = loaded?;
+    let loaded = with_size(loaded?, path)?;
     let triangles = loaded.scene.triangle_count() as u64;
     match triangles > limits.triangles {
         true => Err(Error::limit(
@@ -115,10 +118,18 @@ pub fn load_levels_within(path: &Path, limits: &Limits) -> Result<Vec<Loaded>> {
             let reading = Arc::new(Reading::new(path, limits));
             let levels = gltf::read_levels(&reading);
             reading.check()?;
-            levels
+            levels?.into_iter().map(|level| with_size(level, path)).collect()
         }
         _ => Ok(vec![load_model_within(path, limits)?]),
     }
+}
+
+/// Returns the model with the size of its file and of the files it was read from; each counts once.
+fn with_size(loaded: Loaded, path: &Path) -> Result<Loaded> {
+    let others: BTreeSet<&Path> = loaded.files.iter().map(PathBuf::as_path).collect();
+    let sizes = others.into_iter().chain([path]).map(file_size);
+    let bytes = sizes.sum::<Result<u64>>()?;
+    Ok(Loaded { bytes: Some(bytes), ..loaded })
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,6 +2,8 @@
 
 use taotie::compare::ColorMap;
 use taotie::film::ToneCurve;
+use taotie::inspection::{Check, CheckStatus};
+use taotie::length::Unit;
 use taotie::math::SimdLevel;
 use taotie::names::Named;
 use taotie::shade::Shading;
@@ -25,4 +27,7 @@ fn every_name_leads_back_and_an_unknown_one_is_told_the_list() {
     names_lead_back::<ToneCurve>();
     names_lead_back::<SimdLevel>();
     names_lead_back::<ColorMap>();
+    names_lead_back::<Check>();
+    names_lead_back::<CheckStatus>();
+    names_lead_back::<Unit>();
 }

@@ -28,6 +28,7 @@ mod raw;
 mod reason;
 mod samplers;
 mod source;
+mod structure;
 mod supplied;
 mod textures;
 mod triangles;
@@ -139,6 +140,7 @@ impl Shapes {
         let (camera_nodes, cameras) = lights::cameras(document, &nodes, &mut warnings).into_iter().unzip();
         let mut scene = SceneData { meshes, materials, textures, instances, lights, cameras };
         add_missing_uvs(&mut scene, &variants, &mut shown.deformed, &mut warnings)?;
+        let structure = structure::of(document, &nodes);
         let hung = Hung { shown, cameras: camera_nodes, lights: light_nodes };
         let rig = hung.rig(document, nodes, &mut warnings)?;
         Ok(Loaded {
@@ -148,6 +150,7 @@ impl Shapes {
             rig,
             variants,
             levels,
+            structure: Some(structure),
             ..about(document, checked(&document.path, scene)?, warnings)
         })
     }

@@ -1,0 +1,70 @@
+//! The audit: all checks of a schema on one model.
+
+use super::check::{Check, CheckResult, CheckStatus};
+use super::product_info::ProductInfo;
+use super::schema::AuditSchema;
+use super::uv_raster::MOST_SIDE;
+use super::{counts, dimensions, edges, texel_density, textures, uvs};
+use crate::error::Result;
+use crate::inspection::report::Counted;
+use crate::io::Loaded;
+use crate::scene::Scene;
+
+/// The results of an audit.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Audit {
+    /// The version that the schema names.
+    pub schema_version: String,
+    /// True if no check failed.
+    pub passed: bool,
+    /// One result for each check, in the order of the auditor's report.
+    pub checks: Vec<CheckResult>,
+    /// Content that reading the model left out or put right; the checks do not see it.
+    pub warnings: Vec<Counted>,
+}
+
+impl Audit {
+    /// Audits a model that was read; `product` gives the dimensions of the product that it shows.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] where UVs are to be checked of a mesh of 2³¹ triangles.
+    pub fn of(loaded: &Loaded, schema: &AuditSchema, product: Option<&ProductInfo>) -> Result<Self> {
+        let scene = &loaded.scene;
+        let mut checks = vec![CheckResult::not_tested(
+            Check::GltfValidator,
+            "not part of a schema; run the Khronos glTF validator",
+        )];
+        checks.extend(counts::results(loaded, schema));
+        checks.extend(edges::results(scene, &schema.model));
+        checks.extend(dimensions::results(scene, &schema.product.dimensions, product));
+        checks.extend(textures::results(loaded, &schema.textures));
+        checks.extend(texel_density::results(scene, schema.uvs.pixels_per_meter));
+        checks.extend(uvs::results(scene, &schema.uvs)?);
+        let warnings = loaded.warnings.iter();
+        Ok(Self {
+            schema_version: schema.version().to_owned(),
+            passed: checks.iter().all(|check| check.status != CheckStatus::Fail),
+            warnings: warnings.map(|(what, count)| Counted { what: what.to_owned(), count }).collect(),
+            checks,
+        })
+    }
+
+    /// Returns the checks that failed.
+    pub fn failed(&self) -> impl Iterator<Item = &CheckResult> {
+        self.checks.iter().filter(|check| check.status == CheckStatus::Fail)
+    }
+}
+
+/// Returns an upper bound of the memory that an audit takes in addition to the scene, bytes.
+pub fn audit_bytes(scene: &Scene, schema: &AuditSchema) -> u64 {
+    /// Of a texel: its triangle, and its island twice or the island nearest to it.
+    const TEXEL: u64 = 16;
+    /// Of a triangle: its edges, or its uvs and those of its island.
+    const TRIANGLE: u64 = 192;
+    let largest = scene.meshes().iter().map(|mesh| mesh.triangles().len() as u64).max().unwrap_or(0);
+    let is_drawn = schema.uvs.require_not_overlapping || schema.uvs.gutter_width.widest().is_some();
+    let texels = if is_drawn { u64::from(MOST_SIDE) * u64::from(MOST_SIDE) } else { 0 };
+    largest * TRIANGLE + texels * TEXEL
+}

@@ -1,0 +1,29 @@
+//! The contents of a glTF document in numbers, and where its models stand.
+
+use crate::math::Mat4;
+
+/// The contents of a glTF document, whether or not its scene shows them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct GltfStructure {
+    /// Nodes.
+    pub nodes: usize,
+    /// Meshes.
+    pub meshes: usize,
+    /// Primitives of all meshes.
+    pub primitives: usize,
+    /// Triangles of all primitives, each mesh counted once however often it is shown.
+    pub triangles: usize,
+    /// Materials.
+    pub materials: usize,
+    /// The root nodes of the scene that show a mesh, themselves or by a descendant.
+    pub roots: Vec<RootNode>,
+}
+
+/// A root node of a glTF scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RootNode {
+    /// Its name, or `node` and its number.
+    pub name: String,
+    /// Takes the node's space to the world.
+    pub world_from_node: Mat4,
+}
