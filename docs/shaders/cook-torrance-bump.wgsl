@@ -148,10 +148,6 @@ struct Texels {
 struct ShadingFrame {
     // The shading normal; not unit for `bump-printed`.
     n: vec3f,
-    // The normal before any map, on the side that is seen.
-    n_smooth: vec3f,
-    // The squared slope of the map, as the edge of its shadow takes it.
-    squared_slope: f32,
 }
 
 // The values of a material at a point: textures and vertex colours with their factors.
@@ -172,10 +168,6 @@ struct MaterialValues {
 struct SurfacePoint {
     // The shading normal; not unit for `bump-printed`.
     n: vec3f,
-    // The normal before any map, unit, on the side that is seen.
-    n_smooth: vec3f,
-    // The squared slope of the map; 0 where nothing is to be softened.
-    squared_slope: f32,
     // The direction to the viewer, unit.
     v: vec3f,
     // The roughness as artists set it, [0, 1]; α is its square.
@@ -416,37 +408,22 @@ fn towards_viewer(n: vec3f, n_smooth: vec3f, v: vec3f) -> vec3f {
     return select(n, unit, 0.0 < difference);
 }
 
-// The share of light from `l` that arrives: 2 / (1 + √(1 + α² tan²θ)), α² = tan²(n, n')/8, θ between the smooth
-// normal and `l`; 0 below the horizon, and 1 where no map turns the normal.
-// Source: Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve the Bump Terminator
-// Problem".
-fn terminator_share(n_smooth: vec3f, squared_slope: f32, l: vec3f) -> f32 {
-    let n_smooth_dot_l = dot(n_smooth, l);
-    let n_smooth_dot_l_squared = max(n_smooth_dot_l * n_smooth_dot_l, 1e-12);
-    let product = squared_slope * max((1.0 - n_smooth_dot_l_squared) / n_smooth_dot_l_squared, 0.0);
-    return select(1.0, select(0.0, 2.0 / (1.0 + sqrt(1.0 + product)), 0.0 < n_smooth_dot_l), 0.0 < squared_slope);
-}
-
 // The shading normal, by the method of the surface, and the other directions of a point.
-// Source: Mikkelsen 2008 and 2020; Estevez, Lecocq and Stein 2019 for the squared slope.
+// Source: Mikkelsen 2008 and 2020.
 fn shading_frame(g: Geometry, u: MaterialUniforms, t: Texels) -> ShadingFrame {
-    let n_smooth = normalize_or(g.normal, g.n_geom);
-    let position_dy_cross_n_smooth = cross(g.position_dy, n_smooth);
-    let position_dx_dot_position_dy_cross_n_smooth = dot(g.position_dx, position_dy_cross_n_smooth);
+    let unit = normalize_or(g.normal, g.n_geom);
+    let position_dy_cross_unit = cross(g.position_dy, unit);
+    let position_dx_dot_position_dy_cross_unit = dot(g.position_dx, position_dy_cross_unit);
     let product = t.height_du * u.bump;
     let product_2 = t.height_dv * u.bump;
-    let product_3 = cross(n_smooth, g.position_dx) * (product * g.du_dy + product_2 * g.dv_dy);
-    let sum = position_dy_cross_n_smooth * (product * g.du_dx + product_2 * g.dv_dx) + product_3;
-    let chosen = select(
-        vec3f(0.0), sum / position_dx_dot_position_dy_cross_n_smooth,
-        0.0 < abs(position_dx_dot_position_dy_cross_n_smooth)
+    let sum = position_dy_cross_unit * (product * g.du_dx + product_2 * g.dv_dx) + cross(unit, g.position_dx) * (
+        product * g.du_dy + product_2 * g.dv_dy
     );
-    let unit = normalize_or(n_smooth - chosen, n_smooth);
-    let n = towards_viewer(unit, n_smooth, g.v);
-    let value = clamp(abs(dot(n_smooth, n)), 0.001, 1.0);
-    let value_squared = value * value;
-    let squared_slope = clamp((1.0 - value_squared) / value_squared * 0.125, 0.0, 1.0);
-    return ShadingFrame(n, n_smooth, squared_slope);
+    let chosen = select(
+        vec3f(0.0), sum / position_dx_dot_position_dy_cross_unit, 0.0 < abs(position_dx_dot_position_dy_cross_unit)
+    );
+    let unit_2 = normalize_or(unit - chosen, unit);
+    return ShadingFrame(towards_viewer(unit_2, unit, g.v));
 }
 
 // The values of the material: textures times factors, roughness widened by what hides within the pixel.
@@ -483,10 +460,7 @@ fn surface_point(f: ShadingFrame, g: Geometry, u: MaterialUniforms, m: MaterialV
     let gain = 1.0 + f0 * max((1.0 - sum) / sum, 0.0);
     let ambient = diffuse + f0;
     let lobe_roughness = min(sqrt(roughness_squared), 1.0);
-    return SurfacePoint(
-        f.n, f.n_smooth, f.squared_slope, g.v, m.roughness, f0, f90, diffuse, slope, gain, ambient, m.emissive,
-        lobe_roughness
-    );
+    return SurfacePoint(f.n, g.v, m.roughness, f0, f90, diffuse, slope, gain, ambient, m.emissive, lobe_roughness);
 }
 
 // The highlight of the base, as it gathers the environment's light.
@@ -520,8 +494,7 @@ fn reflect_light(p: SurfacePoint, l: vec3f) -> vec3f {
     let d = distribution_beckmann(a.n_dot_h, a.sin2_h, p.slope);
     let g = masking_v_cavity(a.n_dot_l, a.n_dot_v, a.n_dot_h, a.v_dot_h);
     let sum = p.diffuse * (a.n_dot_l * 0.31830987) + f * p.gain * (d * g / (a.n_dot_v * 4.0));
-    let share = terminator_share(p.n_smooth, p.squared_slope, l);
-    return select(vec3f(0.0), sum, 0.0 < a.n_dot_l) * share;
+    return select(vec3f(0.0), sum, 0.0 < a.n_dot_l);
 }
 
 // The mean of the upper two texels and the lower two, left and right; `across` and `down` are the weights of the right

@@ -153,10 +153,6 @@ struct Texels {
 struct ShadingFrame {
     // The shading normal; not unit for `bump-printed`.
     vec3 n;
-    // The normal before any map, on the side that is seen.
-    vec3 n_smooth;
-    // The squared slope of the map, as the edge of its shadow takes it.
-    float squared_slope;
 };
 
 // The values of a material at a point: textures and vertex colours with their factors.
@@ -181,10 +177,6 @@ struct MaterialValues {
 struct SurfacePoint {
     // The shading normal; not unit for `bump-printed`.
     vec3 n;
-    // The normal before any map, unit, on the side that is seen.
-    vec3 n_smooth;
-    // The squared slope of the map; 0 where nothing is to be softened.
-    float squared_slope;
     // The direction to the viewer, unit.
     vec3 v;
     // ρ, linear RGB in [0, 1].
@@ -484,33 +476,18 @@ vec3 towards_viewer(vec3 n, vec3 n_smooth, vec3 v) {
     return (0.0 < difference ? unit : n);
 }
 
-// The share of light from `l` that arrives: 2 / (1 + √(1 + α² tan²θ)), α² = tan²(n, n')/8, θ between the smooth
-// normal and `l`; 0 below the horizon, and 1 where no map turns the normal.
-// Source: Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve the Bump Terminator
-// Problem".
-float terminator_share(vec3 n_smooth, float squared_slope, vec3 l) {
-    float n_smooth_dot_l = dot(n_smooth, l);
-    float n_smooth_dot_l_squared = max(n_smooth_dot_l * n_smooth_dot_l, 1e-12);
-    float product = squared_slope * max((1.0 - n_smooth_dot_l_squared) / n_smooth_dot_l_squared, 0.0);
-    return (0.0 < squared_slope ? (0.0 < n_smooth_dot_l ? 2.0 / (1.0 + sqrt(1.0 + product)) : 0.0) : 1.0);
-}
-
 // The shading normal, by the method of the surface, and the other directions of a point.
-// Source: Mikkelsen 2008 and 2020; Estevez, Lecocq and Stein 2019 for the squared slope.
+// Source: Mikkelsen 2008 and 2020.
 ShadingFrame shading_frame(Geometry g, Texels t, MaterialUniforms u) {
-    vec3 n_smooth = normalize_or(g.normal, g.n_geom);
+    vec3 unit = normalize_or(g.normal, g.n_geom);
     vec3 product = cross(g.normal, g.tangent) * g.handedness * (
         (t.normal.y * 2.0 - 1.0) * u.normal_scale * u.normal_green
     );
     vec3 sum = g.tangent * ((t.normal.x * 2.0 - 1.0) * u.normal_scale) + product + g.normal * max(
         t.normal.z * 2.0 - 1.0, 1.5259022e-5
     );
-    vec3 unit = normalize_or(sum, g.normal);
-    vec3 n = towards_viewer(unit, n_smooth, g.v);
-    float value = clamp(abs(dot(n_smooth, n)), 0.001, 1.0);
-    float value_squared = value * value;
-    float squared_slope = clamp((1.0 - value_squared) / value_squared * 0.125, 0.0, 1.0);
-    return ShadingFrame(n, n_smooth, squared_slope);
+    vec3 unit_2 = normalize_or(sum, g.normal);
+    return ShadingFrame(towards_viewer(unit_2, unit, g.v));
 }
 
 // The values of the material: textures times factors, roughness widened by what hides within the pixel.
@@ -550,8 +527,8 @@ SurfacePoint surface_point(ShadingFrame f, Geometry g, MaterialUniforms u, Mater
     float transmitted = clamp(1.0 - max(max(product.x, product.y), product.z), 0.0, 1.0);
     vec3 ambient = base_color * one_minus_metallic + f0;
     return SurfacePoint(
-        f.n, f.n_smooth, f.squared_slope, g.v, base_color, m.metallic, m.roughness, f0, f90, gain, transmitted,
-        ambient, m.emissive, m.occlusion, m.roughness
+        f.n, g.v, base_color, m.metallic, m.roughness, f0, f90, gain, transmitted, ambient, m.emissive, m.occlusion,
+        m.roughness
     );
 }
 
@@ -588,8 +565,7 @@ vec3 reflect_light(SurfacePoint p, vec3 l) {
     float d = distribution_ggx(a.n_dot_h, a.sin2_h, alpha);
     float v = visibility_smith_ggx(a.n_dot_l, a.n_dot_v, alpha);
     vec3 sum = p.transmitted * (p.base_color * ((1.0 - p.metallic) * 0.31830987)) + f * p.gain * (d * v);
-    float share = terminator_share(p.n_smooth, p.squared_slope, l);
-    return (0.0 < a.n_dot_l ? sum * a.n_dot_l : vec3(0.0)) * share;
+    return (0.0 < a.n_dot_l ? sum * a.n_dot_l : vec3(0.0));
 }
 
 // The mean of the upper two texels and the lower two, left and right; `across` and `down` are the weights of the right

@@ -148,10 +148,6 @@ struct Texels {
 struct ShadingFrame {
     // The shading normal; not unit for `bump-printed`.
     n: vec3f,
-    // The normal before any map, on the side that is seen.
-    n_smooth: vec3f,
-    // The squared slope of the map, as the edge of its shadow takes it.
-    squared_slope: f32,
 }
 
 // The values of a material at a point: textures and vertex colours with their factors.
@@ -176,10 +172,6 @@ struct MaterialValues {
 struct SurfacePoint {
     // The shading normal; not unit for `bump-printed`.
     n: vec3f,
-    // The normal before any map, unit, on the side that is seen.
-    n_smooth: vec3f,
-    // The squared slope of the map; 0 where nothing is to be softened.
-    squared_slope: f32,
     // The direction to the viewer, unit.
     v: vec3f,
     // ρ, linear RGB in [0, 1].
@@ -469,33 +461,18 @@ fn towards_viewer(n: vec3f, n_smooth: vec3f, v: vec3f) -> vec3f {
     return select(n, unit, 0.0 < difference);
 }
 
-// The share of light from `l` that arrives: 2 / (1 + √(1 + α² tan²θ)), α² = tan²(n, n')/8, θ between the smooth
-// normal and `l`; 0 below the horizon, and 1 where no map turns the normal.
-// Source: Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve the Bump Terminator
-// Problem".
-fn terminator_share(n_smooth: vec3f, squared_slope: f32, l: vec3f) -> f32 {
-    let n_smooth_dot_l = dot(n_smooth, l);
-    let n_smooth_dot_l_squared = max(n_smooth_dot_l * n_smooth_dot_l, 1e-12);
-    let product = squared_slope * max((1.0 - n_smooth_dot_l_squared) / n_smooth_dot_l_squared, 0.0);
-    return select(1.0, select(0.0, 2.0 / (1.0 + sqrt(1.0 + product)), 0.0 < n_smooth_dot_l), 0.0 < squared_slope);
-}
-
 // The shading normal, by the method of the surface, and the other directions of a point.
-// Source: Mikkelsen 2008 and 2020; Estevez, Lecocq and Stein 2019 for the squared slope.
+// Source: Mikkelsen 2008 and 2020.
 fn shading_frame(g: Geometry, t: Texels, u: MaterialUniforms) -> ShadingFrame {
-    let n_smooth = normalize_or(g.normal, g.n_geom);
+    let unit = normalize_or(g.normal, g.n_geom);
     let product = cross(g.normal, g.tangent) * g.handedness * (
         (t.normal.y * 2.0 - 1.0) * u.normal_scale * u.normal_green
     );
     let sum = g.tangent * ((t.normal.x * 2.0 - 1.0) * u.normal_scale) + product + g.normal * max(
         t.normal.z * 2.0 - 1.0, 1.5259022e-5
     );
-    let unit = normalize_or(sum, g.normal);
-    let n = towards_viewer(unit, n_smooth, g.v);
-    let value = clamp(abs(dot(n_smooth, n)), 0.001, 1.0);
-    let value_squared = value * value;
-    let squared_slope = clamp((1.0 - value_squared) / value_squared * 0.125, 0.0, 1.0);
-    return ShadingFrame(n, n_smooth, squared_slope);
+    let unit_2 = normalize_or(sum, g.normal);
+    return ShadingFrame(towards_viewer(unit_2, unit, g.v));
 }
 
 // The values of the material: textures times factors, roughness widened by what hides within the pixel.
@@ -535,8 +512,8 @@ fn surface_point(f: ShadingFrame, g: Geometry, u: MaterialUniforms, m: MaterialV
     let transmitted = clamp(1.0 - max(max(product.x, product.y), product.z), 0.0, 1.0);
     let ambient = base_color * one_minus_metallic + f0;
     return SurfacePoint(
-        f.n, f.n_smooth, f.squared_slope, g.v, base_color, m.metallic, m.roughness, f0, f90, gain, transmitted,
-        ambient, m.emissive, m.occlusion, m.roughness
+        f.n, g.v, base_color, m.metallic, m.roughness, f0, f90, gain, transmitted, ambient, m.emissive, m.occlusion,
+        m.roughness
     );
 }
 
@@ -573,8 +550,7 @@ fn reflect_light(p: SurfacePoint, l: vec3f) -> vec3f {
     let d = distribution_ggx(a.n_dot_h, a.sin2_h, alpha);
     let v = visibility_smith_ggx(a.n_dot_l, a.n_dot_v, alpha);
     let sum = p.transmitted * (p.base_color * ((1.0 - p.metallic) * 0.31830987)) + f * p.gain * (d * v);
-    let share = terminator_share(p.n_smooth, p.squared_slope, l);
-    return select(vec3f(0.0), sum * a.n_dot_l, 0.0 < a.n_dot_l) * share;
+    return select(vec3f(0.0), sum * a.n_dot_l, 0.0 < a.n_dot_l);
 }
 
 // The mean of the upper two texels and the lower two, left and right; `across` and `down` are the weights of the right

@@ -9,7 +9,6 @@ not the quadrature over half vectors that made the renderer's tables. Writes `li
     compensation        list of {scale, bias, edge, f0, f90, drop, gain, transmitted}
     lobes               list of {n, v, l, t, b, roughness, strength, stretched, d_charlie, v_neubelt, coat}
     occlusion           list of {n_dot_v, occlusion, roughness, seen}
-    terminator          list of {smooth, n, l, share}
     divergence          list of {alpha, divergence}
     mips                list of {normals: [[r, g, b] codes of 65535], mean: [x, y, z], variance}
 """
@@ -213,28 +212,13 @@ def lobe_row(rng, i):
     }
 
 
-# Occlusion, terminator, antialiasing
+# Occlusion, antialiasing
 
 
 def occlusion_row(rng, i):
     """Lagarde and de Rousiers 2014, listing 26: saturate(pow(NdotV + ao, exp2(-16 roughness - 1)) - 1 + ao)."""
     o, c, r = float([0, 1, rng.random()][i % 3]), float(rng.random()), float([0, 0.1, 0.5, 1][i % 4])
     return {"n_dot_v": c, "occlusion": o, "roughness": r, "seen": np.clip((c + o) ** np.exp2(-16 * r - 1) - 1 + o, 0, 1)}
-
-
-def terminator_row(rng, i):
-    """Estevez, Lecocq and Stein 2019: alpha^2 = clamp(tan^2(Ns, N) / 8), G1 of GGX for the light against N."""
-    smooth = unit(rng.normal(size=3))
-    aside = unit(np.cross(smooth, rng.normal(size=3)))
-    turn = [0.05, 0.4, 0.9, 1.3][i % 4]
-    n = unit(smooth * np.cos(turn) + aside * np.sin(turn))
-    l = unit(rng.normal(size=3))
-    if i % 5:
-        l = l * np.sign(l @ smooth)
-    alpha2 = min(np.tan(np.arccos(np.clip(smooth @ n, -1, 1))) ** 2 / 8, 1)
-    cos = smooth @ l
-    share = 2 / (1 + np.sqrt(1 + alpha2 * (1 - cos**2) / cos**2)) if cos > 0 else 0.0
-    return {"smooth": smooth, "n": n, "l": l, "share": share}
 
 
 def divergence_row(alpha):
@@ -269,11 +253,10 @@ def main():
         "compensation": [compensation_row(rng, row) for row in ggx],
         "lobes": [lobe_row(rng, i) for i in range(60)],
         "occlusion": [occlusion_row(rng, i) for i in range(36)],
-        "terminator": [terminator_row(rng, i) for i in range(40)],
         "divergence": [divergence_row(a) for a in (0.002, 0.01, 0.04, 0.1, 0.3, 0.5, 0.8, 0.95, 0.98, 1.0)],
         "mips": [mip_row(rng, i) for i in range(16)],
     }
-    vectors = "n", "v", "l", "t", "b", "smooth", "normals"
+    vectors = "n", "v", "l", "t", "b", "normals"
     row = lambda values: json.dumps({k: x if k in vectors else rounded(x) for k, x in plain(values).items()})
     lines = []
     for name, rows in tables.items():

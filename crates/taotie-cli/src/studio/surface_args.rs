@@ -243,8 +243,8 @@ pub struct ReflectionArgs {
     /// Specular antialiasing: relief finer than a pixel widens the highlight instead of sparkling; on if not given
     #[arg(long, value_name = "on|off", value_parser = options::switch, action = ArgAction::Set)]
     pub specular_aa: Option<bool>,
-    /// Mapped normals that face away from the viewer, and the edge between lit and dark: soften (if not given), or keep
-    /// as in the map
+    /// Mapped normals that face away from the viewer: soften bends them until they are just seen, keep leaves them as in
+    /// the map [default: soften]
     #[arg(long, value_name = "HOW", value_parser = options::named::<GrazingNormals>)]
     pub grazing_normals: Option<GrazingNormals>,
 }

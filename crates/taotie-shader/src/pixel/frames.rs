@@ -19,7 +19,6 @@ impl<'g> Inputs<'g, '_> {
         let tangent = anisotropy_direction(&geometry, frame.n, self.turn());
         let mut numbers: Vec<Number<'g>> = frame.n.to_array().to_vec();
         numbers.extend(frame.smooth.to_array());
-        numbers.push(frame.squared_slope);
         numbers.extend(coat_n.to_array());
         numbers.extend(tangent.to_array());
         numbers

@@ -92,22 +92,12 @@ impl<'g> Inputs<'g, '_> {
 
     /// The directions.
     pub(super) fn frame(self) -> Frame<Recorded<'g>> {
-        Frame {
-            n: self.vector("f.n"),
-            smooth: self.vector("f.n_smooth"),
-            squared_slope: self.number_or(self.variant.softened, "f.squared_slope", 0.0),
-            v: self.vector("g.v"),
-        }
+        Frame { n: self.vector("f.n"), smooth: self.vector("f.n_smooth"), v: self.vector("g.v") }
     }
 
     /// The point of the surface.
     pub(super) fn point(self) -> SurfacePoint<Recorded<'g>> {
-        let frame = Frame {
-            n: self.vector("p.n"),
-            smooth: self.vector("p.n_smooth"),
-            squared_slope: self.number_or(self.variant.softened, "p.squared_slope", 0.0),
-            v: self.vector("p.v"),
-        };
+        let frame = Frame { n: self.vector("p.n"), smooth: self.vector("p.n_smooth"), v: self.vector("p.v") };
         let material = MaterialPoint {
             sample: self.sample(),
             ambient: self.vector("p.ambient"),

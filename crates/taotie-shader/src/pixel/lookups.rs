@@ -4,8 +4,8 @@ use crate::program::{Formula, part};
 use crate::recorder::{Recorded, Scope, record};
 use taotie::math::Vec3;
 use taotie::pixel::{
-    Cone, Falloff, Frame, Incidence, LightSource, Place, Terminator, Turn, coat_normal, height_derivative,
-    height_step, log2_texels, turned_uv,
+    Cone, Falloff, Frame, Incidence, LightSource, Place, Turn, coat_normal, height_derivative, height_step,
+    log2_texels, turned_uv,
 };
 use taotie::shade::dfg::between_entries;
 use taotie::shade::environment::{
@@ -15,12 +15,11 @@ use taotie::shade::environment::{
 use taotie::shade::fresnel::f_f82;
 
 /// The formulas that stages call.
-pub(super) fn parts() -> [Formula; 4] {
+pub(super) fn parts() -> [Formula; 3] {
     [
         part("mixed", "mix", LINEAR, record(mixed)),
         part("fresnel_schlick", "f", SCHLICK, record(schlick)),
         part("towards_viewer", "n", TOWARDS_VIEWER, record(towards)),
-        part("terminator_share", "share", TERMINATOR, record(terminator)),
     ]
 }
 
@@ -75,13 +74,8 @@ fn schlick(scope: Scope<'_>) -> Vec<Recorded<'_>> {
 
 fn towards(scope: Scope<'_>) -> Vec<Recorded<'_>> {
     let (n, smooth) = (scope.vector("n"), scope.vector("n_smooth"));
-    let frame = Frame { n, smooth, squared_slope: scope.constant(0.0), v: scope.vector("v") };
+    let frame = Frame { n, smooth, v: scope.vector("v") };
     coat_normal(n, &frame).to_array().to_vec()
-}
-
-fn terminator(scope: Scope<'_>) -> Vec<Recorded<'_>> {
-    let (smooth, squared_slope) = (scope.vector("n_smooth"), scope.number("squared_slope"));
-    vec![Terminator { smooth, squared_slope }.share(scope.vector("l"))]
 }
 
 fn turned(scope: Scope<'_>) -> Vec<Recorded<'_>> {
@@ -166,11 +160,6 @@ Source: Schlick 1994, eq. 15, with the F90 of Lagarde and de Rousiers 2014.";
 
 const TOWARDS_VIEWER: &str = "A mapped normal that turns away from a viewer who sees the surface, turned back until it is just seen: the least
 change there is, and without a step, where mirroring the normal would light the wrong side of every steep slope.";
-
-const TERMINATOR: &str = "The share of light from `l` that arrives: 2 / (1 + √(1 + α² tan²θ)), α² = tan²(n, n')/8, θ between the smooth
-normal and `l`; 0 below the horizon, and 1 where no map turns the normal.
-Source: Estevez, Lecocq and Stein 2019, \"A Microfacet-Based Shadowing Function to Solve the Bump Terminator
-Problem\".";
 
 const TURNED: &str = "The linear part of a texture's transform, by rows, applied to texture coordinates or to a change of them.";
 

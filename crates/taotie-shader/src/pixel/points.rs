@@ -66,9 +66,7 @@ impl<'g> Inputs<'g, '_> {
         let none = self.constant(0.0);
         let (gain, transmitted) =
             sample.compensation.map_or((Vec3::splat(none), none), |c| (c.gain, c.transmitted));
-        let mut numbers = flat([frame.n, frame.smooth]);
-        numbers.push(frame.squared_slope);
-        numbers.extend(flat([frame.v, sample.base_color]));
+        let mut numbers = flat([frame.n, frame.smooth, frame.v, sample.base_color]);
         numbers.extend([sample.metallic, sample.roughness]);
         numbers.extend(sample.f0.to_array());
         numbers.push(sample.f90);

@@ -111,10 +111,9 @@ const TEXELS: [Row; 23] = [
     ("anisotropy_green", N, "The stored sine of a turn of the anisotropy, [0, 1]."),
 ];
 
-const FRAME: [Row; 5] = [
+const FRAME: [Row; 4] = [
     ("n", V, "The shading normal; not unit for `bump-printed`."),
     ("n_smooth", V, "The normal before any map, on the side that is seen."),
-    ("squared_slope", N, "The squared slope of the map, as the edge of its shadow takes it."),
     ("coat_n", V, "The clearcoat's normal."),
     ("tangent", V, "The direction of the anisotropy, at a right angle to the shading normal."),
 ];
@@ -135,10 +134,9 @@ const VALUES: [Row; 13] = [
     ("anisotropy", N, "The strength of the anisotropy, [0, 1]."),
 ];
 
-const POINT: [Row; 32] = [
+const POINT: [Row; 31] = [
     ("n", V, "The shading normal; not unit for `bump-printed`."),
     ("n_smooth", V, "The normal before any map, unit, on the side that is seen."),
-    ("squared_slope", N, "The squared slope of the map; 0 where nothing is to be softened."),
     ("v", V, "The direction to the viewer, unit."),
     ("base_color", V, "ρ, linear RGB in [0, 1]."),
     ("metallic", N, "[0, 1]."),

@@ -113,7 +113,7 @@ const FRAME: Title = Title {
     structure: Some("ShadingFrame"),
     feeds: Feeds::Structure,
     doc: "The shading normal, by the method of the surface, and the other directions of a point.
-Source: Mikkelsen 2008 and 2020; Estevez, Lecocq and Stein 2019 for the squared slope.",
+Source: Mikkelsen 2008 and 2020.",
 };
 
 const VALUES: Title = Title {

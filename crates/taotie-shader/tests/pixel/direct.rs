@@ -165,7 +165,6 @@ impl<L: Lane> Direct<'_, L> {
         Results::from([
             ("n", flat(frame.n)),
             ("n_smooth", flat(frame.smooth)),
-            ("squared_slope", vec![frame.squared_slope]),
             ("coat_n", flat(coat_normal(coat_n, &frame))),
             ("tangent", flat(anisotropy_direction(&geometry, frame.n, turn))),
         ])
@@ -326,7 +325,6 @@ impl<L: Lane> Direct<'_, L> {
         let mut results = Results::from([
             ("n", flat(n)),
             ("n_smooth", flat(self.vector("f.n_smooth"))),
-            ("squared_slope", vec![self.number("f.squared_slope")]),
             ("v", flat(self.vector("g.v"))),
             ("base_color", flat(s.base_color)),
             ("metallic", vec![s.metallic]),
@@ -373,13 +371,7 @@ impl<L: Lane> Direct<'_, L> {
 
     fn point(&self) -> SurfacePoint<L> {
         let shading = self.case.options.shading;
-        let slope = if self.softened() { self.number("p.squared_slope") } else { self.lit(0.0) };
-        let frame = Frame {
-            n: self.vector("p.n"),
-            smooth: self.vector("p.n_smooth"),
-            squared_slope: slope,
-            v: self.vector("p.v"),
-        };
+        let frame = Frame { n: self.vector("p.n"), smooth: self.vector("p.n_smooth"), v: self.vector("p.v") };
         let occlusion = self.material().occlusion_texture;
         let material = MaterialPoint {
             sample: self.sample(),

@@ -3,8 +3,8 @@
 use crate::random::Random;
 use taotie::math::{Lane, Vec3};
 use taotie::pixel::{
-    Cone, Falloff, Frame, LightSource, Place, Terminator, Turn, coat_normal, height_derivative, height_step,
-    log2_texels, turned_uv,
+    Cone, Falloff, Frame, LightSource, Place, Turn, coat_normal, height_derivative, height_step, log2_texels,
+    turned_uv,
 };
 use taotie::scene::Material;
 use taotie::shade::dfg::between_entries;
@@ -15,11 +15,10 @@ use taotie::shade::environment::{
 use taotie::shade::fresnel::f_schlick_f90;
 use taotie_shader::{Kind, PixelProgram, Variant, VariantOptions, evaluate};
 
-const NAMES: [&str; 18] = [
+const NAMES: [&str; 17] = [
     "mixed",
     "fresnel_schlick",
     "towards_viewer",
-    "terminator_share",
     "log2_texels",
     "between_entries",
     "height_derivative",
@@ -53,10 +52,9 @@ fn direct<L: Lane>(name: &str, x: &[L]) -> Vec<L> {
             flat([f.map(|channel| channel.clamp(0.0, 1.0))])
         }
         "towards_viewer" => {
-            let frame = Frame { n: v(x, 0), smooth: v(x, 3), squared_slope: x[0].lit(0.0), v: v(x, 6) };
+            let frame = Frame { n: v(x, 0), smooth: v(x, 3), v: v(x, 6) };
             flat([coat_normal(v(x, 0), &frame)])
         }
-        "terminator_share" => vec![Terminator { smooth: v(x, 0), squared_slope: x[3] }.share(v(x, 4))],
         "log2_texels" => vec![log2_texels([x[0], x[1]], [x[2], x[3]], [x[4], x[5]])],
         "between_entries" => vec![between_entries([x[0], x[1], x[2], x[3]], [x[4], x[5]])],
         "height_derivative" => vec![height_derivative(x[0], x[1], x[2])],

@@ -10,24 +10,21 @@ pub struct Frame<L> {
     pub n: Vec3<L>,
     /// The normal before any map, on the side that is seen.
     pub smooth: Vec3<L>,
-    /// α² of [`super::Terminator`]; 0 where nothing is to be softened.
-    pub squared_slope: L,
     /// The direction to the viewer.
     pub v: Vec3<L>,
 }
 
 impl<L: Lane> Frame<L> {
-    /// Makes the frame of the front's shading normal `n`. `side` is −1 where the surface is seen from behind and turns
-    /// with it, else 1. Where it is `softened`, a normal that turns away from the viewer is turned back, and the edge
-    /// of the relief's shadow is made soft.
+    /// Makes the frame of the front's shading normal `n`. `side` is −1 if the surface is seen from behind and turns
+    /// with it, else 1. If `softened`, a normal that faces away from the viewer is bent until it is just visible.
+    ///
+    /// Light is measured against this normal only, never against the smooth one: where a baked map and its coarse mesh
+    /// disagree, the map is right, and the mesh's own horizon would cut dark wedges into lit relief.
     #[inline(always)]
     pub fn new(geometry: &Geometry<L>, n: Vec3<L>, side: L, softened: bool) -> Self {
         let (smooth, n, v) = (geometry.smooth() * side, n * side, geometry.v);
-        if !softened {
-            return Self { n, smooth, squared_slope: side.lit(0.0), v };
-        }
-        let n = towards_viewer(n, smooth, v);
-        Self { n, smooth, squared_slope: squared_slope(smooth, n), v }
+        let n = if softened { towards_viewer(n, smooth, v) } else { n };
+        Self { n, smooth, v }
     }
 }
 
@@ -62,37 +59,4 @@ fn towards_viewer<L: Lane>(n: Vec3<L>, smooth: Vec3<L>, v: Vec3<L>) -> Vec3<L> {
     let least = smooth.dot(v).clamp(LEAST_AT_RIM, LEAST_N_DOT_V);
     let lacking = (least - n.dot(v)).max(zero);
     Vec3::select(zero.lt(lacking), (n + v * lacking).normalize_or(smooth), n)
-}
-
-/// α² of [`super::Terminator::share`] for a map that turns the unit normal `smooth` into `n`: tan² of the angle between
-/// over eight, at most 1.
-#[inline(always)]
-fn squared_slope<L: Lane>(smooth: Vec3<L>, n: Vec3<L>) -> L {
-    let cosine = smooth.dot(n).abs().clamp(1e-3, 1.0);
-    let squared = cosine * cosine;
-    ((squared.lit(1.0) - squared) / squared * squared.lit(0.125)).clamp(0.0, 1.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::Terminator;
-    use super::*;
-
-    #[test]
-    fn terminators_agree_with_the_oracle() {
-        let oracle = include_str!("../../../../tests/oracle/light_oracle.json");
-        let oracle: serde_json::Value = serde_json::from_str(oracle).unwrap();
-        let rows = oracle["terminator"].as_array().unwrap();
-        assert!(rows.len() > 30);
-        for row in rows {
-            let vector = |name: &str| {
-                let [x, y, z] = [0, 1, 2].map(|i| row[name][i].as_f64().unwrap());
-                Vec3::new(x, y, z)
-            };
-            let smooth = vector("smooth");
-            let terminator = Terminator { smooth, squared_slope: squared_slope(smooth, vector("n")) };
-            let (share, truth) = (terminator.share(vector("l")), row["share"].as_f64().unwrap());
-            assert!((share - truth).abs() < 1e-9, "{share} for {truth} in {row}");
-        }
-    }
 }

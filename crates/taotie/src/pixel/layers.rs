@@ -1,4 +1,4 @@
-//! The layers over the base of a surface: clearcoat, sheen, and the soft edge of its relief's shadow.
+//! The layers over the base of a surface: clearcoat and sheen.
 
 use crate::math::{Lane, Vec3};
 use crate::shade::dfg::Dfg;
@@ -90,34 +90,4 @@ impl<L: Lane> Sheen<L> {
 #[inline(always)]
 pub fn sheen_albedo<L: Lane>(of_table: L) -> L {
     of_table.min(of_table.lit(1.0))
-}
-
-/// The softened edge between the lit and the dark side of a surface whose normals come from a map.
-///
-/// A map turns normals without moving the surface, so light ends abruptly where the surface turns away but its mapped
-/// normal does not. The slope of the map is taken as a roughness of the surface's own facets, and the light fades by
-/// how much those would hide.
-/// Source: Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve the Bump Terminator
-/// Problem".
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Terminator<L> {
-    /// The normal before any map: unit, world space.
-    pub smooth: Vec3<L>,
-    /// The squared slope of the map; 0 where nothing is to be softened.
-    pub squared_slope: L,
-}
-
-impl<L: Lane> Terminator<L> {
-    /// The share of light from `l` that arrives: 2 / (1 + √(1 + α² tan²θ)), α² = tan²(n, n')/8, θ between the smooth
-    /// normal and `l`; 0 below the horizon, and 1 where no map turns the normal.
-    #[inline(always)]
-    pub fn share(&self, l: Vec3<L>) -> L {
-        let (zero, one) = (l.x.lit(0.0), l.x.lit(1.0));
-        let cosine = self.smooth.dot(l);
-        let squared = (cosine * cosine).max(one.lit(1e-12));
-        let tan2 = ((one - squared) / squared).max(zero);
-        let share = one.lit(2.0) / (one + (one + self.squared_slope * tan2).sqrt());
-        let softened = L::select(zero.lt(cosine), share, zero);
-        L::select(zero.lt(self.squared_slope), softened, one)
-    }
 }

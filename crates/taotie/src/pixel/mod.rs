@@ -41,7 +41,7 @@ pub use inputs::{
     AnisotropyInputs, CoatInputs, EnvironmentSource, LayerInputs, NormalSource, PixelInputs, SheenInputs,
     Surroundings,
 };
-pub use layers::{Coat, Sheen, Terminator, coat_albedo, sheen_albedo};
+pub use layers::{Coat, Sheen, coat_albedo, sheen_albedo};
 pub use light::{Cone, Falloff, Incidence, LightSource, Place};
 pub use material::{MaterialPoint, MaterialUniforms, MaterialValues, lobe_roughness, lobe_slope};
 pub use model::{Model, is_cook_torrance, takes_albedos, takes_compensation, takes_layers, takes_roughness};

@@ -2,7 +2,7 @@
 
 use super::environment::EnvironmentTexels;
 use super::frame::Frame;
-use super::layers::{Coat, Sheen, Terminator};
+use super::layers::{Coat, Sheen};
 use super::material::MaterialPoint;
 use crate::math::{Lane, Vec3};
 use crate::shade::dfg::Dfg;
@@ -47,7 +47,7 @@ impl<L: Lane> SurfacePoint<L> {
     /// Does what [`Self::reflect`] does, without the clearcoat.
     #[inline(always)]
     pub fn reflect_bare(&self, l: Vec3<L>) -> Vec3<L> {
-        let Frame { n, v, smooth, squared_slope } = self.frame;
+        let Frame { n, v, .. } = self.frame;
         let angles = Angles::new(n, v, l);
         let sample = &self.material.sample;
         let mut reflected = match &self.layers.anisotropic {
@@ -57,7 +57,7 @@ impl<L: Lane> SurfacePoint<L> {
         if let Some(sheen) = &self.layers.sheen {
             reflected = sheen.over(reflected, &angles);
         }
-        reflected * Terminator { smooth, squared_slope }.share(l)
+        reflected
     }
 
     /// Emission, and reflection of the `ambient` light, linear RGB.

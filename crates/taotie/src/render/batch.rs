@@ -99,7 +99,6 @@ pub(super) struct MaterialColumns {
 pub(super) struct FrameColumns {
     pub n: Column3,
     pub smooth: Column3,
-    pub squared_slope: Column,
 }
 
 /// The directional albedos of the lobe.
@@ -221,7 +220,7 @@ impl Batch {
                 anisotropy_turn: [ZERO; 2],
                 anisotropy_direction: ZERO3,
             },
-            frame: FrameColumns { n: ZERO3, smooth: ZERO3, squared_slope: ZERO },
+            frame: FrameColumns { n: ZERO3, smooth: ZERO3 },
             albedos: Albedos { dfg: Quads::ZERO, compensated: false },
             environment: EnvironmentColumns {
                 radiance: EnvironmentRadiance { specular: ZERO3, mean: ZERO3, coat: ZERO3 },

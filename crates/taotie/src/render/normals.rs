@@ -9,7 +9,7 @@ use crate::pixel::{Frame, Geometry, MappedNormal, anisotropy_direction, coat_nor
 use crate::scene::{GreenChannel, NormalMap};
 use fearless_simd::Level;
 
-/// Fills `batch.frame.n`, `batch.frame.smooth` and `batch.frame.squared_slope`, and the directions of the layers.
+/// Fills `batch.frame.n` and `batch.frame.smooth`, and the directions of the layers.
 pub(super) fn shade_normals(level: Level, draw: &Draw<'_>, grazing: GrazingNormals, batch: &mut Batch) {
     dispatch_pack!(level, P, token => all_packs::<P>(token, draw, grazing, batch));
 }
@@ -21,7 +21,6 @@ fn all_packs<P: Pack>(token: P::Token, draw: &Draw<'_>, grazing: GrazingNormals,
         let at: Lanes<'_, P> = batch.lanes(token, i);
         let geometry = at.geometry();
         let frame = Frame::new(&geometry, front_normal(at, &geometry, draw), side(at, draw), softened);
-        frame.squared_slope.store(&mut batch.frame.squared_slope[i..]);
         store3(frame.n, &mut batch.frame.n, i);
         store3(frame.smooth, &mut batch.frame.smooth, i);
         shade_layers::<P>(token, draw, batch, i);

@@ -45,7 +45,6 @@ impl<P: Pack> Lanes<'_, P> {
         Frame {
             n: self.load3(&batch.frame.n),
             smooth: self.load3(&batch.frame.smooth),
-            squared_slope: self.load(&batch.frame.squared_slope),
             v: self.load3(&batch.geometry.v),
         }
     }

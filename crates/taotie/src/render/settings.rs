@@ -30,15 +30,14 @@ pub struct SurfaceSettings {
     pub simd: SimdLevel,
 }
 
-/// The treatment of mapped normals that turn away from the viewer, and of light where the surface turns away but its
-/// mapped normal does not.
+/// The treatment of mapped normals that face away from the viewer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum GrazingNormals {
-    /// The normal is turned until the viewer sees it, and light fades towards the surface's own horizon.
+    /// The normal is bent until the viewer just sees it.
     #[default]
     Soften,
-    /// The normal is kept as in the map: black fringes and hard edges where it cannot be.
+    /// The normal is kept as in the map, with black fringes at silhouettes.
     Keep,
 }
 

@@ -7,6 +7,9 @@ mod common;
 mod files;
 #[path = "../common/finishes.rs"]
 mod finishes;
+#[allow(dead_code, reason = "each test uses a part")]
+#[path = "../common/hostile.rs"]
+mod hostile;
 #[path = "../common/ktx.rs"]
 mod ktx;
 #[path = "../common/pictures.rs"]
@@ -30,6 +33,7 @@ mod golden;
 mod ground;
 mod huge;
 mod normal_tangent;
+mod raking;
 mod reference;
 mod reference_light;
 mod reference_normals;

@@ -123,10 +123,10 @@ fn softened_normals_have_no_black_fringe() {
         scene
     };
     // Kept normals that point away from the viewer see a lamp or a sky behind the camera no more. Measured, as shares
-    // of the smooth surface's light: under the lamp 84 of 964 pixels kept are black, softened none is below 0.644;
+    // of the smooth surface's light: under the lamp 84 of 964 pixels kept are black, softened none is below 0.671;
     // under the sky the darkest has 0.358 and 0.785, and what a metal mirrors 0.00007 and 0.2516.
     let cases = [
-        ("lamp", 0.0, lamp(0.0), [0.0, 0.63]),
+        ("lamp", 0.0, lamp(0.0), [0.0, 0.66]),
         ("sky", 0.0, sky_behind_the_camera(), [0.37, 0.77]),
         ("mirrored sky", 1.0, sky_behind_the_camera(), [1e-4, 0.24]),
     ];
@@ -141,27 +141,6 @@ fn softened_normals_have_no_black_fringe() {
         assert!(kept[0] <= dark, "{what}: {} is dark no more: the case shows nothing", kept[0]);
         assert!(softened[0] >= light, "{what}: {} is left", softened[0]);
     }
-}
-
-/// The largest step between neighbours along the middle row, towards the dark side beyond where the lamp is at 60°.
-fn largest_step(image: &Image) -> f32 {
-    let row: Vec<f32> = (0..96).map(|x| image.pixel(x, 48)).filter(|p| p[3] == 1.0).map(|p| p[0]).collect();
-    let edge = &row[row.len() / 6..row.len() / 2];
-    edge.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f32::max)
-}
-
-#[test]
-fn light_ends_softly_where_a_bumpy_surface_turns_away() {
-    let mut scene = polished_bosses(3.0, 1.0);
-    scene.edit(|scene| scene.materials[0].metallic = 0.0).unwrap();
-    // From the right and from behind: light ends between the middle and the left edge.
-    let side = Vec3::new(-1.0, 0.0, -0.3);
-    let lighting = Lighting { lights: vec![scenes::directional(side, 3.0)], ..Lighting::default() };
-    let [kept, softened] = [GrazingNormals::Keep, GrazingNormals::Soften]
-        .map(|way| largest_step(&picture(&scene, &lighting, way)));
-    eprintln!("steps of {kept} kept, {softened} softened");
-    // Measured: 0.046 for 0.068.
-    assert!(softened < 0.8 * kept, "{softened} for {kept}");
 }
 
 #[test]
