@@ -21,7 +21,11 @@ pub fn run(scan: &Path, asset: &Path, options: BakeOptions) -> Result<String> {
         "{} triangles, {} bytes; normals off by {:.2}° on average; required: {}",
         baked.levels().next().map_or(0, |mesh| mesh.triangles().len()),
         proof.figures.bytes_out,
-        proof.figures.angles.map_or(f64::NAN, |angles| angles.mean),
+        proof
+            .figures
+            .finest()
+            .and_then(|finest| finest.overview.angles)
+            .map_or(f64::NAN, |angles| angles.summary.mean),
         if met.iter().all(|met| met.met) { "met" } else { "not met" }
     ))
 }

@@ -1,5 +1,6 @@
 //! What a proof finds wrong, in plain words: how much of the surface, and where.
 
+use super::judgement::useless_map;
 use super::level_figures::LevelFigures;
 use super::shown::ShownLevel;
 use crate::error::Warnings;
@@ -38,16 +39,12 @@ pub(super) fn note(figures: &LevelFigures, level: &ShownLevel<'_>, warnings: &mu
         );
         warnings.note(what, 1);
     }
-    let gains = match (&figures.surface_angles, &figures.without_map) {
-        (Some(mapped), Some(plain)) => mapped.mean < plain.mean,
-        _ => true,
-    };
-    let has_relief = level.parts.iter().any(|part| part.has_relief);
-    warnings.note(
-        "the normal map does not bring the asset closer to the scan than its vertex normals: is it the map of this scan, \
-         and is its green channel up?",
-        usize::from(has_relief && !gains),
-    );
+    if level.parts.iter().any(|part| part.has_relief)
+        && let (Some(with), Some(without)) = (&figures.surface_angles, &figures.without_map)
+        && let Some(what) = useless_map(with, without)
+    {
+        warnings.note(what, 1);
+    }
 }
 
 fn note_coverage(figures: &LevelFigures, warnings: &mut Warnings) {

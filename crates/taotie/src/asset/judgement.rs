@@ -208,7 +208,6 @@ pub(super) fn note_missing_parts(scan: &Mesh, low: &Mesh, is_made: bool, warning
 }
 
 /// Returns a warning if a normal map does not reduce the normal error, given the angles with and without it, degrees.
-#[cfg_attr(not(test), expect(dead_code, reason = "for the proof, which has both summaries"))]
 pub(super) fn useless_map(with: &Summary, without: &Summary) -> Option<String> {
     (with.mean >= without.mean).then(|| {
         format!(

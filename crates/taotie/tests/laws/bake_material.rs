@@ -1,6 +1,7 @@
 //! What a bake keeps of a scan's materials: normal and height maps, textures read as finely as samples lie apart, and
 //! each triangle's own factors.
 
+use crate::bake_scan::shown;
 use std::ops::Range;
 use taotie::Progress;
 use taotie::bake::{
@@ -124,16 +125,6 @@ fn degrees(a: Vec3, b: Vec3) -> f64 {
 fn largest_angle(normals: &[[f32; 3]], size: u32, truth: impl Fn(Vec2) -> Vec3) -> f64 {
     let pairs = normals.iter().zip(places(size));
     pairs.map(|(n, uv)| degrees(Vec3::from_array(*n), truth(uv))).fold(0.0, f64::max)
-}
-
-/// A low-poly mesh that shows a normal map.
-fn shown(low: &Mesh, texture: &Texture, (space, sampler): (NormalSpace, Sampler)) -> TexturedMesh {
-    let texture_0 = TextureRef { texture: 0, uv_set: 0, sampler, transform: UvTransform::default() };
-    let map = NormalMap { texture: texture_0, scale: 1.0, space, green: GreenChannel::Up };
-    let mut scene = Scene::of_mesh(low.clone(), Material::default()).unwrap();
-    let material = Material { normal: Some(map), ..Material::default() };
-    scene.edit(|scene| (scene.textures, scene.materials) = (vec![texture.clone()], vec![material])).unwrap();
-    TexturedMesh::new(scene).unwrap()
 }
 
 #[test]

@@ -55,7 +55,7 @@ fn covered(maps: &BakedMaps) -> impl Iterator<Item = usize> + '_ {
 }
 
 /// A low-poly mesh that shows a normal map.
-fn shown(low: &Mesh, texture: &Texture, (space, sampler): (NormalSpace, Sampler)) -> TexturedMesh {
+pub fn shown(low: &Mesh, texture: &Texture, (space, sampler): (NormalSpace, Sampler)) -> TexturedMesh {
     let texture_0 = TextureRef { texture: 0, uv_set: 0, sampler, transform: UvTransform::default() };
     let map = NormalMap { texture: texture_0, scale: 1.0, space, green: GreenChannel::Up };
     let mut scene = Scene::of_mesh(low.clone(), Material::default()).unwrap();

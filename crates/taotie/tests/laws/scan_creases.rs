@@ -1,11 +1,12 @@
 //! The normals of scans whose files have none: modelled shapes keep their hard edges, scans stay smooth.
 
+use crate::bake_scan::shown;
 use crate::files::data_files;
 use crate::modelled::{Facet, askew, chamfered_box, cylinder, gear, gridded_cube, loose, nut, welded};
 use crate::random::Random;
 use taotie::Progress;
 use taotie::asset::{BakeOptions, Baker, Scan, ScanFile, ScanOptions};
-use taotie::bake::{self, Cage, ShownNormals, Verifier};
+use taotie::bake::{self, Cage, Verifier};
 use taotie::image::{Encoding, Sampler, Texture};
 use taotie::math::{Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
@@ -103,9 +104,9 @@ fn error_of_asset(facets: &[Facet], crease_angle_deg: Option<f64>) -> f64 {
     let low = asset.levels().next().unwrap();
     let truth = bake::Scan::new(Scene::of_mesh(loose(facets), Material::default()).unwrap()).unwrap();
     let texture = Texture::new(asset.textures().normal.clone().unwrap(), Encoding::Normal);
-    let normal = ShownNormals { texture: &texture, space: NormalSpace::Tangent, sampler: Sampler::BILINEAR };
+    let shown = shown(low, &texture, (NormalSpace::Tangent, Sampler::BILINEAR));
     let cage = Cage::automatic(low, &truth);
-    let verifier = Verifier { mesh: low, normal: Some(normal), cage: &cage, scan: &truth };
+    let verifier = Verifier { mesh: low, shown: Some(&shown), cage: &cage, scan: &truth };
     verifier.normal_error(20_000).unwrap().angles.summary().unwrap().mean
 }
 

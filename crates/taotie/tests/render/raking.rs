@@ -244,8 +244,8 @@ fn a_cube_with_smooth_corners_looks_like_its_scan() {
         let low = Some(MeshSource::Mesh(Mesh::new(low).unwrap().into()));
         let options = BakeOptions { low, bits: 16, ..BakeOptions::default() };
         let written = written(&scan, options, &folder.path().join("cube.glb"));
-        let options = VerifyOptions { points: 10, distance_points: 10, map: 16, view: 256 };
-        let views = written.verify(&scan, &options, Progress::SILENT).unwrap().figures.views;
+        let options = VerifyOptions { points: 10, map: 16, view: 256, ..VerifyOptions::default() };
+        let views = written.verify(&scan, &options, Progress::SILENT).unwrap().views.figures;
         let mean = views.iter().map(|view| view.flip).sum::<f64>() / views.len() as f64;
         eprintln!("{cells}² squares a side: FLIP {mean:.5}");
         assert!(mean <= 0.003, "{cells}² squares a side: FLIP {mean}");
