@@ -1,6 +1,5 @@
 //! `docs/errors.md`: how far each approximation lies from the reference integrator, or from exact integrals.
 
-mod coarse;
 mod energy;
 mod relief;
 mod split_sum;
@@ -20,9 +19,7 @@ const PAGE: &str = "docs/errors.md";
 /// Where the page or an environment cannot be read.
 pub fn generated(root: &Path, environments: Option<&Path>) -> Result<Generated> {
     let kept = std::fs::read_to_string(root.join(PAGE)).unwrap_or_default();
-    let sky = Sky::studio()?;
-    let coarse = coarse::table(&sky)?;
-    let studio = split_sum::table(&[sky])?;
+    let studio = split_sum::table(&[Sky::studio()?])?;
     let files = match environments {
         Some(folder) => split_sum::table(&Sky::all_in(folder)?)?,
         None => computed::part(&kept, "split-sum-files").unwrap_or_default(),
@@ -33,7 +30,6 @@ pub fn generated(root: &Path, environments: Option<&Path>) -> Result<Generated> 
         "split-sum-files" => Some(files.clone()),
         "energy" => Some(energy.clone()),
         "relief" => Some(relief.clone()),
-        "coarse" => Some(coarse.clone()),
         _ => None,
     })
 }

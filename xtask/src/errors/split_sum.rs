@@ -34,19 +34,9 @@ impl Sky {
         Ok(Self { name: name.into(), light })
     }
 
-    /// Its light.
-    pub fn light(&self) -> EnvironmentLight {
-        self.light.clone()
-    }
-
     /// The one that is built in.
     pub fn studio() -> Result<Self> {
         Self::new("studio", studio())
-    }
-
-    /// A room that is white all around.
-    pub fn white() -> Result<Self> {
-        Self::new("white room", Image::new(32, 16, [1.0; 4])?)
     }
 
     /// Every `.hdr` and `.exr` of a folder.
