@@ -28,8 +28,9 @@ mod tests {
         let top = |t: &[u32; 3]| t.iter().all(|v| data.positions[*v as usize].y > 0.5);
         data.triangles = data.triangles.iter().copied().filter(|t| !top(t)).collect();
         let points = uncovered(&ball, &Mesh::new(data).unwrap(), 1000, 0.05);
-        // A quarter of the ball, less a border.
-        assert!((200..250).contains(&points.len()), "{}", points.len());
+        // Rows of 6° above y = 0.5 reach down to 54° from the pole, where 0.05 of the border are covered still: 51.1°, and
+        // (1 − cos 51.1°) / 2 = 0.186 of the ball.
+        assert!((180..=192).contains(&points.len()), "{}", points.len());
         assert!(points.iter().all(|p| p.y > 0.5));
     }
 }
