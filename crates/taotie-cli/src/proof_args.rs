@@ -17,7 +17,7 @@ pub struct ProofArgs {
     #[arg(long, value_name = "standard|FIGURE[@LEVEL]=LIMIT[UNIT],...", value_delimiter = ',', value_parser = required)]
     require: Vec<Required>,
     /// Pixels of the overview and points of each surface that are compared at first, at least 10. If a limit lies within the
-    /// 99 % interval of what was found, they are doubled, up to 4 million
+    /// 99 % interval of what was found, more are taken, up to 4 million
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=4_000_000), default_value_t = 20_000)]
     proof_points: u32,
     /// Width and height of the images from all sides that are compared, 11 to 4096 pixels

@@ -1,17 +1,17 @@
 //! The proof: an asset as its files show it, compared with the scan.
 
+use super::figures::{Figures, FitFigures};
 use super::findings;
 use super::level_figures::{LevelFigures, Measured, PointCounts, measured, stacked};
 use super::made::Made;
 use super::maps_alone;
 use super::part_figures::PartFigures;
-use super::requirement::Requirement;
+use super::requirement::{Met, Requirement};
 use super::scan::Scan;
 use super::shown::ShownLevel;
 use super::unseen::unseen;
 use super::views::{self, Looks, Views};
 use super::write::Written;
-use crate::bake::Fit;
 use crate::compare::Field;
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Encoding, Texture};
@@ -37,7 +37,7 @@ use std::path::{Path, PathBuf};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct VerifyOptions {
     /// Pixels of the overview, and points of each surface, at which scan and asset are compared at first, at least 10. If a
-    /// requirement's limit lies within the interval of what was found, they are doubled, up to 4 million.
+    /// requirement's limit lies within the interval of what was found, more are taken, up to 4 million.
     pub points: usize,
     /// Texels along a side of the map of errors, at most; no more than the maps have.
     pub map: u32,
@@ -57,6 +57,8 @@ impl Default for VerifyOptions {
 
 /// Points at most, when samples double to decide a requirement.
 const MOST_POINTS: usize = 4_000_000;
+/// More points than are likely to decide a requirement, since estimates of intervals vary.
+const MARGIN: f64 = 1.5;
 
 /// The mean and the largest angle, degrees, between unit vectors and what eight bits store of them.
 ///
@@ -69,72 +71,6 @@ const MOST_POINTS: usize = 4_000_000;
 /// }
 /// ```
 pub const FLOOR_8_BIT: [f64; 2] = [0.17, 0.38];
-
-/// The differences of an asset from its scan, in numbers.
-///
-/// ```
-/// use taotie::asset::{BIN_WIDTH, Figures};
-///
-/// /// Returns the mean angle by which the map improves on vertex normals alone, degrees, on the surface.
-/// fn gain(figures: &Figures) -> Option<f64> {
-///     let finest = figures.finest()?;
-///     Some(finest.without_map?.mean - finest.surface_angles?.mean)
-/// }
-/// ```
-#[derive(Debug, Clone, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct Figures {
-    /// Of each level of detail, the finest first.
-    pub levels: Vec<LevelFigures>,
-    /// The scan's diagonal, model units.
-    pub diagonal: f64,
-    /// The fit of the meshes to one another; `None` where the low-poly mesh has no area.
-    pub fit: Option<FitFigures>,
-    /// Bytes of the scan's files; 0 in memory.
-    pub bytes_in: u64,
-    /// Bytes of the asset, with the files that it names.
-    pub bytes_out: u64,
-    /// Of each material of the asset, where it has several.
-    pub parts: Vec<PartFigures>,
-    /// What no figure and no image looks at.
-    pub unseen: Vec<String>,
-}
-
-impl Figures {
-    /// Returns the figures of the finest level; `None` if nothing was measured.
-    pub fn finest(&self) -> Option<&LevelFigures> {
-        self.levels.first()
-    }
-}
-
-/// The fit of two meshes to one another; see [`Fit`].
-///
-/// ```
-/// use taotie::asset::FitFigures;
-///
-/// /// Returns `true` where the meshes hardly belong together.
-/// fn lie_apart(fit: &FitFigures) -> bool {
-///     fit.away > 0.1 || fit.turned > 0.1
-/// }
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct FitFigures {
-    /// The part of the low-poly mesh far from the scan.
-    pub away: f64,
-    /// The part that faces the other way.
-    pub turned: f64,
-    /// The mean distance as a part of the diagonal.
-    pub distance_of_diagonal: f64,
-}
-
-impl From<Fit> for FitFigures {
-    fn from(fit: Fit) -> Self {
-        Self { away: fit.away, turned: fit.turned, distance_of_diagonal: fit.distance }
-    }
-}
 
 /// The differences of an asset from its scan: figures and images.
 ///
@@ -297,11 +233,13 @@ impl<'a> Measurement<'a> {
             for scene in coarser {
                 figures.levels.push(self.of_level(&level(scene)?, &side, counts.quarter())?.0);
             }
-            let is_decided = figures.require(&options.requirements).iter().all(|met| !met.is_undecided());
-            if is_decided || points >= MOST_POINTS {
+            let met = figures.require(&options.requirements);
+            let times = met.iter().map(Met::samples_to_decide).fold(1.0, f64::max);
+            // If even the most points are far from enough, none of them would tell.
+            if times <= 1.0 || points >= MOST_POINTS || points as f64 * times > MOST_POINTS as f64 * 4.0 {
                 return Ok((figures, parts));
             }
-            points = (points * 2).min(MOST_POINTS);
+            points = (points as f64 * (times * MARGIN).max(2.0)).min(MOST_POINTS as f64) as usize;
             progress.begin("measure more points")?;
         }
     }
@@ -444,6 +382,11 @@ fn show_object_map(
 }
 
 impl Proof {
+    /// Compares each requirement with the figures; see [`Figures::require`].
+    pub fn require(&self, requirements: &[Requirement]) -> Vec<Met> {
+        self.figures.require(requirements)
+    }
+
     /// Puts the figures of the views, the finest level's first, to those of their levels.
     fn new(mut figures: Figures, looks: Looks) -> Self {
         for (level, views) in figures.levels.iter_mut().zip(&looks.grey) {

@@ -1,12 +1,13 @@
 //! Every parameter and every figure of a bake, as data.
 
+use super::figures::Figures;
 use super::low::Origin;
 use super::map_note::MapNote;
 use super::maps_alone;
 use super::options::MeshSource;
 use super::parameters::Parameters;
 use super::plan::Left;
-use super::proof::{FLOOR_8_BIT, Figures, Proof};
+use super::proof::{FLOOR_8_BIT, Proof};
 use super::requirement::Met;
 use super::scan::Scan;
 use super::search_course::Trial;

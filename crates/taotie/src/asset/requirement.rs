@@ -1,8 +1,8 @@
 //! The requirements that a proof must meet.
 
 use super::figure::Figure;
+use super::figures::Figures;
 use super::level_figures::LevelFigures;
-use super::proof::{Figures, Proof};
 use super::views::ViewFigures;
 use crate::error::{Error, Result};
 use crate::names::Named;
@@ -271,6 +271,15 @@ impl Met {
         !self.met && if self.figure.is_at_least() { high >= self.most } else { low <= self.most }
     }
 
+    /// Returns how many times as many samples are likely to decide the requirement, since intervals shrink with the square
+    /// root of their number; 1 if it is decided.
+    pub(super) fn samples_to_decide(&self) -> f64 {
+        let (Some(value), Some([low, high]), true) = (self.value, self.interval, self.is_undecided()) else {
+            return 1.0;
+        };
+        ((high - low) / 2.0 / (value - self.most).abs().max(f64::MIN_POSITIVE)).powi(2)
+    }
+
     /// Returns value and limit in the figure's unit, such as `is 0.02 %, at most 0.1 %`. Both have all their digits if fewer
     /// would hide that the limit is exceeded.
     pub fn text(&self) -> String {
@@ -296,13 +305,6 @@ impl Figures {
     /// What could not be measured, or a level that does not exist, is not met.
     pub fn require(&self, requirements: &[Requirement]) -> Vec<Met> {
         requirements.iter().flat_map(|requirement| requirement.against(self)).collect()
-    }
-}
-
-impl Proof {
-    /// Holds each requirement against the figures; see [`Figures::require`].
-    pub fn require(&self, requirements: &[Requirement]) -> Vec<Met> {
-        self.figures.require(requirements)
     }
 }
 

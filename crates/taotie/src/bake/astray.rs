@@ -1,7 +1,7 @@
 //! How much of two surfaces is far from one another.
 
+use super::area_samples::{Triangles, sample_triangles};
 use super::scan::Scan;
-use super::verify::{Triangles, sample_triangles};
 use crate::error::Result;
 use crate::mesh::Mesh;
 use crate::parallel;

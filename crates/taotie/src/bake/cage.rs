@@ -1,5 +1,6 @@
 //! The directions and distances in which the high-poly surface is looked for.
 
+use super::area_samples::triangle_weights;
 use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
 use crate::error::{Error, Result};
@@ -219,12 +220,4 @@ impl GapSearch<'_> {
         let closest = self.scan.bvh().closest(point, most)?.distance;
         Some(height((closest * OBLIQUE).max(near)).unwrap_or(closest))
     }
-}
-
-/// Weights of a triangle's corners, evenly spread for (u, v) evenly spread over [0, 1)².
-///
-/// Source: Osada et al. 2002, "Shape distributions", §4.2.
-pub(super) fn triangle_weights(u: f32, v: f32) -> [f32; 3] {
-    let root = u.sqrt();
-    [1.0 - root, root * (1.0 - v), root * v]
 }

@@ -1,9 +1,9 @@
 //! The high-poly surface that is baked from.
 
 use super::appearance::MaterialSample;
+use super::sights::{Ground, Sights};
 use super::texture_lookup::LookupPoint;
 use super::textured_mesh::TexturedMesh;
-use super::visibility::Sights;
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::mesh::{Mesh, Point};
@@ -46,9 +46,13 @@ impl Scan {
     pub(crate) fn of(surface: Arc<TexturedMesh>) -> Self {
         let mesh = surface.mesh();
         let bvh = Bvh::of(mesh.triangles().len(), |t| mesh.corners(t));
-        let mut scan = Self { surface, bvh, sights: Sights::default(), seen: OnceLock::new() };
-        scan.sights = Sights::of(&scan);
-        scan
+        let sights = Sights::of(Ground { surface: &surface, bvh: &bvh });
+        Self { surface, bvh, sights, seen: OnceLock::new() }
+    }
+
+    /// Returns the surface as lines of sight meet it.
+    pub(super) fn ground(&self) -> Ground<'_> {
+        Ground { surface: &self.surface, bvh: &self.bvh }
     }
 
     /// Returns the places from which the surface is seen.
@@ -64,18 +68,18 @@ impl Scan {
         let triangle = point.triangle as usize;
         let [a, b, _] = self.mesh().corners(triangle);
         if (b - a).length() > self.sights.reach() * LARGE {
-            return self.sights.is_side_visible(self, point, direction);
+            return self.sights.is_side_visible(self.ground(), point, direction);
         }
         let seen =
             self.seen.get_or_init(|| self.mesh().triangles().iter().map(|_| AtomicU8::new(0)).collect());
         // Two bits a side: whether it is known, and whether it is seen.
-        let shift = if self.faces(point.triangle, direction) { 0 } else { 2 };
+        let shift = if self.mesh().faces(point.triangle, direction) { 0 } else { 2 };
         let known = seen[triangle].load(Ordering::Relaxed) >> shift;
         if known & 1 != 0 {
             return known & 2 != 0;
         }
         let middle = Point { triangle: point.triangle, weights: [1.0 / 3.0; 3] };
-        let is_seen = self.sights.is_side_visible(self, middle, direction);
+        let is_seen = self.sights.is_side_visible(self.ground(), middle, direction);
         seen[triangle].fetch_or((1 | u8::from(is_seen) << 1) << shift, Ordering::Relaxed);
         is_seen
     }

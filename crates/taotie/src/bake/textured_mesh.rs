@@ -97,6 +97,21 @@ impl TexturedMesh {
         self.appearance.normal(&self.mesh, at, smooth)
     }
 
+    /// Returns `true` if alpha does not make the surface transparent at a point: it reaches a mask's cutoff, or a half if it is
+    /// blended.
+    ///
+    /// # Panics
+    /// If the mesh has no such triangle.
+    pub fn is_opaque_at(&self, point: Point) -> bool {
+        const HALF: f32 = 0.5;
+        let alpha = || self.sample(LookupPoint::finest(point)).alpha;
+        match self.material(point.triangle).alpha {
+            AlphaMode::Opaque => true,
+            AlphaMode::Mask(cutoff) => alpha() >= cutoff,
+            AlphaMode::Blend => alpha() >= HALF,
+        }
+    }
+
     /// Returns the width of the finest texel of all textures at a point, model units; `None` without textures.
     ///
     /// # Panics

@@ -1,6 +1,6 @@
 //! Parts of a scan that a low-poly mesh lacks.
 
-use super::verify::sample_area;
+use super::area_samples::sample_area;
 use crate::math::Vec3;
 use crate::mesh::Mesh;
 use crate::parallel;

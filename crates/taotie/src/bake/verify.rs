@@ -1,6 +1,7 @@
 //! The error of a low-poly mesh with its normal map against the scan it was baked from.
 
-use super::cage::{Cage, triangle_weights};
+use super::area_samples::sample_area;
+use super::cage::Cage;
 use super::layout::{BAND, Layout};
 use super::projection::Correspondence;
 use super::scan::Scan;
@@ -8,7 +9,7 @@ use super::texture_lookup::LookupPoint;
 use super::textured_mesh::TexturedMesh;
 use crate::compare::{Field, angle_deg};
 use crate::error::{Error, Result};
-use crate::math::{Vec3, sequence::Sequence};
+use crate::math::Vec3;
 use crate::mesh::{Mesh, Point};
 use crate::parallel;
 use crate::surface::facet_normal;
@@ -44,7 +45,7 @@ impl Verifier<'_> {
     /// # Errors
     /// [`Error::Invalid`] if the mesh has no area, no normals, or other triangles than its material.
     pub fn normal_error(&self, count: usize) -> Result<NormalError> {
-        self.check()?;
+        self.check(self.shown)?;
         let point = sample_area(self.mesh, count)?;
         let found: Vec<(f32, Way)> = parallel::collect(count, |i| self.angle(point(i)));
         let part = |way: Way| found.iter().filter(|(_, w)| *w == way).count() as f64 / count as f64;
@@ -61,7 +62,7 @@ impl Verifier<'_> {
     /// # Errors
     /// As [`Verifier::normal_error`]; [`Error::Invalid`] if the mesh has no uvs.
     pub fn error_map(&self, size: [u32; 2]) -> Result<Field> {
-        self.check()?;
+        self.check(self.shown)?;
         let layout = Layout::new(self.mesh, size, 1)?;
         let mut values = vec![f32::NAN; size[0] as usize * size[1] as usize];
         parallel::pieces(&mut values, (BAND * size[0]) as usize, &|band, values| {
@@ -74,9 +75,9 @@ impl Verifier<'_> {
         Field::new(size[0], size[1], values)
     }
 
-    pub(super) fn check(&self) -> Result<()> {
+    pub(super) fn check(&self, shown: Option<&TexturedMesh>) -> Result<()> {
         let count = |mesh: &Mesh| mesh.triangles().len();
-        match self.shown {
+        match shown {
             Some(shown) if count(shown.mesh()) != count(self.mesh) => Err(Error::invalid(
                 "the low-poly mesh",
                 format!(
@@ -128,72 +129,6 @@ pub(super) enum Way {
     Met,
     Closest,
     Lost,
-}
-
-/// Returns each of `count` points spread evenly over a mesh's area by its number; they are the same for the same mesh.
-pub(crate) fn sample_area(mesh: &Mesh, count: usize) -> Result<impl Fn(usize) -> Point + Sync + '_> {
-    sample_triangles(mesh, Triangles::Every(1), count)
-}
-
-/// Triangles of a mesh that are sampled.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Triangles<'a> {
-    /// The triangles 0, `step`, 2 · `step` and so on; `step` at least 1.
-    Every(usize),
-    /// Those with these numbers.
-    These(&'a [u32]),
-}
-
-/// Like [`sample_area`], but on some triangles only.
-pub(crate) fn sample_triangles<'a>(
-    mesh: &'a Mesh,
-    some: Triangles<'a>,
-    count: usize,
-) -> Result<impl Fn(usize) -> Point + Sync + 'a> {
-    /// Triangles whose areas have one sum, so that sums take little memory.
-    const BLOCK: usize = 32;
-    let triangles = match some {
-        Triangles::Every(step) => mesh.triangles().len().div_ceil(step),
-        Triangles::These(numbers) => numbers.len(),
-    };
-    let numbered = move |i: usize| match some {
-        Triangles::Every(step) => i * step,
-        Triangles::These(numbers) => numbers[i] as usize,
-    };
-    let areas = move |block: usize| {
-        let block = block * BLOCK..((block + 1) * BLOCK).min(triangles);
-        let area = move |i: usize| doubled_area(mesh, numbered(i));
-        block.map(area).map(|area| if area.is_finite() { area } else { 0.0 })
-    };
-    // The area up to the end of each block.
-    let mut sums: Vec<f64> = parallel::collect(triangles.div_ceil(BLOCK), |block| areas(block).sum());
-    let mut sum = 0.0;
-    for to_end in &mut sums {
-        sum += *to_end;
-        *to_end = sum;
-    }
-    if sum <= 0.0 {
-        return Err(Error::invalid("the mesh", "its triangles have no area"));
-    }
-    let points = Sequence::new(0);
-    Ok(move |i: usize| {
-        // One point in each of equal parts of the area.
-        let [jitter, u, v, _] = points.four(i as u32 % Sequence::MOST, (i as u32 / Sequence::MOST) * 2);
-        let target = (i as f64 + f64::from(jitter)) / count as f64 * sum;
-        let block = sums.partition_point(|s| *s <= target).min(sums.len() - 1);
-        let mut before = if block == 0 { 0.0 } else { sums[block - 1] };
-        let is_before = |area: &f64| {
-            before += area;
-            before <= target
-        };
-        let place = (block * BLOCK + areas(block).take_while(is_before).count()).min(triangles - 1);
-        Point { triangle: numbered(place) as u32, weights: triangle_weights(u, v) }
-    })
-}
-
-fn doubled_area(mesh: &Mesh, triangle: usize) -> f64 {
-    let [a, b, c] = mesh.corners(triangle).map(Vec3::to_f64);
-    (b - a).cross(c - a).length()
 }
 
 /// Faults of a pair of meshes, found before anything is baked.

@@ -1,9 +1,10 @@
 //! The error of the material that a low-poly mesh shows against the scan it was baked from.
 
+use super::area_samples::sample_area;
 use super::layout::{BAND, Layout};
 use super::texture_lookup::LookupPoint;
 use super::textured_mesh::TexturedMesh;
-use super::verify::{Verifier, sample_area};
+use super::verify::Verifier;
 use crate::compare::{Field, color_difference};
 use crate::error::Result;
 use crate::math::Vec3;
@@ -37,7 +38,7 @@ impl Verifier<'_> {
     /// # Errors
     /// [`Error::Invalid`] where the mesh has no area, or other triangles than `shown`.
     pub fn material_error(&self, shown: &TexturedMesh, count: usize) -> Result<MaterialError> {
-        self.check()?;
+        self.check(Some(shown))?;
         let point = sample_area(self.mesh, count)?;
         let found = parallel::collect(count, |i| self.material_difference(shown, point(i)));
         let field = |of: fn(&Difference) -> f32| Field::new(count as u32, 1, found.iter().map(of).collect());
@@ -57,7 +58,7 @@ impl Verifier<'_> {
     /// # Errors
     /// As [`Verifier::material_error`]; [`Error::Invalid`] where the mesh has no uvs.
     pub fn color_map(&self, shown: &TexturedMesh, size: [u32; 2]) -> Result<Field> {
-        self.check()?;
+        self.check(Some(shown))?;
         let layout = Layout::new(self.mesh, size, 1)?;
         let mut values = vec![f32::NAN; size[0] as usize * size[1] as usize];
         parallel::pieces(&mut values, (BAND * size[0]) as usize, &|band, values| {

@@ -1,21 +1,9 @@
 //! Which points of a surface can be seen from outside, or from within a room.
 
 use super::scan::Scan;
-use super::verify::sample_area;
-use crate::math::{Vec3, scalar};
-use crate::mesh::{Mesh, Point};
-use crate::parallel;
-use crate::surface::facet_normal;
-use crate::trace::Ray;
-
-/// Fixed directions in which a point may be seen from outside.
-const DIRECTIONS: usize = 256;
-/// Points at which the visible share of a surface is estimated.
-const POINTS: usize = 2_000;
-/// If a smaller share of the surface is visible from outside, it is the inside of something.
-const LEAST_OUTSIDE: f64 = 0.5;
-/// Rays start this part of the diagonal above the surface.
-const OFFSET: f32 = 1e-5;
+use super::sights::{SightLine, Sights};
+use crate::math::Vec3;
+use crate::mesh::Point;
 
 /// Tells which points of a surface a viewer can see.
 ///
@@ -26,25 +14,6 @@ const OFFSET: f32 = 1e-5;
 pub struct Visibility<'a> {
     surface: &'a Scan,
     sights: &'a Sights,
-}
-
-/// The places from which a surface is seen.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Sights {
-    directions: Vec<Vec3>,
-    /// Places in the free space of an interior; empty if the surface is seen from outside.
-    places: Vec<Vec3>,
-    /// The surface's diagonal, model units.
-    diagonal: f32,
-}
-
-/// A line of sight from a visible point to a viewer.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SightLine {
-    /// From the point to the viewer, unit.
-    pub toward: Vec3,
-    /// The distance of the viewer, model units; beyond the whole surface if it is seen from outside.
-    pub distance: f32,
 }
 
 impl<'a> Visibility<'a> {
@@ -60,199 +29,16 @@ impl<'a> Visibility<'a> {
 
     /// Returns the places in the free space from which an interior is seen; none if it is seen from outside.
     pub fn places(&self) -> &'a [Vec3] {
-        &self.sights.places
+        self.sights.places()
     }
 
     /// Returns `true` if the surface is seen from within: a room, a tomb or a cave.
     pub fn is_interior(&self) -> bool {
-        !self.sights.places.is_empty()
+        !self.sights.places().is_empty()
     }
 
     /// Returns the line along which a point is seen best: that closest to its normal. `None` if it is hidden.
     pub fn sight_line(&self, point: Point) -> Option<SightLine> {
-        self.sights.sight_line(self.surface, point)
-    }
-}
-
-impl Sights {
-    /// Finds out whether a surface is seen from outside or from within.
-    pub fn of(surface: &Scan) -> Self {
-        let diagonal = surface.mesh().diagonal() as f32;
-        let outside = Self { directions: sphere_directions(DIRECTIONS), places: Vec::new(), diagonal };
-        match outside.visible_share(surface) >= LEAST_OUTSIDE {
-            true => outside,
-            false => Self { places: free_places(surface), ..outside },
-        }
-    }
-
-    /// Returns the surface's diagonal, model units.
-    pub fn reach(&self) -> f32 {
-        self.diagonal
-    }
-
-    /// Returns the share of the area that is visible, [0, 1]; 1 without area.
-    fn visible_share(&self, surface: &Scan) -> f64 {
-        let Ok(point) = sample_area(surface.mesh(), POINTS) else { return 1.0 };
-        parallel::count(POINTS, |i| self.sight_line(surface, point(i)).is_some()) as f64 / POINTS as f64
-    }
-
-    /// Returns the line along which a point is seen best; `None` if it is hidden.
-    fn sight_line(&self, surface: &Scan, point: Point) -> Option<SightLine> {
-        let normal = facet_normal(surface.mesh().corners(point.triangle as usize))?;
-        let front = self.sight_line_on(surface, point, normal);
-        let is_double = surface.surface().material(point.triangle).double_sided;
-        if is_double { front.or_else(|| self.sight_line_on(surface, point, -normal)) } else { front }
-    }
-
-    /// Returns `true` if the side of a point that faces `direction` is visible.
-    pub fn is_side_visible(&self, surface: &Scan, point: Point, direction: Vec3) -> bool {
-        let Some(normal) = facet_normal(surface.mesh().corners(point.triangle as usize)) else {
-            return false;
-        };
-        let side = if normal.dot(direction) < 0.0 { -normal } else { normal };
-        self.sight_line_on(surface, point, side).is_some()
-    }
-
-    fn far(&self) -> f32 {
-        self.diagonal * 4.0
-    }
-
-    /// Returns the line closest to `normal` on whose side of the facet it lies.
-    fn sight_line_on(&self, surface: &Scan, point: Point, normal: Vec3) -> Option<SightLine> {
-        let start = point.position(surface.mesh()) + normal * (self.diagonal * OFFSET);
-        match self.places.is_empty() {
-            true => self.from_outside(surface, start, normal),
-            false => self.from_within(surface, start, normal),
-        }
-    }
-
-    fn from_outside(&self, surface: &Scan, start: Vec3, normal: Vec3) -> Option<SightLine> {
-        let escapes = |toward: Vec3| surface.is_seen_along(&Ray::new(start, toward), self.far());
-        let line = |toward: Vec3| SightLine { toward, distance: self.far() };
-        if escapes(normal) {
-            return Some(line(normal));
-        }
-        let mut on_front: Vec<(f32, Vec3)> = self
-            .directions
-            .iter()
-            .map(|direction| (direction.dot(normal), *direction))
-            .filter(|(cosine, _)| *cosine > 0.0)
-            .collect();
-        on_front.sort_by(|a, b| b.0.total_cmp(&a.0));
-        on_front.into_iter().map(|(_, toward)| toward).find(|toward| escapes(*toward)).map(line)
-    }
-
-    fn from_within(&self, surface: &Scan, start: Vec3, normal: Vec3) -> Option<SightLine> {
-        let mut lines: Vec<(f32, SightLine)> = self
-            .places
-            .iter()
-            .map(|place| {
-                let (away, distance) = (*place - start, (*place - start).length());
-                let toward = away * (1.0 / distance.max(f32::MIN_POSITIVE));
-                (toward.dot(normal), SightLine { toward, distance })
-            })
-            .filter(|(cosine, _)| *cosine > 0.0)
-            .collect();
-        lines.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let is_free = |line: &SightLine| surface.is_seen_along(&Ray::new(start, line.toward), line.distance);
-        lines.into_iter().map(|(_, line)| line).find(is_free)
-    }
-}
-
-/// Returns `count` unit vectors spread evenly over the sphere, the same for every surface.
-///
-/// Source: Keinert et al. 2015, "Spherical Fibonacci Mapping", eq. 1.
-pub fn sphere_directions(count: usize) -> Vec<Vec3> {
-    let golden = (5f64.sqrt() - 1.0) / 2.0;
-    let direction = |i: usize| {
-        let z = 1.0 - (2 * i + 1) as f64 / count as f64;
-        let (r, turn) = ((1.0 - z * z).max(0.0).sqrt(), i as f64 * golden);
-        let angle = 2.0 * std::f64::consts::PI * (turn - turn.floor());
-        Vec3::new(scalar::cos(angle) * r, scalar::sin(angle) * r, z).to_f32()
-    };
-    (0..count).map(direction).collect()
-}
-
-/// Places from which an interior is seen, at most.
-const MOST_PLACES: usize = 64;
-/// Cells along the longest side of the grid on which free space is sought.
-const CELLS: usize = 24;
-
-/// Returns places spread over the largest enclosed free space of a surface; none if no space is enclosed.
-fn free_places(surface: &Scan) -> Vec<Vec3> {
-    let grid = Grid::around(surface.mesh());
-    let directions = sphere_directions(32);
-    let far = (surface.mesh().diagonal() * 4.0) as f32;
-    // Enclosed: all but a few directions meet the surface, as with a door or the mouth of a cave.
-    let is_enclosed = |place: Vec3| {
-        let met = directions.iter().filter(|d| surface.bvh().occluded(&Ray::new(place, **d), far, |_| true));
-        met.count() * 4 >= directions.len() * 3
-    };
-    let clearance = |cell: usize| {
-        let place = grid.center(cell);
-        let free = surface.bvh().closest(place, f32::INFINITY).map_or(0.0, |closest| closest.distance);
-        if free > grid.side && is_enclosed(place) { free } else { 0.0 }
-    };
-    let free = parallel::collect(grid.cell_count(), clearance);
-    let widest = (0..free.len()).fold(0, |best, i| if free[i] > free[best] { i } else { best });
-    if free.get(widest).is_none_or(|clearance| *clearance <= 0.0) {
-        return Vec::new();
-    }
-    let connected = grid.connected(widest, &free);
-    let count = connected.len().min(MOST_PLACES);
-    (0..count).map(|i| grid.center(connected[i * connected.len() / count])).collect()
-}
-
-/// Cubes around a mesh.
-struct Grid {
-    origin: Vec3,
-    side: f32,
-    counts: [usize; 3],
-}
-
-impl Grid {
-    fn around(mesh: &Mesh) -> Self {
-        let none = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
-        let [low, high] = mesh.positions().iter().fold(none, |[low, high], position| {
-            let p = position.to_array();
-            [std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i]))]
-        });
-        let longest = (0..3).fold(f32::MIN_POSITIVE, |most, i| most.max(high[i] - low[i]));
-        let side = longest / CELLS as f32;
-        let counts = std::array::from_fn(|i| (((high[i] - low[i]) / side).ceil() as usize).clamp(1, CELLS));
-        Self { origin: Vec3::from_array(low), side, counts }
-    }
-
-    fn cell_count(&self) -> usize {
-        self.counts.iter().product()
-    }
-
-    fn center(&self, cell: usize) -> Vec3 {
-        let [x, y, _] = self.counts;
-        let at = [cell % x, cell / x % y, cell / (x * y)];
-        self.origin + Vec3::from_array(at.map(|i| (i as f32 + 0.5) * self.side))
-    }
-
-    /// Returns the free cells that can be reached from `first` through the sides of free cells, in order.
-    fn connected(&self, first: usize, free: &[f32]) -> Vec<usize> {
-        let [x, y, z] = self.counts;
-        let mut is_reached = vec![false; free.len()];
-        let mut waiting = vec![first];
-        is_reached[first] = true;
-        while let Some(cell) = waiting.pop() {
-            let at = [cell % x, cell / x % y, cell / (x * y)];
-            let steps = [1, x, x * y].into_iter().zip(at).zip([x, y, z]);
-            for ((step, i), count) in steps {
-                let below = (i > 0).then(|| cell - step);
-                let above = (i + 1 < count).then(|| cell + step);
-                for next in below.into_iter().chain(above) {
-                    if free[next] > 0.0 && !is_reached[next] {
-                        is_reached[next] = true;
-                        waiting.push(next);
-                    }
-                }
-            }
-        }
-        (0..free.len()).filter(|cell| is_reached[*cell]).collect()
+        self.sights.sight_line(self.surface.ground(), point)
     }
 }

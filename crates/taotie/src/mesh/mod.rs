@@ -127,6 +127,15 @@ impl Mesh {
         [self.data.positions[a as usize], self.data.positions[b as usize], self.data.positions[c as usize]]
     }
 
+    /// Returns `true` if the front of a triangle, where its corners run counter-clockwise, is turned to `toward`.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    pub fn faces(&self, triangle: u32, toward: Vec3) -> bool {
+        let [a, b, c] = self.corners(triangle as usize);
+        (b - a).cross(c - a).dot(toward) > 0.0
+    }
+
     /// The length of the diagonal of the box around all positions; 0 where there are none.
     pub fn diagonal(&self) -> f64 {
         let positions = || self.data.positions.iter().map(|p| p.to_f64());

@@ -76,7 +76,7 @@ impl<'a> Viewer<'a> {
     /// Returns what is seen at a point of its own surface; `None` if it is hidden.
     pub fn sample(&self, point: Point) -> Option<SurfaceSample> {
         let (own, other) = (self.own.surface, self.other.surface);
-        if !own.is_opaque_at(point) {
+        if !own.surface().is_opaque_at(point) {
             return None;
         }
         let line = self.own.visibility.sight_line(point)?;

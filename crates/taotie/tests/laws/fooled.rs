@@ -124,6 +124,7 @@ fn proof(asset: &Asset, scan: &Scan) -> Proof {
     let path = folder.path().join("asset.glb");
     asset.write(&path, &Packing::default(), Progress::SILENT).unwrap();
     let options = VerifyOptions {
+        points: 5_000,
         map: 16,
         view: 16,
         requirements: Requirement::standard(),
