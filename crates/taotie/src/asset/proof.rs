@@ -239,7 +239,7 @@ impl<'a> Measurement<'a> {
             if times <= 1.0 || points >= MOST_POINTS || points as f64 * times > MOST_POINTS as f64 * 4.0 {
                 return Ok((figures, parts));
             }
-            points = (points as f64 * (times * MARGIN).max(2.0)).min(MOST_POINTS as f64) as usize;
+            points = (points as f64 * times * MARGIN).min(MOST_POINTS as f64) as usize;
             progress.begin("measure more points")?;
         }
     }

@@ -272,12 +272,12 @@ impl Met {
     }
 
     /// Returns how many times as many samples are likely to decide the requirement, since intervals shrink with the square
-    /// root of their number; 1 if it is decided.
+    /// root of their number: at least 2, and 1 if it is decided.
     pub(super) fn samples_to_decide(&self) -> f64 {
         let (Some(value), Some([low, high]), true) = (self.value, self.interval, self.is_undecided()) else {
             return 1.0;
         };
-        ((high - low) / 2.0 / (value - self.most).abs().max(f64::MIN_POSITIVE)).powi(2)
+        ((high - low) / 2.0 / (value - self.most).abs().max(f64::MIN_POSITIVE)).powi(2).max(2.0)
     }
 
     /// Returns value and limit in the figure's unit, such as `is 0.02 %, at most 0.1 %`. Both have all their digits if fewer

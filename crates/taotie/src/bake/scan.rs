@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::math::Vec3;
 use crate::mesh::{Mesh, Point};
 use crate::scene::Scene;
+use crate::surface::facet_normal;
 use crate::trace::Bvh;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -58,6 +59,17 @@ impl Scan {
     /// Returns the places from which the surface is seen.
     pub(super) fn sights(&self) -> &Sights {
         &self.sights
+    }
+
+    /// Returns `true` if a point can be seen: its front, or either side of a double-sided material. Small triangles are seen or
+    /// hidden as a whole.
+    ///
+    /// # Panics
+    /// If the mesh has no such triangle.
+    pub fn is_seen(&self, point: Point) -> bool {
+        let Some(normal) = facet_normal(self.mesh().corners(point.triangle as usize)) else { return false };
+        let is_double = self.surface.material(point.triangle).double_sided;
+        self.is_visible(point, normal) || is_double && self.is_visible(point, -normal)
     }
 
     /// Returns `true` if the side of the surface that faces `direction` can be seen at a point. Small triangles are seen or

@@ -7,11 +7,14 @@ use crate::error::Result;
 use crate::math::Vec3;
 use crate::mesh::Point;
 use crate::parallel;
+use crate::surface::facet_normal;
 
 /// A surface farther along the line of sight than this part of the diagonal is another part of the object.
 const SAME_PART: f32 = 0.02;
 /// A surface within this part of the diagonal of a line of sight that misses it is that of an outline.
 const OUTLINE: f32 = 0.005;
+/// The cosine to the viewer below which that surface is turned away, as one with reversed winding is.
+const AWAY: f32 = -0.5;
 /// The angle that counts where the other surface shows nothing, degrees.
 const NOTHING_DEG: f32 = 90.0;
 
@@ -96,9 +99,10 @@ impl<'a> Viewer<'a> {
         let texel =
             on_asset.and_then(|at| self.pair.asset.surface.surface().texel_size(at)).unwrap_or(f32::NAN);
         let closest = other.bvh().closest(position, f32::INFINITY);
-        // Beside an outline the line of sight passes by a surface that is there, and turned to the viewer.
+        // Beside an outline the line of sight passes by a surface that is there, and not turned away from the viewer.
         let is_beside = closest.is_some_and(|closest| {
-            closest.distance <= self.pair.diagonal * OUTLINE && other.is_drawn(closest.point(), line.toward)
+            let facet = facet_normal(other.mesh().corners(closest.triangle as usize)).unwrap_or(line.toward);
+            closest.distance <= self.pair.diagonal * OUTLINE && facet.dot(line.toward) > AWAY
         });
         let mut sample = SurfaceSample {
             position,

@@ -191,26 +191,15 @@ impl Search<'_> {
 
     /// Returns `true` if the middle of a piece counts.
     fn is_seen(&self, piece: &Piece) -> bool {
-        self.counts(piece, piece.middle_weights())
+        let Some(side) = self.from.visible else { return true };
+        side.surface.is_seen(Point { triangle: piece.triangle, weights: piece.middle_weights() })
     }
 
-    /// Returns `true` for a small piece of which neither middle nor corners can be seen.
+    /// Returns `true` for a small piece whose middle cannot be seen.
     fn is_hidden(&self, piece: &Piece) -> bool {
         let [a, b, c] = piece.places(self.from.mesh);
         let size = (b - a).length().max((c - b).length()).max((a - c).length());
-        if size > HIDDEN_PIECE * self.from.mesh.diagonal() as f32 {
-            return false;
-        }
-        // Corners drawn in a little, since they lie on neighbours too.
-        let middle = piece.middle_weights();
-        let drawn_in = |weights: [f32; 3]| std::array::from_fn(|k| weights[k] * 0.8 + middle[k] * 0.2);
-        let corners = piece.corners.map(drawn_in);
-        !self.is_seen(piece) && corners.into_iter().all(|weights| !self.counts(piece, weights))
-    }
-
-    fn counts(&self, piece: &Piece, weights: [f32; 3]) -> bool {
-        let Some(side) = self.from.visible else { return true };
-        side.visibility.sight_line(Point { triangle: piece.triangle, weights }).is_some()
+        size <= HIDDEN_PIECE * self.from.mesh.diagonal() as f32 && !self.is_seen(piece)
     }
 }
 

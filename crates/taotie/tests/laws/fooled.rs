@@ -123,13 +123,7 @@ fn proof(asset: &Asset, scan: &Scan) -> Proof {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("asset.glb");
     asset.write(&path, &Packing::default(), Progress::SILENT).unwrap();
-    let options = VerifyOptions {
-        points: 5_000,
-        map: 16,
-        view: 16,
-        requirements: Requirement::standard(),
-        ..VerifyOptions::default()
-    };
+    let options = VerifyOptions { map: 16, view: 16, ..VerifyOptions::default() };
     verify(&path, scan, &options, Progress::SILENT).unwrap()
 }
 
@@ -164,7 +158,7 @@ fn a_hidden_wall_below_the_surface() {
     is_sound(&onto(&ghost, simple(lettered(), 6_000), 512), &ghost);
     // What a bake shows that takes the wall for the surface.
     let bare = onto(&scan_of(wall()), ball([64, 32], |_, _| -0.01), 256);
-    is_bad(&bare, &ghost, (&["patch-angle"], "worst 1 %"));
+    is_bad(&bare, &ghost, (&["mean-angle", "p95-angle"], "hidden walls"));
     let proof = proof(&bare, &ghost);
     let hidden = proof.figures.levels[0].coverage.hidden_of_scan;
     assert!((0.4..0.55).contains(&hidden), "{hidden}");
@@ -210,7 +204,7 @@ fn wedges(u: f64, v: f64) -> f64 {
     let (du, dv) = ((u - 0.5) / 0.05, (v - 0.5) / 0.1);
     let inside = (1.0 - du * du).max(0.0) * (1.0 - dv * dv).max(0.0);
     let wave = libm::sin(u * std::f64::consts::TAU * 120.0) * libm::sin(v * std::f64::consts::TAU * 60.0);
-    0.003 * wave * inside.sqrt()
+    0.006 * wave * inside.sqrt()
 }
 
 #[test]
@@ -276,7 +270,7 @@ fn an_open_vessel_a_sheet_and_a_thin_wall() {
             direction(pole, down) * (radius + 0.3 * lettering(pole, 0.45 + 0.1 * v))
         })
     };
-    let scan = scan_of(turned(bowl(200, 240), |_| false));
+    let scan = scan_of(turned(bowl(120, 160), |_| true));
     is_sound(&made(&scan, 4_000, 1024), &scan);
     let sheet = |n: usize| {
         grid([n, n], false, |u, v| Vec3::new(u, 0.05 * libm::sin(u * 9.0) * libm::sin(v * 7.0), v))
@@ -307,7 +301,7 @@ fn parts_that_are_instances() {
 
 #[test]
 fn a_closed_room_is_seen_from_within() {
-    let room = || turned(ball([240, 120], |u, v| 0.3 * lettering(u, v)), |_| true);
+    let room = || turned(ball([160, 80], |u, v| 0.4 * lettering(u, v)), |_| true);
     let scan = scan_of(room());
     let asset = made(&scan, 4_000, 1024);
     is_sound(&asset, &scan);
@@ -320,7 +314,7 @@ fn a_closed_room_is_seen_from_within() {
         turned(ball([64, 32], |_, _| 0.0), |_| true),
         64,
     );
-    is_bad(&bare, &scan, (&["p95-angle"], "interior"));
+    is_bad(&bare, &scan, (&["mean-angle"], "interior"));
 }
 
 #[test]
@@ -351,12 +345,12 @@ fn the_verdict_does_not_depend_on_the_samples_at_first() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("asset.glb");
     onto(&scan, ball([64, 32], |_, _| 0.0), 512).write(&path, &Packing::default(), Progress::SILENT).unwrap();
-    let verdicts = [2_000, 20_000, 60_000].map(|points| {
+    let verdicts = [2_000, 20_000].map(|points| {
         let requirements: Vec<Requirement> =
             ["mean-angle=2.5", "patch-angle=40", "hausdorff=0.4%"].map(|text| text.parse().unwrap()).to_vec();
         let options = VerifyOptions { points, map: 16, view: 16, requirements: requirements.clone() };
         let proof = verify(&path, &scan, &options, Progress::SILENT).unwrap();
         proof.require(&requirements).iter().map(|met| met.met).collect::<Vec<_>>()
     });
-    assert_eq!((&verdicts[0], &verdicts[1]), (&verdicts[1], &verdicts[2]));
+    assert_eq!(verdicts[0], verdicts[1]);
 }
