@@ -12,7 +12,7 @@ It needs neither a display nor a graphics processor, and the same input gives th
 """
 
 from . import normals, shade
-from ._bake import Asset, Met, Proof, Written, bake
+from ._bake import Asset, Met, Proof, Written, bake, verify
 from ._compare import Comparison, View, compare
 from ._diff import Difference, diff
 from ._error import Cancelled, Error, NotMet, TaotieWarning
@@ -54,5 +54,6 @@ __all__ = [
     "normals",
     "render",
     "shade",
+    "verify",
     "view",
 ]

@@ -38,8 +38,10 @@ class Met:
         The level of detail, 0 the finest; None for a figure of the whole asset.
     value : float or None
         What was measured; None where it could not be.
+    interval : tuple of float, or None
+        The value lies between these two, with a confidence of 99 % if it is estimated from samples.
     met : bool
-        True where it is no more.
+        True if the whole interval keeps to the limit.
     text : str
         All that in words.
     """
@@ -48,6 +50,7 @@ class Met:
     most: float
     level: int | None
     value: float | None
+    interval: tuple[float, float] | None
     met: bool
     text: str
 
@@ -60,44 +63,51 @@ class Proof:
     ----------
     figures : dict
         All figures, as in the command's report under ``proof``.
-    error_map : ndarray
-        ``(H, W)`` float32: degrees between the normals of asset and scan at each texel; NaN between UV islands.
+    error_map : ndarray or None
+        ``(H, W)`` float32: degrees between the normals of asset and scan at each texel, on the surface; NaN between UV
+        islands. None if the asset has no uvs.
     color_map : ndarray or None
         ``(H, W)`` float32: CIEDE2000 between the base colours; None where the scan says nothing of its material.
     """
 
     figures: Mapping[str, Any]
-    error_map: Floats = field(repr=False)
+    error_map: Floats | None = field(repr=False)
     color_map: Floats | None = field(default=None, repr=False)
 
     @property
     def mean_deg(self) -> float:
-        """The mean angle between the normals, degrees; NaN where no point was found."""
+        """The mean angle between the normals as seen, at the same pixel, degrees; NaN if no pixel was compared."""
         return self._angle("mean")
 
     @property
     def p95_deg(self) -> float:
-        """The 95th percentile of the angles, degrees."""
+        """The 95th percentile of these angles, degrees."""
         return self._angle("p95")
 
     @property
     def max_deg(self) -> float:
-        """The largest angle, degrees."""
+        """The largest of these angles, degrees: a maximum over samples."""
         return self._angle("max")
 
     @property
     def missed(self) -> float:
-        """The part of the texels with a ray that missed the scan, [0, 1]."""
-        return float(self.figures["missed_texels"])
+        """The share of the visible surface where the other shows nothing, the worse of scan and asset, [0, 1]."""
+        coverage = self._finest["coverage"]
+        return float(max(coverage["missed_of_scan"], coverage["missed_of_asset"]))
 
     @property
     def hausdorff(self) -> float:
-        """The largest distance between the surfaces as a part of the diagonal."""
-        return float(self.figures["hausdorff_of_diagonal"])
+        """The upper bound of the largest distance between the visible surfaces, as a part of the diagonal."""
+        return float(self._finest["hausdorff_of_diagonal"]["upper"])
+
+    @property
+    def _finest(self) -> Mapping[str, Any]:
+        finest: Mapping[str, Any] = self.figures["levels"][0]
+        return finest
 
     def _angle(self, name: str) -> float:
-        angles = self.figures["angles"]
-        return float("nan") if angles is None else float(angles[name])
+        angles = self._finest["overview"]["angles"]
+        return float("nan") if angles is None else float(angles["summary"][name])
 
     def require(
         self,
@@ -116,17 +126,18 @@ class Proof:
         Parameters
         ----------
         *requirements : str
-            As on the command line: ``"mean-angle=2"``, ``"mean-angle@1=5"``, ``"missed=0.1%"``, ``"bytes=3MB"``.
+            As on the command line: ``"standard"``, ``"mean-angle=2"``, ``"mean-angle@1=5"``, ``"missed=0.1%"``,
+            ``"bytes=3MB"``.
         mean_angle, p95_angle, max_angle : float or str, optional
             Normal error, degrees.
         mean_color, p95_color : float or str, optional
             Colour error, CIEDE2000.
         missed : float or str, optional
-            Texels with a missed ray, per cent.
+            Visible surface that the other lacks, per cent.
         hausdorff : float or str, optional
-            Largest shape error, per cent of the diagonal.
+            Upper bound of the largest distance, per cent of the diagonal.
         bytes : float or str, optional
-            Of the asset with all its files.
+            Of the asset with the files that it names.
 
         Returns
         -------
@@ -148,7 +159,7 @@ class Proof:
             "bytes": bytes,
         }
         wanted = [*requirements, *(f"{name}={most}" for name, most in named.items() if most is not None)]
-        held = [Met(text=text, **json.loads(met)) for met, text in _taotie.require(dict(self.figures), wanted)]
+        held = [_met(met, text) for met, text in _taotie.require(dict(self.figures), wanted)]
         failed = [met.text for met in held if not met.met]
         if failed:
             raise NotMet("; ".join(failed), "invalid", None, "the proof", "; ".join(failed))
@@ -157,6 +168,60 @@ class Proof:
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as plain data."""
         return dict(self.figures)
+
+
+def _met(met: str, text: str) -> Met:
+    """Return a requirement's outcome from JSON."""
+    facts = json.loads(met)
+    interval = facts.pop("interval")
+    return Met(text=text, interval=None if interval is None else tuple(interval), **facts)
+
+
+def _proof(found: Mapping[str, Any]) -> Proof:
+    """Return what the native module found as a proof, and warn of what it noted."""
+    warn(found["warnings"])
+    return Proof(json.loads(found["figures"]), found["error_map"], found["color_map"])
+
+
+def verify(
+    asset: str | os.PathLike[str],
+    scan: Any,
+    *,
+    points: int = 20_000,
+    map: int = 1024,
+    view: int = 384,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Proof:
+    """Compare an asset's file, made by any program, with the scan that it should look like.
+
+    Parameters
+    ----------
+    asset : path
+        The asset (.gltf, .glb, .obj, .ply, .stl), in the space of the scan.
+    scan : path, Model, or a mesh of another package
+        What it should look like.
+    points : int
+        Pixels of the overview and points of each surface that are compared, at least 10.
+    map : int
+        Texels along a side of ``error_map``, at most.
+    view : int
+        Pixels along a side of the images from all sides, at least 11.
+
+    Returns
+    -------
+    Proof
+
+    Examples
+    --------
+    >>> proof = tt.verify("packed.glb", "scan.ply")  # doctest: +SKIP
+    >>> proof.require("standard")  # doctest: +SKIP
+    """
+    options = {"points": points, "map": map, "view": view}
+    high = a_model(scan)
+    with running(progress, threads) as run:
+        found = _taotie.verify(os.fspath(asset), high._native, options, run)
+    return _proof(found)
 
 
 class Written:
@@ -179,8 +244,7 @@ class Written:
         self,
         scan: Any,
         *,
-        points: int = 200_000,
-        distance_points: int = 100_000,
+        points: int = 20_000,
         map: int = 1024,
         view: int = 384,
         threads: int | None = None,
@@ -193,9 +257,7 @@ class Written:
         scan : path, Model, or a mesh of another package
             What was baked from.
         points : int
-            Points at which normals are compared, at least 10.
-        distance_points : int
-            Points of each surface from which the distance to the other is measured.
+            Pixels of the overview and points of each surface that are compared, at least 10.
         map : int
             Texels along a side of ``error_map``, at most.
         view : int
@@ -205,12 +267,11 @@ class Written:
         -------
         Proof
         """
-        options = {"points": points, "distance_points": distance_points, "map": map, "view": view}
+        options = {"points": points, "map": map, "view": view}
         high = a_model(scan)
         with running(progress, threads) as run:
             found = self._native.verify(high._native, options, run)
-        warn(found["warnings"])
-        return Proof(json.loads(found["figures"]), found["error_map"], found["color_map"])
+        return _proof(found)
 
     def report(self, proof: Proof | None = None, require: Sequence[str] = ()) -> dict[str, Any]:
         """Return the report that ``taotie bake`` writes beside the asset, as plain data."""

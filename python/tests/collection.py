@@ -14,7 +14,6 @@ triangles = 60
 size = 64
 [verify]
 points = 1000
-distance_points = 500
 map = 64
 view = 32
 [thumbnail]

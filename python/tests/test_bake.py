@@ -26,7 +26,7 @@ def test_files_and_figures_are_those_of_the_command(scan_file: Path, tmp_path: P
     written = asset.save(own, webp=True, meshopt=True)
     assert own.read_bytes() == out.read_bytes()
     report = json.loads(out.with_suffix(".report.json").read_text())
-    proof = written.verify(scan_file, points=20_000, distance_points=10_000, view=96)
+    proof = written.verify(scan_file, points=20_000, view=96)
     assert proof.to_dict() == report["proof"]
     told = written.report(proof)
     same = ("kind", "schema", "high_sha256", "triangles", "parameters", "origin", "proof", "carried", "left")
@@ -44,7 +44,7 @@ def test_an_asset_tells_what_it_is(asset: tt.Asset) -> None:
         asset.maps("x")
 
 
-def test_a_proof_measures_and_requires(asset: tt.Asset, scan: tt.Model) -> None:
+def test_a_proof_measures_and_requires(asset: tt.Asset, scan: tt.Model, tmp_path: Path) -> None:
     proof = asset.verify(scan, points=20_000, view=64)
     assert 0.1 < proof.mean_deg < proof.p95_deg <= proof.max_deg < 90
     assert proof.error_map.shape == (128, 128) and proof.error_map.dtype == np.float32
@@ -55,6 +55,9 @@ def test_a_proof_measures_and_requires(asset: tt.Asset, scan: tt.Model) -> None:
         proof.require(mean_angle=0.001)
     with pytest.raises(tt.Error, match="angle"):
         proof.require("angle=1")
+    folder = asset.save(str(tmp_path / "asset.glb"))
+    alone = tt.verify(folder.path, scan, points=20_000, view=64)
+    assert alone.figures == proof.figures | {"bytes_out": alone.figures["bytes_out"]}
     again = pickle.loads(pickle.dumps(proof))
     assert again.figures == proof.figures and again.require(mean_angle=20)[0].met
 

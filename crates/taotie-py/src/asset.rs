@@ -189,6 +189,23 @@ impl Written {
     }
 }
 
+/// Reads an asset's file and measures how far it is from the model: figures, maps of errors, warnings.
+#[pyfunction]
+pub fn verify<'py>(
+    asset: PathBuf,
+    model: &Bound<'py, Model>,
+    request: Options,
+    running: Running,
+) -> PyResult<Bound<'py, PyDict>> {
+    let options = request.read::<VerifyOptions>()?;
+    let (py, high) = (model.py(), model.get());
+    let proof = work::run(py, &running, |progress| {
+        let scan = high.scan(progress)?;
+        taotie::asset::verify(&asset, &scan, &options, progress)
+    })?;
+    told(py, &proof)
+}
+
 /// Returns what a proof found.
 fn told<'py>(py: Python<'py>, proof: &Proof) -> PyResult<Bound<'py, PyDict>> {
     let found = PyDict::new(py);

@@ -29,7 +29,7 @@ fn command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
 #[pymodule(gil_used = false)]
 mod _taotie {
     #[pymodule_export]
-    use super::asset::{Asset, Written, bake, require};
+    use super::asset::{Asset, Written, bake, require, verify};
     #[pymodule_export]
     use super::command;
     #[pymodule_export]

@@ -16,7 +16,6 @@ size = 64
 
 [verify]
 points = 1000
-distance_points = 500
 map = 64
 view = 32
 

@@ -68,7 +68,7 @@ fn colours_are_kept_by_default() {
     let place = Place::with("scan.obj", colored(SCAN));
     let assert = place.taotie("bake scan.obj -o out.glb --triangles 500 --size 64").assert().success();
     let text = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
-    assert!(text.contains("\ncarried                   base colour\n"), "{text}");
+    assert!(text.contains("\ncarried                             base colour\n"), "{text}");
     let report: Value = serde_json::from_slice(&place.read("out.report.json")).unwrap();
     assert_eq!(words(&report["parameters"]["maps"]), ["normal", "albedo"]);
     assert_eq!((&report["carried"], &report["left"]), (&json!(["base colour"]), &json!([])));

@@ -14,6 +14,7 @@ Commands:
   render       Renders a model to a picture or an animation
   compare      Renders a model by several surface methods and measures their error
   bake         Bakes a high-poly scan to low-poly glTF with a normal map, and measures the error
+  verify       Compares an asset, made by any program, with its scan
   batch        Bakes a whole collection: each scan in a process of its own, and nothing twice
   inspect      Lists the content of a model file and its defects
   normals      Makes normal maps from height maps, and converts normal maps

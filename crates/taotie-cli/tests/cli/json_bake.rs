@@ -21,12 +21,13 @@ struct BakeReport {
     origin: Origin,
     triangles: Vec<usize>,
     size: [u32; 2],
-    parameters: Parameters,
+    parameters: Option<Parameters>,
     files: Vec<String>,
     maps: Vec<Map>,
     carried: Vec<String>,
     left: Vec<Left>,
     proof: Option<Proof>,
+    bake: Option<BakeFigures>,
     required: Vec<Met>,
     trials: Vec<Trial>,
     stages: Vec<Stage>,
@@ -103,23 +104,7 @@ struct Left {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Proof {
-    angles: Option<Spread>,
-    histogram: Vec<usize>,
-    without_map: Option<Spread>,
-    floor_8_bit: Option<[f64; 2]>,
-    missed_texels: f64,
-    fallback: f64,
-    lost: f64,
-    hausdorff: f64,
-    hausdorff_of_diagonal: f64,
-    rms: f64,
-    rms_of_diagonal: f64,
     diagonal: f64,
-    density: Option<Spread>,
-    uv_use: f64,
-    views: Vec<View>,
-    full_views: Vec<View>,
-    material: MaterialFigures,
     unseen: Vec<String>,
     parts: Vec<Part>,
     fit: Option<Fit>,
@@ -141,17 +126,102 @@ struct Part {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+struct BakeFigures {
+    missed_texels: f64,
+    missed_samples: f64,
+    lost_samples: f64,
+    uv_use: f64,
+    floor_8_bit: Option<[f64; 2]>,
+    unproved_maps: Vec<String>,
+}
+
+/// A figure that is estimated from samples.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Estimate {
+    summary: Spread,
+    mean_interval: [f64; 2],
+    p95_interval: [f64; 2],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Overview {
+    angles: Option<Estimate>,
+    color: Option<Estimate>,
+    pixels: usize,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Patch {
+    mean: f64,
+    interval: [f64; 2],
+    center: [f64; 3],
+    radius: f64,
+    toward: [f64; 3],
+    is_of_scan: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Patches {
+    angle: Option<Patch>,
+    color: Option<Patch>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Silhouette {
+    mean_pixels: f64,
+    max_pixels: f64,
+    max_length: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Coverage {
+    missed_of_scan: f64,
+    missed_of_asset: f64,
+    missed_interval: [f64; 2],
+    missed_at: Option<[f64; 3]>,
+    completeness: f64,
+    hidden_of_scan: f64,
+    is_interior: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Bounds {
+    lower: f64,
+    upper: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Resolution {
+    texel: f64,
+    coarser: f64,
+    share: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Level {
     triangles: usize,
-    angles: Option<Spread>,
-    histogram: Vec<usize>,
-    without_map: Option<Spread>,
-    missed: f64,
-    lost: f64,
-    hausdorff: f64,
-    hausdorff_of_diagonal: f64,
+    overview: Overview,
+    patches: Patches,
+    silhouette: Silhouette,
+    coverage: Coverage,
+    hausdorff: Bounds,
+    hausdorff_of_diagonal: Bounds,
     rms: f64,
     rms_of_diagonal: f64,
+    resolution: Option<Resolution>,
+    surface_angles: Option<Spread>,
+    histogram: Vec<usize>,
+    without_map: Option<Spread>,
+    surface_missed: f64,
     material: MaterialFigures,
     views: Vec<View>,
     full_views: Vec<View>,
@@ -192,6 +262,7 @@ struct Met {
     most: f64,
     level: Option<usize>,
     value: Option<f64>,
+    interval: Option<[f64; 2]>,
     met: bool,
 }
 
@@ -228,7 +299,7 @@ fn of_a_pair() {
     let written: serde_json::Value = serde_json::from_slice(&place.read("out.report.json")).unwrap();
     assert_eq!(printed, written);
     let report: BakeReport = serde_json::from_value(printed).expect("the document has this form");
-    assert_eq!((report.schema, report.version.as_str()), (3, env!("CARGO_PKG_VERSION")));
+    assert_eq!((report.schema, report.version.as_str()), (4, env!("CARGO_PKG_VERSION")));
     assert_eq!((report.high.as_str(), report.low.as_deref()), ("scan.obj", Some("low.obj")));
     assert_eq!((report.high_triangles, report.triangles, report.size), (9024, vec![528], [64; 2]));
     assert_eq!(report.high_sha256.len(), 64);
@@ -257,7 +328,7 @@ fn of_a_pair() {
         crease_angle_deg: auto(),
         scan_green: "auto".into(),
     };
-    assert_eq!(report.parameters, parameters);
+    assert_eq!(report.parameters, Some(parameters));
     assert_eq!(report.files, ["out.glb", "out.height.png", "out.report.html", "out.report.json"]);
     let [normal, height] = report.maps.as_slice() else { panic!("two maps were asked for") };
     assert_eq!((normal.map.as_str(), &normal.file), ("normal", &None));
@@ -265,26 +336,40 @@ fn of_a_pair() {
     assert!(height.black < Some(0.0) && height.white > Some(0.0), "{height:?}");
     assert_eq!((report.carried.as_slice(), report.left.as_slice()), (&[][..], &[][..]), "it is grey clay");
     let proof = report.proof.expect("it was measured");
-    let angles = proof.angles.expect("points were found");
-    assert_eq!(proof.histogram.iter().sum::<usize>(), angles.count);
-    assert!(angles.mean < angles.p95 && angles.p95 < angles.max);
-    assert!(angles.mean * 4.0 < proof.without_map.expect("points were found").mean);
-    assert_eq!((proof.missed_texels, proof.lost, proof.views.len()), (0.0, 0.0, 8));
-    assert!(proof.rms < proof.hausdorff && proof.uv_use > 0.8);
-    assert!(proof.material.color.is_none() && proof.full_views.is_empty(), "the scan has no material");
-    assert_eq!(proof.unseen, ["colour and material, of which the scan says nothing", "heights"]);
-    assert!(proof.parts.is_empty() && normal.material.is_none(), "there is one material");
+    let bake = report.bake.expect("it was baked");
     let [level] = proof.levels.as_slice() else { panic!("there is one level") };
-    assert_eq!((level.triangles, level.hausdorff, level.views.len()), (528, proof.hausdorff, 8));
-    assert_eq!(proof.floor_8_bit, Some([0.17, 0.38]));
-    assert_eq!(
-        proof.bytes_out as usize,
-        ["out.glb", "out.height.png"].map(|f| place.read(f).len()).iter().sum::<usize>()
+    let angles = level.surface_angles.as_ref().expect("points were found");
+    assert_eq!(level.histogram.iter().sum::<usize>(), angles.count);
+    assert!(angles.mean < angles.p95 && angles.p95 < angles.max);
+    assert!(angles.mean * 4.0 < level.without_map.as_ref().expect("points were found").mean);
+    let overview = level.overview.angles.as_ref().expect("pixels were found");
+    let (seen, [low, high]) = (&overview.summary, overview.mean_interval);
+    assert!(low < seen.mean && seen.mean < high && level.overview.pixels == seen.count);
+    assert!(overview.p95_interval[0] <= seen.p95 && seen.p95 <= overview.p95_interval[1]);
+    let patch = level.patches.angle.as_ref().expect("there is a worst patch");
+    assert!(patch.interval[0] <= patch.mean && patch.mean <= patch.interval[1] && patch.radius > 0.0);
+    assert_eq!((bake.missed_texels, bake.missed_samples, bake.lost_samples), (0.0, 0.0, 0.0));
+    assert_eq!((level.surface_missed, level.views.len(), level.triangles), (0.0, 8, 528));
+    assert!(
+        level.hausdorff.lower <= level.hausdorff.upper
+            && level.rms < level.hausdorff.lower
+            && bake.uv_use > 0.8
     );
-    assert_eq!(
-        report.required,
-        [Met { figure: "mean-angle".into(), most: 9.0, level: Some(0), value: Some(angles.mean), met: true }]
-    );
+    assert!(level.hausdorff_of_diagonal.upper < level.hausdorff.upper && level.rms_of_diagonal < level.rms);
+    let Coverage { missed_of_scan, missed_of_asset, completeness, hidden_of_scan, is_interior, .. } =
+        level.coverage;
+    assert_eq!((missed_of_scan, missed_of_asset, hidden_of_scan, is_interior), (0.0, 0.0, 0.0, false));
+    assert!(completeness > 0.5 && level.silhouette.mean_pixels <= level.silhouette.max_pixels);
+    assert!(level.resolution.as_ref().is_some_and(|resolution| resolution.texel > 0.0));
+    assert!(level.material.color.is_none() && level.full_views.is_empty(), "the scan has no material");
+    assert!(level.overview.color.is_none() && level.patches.color.is_none());
+    assert_eq!(proof.unseen, ["colour and material, of which the scan says nothing"]);
+    assert_eq!((bake.unproved_maps, bake.floor_8_bit), (vec!["heights".to_owned()], Some([0.17, 0.38])));
+    assert!(proof.parts.is_empty() && normal.material.is_none(), "there is one material");
+    assert_eq!(proof.bytes_out as usize, place.read("out.glb").len());
+    let [met] = report.required.as_slice() else { panic!("one figure was required") };
+    assert_eq!((met.figure.as_str(), met.most, met.level, met.met), ("mean-angle", 9.0, Some(0), true));
+    assert_eq!((met.value, met.interval), (Some(seen.mean), Some([low, high])));
     assert!(report.trials.is_empty() && report.warnings.is_empty());
     assert!(report.stages.iter().all(|stage| stage.milliseconds >= 0.0));
 }
@@ -298,7 +383,7 @@ fn of_a_scan_alone_without_proof() {
     assert_eq!(simplified.method, "edge-collapse");
     assert!(simplified.error > 0.0 && simplified.error < 0.1, "{}", simplified.error);
     assert!(report.origin.islands.expect("it was unwrapped") > 1);
-    let parameters = &report.parameters;
+    let parameters = report.parameters.as_ref().expect("it was baked");
     assert_eq!((&parameters.dilation, &parameters.ray_distance), (&AutoOr::Given(2.0), &AutoOr::Given(0.1)));
     assert_eq!((parameters.triangles, parameters.size), (Some(800), Some(64)));
     assert!(report.proof.is_none() && report.required.is_empty());

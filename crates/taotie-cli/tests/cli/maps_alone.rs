@@ -34,10 +34,12 @@ fn the_map_is_that_of_a_model_and_measured_alike() {
     let with_model = baked(&place, "-o asset.gltf");
     let alone = baked(&place, "-o normal.png");
     assert!(texels(&place, "normal.png") == texels(&place, "asset_normal.png"));
-    let mean = |report: &Value| report["proof"]["angles"]["mean"].as_f64().expect("it is measured");
+    let mean = |report: &Value| {
+        report["proof"]["levels"][0]["surface_angles"]["mean"].as_f64().expect("it is measured")
+    };
     let [expected, measured] = [&with_model, &alone].map(mean);
     assert!((expected - measured).abs() < 0.02 * expected, "{expected} with a model, {measured} alone");
-    let bare = alone["proof"]["without_map"]["mean"].as_f64().expect("it is measured");
+    let bare = alone["proof"]["levels"][0]["without_map"]["mean"].as_f64().expect("it is measured");
     assert!(measured < 0.8 * bare, "the map was looked at: {measured} with it, {bare} without");
     assert_eq!(alone["files"], json!(["normal.png", "normal.report.html", "normal.report.json"]));
     assert_eq!(
@@ -69,7 +71,7 @@ fn webp_holds_the_same_texels() {
     // A grey PNG has one channel, a WebP three alike.
     let red = |name: &str| texels(&place, name).iter().map(|texel| texel[0]).collect::<Vec<_>>();
     assert!(red("a.ao.png") == red("b.ao.webp"));
-    assert!(report["proof"]["angles"]["mean"].is_number());
+    assert!(report["proof"]["levels"][0]["surface_angles"]["mean"].is_number());
 }
 
 /// The numbers of an OpenEXR file.
@@ -83,7 +85,9 @@ fn numbers(place: &Place, name: &str) -> Vec<[f32; 4]> {
 fn openexr_holds_the_numbers_themselves() {
     let place = scan_and_low();
     let fine = baked(&place, "-o a.png --maps normal,height --bits 16");
-    let mean = |report: &Value| report["proof"]["angles"]["mean"].as_f64().expect("it is measured");
+    let mean = |report: &Value| {
+        report["proof"]["levels"][0]["surface_angles"]["mean"].as_f64().expect("it is measured")
+    };
     for green in ["up", "down"] {
         let report = baked(&place, &format!("-o b.exr --maps normal,height --green {green}"));
         assert!((mean(&fine) - mean(&report)).abs() < 1e-3, "{} {}", mean(&fine), mean(&report));
@@ -109,7 +113,9 @@ fn green_down_is_in_the_map_itself_and_the_proof_knows() {
         texels(&place, "up.png").iter().map(|[r, g, b, a]| [*r, 255 - g, *b, *a]).collect();
     assert!(texels(&place, "down.png") == turned);
     assert_eq!(down["files"][1], "down.report.html", "and no second normal map");
-    let mean = |report: &Value| report["proof"]["angles"]["mean"].as_f64().expect("it is measured");
+    let mean = |report: &Value| {
+        report["proof"]["levels"][0]["surface_angles"]["mean"].as_f64().expect("it is measured")
+    };
     assert!((mean(&up) - mean(&down)).abs() < 1e-6, "{} {}", mean(&up), mean(&down));
 }
 
@@ -118,7 +124,9 @@ fn object_space_is_measured_too() {
     let place = scan_and_low();
     let [tangent, object] =
         ["tangent", "object"].map(|space| baked(&place, &format!("-o {space}.png --space {space}")));
-    let mean = |report: &Value| report["proof"]["angles"]["mean"].as_f64().expect("it is measured");
+    let mean = |report: &Value| {
+        report["proof"]["levels"][0]["surface_angles"]["mean"].as_f64().expect("it is measured")
+    };
     assert!(mean(&object) < 2.0 * mean(&tangent), "{} {}", mean(&object), mean(&tangent));
     assert!(place.files().contains(&"object.png".to_owned()));
 }
@@ -130,13 +138,14 @@ fn colours_are_measured_where_a_map_holds_them() {
     let with_model = baked(&place, "-o asset.glb");
     let alone = baked(&place, "-o out.png");
     assert_eq!(alone["files"][1], "out.albedo.png");
-    let color =
-        |report: &Value| report["proof"]["material"]["color"]["mean"].as_f64().expect("it is measured");
+    let color = |report: &Value| {
+        report["proof"]["levels"][0]["material"]["color"]["mean"].as_f64().expect("it is measured")
+    };
     let [expected, measured] = [&with_model, &alone].map(color);
     assert!((expected - measured).abs() < 0.05 * expected, "{expected} with a model, {measured} alone");
     let grey = baked(&place, "-o grey.png --maps normal");
-    assert!(grey["proof"]["material"]["color"].is_null(), "no map holds it");
-    assert_eq!(grey["proof"]["full_views"], json!([]));
+    assert!(grey["proof"]["levels"][0]["material"]["color"].is_null(), "no map holds it");
+    assert_eq!(grey["proof"]["levels"][0]["full_views"], json!([]));
     let unseen = grey["proof"]["unseen"].to_string();
     assert!(unseen.contains("colour and material, of which no map is baked"), "{unseen}");
 }

@@ -63,7 +63,7 @@ fn what_is_cut_out_or_blended_stays_so_and_the_rest_is_opaque() {
         assert!((asset_there / there - 1.0).abs() < 0.01, "{asset_there} of {there}");
         assert!(there < 0.95 * all, "something is cut out");
         let flips: Vec<f64> =
-            (0..8).map(|i| number(&report, &format!("/proof/full_views/{i}/flip"))).collect();
+            (0..8).map(|i| number(&report, &format!("/proof/levels/0/full_views/{i}/flip"))).collect();
         println!("{name}: FLIP {flips:.4?}");
         assert!(flips.iter().all(|flip| *flip < 0.04), "{flips:?}");
     }

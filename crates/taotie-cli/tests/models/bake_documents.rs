@@ -50,7 +50,10 @@ fn a_skin_and_its_animation_stay() {
         let scan = model.to_str().expect("a path of text");
         let report =
             json(&["bake", scan, "--low", "low.glb", "-o", "out.glb", "--size", "64"], folder.path());
-        assert!(number(&report, "/proof/angles/mean") < 1.0, "the scan is the low-poly mesh");
+        assert!(
+            number(&report, "/proof/levels/0/surface_angles/mean") < 1.0,
+            "the scan is the low-poly mesh"
+        );
         let mut after = Glb::read(&std::fs::read(&out).unwrap());
         // Given where no vertex has to be split for them.
         let attributes = &mut after.json["meshes"][0]["primitives"][0]["attributes"];

@@ -32,7 +32,7 @@ fn relief_is_kept(model: &str, sides: &Sides, most: &Most) {
                 .concat();
         let compared = json(&line, folder.path());
         let [smooth, mapped] = [0, 1].map(|i| number(&compared, &format!("/methods/{i}/error/inner/mean")));
-        let told = number(&baked, "/proof/angles/mean");
+        let told = number(&baked, "/proof/levels/0/surface_angles/mean");
         println!("{model}: told {told:.3}°, seen {mapped:.3}°, without the map {smooth:.3}°");
         assert!(mapped <= most.seen && told <= most.told, "{model}: told {told}°, seen {mapped}°");
         assert!(mapped < smooth / 2.0, "{model}: the map gains, {smooth}° without it");
