@@ -277,7 +277,8 @@ impl Met {
         let (Some(value), Some([low, high]), true) = (self.value, self.interval, self.is_undecided()) else {
             return 1.0;
         };
-        ((high - low) / 2.0 / (value - self.most).abs().max(f64::MIN_POSITIVE)).powi(2).max(2.0)
+        let ratio = (high - low) / 2.0 / (value - self.most).abs().max(f64::MIN_POSITIVE);
+        (ratio * ratio).max(2.0)
     }
 
     /// Returns value and limit in the figure's unit, such as `is 0.02 %, at most 0.1 %`. Both have all their digits if fewer

@@ -102,12 +102,12 @@ impl Sights {
     fn sight_line_on(&self, ground: Ground<'_>, point: Point, normal: Vec3) -> Option<SightLine> {
         let start = point.position(ground.surface.mesh()) + normal * (self.diagonal * OFFSET);
         match self.places.is_empty() {
-            true => self.from_outside(ground, start, normal),
-            false => self.from_within(ground, start, normal),
+            true => self.line_outward(ground, start, normal),
+            false => self.line_to_place(ground, start, normal),
         }
     }
 
-    fn from_outside(&self, ground: Ground<'_>, start: Vec3, normal: Vec3) -> Option<SightLine> {
+    fn line_outward(&self, ground: Ground<'_>, start: Vec3, normal: Vec3) -> Option<SightLine> {
         let escapes = |toward: Vec3| ground.is_free(&Ray::new(start, toward), self.far());
         let line = |toward: Vec3| SightLine { toward, distance: self.far() };
         if escapes(normal) {
@@ -123,7 +123,7 @@ impl Sights {
         on_front.into_iter().map(|(_, toward)| toward).find(|toward| escapes(*toward)).map(line)
     }
 
-    fn from_within(&self, ground: Ground<'_>, start: Vec3, normal: Vec3) -> Option<SightLine> {
+    fn line_to_place(&self, ground: Ground<'_>, start: Vec3, normal: Vec3) -> Option<SightLine> {
         let mut lines: Vec<(f32, SightLine)> = self
             .places
             .iter()

@@ -44,7 +44,8 @@ impl Estimate {
         };
         sorted.sort_unstable_by(f32::total_cmp);
         let count = sorted.len() as f64;
-        let squares: f64 = sorted.iter().map(|v| (f64::from(*v) - summary.mean).powi(2)).sum();
+        let from_mean = |v: &f32| f64::from(*v) - summary.mean;
+        let squares: f64 = sorted.iter().map(|v| from_mean(v) * from_mean(v)).sum();
         let half = SIGMAS_99 * (squares / (count - 1.0).max(1.0) / count).sqrt();
         let spread = SIGMAS_99 * (count * 0.95 * 0.05).sqrt();
         let at = |rank: f64| f64::from(sorted[(rank.max(0.0) as usize).min(sorted.len() - 1)]);

@@ -61,9 +61,9 @@ impl Look {
     /// Adds what a place of a surface shows.
     pub fn add(&mut self, surface: &Scan, sample: Sample, reads_material: bool) {
         let Sample { at, toward } = sample;
-        self.normal = self.normal + surface.seen_normal(at, toward);
+        self.normal += surface.seen_normal(at, toward);
         if reads_material {
-            self.color = self.color + surface.seen_material(at).color;
+            self.color += surface.seen_material(at).color;
         }
         self.samples += 1;
     }

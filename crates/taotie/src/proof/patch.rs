@@ -95,7 +95,7 @@ fn worst_window(samples: &[SurfaceSample], difference: fn(&SurfaceSample) -> f32
         let part = i / 2 * known.len() / windows.div_ceil(2);
         let end = ((i / 2 + 1) * known.len() / windows.div_ceil(2)).max(part + 1).min(known.len());
         let worst = (part..end).fold(part, |best, k| if known[k].2 > known[best].2 { k } else { best });
-        let (center, toward, _) = known[if i % 2 == 0 { worst } else { part }];
+        let (center, toward, _) = known[if i.is_multiple_of(2) { worst } else { part }];
         let mut squared: Vec<(f32, f32)> = known
             .iter()
             .map(|(position, _, value)| {

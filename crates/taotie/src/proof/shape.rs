@@ -43,6 +43,6 @@ fn hausdorff(pair: &Pair<'_>, close_ups: [&CloseUp; 2]) -> DistanceBounds {
 
 fn root_mean_square(close_ups: [&CloseUp; 2]) -> f64 {
     let samples = || close_ups.into_iter().flat_map(|close_up| &close_up.samples);
-    let sum: f64 = samples().map(|sample| f64::from(sample.distance).powi(2)).sum();
+    let sum: f64 = samples().map(|sample| f64::from(sample.distance) * f64::from(sample.distance)).sum();
     (sum / samples().count().max(1) as f64).sqrt()
 }

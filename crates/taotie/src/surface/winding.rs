@@ -172,7 +172,7 @@ mod tests {
         let count = 30u32;
         let at = |i: u32| {
             let angle = std::f64::consts::TAU * f64::from(i / 2) / f64::from(count);
-            let across = if i % 2 == 0 { 0.3 } else { -0.3 };
+            let across = if i.is_multiple_of(2) { 0.3 } else { -0.3 };
             let radius = 1.0 + across * cos(angle / 2.0);
             Vec3::new(radius * cos(angle), radius * sin(angle), across * sin(angle / 2.0)).to_f32()
         };

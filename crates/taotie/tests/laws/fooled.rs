@@ -58,7 +58,8 @@ fn lettering(u: f64, v: f64) -> f64 {
     }
     let wave = |x: f64| libm::sin(x * std::f64::consts::TAU);
     let soft = |x: f64| 0.5 + 0.5 * libm::tanh(x * 3.0);
-    let fade = 1.0 - ((v - 0.5).abs() / 0.15).powi(4);
+    let x = ((v - 0.5) / 0.15) * ((v - 0.5) / 0.15);
+    let fade = 1.0 - x * x;
     0.02 * soft(wave(u * 12.0) * wave(v * 9.0) * 2.0) * fade
 }
 
@@ -176,7 +177,7 @@ fn label(texels: u32) -> Scan {
     let color = |i: usize| {
         let (x, y) = (i as u32 % texels, i as u32 / texels);
         let (u, v) = (f64::from(x) / f64::from(texels), f64::from(y) / f64::from(texels));
-        let is_ink = u < 0.2 && v < 0.2 && (u * 128.0) as u32 % 2 == 0;
+        let is_ink = u < 0.2 && v < 0.2 && ((u * 128.0) as u32).is_multiple_of(2);
         if is_ink { [20, 20, 20, 255] } else { [200, 190, 170, 255] }
     };
     let texels_ = (0..(texels * texels) as usize).map(color).collect();
