@@ -115,7 +115,7 @@ fn a_time_limit_costs_one_record() {
     let collection = Collection::of_balls(2);
     let slow = "\n[[override]]\nid = \"ball1.obj\"\nbake = { size = 8192, side = 8, ao_rays = 4096, maps = [\"normal\", \"ao\"] }\n";
     collection.configure(&format!("{QUICK}{slow}"));
-    let (code, report) = collection.report("--time-limit 4s");
+    let (code, report) = collection.report("--time-limit 8s");
     assert_eq!((code, states(&report)), (Some(2), [1.0, 0.0, 0.0, 1.0]), "{report}");
     let error = text(&collection.last()["ball1.obj"], "/error");
     assert!(error.starts_with("it took longer than ") && error.contains("--time-limit"), "{error}");
