@@ -216,7 +216,6 @@ fn a_mesh_that_lost_the_shape_of_its_scan_is_an_error() {
     let bake =
         |options: BakeOptions| Baker::new(options).bake(in_pieces(wavy(100, 50), 0.9), Progress::SILENT);
     let error = bake(options()).unwrap_err().to_string();
-    println!("{error}");
     assert!(error.starts_with("a low-poly mesh of ") && error.contains("lost the scan's shape: "), "{error}");
     assert!(
         error.contains("farther than 2.0 % of the diagonal") && error.contains("ask for more"),
@@ -233,7 +232,6 @@ fn a_search_passes_over_meshes_that_lost_the_shape() {
         Baker::new(wanted).bake(scan, Progress::SILENT)
     };
     let found = search(in_pieces(wavy(100, 50), 0.9)).unwrap();
-    println!("{:?}\n{}", found.trials(), said(&found));
     assert!(found.trials().iter().all(|trial| trial.triangles >= 5_000), "{:?}", found.trials());
     assert!(said(&found).contains("not considered: a low-poly mesh of "), "{}", said(&found));
     let error = search(in_pieces(wavy(50, 25), 0.3)).unwrap_err().to_string();
