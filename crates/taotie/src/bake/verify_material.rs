@@ -36,7 +36,7 @@ impl Verifier<'_> {
     /// points of [`Verifier::normal_error`]. `shown` has the triangles of [`Verifier::mesh`], in the same order.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where the mesh has no area, or other triangles than `shown`.
+    /// [`crate::Error::Invalid`] where the mesh has no area, or other triangles than `shown`.
     pub fn material_error(&self, shown: &TexturedMesh, count: usize) -> Result<MaterialError> {
         self.check(Some(shown))?;
         let point = sample_area(self.mesh, count)?;
@@ -56,7 +56,7 @@ impl Verifier<'_> {
     /// from all UV islands, where one of them is not finite, and where either side is not there to be seen.
     ///
     /// # Errors
-    /// As [`Verifier::material_error`]; [`Error::Invalid`] where the mesh has no uvs.
+    /// As [`Verifier::material_error`]; [`crate::Error::Invalid`] where the mesh has no uvs.
     pub fn color_map(&self, shown: &TexturedMesh, size: [u32; 2]) -> Result<Field> {
         self.check(Some(shown))?;
         let layout = Layout::new(self.mesh, size, 1)?;
