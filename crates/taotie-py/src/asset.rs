@@ -12,9 +12,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use taotie::asset::{
     BakeOptions, Baker, Figures, Limits, MeshSource, Met, Packing, Proof, RayDistance, Report, Requirement,
-    VerifyOptions,
+    Scan, VerifyOptions,
 };
 use taotie::names::Named;
+use taotie::{Progress, Result};
 
 /// What a bake is told.
 #[derive(FromPyObject)]
@@ -168,13 +169,9 @@ impl Written {
         request: Options,
         running: Running,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let options = request.read::<VerifyOptions>()?;
-        let (py, high) = (model.py(), model.get());
-        let proof = work::run(py, &running, |progress| {
-            let scan = high.scan(progress)?;
-            self.written.verify(&scan, &options, progress)
-        })?;
-        told(py, &proof)
+        measured(model, request, &running, |scan, options, progress| {
+            self.written.verify(scan, options, progress)
+        })
     }
 
     /// Returns the report that the command writes, as JSON, with a proof's figures and requirements where there are any.
@@ -197,11 +194,23 @@ pub fn verify<'py>(
     request: Options,
     running: Running,
 ) -> PyResult<Bound<'py, PyDict>> {
+    measured(model, request, &running, |scan, options, progress| {
+        taotie::asset::verify(&asset, scan, options, progress)
+    })
+}
+
+/// Runs a proof against a model, and returns what it found.
+fn measured<'py>(
+    model: &Bound<'py, Model>,
+    request: Options,
+    running: &Running,
+    verify: impl FnOnce(&Scan, &VerifyOptions, Progress<'_>) -> Result<Proof> + Send,
+) -> PyResult<Bound<'py, PyDict>> {
     let options = request.read::<VerifyOptions>()?;
     let (py, high) = (model.py(), model.get());
-    let proof = work::run(py, &running, |progress| {
+    let proof = work::run(py, running, |progress| {
         let scan = high.scan(progress)?;
-        taotie::asset::verify(&asset, &scan, &options, progress)
+        verify(&scan, &options, progress)
     })?;
     told(py, &proof)
 }
