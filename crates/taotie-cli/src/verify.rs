@@ -1,6 +1,7 @@
 //! `taotie verify`: how far an asset, made by any program, is from its scan.
 
 use crate::bake::clock::Clock;
+use crate::bake::scan_args::ScanArgs;
 use crate::bake::text;
 use crate::limits::LimitArgs;
 use crate::proof_args::ProofArgs;
@@ -9,7 +10,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use taotie::Progress;
-use taotie::asset::{self, Report, Scan, Warning};
+use taotie::asset::{self, Certificate, Report, ScanFile, Warning};
 use taotie_report::bake_page;
 
 const EXAMPLES: &str = "\
@@ -30,6 +31,8 @@ pub struct VerifyArgs {
     #[arg(short, long, value_name = "OUT.html")]
     pub output: Option<PathBuf>,
     #[command(flatten)]
+    pub reading: ScanArgs,
+    #[command(flatten)]
     pub proof: ProofArgs,
     #[command(flatten)]
     pub limits: LimitArgs,
@@ -47,6 +50,7 @@ impl VerifyArgs {
         if self.threads == Some(0) {
             bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
         }
+        self.proof.signature().check()?;
         match &self.output {
             Some(path) if !path.extension().is_some_and(|end| end.eq_ignore_ascii_case("html")) => {
                 bail!("{}: the page of a proof is written as .html", path.display())
@@ -79,12 +83,15 @@ fn verify(args: &VerifyArgs) -> Result<Report> {
         true
     };
     let progress = Progress::new(&listener);
-    let scan = Scan::read(&args.scan, &args.limits.limits(), progress)?;
+    let file = ScanFile::read(&args.scan, &args.limits.limits(), progress)?;
+    let scan = file.with_options(args.reading.options()).into_scan(progress)?;
     console::say_warnings(scan.warnings());
-    let proof = asset::verify(&args.asset, &scan, &args.proof.options(), progress)?;
+    let options = args.proof.options_of_page(args.output.is_some());
+    let proof = asset::verify(&args.asset, &scan, &options, progress)?;
     console::say_warnings(&proof.warnings);
     let mut report = Report::of_proof(&args.asset, &scan, &proof)?;
-    report.required = proof.require(&args.proof.requirements());
+    let proved = (&proof.figures, &options);
+    report.certificate = Some(Certificate::of_file(&args.asset, &scan, proved, &args.proof.signature())?);
     report.stages = clock.done();
     if let [html, json] = &pages[..] {
         let page = bake_page::page(&report, &proof, None)?;

@@ -93,6 +93,7 @@ fn full() -> Page {
         views: views(),
         sections: vec![prose, table(), histogram()],
         footer: "the end".into(),
+        ..Page::default()
     }
 }
 

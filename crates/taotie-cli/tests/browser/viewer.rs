@@ -192,7 +192,7 @@ fn write_proof(folder: &Path) {
         write_gltf(&folder.join(name), &asset, &GltfFormat::default()).unwrap();
     }
     let [low, high, page] = ["low.glb", "high.glb", "proof.html"].map(|name| text(&folder.join(name)));
-    let own = ["view".into(), low, "--scan".into(), high, "-o".into(), page];
+    let own = ["view".into(), low, "--scan".into(), high, "--publish-scan".into(), "-o".into(), page];
     run(&[own.to_vec(), words("--samples 1")].concat(), folder);
 }
 

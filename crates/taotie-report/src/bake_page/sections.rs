@@ -13,7 +13,7 @@ use taotie::proof::Estimate;
 /// Makes all sections in order.
 pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
     let mut sections = Vec::new();
-    if !report.required.is_empty() {
+    if report.triangles.len() > 1 && !report.required().is_empty() {
         sections.push(required(report));
     }
     if let Some(finest) = proof.finest() {
@@ -32,8 +32,8 @@ pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
 
 fn required(report: &Report) -> Section {
     Section::Table {
-        title: "Required".into(),
-        note: "The figures demanded by --require. Level 0 is the finest level of detail.".into(),
+        title: "Requirements by level".into(),
+        note: "The outcomes of all requirements at each level of detail; level 0 is the finest.".into(),
         columns: vec![
             Column::words("figure"),
             Column::words("level"),
@@ -42,7 +42,7 @@ fn required(report: &Report) -> Section {
             Column::words("unit"),
             Column::words("result"),
         ],
-        rows: report.required.iter().map(row_of_requirement).collect(),
+        rows: report.required().iter().map(row_of_requirement).collect(),
     }
 }
 
@@ -98,8 +98,8 @@ fn as_seen(level: &LevelFigures) -> Section {
     .flatten()
     .collect();
     let patches = [
-        ("normals, worst 1 % of the surface (°)", &level.patches.angle),
-        ("colours, worst 1 % of the surface (ΔE00)", &level.patches.color),
+        ("normals, close-up, worst 1 % of the surface (°)", &level.patches.angle),
+        ("colours, close-up, worst 1 % of the surface (ΔE00)", &level.patches.color),
     ];
     for (name, patch) in patches {
         let Some(patch) = patch else { continue };
@@ -107,7 +107,7 @@ fn as_seen(level: &LevelFigures) -> Section {
         rows.push(vec![Cell::text(name), Cell::number(patch.mean, 3), none(), none(), none()]);
     }
     Section::Table {
-        title: "As seen".into(),
+        title: "As seen: overview and close-up".into(),
         note: format!(
             "Differences at the same pixel of scan and asset, parallax and texture filtering included, outlines left out. \
              Overview: {} random pixels of 32 fixed views in which the object fills 512 × 512 pixels. Worst 1 %: the window \
@@ -225,7 +225,7 @@ fn views(level: &LevelFigures) -> Section {
     let grey = level.views.iter().map(|view| ("grey", view));
     let full = level.full_views.iter().map(|view| ("full", view));
     Section::Table {
-        title: "Visual difference".into(),
+        title: "Visual difference in images".into(),
         note: "Pictures of scan and asset, compared pixel by pixel: FLIP is 0 and SSIM is 1 where they are equal. Both \
                also count where the low-poly mesh lies beside the scan. Grey pictures show shape and normals alone; \
                full ones the materials of both, where the scan says anything of its own."

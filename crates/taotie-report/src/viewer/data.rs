@@ -37,7 +37,7 @@ pub(super) struct Data<'a> {
     tables: [usize; 2],
     frame: Option<FrameLayout>,
     texts: Texts,
-    /// The asset, and the scan where there is one.
+    /// The asset, and the scan if it is published.
     models: Vec<Model>,
     errors: Option<Errors>,
 }
@@ -120,8 +120,10 @@ pub(super) fn data<'a>(subject: &Subject<'a>, warnings: &mut Warnings) -> Result
     models.add(prepared, ["asset", "codes"], warnings)?;
     let mut measured = None;
     if let Some(scan) = &subject.scan {
-        models.add(scan.shown, ["scan", "scan_codes"], warnings)?;
-        let (errors, blob) = errors(prepared, scan.high, warnings)?;
+        if let Some(published) = scan.published {
+            models.add(published, ["scan", "scan_codes"], warnings)?;
+        }
+        let (errors, blob) = errors(prepared, scan.measured, warnings)?;
         models.blobs.push(blob);
         measured = Some(errors);
     } else if let Some(known) = &subject.errors {

@@ -54,7 +54,7 @@ pub struct Subject<'a> {
     pub lighting: &'a Lighting,
     /// Exposure, tone curve and background.
     pub development: &'a Development,
-    /// The scan that the model was baked from, to be shown beside it and to be measured against.
+    /// The scan that the model is measured against.
     pub scan: Option<ScanSubject<'a>>,
     /// The model's errors where they are known already; not read with `scan`.
     pub errors: Option<MeasuredErrors<'a>>,

@@ -40,4 +40,14 @@ impl ScanOptions {
             _ => Ok(()),
         }
     }
+
+    /// Returns the arguments of the command for all options that differ from the defaults.
+    pub(super) fn arguments(&self) -> Vec<String> {
+        let crease_angle = self.crease_angle_deg.map(|angle| ("--crease-angle", angle.to_string()));
+        let green = self.green.map(|green| match green {
+            GreenChannel::Up => ("--scan-green", "up".to_owned()),
+            GreenChannel::Down => ("--scan-green", "down".to_owned()),
+        });
+        [crease_angle, green].into_iter().flatten().flat_map(|(name, value)| [name.to_owned(), value]).collect()
+    }
 }
