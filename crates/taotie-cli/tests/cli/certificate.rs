@@ -5,6 +5,12 @@ use super::glb::Glb;
 use super::place::Place;
 use serde_json::Value;
 use std::path::Path;
+use taotie::Warnings;
+use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+use taotie::io::{GltfFormat, GltfImages, encode_scene_as};
+use taotie::math::sequence;
+use taotie::mesh::Mesh;
+use taotie::scene::{Material, Scene, TextureRef, UvTransform};
 
 /// A folder with a scan whose vertices have colours, and a low-poly mesh.
 fn pair() -> Place {
@@ -183,4 +189,31 @@ fn a_scan_elsewhere_is_refused_as_a_bake_does() {
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     assert!(said.contains("the meshes do not overlap: 100.0 %"), "{said}");
     assert!(!place.files().contains(&"view.html".to_owned()));
+}
+
+/// A ball in few bytes, with a texture of noise that no lossless packing makes smaller.
+fn noisy_ball() -> Vec<u8> {
+    const SIDE: u32 = 1536;
+    let texel = |i: u32| {
+        let [r, g, b, _] = sequence::hash(7, i).to_le_bytes();
+        [r, g, b, 255]
+    };
+    let texels = Texels::U8((0..SIDE * SIDE).map(texel).collect());
+    let bitmap = Bitmap::new(SIDE, SIDE, 3, texels).expect("it has its size");
+    let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 24, 12), Material::default()).expect("it is sound");
+    let texture = scene.add_texture(Texture::new(bitmap, Encoding::Srgb));
+    let map = TextureRef { texture, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
+    scene.edit(|data| data.materials[0].base_color_texture = Some(map)).expect("it is sound");
+    let format = GltfFormat { images: GltfImages::WebP, webp_quality: Some(1), ..GltfFormat::default() };
+    encode_scene_as(&scene, &["ball".into()], &format, &mut Warnings::default()).expect("it can be written")
+}
+
+#[test]
+fn a_page_has_its_asset_in_base64_and_at_most_three_megabytes_more() {
+    let place = Place::with("ball.glb", noisy_ball());
+    prove(&place, "verify ball.glb --scan ball.glb -o ball.html --proof-points 2000");
+    let [page, asset] = ["ball.html", "ball.glb"].map(|name| place.read(name).len());
+    assert!(page * 100 <= asset * 134 + 300_000_000, "{page} bytes of an asset of {asset}");
+    let html = String::from_utf8(place.read("ball.html")).expect("it is text");
+    assert!(html.contains("id=\"taotie-asset\""), "the asset is shown");
 }

@@ -91,8 +91,8 @@ pub fn html_with_asset(page: &Page, proof: &Proof, path: &Path) -> (String, Warn
         limits: &Limits::default(),
         errors: MeasuredErrors::of(proof),
     };
-    match subject.viewer() {
-        Ok(viewer) => (viewer.within(page), viewer.warnings),
+    match subject.page(&|viewer| viewer.within(page)) {
+        Ok(written) => written,
         Err(error) => {
             let mut warnings = Warnings::default();
             warnings.note(format!("the report does not show the asset itself: {error}"), 1);
