@@ -15,6 +15,7 @@ __all__ = [
     "Written",
     "bake",
     "require",
+    "verify",
     "command",
     "compare",
     "color",

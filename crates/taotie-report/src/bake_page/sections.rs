@@ -259,7 +259,7 @@ mod tests {
     /// One level of which this share is missed.
     fn missing(share: f64) -> Figures {
         let (mut figures, mut level) = (Figures::default(), LevelFigures::default());
-        level.coverage.missed_interval = [share; 2];
+        (level.coverage.missed_of_scan, level.coverage.missed_interval) = (share, [share; 2]);
         figures.levels.push(level);
         figures
     }
@@ -274,6 +274,7 @@ mod tests {
         let angle = row(Requirement::mean_angle_deg(1.0).at_level(2));
         assert_eq!((&angle[1], &angle[2]), (&Cell::text("2"), &Cell::text("not measured")));
     }
+
     #[test]
     fn a_value_that_is_too_large_looks_larger() {
         let figures = missing(0.001_234_12);
