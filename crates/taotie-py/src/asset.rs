@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use taotie::asset::{
     BakeOptions, Baker, Figures, Limits, MeshSource, Met, Packing, Proof, RayDistance, Report, Requirement,
-    Scan, VerifyOptions,
+    VerifyOptions,
 };
 use taotie::names::Named;
 use taotie::{Progress, Result};
@@ -169,8 +169,8 @@ impl Written {
         request: Options,
         running: Running,
     ) -> PyResult<Bound<'py, PyDict>> {
-        measured(model, request, &running, |scan, options, progress| {
-            self.written.verify(scan, options, progress)
+        measured(model, request, &running, |high, options, progress| {
+            self.written.verify(high.scan(progress)?, options, progress)
         })
     }
 
@@ -194,8 +194,8 @@ pub fn verify<'py>(
     request: Options,
     running: Running,
 ) -> PyResult<Bound<'py, PyDict>> {
-    measured(model, request, &running, |scan, options, progress| {
-        taotie::asset::verify(&asset, scan, options, progress)
+    measured(model, request, &running, |high, options, progress| {
+        taotie::asset::verify(&asset, high.scan_of(&asset, progress)?, options, progress)
     })
 }
 
@@ -204,14 +204,11 @@ fn measured<'py>(
     model: &Bound<'py, Model>,
     request: Options,
     running: &Running,
-    verify: impl FnOnce(&Scan, &VerifyOptions, Progress<'_>) -> Result<Proof> + Send,
+    verify: impl FnOnce(&Model, &VerifyOptions, Progress<'_>) -> Result<Proof> + Send,
 ) -> PyResult<Bound<'py, PyDict>> {
     let options = request.read::<VerifyOptions>()?;
     let (py, high) = (model.py(), model.get());
-    let proof = work::run(py, running, |progress| {
-        let scan = high.scan(progress)?;
-        verify(&scan, &options, progress)
-    })?;
+    let proof = work::run(py, running, |progress| verify(high, &options, progress))?;
     told(py, &proof)
 }
 
@@ -228,8 +225,12 @@ fn told<'py>(py: Python<'py>, proof: &Proof) -> PyResult<Bound<'py, PyDict>> {
 }
 
 fn met(py: Python<'_>, figures: &Figures, required: &[String]) -> PyResult<Vec<Met>> {
-    let required = required.iter().map(|text| Requirement::read(text)).collect::<taotie::Result<Vec<_>>>();
-    Ok(figures.require(&required.map_err(|error| exception(py, &error))?.concat()))
+    let required = required.iter().map(|text| Requirement::read(text)).collect::<Result<Vec<_>>>();
+    let required = required.map(|all| all.concat()).and_then(|all| {
+        Requirement::check_unit(&all, figures.unit)?;
+        Ok(figures.require(&all))
+    });
+    required.map_err(|error| exception(py, &error))
 }
 
 /// Holds requirements, as the command reads them, against figures; returns each as JSON, with its text.

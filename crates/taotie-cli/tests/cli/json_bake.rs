@@ -73,6 +73,7 @@ struct Parameters {
     green: String,
     crease_angle_deg: AutoOr,
     scan_green: String,
+    unit: Option<String>,
 }
 
 #[derive(Deserialize, Debug, PartialEq)]
@@ -104,6 +105,8 @@ struct Left {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Proof {
+    unit: Option<String>,
+    metres_per_unit: Option<f64>,
     diagonal: f64,
     unseen: Vec<String>,
     parts: Vec<Part>,
@@ -260,6 +263,7 @@ struct Fit {
 struct Met {
     figure: String,
     most: f64,
+    is_length: bool,
     level: Option<usize>,
     value: Option<f64>,
     interval: Option<[f64; 2]>,
@@ -327,6 +331,7 @@ fn of_a_pair() {
         green: "up".into(),
         crease_angle_deg: auto(),
         scan_green: "auto".into(),
+        unit: None,
     };
     assert_eq!(report.parameters, Some(parameters));
     assert_eq!(report.files, ["out.glb", "out.height.png", "out.report.html", "out.report.json"]);
@@ -336,6 +341,7 @@ fn of_a_pair() {
     assert!(height.black < Some(0.0) && height.white > Some(0.0), "{height:?}");
     assert_eq!((report.carried.as_slice(), report.left.as_slice()), (&[][..], &[][..]), "it is grey clay");
     let proof = report.proof.expect("it was measured");
+    assert_eq!((proof.unit.as_deref(), proof.metres_per_unit), (None, None), "OBJ states no unit");
     let bake = report.bake.expect("it was baked");
     let [level] = proof.levels.as_slice() else { panic!("there is one level") };
     let angles = level.surface_angles.as_ref().expect("points were found");

@@ -30,6 +30,7 @@ use crate::viewer::{AssetSubject, MeasuredErrors};
 use crate::{Fact, Notice, Page, Tone};
 use std::path::Path;
 use taotie::asset::{Asset, Figures, Limits, Proof, Report};
+use taotie::length::{ShownLength, Unit, texel_text};
 use taotie::{Result, Warnings};
 
 /// Makes the page of a proof: verdict and warnings, facts, views of scan and asset, maps, and every figure. `asset` is `None`
@@ -73,7 +74,10 @@ pub fn page_of_collection(report: &Report, proof: &Proof, asset: Option<&Asset>)
 /// Taotie, with the error of its normals on it. Where it cannot be shown, the page is without it, and a warning says why.
 pub fn html_with_asset(page: &Page, proof: &Proof, path: &Path) -> (String, Warnings) {
     let finest = proof.figures.finest();
-    let (rms, hausdorff) = finest.map_or((0.0, 0.0), |finest| (finest.rms, finest.hausdorff.upper));
+    // The viewer shows the asset as it is written: in metres, if the scan's unit is known.
+    let shown = |length: f64| length * proof.figures.unit.map_or(1.0, Unit::metres);
+    let (rms, hausdorff) =
+        finest.map_or((0.0, 0.0), |finest| (shown(finest.rms), shown(finest.hausdorff.upper)));
     let subject = AssetSubject {
         path,
         title: &path.file_name().unwrap_or_default().to_string_lossy(),
@@ -115,7 +119,15 @@ fn facts(report: &Report, proof: &Figures) -> Vec<Fact> {
     facts.push(Fact::new("Missed", format!("{:.3} %", finest.coverage.missed() * 100.0)));
     facts.push(Fact::new(
         "Shape error, at most",
-        format!("{:.3} % of the diagonal", finest.hausdorff_of_diagonal.upper * 100.0),
+        format!(
+            "{}, {:.3} % of the diagonal",
+            ShownLength::of(finest.hausdorff.upper, proof.unit, 3),
+            finest.hausdorff_of_diagonal.upper * 100.0
+        ),
     ));
+    if let Some(resolution) = &finest.resolution {
+        facts.push(Fact::new("Texel", texel_text(resolution.texel, proof.unit)));
+    }
+    facts.push(Fact::new("Diagonal of the scan", ShownLength::of(proof.diagonal, proof.unit, 4).to_string()));
     facts
 }

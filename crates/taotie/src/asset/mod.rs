@@ -69,6 +69,7 @@ mod search;
 mod search_course;
 mod shown;
 mod slots;
+mod space;
 mod stripped;
 mod textures;
 mod unlit;
