@@ -1,10 +1,10 @@
 //! The certificate: the same from `bake` and from the command that it states, on any machine.
 
-use super::balls::{LOW, SCAN};
+use super::balls::{Ball, LOW, SCAN};
 use super::glb::Glb;
 use super::place::Place;
 use serde_json::Value;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use taotie::Warnings;
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
 use taotie::io::{GltfFormat, GltfImages, encode_scene_as};
@@ -158,31 +158,25 @@ fn assert_names_no_folder(place: &Place, arguments: &[&str]) {
     let is_clean = |bytes: &[u8]| !bytes.windows(folder.len()).any(|window| window == folder.as_bytes());
     let output = assert.get_output();
     assert!(is_clean(&output.stdout), "{}", String::from_utf8_lossy(&output.stdout));
-    for name in place.files() {
-        if Path::new(&name).is_dir() || place.path(&name).is_dir() {
-            continue;
-        }
-        assert!(is_clean(&place.read(&name)), "{name} of {words:?} names {folder}");
+    for file in files_below(&place.path("")) {
+        let bytes = std::fs::read(&file).expect("it can be read");
+        assert!(is_clean(&bytes), "{} of {words:?} names {folder}", file.display());
     }
+}
+
+fn files_below(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).expect("the folder is readable");
+    let paths = entries.map(|entry| entry.expect("it is readable").path());
+    paths.flat_map(|path| if path.is_dir() { files_below(&path) } else { vec![path] }).collect()
 }
 
 #[test]
 fn no_report_and_no_page_names_a_folder() {
     let place = pair();
-    let bake = [
-        "bake",
-        "scan.obj",
-        "--low",
-        "low.obj",
-        "-o",
-        "out.glb",
-        "--size",
-        "64",
-        "--json",
-        "--maps",
-        "normal,height",
-    ];
-    assert_names_no_folder(&place, &[&bake[..], &["--cage", "low.obj"]].concat());
+    place.write("cage.obj", Ball { radius: 1.1, ..LOW }.obj());
+    let bake = ["bake", "scan.obj", "--low", "low.obj", "-o", "out.glb", "--size", "64", "--json"];
+    let further = ["--maps", "normal,height", "--cage", "cage.obj"];
+    assert_names_no_folder(&place, &[&bake[..], &further].concat());
     assert_names_no_folder(
         &place,
         &["verify", "out.glb", "--scan", "scan.obj", "-o", "proof.html", "--json"],
@@ -190,8 +184,9 @@ fn no_report_and_no_page_names_a_folder() {
     let view = ["view", "out.glb", "--scan", "scan.obj", "--publish-scan", "-o", "view.html", "--json"];
     assert_names_no_folder(&place, &view);
     let compare =
-        ["compare", "low.obj", "--reference", "scan.obj", "-o", "compared", "--size", "64x64", "--json"];
-    assert_names_no_folder(&place, &compare);
+        ["compare", "low.obj", "--reference", "scan.obj", "-o", "compared", "--size", "48x32", "--json"];
+    assert_names_no_folder(&place, &[&compare[..], &["--method", "smooth,facet"]].concat());
+    assert!(place.path("compared/report.html").is_file() && place.path("view.html").is_file());
 }
 
 #[test]
@@ -214,7 +209,7 @@ fn a_scan_is_published_only_if_that_is_asked_for() {
 #[test]
 fn a_scan_elsewhere_is_refused_as_a_bake_does() {
     let place = pair();
-    place.write("far.obj", super::balls::Ball { center: [9.0, 0.0, 0.0], ..SCAN }.obj());
+    place.write("far.obj", Ball { center: [9.0, 0.0, 0.0], ..SCAN }.obj());
     let assert = place.taotie("view low.obj --scan far.obj -o view.html").assert().code(2);
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     assert!(said.contains("the meshes do not overlap: 100.0 %"), "{said}");

@@ -30,7 +30,7 @@ pub struct PatchPictures {
     pub scan: DisplayImage,
     /// The asset, likewise.
     pub asset: DisplayImage,
-    /// The difference at each pixel, degrees or CIEDE2000; NaN where there is nothing to compare.
+    /// The difference at every other pixel, degrees or CIEDE2000; NaN where there is nothing to compare.
     pub difference: Field,
 }
 
@@ -39,11 +39,14 @@ pub(super) struct MeasuredPatch {
     pub patch: Patch,
     pub of: PatchQuantity,
     pub camera: Camera,
+    /// Pixels along a side of its pictures.
+    pub side: u32,
     difference: Field,
 }
 
 impl MeasuredPatch {
-    /// Compares the worst patches of a level pixel by pixel, with `side` pixels along a side; none for 0 of them.
+    /// Compares the worst patches of a level at every other pixel of pictures with `side` pixels along a side; none for 0 of
+    /// them.
     ///
     /// # Errors
     /// Those of [`PatchView::differences`].
@@ -58,15 +61,10 @@ impl MeasuredPatch {
         let measured = |(patch, of): (Option<Patch>, PatchQuantity)| {
             let patch = patch?;
             let view = PatchView::of(&patch, scan.mesh().diagonal());
-            let difference = view.differences([scan, &level.surface], of, side);
-            Some(difference.map(|difference| Self { patch, of, camera: view.camera(), difference }))
+            let difference = view.differences([scan, &level.surface], of, side.div_ceil(2));
+            Some(difference.map(|difference| Self { patch, of, camera: view.camera(), side, difference }))
         };
         wanted.filter_map(measured).collect()
-    }
-
-    /// Returns the pixels along a side of its pictures.
-    pub fn side(&self) -> u32 {
-        self.difference.width()
     }
 
     /// Adds the pictures that were taken of it.

@@ -117,7 +117,7 @@ impl Setting {
         progress: Progress<'_>,
     ) -> Result<(Vec<Views>, Vec<PatchPictures>)> {
         let shots = |scene: Scene, patches: &[MeasuredPatch], progress: Progress<'_>| {
-            let close_up = |patch: &MeasuredPatch| (patch.camera.clone(), patch.side());
+            let close_up = |patch: &MeasuredPatch| (patch.camera.clone(), patch.side);
             let around = self.cameras.iter().map(|camera| (camera.clone(), self.side));
             let shots: Vec<_> = around.chain(patches.iter().map(close_up)).collect();
             let mut around = self.pictures(scene, &shots, progress)?;
