@@ -7,7 +7,7 @@ use super::pair::Pair;
 /// Less of a surface hidden than this needs no search for what is visible: noise and folds hide as much.
 const HARDLY_HIDDEN: f64 = 1e-3;
 /// The width of the bounds of distances, as a part of the diagonal, and as a part of the distance.
-const WIDTH: [f32; 2] = [1e-3, 0.1];
+const WIDTH: [f32; 2] = [1.5e-3, 0.1];
 /// The bounds are closer in proportion if more points than these are looked at.
 const POINTS: f32 = 20_000.0;
 

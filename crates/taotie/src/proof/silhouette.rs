@@ -58,6 +58,8 @@ impl Sums {
 /// Bits of a row of pixels, and of a picture of them.
 const WORDS: usize = SIDE / 64;
 type Rows = Vec<[u64; WORDS]>;
+/// A box of a smaller product of sides is looked at pixel by pixel.
+const FEW: usize = 16;
 
 /// The pixels whose middles a surface covers in a view. Back faces are not drawn, but those of double-sided materials.
 struct Mask {
@@ -87,10 +89,30 @@ impl Mask {
         let [a, b, c] = corners;
         let range = |k: usize| [a[k].min(b[k]).min(c[k]), a[k].max(b[k]).max(c[k])];
         let (Some([left, right]), Some([top, bottom])) = (whole(range(0)), whole(range(1))) else { return };
+        // Spans pay off for triangles of some size.
+        if (right - left) * (bottom - top) < FEW {
+            return self.cover_few(corners, [left, right, top, bottom]);
+        }
         for y in top..=bottom {
             let span = across(corners, y as f32);
             if let Some([from, to]) = whole(span).filter(|[from, to]| from.max(&left) <= to.min(&right)) {
                 set(&mut self.rows[y], from.max(left), to.min(right));
+            }
+        }
+    }
+
+    /// Covers the pixels of a small box that lie in a triangle or on its border.
+    fn cover_few(&mut self, [a, b, c]: [[f32; 2]; 3], [left, right, top, bottom]: [usize; 4]) {
+        let edge = |p: [f32; 2], q: [f32; 2], [x, y]: [f32; 2]| {
+            (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0])
+        };
+        for y in top..=bottom {
+            for x in left..=right {
+                let at = [x as f32, y as f32];
+                let sides = [edge(a, b, at), edge(b, c, at), edge(c, a, at)];
+                let is_inside = sides[0] >= 0.0 && sides[1] >= 0.0 && sides[2] >= 0.0
+                    || sides[0] <= 0.0 && sides[1] <= 0.0 && sides[2] <= 0.0;
+                self.rows[y][x / 64] |= u64::from(is_inside) << (x % 64);
             }
         }
     }
