@@ -10,7 +10,7 @@ use crate::trace::distance_to_triangle;
 /// Triangles of the other surface that some that lie together are compared with, at most.
 const MOST_NEAR: usize = 768;
 /// A triangle is cut so many times, at most, before its pieces are bounded in order of their distances.
-const MOST_CUTS: u32 = 2;
+const MOST_CUTS: u32 = 3;
 /// Pieces of triangles that are looked at, at most; the upper bound is then wider than was asked for.
 const MOST_PIECES: usize = 4_000_000;
 /// Rounding of distances in single precision, as a part of the largest coordinate.
