@@ -1,21 +1,24 @@
 //! `taotie verify`: how far an asset, made by any program, is from its scan.
 
 use crate::bake::clock::Clock;
+use crate::bake::scan_args::ScanArgs;
 use crate::bake::text;
 use crate::limits::LimitArgs;
 use crate::proof_args::ProofArgs;
-use crate::{Outcome, console, stop, studio};
+use crate::running::RunArgs;
+use crate::{Outcome, console, stop};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use taotie::Progress;
-use taotie::asset::{self, Report, Scan, Warning};
+use taotie::asset::{self, Report, ScanFile, Warning};
 use taotie_report::bake_page;
 
 const EXAMPLES: &str = "\
 Examples:
   taotie verify asset.glb --scan scan.ply --require standard
-  taotie verify packed.glb --scan scan.glb -o packed.proof.html";
+  taotie verify packed.glb --scan scan.glb -o packed.proof.html
+  taotie verify bracket.glb --scan bracket.stl --crease-angle 30";
 
 /// Compares an asset, made by any program, with the scan that it should look like.
 #[derive(Args)]
@@ -30,23 +33,18 @@ pub struct VerifyArgs {
     #[arg(short, long, value_name = "OUT.html")]
     pub output: Option<PathBuf>,
     #[command(flatten)]
+    pub reading: ScanArgs,
+    #[command(flatten)]
     pub proof: ProofArgs,
     #[command(flatten)]
     pub limits: LimitArgs,
-    /// Number of threads, 1 to 1024; results do not depend on it [default: all of the machine's]
-    #[arg(long, value_name = "N", help_heading = "Running")]
-    pub threads: Option<usize>,
-    /// Print the report as JSON
-    #[arg(long, help_heading = "Running")]
-    pub json: bool,
+    #[command(flatten)]
+    pub run: RunArgs,
 }
 
 impl VerifyArgs {
     /// Refuses options that cannot work, before any work is done.
     fn check(&self) -> Result<()> {
-        if self.threads == Some(0) {
-            bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
-        }
         match &self.output {
             Some(path) if !path.extension().is_some_and(|end| end.eq_ignore_ascii_case("html")) => {
                 bail!("{}: the page of a proof is written as .html", path.display())
@@ -59,8 +57,8 @@ impl VerifyArgs {
 /// Runs the subcommand.
 pub fn run(args: &VerifyArgs) -> Result<Outcome> {
     args.check()?;
-    let report = studio::in_pool(args.threads, || verify(args))??;
-    match args.json {
+    let report = args.run.in_pool(|| verify(args))??;
+    match args.run.json {
         true => console::result(&serde_json::to_string_pretty(&report)?)?,
         false => console::result(&text::of(&report))?,
     }
@@ -79,7 +77,8 @@ fn verify(args: &VerifyArgs) -> Result<Report> {
         true
     };
     let progress = Progress::new(&listener);
-    let scan = Scan::read(&args.scan, &args.limits.limits(), progress)?;
+    let file = ScanFile::read(&args.scan, &args.limits.limits(), progress)?;
+    let scan = file.with_options(args.reading.options()).into_scan(progress)?;
     console::say_warnings(scan.warnings());
     let proof = asset::verify(&args.asset, &scan, &args.proof.options(), progress)?;
     console::say_warnings(&proof.warnings);

@@ -5,6 +5,7 @@ use super::scan_args::ScanArgs;
 use crate::limits::LimitArgs;
 use crate::options::{self, fraction, positive};
 use crate::proof_args::ProofArgs;
+use crate::running::RunArgs;
 use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
@@ -131,12 +132,8 @@ pub struct BakeArgs {
 
     #[command(flatten)]
     pub limits: LimitArgs,
-    /// Number of threads, 1 to 1024; all of the machine's if not given. Results do not depend on it
-    #[arg(long, value_name = "N", help_heading = "Running")]
-    pub threads: Option<usize>,
-    /// Print the report as JSON
-    #[arg(long, help_heading = "Running")]
-    pub json: bool,
+    #[command(flatten)]
+    pub run: RunArgs,
 }
 
 /// A value, or the program's choice.
@@ -190,9 +187,6 @@ impl<T> Auto<T> {
 impl BakeArgs {
     /// Refuses options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
-        if self.threads == Some(0) {
-            bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
-        }
         let extension = self.output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         if !matches!(extension.as_deref(), Some("glb" | "gltf" | "png" | "webp" | "exr")) {
             bail!(

@@ -164,7 +164,7 @@ fn refusals() {
             "--green down: no normal or bent map in tangent space",
         ),
         ("scan.obj -o out.glb --green down --space object", "--green down: no normal or bent map"),
-        ("scan.obj -o out.glb --threads 0", "--threads 0: at least one thread is needed"),
+        ("scan.obj -o out.glb --threads 0", "at least one thread is needed"),
         ("scan.obj -o out.glb --ray-distance 0", "0 is not above 0"),
         ("scan.obj -o out.glb --cage low.obj", "--low <LOW>"),
         ("scan.obj --low low.obj --cage other.obj -o out.glb", "other.obj: the cage: it has [..] triangles"),
