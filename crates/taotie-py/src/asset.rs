@@ -223,6 +223,8 @@ fn told<'py>(py: Python<'py>, proof: &Proof) -> PyResult<Bound<'py, PyDict>> {
     found.set_item("error_map", errors)?;
     let colors = proof.color_map.as_ref().map(|map| arrays::of_field(py, map)).transpose()?;
     found.set_item("color_map", colors)?;
+    let detail = proof.detail_map.as_ref().map(|map| arrays::of_field(py, map)).transpose()?;
+    found.set_item("detail_map", detail)?;
     found.set_item("warnings", work::listed(&proof.warnings))?;
     Ok(found)
 }
@@ -237,6 +239,6 @@ fn met(py: Python<'_>, figures: &Figures, required: &[String]) -> PyResult<Vec<M
 pub fn require(py: Python<'_>, figures: Options, required: Vec<String>) -> PyResult<Vec<(String, String)>> {
     let figures = figures.read::<Figures>()?;
     let met = met(py, &figures, &required)?;
-    let pair = |met: &Met| Ok((serde_json::to_string(met)?, format!("{} {}", met.figure.name(), met.text())));
+    let pair = |met: &Met| Ok((serde_json::to_string(met)?, format!("{} {}", met.name(), met.text())));
     met.iter().map(pair).collect::<serde_json::Result<_>>().map_err(no_json)
 }

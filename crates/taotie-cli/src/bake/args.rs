@@ -10,7 +10,7 @@ use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
-use taotie::asset::{BakeOptions, Baker, Limits, MeshSource, Packing, RayDistance};
+use taotie::asset::{AUTO_SIZE, BakeOptions, Baker, Limits, MeshSource, Packing, RayDistance};
 use taotie::bake::MapKind;
 use taotie::io::{FileSet, GltfImages};
 use taotie::names::Named;
@@ -58,8 +58,9 @@ pub struct BakeArgs {
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = options::triangles, help_heading = "Low-poly mesh")]
     pub lods: Vec<u32>,
 
-    /// Width and height of the maps, texels: one number, or two as in 2048x1024 for a --low with UVs; 2048 if not given
-    #[arg(long, value_name = "N|WxH", value_parser = options::map_size, help_heading = "Maps")]
+    /// Width and height of the maps, texels: one number, two as in 2048x1024 for a --low with UVs, or auto: the smallest power
+    /// of two, 256 to 8192, that preserves the scan's detail [default: 2048]
+    #[arg(long, value_name = "N|WxH|auto", value_parser = options::map_size, help_heading = "Maps")]
     pub size: Option<[u32; 2]>,
     /// Maps to bake, separated by commas: auto (normal, and whatever varies in the scan's materials), normal, ao (ambient
     /// occlusion), albedo (base colour), height, bent (bent normals), curvature, roughness (widened by fine relief),
@@ -372,14 +373,11 @@ impl BakeArgs {
     /// Refuses requirements of levels of detail that are not asked for.
     fn check_levels(&self) -> Result<()> {
         let coarsest = self.lods().len();
-        let requirements = self.proof.requirements();
-        let named =
-            requirements.iter().filter_map(|requirement| Some((requirement.figure, requirement.level?)));
-        for (figure, level) in named {
-            if level > coarsest {
+        for requirement in self.proof.requirements() {
+            if let Some(level) = requirement.level.filter(|level| *level > coarsest) {
                 bail!(
                     "--require {}@{level}: the coarsest level of detail is {coarsest}; --lods asks for more",
-                    figure.name()
+                    requirement.name()
                 );
             }
         }
@@ -457,7 +455,10 @@ impl BakeArgs {
         let [width, height] = self.size();
         let parts = [
             (!levels.is_empty()).then(|| format!("{} triangles", levels.join(", "))),
-            self.error.is_none().then(|| format!("maps of {width}×{height}")),
+            self.error.is_none().then(|| match width {
+                AUTO_SIZE => "maps of automatic size".into(),
+                _ => format!("maps of {width}×{height}"),
+            }),
             self.bakes_normals().then(|| format!("normals in {} bits", self.bits())),
             Some(self.images().to_string()),
             self.webp_quality().map(|quality| format!("colours of quality {quality}")),

@@ -6,6 +6,7 @@ mod purpose;
 pub mod scan_args;
 mod schedule;
 pub mod text;
+mod worst;
 
 pub use args::BakeArgs;
 

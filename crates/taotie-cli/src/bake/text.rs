@@ -1,11 +1,11 @@
 //! A bake in plain words.
 
+use super::worst;
 use std::fmt::Write;
 use taotie::asset::{
     BakeFigures, Figures, LevelFigures, MaterialFigures, Met, PartFigures, Report, ViewFigures,
 };
 use taotie::compare::Summary;
-use taotie::names::Named;
 use taotie_report::summary;
 use taotie_report::table::Table;
 
@@ -24,6 +24,8 @@ pub fn of(report: &Report) -> String {
     if let Some(figures) = &report.proof {
         if let Some(finest) = figures.finest() {
             as_seen(finest, &mut table);
+            worst::parts(&finest.worst_parts, &mut table);
+            worst::beyond(&finest.beyond, &mut table);
             on_surface(finest, report.bake.as_ref(), &mut table);
             shape(finest, &mut table);
             material(&finest.material, &mut table);
@@ -204,5 +206,5 @@ fn requirement(met: &Met, triangles: &[usize]) -> String {
             None => format!(" of level {level}, which is not there,"),
         },
     };
-    format!("{verdict}: {}{level} {}", met.figure.name(), met.text())
+    format!("{verdict}: {}{level} {}", met.name(), met.text())
 }

@@ -76,7 +76,9 @@ fn quick_proof(arguments: &[&str]) -> &'static [&'static str] {
     let asks =
         |argument: &&str| argument.starts_with("--proof-") || ["--no-verify", "--help"].contains(argument);
     match arguments {
-        ["bake" | "verify", rest @ ..] if !rest.iter().any(asks) => &["--proof-points", "20000", "--proof-view", "96"],
+        ["bake" | "verify", rest @ ..] if !rest.iter().any(asks) => {
+            &["--proof-points", "20000", "--proof-view", "96"]
+        }
         _ => &[],
     }
 }

@@ -25,6 +25,7 @@ mod notices;
 mod parts;
 mod sections;
 mod views;
+mod worst;
 
 use crate::viewer::{AssetSubject, MeasuredErrors};
 use crate::{Fact, Notice, Page, Tone};

@@ -2,7 +2,6 @@
 
 use crate::{Notice, Tone};
 use taotie::asset::{Figures, Met, Report, Warning};
-use taotie::names::Named;
 
 /// Makes all notices, the verdict first.
 pub fn notices(report: &Report, proof: &Figures) -> Vec<Notice> {
@@ -18,8 +17,8 @@ pub fn notices(report: &Report, proof: &Figures) -> Vec<Notice> {
 fn verdict(report: &Report) -> Notice {
     let has_levels = report.triangles.len() > 1;
     let name = |met: &Met| match met.level {
-        Some(level) if has_levels => format!("{} of level {level}", met.figure.name()),
-        _ => met.figure.name().to_owned(),
+        Some(level) if has_levels => format!("{} of level {level}", met.name()),
+        _ => met.name().into_owned(),
     };
     let names = |is_met: bool| {
         let those = report.required.iter().filter(|met| met.met == is_met);

@@ -1,13 +1,12 @@
 //! The tables, histogram and texts of a proof.
 
-use super::{levels, material, parts};
+use super::{levels, material, parts, worst};
 use crate::summary::figures;
 use crate::{Cell, Column, Section, Series, Tone};
 use taotie::asset::{
     BIN_WIDTH, BakeFigures, FigureUnit, Figures, LevelFigures, Met, Report, StageTime, ViewFigures,
 };
 use taotie::compare::Summary;
-use taotie::names::Named;
 use taotie::proof::Estimate;
 
 /// Makes all sections in order.
@@ -17,7 +16,10 @@ pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
         sections.push(required(report));
     }
     if let Some(finest) = proof.finest() {
-        sections.extend([as_seen(finest), shape(finest), on_surface(report, finest), histogram(finest)]);
+        sections.push(as_seen(finest));
+        sections.extend(worst::parts(&finest.worst_parts));
+        sections.extend(worst::beyond(&finest.beyond));
+        sections.extend([shape(finest), on_surface(report, finest), histogram(finest)]);
         sections.extend(material::section(&finest.material));
         sections.extend(parts::table(&proof.parts));
         sections.push(views(finest));
@@ -56,7 +58,7 @@ fn row_of_requirement(met: &Met) -> Vec<Cell> {
     let (value, most) = (met.value.map(|value| value / size), met.most / size);
     let digits = digits(met.met, value.unwrap_or(most), most);
     vec![
-        Cell::text(met.figure.name()),
+        Cell::text(met.name()),
         Cell::text(met.level.map_or("all".into(), |level| level.to_string())),
         value.map_or_else(|| Cell::text("not measured"), |value| Cell::number(value, digits)),
         Cell::number(most, digits),

@@ -35,7 +35,7 @@ pub(super) fn note(figures: &LevelFigures, level: &ShownLevel<'_>, warnings: &mu
     if let Some(resolution) = resolution.filter(|resolution| resolution.share > COARSE) {
         let (times, share) = (resolution.coarser, percent(resolution.share));
         let what = format!(
-            "texels are up to {times:.1} × coarser than the scan's detail on {share} of the surface; take a larger map"
+            "texels are up to {times:.1} × coarser than the scan's detail on {share} of the surface; take a larger map, or the size `auto`"
         );
         warnings.note(what, 1);
     }
