@@ -217,7 +217,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     parts.iter().for_each(|part| judge(scan, part, &mut warnings));
     let whole = document.as_ref().and_then(|document| document.whole.as_ref()).unwrap_or(&parts[0].low.mesh);
     let is_made = parts[0].low.origin.simplified.is_some();
-    judgement::note_missing_parts(scan.mesh(), whole, is_made, &mut warnings);
+    judgement::note_missing_parts(scan.sorted(), whole, is_made, &mut warnings);
     warnings.absorb(of_scan);
     let options = Arc::new(options);
     Ok(Asset::new(Made {
@@ -290,7 +290,10 @@ fn lightened(
                 .collect::<Result<Vec<_>>>()?
         }
         None => {
-            let simplified = low::simplified(scan, options.triangles, progress)?;
+            progress.begin("simplify")?;
+            let seen = low::seen(scan, warnings)?;
+            let simplified = low::simplified(&seen, options.triangles, progress)?;
+            drop(seen);
             low::note_simplified(&simplified, options.triangles, warnings);
             let low = LowPoly::made(scan, &simplified, options.size, progress)?;
             scan.sort(progress)?;

@@ -188,8 +188,8 @@ fn extent_of(mesh: &Mesh, triangles: &[usize]) -> Option<Extent> {
 
 /// Notes parts of the scan that the whole low-poly mesh lacks, such as thin ones that simplification removed. Meshes that
 /// lie apart altogether are left to [`judge`].
-pub(super) fn note_missing_parts(scan: &Mesh, low: &Mesh, is_made: bool, warnings: &mut Warnings) {
-    let diagonal = scan.diagonal();
+pub(super) fn note_missing_parts(scan: &bake::Scan, low: &Mesh, is_made: bool, warnings: &mut Warnings) {
+    let diagonal = scan.mesh().diagonal();
     let points = bake::uncovered(scan, low, SCAN_POINTS, MISSING * diagonal);
     if points.len() < LEAST_POINTS || points.len() > SCAN_POINTS / 2 {
         return;
@@ -317,7 +317,8 @@ mod tests {
     fn a_spike_that_is_missing_is_noted_with_its_place() {
         let said = |scan: &Mesh, low: &Mesh| -> String {
             let mut warnings = Warnings::default();
-            note_missing_parts(scan, low, true, &mut warnings);
+            let scan = crate::scene::Scene::of_mesh(scan.clone(), crate::scene::Material::default()).unwrap();
+            note_missing_parts(&bake::Scan::new(scan).unwrap(), low, true, &mut warnings);
             warnings.iter().map(|(what, _)| what).collect()
         };
         let (spiked, ball) = (spiked(), Mesh::sphere(1.0, 24, 12));

@@ -308,6 +308,25 @@ fn parts_that_are_instances() {
 }
 
 #[test]
+fn hidden_walls_take_no_triangles() {
+    let ball = || ball([96, 48], lettering);
+    let inside = moved(ball(), |p| p * 0.6);
+    let budget = 400;
+    let scan = scan_of(joined([ball(), inside]));
+    let asset = made(&scan, budget, 256);
+    let low = asset.levels().next().unwrap();
+    assert!(low.triangles().len() > 350, "{}", low.triangles().len());
+    assert!(low.positions().iter().all(|p| p.length() > 0.9), "all triangles are on the outer wall");
+    let said: Vec<&str> = asset.warnings().iter().map(|(what, _)| what).collect();
+    assert!(said.iter().any(|what| what.starts_with("26.") && what.contains("cannot be seen")), "{said:?}");
+    assert!(!said.iter().any(|what| what.contains("lacks parts")), "{said:?}");
+    // A part beside it is seen, and kept.
+    let beside = moved(ball(), |p| Vec3::new(p.x * 0.6 + 2.0, p.y * 0.6, p.z * 0.6));
+    let asset = made(&scan_of(joined([ball(), beside])), budget, 256);
+    assert!(asset.levels().next().unwrap().positions().iter().any(|p| p.x > 2.2));
+}
+
+#[test]
 fn a_closed_room_is_seen_from_within() {
     let room = || turned(ball([160, 80], |u, v| 0.4 * lettering(u, v)), |_| true);
     let scan = scan_of(room());
