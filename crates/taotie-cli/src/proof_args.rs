@@ -1,7 +1,8 @@
 //! Options of a proof that `bake` and `verify` share.
 
 use clap::Args;
-use taotie::asset::{Requirement, VerifyOptions};
+use taotie::asset::{Requirement, Signature, VerifyOptions};
+use taotie_report::bake_page;
 
 /// What is measured, and what it has to be.
 #[derive(Args)]
@@ -10,10 +11,12 @@ pub struct ProofArgs {
     /// Exit with 1 unless every figure keeps to its limit. As seen, at the same pixel: mean-angle, p95-angle, max-angle (°),
     /// mean-color, p95-color (CIEDE2000), and patch-angle, patch-color (the mean in the worst 1 % of the surface, seen close
     /// up). within-5deg, within-3dE, within-0.5% (at least, %: the share of the visible surface whose angle, colour difference
-    /// or distance is at most this; any number). On the surface, along the rays of a bake: surface-mean-angle, surface-p95-angle, surface-max-angle. Shape: missed
-    /// (visible surface that the other lacks, %), completeness (at least, %), hausdorff (upper bound of the largest distance,
-    /// % of the diagonal), silhouette (pixels of 512). Images: flip, worst-view, ssim (at least). bytes may have B, kB, MB,
-    /// GB, KiB, MiB, GiB. `standard` stands for mean-angle=1, p95-angle=5, patch-angle=10, missed=0.1%, hausdorff=1%,
+    /// or distance is at most this; any number). On the surface, along the rays of a bake: surface-mean-angle,
+    /// surface-p95-angle, surface-max-angle. Shape: missed (visible surface that the other lacks, %), completeness (at least,
+    /// %), hausdorff (upper bound of the largest distance, % of the diagonal or a length), silhouette (pixels of 512 or a
+    /// length), texel (median width of the asset's texels, a length). Lengths are in um, mm, cm, m or in, such as
+    /// hausdorff=0.2mm, and need a scan whose unit is known. Images: flip, worst-view, ssim (at least). bytes may have B, kB,
+    /// MB, GB, KiB, MiB, GiB. `standard` stands for mean-angle=1, p95-angle=5, patch-angle=10, missed=0.1%, hausdorff=1%,
     /// mean-color=1, patch-color=3. Every level of detail counts; mean-angle@1=5 is for level 1 only, level 0 is the finest
     #[arg(long, value_name = "standard|FIGURE[@LEVEL]=LIMIT[UNIT],...", value_delimiter = ',', value_parser = required)]
     require: Vec<Required>,
@@ -24,6 +27,12 @@ pub struct ProofArgs {
     /// Width and height of the images from all sides that are compared, 11 to 4096 pixels
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(11..=4096), default_value_t = 384)]
     proof_view: u32,
+    /// Date to print on the certificate; none is taken from the machine, so that the output stays reproducible
+    #[arg(long, value_name = "TEXT")]
+    date: Option<String>,
+    /// Name of the operator to print on the certificate
+    #[arg(long, value_name = "TEXT")]
+    operator: Option<String>,
 }
 
 /// One requirement, or several that have a name.
@@ -40,9 +49,19 @@ impl ProofArgs {
         self.require.iter().flat_map(|required| required.0.clone()).collect()
     }
 
+    /// Returns the date and the operator of the certificate.
+    pub fn signature(&self) -> Signature {
+        Signature { date: self.date.clone(), operator: self.operator.clone() }
+    }
+
     /// Returns the way in which the error is measured.
     pub fn options(&self) -> VerifyOptions {
         let (points, view) = (self.proof_points as usize, self.proof_view);
         VerifyOptions { points, view, requirements: self.requirements(), ..VerifyOptions::default() }
+    }
+
+    /// Returns the same, with pictures of the worst patches if a page is written.
+    pub fn options_of_page(&self, is_written: bool) -> VerifyOptions {
+        VerifyOptions { patch_view: if is_written { bake_page::PATCH_VIEW } else { 0 }, ..self.options() }
     }
 }

@@ -1,6 +1,7 @@
 //! The worst parts of an asset, and how much of it is beyond limits, in plain words.
 
-use taotie::asset::{Beyond, WorstParts};
+use taotie::asset::{Beyond, Figures, WorstParts};
+use taotie::length::place_text;
 use taotie::proof::{Region, WorstRegions};
 use taotie_report::table::Table;
 
@@ -25,10 +26,11 @@ pub fn beyond(beyond: &Beyond, table: &mut Table) {
 }
 
 /// Adds the worst UV island and the worst material.
-pub fn parts(parts: &WorstParts, table: &mut Table) {
+pub fn parts(figures: &Figures, parts: &WorstParts, table: &mut Table) {
+    let place = |region: &Region| place_text(region.center, figures.diagonal, figures.unit);
     if let Some(islands) = &parts.islands {
         let name = |number: usize| format!("island {number} of {}", islands.count);
-        let mut text = worst(islands, &name);
+        let mut text = worst(islands, &name, &place);
         if islands.skipped > 0 {
             text += &format!("; {} islands are too small to be compared", islands.skipped);
         }
@@ -36,17 +38,20 @@ pub fn parts(parts: &WorstParts, table: &mut Table) {
     }
     if let Some(materials) = &parts.materials {
         let name = |number: usize| parts.material_names.get(number).cloned().unwrap_or_default();
-        table.row(["worst material".into(), worst(materials, &name)]);
+        table.row(["worst material".into(), worst(materials, &name, &place)]);
     }
 }
 
-fn worst(regions: &WorstRegions, name: &dyn Fn(usize) -> String) -> String {
+fn worst(
+    regions: &WorstRegions,
+    name: &dyn Fn(usize) -> String,
+    place: &dyn Fn(&Region) -> String,
+) -> String {
     let words = |(region, before, after): (&Option<Region>, &str, &str)| {
-        let Region { number, mean, share, center: [x, y, z], .. } = region.as_ref()?;
-        let (name, share) = (name(*number), share * 100.0);
-        Some(format!(
-            "{before}{mean:.2}{after} on {name} ({share:.2} % of the area) around ({x:.4}, {y:.4}, {z:.4})"
-        ))
+        let region = region.as_ref()?;
+        let Region { number, mean, share, .. } = region;
+        let (name, share, place) = (name(*number), share * 100.0, place(region));
+        Some(format!("{before}{mean:.2}{after} on {name} ({share:.2} % of the area) around {place}"))
     };
     let found = [(&regions.angle, "", "°"), (&regions.color, "ΔE ", "")];
     let found: Vec<String> = found.into_iter().filter_map(words).collect();

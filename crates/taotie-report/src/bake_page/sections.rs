@@ -7,19 +7,20 @@ use taotie::asset::{
     BIN_WIDTH, BakeFigures, FigureUnit, Figures, LevelFigures, Met, Report, StageTime, ViewFigures,
 };
 use taotie::compare::Summary;
+use taotie::length::{ShownLength, Unit};
 use taotie::proof::Estimate;
 
 /// Makes all sections in order.
 pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
     let mut sections = Vec::new();
-    if !report.required.is_empty() {
+    if report.triangles.len() > 1 && !report.required().is_empty() {
         sections.push(required(report));
     }
     if let Some(finest) = proof.finest() {
         sections.push(as_seen(finest));
-        sections.extend(worst::parts(&finest.worst_parts));
+        sections.extend(worst::parts(proof, &finest.worst_parts));
         sections.extend(worst::beyond(&finest.beyond));
-        sections.extend([shape(finest), on_surface(report, finest), histogram(finest)]);
+        sections.extend([shape(finest, proof.unit), on_surface(report, finest), histogram(finest)]);
         sections.extend(material::section(&finest.material));
         sections.extend(parts::table(&proof.parts));
         sections.push(views(finest));
@@ -34,8 +35,8 @@ pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
 
 fn required(report: &Report) -> Section {
     Section::Table {
-        title: "Required".into(),
-        note: "The figures demanded by --require. Level 0 is the finest level of detail.".into(),
+        title: "Requirements by level".into(),
+        note: "The outcomes of all requirements at each level of detail; level 0 is the finest.".into(),
         columns: vec![
             Column::words("figure"),
             Column::words("level"),
@@ -44,7 +45,7 @@ fn required(report: &Report) -> Section {
             Column::words("unit"),
             Column::words("result"),
         ],
-        rows: report.required.iter().map(row_of_requirement).collect(),
+        rows: report.required().iter().map(row_of_requirement).collect(),
     }
 }
 
@@ -54,7 +55,7 @@ fn row_of_requirement(met: &Met) -> Vec<Cell> {
         false if met.is_undecided() => ("undecided", Tone::Bad),
         false => ("not met", Tone::Bad),
     };
-    let FigureUnit { name, size } = met.figure.unit();
+    let FigureUnit { name, size } = met.unit();
     let (value, most) = (met.value.map(|value| value / size), met.most / size);
     let digits = digits(met.met, value.unwrap_or(most), most);
     vec![
@@ -100,8 +101,8 @@ fn as_seen(level: &LevelFigures) -> Section {
     .flatten()
     .collect();
     let patches = [
-        ("normals, worst 1 % of the surface (°)", &level.patches.angle),
-        ("colours, worst 1 % of the surface (ΔE00)", &level.patches.color),
+        ("normals, close-up, worst 1 % of the surface (°)", &level.patches.angle),
+        ("colours, close-up, worst 1 % of the surface (ΔE00)", &level.patches.color),
     ];
     for (name, patch) in patches {
         let Some(patch) = patch else { continue };
@@ -109,7 +110,7 @@ fn as_seen(level: &LevelFigures) -> Section {
         rows.push(vec![Cell::text(name), Cell::number(patch.mean, 3), none(), none(), none()]);
     }
     Section::Table {
-        title: "As seen".into(),
+        title: "As seen: overview and close-up".into(),
         note: format!(
             "Differences at the same pixel of scan and asset, parallax and texture filtering included, outlines left out. \
              Overview: {} random pixels of 32 fixed views in which the object fills 512 × 512 pixels. Worst 1 %: the window \
@@ -161,6 +162,12 @@ fn row_of_number(name: &str, value: f64, (digits, unit): (usize, &str)) -> Vec<C
     vec![Cell::text(name), Cell::number(value, digits), Cell::text(unit)]
 }
 
+/// Makes the row of a length of the scan, in a unit of its size.
+fn row_of_length(name: &str, length: f64, unit: Option<Unit>) -> Vec<Cell> {
+    let ShownLength { value, decimals, unit } = ShownLength::of(length, unit, 4);
+    row_of_number(name, value, (decimals, unit))
+}
+
 fn numbers(title: &str, note: &str, rows: Vec<Vec<Cell>>) -> Section {
     Section::Table {
         title: title.into(),
@@ -170,28 +177,28 @@ fn numbers(title: &str, note: &str, rows: Vec<Vec<Cell>>) -> Section {
     }
 }
 
-fn shape(level: &LevelFigures) -> Section {
+fn shape(level: &LevelFigures, unit: Option<Unit>) -> Section {
     let LevelFigures { hausdorff, hausdorff_of_diagonal, silhouette, coverage, .. } = level;
-    let units = (6, "model units");
+    let length = |name, value| row_of_length(name, value, unit);
     let of_diagonal = (4, "% of the diagonal");
     let percent = (4, "%");
     let row = row_of_number;
     let mut rows = vec![
-        row("largest distance (Hausdorff), at least", hausdorff.lower, units),
-        row("largest distance (Hausdorff), at most", hausdorff.upper, units),
+        length("largest distance (Hausdorff), at least", hausdorff.lower),
+        length("largest distance (Hausdorff), at most", hausdorff.upper),
         row("largest distance (Hausdorff), at most", hausdorff_of_diagonal.upper * 100.0, of_diagonal),
-        row("root mean square distance", level.rms, units),
+        length("root mean square distance", level.rms),
         row("root mean square distance", level.rms_of_diagonal * 100.0, of_diagonal),
         row("silhouette, mean deviation", silhouette.mean_pixels, (3, "pixels of 512")),
         row("silhouette, largest deviation", silhouette.max_pixels, (2, "pixels of 512")),
-        row("silhouette, largest deviation", silhouette.max_length, units),
+        length("silhouette, largest deviation", silhouette.max_length),
         row("scan with nothing in its place on the asset", coverage.missed_of_scan * 100.0, percent),
         row("asset with nothing in its place on the scan", coverage.missed_of_asset * 100.0, percent),
         row("scan within 0.5 % of the diagonal of the asset", coverage.completeness * 100.0, percent),
         row("scan that cannot be seen", coverage.hidden_of_scan * 100.0, percent),
     ];
     if let Some(resolution) = &level.resolution {
-        rows.push(row("texel, median width", resolution.texel, units));
+        rows.push(length("texel, median width", resolution.texel));
         rows.push(row(
             "surface where texels are twice as coarse as the scan",
             resolution.share * 100.0,
@@ -227,7 +234,7 @@ fn views(level: &LevelFigures) -> Section {
     let grey = level.views.iter().map(|view| ("grey", view));
     let full = level.full_views.iter().map(|view| ("full", view));
     Section::Table {
-        title: "Visual difference".into(),
+        title: "Visual difference in images".into(),
         note: "Pictures of scan and asset, compared pixel by pixel: FLIP is 0 and SSIM is 1 where they are equal. Both \
                also count where the low-poly mesh lies beside the scan. Grey pictures show shape and normals alone; \
                full ones the materials of both, where the scan says anything of its own."
@@ -261,7 +268,7 @@ mod tests {
     /// One level of which this share is missed.
     fn missing(share: f64) -> Figures {
         let (mut figures, mut level) = (Figures::default(), LevelFigures::default());
-        level.coverage.missed_interval = [share; 2];
+        (level.coverage.missed_of_scan, level.coverage.missed_interval) = (share, [share; 2]);
         figures.levels.push(level);
         figures
     }
@@ -276,6 +283,7 @@ mod tests {
         let angle = row(Requirement::mean_angle_deg(1.0).at_level(2));
         assert_eq!((&angle[1], &angle[2]), (&Cell::text("2"), &Cell::text("not measured")));
     }
+
     #[test]
     fn a_value_that_is_too_large_looks_larger() {
         let figures = missing(0.001_234_12);

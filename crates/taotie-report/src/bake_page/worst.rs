@@ -1,8 +1,9 @@
 //! The worst parts of an asset, and how much of it is beyond limits.
 
 use crate::{Cell, Column, Section};
-use taotie::asset::{Beyond, WorstParts};
-use taotie::proof::{Exceedance, WorstRegions};
+use taotie::asset::{Beyond, Figures, WorstParts};
+use taotie::length::place_text;
+use taotie::proof::{Exceedance, Region, WorstRegions};
 
 /// Limits whose shares are shown: degrees, CIEDE2000 and per cent of the diagonal.
 const ANGLES: &[f64] = &[1.0, 2.0, 5.0, 10.0, 20.0];
@@ -45,11 +46,11 @@ fn row(name: &str, (limit, unit): (f64, &str), curve: &Exceedance) -> Vec<Cell> 
 }
 
 /// Makes the table of the worst UV island and the worst material; `None` if the asset has only one of each.
-pub fn parts(parts: &WorstParts) -> Option<Section> {
+pub fn parts(figures: &Figures, parts: &WorstParts) -> Option<Section> {
     let island = |number: usize| format!("UV island {number}");
     let material = |number: usize| parts.material_names.get(number).cloned().unwrap_or_default();
-    let of_islands = parts.islands.iter().flat_map(|worst| rows(worst, &island));
-    let of_materials = parts.materials.iter().flat_map(|worst| rows(worst, &material));
+    let of_islands = parts.islands.iter().flat_map(|worst| rows(worst, (figures, &island)));
+    let of_materials = parts.materials.iter().flat_map(|worst| rows(worst, (figures, &material)));
     let rows: Vec<Vec<Cell>> = of_islands.chain(of_materials).collect();
     (!rows.is_empty()).then(|| Section::Table {
         title: "Worst parts of the asset".into(),
@@ -78,15 +79,15 @@ fn note(parts: &WorstParts) -> String {
     note
 }
 
-fn rows(worst: &WorstRegions, name: &dyn Fn(usize) -> String) -> Vec<Vec<Cell>> {
+fn rows(worst: &WorstRegions, (all, name): (&Figures, &dyn Fn(usize) -> String)) -> Vec<Vec<Cell>> {
     let figures = [("normals (°)", &worst.angle), ("colours (ΔE00)", &worst.color)];
-    let row = |(figure, region): (&str, &Option<taotie::proof::Region>)| {
+    let row = |(figure, region): (&str, &Option<Region>)| {
         let region = region.as_ref()?;
-        let [x, y, z] = region.center;
+        let place = place_text(region.center, all.diagonal, all.unit);
         let numbers = [region.mean, region.interval[0], region.interval[1], region.share * 100.0];
         let words = [Cell::text(name(region.number)), Cell::text(figure)];
         let cells = words.into_iter().chain(numbers.map(|value| Cell::number(value, 3)));
-        Some(cells.chain([Cell::text(format!("({x:.4}, {y:.4}, {z:.4})"))]).collect())
+        Some(cells.chain([Cell::text(place)]).collect())
     };
     figures.into_iter().filter_map(row).collect()
 }

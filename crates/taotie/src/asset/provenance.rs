@@ -13,12 +13,12 @@ use crate::io::{Json, Provenance, XmpProperties};
 pub(super) fn packet(made: &Made, packing: &Packing) -> Result<Json> {
     let about = &made.about;
     let name = about.path.file_name().unwrap_or_default().to_string_lossy();
-    let parameters = Parameters::new(&made.options, &made.about.options, packing).with_names(&made.options);
+    let parameters = Parameters::new(&made.options, &made.about.options, packing).with_low(&made.options);
     let done = Provenance {
         source: &name,
         sha256: &about.sha256()?,
         tool: concat!("taotie ", env!("CARGO_PKG_VERSION")),
-        parameters: &format!("taotie bake {parameters}"),
+        parameters: &parameters.record(),
     };
     let given = packing.provenance.as_deref().map(XmpProperties::read).transpose()?;
     let merged = given.map(|given| given.merged_into(about.xmp.as_ref()));

@@ -1,6 +1,6 @@
 //! Figures that are the share of the surface within a limit: their names hold the limit, as `within-5deg` does.
 
-use super::figure::{Figure, five_digits, split};
+use super::figure::{Figure, split};
 use crate::names::Named;
 use std::borrow::Cow;
 
@@ -10,10 +10,21 @@ const WITHIN: &str = "within-";
 /// Returns the name of a figure, with the limit of those that are a share within one.
 pub(super) fn name_of(figure: Figure, limit: Option<f64>) -> Cow<'static, str> {
     match (figure.units_within(), limit) {
-        (Some(units), Some(limit)) => {
-            format!("{WITHIN}{}{}", five_digits(limit / units[0].size), units[0].name).into()
-        }
+        (Some(units), Some(limit)) => format!("{WITHIN}{}{}", units[0].shortest(limit), units[0].name).into(),
         _ => figure.name().into(),
+    }
+}
+
+/// Returns what a figure measures, with the limit of those that are a share within one.
+pub(super) fn title_of(figure: Figure, limit: Option<f64>) -> Cow<'static, str> {
+    match (figure.units_within(), limit) {
+        (Some(units), Some(limit)) => {
+            // The symbol that is printed, rather than the one that is typed.
+            let unit = units.iter().find(|unit| !unit.name.is_ascii()).unwrap_or(&units[0]);
+            let of = if unit.name == "%" { " of the diagonal" } else { "" };
+            format!("{} of {}{of}", figure.title(), unit.text(limit)).into()
+        }
+        _ => figure.title().into(),
     }
 }
 
