@@ -1,0 +1,105 @@
+"""The section of docs/proofs.md."""
+
+import collections
+import dataclasses
+
+from page import row, wrapped
+
+HEAD = (
+    "scan", "program", "triangles", "kB", "mean °", "p95 °", "worst 1 % °", "surface mean °", "distance ≤ %", "missed %",
+    "FLIP", "standard",
+)  # fmt: skip
+TITLES = {
+    "whole": "### The whole scan, packed",
+    "triangles": "### Equal triangle counts",
+    "bytes": "### Equal bytes",
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Measured:
+    """How it was measured: machine, versions of the others, share of the triangles, share of the bytes."""
+
+    machine: str
+    versions: str
+    ratio: float
+    budget: float
+
+
+@dataclasses.dataclass(frozen=True)
+class Row:
+    """A program's asset with the report of its proof, or why there is none."""
+
+    program: str
+    asset: object = None
+    report: dict | None = None
+    failed: str | None = None
+
+    @property
+    def level(self):
+        return self.report["proof"]["levels"][0]
+
+    @property
+    def mean(self):
+        return self.level["overview"]["angles"]["summary"]["mean"]
+
+    @property
+    def unmet(self):
+        return [required["figure"] for required in self.report["required"] if not required["met"]]
+
+
+def text(measured, results):
+    """The section's Markdown; `results` are pairs of a scan and its rows by comparison."""
+    lines = [wrapped(f"Measured on: {measured.machine}; {measured.versions}.")]
+    for kind, title in TITLES.items():
+        lines += ["", title, "", wrapped(f"{about(kind, measured)} {summary([rows[kind] for _, rows in results])}"), ""]
+        lines += [row(HEAD), "|---|---|" + "---:|" * (len(HEAD) - 3) + "---|"]
+        lines += [line for scan, rows in results for line in scan_rows(scan, rows[kind])]
+    return "\n".join(lines)
+
+
+def about(kind, measured):
+    return {
+        "whole": "No triangle is removed.",
+        "triangles": f"{measured.ratio:.0%} of the scan's triangles; bytes follow.",
+        "bytes": f"{measured.budget:.0%} of the bytes of the whole scan packed; triangles follow.",
+    }[kind]
+
+
+def summary(comparisons):
+    """Which program has the least mean angle of how many scans, and how often each passes."""
+    proved = [[row for row in rows if not row.failed] for rows in comparisons]
+    best = collections.Counter(min(rows, key=lambda row: row.mean).program for rows in proved if rows)
+    passes = collections.Counter(row.program for rows in proved for row in rows if not row.unmet)
+    names = list(dict.fromkeys(row.program for rows in comparisons for row in rows))
+    counts = lambda of: ", ".join(f"{name} {of[name]}" for name in sorted(names, key=lambda name: -of[name]))
+    return f"**Smallest mean angle as seen, of {len(comparisons)} scans: {counts(best)}. Meets `standard`: {counts(passes)}.**"
+
+
+def scan_rows(scan, rows):
+    yield row([scan.name, "as it is", f"{scan.triangles:,}", kilobytes(scan.bytes), *["–"] * (len(HEAD) - 4)])
+    yield from (row(["", one.program, *cells(one)]) for one in rows)
+
+
+def cells(one):
+    if one.failed:
+        return [f"failed: {one.failed}".replace("|", "\\|"), *["–"] * (len(HEAD) - 3)]
+    return [f"{one.asset.triangles:,}", kilobytes(one.asset.bytes), *figures(one.level), verdict(one)]
+
+
+def figures(level):
+    seen, patch = level["overview"]["angles"]["summary"], level["patches"]["angle"]
+    missed = max(level["coverage"]["missed_of_scan"], level["coverage"]["missed_of_asset"])
+    flip = [view["flip"] for view in level["views"]]
+    yield from (f"{angle:.2f}" for angle in (seen["mean"], seen["p95"], patch["mean"], level["surface_angles"]["mean"]))
+    yield f"{100 * level['hausdorff_of_diagonal']['upper']:.2f}"
+    yield f"{100 * missed:.3f}"
+    yield f"{sum(flip) / len(flip):.4f}"
+
+
+def verdict(one):
+    return "met" if not one.unmet else "not met: " + ", ".join(one.unmet)
+
+
+def kilobytes(count):
+    return f"{count / 1000:.1f}"
