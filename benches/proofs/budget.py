@@ -6,7 +6,7 @@ from programs import SIDES, Order
 
 # How far from the budget an asset may be.
 TOLERANCE = 0.05
-# Textures are made smaller until this share of the triangles fits.
+# Textures and maps are made smaller until this share of the triangles fits.
 LEAST_SHARE = 0.05
 STEPS = 8
 

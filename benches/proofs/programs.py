@@ -12,8 +12,8 @@ from scans import Scan
 HERE = os.path.dirname(os.path.abspath(__file__))
 # Bits of the normals of a whole scan; gltfpack's default is 8.
 NORMAL_BITS = 12
-# Of textures and baked maps, texels; the first unless bytes are limited.
-SIDES = (1024, 512, 256, 128)
+# Of textures and baked maps, texels: the first unless bytes are limited.
+SIDES = (1024, 724, 512, 362, 256, 181, 128)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -33,26 +33,24 @@ class Order:
 class Program:
     """A program. `commands(order, source, out)` write `out`; `identity` changes when their outcome may.
 
-    `is_packed_first`: its source is the scan with its textures already packed by gltf-transform. `has_own_maps`: `side`
-    matters even if the scan has no textures.
+    `keeps_textures`: it cannot resize textures, so gltf-transform does it first if they are to be smaller. `has_own_maps`:
+    `side` matters even if the scan has no textures.
     """
 
     name: str
     identity: str
     commands: Callable[[Order, str, str], list]
-    is_packed_first: bool = False
+    keeps_textures: bool = False
     has_own_maps: bool = False
 
 
-def texture_packer(node):
-    """Resizes textures and makes them WebP, which npm's gltfpack cannot."""
+def resizer(node):
     transform = node.program("gltf-transform")
 
     def commands(order, source, out):
-        side = ["--width", str(order.side), "--height", str(order.side)]
-        return [[transform, "resize", source, out, *side], [transform, "webp", out, out]]
+        return [[transform, "resize", source, out, "--width", str(order.side), "--height", str(order.side)]]
 
-    return Program("textures", node.identity(), commands)
+    return Program("gltf-transform resize", node.identity(), commands)
 
 
 def whole(node):
@@ -74,7 +72,7 @@ def gltfpack(node, name, options):
         simplify = ["-si", order.ratio] if order.triangles < order.scan.triangles else []
         return [[program, "-i", source, "-o", out, "-cc", *simplify, *options]]
 
-    return Program(name, node.identity(), commands, is_packed_first=True)
+    return Program(name, node.identity(), commands, keeps_textures=True)
 
 
 def gltf_transform(node):
@@ -94,7 +92,7 @@ def meshoptimizer(node):
     def commands(order, source, out):
         return [["node", script, node.path, source, out, order.ratio]]
 
-    return Program("meshoptimizer", node.identity() + content_hash(script), commands, is_packed_first=True)
+    return Program("meshoptimizer", node.identity() + content_hash(script), commands, keeps_textures=True)
 
 
 def blender():

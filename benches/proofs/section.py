@@ -52,8 +52,8 @@ def text(measured, results):
     """The section's Markdown; `results` are pairs of a scan and its rows by comparison."""
     lines = [wrapped(f"Measured on: {measured.machine}; {measured.versions}.")]
     for kind, title in TITLES.items():
-        lines += ["", title, "", wrapped(f"{about(kind, measured)} {summary([rows[kind] for _, rows in results])}"), ""]
-        lines += [row(HEAD), "|---|---|" + "---:|" * (len(HEAD) - 3) + "---|"]
+        prose = f"{about(kind, measured)} {summary(results, kind)}"
+        lines += ["", title, "", wrapped(prose), "", row(HEAD), "|---|---|" + "---:|" * (len(HEAD) - 3) + "---|"]
         lines += [line for scan, rows in results for line in scan_rows(scan, rows[kind])]
     return "\n".join(lines)
 
@@ -66,14 +66,30 @@ def about(kind, measured):
     }[kind]
 
 
-def summary(comparisons):
-    """Which program has the least mean angle of how many scans, and how often each passes."""
-    proved = [[row for row in rows if not row.failed] for rows in comparisons]
-    best = collections.Counter(min(rows, key=lambda row: row.mean).program for rows in proved if rows)
-    passes = collections.Counter(row.program for rows in proved for row in rows if not row.unmet)
-    names = list(dict.fromkeys(row.program for rows in comparisons for row in rows))
-    counts = lambda of: ", ".join(f"{name} {of[name]}" for name in sorted(names, key=lambda name: -of[name]))
-    return f"**Smallest mean angle as seen, of {len(comparisons)} scans: {counts(best)}. Meets `standard`: {counts(passes)}.**"
+def summary(results, kind):
+    """Which program has the least mean angle of how many scans, how often each passes, and how often packing alone is better."""
+    proved = [[row for row in rows[kind] if not row.failed] for _, rows in results]
+    best = [min(rows, key=lambda row: row.mean) for rows in proved if rows]
+    passing = [row for rows in proved for row in rows if not row.unmet]
+    outdone = [row for _, rows in results for row in rows[kind] if is_outdone(row, rows["whole"])]
+    names = list(dict.fromkeys(row.program for _, rows in results for row in rows[kind]))
+    told = f"Smallest mean angle as seen, of {len(results)} scans: {counts(best, names)}."
+    told += f" Meets `standard`: {counts(passing, names)}."
+    if kind != "whole":
+        told += f" The whole scan, packed, has both fewer bytes and a smaller mean angle: {counts(outdone, names)}."
+    return f"**{told}**"
+
+
+def is_outdone(row, whole):
+    """True if an asset of the whole scan has fewer bytes and a smaller mean angle."""
+    others = [other for other in whole if not (row.failed or other.failed)]
+    return any(other.asset.bytes < row.asset.bytes and other.mean < row.mean for other in others)
+
+
+def counts(rows, names):
+    """How many of the rows each program has, the most first."""
+    count = collections.Counter(row.program for row in rows)
+    return ", ".join(f"{name} {count[name]}" for name in sorted(names, key=lambda name: -count[name]))
 
 
 def scan_rows(scan, rows):

@@ -9,7 +9,7 @@ import inspected
 import measure
 import subject
 from command import say
-from programs import Order, content_hash, texture_packer
+from programs import SIDES, Order, content_hash, resizer
 
 
 @dataclasses.dataclass(frozen=True)
@@ -23,15 +23,15 @@ class Store:
     """Makes and proves assets, or finds them in `folder`."""
 
     def __init__(self, folder, taotie, node):
-        self.folder, self.taotie, self.packer = folder, taotie, texture_packer(node)
+        self.folder, self.taotie, self.resizer = folder, taotie, resizer(node)
         self.judge = content_hash(taotie)
         os.makedirs(folder, exist_ok=True)
 
     def asset(self, program, order):
         """The program's asset of the order; raises `measure.Failed` if it makes none."""
         source = order.scan.path
-        if program.is_packed_first and order.scan.is_textured:
-            source = self.made(self.packer, order, source)
+        if program.keeps_textures and order.scan.is_textured and order.side < SIDES[0]:
+            source = self.made(self.resizer, order, source)
         path = self.made(program, order, source)
         return Asset(path, os.path.getsize(path), inspected.triangles(self.taotie, path))
 
