@@ -36,11 +36,13 @@ def main():
     if not args.only:
         page.around(args.page, TARGET)  # fails now rather than after minutes
     os.makedirs(args.folder, exist_ok=True)
-    found = [scan for scan in scans.scans(args.data, args.folder, args.taotie) if not args.only or scan.name in args.only]
-    if not found:
+    found = scans.scans(args.data, args.folder, args.taotie)
+    wanted = [scan for scan in found if not args.only or scan.name in args.only]
+    if not wanted:
         raise measure.Failed(f"{args.data} holds none of the scans; name their folder with --data")
-    bench = Bench(store.Store(os.path.join(args.folder, "made"), args.taotie, args.node), args)
-    text = section.text(section.Measured(machine.described(args.taotie), versions(args.node), RATIO, BUDGET), bench.rows(found))
+    bench = Bench(args)
+    measured = section.Measured(machine.described(args.taotie), versions(args.node), RATIO, BUDGET)
+    text = section.text(measured, [(scan, bench.rows(scan)) for scan in wanted])
     print(text)
     if not args.only:
         page.write(args.page, TARGET, text)
@@ -49,14 +51,14 @@ def main():
 class Bench:
     """Makes and proves the assets of a scan."""
 
-    def __init__(self, store, args):
-        self.store = store
+    def __init__(self, args):
+        self.store = store.Store(os.path.join(args.folder, "made"), args.taotie, args.node)
         self.whole = programs.whole(args.node)
         self.reducing = programs.reducing(args.node, args.taotie)
 
-    def rows(self, found):
-        """The rows of each scan, by comparison."""
-        return [(scan, {"whole": self.packed(scan), "triangles": self.counted(scan), "bytes": self.fitted(scan)}) for scan in found]
+    def rows(self, scan):
+        """The rows of each comparison."""
+        return {"whole": self.packed(scan), "triangles": self.counted(scan), "bytes": self.fitted(scan)}
 
     def packed(self, scan):
         return [self.row(program, Order(scan, scan.triangles)) for program in self.whole]
@@ -94,7 +96,8 @@ def versions(node):
     """Of the others, as they state them."""
     transform = measure.run([node.program("gltf-transform"), "--version"]).output.strip()
     pack = measure.run([node.program("gltfpack"), "-v"]).output.strip()
-    return f"{pack}; gltf-transform {transform}; meshoptimizer {node.version('meshoptimizer')}; Blender {programs.blender_version()}"
+    simplifier, blender = node.version("meshoptimizer"), programs.blender_version()
+    return f"{pack}; gltf-transform {transform}; meshoptimizer {simplifier}; Blender {blender}"
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Reduces a scan by Blender: Decimate, and for a scan without textures Smart UV Project and a normal map baked by Cycles."""
+"""Reduces a scan by Blender's Decimate; one without textures also gets UVs and a normal map baked by Cycles."""
 
 import argparse
 import math

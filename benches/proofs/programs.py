@@ -33,8 +33,8 @@ class Order:
 class Program:
     """A program. `commands(order, source, out)` write `out`; `identity` changes when their outcome may.
 
-    `keeps_textures`: it cannot resize textures, so gltf-transform does it first if they are to be smaller. `has_own_maps`:
-    `side` matters even if the scan has no textures.
+    `keeps_textures`: it cannot resize textures, so gltf-transform does it first if they are to be smaller.
+    `has_own_maps`: `side` matters even if the scan has no textures.
     """
 
     name: str
@@ -55,7 +55,8 @@ def resizer(node):
 
 def whole(node):
     """The simplest alternatives: every triangle, packed."""
-    return [gltfpack(node, "gltfpack -cc", []), gltfpack(node, f"gltfpack -cc -vn {NORMAL_BITS}", ["-vn", str(NORMAL_BITS)])]
+    bits = ["-vn", str(NORMAL_BITS)]
+    return [gltfpack(node, "gltfpack -cc", []), gltfpack(node, f"gltfpack -cc {' '.join(bits)}", bits)]
 
 
 def reducing(node, taotie_program):

@@ -6,8 +6,8 @@ import dataclasses
 from page import row, wrapped
 
 HEAD = (
-    "scan", "program", "triangles", "kB", "mean °", "p95 °", "worst 1 % °", "surface mean °", "distance ≤ %", "missed %",
-    "FLIP", "standard",
+    "scan", "program", "triangles", "kB", "mean °", "p95 °", "worst 1 % °", "surface mean °", "distance ≤ %",
+    "missed %", "FLIP", "standard",
 )  # fmt: skip
 TITLES = {
     "whole": "### The whole scan, packed",
@@ -67,7 +67,7 @@ def about(kind, measured):
 
 
 def summary(results, kind):
-    """Which program has the least mean angle of how many scans, how often each passes, and how often packing alone is better."""
+    """Counts of scans by program: the smallest mean angle, `standard` met, and the whole scan better in both respects."""
     proved = [[row for row in rows[kind] if not row.failed] for _, rows in results]
     best = [min(rows, key=lambda row: row.mean) for rows in proved if rows]
     passing = [row for rows in proved for row in rows if not row.unmet]

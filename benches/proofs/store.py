@@ -9,7 +9,7 @@ import inspected
 import measure
 import subject
 from command import say
-from programs import SIDES, Order, content_hash, resizer
+from programs import SIDES, content_hash, resizer
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,7 +45,8 @@ class Store:
             for line in program.commands(order, source, part):
                 measure.run(line)
             os.replace(part, path)
-            say(f"{order.scan.name:12} {program.name:20} {order.triangles:7} {order.side:5} {os.path.getsize(path):9} bytes")
+            size = os.path.getsize(path)
+            say(f"{order.scan.name:12} {program.name:20} {order.triangles:7} {order.side:5} {size:9} bytes")
         return path
 
     def place(self, *parts):

@@ -44,7 +44,7 @@ def gltf_transform(node):
 
 
 def gltfpack(node, native):
-    """With `native`, a build that packs textures, KTX2; npm's cannot, so gltf-transform packs them as WebP before it."""
+    """With `native`, a build that packs textures, KTX2; npm's cannot: gltf-transform packs them as WebP before it."""
     if native:
         return Tool("gltfpack -si -tc", lambda job: [[*pack(native, job.source, job), "-tc", "-tl", str(TEXELS)]])
     transform = node.program("gltf-transform")
