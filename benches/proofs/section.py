@@ -2,6 +2,7 @@
 
 import collections
 import dataclasses
+import math
 
 from page import row, wrapped
 
@@ -41,7 +42,8 @@ class Row:
 
     @property
     def mean(self):
-        return self.level["overview"]["angles"]["summary"]["mean"]
+        """The mean angle as seen; infinite if no pixel shows both."""
+        return found(self.level["overview"]["angles"], "summary", "mean")
 
     @property
     def unmet(self):
@@ -67,7 +69,7 @@ def about(kind, measured):
 
 
 def summary(results, kind):
-    """Counts of scans by program: the smallest mean angle, `standard` met, and the whole scan better in both respects."""
+    """Counts of scans by program: with the smallest mean angle, meeting `standard`, and better left whole."""
     proved = [[row for row in rows[kind] if not row.failed] for _, rows in results]
     best = [min(rows, key=lambda row: row.mean) for rows in proved if rows]
     passing = [row for rows in proved for row in rows if not row.unmet]
@@ -104,13 +106,22 @@ def cells(one):
 
 
 def figures(level):
-    seen, patch = level["overview"]["angles"]["summary"], level["patches"]["angle"]
+    seen, on_surface, patch = level["overview"]["angles"], level["surface_angles"], level["patches"]["angle"]
     missed = max(level["coverage"]["missed_of_scan"], level["coverage"]["missed_of_asset"])
     flip = [view["flip"] for view in level["views"]]
-    yield from (f"{angle:.2f}" for angle in (seen["mean"], seen["p95"], patch["mean"], level["surface_angles"]["mean"]))
+    angles = [found(seen, "summary", key) for key in ("mean", "p95")]
+    angles += [found(patch, "mean"), found(on_surface, "mean")]
+    yield from (f"{angle:.2f}" if angle < math.inf else "–" for angle in angles)
     yield f"{100 * level['hausdorff_of_diagonal']['upper']:.2f}"
     yield f"{100 * missed:.3f}"
     yield f"{sum(flip) / len(flip):.4f}"
+
+
+def found(tree, *path):
+    """The number at the path; infinite if nothing was measured."""
+    for key in path:
+        tree = tree and tree[key]
+    return math.inf if tree is None else tree
 
 
 def verdict(one):
