@@ -18,7 +18,7 @@ from ._arrays import Array, PathLike
 from ._error import NotMet, invalid, warn
 from ._model import Model, _from_glb, scan_options
 from ._model import model as a_model
-from ._options import Map
+from ._options import Map, Unit
 from ._run import Progress, running
 
 Floats: TypeAlias = npt.NDArray[np.float32]
@@ -33,7 +33,9 @@ class Met:
     figure : str
         As on the command line, such as ``mean-angle``.
     most : float
-        The most that it may be: degrees, parts of 1, or bytes.
+        The most that it may be: degrees, parts of 1, pixels or bytes; metres if `is_length`.
+    is_length : bool
+        True if limit, value and interval are lengths in metres.
     level : int or None
         The level of detail, 0 the finest; None for a figure of the whole asset.
     value : float or None
@@ -48,6 +50,7 @@ class Met:
 
     figure: str
     most: float
+    is_length: bool
     level: int | None
     value: float | None
     interval: tuple[float, float] | None
@@ -130,7 +133,7 @@ class Proof:
         ----------
         *requirements : str
             As on the command line: ``"standard"``, ``"mean-angle=2"``, ``"mean-angle@1=5"``, ``"missed=0.1%"``,
-            ``"bytes=3MB"``.
+            ``"bytes=3MB"``, ``"texel=50um"``.
         mean_angle, p95_angle, max_angle : float or str, optional
             Normal error, degrees.
         mean_color, p95_color : float or str, optional
@@ -138,7 +141,8 @@ class Proof:
         missed : float or str, optional
             Visible surface that the other lacks, per cent.
         hausdorff : float or str, optional
-            Upper bound of the largest distance, per cent of the diagonal.
+            Upper bound of the largest distance, per cent of the diagonal, or a length such as ``"0.2mm"`` if the unit of
+            the scan is known.
         bytes : float or str, optional
             Of the asset with the files that it names.
 
@@ -201,9 +205,11 @@ def verify(
     Parameters
     ----------
     asset : path
-        The asset (.gltf, .glb, .obj, .ply, .stl), in the space of the scan.
+        The asset (.gltf, .glb, .obj, .ply, .stl), in the place of the scan: glTF in metres if the scan's unit is known,
+        others in that unit.
     scan : path, Model, or a mesh of another package
-        What it should look like.
+        What it should look like. It is read as it was for the bake, if the asset records that, unless it was loaded with
+        other options.
     points : int
         Pixels of the overview and points of each surface that are compared, at least 10.
     map : int
@@ -445,6 +451,7 @@ def bake(
     cage: Any = None,
     crease_angle: float | None = None,
     scan_green: Literal["auto", "up", "down"] = "auto",
+    unit: Unit | None = None,
     memory_limit: str | None = None,
     threads: int | None = None,
     progress: Progress = None,
@@ -490,6 +497,9 @@ def bake(
         As in `load`; what the scan was loaded with if not given.
     scan_green : {"auto", "up", "down"}
         As in `load`; what the scan was loaded with if auto.
+    unit : {"mm", "cm", "m", "in"}, optional
+        As in `load`; what the scan was loaded with if not given. The asset is written in metres then, by the scale of its
+        root node.
     memory_limit : str, optional
         The most memory to use, such as ``"4G"``.
     threads : int, optional
@@ -534,8 +544,8 @@ def bake(
     }
     request = {"options": options, "low": low_mesh, "cage": cage_mesh, "memory_limit": memory_limit}
     high = a_model(scan)._native
-    if crease_angle is not None or scan_green != "auto":
-        high = high.as_scan(scan_options(crease_angle, scan_green))
+    if crease_angle is not None or scan_green != "auto" or unit is not None:
+        high = high.as_scan(scan_options(crease_angle, scan_green, unit))
     with running(progress, threads) as run:
         native = _taotie.bake(high, request, run)
     warn(native.warnings())

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from . import _taotie
 from ._arrays import Array, PathLike, mesh_of, rows, triangles
 from ._error import invalid, warn
-from ._options import Material, material as a_material
+from ._options import Material, Unit, material as a_material
 from ._run import Progress, running
 
 if TYPE_CHECKING:
@@ -175,11 +175,13 @@ def _from_glb(data: bytes, path: str | None) -> Model:
             return Model(_taotie.load(file, {}, run).without_file(), path)
 
 
-def scan_options(crease_angle: float | None, green: str) -> dict[str, Any]:
+def scan_options(crease_angle: float | None, green: str, unit: str | None) -> dict[str, Any]:
     """Return how a scan is read, as native options."""
+    if unit not in (None, "mm", "cm", "m", "in"):
+        raise invalid(f"unit {unit!r}", "give mm, cm, m or in")
     if green not in ("auto", "up", "down"):
         raise invalid(f"scan_green {green!r}", "give auto, up or down")
-    return {"crease_angle_deg": crease_angle, "green": None if green == "auto" else green}
+    return {"crease_angle_deg": crease_angle, "green": None if green == "auto" else green, "unit": unit}
 
 
 def load(
@@ -188,6 +190,7 @@ def load(
     material: Material | PathLike | None = None,
     crease_angle: float | None = None,
     scan_green: Literal["auto", "up", "down"] = "auto",
+    unit: Unit | None = None,
     memory_limit: str | None = None,
     allow_outside: bool = False,
     progress: Progress = None,
@@ -205,6 +208,9 @@ def load(
         degrees; 0 keeps all facets flat. By default only the hard edges of modelled shapes are kept.
     scan_green : {"auto", "up", "down"}
         Direction of green in the normal maps of a scan; auto trusts the file unless the pixels contradict it.
+    unit : {"mm", "cm", "m", "in"}, optional
+        Unit of the coordinates of a scan, also of one in glTF that is not in metres. By default the metre for glTF, else
+        unknown.
     memory_limit : str, optional
         The most memory to use, such as ``"4G"``; what the machine has free if not given.
     allow_outside : bool
@@ -228,7 +234,7 @@ def load(
     """
     request = {
         "material": a_material(material)._options(),
-        "scan": scan_options(crease_angle, scan_green),
+        "scan": scan_options(crease_angle, scan_green, unit),
         "memory_limit": memory_limit,
         "allow_outside": allow_outside,
     }

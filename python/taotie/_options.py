@@ -24,6 +24,7 @@ Shading: TypeAlias = Literal[
 ]
 Surface: TypeAlias = Literal["facet", "smooth", "bump", "bump-printed", "object-normal", "tangent-normal"]
 Tone: TypeAlias = Literal["neutral", "linear", "reinhard", "aces", "agx"]
+Unit: TypeAlias = Literal["mm", "cm", "m", "in"]
 Aov: TypeAlias = Literal["normals", "depth", "albedo", "uv", "triangle"]
 Map: TypeAlias = Literal[
     "normal",

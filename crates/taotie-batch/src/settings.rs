@@ -1,7 +1,7 @@
 //! What is made of an asset.
 
 use serde::{Deserialize, Serialize};
-use taotie::asset::{BakeOptions, MeshSource, Packing, RayDistance, Requirement, VerifyOptions};
+use taotie::asset::{BakeOptions, MeshSource, Packing, RayDistance, Requirement, ScanOptions, VerifyOptions};
 use taotie::{Error, Result};
 
 /// What is made of an asset, and what is demanded of it.
@@ -22,6 +22,8 @@ pub struct Settings {
 /// Everything that the files of an asset depend on beside its input.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct AssetSettings {
+    /// The reading of the scan.
+    pub scan: ScanOptions,
     /// The bake.
     pub bake: BakeOptions,
     /// The packing into files.
@@ -73,7 +75,8 @@ impl Settings {
     /// # Errors
     /// [`Error::Invalid`], and those of what [`Packing::provenance`] names.
     pub fn check(&self) -> Result<()> {
-        let AssetSettings { bake, packing, .. } = &self.asset;
+        let AssetSettings { scan, bake, packing, .. } = &self.asset;
+        scan.check()?;
         bake.check()?;
         packing.check()?;
         let of_picture = self.thumbnail.map(|picture| ("thumbnail", picture.size));

@@ -1,7 +1,7 @@
 //! `taotie verify`: how far an asset, made by any program, is from its scan.
 
+use crate::bake::ScanArgs;
 use crate::bake::clock::Clock;
-use crate::bake::scan_args::ScanArgs;
 use crate::bake::text;
 use crate::limits::LimitArgs;
 use crate::proof_args::ProofArgs;
@@ -10,21 +10,24 @@ use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use taotie::Progress;
-use taotie::asset::{self, Certificate, Report, ScanFile, Warning};
+use taotie::asset::{self, Certificate, Limits, Report, Requirement, Scan, ScanFile, ScanOptions, Warning};
 use taotie_report::bake_page;
 
 const EXAMPLES: &str = "\
 Examples:
   taotie verify asset.glb --scan scan.ply --require standard
+  taotie verify asset.glb --scan scan.stl --unit mm --require hausdorff=0.2mm,texel=50um
   taotie verify packed.glb --scan scan.glb -o packed.proof.html";
 
 /// Compares an asset, made by any program, with the scan that it should look like.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct VerifyArgs {
-    /// The asset (.gltf, .glb, .obj, .ply, .stl), in the space of the scan. Each of its levels of detail is compared
+    /// The asset (.gltf, .glb, .obj, .ply, .stl), in the place of the scan: glTF in metres if the scan's unit is known, others
+    /// in that unit. Each of its levels of detail is compared
     pub asset: PathBuf,
-    /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl)
+    /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl). It is read as it was for the bake, if the asset records that;
+    /// options of the scan override what it records
     #[arg(long, value_name = "SCAN")]
     pub scan: PathBuf,
     /// The page to write (.html), with its figures as .json beside it
@@ -71,6 +74,14 @@ pub fn run(args: &VerifyArgs) -> Result<Outcome> {
     Ok(if report.is_met() { Outcome::Fine } else { Outcome::Different })
 }
 
+/// Reads the scan as the options say, else as the asset records it.
+fn read_scan(args: &VerifyArgs, limits: &Limits, progress: Progress<'_>) -> Result<Scan> {
+    let options = args.reading.options().or(ScanOptions::recorded(&args.asset, limits)?);
+    let file = ScanFile::read(&args.scan, limits, progress)?.with_options(options);
+    Requirement::check_unit(&args.proof.requirements(), file.unit())?;
+    Ok(file.into_scan(progress)?)
+}
+
 fn verify(args: &VerifyArgs) -> Result<Report> {
     let files = stop::files();
     files.protect([&args.asset, &args.scan])?;
@@ -83,8 +94,7 @@ fn verify(args: &VerifyArgs) -> Result<Report> {
         true
     };
     let progress = Progress::new(&listener);
-    let file = ScanFile::read(&args.scan, &args.limits.limits(), progress)?;
-    let scan = file.with_options(args.reading.options()).into_scan(progress)?;
+    let scan = read_scan(args, &args.limits.limits(), progress)?;
     console::say_warnings(scan.warnings());
     let options = args.proof.options_of_page(args.output.is_some());
     let proof = asset::verify(&args.asset, &scan, &options, progress)?;

@@ -11,9 +11,10 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::sync::Arc;
 use taotie::asset::{
-    BakeOptions, Baker, Certificate, Figures, Limits, MeshSource, Met, Packing, Proof, RayDistance, Report, Requirement,
-    Scan, Signature, VerifyOptions,
+    BakeOptions, Baker, Certificate, Figures, Limits, MeshSource, Met, Packing, Proof, RayDistance, Report,
+    Requirement, Signature, VerifyOptions,
 };
+use taotie::length::Unit;
 use taotie::names::Named;
 use taotie::{Progress, Result};
 
@@ -169,8 +170,8 @@ impl Written {
         request: Options,
         running: Running,
     ) -> PyResult<Bound<'py, PyDict>> {
-        measured(model, request, &running, |scan, options, progress| {
-            self.written.verify(scan, options, progress)
+        measured(model, request, &running, |high, options, progress| {
+            self.written.verify(high.scan(progress)?, options, progress)
         })
     }
 
@@ -180,7 +181,10 @@ impl Written {
         let mut report = Report::of(&self.written).map_err(wrong)?;
         if let Some(Proved { figures, options }) = proved {
             let (figures, options) = (figures.read::<Figures>()?, options.read::<VerifyOptions>()?);
-            let options = VerifyOptions { requirements: requirements(&required).map_err(wrong)?, ..options };
+            let options = VerifyOptions {
+                requirements: requirements(&required, figures.unit).map_err(wrong)?,
+                ..options
+            };
             let certificate =
                 Certificate::of_written(&self.written, &figures, &options, &Signature::default());
             report.certificate = Some(certificate.map_err(wrong)?);
@@ -206,8 +210,8 @@ pub fn verify<'py>(
     request: Options,
     running: Running,
 ) -> PyResult<Bound<'py, PyDict>> {
-    measured(model, request, &running, |scan, options, progress| {
-        taotie::asset::verify(&asset, scan, options, progress)
+    measured(model, request, &running, |high, options, progress| {
+        taotie::asset::verify(&asset, high.scan_of(&asset, progress)?, options, progress)
     })
 }
 
@@ -216,14 +220,11 @@ fn measured<'py>(
     model: &Bound<'py, Model>,
     request: Options,
     running: &Running,
-    verify: impl FnOnce(&Scan, &VerifyOptions, Progress<'_>) -> Result<Proof> + Send,
+    verify: impl FnOnce(&Model, &VerifyOptions, Progress<'_>) -> Result<Proof> + Send,
 ) -> PyResult<Bound<'py, PyDict>> {
     let options = request.read::<VerifyOptions>()?;
     let (py, high) = (model.py(), model.get());
-    let proof = work::run(py, running, |progress| {
-        let scan = high.scan(progress)?;
-        verify(&scan, &options, progress)
-    })?;
+    let proof = work::run(py, running, |progress| verify(high, &options, progress))?;
     told(py, &proof)
 }
 
@@ -239,17 +240,18 @@ fn told<'py>(py: Python<'py>, proof: &Proof) -> PyResult<Bound<'py, PyDict>> {
     Ok(found)
 }
 
-/// Reads requirements as the command does.
-fn requirements(required: &[String]) -> Result<Vec<Requirement>> {
-    let read = required.iter().map(|text| Requirement::read(text)).collect::<Result<Vec<_>>>()?;
-    Ok(read.concat())
+/// Reads requirements of a scan in a unit as the command does.
+fn requirements(required: &[String], unit: Option<Unit>) -> Result<Vec<Requirement>> {
+    let read = required.iter().map(|text| Requirement::read(text)).collect::<Result<Vec<_>>>()?.concat();
+    Requirement::check_unit(&read, unit)?;
+    Ok(read)
 }
 
 /// Holds requirements, as the command reads them, against figures; returns each as JSON, with its text.
 #[pyfunction]
 pub fn require(py: Python<'_>, figures: Options, required: Vec<String>) -> PyResult<Vec<(String, String)>> {
     let figures = figures.read::<Figures>()?;
-    let met = figures.require(&requirements(&required).map_err(|error| exception(py, &error))?);
+    let met = figures.require(&requirements(&required, figures.unit).map_err(|error| exception(py, &error))?);
     let pair = |met: &Met| Ok((serde_json::to_string(met)?, format!("{} {}", met.figure.name(), met.text())));
     met.iter().map(pair).collect::<serde_json::Result<_>>().map_err(no_json)
 }

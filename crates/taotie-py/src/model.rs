@@ -7,7 +7,7 @@ use crate::work::{self, Listed, Running};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use serde::Deserialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use taotie::asset::{Limits, Scan, ScanFile, ScanOptions};
 use taotie::bake::low_poly_mesh;
@@ -90,6 +90,18 @@ impl Model {
         Ok(kept.insert(file.with_options(self.scan_options).into_scan(progress)?).clone())
     }
 
+    /// Returns the scan, read as it was for the bake of an asset unless the model has other options.
+    pub fn scan_of(&self, asset: &Path, progress: Progress<'_>) -> taotie::Result<Scan> {
+        let options = self.scan_options.or(ScanOptions::recorded(asset, &self.limits)?);
+        if options == self.scan_options { self.scan(progress) } else { self.read_as(options).scan(progress) }
+    }
+
+    /// Returns the same model with these options of reading it as a scan.
+    fn read_as(&self, scan_options: ScanOptions) -> Self {
+        let (loaded, path) = (self.loaded.clone(), self.path.clone());
+        Self { loaded, path, limits: self.limits, scan_options, scan: Mutex::default() }
+    }
+
     /// Returns all triangles as one mesh in world space.
     pub fn mesh(&self) -> taotie::Result<Mesh> {
         low_poly_mesh(self.loaded.scene.clone())
@@ -156,13 +168,9 @@ impl Model {
     /// The same model with other options of reading it as a scan; those that are not given stay.
     fn as_scan(&self, py: Python<'_>, request: Options) -> PyResult<Self> {
         let (given, own) = (request.read::<ScanOptions>()?, self.scan_options);
-        let scan_options = ScanOptions {
-            crease_angle_deg: given.crease_angle_deg.or(own.crease_angle_deg),
-            green: given.green.or(own.green),
-        };
+        let scan_options = given.or(own);
         scan_options.check().map_err(|error| exception(py, &error))?;
-        let (loaded, path) = (self.loaded.clone(), self.path.clone());
-        Ok(Self { loaded, path, limits: self.limits, scan_options, scan: Mutex::default() })
+        Ok(self.read_as(scan_options))
     }
 
     /// The same model without its file, which may be removed then.

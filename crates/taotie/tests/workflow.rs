@@ -250,7 +250,7 @@ fn a_bake_without_a_hit_is_an_error() {
     let error = bake(low.clone(), RayDistance::Uniform(0.25)).unwrap_err();
     let text = error.to_string();
     assert!(matches!(error, Error::Invalid { .. }), "{text}");
-    for part in ["projection rays met the scan", "0.25 model units", "do not overlap", "larger ray distance"]
+    for part in ["projection rays met the scan", "0.250 model units", "do not overlap", "larger ray distance"]
     {
         assert!(text.contains(part), "{part}: {text}");
     }

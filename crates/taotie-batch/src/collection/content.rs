@@ -39,6 +39,7 @@ struct Whole {
     #[serde(default = "default_output")]
     output: PathBuf,
     source: Vec<Spanned<Source>>,
+    scan: Option<Keys>,
     bake: Option<Keys>,
     packing: Option<Keys>,
     verify: Option<Keys>,
@@ -57,6 +58,7 @@ struct Whole {
 #[serde(deny_unknown_fields)]
 struct OneOverride {
     id: Spanned<String>,
+    scan: Option<Keys>,
     bake: Option<Keys>,
     packing: Option<Keys>,
     verify: Option<Keys>,
@@ -70,6 +72,7 @@ struct OneOverride {
 /// What is made of scans.
 #[derive(Debug, Default)]
 pub struct Made {
+    pub scan: Option<Keys>,
     pub bake: Option<Keys>,
     pub packing: Option<Keys>,
     pub verify: Option<Keys>,
@@ -116,8 +119,8 @@ fn default_output() -> PathBuf {
 impl From<Whole> for Content {
     fn from(whole: Whole) -> Self {
         let Whole { title, address, output, source, run, overrides, .. } = whole;
-        let Whole { bake, packing, verify, report, thumbnail, turntable, viewer, require, .. } = whole;
-        let made = Made { bake, packing, verify, report, thumbnail, turntable, viewer, require };
+        let Whole { scan, bake, packing, verify, report, thumbnail, turntable, viewer, require, .. } = whole;
+        let made = Made { scan, bake, packing, verify, report, thumbnail, turntable, viewer, require };
         let overrides = overrides.into_iter().map(Override::of).collect();
         Self { title, address, output, source, made, run, overrides }
     }
@@ -148,7 +151,7 @@ impl Content {
 
     /// Returns the place of the options for all scans.
     pub fn span_of_choices(&self) -> std::ops::Range<usize> {
-        let tables = [&self.made.bake, &self.made.packing, &self.made.verify];
+        let tables = [&self.made.scan, &self.made.bake, &self.made.packing, &self.made.verify];
         let keys = tables.into_iter().flatten().flat_map(|keys| keys.keys()).map(Spanned::span);
         keys.min_by_key(|span| span.start).unwrap_or(0..0)
     }
@@ -157,9 +160,9 @@ impl Content {
 impl Override {
     fn of(read: Spanned<OneOverride>) -> Self {
         let span = read.span();
-        let OneOverride { id, bake, packing, verify, report, thumbnail, turntable, viewer, require } =
+        let OneOverride { id, scan, bake, packing, verify, report, thumbnail, turntable, viewer, require } =
             read.into_inner();
-        let made = Made { bake, packing, verify, report, thumbnail, turntable, viewer, require };
+        let made = Made { scan, bake, packing, verify, report, thumbnail, turntable, viewer, require };
         Self { id, made: Spanned::new(span, made) }
     }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
-use taotie::asset::{BakeOptions, Packing, Requirement, VerifyOptions};
+use taotie::asset::{BakeOptions, Packing, Requirement, ScanOptions, VerifyOptions};
 use taotie::{Error, Result};
 use toml::{Spanned, Table, Value};
 
@@ -37,6 +37,7 @@ pub struct Lines<'a> {
 /// What one place of a collection's file chooses.
 #[derive(Debug, Clone, Default)]
 pub struct Choices {
+    scan: Table,
     bake: Table,
     packing: Table,
     verify: Table,
@@ -96,6 +97,8 @@ impl Lines<'_> {
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Typed {
+    #[serde(rename = "scan")]
+    _scan: ScanOptions,
     #[serde(rename = "bake")]
     _bake: BakeOptions,
     #[serde(rename = "packing")]
@@ -121,6 +124,7 @@ impl Choices {
             Ok::<_, Error>(read.concat())
         });
         let choices = Self {
+            scan: lines.known::<ScanOptions>(("scan", &made.scan))?,
             bake: lines.known::<BakeOptions>(("bake", &made.bake))?,
             packing: lines.known::<Packing>(("packing", &made.packing))?,
             verify: lines.known::<VerifyOptions>(("verify", &made.verify))?,
@@ -157,6 +161,7 @@ pub fn settings<'a>(choices: impl Iterator<Item = &'a Choices>) -> Result<Settin
     let require = choices.iter().rev().find_map(|choices| choices.require.clone());
     Ok(Settings {
         asset: AssetSettings {
+            scan: table(choices.iter().map(|choices| &choices.scan)).map_err(wrong)?,
             bake: table(choices.iter().map(|choices| &choices.bake)).map_err(wrong)?,
             packing: table(choices.iter().map(|choices| &choices.packing)).map_err(wrong)?,
             verify: table(choices.iter().map(|choices| &choices.verify)).map_err(wrong)?,

@@ -15,7 +15,7 @@ use clock::Clock;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use taotie::asset::{Baker, Bytes, Met, ScanFile, Warning};
+use taotie::asset::{Baker, Bytes, Met, Requirement, ScanFile, Warning};
 use taotie::io::FileSet;
 use taotie::{Error, Progress, Result};
 
@@ -78,6 +78,8 @@ impl Work<'_> {
         let (job, settings) = (self.job, &self.job.settings);
         let most = pool(job.threads)?;
         let file = most.install(|| ScanFile::read(&job.scan, &job.limits, self.progress))?;
+        let file = file.with_options(settings.asset.scan);
+        Requirement::check_unit(&settings.require, file.unit())?;
         self.progress.begin("hash")?;
         made.input = input::read(file.files(), &settings.asset, &job.limits)?;
         let at = address::of_asset(&settings.asset, &made.input);

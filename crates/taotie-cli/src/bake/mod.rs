@@ -8,12 +8,15 @@ mod schedule;
 pub mod text;
 
 pub use args::BakeArgs;
+pub use scan_args::ScanArgs;
 
 use crate::{Outcome, console, stop, studio};
 use anyhow::Result;
 use clock::Clock;
 use schedule::Schedule;
-use taotie::asset::{Baker, Certificate, Limits, Need, Proof, Report, ScanFile, Warning, Written};
+use taotie::asset::{
+    Baker, Certificate, Limits, Need, Proof, Report, Requirement, ScanFile, Warning, Written,
+};
 use taotie::io::FileSet;
 use taotie::{Progress, Warnings};
 use taotie_report::bake_page;
@@ -45,6 +48,7 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
     let limits = args.limits();
     let baker = Baker::new(args.options()).with_limits(limits).with_files(files);
     let file = ScanFile::read(&args.high, &limits, progress)?.with_options(args.scan.options());
+    Requirement::check_unit(&args.proof.requirements(), file.unit())?;
     check_memory(args, &baker.need(file.size()), limits)?;
     if let Some(schedule) = Schedule::of(baker.options(), file.size(), args.is_packed()) {
         clock.expect(schedule);

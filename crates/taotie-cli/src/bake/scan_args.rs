@@ -1,7 +1,9 @@
 //! The options of reading a scan.
 
+use crate::options::named;
 use clap::{Args, ValueEnum};
 use taotie::asset::ScanOptions;
+use taotie::length::Unit;
 use taotie::scene::GreenChannel;
 
 /// How a scan is read where its file leaves room for doubt.
@@ -18,6 +20,10 @@ pub struct ScanArgs {
     /// pixels contradict it
     #[arg(long, value_enum, default_value_t = ScanGreen::Auto, hide_possible_values = true, value_name = "auto|up|down", help_heading = "Scan")]
     pub scan_green: ScanGreen,
+    /// Unit of the scan's coordinates, also of one in glTF that is not in metres. The asset is in metres then, as glTF
+    /// requires, and lengths of the proof have units [default: m for glTF, else unknown]
+    #[arg(long, value_name = "mm|cm|m|in", value_parser = named::<Unit>, help_heading = "Scan")]
+    pub unit: Option<Unit>,
 }
 
 /// The direction of green in a scan's normal maps.
@@ -40,7 +46,7 @@ impl ScanArgs {
             ScanGreen::Up => Some(GreenChannel::Up),
             ScanGreen::Down => Some(GreenChannel::Down),
         };
-        ScanOptions { crease_angle_deg, green }
+        ScanOptions { crease_angle_deg, green, unit: self.unit }
     }
 }
 

@@ -5,6 +5,7 @@ use taotie::asset::{
     BakeFigures, Figures, LevelFigures, MaterialFigures, Met, PartFigures, Report, ViewFigures,
 };
 use taotie::compare::Summary;
+use taotie::length::{ShownLength, place_text, texel_text};
 use taotie::names::Named;
 use taotie_report::summary;
 use taotie_report::table::Table;
@@ -23,9 +24,9 @@ pub fn of(report: &Report) -> String {
     }
     if let Some(figures) = &report.proof {
         if let Some(finest) = figures.finest() {
-            as_seen(finest, &mut table);
+            as_seen(figures, finest, &mut table);
             on_surface(finest, report.bake.as_ref(), &mut table);
-            shape(finest, &mut table);
+            shape(figures, finest, &mut table);
             material(&finest.material, &mut table);
             table.row(["visual difference".into(), visual_difference(&finest.views)]);
             if !finest.full_views.is_empty() {
@@ -54,7 +55,7 @@ fn percent(part: f64) -> String {
     format!("{:.3} %", part * 100.0)
 }
 
-fn as_seen(level: &LevelFigures, table: &mut Table) {
+fn as_seen(figures: &Figures, level: &LevelFigures, table: &mut Table) {
     if let Some(angles) = &level.overview.angles {
         let [low, high] = angles.mean_interval;
         let half = (high - low) / 2.0;
@@ -69,8 +70,8 @@ fn as_seen(level: &LevelFigures, table: &mut Table) {
         .into_iter()
         .filter_map(|(patch, before, after)| {
             let patch = patch.as_ref()?;
-            let [x, y, z] = patch.center;
-            Some(format!("{before}{:.2}{after} around ({x:.4}, {y:.4}, {z:.4})", patch.mean))
+            let place = place_text(patch.center, figures.diagonal, figures.unit);
+            Some(format!("{before}{:.2}{after} around {place}", patch.mean))
         })
         .collect();
     if !patches.is_empty() {
@@ -99,20 +100,23 @@ fn on_surface(level: &LevelFigures, bake: Option<&BakeFigures>, table: &mut Tabl
     table.row(["ray missed".into(), rays]);
 }
 
-fn shape(level: &LevelFigures, table: &mut Table) {
+fn shape(figures: &Figures, level: &LevelFigures, table: &mut Table) {
     let LevelFigures { hausdorff, hausdorff_of_diagonal, silhouette, coverage, .. } = level;
+    let length = |length: f64| ShownLength::of(length, figures.unit, 3);
     let distances = format!(
-        "between {:.4} and {:.4} at most ({} of the diagonal), RMS {:.5} ({})",
-        hausdorff.lower,
-        hausdorff.upper,
+        "between {} and {} at most ({} of the diagonal), RMS {} ({})",
+        length(hausdorff.lower),
+        length(hausdorff.upper),
         percent(hausdorff_of_diagonal.upper),
-        level.rms,
+        length(level.rms),
         percent(level.rms_of_diagonal)
     );
     table.row(["shape error".into(), distances]);
     let outline = format!(
-        "{:.2} pixels of 512 on average, {:.1} at most",
-        silhouette.mean_pixels, silhouette.max_pixels
+        "{:.2} pixels of 512 on average, {:.1} at most, which is {}",
+        silhouette.mean_pixels,
+        silhouette.max_pixels,
+        length(silhouette.max_length)
     );
     table.row(["silhouette".into(), outline]);
     let missed = format!(
@@ -129,7 +133,7 @@ fn shape(level: &LevelFigures, table: &mut Table) {
         ]);
     }
     if let Some(resolution) = &level.resolution {
-        let text = format!("{:.4} model units wide (median)", resolution.texel);
+        let text = format!("{} wide (median)", texel_text(resolution.texel, figures.unit));
         table.row(["texel".into(), text]);
     }
 }

@@ -56,7 +56,11 @@ fn nothing_that_is_written_names_a_folder_of_the_machine() {
     let files = all_files_below(&collection.path("out"));
     assert!(files.iter().any(|file| file.to_string_lossy().ends_with(".report.html")), "{files:?}");
     for file in files {
-        assert!(!names_it(&std::fs::read(&file).expect("it can be read")), "{} names {folder}", file.display());
+        assert!(
+            !names_it(&std::fs::read(&file).expect("it can be read")),
+            "{} names {folder}",
+            file.display()
+        );
     }
     assert!(!names_it(&output.stdout), "{}", String::from_utf8_lossy(&output.stdout));
 }

@@ -5,7 +5,8 @@ use std::process::Command;
 use taotie::image::Encoding;
 use taotie::io::{PngColor, PngImage, PngSamples, encode_png};
 use taotie_report::{
-    Cell, Column, Fact, Legend, Notice, Page, Picture, PlainTable, Section, Series, Statement, Tone, View, html,
+    Cell, Column, Fact, Legend, Notice, Page, Picture, PlainTable, Section, Series, Statement, Tone, View,
+    html,
 };
 
 const RED: [u8; 3] = [200, 30, 30];
@@ -128,8 +129,11 @@ fn certificate() -> Page {
             table("Further figures", words(&["figure", "shown by", "value", "interval"]), measured, 10),
             table("Files", words(&["file", "name", "bytes", "SHA-256"]), file.concat(), 16),
         ],
-        command_note: "To recompute this certificate, run this in a folder that holds the files above:".into(),
-        command: "taotie verify a-scan-with-a-rather-long-name.glb --scan a-scan-with-a-rather-long-name.ply ".repeat(4),
+        command_note: "To recompute this certificate, run this in a folder that holds the files above:"
+            .into(),
+        command:
+            "taotie verify a-scan-with-a-rather-long-name.glb --scan a-scan-with-a-rather-long-name.ply "
+                .repeat(4),
     };
     let feature = View { name: "Worst patch".into(), ..views().remove(1) };
     Page {

@@ -78,10 +78,15 @@ fn it_holds_what_was_required_the_hashes_and_who_signed() {
     assert_eq!(certificate["options"]["scan"]["crease_angle_deg"], 40.0);
     let hash = |name: &str| Value::from(taotie::io::sha256(&place.path(name)).expect("it is there"));
     assert_eq!(certificate["scan"][0]["sha256"], hash("scan.obj"));
-    assert_eq!((&certificate["asset"][0]["name"], &certificate["asset"][0]["sha256"]), (&"out.glb".into(), &hash("out.glb")));
+    assert_eq!(
+        (&certificate["asset"][0]["name"], &certificate["asset"][0]["sha256"]),
+        (&"out.glb".into(), &hash("out.glb"))
+    );
     // Maps next to the asset by their files, those within as they are stored.
     let maps = certificate["maps"].as_array().expect("a list");
-    let of = |file: &str| maps.iter().find(|map| map["file"] == file).unwrap_or_else(|| panic!("{file}: {maps:?}"));
+    let of = |file: &str| {
+        maps.iter().find(|map| map["file"] == file).unwrap_or_else(|| panic!("{file}: {maps:?}"))
+    };
     for file in ["out.height.png", "out.normal.png"] {
         assert_eq!(of(file)["sha256"], hash(file));
     }
@@ -90,7 +95,8 @@ fn it_holds_what_was_required_the_hashes_and_who_signed() {
     assert_eq!(maps.len(), images.len() + 2);
     for (image, map) in images.iter().zip(maps) {
         let view = &glb.json["bufferViews"][image["bufferView"].as_u64().expect("it is embedded") as usize];
-        let [start, length] = ["byteOffset", "byteLength"].map(|name| view[name].as_u64().unwrap_or(0) as usize);
+        let [start, length] =
+            ["byteOffset", "byteLength"].map(|name| view[name].as_u64().unwrap_or(0) as usize);
         assert_eq!(map["sha256"], taotie::io::sha256_of(&glb.bytes[start..start + length]));
         assert!(map["file"].is_null() && map["uses"] != "");
     }
@@ -103,13 +109,18 @@ fn the_page_opens_with_the_certificate_and_the_worst_patches() {
     let page = page(&place);
     let statement = &page["statement"];
     assert_eq!(statement["title"], "Certificate");
-    let titles: Vec<_> = statement["tables"].as_array().expect("a list").iter().map(|table| &table["title"]).collect();
+    let titles: Vec<_> =
+        statement["tables"].as_array().expect("a list").iter().map(|table| &table["title"]).collect();
     assert_eq!(titles, ["Requirements", "Further figures", "Files"]);
     assert!(statement["command"].as_str().is_some_and(|command| command.contains("--crease-angle 40")));
-    let features: Vec<_> = page["features"].as_array().expect("a list").iter().map(|view| &view["name"]).collect();
+    let features: Vec<_> =
+        page["features"].as_array().expect("a list").iter().map(|view| &view["name"]).collect();
     assert_eq!(features, ["Worst patch: normals", "Worst patch: colours"]);
     let pictures = page["features"][0]["pictures"].as_array().expect("a list");
-    assert_eq!(pictures.iter().map(|picture| &picture["label"]).collect::<Vec<_>>(), ["scan", "asset", "difference"]);
+    assert_eq!(
+        pictures.iter().map(|picture| &picture["label"]).collect::<Vec<_>>(),
+        ["scan", "asset", "difference"]
+    );
     assert_eq!(pictures[0]["width"], 384);
 }
 
@@ -119,7 +130,10 @@ fn without_a_model_there_is_no_command() {
     place.taotie("bake scan.obj --low low.obj -o normal.png --size 64").assert().success();
     let certificate = &report(&place, "normal.report.json")["certificate"];
     assert!(certificate["command"].is_null());
-    assert_eq!(certificate["maps"][0]["sha256"], taotie::io::sha256(&place.path("normal.png")).expect("it is there"));
+    assert_eq!(
+        certificate["maps"][0]["sha256"],
+        taotie::io::sha256(&place.path("normal.png")).expect("it is there")
+    );
 }
 
 #[test]
@@ -163,10 +177,14 @@ fn no_report_and_no_page_names_a_folder() {
     let bake = ["bake", "scan.obj", "--low", "low.obj", "-o", "out.glb", "--size", "64", "--json"];
     let further = ["--maps", "normal,height", "--cage", "cage.obj"];
     assert_names_no_folder(&place, &[&bake[..], &further].concat());
-    assert_names_no_folder(&place, &["verify", "out.glb", "--scan", "scan.obj", "-o", "proof.html", "--json"]);
+    assert_names_no_folder(
+        &place,
+        &["verify", "out.glb", "--scan", "scan.obj", "-o", "proof.html", "--json"],
+    );
     let view = ["view", "out.glb", "--scan", "scan.obj", "--publish-scan", "-o", "view.html", "--json"];
     assert_names_no_folder(&place, &view);
-    let compare = ["compare", "low.obj", "--reference", "scan.obj", "-o", "compared", "--size", "48x32", "--json"];
+    let compare =
+        ["compare", "low.obj", "--reference", "scan.obj", "-o", "compared", "--size", "48x32", "--json"];
     assert_names_no_folder(&place, &[&compare[..], &["--method", "smooth,facet"]].concat());
     assert!(place.path("compared/report.html").is_file() && place.path("view.html").is_file());
 }
@@ -209,7 +227,8 @@ fn noisy_ball() -> Vec<u8> {
     let bitmap = Bitmap::new(SIDE, SIDE, 3, texels).expect("it has its size");
     let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 24, 12), Material::default()).expect("it is sound");
     let texture = scene.add_texture(Texture::new(bitmap, Encoding::Srgb));
-    let map = TextureRef { texture, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
+    let map =
+        TextureRef { texture, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
     scene.edit(|data| data.materials[0].base_color_texture = Some(map)).expect("it is sound");
     let format = GltfFormat { images: GltfImages::WebP, webp_quality: Some(1), ..GltfFormat::default() };
     encode_scene_as(&scene, &["ball".into()], &format, &mut Warnings::default()).expect("it can be written")

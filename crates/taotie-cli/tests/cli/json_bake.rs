@@ -132,6 +132,7 @@ struct Parameters {
     green: String,
     crease_angle_deg: AutoOr,
     scan_green: String,
+    unit: Option<String>,
 }
 
 #[derive(Deserialize, Debug, PartialEq)]
@@ -163,6 +164,8 @@ struct Left {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Proof {
+    unit: Option<String>,
+    metres_per_unit: Option<f64>,
     diagonal: f64,
     unseen: Vec<String>,
     parts: Vec<Part>,
@@ -319,6 +322,7 @@ struct Fit {
 struct Met {
     figure: String,
     most: f64,
+    is_length: bool,
     level: Option<usize>,
     value: Option<f64>,
     interval: Option<[f64; 2]>,
@@ -386,6 +390,7 @@ fn of_a_pair() {
         green: "up".into(),
         crease_angle_deg: auto(),
         scan_green: "auto".into(),
+        unit: None,
     };
     assert_eq!(report.parameters, Some(parameters));
     assert_eq!(report.files, ["out.glb", "out.height.png", "out.report.html", "out.report.json"]);
@@ -395,6 +400,7 @@ fn of_a_pair() {
     assert!(height.black < Some(0.0) && height.white > Some(0.0), "{height:?}");
     assert_eq!((report.carried.as_slice(), report.left.as_slice()), (&[][..], &[][..]), "it is grey clay");
     let proof = report.proof.expect("it was measured");
+    assert_eq!((proof.unit.as_deref(), proof.metres_per_unit), (None, None), "OBJ states no unit");
     let bake = report.bake.expect("it was baked");
     let [level] = proof.levels.as_slice() else { panic!("there is one level") };
     let angles = level.surface_angles.as_ref().expect("points were found");
@@ -428,7 +434,10 @@ fn of_a_pair() {
     assert_eq!(proof.bytes_out as usize, place.read("out.glb").len());
     let certificate = report.certificate.expect("it was measured");
     let [met] = certificate.required.as_slice() else { panic!("one figure was required") };
-    assert_eq!((certificate.verdict.as_str(), certificate.scan[0].sha256.as_str()), ("met", report.high_sha256.as_str()));
+    assert_eq!(
+        (certificate.verdict.as_str(), certificate.scan[0].sha256.as_str()),
+        ("met", report.high_sha256.as_str())
+    );
     assert_eq!((met.figure.as_str(), met.most, met.level, met.met), ("mean-angle", 9.0, Some(0), true));
     assert_eq!((met.value, met.interval), (Some(seen.mean), Some([low, high])));
     assert!(report.trials.is_empty() && report.warnings.is_empty());

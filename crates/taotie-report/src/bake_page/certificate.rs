@@ -1,7 +1,8 @@
 //! The certificate as the statement that opens a page.
 
 use crate::{Cell, Column, Fact, Notice, PlainTable, Statement, Tone};
-use taotie::asset::{Certificate, Figure, HashedFile, HashedMap, KeyFigure, Met, ScanOptions, Verdict};
+use taotie::asset::{Certificate, FigureUnit, HashedFile, HashedMap, KeyFigure, Met, ScanOptions, Verdict};
+use taotie::names::Named;
 use taotie::scene::GreenChannel;
 
 /// Files that the statement lists, so that it fits one sheet; the others are in a table below it.
@@ -62,7 +63,9 @@ fn verdict(certificate: &Certificate, judge: Judge) -> Notice {
         }
         Verdict::Met => Notice::new("All requirements are met.", Tone::Good),
         Verdict::Undecided => Notice::new(
-            format!("Not met: {unmet} of {all} requirements are undecided; the limit is within the interval."),
+            format!(
+                "Not met: {unmet} of {all} requirements are undecided; the limit is within the interval."
+            ),
             Tone::Bad,
         ),
         Verdict::NotMet => Notice::new(format!("Not met: {unmet} of {all} requirements."), Tone::Bad),
@@ -100,7 +103,8 @@ fn reading(options: &ScanOptions) -> String {
         GreenChannel::Up => "normal maps with green up".to_owned(),
         GreenChannel::Down => "normal maps with green down".to_owned(),
     });
-    let all: Vec<String> = [crease_angle, green].into_iter().flatten().collect();
+    let unit = options.unit.map(|unit| format!("coordinates in {}", unit.name()));
+    let all: Vec<String> = [unit, crease_angle, green].into_iter().flatten().collect();
     if all.is_empty() { "default options".into() } else { all.join(", ") }
 }
 
@@ -122,11 +126,18 @@ fn requirements(certificate: &Certificate) -> PlainTable {
     PlainTable {
         title: "Requirements".into(),
         note: match has_levels {
-            true => "Each level of detail is judged, level 0 is the finest; this is the worst of them. ".to_owned() + INTERVALS,
+            true => {
+                "Each level of detail is judged, level 0 is the finest; this is the worst of them. "
+                    .to_owned()
+                    + INTERVALS
+            }
             false => INTERVALS.into(),
         },
         columns,
-        rows: worst(&certificate.required).into_iter().map(|met| row_of_requirement(met, has_levels)).collect(),
+        rows: worst(&certificate.required)
+            .into_iter()
+            .map(|met| row_of_requirement(met, has_levels))
+            .collect(),
     }
 }
 
@@ -162,9 +173,10 @@ fn row_of_requirement(met: &Met, has_level: bool) -> Vec<Cell> {
         false => ("not met", Tone::Bad),
     };
     let bound = if met.figure.is_at_least() { "≥" } else { "≤" };
-    let limit = met.figure.text(met.most);
+    let unit = met.unit();
+    let limit = unit.text(met.most);
     // Five digits may hide that a limit is exceeded; then the outcome is stated with all of them.
-    let value = match met.value.map(|value| met.figure.text(value)) {
+    let value = match met.value.map(|value| unit.text(value)) {
         None => "not measured".into(),
         Some(value) if !met.met && value == limit => met.text(),
         Some(value) => value,
@@ -173,7 +185,7 @@ fn row_of_requirement(met: &Met, has_level: bool) -> Vec<Cell> {
     row.extend(has_level.then(|| Cell::text(met.level.map_or("all".into(), |level| level.to_string()))));
     row.extend([
         Cell::text(value),
-        Cell::text(met.interval.map_or_else(String::new, |interval| between(met.figure, interval))),
+        Cell::text(met.interval.map_or_else(String::new, |interval| between(unit, interval))),
         Cell::text(format!("{bound} {limit}")),
         Cell::Mark { text: text.into(), tone, why: String::new() },
     ]);
@@ -181,15 +193,18 @@ fn row_of_requirement(met: &Met, has_level: bool) -> Vec<Cell> {
 }
 
 /// Returns an interval in words; nothing if the value is exact.
-fn between(figure: Figure, [low, high]: [f64; 2]) -> String {
-    let [from, to] = [low, high].map(|bound| figure.text(bound));
+fn between(unit: FigureUnit, [low, high]: [f64; 2]) -> String {
+    let [from, to] = [low, high].map(|bound| unit.text(bound));
     if low == high { String::new() } else { format!("{from} to {to}") }
 }
 
 /// Makes the table of the key figures that no requirement shows.
 fn figures(certificate: &Certificate) -> PlainTable {
     let has_row = |figure: &KeyFigure| {
-        certificate.required.iter().any(|met| met.figure == figure.figure && met.level.is_none_or(|level| level == 0))
+        certificate
+            .required
+            .iter()
+            .any(|met| met.figure == figure.figure && met.level.is_none_or(|level| level == 0))
     };
     let is_single = certificate.triangles.len() < 2;
     let further = certificate.figures.iter().filter(|figure| !(is_single && has_row(figure)));
@@ -197,8 +212,8 @@ fn figures(certificate: &Certificate) -> PlainTable {
         vec![
             Cell::text(figure.title()),
             Cell::text(figure.looking().words()),
-            Cell::text(figure.text(*value)),
-            Cell::text(between(*figure, *interval)),
+            Cell::text(figure.unit().text(*value)),
+            Cell::text(between(figure.unit(), *interval)),
         ]
     };
     let unseen = &certificate.not_compared;
@@ -229,12 +244,7 @@ fn files(certificate: &Certificate) -> PlainTable {
 }
 
 fn columns_of_files() -> Vec<Column> {
-    vec![
-        Column::words("file"),
-        Column::words("name"),
-        Column::numbers("bytes", ""),
-        Column::words("SHA-256"),
-    ]
+    vec![Column::words("file"), Column::words("name"), Column::numbers("bytes", ""), Column::words("SHA-256")]
 }
 
 fn rows_of_files(certificate: &Certificate) -> Vec<Vec<Cell>> {

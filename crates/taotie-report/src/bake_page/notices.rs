@@ -18,7 +18,8 @@ pub fn section(report: &Report, proof: &Proof) -> Option<Section> {
     }
     (!notices.is_empty()).then(|| Section::Notices {
         title: "Warnings".into(),
-        note: "What the proof found comes first, then what was wrong with the files, and what was changed.".into(),
+        note: "What the proof found comes first, then what was wrong with the files, and what was changed."
+            .into(),
         notices,
     })
 }

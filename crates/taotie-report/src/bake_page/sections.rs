@@ -7,6 +7,7 @@ use taotie::asset::{
     BIN_WIDTH, BakeFigures, FigureUnit, Figures, LevelFigures, Met, Report, StageTime, ViewFigures,
 };
 use taotie::compare::Summary;
+use taotie::length::{ShownLength, Unit};
 use taotie::names::Named;
 use taotie::proof::Estimate;
 
@@ -17,7 +18,12 @@ pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
         sections.push(required(report));
     }
     if let Some(finest) = proof.finest() {
-        sections.extend([as_seen(finest), shape(finest), on_surface(report, finest), histogram(finest)]);
+        sections.extend([
+            as_seen(finest),
+            shape(finest, proof.unit),
+            on_surface(report, finest),
+            histogram(finest),
+        ]);
         sections.extend(material::section(&finest.material));
         sections.extend(parts::table(&proof.parts));
         sections.push(views(finest));
@@ -52,7 +58,7 @@ fn row_of_requirement(met: &Met) -> Vec<Cell> {
         false if met.is_undecided() => ("undecided", Tone::Bad),
         false => ("not met", Tone::Bad),
     };
-    let FigureUnit { name, size } = met.figure.unit();
+    let FigureUnit { name, size } = met.unit();
     let (value, most) = (met.value.map(|value| value / size), met.most / size);
     let digits = digits(met.met, value.unwrap_or(most), most);
     vec![
@@ -159,6 +165,12 @@ fn row_of_number(name: &str, value: f64, (digits, unit): (usize, &str)) -> Vec<C
     vec![Cell::text(name), Cell::number(value, digits), Cell::text(unit)]
 }
 
+/// Makes the row of a length of the scan, in a unit of its size.
+fn row_of_length(name: &str, length: f64, unit: Option<Unit>) -> Vec<Cell> {
+    let ShownLength { value, decimals, unit } = ShownLength::of(length, unit, 4);
+    row_of_number(name, value, (decimals, unit))
+}
+
 fn numbers(title: &str, note: &str, rows: Vec<Vec<Cell>>) -> Section {
     Section::Table {
         title: title.into(),
@@ -168,28 +180,28 @@ fn numbers(title: &str, note: &str, rows: Vec<Vec<Cell>>) -> Section {
     }
 }
 
-fn shape(level: &LevelFigures) -> Section {
+fn shape(level: &LevelFigures, unit: Option<Unit>) -> Section {
     let LevelFigures { hausdorff, hausdorff_of_diagonal, silhouette, coverage, .. } = level;
-    let units = (6, "model units");
+    let length = |name, value| row_of_length(name, value, unit);
     let of_diagonal = (4, "% of the diagonal");
     let percent = (4, "%");
     let row = row_of_number;
     let mut rows = vec![
-        row("largest distance (Hausdorff), at least", hausdorff.lower, units),
-        row("largest distance (Hausdorff), at most", hausdorff.upper, units),
+        length("largest distance (Hausdorff), at least", hausdorff.lower),
+        length("largest distance (Hausdorff), at most", hausdorff.upper),
         row("largest distance (Hausdorff), at most", hausdorff_of_diagonal.upper * 100.0, of_diagonal),
-        row("root mean square distance", level.rms, units),
+        length("root mean square distance", level.rms),
         row("root mean square distance", level.rms_of_diagonal * 100.0, of_diagonal),
         row("silhouette, mean deviation", silhouette.mean_pixels, (3, "pixels of 512")),
         row("silhouette, largest deviation", silhouette.max_pixels, (2, "pixels of 512")),
-        row("silhouette, largest deviation", silhouette.max_length, units),
+        length("silhouette, largest deviation", silhouette.max_length),
         row("scan with nothing in its place on the asset", coverage.missed_of_scan * 100.0, percent),
         row("asset with nothing in its place on the scan", coverage.missed_of_asset * 100.0, percent),
         row("scan within 0.5 % of the diagonal of the asset", coverage.completeness * 100.0, percent),
         row("scan that cannot be seen", coverage.hidden_of_scan * 100.0, percent),
     ];
     if let Some(resolution) = &level.resolution {
-        rows.push(row("texel, median width", resolution.texel, units));
+        rows.push(length("texel, median width", resolution.texel));
         rows.push(row(
             "surface where texels are twice as coarse as the scan",
             resolution.share * 100.0,

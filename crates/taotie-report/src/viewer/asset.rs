@@ -9,11 +9,7 @@ use taotie::scene::{Classic, GreenChannel, Instance, Material, NormalMap, Normal
 use taotie::{Result, Warnings};
 
 /// Returns the GLB of all surfaces, with colours of this quality; a mesh has the number of its surface as its name.
-pub(super) fn glb(
-    prepared: &Prepared,
-    quality: Option<u8>,
-    warnings: &mut Warnings,
-) -> Result<Vec<u8>> {
+pub(super) fn glb(prepared: &Prepared, quality: Option<u8>, warnings: &mut Warnings) -> Result<Vec<u8>> {
     let surfaces = prepared.surfaces();
     let meshes: Vec<Mesh> = surfaces.iter().map(mesh).collect::<Result<_>>()?;
     let names: Vec<String> = (0..meshes.len()).map(|number| number.to_string()).collect();

@@ -232,7 +232,7 @@ mod tests {
         data.positions.iter_mut().for_each(|p| p.x += 5.0);
         let model = Scene::of_mesh(Mesh::new(data).unwrap(), Material::default()).unwrap();
         let prepared = Prepared::new(model, &SurfaceSettings::default()).unwrap();
-        let error = errors(&prepared, &scan, &mut Warnings::default()).unwrap_err().to_string();
+        let error = errors(&prepared, &scan, &mut Warnings::default()).err().unwrap().to_string();
         assert!(error.contains("the meshes do not overlap: 100.0 %"), "{error}");
     }
 

@@ -125,8 +125,8 @@ impl Baker {
         let limits = self.limits_beside(&scan);
         need_of(&options, &scan).check(limits)?;
         self.protect(scan.files())?;
-        let (asked, reading) = (Arc::clone(&options), scan.limits);
-        let inputs = progress.apart(move |progress| Inputs::read(&asked, &reading, progress))?;
+        let (asked, high) = (Arc::clone(&options), scan.clone());
+        let inputs = progress.apart(move |progress| Inputs::read(&asked, &high, progress))?;
         // By this thread: one that goes on after a cancel would keep the set.
         self.protect(&inputs.files)?;
         progress.apart(move |progress| bake(&options, Sources { scan, inputs, limits }, progress))
@@ -212,7 +212,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     parts.iter().for_each(|part| judge(scan, part, &mut warnings));
     let whole = document.as_ref().and_then(|document| document.whole.as_ref()).unwrap_or(&parts[0].low.mesh);
     let is_made = parts[0].low.origin.simplified.is_some();
-    judgement::note_missing_parts(scan.mesh(), whole, is_made, &mut warnings);
+    judgement::note_missing_parts(scan, whole, is_made, &mut warnings);
     warnings.absorb(of_scan);
     let options = Arc::new(options);
     Ok(Asset::new(Made {

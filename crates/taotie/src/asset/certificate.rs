@@ -217,7 +217,8 @@ impl Certificate {
         let Subject { scan, asset, is_whole, figures } = subject;
         let required = figures.require(&options.requirements);
         let names = asset.files.first().map(|file| &file.name).filter(|_| is_whole && !scan.files.is_empty());
-        let command = names.map(|asset| command([asset, &name_of(&scan.path)], &scan.options, options, signature));
+        let command =
+            names.map(|asset| command([asset, &name_of(&scan.path)], &scan.options, options, signature));
         Ok(Self {
             verdict: Verdict::of(&required),
             required,
@@ -302,6 +303,7 @@ mod tests {
     #[test]
     fn a_verdict_is_only_as_good_as_its_worst_requirement() {
         let met = |met: bool, interval: [f64; 2]| Met {
+            is_length: false,
             figure: Figure::MeanAngle,
             most: 1.0,
             level: Some(0),

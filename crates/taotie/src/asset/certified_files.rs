@@ -91,7 +91,11 @@ impl AssetFiles {
         let beside = maps_beside.into_iter().map(|(uses, file)| HashedMap::read(uses, &file));
         Ok(Self {
             files: files.iter().map(|file| HashedFile::read(file)).collect::<Result<_>>()?,
-            maps: images.into_iter().map(|image| Ok(HashedMap::from(image))).chain(beside).collect::<Result<_>>()?,
+            maps: images
+                .into_iter()
+                .map(|image| Ok(HashedMap::from(image)))
+                .chain(beside)
+                .collect::<Result<_>>()?,
         })
     }
 
@@ -106,7 +110,8 @@ impl AssetFiles {
         let low = written.asset.made.low_files.iter().map(|file| HashedFile::read(file));
         let map = |note: super::map_note::MapNote| {
             let file = note.file.unwrap_or_default();
-            let map = HashedMap::read(crate::names::Named::name(note.map).to_owned(), &written.set.current(&file))?;
+            let map =
+                HashedMap::read(crate::names::Named::name(note.map).to_owned(), &written.set.current(&file))?;
             Ok(HashedMap { file: Some(name_of(&file)), ..map })
         };
         Ok(Self {

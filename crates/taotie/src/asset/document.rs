@@ -23,6 +23,8 @@ pub(super) struct Document {
     pub whole: Option<Mesh>,
     /// The limits within which it is read.
     pub limits: Limits,
+    /// `true` if its lengths are in metres, as glTF requires, and not in the scan's unit.
+    pub is_in_metres: bool,
 }
 
 /// The place of the glTF file that is kept.
@@ -111,7 +113,7 @@ pub(super) fn kept(
     };
     check(source.gltf(), read.limits)?;
     note(read, options, warnings);
-    Ok(Some(Document { source, whole: None, limits: read.limits }))
+    Ok(Some(Document { source, whole: None, limits: read.limits, is_in_metres: read.is_in_metres }))
 }
 
 /// Returns a GLB of a file of another format, whose meshes get normals where they have none.
@@ -126,7 +128,8 @@ fn made(read: &mut Read, warnings: &mut Warnings) -> Result<Vec<u8>> {
 
 /// Tries whether the file can be written anew, before anything is baked.
 fn check(source: GltfSource<'_>, limits: Limits) -> Result<()> {
-    let graft = GltfGraft { source, limits, materials: &[], copyright: None, xmp: None, extras: None };
+    let (root_scale, materials) = (None, &[][..]);
+    let graft = GltfGraft { source, limits, root_scale, materials, copyright: None, xmp: None, extras: None };
     io::encode_graft(Path::new("a.glb"), &graft, &GltfFormat::default()).map(drop)
 }
 
@@ -262,10 +265,11 @@ pub(super) fn labels(scene: &Scene, numbers: &BTreeSet<usize>) -> BTreeMap<usize
     numbers.iter().map(label).collect()
 }
 
-/// Says whether a transform does more than move.
+/// Returns `true` if a transform turns normals: it does more than move, and scale all axes alike.
 fn turns(world_from_object: Mat4) -> bool {
     let axes = [Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
-    axes.into_iter().any(|axis| world_from_object.transform_vector(axis) != axis)
+    let scale = world_from_object.columns[0][0];
+    scale <= 0.0 || axes.into_iter().any(|axis| world_from_object.transform_vector(axis) != axis * scale)
 }
 
 /// Returns the name without what the name of a file cannot hold everywhere.
@@ -298,7 +302,7 @@ mod tests {
         });
         let (scene, limits) = (scene.unwrap(), Limits::default());
         let (names, files) = (Vec::new(), Vec::new());
-        Read { scene, moving: None, is_gltf: true, has_xmp: false, names, limits, files }
+        Read { scene, moving: None, is_gltf: true, is_in_metres: false, has_xmp: false, names, limits, files }
     }
 
     fn hindrance(read: &Read, options: &BakeOptions) -> String {

@@ -1,6 +1,7 @@
 //! How much of a surface has a fault, and where most of it is.
 
-use crate::math::{Mat4, Vec3, scalar};
+use crate::length::{Unit, place_text};
+use crate::math::{Mat4, Vec3};
 use crate::mesh::Mesh;
 use crate::scene::SceneData;
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,8 +24,10 @@ pub(super) struct Spot {
 pub(super) struct Whole {
     /// The area of the whole surface, or the length of all its edges.
     pub amount: f64,
-    /// The diagonal of the model, model units.
+    /// The diagonal of the model, in its unit.
     pub diagonal: f64,
+    /// The unit of the model's coordinates, if it is known.
+    pub unit: Option<Unit>,
 }
 
 impl Spot {
@@ -37,8 +40,8 @@ impl Spot {
 
 impl Whole {
     /// Measures the surface of all instances.
-    pub fn of(parts: &SceneData) -> Self {
-        let mut whole = Self { amount: 0.0, diagonal: 0.0 };
+    pub fn of(parts: &SceneData, unit: Option<Unit>) -> Self {
+        let mut whole = Self { amount: 0.0, diagonal: 0.0, unit };
         let (mut least, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for instance in &parts.instances {
             let (mesh, m) = (&parts.meshes[instance.mesh], &instance.world_from_object);
@@ -55,8 +58,8 @@ impl Whole {
     }
 
     /// Measures the surface of a mesh.
-    pub fn of_mesh(mesh: &Mesh) -> Self {
-        Self { amount: mesh.area(&Mat4::IDENTITY), diagonal: mesh.diagonal() }
+    pub fn of_mesh(mesh: &Mesh, unit: Option<Unit>) -> Self {
+        Self { amount: mesh.area(&Mat4::IDENTITY), diagonal: mesh.diagonal(), unit }
     }
 }
 
@@ -67,8 +70,8 @@ pub(super) struct Extent {
     pub share: f64,
     /// A point of the largest cluster near its centre of mass, world space.
     pub centre: Vec3<f64>,
-    /// The diagonal of the model, which decides how many digits of the centre are shown.
-    diagonal: f64,
+    /// The surface, whose size decides how many digits of the centre are shown.
+    whole: Whole,
 }
 
 /// A cluster of spots while it grows.
@@ -89,7 +92,7 @@ impl Extent {
         let nearest = cluster.members.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         let amount: f64 = spots.iter().map(|spot| spot.amount).sum();
         let share = (amount / whole.amount.max(f64::MIN_POSITIVE)).min(1.0);
-        Some(Self { share, centre: spots[*nearest].at, diagonal: whole.diagonal })
+        Some(Self { share, centre: spots[*nearest].at, whole })
     }
 
     /// Returns the share in percent as text.
@@ -102,11 +105,7 @@ impl Extent {
 
     /// Returns the centre as text, to about a thousandth of the diagonal.
     pub fn place(&self) -> String {
-        let digits = (3.0 - scalar::log10(self.diagonal.max(1e-9)).ceil()).clamp(0.0, 12.0) as usize;
-        // Adding zero leaves no negative one.
-        let round = |v: f64| format!("{:.digits$}", (v * 1e12).round() / 1e12 + 0.0);
-        let [x, y, z] = self.centre.to_array().map(round);
-        format!("({x}, {y}, {z})")
+        place_text(self.centre.to_array(), self.whole.diagonal, self.whole.unit)
     }
 }
 
@@ -150,6 +149,7 @@ fn around([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::scalar;
 
     fn spot(x: f64, y: f64, amount: f64) -> Spot {
         Spot { at: Vec3::new(x, y, 0.0), amount }
@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     fn the_largest_cluster_is_named_and_all_count() {
-        let whole = Whole { amount: 10.0, diagonal: 10.0 };
+        let whole = Whole { amount: 10.0, diagonal: 10.0, unit: None };
         // Many small ones that touch against one larger one; a lone one lies between.
         let mut spots: Vec<Spot> = (0..5).map(|i| spot(1.0 + 0.1 * f64::from(i), 1.0, 0.1)).collect();
         spots.extend([spot(-4.0, 0.0, 0.3), spot(3.0, 1.0, 0.2)]);
@@ -173,7 +173,7 @@ mod tests {
         let angle = |i: i32| std::f64::consts::TAU * f64::from(i) / 100.0;
         let ring: Vec<Spot> =
             (0..100).map(|i| spot(scalar::cos(angle(i)), scalar::sin(angle(i)), 1.0)).collect();
-        let extent = Extent::of(&ring, Whole { amount: 1e6, diagonal: 3.0 }).unwrap();
+        let extent = Extent::of(&ring, Whole { amount: 1e6, diagonal: 3.0, unit: None }).unwrap();
         assert!((extent.centre.length() - 1.0).abs() < 1e-9, "{extent:?}");
         assert_eq!(extent.percent(), "less than 0.1 %");
     }

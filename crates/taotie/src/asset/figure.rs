@@ -1,5 +1,6 @@
 //! The figures that a limit can be set for, and their units.
 
+use crate::length;
 use crate::names::Named;
 
 /// A figure of a proof that a limit can be set for.
@@ -45,6 +46,8 @@ pub enum Figure {
     Hausdorff,
     /// The largest deviation of outlines, pixels of 512 across the object; of each level.
     Silhouette,
+    /// The median width of the asset's finest texels on the surface, metres; of each level.
+    Texel,
     /// The mean of FLIP over the images from all sides; of each level.
     Flip,
     /// The largest mean of FLIP of these images; of each level.
@@ -72,6 +75,7 @@ impl Named for Figure {
         ("completeness", Self::Completeness),
         ("hausdorff", Self::Hausdorff),
         ("silhouette", Self::Silhouette),
+        ("texel", Self::Texel),
         ("flip", Self::Flip),
         ("worst-view", Self::WorstView),
         ("ssim", Self::Ssim),
@@ -102,6 +106,7 @@ const fn unit(name: &'static str, size: f64) -> FigureUnit {
 const DEGREES: &[FigureUnit] = &[unit("°", 1.0), unit("deg", 1.0)];
 const PER_CENT: &[FigureUnit] = &[unit("%", 0.01)];
 const COLOR: &[FigureUnit] = &[unit("ΔE", 1.0), unit("ΔE00", 1.0)];
+const METRES: &[FigureUnit] = &[unit("m", 1.0)];
 const PIXELS: &[FigureUnit] = &[unit("px", 1.0)];
 const NUMBER: &[FigureUnit] = &[unit("", 1.0)];
 const BYTES: &[FigureUnit] = &[
@@ -115,22 +120,35 @@ const BYTES: &[FigureUnit] = &[
 ];
 
 impl Figure {
-    /// Returns the units that its limit may be written in, the first of which a bare number has.
-    pub(super) fn units(self) -> &'static [FigureUnit] {
+    /// Returns all units that its limit may be written in: its own, the first of which a bare number has, and those of
+    /// length.
+    pub(super) fn units(self) -> impl Iterator<Item = FigureUnit> {
+        let lengths = length::OF_LIMITS.iter().map(|(name, metres)| unit(name, *metres));
+        self.own_units().iter().copied().chain(lengths.filter(move |_| self.has_length()))
+    }
+
+    /// Returns the units of the figure itself.
+    pub(super) fn own_units(self) -> &'static [FigureUnit] {
         match self {
             Self::MeanAngle | Self::P95Angle | Self::MaxAngle | Self::PatchAngle => DEGREES,
             Self::SurfaceMeanAngle | Self::SurfaceP95Angle | Self::SurfaceMaxAngle => DEGREES,
             Self::MeanColor | Self::P95Color | Self::PatchColor => COLOR,
             Self::Missed | Self::Completeness | Self::Hausdorff => PER_CENT,
             Self::Silhouette => PIXELS,
+            Self::Texel => METRES,
             Self::Flip | Self::WorstView | Self::Ssim => NUMBER,
             Self::Bytes => BYTES,
         }
     }
 
-    /// Returns the unit that it is reported in, and that a bare number has: degrees, ΔE, per cent, pixels or bytes.
+    /// Returns the unit that it is reported in, and that a bare number has: degrees, ΔE, per cent, pixels, metres or bytes.
     pub fn unit(self) -> FigureUnit {
-        self.units()[0]
+        self.own_units()[0]
+    }
+
+    /// Returns `true` if its limit may be a length, which needs a scan whose unit is known.
+    pub fn has_length(self) -> bool {
+        matches!(self, Self::Hausdorff | Self::Silhouette | Self::Texel)
     }
 
     /// Returns `true` where each level of detail has its own, `false` where the whole asset has one.
@@ -142,30 +160,32 @@ impl Figure {
     pub fn is_at_least(self) -> bool {
         matches!(self, Self::Completeness | Self::Ssim)
     }
+}
 
-    /// Returns a value of the figure in its unit, with five digits.
+impl FigureUnit {
+    /// Returns a value in this unit, with five digits; bytes as a whole number.
     ///
     /// ```
     /// use taotie::asset::Figure;
     ///
-    /// assert_eq!(Figure::MeanAngle.text(1.234567), "1.2346°");
-    /// assert_eq!(Figure::Missed.text(0.001), "0.1 %");
-    /// assert_eq!(Figure::Bytes.text(3_000_000.0), "3000000 B");
+    /// assert_eq!(Figure::MeanAngle.unit().text(1.234567), "1.2346°");
+    /// assert_eq!(Figure::Missed.unit().text(0.001), "0.1 %");
+    /// assert_eq!(Figure::Bytes.unit().text(3_000_000.0), "3000000 B");
     /// ```
-    pub fn text(self, value: f64) -> String {
-        let value = value / self.unit().size;
-        self.with_unit(&if self == Self::Bytes { format!("{value:.0}") } else { five_digits(value) })
+    pub fn text(&self, value: f64) -> String {
+        let value = value / self.size;
+        self.after(&if self.name == "B" { format!("{value:.0}") } else { five_digits(value) })
     }
 
-    /// Returns a value of the figure in its unit, with all its digits.
-    pub(super) fn exact_text(self, value: f64) -> String {
-        self.with_unit(&(value / self.unit().size).to_string())
+    /// Returns a value in this unit, with all its digits.
+    pub(super) fn exact_text(&self, value: f64) -> String {
+        self.after(&(value / self.size).to_string())
     }
 
-    fn with_unit(self, number: &str) -> String {
-        match self.unit().name {
+    fn after(&self, number: &str) -> String {
+        match self.name {
             "" => number.to_owned(),
-            name if self.units() == DEGREES => format!("{number}{name}"),
+            "°" => format!("{number}°"),
             name => format!("{number} {name}"),
         }
     }
@@ -183,11 +203,12 @@ mod tests {
 
     #[test]
     fn values_are_told_in_their_unit() {
-        assert_eq!(Figure::Hausdorff.text(0.000_012_345_6), "0.0012346 %");
-        assert_eq!(Figure::Missed.text(0.0), "0 %");
-        assert_eq!(Figure::MaxAngle.text(180.0), "180°");
-        assert_eq!(Figure::MeanColor.text(1.25), "1.25 ΔE");
-        assert_eq!(Figure::Bytes.text(1_234_567.0), "1234567 B");
-        assert_eq!(Figure::MaxAngle.exact_text(1.234_567_8), "1.2345678°");
+        let text = |figure: Figure, value| figure.unit().text(value);
+        assert_eq!(text(Figure::Hausdorff, 0.000_012_345_6), "0.0012346 %");
+        assert_eq!(text(Figure::Missed, 0.0), "0 %");
+        assert_eq!(text(Figure::MaxAngle, 180.0), "180°");
+        assert_eq!(text(Figure::MeanColor, 1.25), "1.25 ΔE");
+        assert_eq!(text(Figure::Bytes, 1_234_567.0), "1234567 B");
+        assert_eq!(Figure::MaxAngle.unit().exact_text(1.234_567_8), "1.2345678°");
     }
 }

@@ -61,6 +61,7 @@ impl Figure {
             Self::Completeness => (Looking::Shape, "scan within 0.5 % of the diagonal of the asset"),
             Self::Hausdorff => (Looking::Shape, "largest distance (Hausdorff), proven bound"),
             Self::Silhouette => (Looking::Shape, "outline, largest deviation"),
+            Self::Texel => (Looking::CloseUp, "texel of the asset, median width"),
             Self::Flip => (Looking::Images, "visual difference (FLIP), mean"),
             Self::WorstView => (Looking::Images, "visual difference (FLIP), worst view"),
             Self::Ssim => (Looking::Images, "structural similarity (SSIM), worst view"),

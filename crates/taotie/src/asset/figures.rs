@@ -3,6 +3,7 @@
 use super::level_figures::LevelFigures;
 use super::part_figures::PartFigures;
 use crate::bake::Fit;
+use crate::length::Unit;
 
 /// The differences of an asset from its scan, in numbers.
 ///
@@ -19,9 +20,13 @@ use crate::bake::Fit;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Figures {
+    /// The unit of all lengths, which is that of the scan's coordinates; `None` if it is unknown. As JSON it is `unit`, its
+    /// name, and `metres_per_unit`.
+    #[cfg_attr(feature = "serde", serde(flatten, with = "unit_as_json"))]
+    pub unit: Option<Unit>,
     /// Of each level of detail, the finest first.
     pub levels: Vec<LevelFigures>,
-    /// The scan's diagonal, model units.
+    /// The scan's diagonal, in the scan's unit, as all lengths are.
     pub diagonal: f64,
     /// The fit of the meshes to one another; `None` where the low-poly mesh has no area.
     pub fit: Option<FitFigures>,
@@ -39,6 +44,29 @@ impl Figures {
     /// Returns the figures of the finest level; `None` if nothing was measured.
     pub fn finest(&self) -> Option<&LevelFigures> {
         self.levels.first()
+    }
+}
+
+/// A unit with its metres, which are derived from it.
+#[cfg(feature = "serde")]
+mod unit_as_json {
+    use super::Unit;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    #[derive(Serialize, Deserialize)]
+    struct Fields {
+        unit: Option<Unit>,
+        #[serde(skip_deserializing)]
+        metres_per_unit: Option<f64>,
+    }
+
+    #[allow(clippy::ref_option)] // serde hands over the field itself.
+    pub fn serialize<S: Serializer>(unit: &Option<Unit>, serializer: S) -> Result<S::Ok, S::Error> {
+        Fields { unit: *unit, metres_per_unit: unit.map(Unit::metres) }.serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Unit>, D::Error> {
+        Fields::deserialize(deserializer).map(|fields| fields.unit)
     }
 }
 

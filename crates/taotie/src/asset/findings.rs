@@ -1,9 +1,11 @@
 //! What a proof finds wrong, in plain words: how much of the surface, and where.
 
+use super::figures::Figures;
 use super::judgement::useless_map;
 use super::level_figures::LevelFigures;
 use super::shown::ShownLevel;
 use crate::error::Warnings;
+use crate::length::{place_text, texel_text};
 use crate::proof::Patch;
 
 /// Shares of the area below this are noise: folds, thin cracks.
@@ -17,8 +19,12 @@ const PATCH_DEG: f64 = 10.0;
 const PATCH_COLOR: f64 = 3.0;
 
 /// Notes what the finest level of an asset shows otherwise than its scan.
-pub(super) fn note(figures: &LevelFigures, level: &ShownLevel<'_>, warnings: &mut Warnings) {
-    note_coverage(figures, warnings);
+pub(super) fn note(all: &Figures, level: &ShownLevel<'_>, warnings: &mut Warnings) {
+    let Some(figures) = all.finest() else { return };
+    let coordinates = |place| place_text(place, all.diagonal, all.unit);
+    let there =
+        |patch: &Patch| format!("in the worst 1 % of the surface, around {}", coordinates(patch.center));
+    note_coverage(figures, &coordinates, warnings);
     let LevelFigures { patches, resolution, .. } = figures;
     if let Some(patch) = patches.angle.filter(|patch| patch.mean > PATCH_DEG) {
         let what = format!(
@@ -34,8 +40,10 @@ pub(super) fn note(figures: &LevelFigures, level: &ShownLevel<'_>, warnings: &mu
     }
     if let Some(resolution) = resolution.filter(|resolution| resolution.share > COARSE) {
         let (times, share) = (resolution.coarser, percent(resolution.share));
+        let texel = texel_text(resolution.texel, all.unit);
         let what = format!(
-            "texels are up to {times:.1} × coarser than the scan's detail on {share} of the surface; take a larger map"
+            "texels, {texel} wide, are up to {times:.1} × coarser than the scan's detail on {share} of the surface; take a \
+             larger map"
         );
         warnings.note(what, 1);
     }
@@ -47,7 +55,7 @@ pub(super) fn note(figures: &LevelFigures, level: &ShownLevel<'_>, warnings: &mu
     }
 }
 
-fn note_coverage(figures: &LevelFigures, warnings: &mut Warnings) {
+fn note_coverage(figures: &LevelFigures, coordinates: &dyn Fn([f64; 3]) -> String, warnings: &mut Warnings) {
     let coverage = &figures.coverage;
     if coverage.is_interior {
         warnings.note(
@@ -72,14 +80,6 @@ fn note_coverage(figures: &LevelFigures, warnings: &mut Warnings) {
     for (share, what) in missed.into_iter().filter(|(share, _)| *share > MISSED) {
         warnings.note(format!("{} {what}{place}", percent(share)), 1);
     }
-}
-
-fn there(patch: &Patch) -> String {
-    format!("in the worst 1 % of the surface, around {}", coordinates(patch.center))
-}
-
-fn coordinates([x, y, z]: [f64; 3]) -> String {
-    format!("({x:.4}, {y:.4}, {z:.4})")
 }
 
 fn percent(share: f64) -> String {

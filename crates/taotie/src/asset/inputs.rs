@@ -3,9 +3,9 @@
 use super::given::GivenMesh;
 use super::low_file::{self, Read};
 use super::options::{BakeOptions, MeshSource, RayDistance};
+use super::scan::Scan;
 use crate::bake;
 use crate::error::{Error, Result, Warnings};
-use crate::io::Limits;
 use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
 use std::ops::Range;
@@ -66,20 +66,20 @@ impl CageMesh {
     }
 }
 
-/// A way to read meshes that counts their files and faults.
+/// A way to read meshes for a scan that counts their files and faults.
 struct Reader<'a> {
-    limits: &'a Limits,
+    scan: &'a Scan,
     files: Vec<PathBuf>,
     warnings: Warnings,
 }
 
 impl Inputs {
-    /// Reads what the options name.
+    /// Reads what the options name, for a scan.
     ///
     /// # Errors
     /// Those of [`GivenMesh::of`], and of reading.
-    pub fn read(options: &BakeOptions, limits: &Limits, progress: Progress<'_>) -> Result<Self> {
-        let mut reader = Reader { limits, files: Vec::new(), warnings: Warnings::default() };
+    pub fn read(options: &BakeOptions, scan: &Scan, progress: Progress<'_>) -> Result<Self> {
+        let mut reader = Reader { scan, files: Vec::new(), warnings: Warnings::default() };
         let given = match &options.low {
             Some(source) => {
                 let reading = progress.begin("read the low-poly mesh")?;
@@ -101,7 +101,7 @@ impl Inputs {
 
 impl Reader<'_> {
     fn read(&mut self, source: &MeshSource) -> Result<Read> {
-        let mut read = low_file::read(source, self.limits, &mut self.warnings)?;
+        let mut read = low_file::read(source, self.scan, &mut self.warnings)?;
         self.files.append(&mut read.files);
         Ok(read)
     }
@@ -135,11 +135,12 @@ mod tests {
         });
         let options =
             BakeOptions { low: Some(low), ray_distance: RayDistance::Cage(cage), ..BakeOptions::default() };
-        let inputs = Inputs::read(&options, &Limits::default(), Progress::SILENT).unwrap();
+        let scan = Scan::from_mesh(Mesh::sphere(1.0, 16, 8), Progress::SILENT).unwrap();
+        let inputs = Inputs::read(&options, &scan, Progress::SILENT).unwrap();
         let names: Vec<_> = inputs.files.iter().filter_map(|file| file.file_name()?.to_str()).collect();
         assert_eq!(names, ["low.gltf", "low.bin", "cage.gltf", "cage.bin"]);
         assert!(inputs.given.is_some() && matches!(inputs.rays, Rays::Cage(_)));
-        let none = Inputs::read(&BakeOptions::default(), &Limits::default(), Progress::SILENT).unwrap();
+        let none = Inputs::read(&BakeOptions::default(), &scan, Progress::SILENT).unwrap();
         assert!(none.given.is_none() && none.files.is_empty());
     }
 }

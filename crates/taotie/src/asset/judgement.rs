@@ -7,6 +7,7 @@ use super::scan_winding::turned;
 use crate::bake::{self, Astray, BakeCounts, Cage, Faults, Fit, Verifier};
 use crate::compare::Summary;
 use crate::error::{Error, Result, Warnings};
+use crate::length::{ShownLength, Unit};
 use crate::math::Mat4;
 use crate::mesh::Mesh;
 use crate::surface::{HardEdges, Opposed};
@@ -72,10 +73,10 @@ pub(super) fn refuse_no_hit(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts) ->
     }
     let faults: Vec<String> = misfits(pair, cage).into_iter().map(|fault| format!("; {fault}")).collect();
     let why = format!(
-        "none of its {} projection rays met the scan, {} model units to either side at most{}; bring the meshes together, \
-         or give a larger ray distance or a cage",
+        "none of its {} projection rays met the scan, {} to either side at most{}; bring the meshes together, or give a \
+         larger ray distance or a cage",
         counts.samples,
-        cage.longest(),
+        ShownLength::of(cage.longest().into(), pair.scan.unit(), 3),
         faults.concat()
     );
     Err(Error::invalid(what, why))
@@ -144,33 +145,34 @@ pub(super) fn judge(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts, warnings: 
             "triangles that simplification folded over; another number of them may avoid that",
             turned.len(),
         ),
-        false => judge_given(pair.low, &turned, warnings),
+        false => judge_given(pair, &turned, warnings),
     }
 }
 
 /// Notes what is wrong with a low-poly mesh that was given, of which some triangles face away from their normals.
-fn judge_given(low: &LowPoly, turned: &[usize], warnings: &mut Warnings) {
-    if let Some(extent) = extent_of(&low.mesh, turned) {
+fn judge_given(Pair { scan, low }: Pair<'_>, turned: &[usize], warnings: &mut Warnings) {
+    let unit = scan.unit();
+    if let Some(extent) = extent_of(&low.mesh, unit, turned) {
         let what = "triangles of the low-poly mesh that face away from their own normals";
         warnings.note(format!("{what}: {extent}"), turned.len());
     }
     let Opposed { reversed, doubtful } = Opposed::of(&low.mesh);
     let opposed: Vec<usize> = reversed.into_iter().chain(doubtful).map(|t| t as usize).collect();
-    if let Some(extent) = extent_of(&low.mesh, &opposed) {
+    if let Some(extent) = extent_of(&low.mesh, unit, &opposed) {
         let what = "triangles of the low-poly mesh that are wound the other way than their neighbours";
         warnings.note(format!("{what}: {extent}; make their winding consistent"), opposed.len());
     }
     if low.origin.islands.is_none() {
-        note_hard_edges(&low.mesh, warnings);
+        note_hard_edges(&low.mesh, unit, warnings);
     }
 }
 
 /// Notes hard edges inside UV islands, where texels of both sides are blended.
-fn note_hard_edges(low: &Mesh, warnings: &mut Warnings) {
+fn note_hard_edges(low: &Mesh, unit: Option<Unit>, warnings: &mut Warnings) {
     let HardEdges { inside, length } = HardEdges::inside_islands(low);
     let spots: Vec<Spot> =
         inside.iter().map(|[a, b]| Spot { at: (*a + *b) * 0.5, amount: (*b - *a).length() }).collect();
-    let whole = Whole { amount: length, diagonal: low.diagonal() };
+    let whole = Whole { amount: length, diagonal: low.diagonal(), unit };
     if let Some(extent) = Extent::of(&spots, whole).filter(|extent| extent.share > HARD) {
         let text = format!(
             "hard edges inside UV islands of the low-poly mesh: {} of the length of its edges, around {}; the map blends \
@@ -183,21 +185,22 @@ fn note_hard_edges(low: &Mesh, warnings: &mut Warnings) {
 }
 
 /// Returns the extent of some triangles of a mesh; `None` if there are none.
-fn extent_of(mesh: &Mesh, triangles: &[usize]) -> Option<Extent> {
+fn extent_of(mesh: &Mesh, unit: Option<Unit>, triangles: &[usize]) -> Option<Extent> {
     let spots: Vec<Spot> = triangles.iter().map(|t| Spot::of_triangle(mesh, *t, &Mat4::IDENTITY)).collect();
-    if spots.is_empty() { None } else { Extent::of(&spots, Whole::of_mesh(mesh)) }
+    if spots.is_empty() { None } else { Extent::of(&spots, Whole::of_mesh(mesh, unit)) }
 }
 
 /// Notes parts of the scan that the whole low-poly mesh lacks, such as thin ones that simplification removed. Meshes that
 /// lie apart altogether are left to [`judge`].
-pub(super) fn note_missing_parts(scan: &Mesh, low: &Mesh, is_made: bool, warnings: &mut Warnings) {
-    let diagonal = scan.diagonal();
-    let points = bake::uncovered(scan, low, SCAN_POINTS, MISSING * diagonal);
+pub(super) fn note_missing_parts(scan: &Scan, low: &Mesh, is_made: bool, warnings: &mut Warnings) {
+    let diagonal = scan.mesh().diagonal();
+    let points = bake::uncovered(scan.mesh(), low, SCAN_POINTS, MISSING * diagonal);
     if points.len() < LEAST_POINTS || points.len() > SCAN_POINTS / 2 {
         return;
     }
     let spots: Vec<Spot> = points.into_iter().map(|at| Spot { at, amount: 1.0 }).collect();
-    let Some(extent) = Extent::of(&spots, Whole { amount: SCAN_POINTS as f64, diagonal }) else { return };
+    let whole = Whole { amount: SCAN_POINTS as f64, diagonal, unit: scan.unit() };
+    let Some(extent) = Extent::of(&spots, whole) else { return };
     let advice =
         if is_made { "ask for more triangles" } else { "add them to it, or remove them from the scan" };
     let text = format!(
@@ -332,7 +335,8 @@ mod tests {
     fn a_spike_that_is_missing_is_noted_with_its_place() {
         let said = |scan: &Mesh, low: &Mesh| -> String {
             let mut warnings = Warnings::default();
-            note_missing_parts(scan, low, true, &mut warnings);
+            let scan = Scan::from_mesh(scan.clone(), crate::Progress::SILENT).unwrap();
+            note_missing_parts(&scan, low, true, &mut warnings);
             warnings.iter().map(|(what, _)| what).collect()
         };
         let (spiked, ball) = (spiked(), Mesh::sphere(1.0, 24, 12));

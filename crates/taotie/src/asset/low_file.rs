@@ -1,7 +1,8 @@
 //! The mesh that a caller brings, as its file says.
 
 use super::options::MeshSource;
-use super::scan::{all_files, check_extent};
+use super::scan::{Scan, all_files, check_extent, is_gltf};
+use super::space;
 use crate::error::{Result, Warnings};
 use crate::io::{self, Limits};
 use crate::mesh::Mesh;
@@ -15,6 +16,8 @@ pub(super) struct Read {
     pub moving: Option<&'static str>,
     /// `true` for glTF, which an asset can keep.
     pub is_gltf: bool,
+    /// `true` if it is in metres, and was brought into the space of a scan in another unit.
+    pub is_in_metres: bool,
     /// `true` where it has XMP metadata.
     pub has_xmp: bool,
     /// The names of its meshes; may be fewer.
@@ -25,24 +28,55 @@ pub(super) struct Read {
     pub files: Vec<PathBuf>,
 }
 
-/// Reads a mesh that is given.
-pub(super) fn read(source: &MeshSource, limits: &Limits, warnings: &mut Warnings) -> Result<Read> {
-    let limits = *limits;
+/// Reads a mesh that is given for a scan, into the scan's space. glTF is in metres unless its size shows that it is in the
+/// scan's unit, which is noted.
+pub(super) fn read(source: &MeshSource, scan: &Scan, warnings: &mut Warnings) -> Result<Read> {
+    let mut read = as_it_is(source, scan.limits, warnings)?;
+    if !read.is_gltf {
+        return Ok(read);
+    }
+    match space::is_in_scan_unit(&read.scene, scan) {
+        Some(unit) => {
+            let name = source.name().unwrap_or_default();
+            let what = format!(
+                "{name}: glTF is in metres, but its size shows that it is in {unit} as the scan is; taken so"
+            );
+            warnings.note(what, 1);
+        }
+        None => {
+            space::from_metres(&mut read.scene, scan.unit())?;
+            read.is_in_metres = space::root_scale(scan.unit()).is_some();
+        }
+    }
+    Ok(read)
+}
+
+fn as_it_is(source: &MeshSource, limits: Limits, warnings: &mut Warnings) -> Result<Read> {
     match source {
         MeshSource::Mesh(mesh) => {
             let scene = Scene::of_mesh(Mesh::clone(mesh), Material::default())?;
             check_extent(&scene, "the low-poly mesh")?;
             let (names, files) = (Vec::new(), Vec::new());
-            Ok(Read { scene, moving: None, is_gltf: false, has_xmp: false, names, limits, files })
+            let (is_gltf, is_in_metres, has_xmp) = (false, false, false);
+            Ok(Read { scene, moving: None, is_gltf, is_in_metres, has_xmp, names, limits, files })
         }
         MeshSource::File(path) => {
             let mut loaded = io::load_model_within(path, &limits)?;
             warnings.absorb(loaded.warnings);
             check_extent(&loaded.scene, &path.display().to_string())?;
-            let is_gltf = ["glTF", "GLB"].contains(&loaded.format);
+            let is_gltf = is_gltf(loaded.format);
             let (moving, has_xmp) = (loaded.moving, !loaded.xmp.is_empty());
             let (names, files) = (loaded.mesh_names, all_files(path, &mut loaded.files));
-            Ok(Read { scene: loaded.scene, moving, is_gltf, has_xmp, names, limits, files })
+            Ok(Read {
+                scene: loaded.scene,
+                moving,
+                is_gltf,
+                is_in_metres: false,
+                has_xmp,
+                names,
+                limits,
+                files,
+            })
         }
     }
 }

@@ -44,10 +44,9 @@ pub fn measure(
     if let Some(fit) = fit {
         judgement::refuse_misfit(&fit, &mut warnings)?;
     }
-    let (mut figures, parts) = Measurement { scan, options }.all(&finest, &[], &level, progress)?;
+    let (mut figures, parts) =
+        Measurement { scan, unit: scan.unit(), options }.all(&finest, &[], &level, progress)?;
     figures.parts = parts;
-    if let Some(found) = figures.finest() {
-        findings::note(found, &finest, &mut warnings);
-    }
+    findings::note(&figures, &finest, &mut warnings);
     Ok((figures, warnings))
 }

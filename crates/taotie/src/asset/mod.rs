@@ -75,6 +75,7 @@ mod search;
 mod search_course;
 mod shown;
 mod slots;
+mod space;
 mod stripped;
 mod textures;
 mod unlit;

@@ -3,11 +3,14 @@
 use super::options::{BakeOptions, MeshSource, RayDistance};
 use super::packing::Packing;
 use super::scan_options::ScanOptions;
-use crate::io::GltfImages;
+use crate::error::Result;
+use crate::io::{self, GltfImages, Json, Limits};
+use crate::length::Unit;
 use crate::names::Named;
 use crate::scene::{GreenChannel, NormalSpace};
 use serde_json::{Value, json};
 use std::fmt;
+use std::path::Path;
 
 /// The options of a bake and how it was packed, as a JSON document: what its text says.
 ///
@@ -23,6 +26,34 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(transparent))]
 pub struct Parameters(Value);
+
+/// The command whose parameters these are.
+const RUN: &str = "taotie bake";
+
+impl ScanOptions {
+    /// Returns how the scan of an asset was read, as the asset records it in the history of its XMP metadata; nothing is set
+    /// if it does not.
+    ///
+    /// ```no_run
+    /// use taotie::Progress;
+    /// use taotie::asset::{Limits, ScanFile, ScanOptions, VerifyOptions, verify};
+    ///
+    /// let limits = Limits::default();
+    /// let options = ScanOptions::recorded("bracket.glb", &limits)?;
+    /// let file = ScanFile::read("bracket.stl", &limits, Progress::SILENT)?.with_options(options);
+    /// let scan = file.into_scan(Progress::SILENT)?;
+    /// let proof = verify("bracket.glb", scan, &VerifyOptions::default(), Progress::SILENT)?;
+    /// # Ok::<(), taotie::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of reading the file.
+    pub fn recorded(asset: impl AsRef<Path>, limits: &Limits) -> Result<Self> {
+        let packet = io::read_xmp(asset.as_ref(), limits)?;
+        let recorded = packet.as_ref().and_then(Parameters::recorded);
+        Ok(recorded.map_or_else(Self::default, |parameters| parameters.scan_options()))
+    }
+}
 
 impl fmt::Display for Parameters {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -74,12 +105,74 @@ impl Parameters {
             "green": green(packing.green),
             "crease_angle_deg": auto(scan.crease_angle_deg),
             "scan_green": scan.green.map_or("auto", green),
+            "unit": scan.unit.map(Unit::name),
         }))
+    }
+
+    /// Returns the parameters as an asset records them: what was run, and how.
+    pub(super) fn record(&self) -> String {
+        format!("{RUN} {self}")
+    }
+
+    /// Reads the parameters of the last bake in the history of an XMP packet; `None` if there is none.
+    fn recorded(packet: &Json) -> Option<Self> {
+        let events = io::xmp_history(packet).into_iter().rev();
+        let mut records = events.filter_map(|event| {
+            let json = event.parameters?.strip_prefix(RUN)?.parse::<Value>().ok();
+            json.filter(Value::is_object).map(Self)
+        });
+        records.next()
+    }
+
+    /// Returns how the scan was read.
+    fn scan_options(&self) -> ScanOptions {
+        let Self(all) = self;
+        let name = |of: &str| all.get(of).and_then(Value::as_str);
+        let green = match name("scan_green") {
+            Some("up") => Some(GreenChannel::Up),
+            Some("down") => Some(GreenChannel::Down),
+            _ => None,
+        };
+        let unit = name("unit").and_then(|name| Unit::from_name(name).ok());
+        ScanOptions { crease_angle_deg: all.get("crease_angle_deg").and_then(Value::as_f64), green, unit }
     }
 
     /// Returns the same with the name of the low-poly mesh's file.
     pub(super) fn with_low(mut self, options: &BakeOptions) -> Self {
         self.0["low"] = options.low.as_ref().and_then(MeshSource::name).into();
         self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::Provenance;
+
+    #[test]
+    fn what_is_recorded_is_read_again() {
+        let all = [
+            ScanOptions::default(),
+            ScanOptions {
+                crease_angle_deg: Some(40.5),
+                green: Some(GreenChannel::Down),
+                unit: Some(Unit::Inch),
+            },
+            ScanOptions { crease_angle_deg: None, green: Some(GreenChannel::Up), unit: Some(Unit::Metre) },
+        ];
+        let mut packet =
+            Provenance { tool: "another program", parameters: "--fast", ..Provenance::default() }
+                .extend(None);
+        assert!(Parameters::recorded(&packet).is_none());
+        for options in all {
+            let record = Parameters::new(&BakeOptions::default(), &options, &Packing::default()).record();
+            packet = Provenance { tool: "taotie", parameters: &record, ..Provenance::default() }
+                .extend(Some(&packet));
+            assert_eq!(
+                Parameters::recorded(&packet).unwrap().scan_options(),
+                options,
+                "the last bake counts"
+            );
+        }
     }
 }

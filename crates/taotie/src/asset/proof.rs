@@ -8,8 +8,9 @@ use super::maps_alone;
 use super::part_figures::PartFigures;
 use super::patch_pictures::{MeasuredPatch, PatchPictures};
 use super::requirement::{Met, Requirement};
-use super::scan::Scan;
+use super::scan::{Scan, is_gltf};
 use super::shown::ShownLevel;
+use super::space;
 use super::unseen::unseen;
 use super::views::{self, Looks, Views};
 use super::write::Written;
@@ -17,6 +18,7 @@ use crate::compare::Field;
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Encoding, Texture};
 use crate::io::{self, Limits, Loaded};
+use crate::length::Unit;
 use crate::progress::Progress;
 use crate::proof::{Pair, Side};
 use crate::scene::{GreenChannel, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
@@ -110,7 +112,9 @@ pub struct Proof {
     pub warnings: Warnings,
 }
 
-/// Reads an asset that any program made, and measures how far it is from its scan, as [`Written::verify`] does.
+/// Reads an asset that any program made, and measures how far it is from its scan, as [`Written::verify`] does. If the
+/// scan's unit is known, a glTF asset is in metres, as its specification says; other formats are in the scan's space. A scan
+/// that was read with [`ScanOptions::recorded`](super::ScanOptions::recorded) is read as it was for the bake of the asset.
 ///
 /// ```no_run
 /// use taotie::Progress;
@@ -125,7 +129,8 @@ pub struct Proof {
 /// ```
 ///
 /// # Errors
-/// As [`Written::verify`], and those of reading the asset.
+/// As [`Written::verify`], and those of reading the asset; [`Error::Invalid`] if it has the size of the scan in the scan's own
+/// unit, and not in metres.
 pub fn verify(
     asset: impl AsRef<Path>,
     scan: impl Into<Scan>,
@@ -135,12 +140,37 @@ pub fn verify(
     check(options)?;
     let (path, scan, options) = (asset.as_ref().to_path_buf(), scan.into(), options.clone());
     progress.apart(move |progress| {
+        let unit = scan.unit();
+        Requirement::check_unit(&options.requirements, unit)?;
         progress.begin("read back")?;
-        let levels = io::load_levels_within(&path, &scan.limits)?;
+        let mut levels = io::load_levels_within(&path, &scan.limits)?;
+        if let Some(finest) = levels.first().filter(|finest| is_gltf(finest.format)) {
+            refuse_scan_unit(&finest.scene, &scan, &path)?;
+            into_scan_space(&mut levels, unit)?;
+        }
         let files = levels.iter().flat_map(|level| &level.files).cloned().collect();
         let bytes_out = bytes_of(&path, files)?;
-        prove(Shown { levels, path, bytes_out, has_material: true }, scan, &options, progress)
+        prove(Shown { levels, path, bytes_out, has_material: true, unit }, scan, &options, progress)
     })
+}
+
+/// Refuses a glTF asset that is not in metres.
+fn refuse_scan_unit(asset: &Scene, scan: &Scan, path: &Path) -> Result<()> {
+    match space::is_in_scan_unit(asset, scan) {
+        None => Ok(()),
+        Some(unit) => {
+            let why = format!(
+                "glTF is in metres, but its size shows that it is in {unit} as the scan is; scale it to metres, or state no \
+                 unit for the scan"
+            );
+            Err(Error::invalid(path.display().to_string(), why))
+        }
+    }
+}
+
+/// Brings all levels of a glTF asset into the space of a scan in this unit.
+fn into_scan_space(levels: &mut [Loaded], unit: Option<Unit>) -> Result<()> {
+    levels.iter_mut().try_for_each(|level| space::from_metres(&mut level.scene, unit))
 }
 
 /// Returns the bytes of a model's file and all that it names.
@@ -156,10 +186,12 @@ struct Shown {
     bytes_out: u64,
     /// `true` if the files say what their material is.
     has_material: bool,
+    /// The unit of the scan, in whose space the levels are.
+    unit: Option<Unit>,
 }
 
 fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'_>) -> Result<Proof> {
-    let Shown { mut levels, path, bytes_out, has_material } = shown;
+    let Shown { mut levels, path, bytes_out, has_material, unit } = shown;
     let mut warnings = Warnings::default();
     for level in &mut levels {
         warnings.absorb(std::mem::take(&mut level.warnings));
@@ -171,11 +203,9 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
     let level = |scene: &Scene| ShownLevel::of(scene, &scan, (&path, has_material));
     let finest = level(&scenes[0])?;
     let (mut figures, parts) =
-        Measurement { scan: &scan, options }.all(&finest, &scenes[1..], &level, progress)?;
+        Measurement { scan: &scan, unit, options }.all(&finest, &scenes[1..], &level, progress)?;
     figures.parts = parts;
-    if let Some(found) = figures.finest() {
-        findings::note(found, &finest, &mut warnings);
-    }
+    findings::note(&figures, &finest, &mut warnings);
     figures.bytes_in = scan.about.bytes;
     figures.bytes_out = bytes_out;
     progress.begin("map errors")?;
@@ -213,6 +243,7 @@ fn maps(level: &ShownLevel<'_>, most: u32) -> Result<[Option<Field>; 2]> {
 /// Measures levels of detail until all requirements are decided.
 pub(super) struct Measurement<'a> {
     pub scan: &'a Scan,
+    pub unit: Option<Unit>,
     pub options: &'a VerifyOptions,
 }
 
@@ -225,7 +256,7 @@ impl<'a> Measurement<'a> {
         level: &dyn Fn(&Scene) -> Result<ShownLevel<'a>>,
         progress: Progress<'_>,
     ) -> Result<(Figures, Vec<PartFigures>)> {
-        let Self { scan, options } = self;
+        let Self { scan, unit, options } = *self;
         let side = Side::of(scan.sorted());
         let diagonal = scan.mesh().diagonal();
         let fit = finest.whole().fit((options.points / 2).max(1), diagonal).map(FitFigures::from);
@@ -233,7 +264,7 @@ impl<'a> Measurement<'a> {
         loop {
             let counts = PointCounts { normals: points, seen: points };
             let (first, parts) = self.of_level(finest, &side, counts)?;
-            let mut figures = Figures { levels: vec![first], diagonal, fit, ..Figures::default() };
+            let mut figures = Figures { unit, levels: vec![first], diagonal, fit, ..Figures::default() };
             if !coarser.is_empty() {
                 progress.begin("measure levels")?;
             }
@@ -277,6 +308,8 @@ fn part_figures(level: &ShownLevel<'_>, found: &[Measured]) -> Vec<PartFigures> 
 impl Written {
     /// Reads the asset back and measures how far it is from the scan. Maps alone are measured on the low-poly mesh.
     ///
+    /// Lengths have the unit of the scan that the asset was baked from.
+    ///
     /// Each level of detail is measured, the coarser ones at a quarter of the points. A scan that is given up, not
     /// borrowed, has its tree freed before images of it are taken. The listener hears the stages `read back`,
     /// `measure normals`, `measure levels` where there are several, `map errors`, and `compare views`.
@@ -291,6 +324,7 @@ impl Written {
         progress: Progress<'_>,
     ) -> Result<Proof> {
         check(options)?;
+        Requirement::check_unit(&options.requirements, self.unit())?;
         let (written, scan, options) = (self.clone(), scan.into(), options.clone());
         progress.apart(move |progress| {
             progress.begin("read back")?;
@@ -306,7 +340,7 @@ impl Written {
 
     /// Reads all levels back, the finest first; maps alone onto the low-poly mesh. Maps are decoded and in memory once.
     fn shown(&self) -> Result<Shown> {
-        let (made, limits) = (&self.asset.made, Limits::of_own_files());
+        let (made, limits, unit) = (&self.asset.made, Limits::of_own_files(), self.unit());
         let path = self.path().to_path_buf();
         if self.is_alone() {
             let loaded = maps_alone::read_back(made, self.packing.green, &self.current())?;
@@ -314,14 +348,20 @@ impl Written {
             let (bytes_out, has_material) = (files.sum::<Result<u64>>()?, maps_alone::has_material(made));
             let mut levels = vec![loaded];
             self.show_object_maps(&mut levels)?;
-            return Ok(Shown { levels, path, bytes_out, has_material });
+            return Ok(Shown { levels, path, bytes_out, has_material, unit });
         }
         let mut levels = io::load_levels_within(&self.current(), &limits)?;
         let files = levels.iter().flat_map(|level| &level.files).cloned().collect();
         let bytes_out = bytes_of(&self.current(), files)?;
         self.check_read_back(&levels)?;
         self.show_object_maps(&mut levels)?;
-        Ok(Shown { levels, path, bytes_out, has_material: true })
+        into_scan_space(&mut levels, unit)?;
+        Ok(Shown { levels, path, bytes_out, has_material: true, unit })
+    }
+
+    /// Returns the unit of the scan that it was baked from.
+    fn unit(&self) -> Option<Unit> {
+        self.asset.made.about.unit()
     }
 
     /// Refuses a file that does not hold what was written.
@@ -405,7 +445,16 @@ impl Proof {
         let mut grey = looks.grey.into_iter();
         let (views, full_views) = (grey.next().unwrap_or_default(), looks.full.into_iter().next());
         let (coarser_views, patches, warnings) = (grey.collect(), looks.patches, Warnings::default());
-        Self { figures, error_map: None, color_map: None, views, full_views, coarser_views, patches, warnings }
+        Self {
+            figures,
+            error_map: None,
+            color_map: None,
+            views,
+            full_views,
+            coarser_views,
+            patches,
+            warnings,
+        }
     }
 }
 

@@ -18,7 +18,7 @@ pub(super) fn packet(made: &Made, packing: &Packing) -> Result<Json> {
         source: &name,
         sha256: &about.sha256()?,
         tool: concat!("taotie ", env!("CARGO_PKG_VERSION")),
-        parameters: &format!("taotie bake {parameters}"),
+        parameters: &parameters.record(),
     };
     let given = packing.provenance.as_deref().map(XmpProperties::read).transpose()?;
     let merged = given.map(|given| given.merged_into(about.xmp.as_ref()));

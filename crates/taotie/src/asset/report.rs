@@ -1,10 +1,10 @@
 //! Every parameter and every figure of a bake, as data.
 
+use super::certificate::Certificate;
+use super::certified_files::name_of;
 use super::figures::Figures;
 use super::low::Origin;
 use super::map_note::MapNote;
-use super::certificate::Certificate;
-use super::certified_files::name_of;
 use super::maps_alone;
 use super::options::MeshSource;
 use super::parameters::Parameters;

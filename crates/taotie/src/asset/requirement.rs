@@ -1,10 +1,11 @@
 //! The requirements that a proof must meet.
 
-use super::figure::Figure;
+use super::figure::{Figure, FigureUnit};
 use super::figures::Figures;
 use super::level_figures::LevelFigures;
 use super::views::ViewFigures;
 use crate::error::{Error, Result};
+use crate::length::{self, Unit};
 use crate::names::Named;
 use crate::proof::{Estimate, Patch};
 use std::str::FromStr;
@@ -17,6 +18,7 @@ use std::str::FromStr;
 /// assert_eq!("mean-angle=2".parse::<Requirement>()?, Requirement::mean_angle_deg(2.0));
 /// assert_eq!("mean-angle@1=5°".parse::<Requirement>()?, Requirement::mean_angle_deg(5.0).at_level(1));
 /// assert_eq!("missed=0.5".parse::<Requirement>()?, Requirement::missed(0.005), "per cent");
+/// assert_eq!("hausdorff=0.25mm".parse::<Requirement>()?, Requirement::length(Figure::Hausdorff, 0.00025));
 /// assert!("mean-angle=2%".parse::<Requirement>().is_err(), "an angle is no part of anything");
 /// # Ok::<(), taotie::Error>(())
 /// ```
@@ -25,8 +27,11 @@ use std::str::FromStr;
 pub struct Requirement {
     /// The figure that is limited.
     pub figure: Figure,
-    /// The limit: degrees, ΔE, parts of 1, pixels, or bytes.
+    /// The limit: degrees, ΔE, parts of 1, pixels, or bytes; metres if `is_length`.
     pub most: f64,
+    /// `true` if the limit is a length, in metres.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub is_length: bool,
     /// The level of detail that it is for, 0 the finest; `None` for every level. Figures of the whole asset have none.
     #[cfg_attr(feature = "serde", serde(default))]
     pub level: Option<usize>,
@@ -36,9 +41,35 @@ pub struct Requirement {
 }
 
 impl Requirement {
-    /// Demands that a figure is at most so large: degrees, parts of 1, or bytes.
+    /// Demands that a figure is at most so large, in its own unit: degrees, ΔE, parts of 1, pixels, metres or bytes.
     pub fn of(figure: Figure, most: f64) -> Self {
-        Self { figure, most, level: None, if_compared: false }
+        Self { figure, most, is_length: figure == Figure::Texel, level: None, if_compared: false }
+    }
+
+    /// Demands that a distance, or the width of a texel, is at most this many metres.
+    pub fn length(figure: Figure, metres: f64) -> Self {
+        Self { is_length: true, ..Self::of(figure, metres) }
+    }
+
+    /// Checks that a proof of a scan in this unit can decide all requirements.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a limit that is a length if the unit is unknown.
+    pub fn check_unit(requirements: &[Self], unit: Option<Unit>) -> Result<()> {
+        match requirements.iter().find(|requirement| requirement.is_length && unit.is_none()) {
+            None => Ok(()),
+            Some(Self { figure, most, .. }) => {
+                let text = length_unit(*most).text(*most);
+                let why = "the scan's file does not state the unit of its coordinates; state it with --unit mm, cm, m or in \
+                           (`unit` in Python and in collection.toml)";
+                Err(Error::invalid(format!("the limit {}={text}", figure.name()), why))
+            }
+        }
+    }
+
+    /// Returns the unit in which its limit is shown.
+    pub(super) fn unit(&self) -> FigureUnit {
+        shown_unit(self.figure, self.most, self.is_length)
     }
 
     /// Returns what `--require standard` demands: a mean angle of at most 1° and p95 of 5° as seen, no window of 1 % of the
@@ -109,8 +140,11 @@ impl Requirement {
             Some(level) => vec![level],
             None => (0..figures.levels.len().max(1)).collect(),
         };
-        let outcome =
-            |level| self.outcome(Some(level), figures.levels.get(level).and_then(|of| self.value(of)));
+        let value = |level: &LevelFigures| match self.is_length {
+            true => self.length_of(level, figures.unit?),
+            false => self.value(level),
+        };
+        let outcome = |level| self.outcome(Some(level), figures.levels.get(level).and_then(value));
         levels.into_iter().map(outcome).collect()
     }
 
@@ -120,7 +154,20 @@ impl Requirement {
             |value: f64| if self.figure.is_at_least() { value >= self.most } else { value <= self.most };
         let (value, interval) = (measured.map(|of| of.value), measured.map(|of| of.interval));
         let met = interval.is_some_and(|interval| interval.into_iter().all(meets));
-        Met { figure: self.figure, most: self.most, level, value, interval, met }
+        let Self { figure, most, is_length, .. } = *self;
+        Met { figure, most, is_length, level, value, interval, met }
+    }
+
+    /// Returns a length of a level in metres.
+    fn length_of(&self, level: &LevelFigures, unit: Unit) -> Option<Value> {
+        let [value, low, high] = match self.figure {
+            Figure::Hausdorff => [level.hausdorff.upper, level.hausdorff.lower, level.hausdorff.upper],
+            Figure::Silhouette => [level.silhouette.max_length; 3],
+            Figure::Texel => [level.resolution?.texel; 3],
+            _ => return None,
+        }
+        .map(|length| length * unit.metres());
+        Some(Value { value, interval: [low, high] })
     }
 
     /// Returns a figure and the two numbers between which it lies, with a confidence of 99 % if it is estimated.
@@ -152,9 +199,19 @@ impl Requirement {
             Figure::Flip => exactly(mean_of(&level.views, |view| view.flip)),
             Figure::WorstView => exactly(level.views.iter().map(|view| view.flip).reduce(f64::max)),
             Figure::Ssim => exactly(level.views.iter().map(|view| view.ssim).reduce(f64::min)),
-            Figure::Bytes => None,
+            Figure::Texel | Figure::Bytes => None,
         }
     }
+}
+
+/// Returns the unit in which a length of this many metres is shown.
+fn length_unit(metres: f64) -> FigureUnit {
+    let (name, size) = length::shown_unit(metres);
+    FigureUnit { name, size }
+}
+
+fn shown_unit(figure: Figure, limit: f64, is_length: bool) -> FigureUnit {
+    if is_length { length_unit(limit) } else { figure.unit() }
 }
 
 /// A figure and the interval in which it lies.
@@ -195,8 +252,8 @@ impl FromStr for Requirement {
         };
         let figure = Figure::from_name(name)?;
         let level = level.map(|level| level_of(figure, level)).transpose().map_err(|why| wrong(&why))?;
-        let most = most_of(figure, most.trim()).map_err(|why| wrong(&why))?;
-        Ok(Self { level, ..Self::of(figure, most) })
+        let (most, is_length) = most_of(figure, most.trim()).map_err(|why| wrong(&why))?;
+        Ok(Self { level, is_length, ..Self::of(figure, most) })
     }
 }
 
@@ -208,29 +265,33 @@ fn level_of(figure: Figure, level: &str) -> std::result::Result<usize, String> {
     level.parse().map_err(why)
 }
 
-/// Reads a number and its unit; gives it in the unit of the figure itself.
-fn most_of(figure: Figure, text: &str) -> std::result::Result<f64, String> {
+/// Reads a number and its unit. Returns it in the unit of the figure itself, or in metres, and whether it is a length.
+fn most_of(figure: Figure, text: &str) -> std::result::Result<(f64, bool), String> {
     let is_of_number = |c: char| c.is_ascii_digit() || ".+-eE".contains(c);
     let (number, unit) = text.split_at(text.find(|c: char| !is_of_number(c)).unwrap_or(text.len()));
     let number: f64 = number.parse().map_err(|_| format!("`{text}` is not a number"))?;
-    let size = match unit.trim() {
-        "" => figure.unit().size,
+    let (size, is_length) = match unit.trim() {
+        "" if figure == Figure::Texel => {
+            return Err(format!("{text} has no unit; write a length such as 50um"));
+        }
+        "" => (figure.unit().size, false),
         unit => unit_size(figure, unit)?,
     };
     match number * size {
         most if most < 0.0 => Err(format!("{text} is below 0")),
-        most if most.is_finite() => Ok(most),
+        most if most.is_finite() => Ok((most, is_length)),
         _ => Err(format!("`{text}` is too large a number")),
     }
 }
 
-fn unit_size(figure: Figure, name: &str) -> std::result::Result<f64, String> {
-    let units = figure.units();
-    let known = || units.iter().map(|unit| unit.name).collect::<Vec<_>>().join(", ");
-    let unit = units.iter().find(|unit| unit.name == name);
+/// Returns the size of a unit, and whether it is one of length.
+fn unit_size(figure: Figure, name: &str) -> std::result::Result<(f64, bool), String> {
+    let known = || figure.units().map(|unit| unit.name).collect::<Vec<_>>().join(", ");
+    let unit = figure.units().find(|unit| unit.name == name);
     let why =
         || format!("{} is not measured in {name}; write a bare number, or one in {}", figure.name(), known());
-    unit.map(|unit| unit.size).ok_or_else(why)
+    let is_own = figure.own_units().iter().any(|unit| unit.name == name) && figure != Figure::Texel;
+    unit.map(|unit| (unit.size, !is_own)).ok_or_else(why)
 }
 
 /// The outcome of a requirement at one level of detail, or for the whole asset.
@@ -251,8 +312,11 @@ fn unit_size(figure: Figure, name: &str) -> std::result::Result<f64, String> {
 pub struct Met {
     /// The figure that is limited.
     pub figure: Figure,
-    /// The limit: degrees, ΔE, parts of 1, pixels, or bytes.
+    /// The limit: degrees, ΔE, parts of 1, pixels, or bytes; metres if `is_length`.
     pub most: f64,
+    /// `true` if limit, value and interval are lengths in metres.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub is_length: bool,
     /// The level of detail, 0 the finest; `None` for a figure of the whole asset.
     pub level: Option<usize>,
     /// The figure's value; `None` if it could not be measured.
@@ -281,21 +345,26 @@ impl Met {
         (ratio * ratio).max(2.0)
     }
 
-    /// Returns value and limit in the figure's unit, such as `is 0.02 %, at most 0.1 %`. Both have all their digits if fewer
+    /// Returns the unit in which value and limit are shown: the figure's own, or a length of the limit's size.
+    pub fn unit(&self) -> FigureUnit {
+        shown_unit(self.figure, self.most, self.is_length)
+    }
+
+    /// Returns value and limit in [`Met::unit`], such as `is 0.02 %, at most 0.1 %`. Both have all their digits if fewer
     /// would hide that the limit is exceeded.
     pub fn text(&self) -> String {
-        let Self { figure, most, .. } = *self;
-        let bound = if figure.is_at_least() { "at least" } else { "at most" };
+        let (unit, most) = (self.unit(), self.most);
+        let bound = if self.figure.is_at_least() { "at least" } else { "at most" };
         let (Some(value), Some([low, high])) = (self.value, self.interval) else {
-            return format!("could not be measured, {bound} {}", figure.text(most));
+            return format!("could not be measured, {bound} {}", unit.text(most));
         };
         if self.is_undecided() {
-            let [low, high] = [low, high].map(|number| figure.text(number));
-            return format!("is undecided: between {low} and {high}, {bound} {}", figure.text(most));
+            let [low, high] = [low, high].map(|number| unit.text(number));
+            return format!("is undecided: between {low} and {high}, {bound} {}", unit.text(most));
         }
-        let [mut told, mut limit] = [value, most].map(|number| figure.text(number));
+        let [mut told, mut limit] = [value, most].map(|number| unit.text(number));
         if !self.met && told == limit {
-            [told, limit] = [value, most].map(|number| figure.exact_text(number));
+            [told, limit] = [value, most].map(|number| unit.exact_text(number));
         }
         format!("is {told}, {bound} {limit}")
     }
@@ -311,6 +380,7 @@ impl Figures {
 
 #[cfg(test)]
 mod tests {
+    use super::super::level_figures::Resolution;
     use super::*;
     use crate::proof::DistanceBounds;
 
@@ -325,12 +395,15 @@ mod tests {
         let mut level = LevelFigures::default();
         (level.overview.angles, level.overview.color) = (all(degrees), all(degrees / 2.0));
         level.hausdorff_of_diagonal = DistanceBounds::exactly(hausdorff);
+        level.hausdorff = DistanceBounds::exactly(180.0 * hausdorff);
+        level.silhouette.max_length = 1.5;
+        level.resolution = Some(Resolution { texel: 0.05, ..Resolution::default() });
         level.coverage.missed_interval = [0.001; 2];
         level
     }
 
     fn figures(levels: Vec<LevelFigures>) -> Figures {
-        Figures { bytes_out: 3_000_000, levels, ..Figures::default() }
+        Figures { unit: Some(Unit::Millimetre), bytes_out: 3_000_000, levels, ..Figures::default() }
     }
 
     fn outcomes(text: &str, figures: &Figures) -> Vec<bool> {
@@ -358,6 +431,10 @@ mod tests {
             ("missed=x", "`x` is not a number"),
             ("missed=inf", "`inf` is not a number"),
             ("bytes=1e999", "too large"),
+            ("texel=50", "50 has no unit; write a length such as 50um"),
+            ("texel=1%", "texel is not measured in %; write a bare number, or one in m, um"),
+            ("hausdorff=1km", "hausdorff is not measured in km; write a bare number, or one in %, um"),
+            ("missed=1mm", "missed is not measured in mm"),
             ("mean-angle@x=1", "`x` is no level of detail"),
             ("mean-angle@-1=1", "`-1` is no level of detail"),
             ("bytes@1=1", "bytes is a figure of the whole asset; leave out @1"),
@@ -390,6 +467,12 @@ mod tests {
             ("bytes=0.003GB", "bytes=0.002999GB"),
             ("bytes=2930KiB", "bytes=2929KiB"),
             ("bytes=2.87MiB", "bytes=2.86MiB"),
+            ("hausdorff=0.91mm", "hausdorff=0.89mm"),
+            ("hausdorff=910um", "hausdorff=890 µm"),
+            ("hausdorff=0.091cm", "hausdorff=0.00089m"),
+            ("hausdorff=0.036in", "hausdorff=0.035in"),
+            ("silhouette=1.51mm", "silhouette=1.49mm"),
+            ("texel=51um", "texel=49μm"),
             ("bytes=0.0028GiB", "bytes=0.0027GiB"),
         ];
         for (above, below) in cases {
@@ -397,8 +480,31 @@ mod tests {
             assert_eq!(both, (vec![true], vec![false]), "{above}, {below}");
         }
         let names = ["°", "deg", "ΔE", "ΔE00", "%", "px", "", "B", "kB", "MB", "GB", "KiB", "MiB", "GiB"];
+        let lengths = ["um", "µm", "μm", "mm", "cm", "m", "in"];
+        let names = [&names[..], &lengths[..]].concat();
         let mut known = Figure::NAMES.iter().flat_map(|(_, figure)| figure.units());
         assert!(known.all(|unit| names.contains(&unit.name)), "a unit is not looked at");
+    }
+
+    #[test]
+    fn lengths_are_shown_in_the_unit_of_their_limit() {
+        let figures = figures(vec![level(2.0, 0.005)]);
+        let text = |text: &str| figures.require(&[read(text).unwrap()])[0].text();
+        assert_eq!(text("hausdorff=0.2mm"), "is 0.9 mm, at most 0.2 mm");
+        assert_eq!(text("hausdorff=1cm"), "is 0.9 mm, at most 10 mm");
+        assert_eq!(text("texel=60um"), "is 50 µm, at most 60 µm");
+        assert_eq!(text("texel@1=50um"), "could not be measured, at most 50 µm");
+    }
+
+    #[test]
+    fn a_length_needs_a_scan_with_a_unit() {
+        let lengths = read("hausdorff=0.2mm").unwrap();
+        let error = Requirement::check_unit(&[lengths], None).unwrap_err().to_string();
+        assert!(error.contains("hausdorff=0.2 mm") && error.contains("--unit"), "{error}");
+        assert!(Requirement::check_unit(&[lengths], Some(Unit::Inch)).is_ok());
+        assert!(Requirement::check_unit(&[read("hausdorff=0.2").unwrap()], None).is_ok());
+        let unknown = Figures { unit: None, ..figures(vec![level(0.2, 0.0)]) };
+        assert_eq!(outcomes("hausdorff=1m", &unknown), [false], "nothing is known of it");
     }
 
     #[test]

@@ -7,10 +7,16 @@ use std::fmt;
 impl fmt::Display for Requirement {
     /// Writes the requirement so that reading it gives the same one.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let unit = self.figure.unit();
+        let unit = self.unit();
         let level = self.level.map_or_else(String::new, |level| format!("@{level}"));
-        let percent = if unit.name == "%" { "%" } else { "" };
-        write!(f, "{}{level}={}{percent}", self.figure.name(), shortest(self.most, unit.size))
+        let name = match unit.name {
+            "%" => "%",
+            // Typed on any keyboard.
+            "µm" => "um",
+            length if self.is_length => length,
+            _ => "",
+        };
+        write!(f, "{}{level}={}{name}", self.figure.name(), shortest(self.most, unit.size))
     }
 }
 
@@ -46,6 +52,7 @@ mod tests {
         let lists = [
             "standard",
             "bytes=3000000,standard,flip=0.02",
+            "hausdorff=0.2mm,texel=50um,silhouette=1.5cm",
             "mean-angle=2,p95-angle@1=5.5,missed=0.1%,completeness=99.95%,hausdorff=0.3%,silhouette=2,ssim=0.97",
         ];
         for list in lists {

@@ -12,6 +12,7 @@ use super::{scan_green, scan_normals, scan_winding};
 use crate::bake::{self, TexturedMesh};
 use crate::error::{Error, Result, Warnings};
 use crate::io::{self, Limits};
+use crate::length::Unit;
 use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::scene::{Material, Scene};
@@ -37,11 +38,16 @@ pub(super) struct About {
     pub carried: Carried,
     /// `true` where it says nothing of its colour and material.
     pub is_plain: bool,
-    /// The way in which it is read.
+    /// The way in which it is read; the unit is the metre for glTF unless the caller states another one.
     pub options: ScanOptions,
 }
 
 impl About {
+    /// Returns the unit of the scan's coordinates; `None` if it is unknown.
+    pub fn unit(&self) -> Option<Unit> {
+        self.options.unit
+    }
+
     /// Returns the SHA-256 of the scan's file, hexadecimal; empty in memory.
     ///
     /// # Errors
@@ -142,6 +148,10 @@ impl ScanFile {
             copyright: loaded.copyright,
             xmp: (!loaded.xmp.is_empty()).then(|| loaded.xmp.swap_remove(0)),
             warnings: loaded.warnings,
+            options: ScanOptions {
+                unit: is_gltf(loaded.format).then_some(Unit::Metre),
+                ..ScanOptions::default()
+            },
             ..About::of(&loaded.scene, path)
         };
         Ok(Self { scene: loaded.scene, about, limits })
@@ -161,13 +171,19 @@ impl ScanFile {
 
     /// Reads the scan as these options say, in place of the defaults.
     pub fn with_options(mut self, options: ScanOptions) -> Self {
-        self.about.options = options;
+        self.about.options = ScanOptions { unit: options.unit.or(self.about.unit()), ..options };
         self
     }
 
     /// Returns all files that the scan was read from, its own first; none in memory.
     pub fn files(&self) -> &[PathBuf] {
         &self.about.files
+    }
+
+    /// Returns the unit of the scan's coordinates: that of [`ScanOptions`], else the metre of a glTF file; `None` if it is
+    /// unknown.
+    pub fn unit(&self) -> Option<Unit> {
+        self.about.unit()
     }
 
     /// Returns how many triangles and vertices the scan has, and what else takes memory.
@@ -260,6 +276,11 @@ impl Scan {
         self.surface.mesh()
     }
 
+    /// Returns the unit of its coordinates; see [`ScanFile::unit`].
+    pub fn unit(&self) -> Option<Unit> {
+        self.about.unit()
+    }
+
     /// Returns the file that it was read from; empty in memory.
     pub fn path(&self) -> &Path {
         &self.about.path
@@ -326,13 +347,19 @@ impl About {
 /// Corrects what a scan's file has wrong or leaves open, as the options say, and notes it.
 fn correct(scene: &mut Scene, about: &mut About) -> Result<()> {
     let mut parts = std::mem::take(scene).into_data();
-    scan_winding::turn(&mut parts, &mut about.warnings)?;
+    let unit = about.unit();
+    scan_winding::turn(&mut parts, unit, &mut about.warnings)?;
     scan_normals::compute(&mut parts, &about.options, &mut about.warnings)?;
-    scan_winding::note_contradicting_normals(&parts, &mut about.warnings);
+    scan_winding::note_contradicting_normals(&parts, unit, &mut about.warnings);
     scan_green::set(&mut parts, &about.options, &mut about.warnings);
     *scene = Scene::new(parts)?;
     about.size = ScanSize::of(scene, about.carried.maps());
     Ok(())
+}
+
+/// Returns `true` if a model of this format, as [`io::Loaded`] names it, is glTF.
+pub(super) fn is_gltf(format: &str) -> bool {
+    ["glTF", "GLB"].contains(&format)
 }
 
 /// Returns a model's file and all others that it was read from, each once.

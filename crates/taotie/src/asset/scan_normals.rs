@@ -49,8 +49,7 @@ pub(super) fn compute(parts: &mut SceneData, options: &ScanOptions, warnings: &m
         };
         outcome.smoothed += usize::from(has_facets && parts.meshes[i].normals().is_empty());
     }
-    let diagonal = if outcome.spots.is_empty() { 0.0 } else { Whole::of(parts).diagonal };
-    outcome.note(options, diagonal, warnings);
+    outcome.note(options, parts, warnings);
     Ok(())
 }
 
@@ -101,7 +100,7 @@ impl Outcome {
         bends.split_at(&hard, crease)
     }
 
-    fn note(&self, options: &ScanOptions, diagonal: f64, warnings: &mut Warnings) {
+    fn note(&self, options: &ScanOptions, parts: &SceneData, warnings: &mut Warnings) {
         if options.crease_angle_deg.is_some() && self.affected == 0 {
             warnings
                 .note("the crease angle has no effect: the scan has normals of its own, which are kept", 1);
@@ -109,7 +108,10 @@ impl Outcome {
         let smoothed =
             "flat-shaded scan: smooth normals computed; a crease angle keeps edges hard, 0 all facets";
         warnings.note(smoothed, self.smoothed);
-        let whole = Whole { amount: self.length, diagonal };
+        if self.spots.is_empty() {
+            return;
+        }
+        let whole = Whole { amount: self.length, ..Whole::of(parts, options.unit) };
         let Some(extent) = Extent::of(&self.spots, whole) else { return };
         let crease = options.crease_angle_deg.unwrap_or(MODELLED_CREASE_DEG);
         let advice = match options.crease_angle_deg {

@@ -1,6 +1,8 @@
 //! The options of reading a scan.
 
 use crate::error::{Error, Result};
+use crate::length::Unit;
+use crate::names::Named;
 use crate::scene::GreenChannel;
 
 /// How a scan is read where its file leaves room for doubt. Built by `Default` and struct update.
@@ -24,9 +26,32 @@ pub struct ScanOptions {
     /// The direction of green in the scan's tangent-space normal maps; `None` trusts the file unless the pixels contradict
     /// it.
     pub green: Option<GreenChannel>,
+    /// The unit of the scan's coordinates; `None` is the metre for glTF, as its specification says, and an unknown unit for
+    /// other formats.
+    pub unit: Option<Unit>,
 }
 
 impl ScanOptions {
+    /// Returns these options, with those of `others` where nothing is set.
+    ///
+    /// ```
+    /// use taotie::asset::ScanOptions;
+    /// use taotie::length::Unit;
+    ///
+    /// let recorded = ScanOptions { crease_angle_deg: Some(40.0), unit: Some(Unit::Inch), ..ScanOptions::default() };
+    /// let given = ScanOptions { unit: Some(Unit::Millimetre), ..ScanOptions::default() };
+    /// let both = given.or(recorded);
+    /// assert_eq!((both.crease_angle_deg, both.unit), (Some(40.0), Some(Unit::Millimetre)));
+    /// ```
+    #[must_use]
+    pub fn or(self, others: Self) -> Self {
+        Self {
+            crease_angle_deg: self.crease_angle_deg.or(others.crease_angle_deg),
+            green: self.green.or(others.green),
+            unit: self.unit.or(others.unit),
+        }
+    }
+
     /// Checks the options.
     ///
     /// # Errors
@@ -48,6 +73,8 @@ impl ScanOptions {
             GreenChannel::Up => ("--scan-green", "up".to_owned()),
             GreenChannel::Down => ("--scan-green", "down".to_owned()),
         });
-        [crease_angle, green].into_iter().flatten().flat_map(|(name, value)| [name.to_owned(), value]).collect()
+        let unit = self.unit.map(|unit| ("--unit", unit.name().to_owned()));
+        let all = [crease_angle, green, unit].into_iter().flatten();
+        all.flat_map(|(name, value)| [name.to_owned(), value]).collect()
     }
 }

@@ -4,6 +4,7 @@
 use super::extent::{Extent, Spot, Whole};
 use super::scan_normals::placements;
 use crate::error::{Result, Warnings};
+use crate::length::Unit;
 use crate::math::Vec3;
 use crate::mesh::Mesh;
 use crate::parallel;
@@ -18,6 +19,8 @@ const CONTRADICTED: f64 = 0.005;
 struct Found {
     triangles: usize,
     spots: Vec<Spot>,
+    /// The unit of their coordinates.
+    unit: Option<Unit>,
 }
 
 /// Turns triangles that are wound the other way than the surface around them, and notes where. Triangles of which it is
@@ -25,8 +28,8 @@ struct Found {
 ///
 /// # Errors
 /// None can happen to meshes that were checked.
-pub(super) fn turn(parts: &mut SceneData, warnings: &mut Warnings) -> Result<()> {
-    let (mut turned, mut doubtful) = (Found::default(), Found::default());
+pub(super) fn turn(parts: &mut SceneData, unit: Option<Unit>, warnings: &mut Warnings) -> Result<()> {
+    let (mut turned, mut doubtful) = (Found::with(unit), Found::with(unit));
     for i in 0..parts.meshes.len() {
         let opposed = Opposed::of(&parts.meshes[i]);
         turned.add(parts, i, &opposed.reversed);
@@ -52,8 +55,8 @@ pub(super) fn turn(parts: &mut SceneData, warnings: &mut Warnings) -> Result<()>
 }
 
 /// Notes normals of the scan that point to the other side of their triangles.
-pub(super) fn note_contradicting_normals(parts: &SceneData, warnings: &mut Warnings) {
-    let mut found = Found::default();
+pub(super) fn note_contradicting_normals(parts: &SceneData, unit: Option<Unit>, warnings: &mut Warnings) {
+    let mut found = Found::with(unit);
     for (i, mesh) in parts.meshes.iter().enumerate().filter(|(_, mesh)| !mesh.normals().is_empty()) {
         let turned: Vec<u32> = turned(mesh).into_iter().map(|t| t as u32).collect();
         found.add(parts, i, &turned);
@@ -77,6 +80,10 @@ pub(super) fn turned(mesh: &Mesh) -> Vec<usize> {
 }
 
 impl Found {
+    fn with(unit: Option<Unit>) -> Self {
+        Self { unit, ..Self::default() }
+    }
+
     fn add(&mut self, parts: &SceneData, mesh: usize, triangles: &[u32]) {
         for m in if triangles.is_empty() { Vec::new() } else { placements(parts, mesh) } {
             self.triangles += triangles.len();
@@ -86,7 +93,7 @@ impl Found {
     }
 
     fn extent(&self, parts: &SceneData) -> Option<Extent> {
-        if self.spots.is_empty() { None } else { Extent::of(&self.spots, Whole::of(parts)) }
+        if self.spots.is_empty() { None } else { Extent::of(&self.spots, Whole::of(parts, self.unit)) }
     }
 
     fn note(&self, parts: &SceneData, text: impl Fn(usize, Extent) -> String, warnings: &mut Warnings) {

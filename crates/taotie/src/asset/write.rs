@@ -9,6 +9,7 @@ use super::maps_alone;
 use super::options::BakeOptions;
 use super::packing::Packing;
 use super::provenance;
+use super::space;
 use super::textures::{Beside, Textures, labeled};
 use super::unlit;
 use crate::bake::MapKind;
@@ -149,6 +150,7 @@ fn anew(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<Vec<FileBy
     let model = GltfAsset {
         name: &name,
         levels: &levels,
+        root_scale: space::root_scale(made.about.unit()),
         material: maps.textures.material(&low.material, &low.kept),
         alpha_modes: &made.alpha_modes,
         copyright: about.copyright,
@@ -177,6 +179,7 @@ fn grafted(made: &Made, document: &Document, about: &About<'_>, target: Target<'
     let graft = GltfGraft {
         source: document.source.gltf(),
         limits: document.limits,
+        root_scale: space::root_scale(made.about.unit()).filter(|_| !document.is_in_metres),
         materials: &materials,
         copyright: about.copyright,
         xmp: Some(about.xmp),

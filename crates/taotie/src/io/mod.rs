@@ -124,6 +124,17 @@ pub fn load_levels_within(path: &Path, limits: &Limits) -> Result<Vec<Loaded>> {
     }
 }
 
+/// Reads the XMP packet of a glTF file as a whole, and nothing else of it; `None` if it has none, or is of another format.
+///
+/// # Errors
+/// [`Error::Io`], [`Error::Parse`] and [`Error::Limit`] as of [`load_model_within`].
+pub fn read_xmp(path: &Path, limits: &Limits) -> Result<Option<Json>> {
+    match format_of(path)? {
+        Format::Gltf => Ok(gltf::read_xmp(path, limits)?.into_iter().next().map(Json)),
+        _ => Ok(None),
+    }
+}
+
 /// Returns the model with the size of its file and of the files it was read from; each counts once.
 fn with_size(loaded: Loaded, path: &Path) -> Result<Loaded> {
     let others: BTreeSet<&Path> = loaded.files.iter().map(PathBuf::as_path).collect();

@@ -47,7 +47,8 @@ impl PatchView {
     pub fn of(patch: &Patch, diagonal: f64) -> Self {
         let toward = Vec3::from_array(patch.toward);
         // Up is that of the world, unless one looks along it.
-        let world_up = if toward.y.abs() < 0.95 { Vec3::new(0.0, 1.0, 0.0) } else { Vec3::new(0.0, 0.0, -1.0) };
+        let world_up =
+            if toward.y.abs() < 0.95 { Vec3::new(0.0, 1.0, 0.0) } else { Vec3::new(0.0, 0.0, -1.0) };
         let right = world_up.cross(toward).normalize();
         let radius = patch.radius.max(diagonal * 1e-6);
         let away = radius * AWAY;
@@ -127,7 +128,8 @@ mod tests {
     fn bent(degrees: f64) -> Scan {
         let (sin, cos) = (scalar::sin(degrees.to_radians()), scalar::cos(degrees.to_radians()));
         let at = |x: f64, y: f64| Vec3::new(x, y, -sin / cos * x.max(0.0)).to_f32();
-        let positions = [[-1.0, 0.0], [0.0, 1.0]].as_flattened().iter().flat_map(|x| [at(*x, -1.0), at(*x, 1.0)]);
+        let positions =
+            [[-1.0, 0.0], [0.0, 1.0]].as_flattened().iter().flat_map(|x| [at(*x, -1.0), at(*x, 1.0)]);
         let (flat, leaning) = (Vec3::new(0.0, 0.0, 1.0), Vec3::new(sin, 0.0, cos).to_f32());
         let mesh = Mesh::new(MeshData {
             positions: positions.collect(),
@@ -146,7 +148,9 @@ mod tests {
         let row = &field.values()[8 * 16..9 * 16];
         assert!(row[..7].iter().all(|angle| *angle < 1e-3), "the left half is the same: {row:?}");
         assert!(row[9..].iter().all(|angle| (angle - 20.0).abs() < 0.01), "the right half leans: {row:?}");
-        let Projection::Orthographic { half_width, .. } = view.camera().projection else { panic!("parallel") };
+        let Projection::Orthographic { half_width, .. } = view.camera().projection else {
+            panic!("parallel")
+        };
         assert_eq!(half_width, 0.75);
     }
 }

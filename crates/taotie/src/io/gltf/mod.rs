@@ -45,10 +45,12 @@ pub use source::GltfSource;
 pub use stored_images::{StoredImage, StoredParts};
 
 use super::json::Json;
+use super::limits::Limits;
 use super::loaded::{Loaded, checked};
 use super::reading::Reading;
 use super::variants::Mapping;
 use super::variants::Variants;
+use super::xmp;
 use crate::error::{Result, Warnings};
 use crate::math::Vec2;
 use crate::mesh::Mesh;
@@ -57,7 +59,8 @@ use crate::scene::{Instance, Material, Scene, SceneData};
 use document::Document;
 use meshes::Meshes;
 use nodes::Nodes;
-use std::path::PathBuf;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use textures::{Decoded, Textures};
 
@@ -68,6 +71,12 @@ pub(super) fn read(reading: &Arc<Reading>) -> Result<Loaded> {
     let shapes = Shapes::read(&document, 0, &mut warnings)?;
     let looks = Looks::read(&document, &mut warnings)?;
     shapes.loaded(&document, looks, warnings)
+}
+
+/// Reads the XMP packets of a file, that of the whole asset first.
+pub(super) fn read_xmp(path: &Path, limits: &Limits) -> Result<Vec<Value>> {
+    let source = GltfSource::File(path);
+    RawGltf::read(source, limits).map(|raw| xmp::packets(&raw.json))
 }
 
 /// The most levels of detail that are read together: each has meshes of its own, and a short list may name many.

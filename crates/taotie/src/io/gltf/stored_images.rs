@@ -112,7 +112,8 @@ fn collect_uses(of: &Value, textures: &[bool], found: &mut Vec<String>) {
 
 /// Returns a name such as `baseColor` as words: `base color`.
 fn words(name: &str) -> String {
-    let letter = |c: char| if c.is_ascii_uppercase() { format!(" {}", c.to_ascii_lowercase()) } else { c.into() };
+    let letter =
+        |c: char| if c.is_ascii_uppercase() { format!(" {}", c.to_ascii_lowercase()) } else { c.into() };
     name.chars().map(letter).collect()
 }
 

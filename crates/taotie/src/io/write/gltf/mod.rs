@@ -54,6 +54,8 @@ pub struct GltfAsset<'a> {
     pub name: &'a str,
     /// The mesh at each level of detail, the finest first; at least one.
     pub levels: &'a [GltfLevel<'a>],
+    /// The metres of the meshes' unit, which a root node above each level is scaled by; `None` if they are in metres.
+    pub root_scale: Option<f32>,
     /// The material of all levels.
     pub material: GltfMaterial<'a>,
     /// The alpha mode of each triangle of each level, in place of the material's: each mode becomes a primitive with a
@@ -229,7 +231,8 @@ fn named(asset: &GltfAsset, mut json: Value) -> Value {
 }
 
 /// Makes a node for each level, all in the same place. The first, which alone is in the scene, names the others and
-/// says how large each must be seen. Source: MSFT_lod.
+/// says how large each must be seen. If they are scaled, the mesh of each has a node of its own below: viewers replace one
+/// level by another with all that is below, whatever they do with nodes above. Source: MSFT_lod.
 fn nodes(asset: &GltfAsset, grid: Option<&Grid>) -> Vec<Value> {
     let place = |mesh| {
         let mut node = named(asset, json!({ "mesh": mesh }));
@@ -238,9 +241,18 @@ fn nodes(asset: &GltfAsset, grid: Option<&Grid>) -> Vec<Value> {
         }
         node
     };
-    let mut nodes: Vec<Value> = (0..asset.levels.len()).map(place).collect();
-    if nodes.len() > 1 {
-        nodes[0]["extensions"] = json!({ LEVELS: { "ids": (1..nodes.len()).collect::<Vec<_>>() } });
+    let count = asset.levels.len();
+    let placed = (0..count).map(place);
+    let mut nodes: Vec<Value> = match asset.root_scale {
+        None => placed.collect(),
+        Some(scale) => {
+            let scales = [number::short(scale); 3];
+            let root = |level| named(asset, json!({ "scale": scales, "children": [count + level] }));
+            (0..count).map(root).chain(placed).collect()
+        }
+    };
+    if count > 1 {
+        nodes[0]["extensions"] = json!({ LEVELS: { "ids": (1..count).collect::<Vec<_>>() } });
         let coverages: Option<Vec<f32>> = asset.levels.iter().map(|level| level.coverage).collect();
         if let Some(coverages) = coverages {
             let short: Vec<f64> = coverages.into_iter().map(number::short).collect();
@@ -253,6 +265,9 @@ fn nodes(asset: &GltfAsset, grid: Option<&Grid>) -> Vec<Value> {
 fn check(asset: &GltfAsset) -> Result<()> {
     if asset.xmp.is_some_and(|packet| !packet.0.is_object()) {
         return Err(Error::invalid("the XMP metadata", "it must be an object of JSON"));
+    }
+    if asset.root_scale.is_some_and(|scale| !(scale.is_finite() && scale > 0.0)) {
+        return Err(Error::invalid("the scale of the model to write", "it must be a finite number above 0"));
     }
     if asset.levels.is_empty() {
         return Err(Error::invalid("the model to write", "it has no mesh; give at least one level"));

@@ -6,6 +6,7 @@ mod factors;
 mod images;
 mod primitives;
 mod prune;
+mod root;
 mod spans;
 mod tangents;
 mod views;
@@ -38,6 +39,8 @@ pub struct GltfGraft<'a> {
     pub source: GltfSource<'a>,
     /// The limits within which it is read.
     pub limits: Limits,
+    /// The metres of the file's unit, which a root node above all others is scaled by; `None` if it is in metres.
+    pub root_scale: Option<f32>,
     /// Its materials that are changed.
     pub materials: &'a [GraftedMaterial<'a>],
     /// A rights notice beside the file's own.
@@ -106,6 +109,9 @@ pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Resu
     let mapped = graft.materials.iter().filter(|grafted| grafted.material.normal_map.is_some());
     let mapped: Vec<usize> = mapped.map(|grafted| grafted.number).collect();
     tangents::give(&mut raw, graft.source, &mapped)?;
+    if let Some(scale) = graft.root_scale {
+        root::scale(&mut raw, scale, &mut warnings)?;
+    }
     say_about(&mut raw.json, graft);
     let own_images = prune::prune(&mut raw.json, own_images);
     beside.extend(images::take_along(&mut raw, own_images, storage)?);
