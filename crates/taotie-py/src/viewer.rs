@@ -100,7 +100,6 @@ impl Look<'_> {
             camera: &view.camera(),
             lighting: &self.image.lights()?.lighting(environment.as_ref(), prepared.scene(), view),
             development: &self.image.development()?,
-            quality: None,
             scan: scan.as_ref().map(ShownScan::subject),
             errors: None,
         })?;

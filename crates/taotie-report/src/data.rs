@@ -82,19 +82,40 @@ pub struct Picture {
     pub label: String,
     /// Below the label.
     pub note: String,
-    /// The PNG file.
-    pub png: Vec<u8>,
+    /// The file, PNG or JPEG.
+    pub file: Vec<u8>,
 }
 
 impl Picture {
-    /// Returns the pixels across and down as the file's header says; zeros where it is no PNG.
+    /// Returns the pixels across and down as the file's header says; zeros where it is neither PNG nor JPEG.
     pub fn size(&self) -> [u32; 2] {
-        let word = |at: usize| self.png.get(at..at + 4)?.try_into().ok().map(u32::from_be_bytes);
-        match (self.png.starts_with(b"\x89PNG\r\n\x1a\n"), word(16), word(20)) {
+        if self.is_jpeg() {
+            return jpeg_size(&self.file).unwrap_or_default();
+        }
+        let word = |at: usize| self.file.get(at..at + 4)?.try_into().ok().map(u32::from_be_bytes);
+        match (self.file.starts_with(b"\x89PNG\r\n\x1a\n"), word(16), word(20)) {
             (true, Some(width), Some(height)) => [width, height],
             _ => [0, 0],
         }
     }
+
+    fn is_jpeg(&self) -> bool {
+        self.file.starts_with(b"\xff\xd8\xff")
+    }
+}
+
+/// Returns the size that the frame header of a JPEG states.
+fn jpeg_size(file: &[u8]) -> Option<[u32; 2]> {
+    let word = |at: usize| file.get(at..at + 2)?.try_into().ok().map(u16::from_be_bytes);
+    let mut at = 2;
+    while let Some(marker) = word(at) {
+        // SOF0 to SOF2: baseline, extended and progressive.
+        if (0xffc0..=0xffc2).contains(&marker) {
+            return Some([word(at + 7)?.into(), word(at + 5)?.into()]);
+        }
+        at += 2 + usize::from(word(at + 2)?);
+    }
+    None
 }
 
 /// The file as a `data:` URI, and the size, which the page needs before the picture is decoded.
@@ -104,7 +125,9 @@ impl Serialize for Picture {
         let mut fields = serializer.serialize_struct("Picture", 5)?;
         fields.serialize_field("label", &self.label)?;
         fields.serialize_field("note", &self.note)?;
-        fields.serialize_field("png", &format!("data:image/png;base64,{}", STANDARD.encode(&self.png)))?;
+        let format = if self.is_jpeg() { "jpeg" } else { "png" };
+        let uri = format!("data:image/{format};base64,{}", STANDARD.encode(&self.file));
+        fields.serialize_field("uri", &uri)?;
         fields.serialize_field("width", &width)?;
         fields.serialize_field("height", &height)?;
         fields.end()
@@ -272,7 +295,7 @@ mod tests {
 
     #[test]
     fn what_is_no_png_has_no_size() {
-        let png = |bytes: &[u8]| Picture { png: bytes.to_vec(), ..Picture::default() }.size();
+        let png = |bytes: &[u8]| Picture { file: bytes.to_vec(), ..Picture::default() }.size();
         assert_eq!(png(b""), [0, 0]);
         assert_eq!(png(&[9; 40]), [0, 0]);
         assert_eq!(png(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x02\0\0\x01"), [0, 0]);

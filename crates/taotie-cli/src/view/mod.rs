@@ -71,7 +71,6 @@ fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<V
         camera: &view.camera(),
         lighting: &studio::lighting(&args.light, environment.as_ref(), prepared.scene(), view)?,
         development: &args.film.development(SimdLevel::default())?,
-        quality: None,
         scan: scan.as_ref().map(ShownScan::subject),
         errors: None,
     })?;

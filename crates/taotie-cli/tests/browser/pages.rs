@@ -32,7 +32,7 @@ fn quarters(colors: [[u8; 3]; 4]) -> Vec<u8> {
 }
 
 fn picture(label: &str, colors: [[u8; 3]; 4]) -> Picture {
-    Picture { label: label.into(), note: format!("note of {label}"), png: quarters(colors) }
+    Picture { label: label.into(), note: format!("note of {label}"), file: quarters(colors) }
 }
 
 /// Two views of the same three labels; the second begins with another one, and has a legend.
@@ -100,7 +100,7 @@ fn full() -> Page {
     }
 }
 
-/// As long a certificate as there is: ten requirements, as many figures, sixteen files.
+/// As long a certificate as there is: ten requirements, as many figures, twelve files.
 fn certificate() -> Page {
     let words = |names: &[&str]| names.iter().map(|name| Column::words(*name)).collect();
     let table = |title: &str, columns, row: Vec<Cell>, count: usize| PlainTable {
@@ -127,7 +127,7 @@ fn certificate() -> Page {
         tables: vec![
             table("Requirements", columns, required, 10),
             table("Further figures", words(&["figure", "shown by", "value", "interval"]), measured, 10),
-            table("Files", words(&["file", "name", "bytes", "SHA-256"]), file.concat(), 16),
+            table("Files", words(&["file", "name", "bytes", "SHA-256"]), file.concat(), 12),
         ],
         command_note: "To recompute this certificate, run this in a folder that holds the files above:"
             .into(),
@@ -139,7 +139,6 @@ fn certificate() -> Page {
     Page {
         title: "a-scan-with-a-rather-long-name.ply".into(),
         subtitle: "The scan, and the low-poly asset made from it".into(),
-        facts: vec![Fact::new("Maps", "2048 × 2048"), Fact::new("Carried over from the scan", "base colour")],
         statement: Some(statement),
         features: vec![feature],
         views: views(),
@@ -167,7 +166,7 @@ fn hollow() -> [Section; 4] {
 /// Views without a picture, with one, and with files that are none.
 fn odd() -> Vec<View> {
     let alone = View { name: "alone".into(), pictures: vec![picture("x", [RED; 4])], ..View::default() };
-    let broken = Picture { label: "broken".into(), png: b"no picture".to_vec(), ..Picture::default() };
+    let broken = Picture { label: "broken".into(), file: b"no picture".to_vec(), ..Picture::default() };
     let bad = View { name: "broken".into(), pictures: vec![broken.clone(), broken], ..View::default() };
     let bare = View { name: "bare".into(), legend: Some(Legend::default()), ..View::default() };
     vec![bare, alone, bad]

@@ -92,6 +92,7 @@ struct ProofOptions {
 struct ScanOptions {
     crease_angle_deg: Option<f64>,
     green: Option<String>,
+    unit: Option<String>,
 }
 
 #[derive(Deserialize)]

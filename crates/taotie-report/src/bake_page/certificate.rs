@@ -1,12 +1,16 @@
 //! The certificate as the statement that opens a page.
 
 use crate::{Cell, Column, Fact, Notice, PlainTable, Statement, Tone};
-use taotie::asset::{Certificate, FigureUnit, HashedFile, HashedMap, KeyFigure, Met, ScanOptions, Verdict};
+use taotie::asset::{
+    Certificate, Figure, FigureUnit, HashedFile, HashedMap, KeyFigure, Met, ScanOptions, Verdict,
+};
 use taotie::names::Named;
 use taotie::scene::GreenChannel;
 
-/// Files that the statement lists, so that it fits one sheet; the others are in a table below it.
-const MOST_FILES: usize = 16;
+/// Rows of all tables of the statement, so that it fits one sheet; files that have no room are in a table below it.
+const MOST_ROWS: usize = 32;
+/// Files that it lists in any case.
+const LEAST_FILES: usize = 6;
 
 /// Who judges the figures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,7 +46,7 @@ pub fn statement(certificate: &Certificate, judge: Judge) -> Statement {
 /// Makes the table of all files that the statement has no room for; `None` if it lists each.
 pub fn further_files(certificate: &Certificate) -> Option<crate::Section> {
     let rows = rows_of_files(certificate);
-    (rows.len() > MOST_FILES).then(|| crate::Section::Table {
+    (rows.len() > listed_files(certificate)).then(|| crate::Section::Table {
         title: "All files".into(),
         note: "Maps in the model's own file are hashed as they are stored there.".into(),
         columns: columns_of_files(),
@@ -175,14 +179,15 @@ fn row_of_requirement(met: &Met, has_level: bool) -> Vec<Cell> {
     };
     let bound = if met.figure.is_at_least() { "≥" } else { "≤" };
     let unit = met.unit();
-    let limit = unit.text(met.most);
+    let limit = shown(unit, met.most);
     // Five digits may hide that a limit is exceeded; then the outcome is stated with all of them.
-    let value = match met.value.map(|value| unit.text(value)) {
+    let value = match met.value.map(|value| shown(unit, value)) {
         None => "not measured".into(),
         Some(value) if !met.met && value == limit => met.text(),
         Some(value) => value,
     };
-    let mut row = vec![Cell::text(met.title()), Cell::text(met.figure.looking().words())];
+    let mut row =
+        vec![Cell::text(title(met.figure, &met.title(), unit)), Cell::text(met.figure.looking().words())];
     row.extend(has_level.then(|| Cell::text(met.level.map_or("all".into(), |level| level.to_string()))));
     row.extend([
         Cell::text(value),
@@ -195,8 +200,24 @@ fn row_of_requirement(met: &Met, has_level: bool) -> Vec<Cell> {
 
 /// Returns an interval in words; nothing if the value is exact.
 fn between(unit: FigureUnit, [low, high]: [f64; 2]) -> String {
-    let [from, to] = [low, high].map(|bound| unit.text(bound));
+    let [from, to] = [low, high].map(|bound| shown(unit, bound));
     if low == high { String::new() } else { format!("{from} to {to}") }
+}
+
+/// Returns a value in a unit: bytes with commas, and what rounding has left of nothing as 0.
+fn shown(unit: FigureUnit, value: f64) -> String {
+    const NOTHING: f64 = 1e-9;
+    match unit.name {
+        "B" => format!("{} B", grouped(value as u64)),
+        _ if value.abs() < NOTHING * unit.size => unit.text(0.0),
+        _ => unit.text(value),
+    }
+}
+
+/// Returns the title of a figure, with what it is a part of.
+fn title(figure: Figure, title: &str, unit: FigureUnit) -> String {
+    let of_diagonal = figure == Figure::Hausdorff && unit.name == "%";
+    format!("{title}{}", if of_diagonal { ", of the diagonal" } else { "" })
 }
 
 /// Makes the table of the key figures that no requirement shows.
@@ -211,9 +232,9 @@ fn figures(certificate: &Certificate) -> PlainTable {
     let further = certificate.figures.iter().filter(|figure| !(is_single && has_row(figure)));
     let row = |KeyFigure { figure, value, interval, .. }: &KeyFigure| {
         vec![
-            Cell::text(figure.title()),
+            Cell::text(title(*figure, figure.title(), figure.unit())),
             Cell::text(figure.looking().words()),
-            Cell::text(figure.unit().text(*value)),
+            Cell::text(shown(figure.unit(), *value)),
             Cell::text(between(figure.unit(), *interval)),
         ]
     };
@@ -232,8 +253,9 @@ fn figures(certificate: &Certificate) -> PlainTable {
 
 fn files(certificate: &Certificate) -> PlainTable {
     let mut rows = rows_of_files(certificate);
-    let more = rows.len().saturating_sub(MOST_FILES);
-    rows.truncate(MOST_FILES);
+    let listed = listed_files(certificate);
+    let more = rows.len().saturating_sub(listed);
+    rows.truncate(listed);
     let further = format!(" {more} more are listed under “All files”.");
     PlainTable {
         title: "Files".into(),
@@ -242,6 +264,12 @@ fn files(certificate: &Certificate) -> PlainTable {
         columns: columns_of_files(),
         rows,
     }
+}
+
+/// Returns the number of files for which the statement has room.
+fn listed_files(certificate: &Certificate) -> usize {
+    let others = worst(&certificate.required).len() + figures(certificate).rows.len();
+    MOST_ROWS.saturating_sub(others).max(LEAST_FILES)
 }
 
 fn columns_of_files() -> Vec<Column> {
@@ -253,10 +281,7 @@ fn rows_of_files(certificate: &Certificate) -> Vec<Vec<Cell>> {
         let HashedFile { name, bytes, sha256, .. } = file;
         vec![Cell::text(what), Cell::text(name), Cell::number(*bytes as f64, 0), Cell::Code(sha256.clone())]
     };
-    let of = |what: &'static str, files: &[HashedFile]| -> Vec<Vec<Cell>> {
-        let named = files.iter().enumerate();
-        named.map(|(i, file)| row(if i == 0 { what.into() } else { format!("{what}, part") }, file)).collect()
-    };
+    let own = |what: &str, files: &[HashedFile]| files.first().map(|file| row(what.into(), file));
     let map = |map: &HashedMap| {
         let uses = if map.uses.is_empty() { "unused" } else { &map.uses };
         let name = map.file.clone().unwrap_or_else(|| "in the model's file".into());
@@ -264,8 +289,11 @@ fn rows_of_files(certificate: &Certificate) -> Vec<Vec<Cell>> {
         let bytes = Cell::Number { value: map.bytes.map(|bytes| bytes as f64), digits: 0 };
         vec![Cell::text(format!("map: {uses}")), Cell::text(name), bytes, hash]
     };
-    let maps = certificate.maps.iter().map(map);
-    of("scan", &certificate.scan).into_iter().chain(of("asset", &certificate.asset)).chain(maps).collect()
+    let Certificate { scan, asset, maps, .. } = certificate;
+    let models = own("scan", scan).into_iter().chain(own("asset", asset));
+    let of_asset = asset.iter().skip(1).map(|file| row("asset, part".into(), file));
+    let of_scan = scan.iter().skip(1).map(|file| row("scan, part".into(), file));
+    models.chain(of_asset).chain(maps.iter().map(map)).chain(of_scan).collect()
 }
 
 #[cfg(test)]
@@ -276,6 +304,18 @@ mod tests {
     #[test]
     fn numbers_have_commas() {
         assert_eq!([0, 999, 1000, 1_234_567].map(grouped), ["0", "999", "1,000", "1,234,567"]);
+    }
+
+    #[test]
+    fn values_are_shown_as_people_write_them() {
+        let [bytes, share] = [Figure::Bytes, Figure::Missed].map(Figure::unit);
+        assert_eq!(shown(bytes, 5_000_000.0), "5,000,000 B");
+        assert_eq!(between(share, [2.7e-20, 0.000_331_6]), "0 % to 0.03316 %");
+        assert_eq!(between(share, [0.1; 2]), "", "it is exact");
+        assert!(
+            title(Figure::Hausdorff, Figure::Hausdorff.title(), Figure::Hausdorff.unit())
+                .ends_with("of the diagonal")
+        );
     }
 
     #[test]

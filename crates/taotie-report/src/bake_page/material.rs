@@ -10,6 +10,9 @@ use taotie::compare::{ColorMap, Field, Summary};
 /// The last colour of the map of colour errors stands for this difference.
 const TOP: f32 = 10.0;
 
+/// Pixels along a side of the picture of that map, at most.
+const MOST_SIDE: usize = 512;
+
 /// Makes the table of all differences; none where nothing was compared.
 pub fn section(material: &MaterialFigures) -> Option<Section> {
     if material.color.is_none() && material.not_finite == 0.0 {
@@ -52,7 +55,7 @@ pub fn view(field: &Field) -> Result<View> {
     Ok(View {
         name: "colour error".into(),
         note: "The difference of the base colours of asset and scan on the surface, CIEDE2000, laid out on the map.".into(),
-        pictures: vec![Picture::new("colour error", "", &heat.plain())?],
+        pictures: vec![Picture::to_look_at("colour error", "", &heat.plain().shrunk(MOST_SIDE))?],
         legend: Some(Legend::new("CIEDE2000", "", f64::from(TOP), ColorMap::Viridis)),
     })
 }

@@ -31,8 +31,8 @@ mod sections;
 mod views;
 mod worst;
 
+use crate::Page;
 use crate::viewer::{AssetSubject, MeasuredErrors};
-use crate::{Fact, Page};
 use certificate::Judge;
 use std::path::Path;
 use taotie::asset::{Asset, Limits, Proof, Report};
@@ -70,7 +70,6 @@ fn of(report: &Report, proof: &Proof, (asset, judge): (Option<&Asset>, Judge)) -
             Some(_) => "The scan, and the low-poly asset made from it".into(),
             None => "The scan, and an asset that stands for it".into(),
         },
-        facts: facts(report),
         statement: report.certificate.as_ref().map(|own| certificate::statement(own, judge)),
         features: patches::features(proof)?,
         views: views::views(proof, asset)?.into_iter().chain(levels::worst_views(proof)?).collect(),
@@ -100,12 +99,4 @@ pub fn html_with_asset(page: &Page, proof: &Proof, path: &Path) -> (String, Warn
             (crate::html(page), warnings)
         }
     }
-}
-
-/// Returns what the certificate does not state.
-fn facts(report: &Report) -> Vec<Fact> {
-    let size = (report.size != [0; 2]).then(|| format!("{} × {}", report.size[0], report.size[1]));
-    let carried = (!report.carried.is_empty()).then(|| report.carried.join(", "));
-    let all = [("Maps", size), ("Carried over from the scan", carried)];
-    all.into_iter().filter_map(|(name, text)| Some(Fact::new(name, text?))).collect()
 }

@@ -9,10 +9,10 @@ use taotie::compare::ColorMap;
 use taotie::length::place_text;
 use taotie::proof::PatchQuantity;
 
-/// The last colour of the map of angles stands for this many degrees.
-const TOP_DEG: f32 = 30.0;
-/// The same of the map of colour differences, CIEDE2000.
-const TOP_COLOR: f32 = 10.0;
+/// The last colour of a map stands for one of these: degrees, or CIEDE2000.
+const TOPS: [f32; 6] = [1.0, 2.0, 5.0, 10.0, 20.0, 45.0];
+/// It is at least this many times the mean of the patch.
+const OVER_MEAN: f64 = 3.0;
 
 /// Makes the pictures of all worst patches.
 ///
@@ -24,10 +24,12 @@ pub fn features(proof: &Proof) -> Result<Vec<View>> {
 
 fn feature(figures: &Figures, pictures: &PatchPictures) -> Result<View> {
     let PatchPictures { patch, of, scan, asset, difference, .. } = pictures;
-    let (name, unit, top, map) = match of {
-        PatchQuantity::Angle => ("Worst patch: normals", "°", TOP_DEG, ColorMap::Viridis),
-        PatchQuantity::Color => ("Worst patch: colours", "ΔE00", TOP_COLOR, ColorMap::Viridis),
+    let (name, unit, map) = match of {
+        PatchQuantity::Angle => ("Worst patch: normals", "°", ColorMap::Viridis),
+        PatchQuantity::Color => ("Worst patch: colours", "ΔE00", ColorMap::Viridis),
     };
+    let is_enough = |top: &&f32| f64::from(**top) >= patch.mean * OVER_MEAN;
+    let top = *TOPS.iter().find(is_enough).unwrap_or(&TOPS[TOPS.len() - 1]);
     let (look, mean) = match of {
         PatchQuantity::Angle => ("in one grey material", format!("{:.2}°", patch.mean)),
         PatchQuantity::Color => ("in their own materials", format!("ΔE00 {:.2}", patch.mean)),
@@ -43,8 +45,8 @@ fn feature(figures: &Figures, pictures: &PatchPictures) -> Result<View> {
              light; the window fills two thirds of the width. Grey pixels have nothing to compare."
         ),
         pictures: vec![
-            Picture::new("scan", "", &Sheet::developed(scan))?,
-            Picture::new("asset", "", &Sheet::developed(asset))?,
+            Picture::to_look_at("scan", "", &Sheet::developed(scan))?,
+            Picture::to_look_at("asset", "", &Sheet::developed(asset))?,
             Picture::new("difference", "", &heat.plain())?,
         ],
         legend: Some(Legend::new("difference", unit, f64::from(top), map)),

@@ -26,7 +26,7 @@ pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
         sections.push(views(finest));
     }
     sections.extend(levels::table(&proof.levels));
-    sections.extend(report.bake.as_ref().map(rays));
+    sections.extend(report.bake.as_ref().map(|bake| rays(report, bake)));
     if !report.stages.is_empty() {
         sections.push(stages(report));
     }
@@ -210,7 +210,7 @@ fn shape(level: &LevelFigures, unit: Option<Unit>) -> Section {
     numbers("Shape and completeness", note, rows)
 }
 
-fn rays(bake: &BakeFigures) -> Section {
+fn rays(report: &Report, bake: &BakeFigures) -> Section {
     let percent = (4, "%");
     let rows = vec![
         row_of_number("texels with a missed ray", bake.missed_texels * 100.0, percent),
@@ -218,7 +218,13 @@ fn rays(bake: &BakeFigures) -> Section {
         row_of_number("samples with no hit (low-poly normal used)", bake.lost_samples * 100.0, percent),
         row_of_number("map covered by UV islands", bake.uv_use * 100.0, (1, "%")),
     ];
-    numbers("The bake", "A ray misses where it meets no surface of the scan that faces it.", rows)
+    let ([width, height], carried) = (report.size, report.carried.join(", "));
+    let carried =
+        if carried.is_empty() { carried } else { format!("Carried over from the scan: {carried}. ") };
+    let note = format!(
+        "Maps of {width} × {height}. {carried}A ray misses where it meets no surface of the scan that faces it."
+    );
+    numbers("The bake", &note, rows)
 }
 
 fn views(level: &LevelFigures) -> Section {

@@ -10,8 +10,10 @@ use taotie::asset::{Asset, Proof, Textures, Views};
 use taotie::compare::{ColorMap, Field};
 use taotie::names::Named;
 
-/// Pixels along a side of the pictures of maps.
-const MAP: usize = 1024;
+/// Pixels along a side of the pictures of maps; of several materials, of all of them side by side.
+const MAP: usize = 512;
+/// Pixels along a side of the pictures of maps of many materials.
+const LEAST_MAP: usize = 128;
 /// The last colour of the map of errors stands for this many degrees.
 const TOP: f32 = 10.0;
 /// The last colour of the map of lost detail stands for texels that are this many times as wide as the scan's.
@@ -106,9 +108,9 @@ pub fn side(shots: &Views, i: usize, look: &Look) -> Result<View> {
         name: format!("{} {:.0}°", look.name, figures.azimuth_deg),
         note: look.note.into(),
         pictures: vec![
-            Picture::new("scan", "", &Sheet::developed(&shots.scan[i]))?,
-            Picture::new("FLIP", "", &HeatMap::of_flip(&shots.flip[i]).plain())?,
-            Picture::new("asset", visual_difference, &Sheet::developed(&shots.asset[i]))?,
+            Picture::to_look_at("scan", "", &Sheet::developed(&shots.scan[i]))?,
+            Picture::to_look_at("FLIP", "", &HeatMap::of_flip(&shots.flip[i]).plain())?,
+            Picture::to_look_at("asset", visual_difference, &Sheet::developed(&shots.asset[i]))?,
         ],
         legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)),
     })
@@ -117,19 +119,22 @@ pub fn side(shots: &Views, i: usize, look: &Look) -> Result<View> {
 /// The map of errors, then the baked maps of each material.
 fn maps(proof: &Proof, asset: Option<&Asset>) -> Result<Vec<Picture>> {
     let mut maps = Vec::new();
+    let count = asset.map_or(1, |asset| asset.texture_sets().count().max(1));
+    let side = (MAP / count.isqrt().next_power_of_two()).max(LEAST_MAP);
     if let Some(errors) = &proof.error_map {
-        maps.push(Picture::new("normal error", "", &HeatMap::of_angles(errors, TOP).plain())?);
+        let sheet = HeatMap::of_angles(errors, TOP).plain().shrunk(side * count);
+        maps.push(Picture::to_look_at("normal error", "", &sheet)?);
     }
     for (material, textures) in asset.into_iter().flat_map(Asset::texture_sets) {
         let inside = [("normal", &textures.normal), ("albedo", &textures.color), ("orm", &textures.orm)];
         for (name, bitmap) in inside {
             if let Some(bitmap) = bitmap {
-                maps.push(Picture::new(named(material, name), "", &Sheet::preview(bitmap, MAP))?);
+                maps.push(Picture::to_look_at(named(material, name), "", &Sheet::preview(bitmap, side))?);
             }
         }
         for beside in &textures.beside {
             let name = named(material, beside.map.name());
-            maps.push(Picture::new(&name, "", &Sheet::preview(&beside.bitmap, MAP))?);
+            maps.push(Picture::to_look_at(&name, "", &Sheet::preview(&beside.bitmap, side))?);
         }
     }
     Ok(maps)

@@ -3,7 +3,7 @@
 
 /**
  * The data, as `mod.rs` documents them. Missing numbers are null.
- * @typedef {{ label: string, note: string, png: string, width: number, height: number }} Picture
+ * @typedef {{ label: string, note: string, uri: string, width: number, height: number }} Picture
  * @typedef {{ title: string, unit: string, top: number, stops: [number, number, number][] }} Legend
  * @typedef {{ name: string, note: string, pictures: Picture[], legend: Legend | null, isModel?: boolean }} View
  * @typedef {{ name: string, unit: string, numeric: boolean }} Column

@@ -14,9 +14,9 @@ function frameOf(...children) {
  * @param {Picture} picture
  * @returns {HTMLElement}
  */
-function imageOf({ label, png, width, height }) {
+function imageOf({ label, uri, width, height }) {
   const size = { width: String(width), height: String(height) };
-  return el("img", { src: png, alt: label, draggable: "false", decoding: "sync", ...size });
+  return el("img", { src: uri, alt: label, draggable: "false", decoding: "sync", ...size });
 }
 
 /**

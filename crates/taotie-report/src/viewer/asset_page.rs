@@ -6,6 +6,7 @@ use std::path::Path;
 use taotie::asset::Limits;
 use taotie::film::Development;
 use taotie::image::Texture;
+use taotie::io;
 use taotie::render::{Prepared, RenderSettings};
 use taotie::scene::Scene;
 use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, Viewpoint};
@@ -27,23 +28,8 @@ pub struct AssetSubject<'a> {
     pub errors: Option<MeasuredErrors<'a>>,
 }
 
-/// What a page may lose of textures to keep to its size.
-#[derive(Debug, Clone, Copy)]
-struct Reduction {
-    /// Texels along a side, at most.
-    side: u32,
-    /// The quality of base colour and emission as lossy WebP; `None` loses nothing.
-    quality: Option<u8>,
-}
-
-/// Reductions in the order in which they are tried.
-const REDUCTIONS: [Reduction; 5] = [
-    Reduction { side: MOST_TEXTURE_SIDE, quality: None },
-    Reduction { side: MOST_TEXTURE_SIDE, quality: Some(90) },
-    Reduction { side: MOST_TEXTURE_SIDE / 2, quality: Some(90) },
-    Reduction { side: MOST_TEXTURE_SIDE / 4, quality: Some(85) },
-    Reduction { side: MOST_TEXTURE_SIDE / 8, quality: Some(80) },
-];
+/// The least that textures of a page are reduced to, texels along a side.
+const LEAST_TEXTURE_SIDE: u32 = 128;
 
 /// Returns the bytes that a page of an asset of `bytes` may have: the asset in base64, and 3 MB for all else.
 pub fn most_page_bytes(bytes: u64) -> u64 {
@@ -52,7 +38,7 @@ pub fn most_page_bytes(bytes: u64) -> u64 {
 
 impl AssetSubject<'_> {
     /// Writes a page with its viewer. Textures of more than [`MOST_TEXTURE_SIDE`] texels along a side are taken smaller, and
-    /// more is lost of them where the page has more than [`most_page_bytes`]; a fact of the page says so. What is wrong in the
+    /// smaller still where the page would have more than [`most_page_bytes`]; a fact of the page says so. What is wrong in the
     /// file is not noted again: its proof has read it before.
     ///
     /// # Errors
@@ -62,24 +48,21 @@ impl AssetSubject<'_> {
         let mut loaded = studio::load_within(self.path, &MaterialOptions::default(), self.limits)?;
         let (facts, most) = (facts(&loaded, &name), most_page_bytes(loaded.bytes.unwrap_or_default()));
         let scene = std::mem::take(&mut loaded.scene);
-        let texels: usize = scene.textures().iter().map(texels_of_page).sum();
-        let mut last = None;
-        for reduction in REDUCTIONS {
-            let viewer = self.viewer(scene.clone(), &facts, reduction)?;
+        let mut side = fitting_side(&scene, most);
+        loop {
+            let viewer = self.viewer(scene.clone(), &facts, side)?;
             let page = write(&viewer);
-            let is_small = page.len() as u64 <= most;
-            // Losing more of textures is of no use if all else is too large already.
-            let is_vain = page.len().saturating_sub(texels * MOST_TEXEL_BYTES) as u64 > most;
-            last = Some((page, viewer.warnings));
-            if is_small || is_vain {
-                break;
+            // The estimate knows nothing of the page's pictures.
+            let over = (page.len() as u64).saturating_sub(most);
+            if over == 0 || side <= LEAST_TEXTURE_SIDE || scene.textures().is_empty() {
+                return Ok((page, viewer.warnings));
             }
+            side = fitting_side(&scene, texture_bytes(&scene, side).saturating_sub(over)).min(side / 2);
         }
-        Ok(last.unwrap_or_default())
     }
 
-    fn viewer(&self, mut scene: Scene, facts: &[Fact], reduction: Reduction) -> Result<Viewer> {
-        let facts = [facts, &reduce(&mut scene, reduction)?].concat();
+    fn viewer(&self, mut scene: Scene, facts: &[Fact], side: u32) -> Result<Viewer> {
+        let facts = facts.iter().cloned().chain(shrink(&mut scene, side)?).collect::<Vec<_>>();
         let settings = RenderSettings::default();
         let prepared = Prepared::new(scene, &settings.surface)?;
         let framing = Framing { size: [1024; 2], all_around: false };
@@ -94,34 +77,46 @@ impl AssetSubject<'_> {
             camera: &view.camera(),
             lighting: &LightOptions::default().lighting(None, prepared.scene(), view),
             development: &Development::default(),
-            quality: reduction.quality,
             scan: None,
             errors: self.errors,
         })
     }
 }
 
-/// Bytes of a page that a texel takes, at most: four in base64.
-const MOST_TEXEL_BYTES: usize = 6;
-
-/// Returns the texels that the page holds of a texture, at most.
-fn texels_of_page(texture: &Texture) -> usize {
-    [texture.width(), texture.height()].map(|side| side.min(MOST_TEXTURE_SIDE) as usize).iter().product()
+/// Returns the largest side of textures, a power of two, whose bytes are likely to be at most `most`.
+fn fitting_side(scene: &Scene, most: u64) -> u32 {
+    let sides = std::iter::successors(Some(MOST_TEXTURE_SIDE), |side| Some(side / 2));
+    let mut sides = sides.take_while(|side| *side >= LEAST_TEXTURE_SIDE);
+    sides.find(|side| texture_bytes(scene, *side) <= most).unwrap_or(LEAST_TEXTURE_SIDE)
 }
 
-/// Takes coarser levels of textures that are too large for a page, and returns the fact that says what is lost.
-fn reduce(scene: &mut Scene, Reduction { side, quality }: Reduction) -> Result<Vec<Fact>> {
+/// Estimates the bytes in base64 of textures of at most `side` texels along a side, from coarse levels of them.
+fn texture_bytes(scene: &Scene, side: u32) -> u64 {
+    /// Texels along a side of the levels that are encoded.
+    const SAMPLE: u32 = 64;
+    let bytes = |texture: &Texture| {
+        let sample = shrunk(texture, SAMPLE);
+        let bitmap = sample.level(0);
+        let count = |width: u32, height: u32| f64::from(width) * f64::from(height);
+        let mut sizes = (0..texture.levels()).map(|level| texture.level_size(level));
+        let (width, height) = sizes.find(|(width, height)| *width.max(height) <= side).unwrap_or_default();
+        // Without an encoder for its texels: three bytes each.
+        let encoded = io::encode_webp_bitmap(bitmap).map_or(f64::INFINITY, |bytes| bytes.len() as f64);
+        let each = (encoded / count(bitmap.width(), bitmap.height())).min(3.0);
+        (each * count(width, height) * 4.0 / 3.0) as u64
+    };
+    scene.textures().iter().map(bytes).sum()
+}
+
+/// Takes coarser levels of textures that are too large for a page, and returns the fact that says so.
+fn shrink(scene: &mut Scene, side: u32) -> Result<Option<Fact>> {
     let is_large = |texture: &Texture| texture.width().max(texture.height()) > side;
-    let mut losses = Vec::new();
-    if scene.textures().iter().any(is_large) {
-        scene.edit(|data| data.textures.iter_mut().for_each(|texture| *texture = shrunk(texture, side)))?;
-        losses.push(format!("at most {side} × {side}; the asset's are larger"));
+    if !scene.textures().iter().any(is_large) {
+        return Ok(None);
     }
-    if let Some(quality) = quality.filter(|_| !scene.textures().is_empty()) {
-        losses.push(format!("colours of quality {quality}"));
-    }
-    let fact = Fact::new("Textures of this page", losses.join("; "));
-    Ok(if losses.is_empty() { Vec::new() } else { vec![fact] })
+    scene.edit(|data| data.textures.iter_mut().for_each(|texture| *texture = shrunk(texture, side)))?;
+    let said = format!("at most {side} × {side}; the asset's are larger");
+    Ok(Some(Fact::new("Textures of this page", said)))
 }
 
 fn shrunk(texture: &Texture, side: u32) -> Texture {
@@ -157,14 +152,23 @@ mod tests {
     }
 
     #[test]
-    fn the_page_says_what_it_lost() {
+    fn the_page_says_that_they_are() {
         let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
         scene.add_texture(texture(16, 2048));
-        let [whole, lossy, half, ..] = REDUCTIONS;
-        assert!(reduce(&mut scene, whole).unwrap().is_empty());
-        assert_eq!(reduce(&mut scene.clone(), lossy).unwrap()[0].value, "colours of quality 90");
-        let said = "at most 1024 × 1024; the asset's are larger; colours of quality 90";
-        assert_eq!(reduce(&mut scene, half).unwrap()[0].value, said);
-        assert_eq!(scene.textures()[0].height(), 1024);
+        assert!(shrink(&mut scene, 2048).unwrap().is_none());
+        scene.add_texture(texture(2049, 1));
+        assert!(shrink(&mut scene, 2048).unwrap().is_some());
+        assert_eq!(scene.textures()[1].width(), 1024);
+    }
+
+    #[test]
+    fn textures_are_as_large_as_their_bytes_allow() {
+        let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
+        assert_eq!(fitting_side(&scene, 0), MOST_TEXTURE_SIDE, "there are none");
+        let noise = (0..512u32 * 512).map(|i| taotie::math::sequence::hash(7, i).to_le_bytes());
+        let bitmap = Bitmap::new(512, 512, 3, Texels::U8(noise.collect())).unwrap();
+        scene.add_texture(Texture::new(bitmap, Encoding::Linear));
+        let sides = [2_000_000, 400_000, 90_000, 0].map(|most| fitting_side(&scene, most));
+        assert_eq!(sides, [2048, 256, 128, 128]);
     }
 }

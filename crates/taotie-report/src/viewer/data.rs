@@ -86,7 +86,6 @@ impl Data<'_> {
 struct Models<'a> {
     settings: &'a RenderSettings,
     environment: bool,
-    quality: Option<u8>,
     shaders: Shaders,
     all: Vec<Model>,
     blobs: Vec<Blob>,
@@ -102,7 +101,7 @@ impl Models<'_> {
         let (settings, environment) = (self.settings, self.environment);
         let mut drawing = Drawing { prepared, settings, environment, shaders: &mut self.shaders };
         let (model, (surfaces, (textures, numbers))) = rayon::join(
-            || asset::glb(prepared, self.quality, warnings),
+            || asset::glb(prepared, warnings),
             || (drawing.surfaces(), textures(prepared.scene(), codes)),
         );
         self.blobs.push(Blob::new(glb, model?));
@@ -117,8 +116,7 @@ pub(super) fn data<'a>(subject: &Subject<'a>, warnings: &mut Warnings) -> Result
     let (prepared, settings) = (subject.prepared, subject.settings);
     let (light, blobs) = light(subject.lighting, warnings);
     let environment = subject.lighting.environment.is_some();
-    let (quality, shaders) = (subject.quality, Shaders::default());
-    let mut models = Models { settings, environment, quality, shaders, all: Vec::new(), blobs };
+    let mut models = Models { settings, environment, shaders: Shaders::default(), all: Vec::new(), blobs };
     models.add(prepared, ["asset", "codes"], warnings)?;
     let mut measured = None;
     if let Some(scan) = &subject.scan {

@@ -54,8 +54,6 @@ pub struct Subject<'a> {
     pub lighting: &'a Lighting,
     /// Exposure, tone curve and background.
     pub development: &'a Development,
-    /// The quality of base colour and emission as lossy WebP, 1 to 100; `None` loses nothing.
-    pub quality: Option<u8>,
     /// The scan that the model is measured against.
     pub scan: Option<ScanSubject<'a>>,
     /// The model's errors where they are known already; not read with `scan`.

@@ -15,6 +15,8 @@ pub const MOST_TRIANGLES: usize = 1_000_000;
 
 /// Texels along a side of the map of errors.
 const MAP: u32 = 1024;
+/// The same in a report, at most.
+const SHRUNK: u32 = 512;
 /// The last colour stands for this many degrees.
 const TOP: f32 = 10.0;
 /// Colours of the legend.
@@ -139,7 +141,7 @@ impl ShownFigures {
 pub(super) fn known_errors(known: &MeasuredErrors<'_>, surfaces: usize) -> (Errors, Blob) {
     let mut codes = Vec::new();
     let maps = match surfaces {
-        1 => vec![Some(ErrorMap::put(known.normals, &mut codes))],
+        1 => vec![Some(ErrorMap::put_shrunk(known.normals, &mut codes))],
         several => vec![None; several],
     };
     let errors = Errors::new(maps, known.figures);
@@ -166,6 +168,15 @@ impl Errors {
 }
 
 impl ErrorMap {
+    /// Puts every so many texels one, so that no side is longer than [`SHRUNK`].
+    fn put_shrunk(field: &Field, codes: &mut Vec<u16>) -> Self {
+        let step = field.width().max(field.height()).div_ceil(SHRUNK).max(1);
+        let (width, height, from) = (field.width() / step, field.height() / step, codes.len());
+        let at = |i: u32| (i / width * step * field.width() + i % width * step) as usize;
+        codes.extend((0..width * height).map(|i| code(&field.values()[at(i)])));
+        Self { width, height, from }
+    }
+
     fn put(field: &Field, codes: &mut Vec<u16>) -> Self {
         let from = codes.len();
         codes.extend(field.values().iter().map(code));

@@ -138,6 +138,14 @@ fn webp(bitmap: &Bitmap, stored: Stored, loss: WebPLoss) -> Result<Vec<u8>> {
     webp::encode(&WebPImage { size, samples: &samples, has_alpha }, loss)
 }
 
+/// Returns the bytes of a JPEG of a bitmap's colours, of this quality, 1 to 100.
+///
+/// # Errors
+/// [`Error::Unsupported`] for texels of floats; [`Error::Invalid`] for a side of more than 65,535.
+pub fn encode_jpeg_bitmap(bitmap: &Bitmap, quality: u8) -> Result<Vec<u8>> {
+    jpeg(bitmap, Stored { encoding: Encoding::Srgb, alpha: false }, quality)
+}
+
 /// Returns the bytes of a lossless WebP of the texels of a bitmap, with alpha where it has some.
 ///
 /// # Errors

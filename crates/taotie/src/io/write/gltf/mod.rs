@@ -25,7 +25,7 @@ mod webp;
 pub use draft::GltfDraft;
 pub use format::{GltfFormat, GltfImages};
 pub use graft::{EncodedModel, GltfGraft, GraftedMaterial, encode_graft};
-pub use image_packing::encode_webp_bitmap;
+pub use image_packing::{encode_jpeg_bitmap, encode_webp_bitmap};
 pub use material::GltfMaterial;
 pub use samplers::gltf_sampler;
 pub use scene::{WrittenScene, encode_scene, encode_scene_as, write_scene};
