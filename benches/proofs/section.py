@@ -19,12 +19,13 @@ TITLES = {
 
 @dataclasses.dataclass(frozen=True)
 class Measured:
-    """How it was measured: machine, versions of the others, share of the triangles, share of the bytes."""
+    """How it was measured: machine, versions of the others, share of the triangles, and shares of the bytes for scans
+    without and with textures."""
 
     machine: str
     versions: str
     ratio: float
-    budget: float
+    budgets: tuple[float, float]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -61,10 +62,11 @@ def text(measured, results):
 
 
 def about(kind, measured):
+    plain, textured = measured.budgets
     return {
         "whole": "No triangle is removed.",
         "triangles": f"{measured.ratio:.0%} of the scan's triangles; bytes follow.",
-        "bytes": f"{measured.budget:.0%} of the bytes of the whole scan packed; triangles follow.",
+        "bytes": f"{plain:.0%} of the bytes of the whole scan packed, {textured:.0%} with textures; triangles follow.",
     }[kind]
 
 
@@ -74,11 +76,10 @@ def summary(results, kind):
     best = [min(rows, key=lambda row: row.mean) for rows in proved if rows]
     passing = [row for rows in proved for row in rows if not row.unmet]
     outdone = [row for _, rows in results for row in rows[kind] if is_outdone(row, rows["whole"])]
-    names = list(dict.fromkeys(row.program for _, rows in results for row in rows[kind]))
-    told = f"Smallest mean angle as seen, of {len(results)} scans: {counts(best, names)}."
-    told += f" Meets `standard`: {counts(passing, names)}."
+    told = f"Number of scans, of {len(results)}. Smallest mean angle as seen: {counts(best)}."
+    told += f" Meets `standard`: {counts(passing)}."
     if kind != "whole":
-        told += f" The whole scan, packed, has both fewer bytes and a smaller mean angle: {counts(outdone, names)}."
+        told += f" The whole scan, packed, has both fewer bytes and a smaller mean angle: {counts(outdone)}."
     return f"**{told}**"
 
 
@@ -88,10 +89,10 @@ def is_outdone(row, whole):
     return any(other.asset.bytes < row.asset.bytes and other.mean < row.mean for other in others)
 
 
-def counts(rows, names):
+def counts(rows):
     """How many of the rows each program has, the most first."""
     count = collections.Counter(row.program for row in rows)
-    return ", ".join(f"{name} {count[name]}" for name in sorted(names, key=lambda name: -count[name]))
+    return ", ".join(f"{name} {times}" for name, times in count.most_common()) or "none"
 
 
 def scan_rows(scan, rows):
