@@ -11,7 +11,9 @@ use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use taotie::Progress;
-use taotie::asset::{self, Certificate, Limits, Report, Requirement, Scan, ScanFile, ScanOptions, Warning};
+use taotie::asset::{
+    self, Certificate, Limits, ProvedFile, Report, Requirement, Scan, ScanFile, ScanOptions, Warning,
+};
 use taotie_report::bake_page;
 
 const EXAMPLES: &str = "\
@@ -95,8 +97,9 @@ fn verify(args: &VerifyArgs) -> Result<Report> {
     let proof = asset::verify(&args.asset, &scan, &options, progress)?;
     console::say_warnings(&proof.warnings);
     let mut report = Report::of_proof(&args.asset, &scan, &proof)?;
-    let proved = (&proof.figures, &options);
-    report.certificate = Some(Certificate::of_file(&args.asset, &scan, proved, &args.proof.signature())?);
+    let proved = ProvedFile { asset: &args.asset, scan: &scan };
+    let certificate = Certificate::of_file(&proved, &proof.figures, &options, &args.proof.signature())?;
+    report.certificate = Some(certificate);
     report.stages = clock.done();
     if let [html, json] = &pages[..] {
         let page = bake_page::page(&report, &proof, None)?;

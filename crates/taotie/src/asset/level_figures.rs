@@ -3,7 +3,7 @@
 use super::beyond::{AskedLimits, Beyond};
 use super::material_figures::MaterialFigures;
 use super::regions::WorstParts;
-use super::views::ViewFigures;
+use super::view_figures::ViewFigures;
 use crate::bake::{MaterialError, TexturedMesh, Verifier};
 use crate::compare::{Field, Summary};
 use crate::error::Result;

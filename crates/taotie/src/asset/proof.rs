@@ -5,14 +5,15 @@ use super::findings;
 use super::level_figures::{LevelFigures, Measured, PointCounts, measured, stacked};
 use super::made::Made;
 use super::maps_alone;
+use super::met::Met;
 use super::part_figures::PartFigures;
 use super::patch_pictures::{MeasuredPatch, PatchPictures};
-use super::requirement::{self, Met, Requirement};
+use super::requirement::{self, Requirement};
 use super::scan::{Scan, is_gltf};
 use super::shown::ShownLevel;
 use super::space;
 use super::unseen::unseen;
-use super::views::{self, Looks, Views};
+use super::views::{self, Looks, Views, Wanted};
 use super::write::Written;
 use crate::bake::{self, TexelChecks};
 use crate::compare::Field;
@@ -221,7 +222,7 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
     let views = progress.begin("compare views")?;
     let scan = scan.into_scene()?;
     figures.unseen = unseen([&scan, &scenes[0]], poses);
-    let mut looks = views::take((scan, scenes), (options.view, patches), views)?;
+    let mut looks = views::take(scan, scenes, Wanted { side: options.view, patches }, views)?;
     if !has_material {
         looks.full.clear();
     }
