@@ -7,6 +7,7 @@ use crate::work::{self, Listed, Running};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::Path;
+use taotie::asset::model_unit;
 use taotie::render::{Prepared, SurfaceSettings};
 use taotie::studio::{Framing, Viewpoint};
 use taotie::{Progress, Result, Warnings};
@@ -84,13 +85,14 @@ impl Look<'_> {
         let best = SurfaceSettings { method: None, ..self.setup.surface };
         let prepared = Prepared::new(model.loaded.scene.clone(), &best)?;
         warnings.absorb(prepared.warnings().clone());
-        let scan = scan.map(|scan| Beside::of(scan, progress, &mut warnings)).transpose()?;
+        let scan = scan.map(|scan| Beside::of(scan, model, progress, &mut warnings)).transpose()?;
         let framing = Framing { size: [1024; 2], all_around: false };
         let viewpoint = Viewpoint::choose(&self.image.camera, framing, prepared.scene())?;
         let view = viewpoint.at(0.0);
         let viewer = viewer::Viewer::new(&Subject {
             title: self.title,
             facts: &viewer::facts(&model.loaded, &self.file_name(model)),
+            unit: model_unit(&model.loaded),
             bookmarks: &[],
             prepared: &prepared,
             settings: &self.image.settings,
@@ -118,9 +120,10 @@ struct Beside {
 }
 
 impl Beside {
-    fn of(model: &Model, progress: Progress<'_>, warnings: &mut Warnings) -> Result<Self> {
-        let scan = model.scan(progress)?;
-        let scene = viewer::scene_to_show(&model.loaded.scene, scan.sorted(), warnings)?;
+    /// Takes a scan in the space of the model that was baked from it.
+    fn of(high: &Model, model: &Model, progress: Progress<'_>, warnings: &mut Warnings) -> Result<Self> {
+        let (scene, scan) = high.scan_beside(model, progress)?;
+        let scene = viewer::scene_to_show(&scene, scan.sorted(), warnings)?;
         Ok(Self { shown: Prepared::new(scene, &SurfaceSettings::default())?, scan })
     }
 

@@ -11,7 +11,7 @@ use args::FRAMING;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use taotie::Warnings;
-use taotie::asset::Bytes;
+use taotie::asset::{Bytes, ScanOptions, into_metres, model_unit};
 use taotie::bake;
 use taotie::io::{FileSet, load_model_within};
 use taotie::math::SimdLevel;
@@ -52,7 +52,7 @@ fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<V
     files.protect(&loaded.files)?;
     limits
         .check(format!("a page of {}", args.model.display()), Bytes(COPIES * scene_bytes(&loaded.scene)))?;
-    let facts = viewer::facts(&loaded, &args.file_name());
+    let (facts, unit) = (viewer::facts(&loaded, &args.file_name()), model_unit(&loaded));
     warnings.absorb(loaded.warnings);
     args.light.note_unread(&loaded.scene, warnings);
     let settings = args.settings();
@@ -66,6 +66,7 @@ fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<V
     let viewer = Viewer::new(&Subject {
         title: &args.title(),
         facts: &facts,
+        unit,
         bookmarks: &args.bookmarks()?,
         prepared: &prepared,
         settings: &settings,
@@ -88,7 +89,9 @@ struct Scan {
 impl Scan {
     fn read(path: &Path, args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<Self> {
         let (limits, what) = (args.limits.limits(), path.display().to_string());
-        let loaded = load_model_within(path, &limits).context("--scan")?;
+        let mut loaded = load_model_within(path, &limits).context("--scan")?;
+        let recorded = ScanOptions::recorded(&args.model, &limits)?;
+        into_metres(&mut loaded.scene, recorded.unit).with_context(|| what.clone())?;
         files.protect(&loaded.files)?;
         limits.check(format!("a page of {what}"), Bytes(COPIES * scene_bytes(&loaded.scene)))?;
         warnings.absorb(loaded.warnings);

@@ -4,7 +4,7 @@ use super::{MeasuredErrors, Subject, Viewer, facts};
 use crate::Fact;
 use std::path::Path;
 use taotie::Result;
-use taotie::asset::Limits;
+use taotie::asset::{Limits, model_unit};
 use taotie::film::Development;
 use taotie::image::Texture;
 use taotie::render::{Prepared, RenderSettings};
@@ -38,6 +38,7 @@ impl AssetSubject<'_> {
         let mut loaded = studio::load_within(self.path, &MaterialOptions::default(), self.limits)?;
         let mut facts = facts(&loaded, &name);
         facts.extend(shrink(&mut loaded.scene)?);
+        let unit = model_unit(&loaded);
         let settings = RenderSettings::default();
         let prepared = Prepared::new(loaded.scene, &settings.surface)?;
         let framing = Framing { size: [1024; 2], all_around: false };
@@ -46,6 +47,7 @@ impl AssetSubject<'_> {
         Viewer::new(&Subject {
             title: self.title,
             facts: &facts,
+            unit,
             bookmarks: &[],
             prepared: &prepared,
             settings: &settings,

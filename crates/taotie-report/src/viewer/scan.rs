@@ -69,7 +69,7 @@ pub(super) struct Errors {
     stops: Vec<[u8; 3]>,
     /// Steps of a degree.
     steps: f32,
-    /// Model units.
+    /// In the unit of the model.
     rms: f64,
     hausdorff: f64,
 }
@@ -114,9 +114,9 @@ pub struct MeasuredErrors<'a> {
     /// Degrees between the normals of model and scan, over the map of the model's one surface. Where it has several
     /// surfaces no map is shown.
     pub normals: &'a Field,
-    /// The root mean square distance of the shapes, model units.
+    /// The root mean square distance of the shapes, in the unit of the model.
     pub rms: f64,
-    /// The largest distance, model units.
+    /// The largest distance, in the unit of the model.
     pub hausdorff: f64,
 }
 
