@@ -71,11 +71,14 @@ class Proof:
         islands. None if the asset has no uvs.
     color_map : ndarray or None
         ``(H, W)`` float32: CIEDE2000 between the base colours; None where the scan says nothing of its material.
+    options : dict
+        The options that it was made with: points, map, view.
     """
 
     figures: Mapping[str, Any]
     error_map: Floats | None = field(repr=False)
     color_map: Floats | None = field(default=None, repr=False)
+    options: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def mean_deg(self) -> float:
@@ -181,10 +184,10 @@ def _met(met: str, text: str) -> Met:
     return Met(text=text, interval=None if interval is None else tuple(interval), **facts)
 
 
-def _proof(found: Mapping[str, Any]) -> Proof:
+def _proof(found: Mapping[str, Any], options: Mapping[str, int]) -> Proof:
     """Return what the native module found as a proof, and warn of what it noted."""
     warn(found["warnings"])
-    return Proof(json.loads(found["figures"]), found["error_map"], found["color_map"])
+    return Proof(json.loads(found["figures"]), found["error_map"], found["color_map"], options)
 
 
 def verify(
@@ -227,7 +230,7 @@ def verify(
     high = a_model(scan)
     with running(progress, threads) as run:
         found = _taotie.verify(os.fspath(asset), high._native, options, run)
-    return _proof(found)
+    return _proof(found, options)
 
 
 class Written:
@@ -277,12 +280,12 @@ class Written:
         high = a_model(scan)
         with running(progress, threads) as run:
             found = self._native.verify(high._native, options, run)
-        return _proof(found)
+        return _proof(found, options)
 
     def report(self, proof: Proof | None = None, require: Sequence[str] = ()) -> dict[str, Any]:
         """Return the report that ``taotie bake`` writes beside the asset, as plain data."""
-        figures = None if proof is None else dict(proof.figures)
-        report: dict[str, Any] = json.loads(self._native.report(figures, list(require)))
+        proved = None if proof is None else {"figures": dict(proof.figures), "options": dict(proof.options)}
+        report: dict[str, Any] = json.loads(self._native.report(proved, list(require)))
         return report
 
     def __repr__(self) -> str:

@@ -15,6 +15,7 @@ __all__ = [
     "Written",
     "bake",
     "require",
+    "verify",
     "command",
     "compare",
     "color",
@@ -67,7 +68,7 @@ class Written:
     def files(self) -> list[Path]: ...
     def warnings(self) -> list[tuple[str, int]]: ...
     def verify(self, model: Model, request: dict[str, Any], running: Running) -> dict[str, Any]: ...
-    def report(self, figures: dict[str, Any] | None, required: Sequence[str]) -> str: ...
+    def report(self, proved: dict[str, Any] | None, required: Sequence[str]) -> str: ...
 
 @final
 class Viewer:

@@ -71,6 +71,7 @@ def view(
     model: Any,
     *,
     scan: Any = None,
+    publish_scan: bool = False,
     title: str | None = None,
     shading: Shading = "ggx",
     surface: Surface | None = None,
@@ -102,7 +103,9 @@ def view(
     model : path, Model, Asset, or a mesh of another package
         What is seen.
     scan : path, Model, or a mesh of another package, optional
-        What the model was baked from: the page shows it beside the model, and the error of the model's normals.
+        What the model stands for: the page shows the measured error on the model, but no part of the scan.
+    publish_scan : bool
+        Put the scan itself into the page, to be shown next to the model under a wipe.
     title : str, optional
         The heading; the file's name if not given.
     shading, camera, target, fov_deg, light, ambient, samples, tone, exposure, background, energy, specular_aa
@@ -143,6 +146,7 @@ def view(
             "film": film(exposure, tone, background),
         },
         "scan": None if scan is None else a_model(scan)._native,
+        "publish_scan": publish_scan,
     }
     with running(progress, threads) as run:
         native = _taotie.Viewer(seen._native, request, run)

@@ -45,6 +45,27 @@ test("verdict and warnings stand before everything else", async () => {
     assertQuiet(page);
 });
 
+test("a certificate comes first, and fills one sheet of paper", async () => {
+    // A4 within margins of 14 mm, in pixels of 1/96 inch.
+    const [width, height] = [210 - 28, 297 - 28].map((mm) => Math.floor((mm * 96) / 25.4));
+    const page = await open(browser, "certificate.html", [width, height]);
+    await page.emulateMedia({ media: "print" });
+    const box = (selector) =>
+        page.locator(selector).first().evaluate((element) => {
+            const { top, bottom, right } = element.getBoundingClientRect();
+            return { top: top + scrollY, bottom: bottom + scrollY, right };
+        });
+    const [statement, feature, viewer] = await Promise.all([".statement", ".feature", ".viewer"].map(box));
+    assert(statement.bottom <= height, `${statement.bottom} of ${height}`);
+    assert(statement.bottom <= feature.top && feature.bottom <= viewer.top, "certificate, worst patch, pictures");
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+    assert(wide <= width, `${wide} of ${width}`);
+    const after = await page.locator(".statement").evaluate((element) => getComputedStyle(element).breakAfter);
+    assert.equal(after, "page");
+    assert.equal(await page.locator(".side-by-side img").count(), 3);
+    assertQuiet(page);
+});
+
 const column = (page, nth) => page.locator(`td:nth-child(${nth})`).allTextContents();
 
 test("tables are sorted and copied", async () => {

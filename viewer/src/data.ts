@@ -91,7 +91,6 @@ export interface ErrorMap {
     width: number;
     height: number;
     from: number;
-    mean: number;
 }
 
 /** Angles between the normals of asset and scan, and the distance of their shapes, in the unit of the model. */
@@ -100,6 +99,8 @@ export interface Errors {
     top: number;
     stops: [number, number, number][];
     steps: number;
+    /** The mean on the surface as the proof has it, degrees. */
+    mean: number | null;
     rms: number;
     hausdorff: number;
 }

@@ -39,7 +39,7 @@ export class ErrorMaps {
     /** Draws a surface in the colours of its errors, which are codes of sRGB. */
     material(surface: number): RawShaderMaterial {
         const map = this.errors.maps[surface];
-        const colors = this.texture(map ?? { width: 1, height: 1, from: 0, mean: 0 }, !map);
+        const colors = this.texture(map ?? { width: 1, height: 1, from: 0 }, !map);
         return plain(FRAGMENT, { colors: { value: colors } });
     }
 

@@ -11,14 +11,12 @@ export function legend(viewer: Viewer): HTMLElement | undefined {
     if (!errors) return undefined;
     const bar = make("div", { class: "bar" });
     bar.style.background = `linear-gradient(to right, ${errors.stops.map((stop) => `rgb(${stop.join()})`).join()})`;
-    const means = errors.maps.flatMap((map) => (map ? [map.mean] : []));
-    const mean = means.reduce((sum, each) => sum + each, 0) / Math.max(means.length, 1);
     const here = make("output", {}, "");
     const all = make(
         "div",
         { class: "legend" },
         bar,
-        make("p", {}, texts.legend(errors.top, mean)),
+        make("p", {}, texts.legend(errors.top, errors.mean)),
         make("p", {}, texts.shape(lengthText(errors.rms, in_metres), lengthText(errors.hausdorff, in_metres))),
         here,
     );

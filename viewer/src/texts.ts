@@ -43,8 +43,9 @@ export const texts = {
     besides: { none: "nothing", smooth: "without its map", scan: "the scan" } as Record<string, string>,
     wipe: "Wipe",
     wiped: (split: number) => `${Math.round(split * 100)} % of the width`,
-    legend: (top: number, mean: number) =>
-        `Angle between the normals of model and scan, 0° to ${top}° and more; mean ${mean.toFixed(2)}°. Grey: not measured.`,
+    legend: (top: number, mean: number | null) =>
+        `Angle between the normals of model and scan on the surface, 0° to ${top}° and more` +
+        `${mean === null ? "" : `; mean ${mean.toFixed(3)}°`}. Grey: not measured.`,
     errorHere: (degrees: number | undefined) =>
         degrees === undefined ? "not measured here" : `${degrees.toFixed(2)}° under the pointer`,
     shape: (rms: string, most: string) => `Shape: ${rms} from the scan (root mean square), at most ${most}.`,

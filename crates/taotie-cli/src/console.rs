@@ -3,6 +3,7 @@
 use anyhow::Result;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, Write};
+use std::path::Path;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -74,6 +75,11 @@ pub fn say_warnings(warnings: &Warnings) {
 /// Warnings as JSON.
 pub fn json_warnings(warnings: &Warnings) -> serde_json::Value {
     warnings.iter().map(|(what, count)| serde_json::json!({ "what": what, "count": count })).collect()
+}
+
+/// The name of a file without its folders, which are private.
+pub fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// The causes of an error from the outside in.

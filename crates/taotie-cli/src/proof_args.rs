@@ -1,7 +1,8 @@
 //! Options of a proof that `bake` and `verify` share.
 
 use clap::Args;
-use taotie::asset::{Requirement, VerifyOptions};
+use taotie::asset::{Requirement, Signature, VerifyOptions};
+use taotie_report::bake_page;
 
 /// What is measured, and what it has to be.
 #[derive(Args)]
@@ -24,6 +25,12 @@ pub struct ProofArgs {
     /// Width and height of the images from all sides that are compared, 11 to 4096 pixels
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(11..=4096), default_value_t = 384)]
     proof_view: u32,
+    /// Date to print on the certificate; none is taken from the machine, so that the output stays reproducible
+    #[arg(long, value_name = "TEXT")]
+    date: Option<String>,
+    /// Name of the operator to print on the certificate
+    #[arg(long, value_name = "TEXT")]
+    operator: Option<String>,
 }
 
 /// One requirement, or several that have a name.
@@ -40,9 +47,19 @@ impl ProofArgs {
         self.require.iter().flat_map(|required| required.0.clone()).collect()
     }
 
+    /// Returns the date and the operator of the certificate.
+    pub fn signature(&self) -> Signature {
+        Signature { date: self.date.clone(), operator: self.operator.clone() }
+    }
+
     /// Returns the way in which the error is measured.
     pub fn options(&self) -> VerifyOptions {
         let (points, view) = (self.proof_points as usize, self.proof_view);
         VerifyOptions { points, view, requirements: self.requirements(), ..VerifyOptions::default() }
+    }
+
+    /// Returns the same, with pictures of the worst patches if a page is written.
+    pub fn options_of_page(&self, is_written: bool) -> VerifyOptions {
+        VerifyOptions { patch_view: if is_written { bake_page::PATCH_VIEW } else { 0 }, ..self.options() }
     }
 }

@@ -10,7 +10,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use taotie::Progress;
-use taotie::asset::{self, Limits, Report, Requirement, Scan, ScanFile, ScanOptions, Warning};
+use taotie::asset::{self, Certificate, Limits, Report, Requirement, Scan, ScanFile, ScanOptions, Warning};
 use taotie_report::bake_page;
 
 const EXAMPLES: &str = "\
@@ -53,6 +53,7 @@ impl VerifyArgs {
         if self.threads == Some(0) {
             bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
         }
+        self.proof.signature().check()?;
         match &self.output {
             Some(path) if !path.extension().is_some_and(|end| end.eq_ignore_ascii_case("html")) => {
                 bail!("{}: the page of a proof is written as .html", path.display())
@@ -95,10 +96,12 @@ fn verify(args: &VerifyArgs) -> Result<Report> {
     let progress = Progress::new(&listener);
     let scan = read_scan(args, &args.limits.limits(), progress)?;
     console::say_warnings(scan.warnings());
-    let proof = asset::verify(&args.asset, &scan, &args.proof.options(), progress)?;
+    let options = args.proof.options_of_page(args.output.is_some());
+    let proof = asset::verify(&args.asset, &scan, &options, progress)?;
     console::say_warnings(&proof.warnings);
     let mut report = Report::of_proof(&args.asset, &scan, &proof)?;
-    report.required = proof.require(&args.proof.requirements());
+    let proved = (&proof.figures, &options);
+    report.certificate = Some(Certificate::of_file(&args.asset, &scan, proved, &args.proof.signature())?);
     report.stages = clock.done();
     if let [html, json] = &pages[..] {
         let page = bake_page::page(&report, &proof, None)?;

@@ -11,9 +11,10 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::sync::Arc;
 use taotie::asset::{
-    BakeOptions, Baker, Figures, Limits, MeshSource, Met, Packing, Proof, RayDistance, Report, Requirement,
-    VerifyOptions,
+    BakeOptions, Baker, Certificate, Figures, Limits, MeshSource, Met, Packing, Proof, RayDistance, Report,
+    Requirement, Signature, VerifyOptions,
 };
+use taotie::length::Unit;
 use taotie::names::Named;
 use taotie::{Progress, Result};
 
@@ -175,15 +176,30 @@ impl Written {
     }
 
     /// Returns the report that the command writes, as JSON, with a proof's figures and requirements where there are any.
-    fn report(&self, py: Python<'_>, figures: Option<Options>, required: Vec<String>) -> PyResult<String> {
-        let mut report = Report::of(&self.written).map_err(|error| exception(py, &error))?;
-        if let Some(figures) = figures {
-            let figures = figures.read::<Figures>()?;
-            report.required = met(py, &figures, &required)?;
+    fn report(&self, py: Python<'_>, proved: Option<Proved>, required: Vec<String>) -> PyResult<String> {
+        let wrong = |error| exception(py, &error);
+        let mut report = Report::of(&self.written).map_err(wrong)?;
+        if let Some(Proved { figures, options }) = proved {
+            let (figures, options) = (figures.read::<Figures>()?, options.read::<VerifyOptions>()?);
+            let options = VerifyOptions {
+                requirements: requirements(&required, figures.unit).map_err(wrong)?,
+                ..options
+            };
+            let certificate =
+                Certificate::of_written(&self.written, &figures, &options, &Signature::default());
+            report.certificate = Some(certificate.map_err(wrong)?);
             report.proof = Some(figures);
         }
         serde_json::to_string(&report).map_err(no_json)
     }
+}
+
+/// The figures of a proof and the options that it was made with.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Proved {
+    figures: Options,
+    options: Options,
 }
 
 /// Reads an asset's file and measures how far it is from the model: figures, maps of errors, warnings.
@@ -224,20 +240,18 @@ fn told<'py>(py: Python<'py>, proof: &Proof) -> PyResult<Bound<'py, PyDict>> {
     Ok(found)
 }
 
-fn met(py: Python<'_>, figures: &Figures, required: &[String]) -> PyResult<Vec<Met>> {
-    let required = required.iter().map(|text| Requirement::read(text)).collect::<Result<Vec<_>>>();
-    let required = required.map(|all| all.concat()).and_then(|all| {
-        Requirement::check_unit(&all, figures.unit)?;
-        Ok(figures.require(&all))
-    });
-    required.map_err(|error| exception(py, &error))
+/// Reads requirements of a scan in a unit as the command does.
+fn requirements(required: &[String], unit: Option<Unit>) -> Result<Vec<Requirement>> {
+    let read = required.iter().map(|text| Requirement::read(text)).collect::<Result<Vec<_>>>()?.concat();
+    Requirement::check_unit(&read, unit)?;
+    Ok(read)
 }
 
 /// Holds requirements, as the command reads them, against figures; returns each as JSON, with its text.
 #[pyfunction]
 pub fn require(py: Python<'_>, figures: Options, required: Vec<String>) -> PyResult<Vec<(String, String)>> {
     let figures = figures.read::<Figures>()?;
-    let met = met(py, &figures, &required)?;
+    let met = figures.require(&requirements(&required, figures.unit).map_err(|error| exception(py, &error))?);
     let pair = |met: &Met| Ok((serde_json::to_string(met)?, format!("{} {}", met.figure.name(), met.text())));
     met.iter().map(pair).collect::<serde_json::Result<_>>().map_err(no_json)
 }

@@ -24,6 +24,8 @@ pub struct ViewRequest {
     image: Options,
     /// The scan that the model was baked from.
     scan: Option<Py<Model>>,
+    /// `true` if the page shows the scan itself.
+    publish_scan: bool,
 }
 
 /// A page and the files beside it.
@@ -47,6 +49,7 @@ impl Viewer {
         let (setup, image) = (request.setup.read::<Setup>()?, request.image.read::<Request>()?);
         let scan = request.scan.as_ref().map(Py::get);
         let look = Look { title: &request.title, setup: &setup, image: &image };
+        let scan = scan.map(|scan| (scan, request.publish_scan));
         work::run(py, &running, |progress| look.viewer(model, scan, progress.begin("view")?))
     }
 
@@ -78,14 +81,14 @@ struct Look<'a> {
 }
 
 impl Look<'_> {
-    fn viewer(&self, model: &Model, scan: Option<&Model>, progress: Progress<'_>) -> Result<Viewer> {
+    fn viewer(&self, model: &Model, scan: Option<(&Model, bool)>, progress: Progress<'_>) -> Result<Viewer> {
         let mut warnings = Warnings::default();
         let environment = self.setup.environment.load_within(&Default::default(), &mut warnings)?;
         // The surface's attributes are made for the best method; the page shows the one asked for.
         let best = SurfaceSettings { method: None, ..self.setup.surface };
         let prepared = Prepared::new(model.loaded.scene.clone(), &best)?;
         warnings.absorb(prepared.warnings().clone());
-        let scan = scan.map(|scan| Beside::of(scan, model, progress, &mut warnings)).transpose()?;
+        let scan = scan.map(|scan| ShownScan::of(scan, model, progress, &mut warnings)).transpose()?;
         let framing = Framing { size: [1024; 2], all_around: false };
         let viewpoint = Viewpoint::choose(&self.image.camera, framing, prepared.scene())?;
         let view = viewpoint.at(0.0);
@@ -99,7 +102,8 @@ impl Look<'_> {
             camera: &view.camera(),
             lighting: &self.image.lights()?.lighting(environment.as_ref(), prepared.scene(), view),
             development: &self.image.development()?,
-            scan: scan.as_ref().map(Beside::subject),
+            quality: None,
+            scan: scan.as_ref().map(ShownScan::subject),
             errors: None,
         })?;
         warnings.absorb(viewer.warnings.clone());
@@ -113,21 +117,30 @@ impl Look<'_> {
     }
 }
 
-/// The scan beside a model.
-struct Beside {
-    shown: Prepared,
+/// The scan of a model.
+struct ShownScan {
     scan: taotie::asset::Scan,
+    published: Option<Prepared>,
 }
 
-impl Beside {
-    /// Takes a scan in the space of the model that was baked from it.
-    fn of(high: &Model, model: &Model, progress: Progress<'_>, warnings: &mut Warnings) -> Result<Self> {
+impl ShownScan {
+    /// Reads a model as a scan in the space of the one that was baked from it, to be published or not.
+    fn of(
+        (high, is_published): (&Model, bool),
+        model: &Model,
+        progress: Progress<'_>,
+        warnings: &mut Warnings,
+    ) -> Result<Self> {
         let (scene, scan) = high.scan_beside(model, progress)?;
-        let scene = viewer::scene_to_show(&scene, scan.sorted(), warnings)?;
-        Ok(Self { shown: Prepared::new(scene, &SurfaceSettings::default())?, scan })
+        let mut published = None;
+        if is_published {
+            let scene = viewer::scene_to_show(&scene, scan.sorted(), warnings)?;
+            published = Some(Prepared::new(scene, &SurfaceSettings::default())?);
+        }
+        Ok(Self { scan, published })
     }
 
     fn subject(&self) -> ScanSubject<'_> {
-        ScanSubject { shown: &self.shown, high: self.scan.sorted() }
+        ScanSubject { measured: &self.scan, published: self.published.as_ref() }
     }
 }

@@ -1,5 +1,6 @@
 //! The data of a page. Serialised, it is what `page/main.js` documents and reads.
 
+use crate::statement::Statement;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::ser::SerializeStruct;
@@ -16,6 +17,10 @@ pub struct Page {
     pub notices: Vec<Notice>,
     /// A compact list below that.
     pub facts: Vec<Fact>,
+    /// The statement that follows, on a sheet of its own if the page is printed.
+    pub statement: Option<Statement>,
+    /// Pictures side by side, ahead of all others.
+    pub features: Vec<View>,
     /// Pictures, a tab for each view.
     pub views: Vec<View>,
     /// Text, tables and histograms below the pictures, in order.
@@ -156,6 +161,15 @@ pub enum Section {
         /// The counts, a panel each.
         series: Vec<Series>,
     },
+    /// Lines that are worth a look.
+    Notices {
+        /// Heading.
+        title: String,
+        /// Above the lines.
+        note: String,
+        /// The lines.
+        notices: Vec<Notice>,
+    },
 }
 
 /// A column of a table.
@@ -187,6 +201,8 @@ impl Column {
 pub enum Cell {
     /// Words.
     Text(String),
+    /// Text for machines, such as a hash.
+    Code(String),
     /// A number.
     Number {
         /// `None`, and every value that is not finite, is shown as missing.

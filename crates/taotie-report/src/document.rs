@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 const STYLE: &str = include_str!("page.css");
 
 /// The script in parts; the last one begins.
-const SCRIPT: [&str; 13] = [
+const SCRIPT: [&str; 14] = [
     "\"use strict\";\n",
     include_str!("page/dom.js"),
     include_str!("page/numbers.js"),
@@ -20,6 +20,7 @@ const SCRIPT: [&str; 13] = [
     include_str!("page/view.js"),
     include_str!("page/viewer.js"),
     include_str!("page/table.js"),
+    include_str!("page/statement.js"),
     include_str!("page/histogram.js"),
     include_str!("page/main.js"),
 ];

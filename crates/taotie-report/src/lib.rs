@@ -30,6 +30,7 @@ pub mod heat_map;
 mod images;
 mod picture;
 pub mod sheet;
+mod statement;
 pub mod summary;
 pub mod swatches;
 pub mod table;
@@ -37,3 +38,4 @@ pub mod viewer;
 
 pub use data::{Cell, Column, Fact, Legend, Notice, Page, Picture, Section, Series, Tone, View};
 pub use document::html;
+pub use statement::{PlainTable, Statement};

@@ -3,9 +3,11 @@
 use super::{Work, named};
 use crate::address::VERSION;
 use crate::objects::{AssetObject, entries};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use taotie::Result;
-use taotie::asset::{Baker, Proof, Report, ScanFile, Warning, Written};
+use taotie::asset::{
+    Baker, Certificate, Proof, Report, ScanFile, Signature, VerifyOptions, Warning, Written,
+};
 use taotie::io::FileSet;
 use taotie_report::bake_page;
 
@@ -24,9 +26,13 @@ pub fn make(work: &Work<'_>, file: ScanFile, address: &str) -> Result<AssetObjec
     let asset = baker.bake(&scan, progress)?;
     let written = asset.write_in(&files, &path, &settings.packing, progress)?;
     let mut report = Report::of(&written)?;
-    let proof = written.verify(scan, &settings.verify, progress)?;
+    let patch_view = if settings.report { bake_page::PATCH_VIEW } else { 0 };
+    let options = VerifyOptions { patch_view, ..settings.verify.clone() };
+    let proof = written.verify(scan, &options, progress)?;
     report.warnings.extend(Warning::list(&proof.warnings));
     report.proof = Some(proof.figures.clone());
+    let certificate = Certificate::of_written(&written, &proof.figures, &options, &Signature::default());
+    report.certificate = Some(certificate?);
     let mut all = written.files().to_vec();
     if settings.report {
         all.extend(told(report.clone(), &proof, &written, &files)?);
@@ -47,22 +53,14 @@ pub fn make(work: &Work<'_>, file: ScanFile, address: &str) -> Result<AssetObjec
     Ok(object)
 }
 
-/// Writes the report: a page and JSON. Neither tells of folders or times, which others do not share.
+/// Writes the report: a page and JSON. Neither states folders or times, which others do not share.
 fn told(mut report: Report, proof: &Proof, written: &Written, files: &FileSet) -> Result<[PathBuf; 2]> {
-    report.high = name_of(Path::new(&report.high)).to_string_lossy().into_owned();
-    report.low = report.low.map(|low| name_of(Path::new(&low)).to_string_lossy().into_owned());
-    report.maps.iter_mut().flat_map(|map| &mut map.file).for_each(|file| *file = name_of(file));
     let [html, json] = ["report.html", "report.json"].map(|kind| written.path().with_extension(kind));
     report.files.extend([html.clone(), json.clone()]);
-    report.files.iter_mut().for_each(|file| *file = name_of(file));
     files.write_text(
         &html,
         &taotie_report::html(&bake_page::page_of_collection(&report, proof, Some(written.asset()))?),
     )?;
     files.write_text(&json, &serde_json::to_string_pretty(&report).expect("all keys are text"))?;
     Ok([html, json])
-}
-
-fn name_of(path: &Path) -> PathBuf {
-    path.file_name().unwrap_or_default().into()
 }

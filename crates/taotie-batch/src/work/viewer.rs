@@ -13,5 +13,6 @@ use taotie_report::viewer::AssetSubject;
 pub fn page(model: &Path, (path, files): Target<'_>, work: &Work<'_>) -> Result<()> {
     let limits = Limits { memory: work.limit(), ..Limits::default() };
     let subject = AssetSubject { path: model, title: &work.stem(), limits: &limits, errors: None };
-    files.write_text(path, &subject.viewer()?.html())
+    let (page, _) = subject.page(&|viewer| viewer.html())?;
+    files.write_text(path, &page)
 }

@@ -126,7 +126,7 @@ pub struct BakeArgs {
     #[command(flatten)]
     pub proof: ProofArgs,
     /// Do not measure the error and write no report
-    #[arg(long, help_heading = "Proof", conflicts_with_all = ["require", "proof_points", "proof_view"])]
+    #[arg(long, help_heading = "Proof", conflicts_with_all = ["require", "proof_points", "proof_view", "date", "operator"])]
     pub no_verify: bool,
 
     #[command(flatten)]
@@ -237,6 +237,7 @@ impl BakeArgs {
             bail!("--green down: no normal or bent map in tangent space is baked; bake one, or leave it out");
         }
         self.check_unread()?;
+        self.proof.signature().check()?;
         Ok(self.packing().check()?)
     }
 

@@ -3,7 +3,7 @@
 mod args;
 pub mod clock;
 mod purpose;
-mod scan_args;
+pub mod scan_args;
 mod schedule;
 pub mod text;
 
@@ -14,7 +14,9 @@ use crate::{Outcome, console, stop, studio};
 use anyhow::Result;
 use clock::Clock;
 use schedule::Schedule;
-use taotie::asset::{Baker, Limits, Need, Proof, Report, Requirement, ScanFile, Warning};
+use taotie::asset::{
+    Baker, Certificate, Limits, Need, Proof, Report, Requirement, ScanFile, Warning, Written,
+};
 use taotie::io::FileSet;
 use taotie::{Progress, Warnings};
 use taotie_report::bake_page;
@@ -60,12 +62,12 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
     let mut report = Report::of(&written)?;
     let proved = match args.no_verify {
         true => None,
-        false => Some(written.verify(scan, &args.proof.options(), progress)),
+        false => Some(written.verify(scan, &args.proof.options_of_page(true), progress)),
     };
     report.stages = clock.done();
     if let Some(proof) = proved {
         let proof = proof?;
-        tell(args, &mut report, &proof);
+        tell(args, &mut report, (&written, &proof))?;
         let shown = args.shown_model().map(|path| files.current(path));
         let page = bake_page::page(&report, &proof, Some(written.asset()))?;
         let (page, warnings) = match &shown {
@@ -97,10 +99,12 @@ fn check_memory(args: &BakeArgs, baked: &Need, limits: Limits) -> Result<()> {
 }
 
 /// Puts what was measured into the report.
-fn tell(args: &BakeArgs, report: &mut Report, proof: &Proof) {
+fn tell(args: &BakeArgs, report: &mut Report, (written, proof): (&Written, &Proof)) -> Result<()> {
+    let (options, signature) = (args.proof.options(), args.proof.signature());
     console::say_warnings(&proof.warnings);
     report.warnings.extend(Warning::list(&proof.warnings));
     report.proof = Some(proof.figures.clone());
-    report.required = proof.require(&args.proof.requirements());
+    report.certificate = Some(Certificate::of_written(written, &proof.figures, &options, &signature)?);
     report.files.extend(args.reports());
+    Ok(())
 }

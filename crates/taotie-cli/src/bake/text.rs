@@ -42,7 +42,7 @@ pub fn of(report: &Report) -> String {
         }
         table.row(["bytes".into(), format!("{} in, {} out", figures.bytes_in, figures.bytes_out)]);
     }
-    let required = report.required.iter().map(|met| requirement(met, &report.triangles));
+    let required = report.required().iter().map(|met| requirement(met, &report.triangles));
     required.for_each(|line| table.row(["required".into(), line]));
     text += &table.lines(0);
     for file in &report.files {

@@ -79,8 +79,8 @@ fn compare_files(args: &CompareArgs, places: &Places<'_>) -> Result<Written> {
     let camera = viewpoint.camera(0.0);
     let options = ComparisonOptions { camera: Some(camera), lighting: Some(lighting), ..options(args)? };
     reserve(files, &options, output)?;
-    let name = model.display().to_string();
-    let reference_name = args.reference.as_ref().map(|path| path.display().to_string());
+    let name = console::name_of(model);
+    let reference_name = args.reference.as_deref().map(console::name_of);
     let mut subject = Subject::new(&name, &loaded.scene);
     if let (Some(name), Some(reference)) = (&reference_name, &reference) {
         subject = subject.with_reference(name, reference);

@@ -1,11 +1,11 @@
 //! The options of light, camera and film, shared by the subcommands that take pictures of a model.
 
 use crate::limits::LimitArgs;
-use crate::options;
+use crate::{console, options};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use taotie::Warnings;
 use taotie::asset::Limits;
 use taotie::film::{Development, ToneCurve};
@@ -110,7 +110,7 @@ impl LightArgs {
         match self.environment_name() {
             None => serde_json::Value::Null,
             Some(name) => json!({
-                "name": name,
+                "name": console::name_of(Path::new(name)),
                 "rotate_deg": self.rotation_deg(),
                 "intensity": self.intensity(),
                 "seen": self.show_env,

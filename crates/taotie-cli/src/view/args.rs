@@ -1,5 +1,6 @@
 //! The options of `taotie view`.
 
+use crate::bake::scan_args::ScanArgs;
 use crate::limits::LimitArgs;
 use crate::studio::{
     self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, SurfaceArgs,
@@ -40,9 +41,14 @@ pub struct ViewArgs {
     /// API, `manifest-3.json` by version 3
     #[arg(long, value_name = "URL", requires = "folder", value_parser = web_address)]
     pub address: Option<String>,
-    /// The scan that the model was baked from: the page shows it beside the model, and the error of the model's normals
+    /// The scan that the model stands for: the page shows the measured error on the model, but no part of the scan
     #[arg(long, value_name = "SCAN")]
     pub scan: Option<PathBuf>,
+    /// Put the scan itself into the page, to be shown next to the model under a wipe
+    #[arg(long, requires = "scan")]
+    pub publish_scan: bool,
+    #[command(flatten)]
+    pub reading: ScanArgs,
     /// Views that the page offers: a JSON list of { "title", "text", "link" }, as a page saves it
     #[arg(long, value_name = "FILE")]
     pub bookmarks: Option<PathBuf>,

@@ -10,12 +10,12 @@ use anyhow::{Context, Result};
 use args::FRAMING;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use taotie::Warnings;
-use taotie::asset::{Bytes, ScanOptions, into_metres, model_unit};
-use taotie::bake;
+use taotie::asset::{Bytes, Scan, ScanFile, ScanOptions, into_metres, model_unit};
 use taotie::io::{FileSet, load_model_within};
+use taotie::length::Unit;
 use taotie::math::SimdLevel;
 use taotie::render::{Prepared, SurfaceSettings, scene_bytes};
+use taotie::{Progress, Warnings};
 use taotie_report::viewer::{self, ScanSubject, Subject, Viewer};
 
 /// Version of the JSON that `--json` prints.
@@ -60,7 +60,9 @@ fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<V
     let best = SurfaceSettings { method: None, ..settings.surface };
     let prepared = Prepared::new(loaded.scene, &best).with_context(|| args.model.display().to_string())?;
     warnings.absorb(prepared.warnings().clone());
-    let scan = args.scan.as_deref().map(|path| Scan::read(path, args, files, warnings)).transpose()?;
+    let is_in_metres = unit == Some(Unit::Metre);
+    let scan = args.scan.as_deref().map(|path| ShownScan::read((path, is_in_metres), args, files, warnings));
+    let scan = scan.transpose()?;
     let viewpoint = Viewpoint::choose(&args.camera, FRAMING, prepared.scene())?;
     let view = viewpoint.at(0.0);
     let viewer = Viewer::new(&Subject {
@@ -73,32 +75,52 @@ fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<V
         camera: &view.camera(),
         lighting: &studio::lighting(&args.light, environment.as_ref(), prepared.scene(), view)?,
         development: &args.film.development(SimdLevel::default())?,
-        scan: scan.as_ref().map(|scan| ScanSubject { shown: &scan.shown, high: &scan.high }),
+        quality: None,
+        scan: scan.as_ref().map(ShownScan::subject),
         errors: None,
     })?;
     warnings.absorb(viewer.warnings.clone());
     Ok(viewer)
 }
 
-/// The scan beside a model.
-struct Scan {
-    shown: Prepared,
-    high: bake::Scan,
+/// The scan of a model.
+struct ShownScan {
+    scan: Scan,
+    published: Option<Prepared>,
 }
 
-impl Scan {
-    fn read(path: &Path, args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<Self> {
+impl ShownScan {
+    /// Reads the scan of a model as the options say, else as the model records it; into metres if the model is.
+    fn read(
+        (path, is_in_metres): (&Path, bool),
+        args: &ViewArgs,
+        files: &FileSet,
+        warnings: &mut Warnings,
+    ) -> Result<Self> {
         let (limits, what) = (args.limits.limits(), path.display().to_string());
         let mut loaded = load_model_within(path, &limits).context("--scan")?;
-        let recorded = ScanOptions::recorded(&args.model, &limits)?;
-        into_metres(&mut loaded.scene, recorded.unit).with_context(|| what.clone())?;
+        let mut options = args.reading.options().or(ScanOptions::recorded(&args.model, &limits)?);
+        if is_in_metres {
+            into_metres(&mut loaded.scene, options.unit).with_context(|| what.clone())?;
+            options.unit = options.unit.map(|_| Unit::Metre);
+        }
         files.protect(&loaded.files)?;
-        limits.check(format!("a page of {what}"), Bytes(COPIES * scene_bytes(&loaded.scene)))?;
-        warnings.absorb(loaded.warnings);
-        let high = bake::Scan::new(loaded.scene.clone()).with_context(|| what.clone())?;
-        let scene = viewer::scene_to_show(&loaded.scene, &high, warnings).with_context(|| what.clone())?;
-        let shown = Prepared::new(scene, &SurfaceSettings::default()).context(what)?;
-        Ok(Self { shown, high })
+        let scene = args.publish_scan.then(|| loaded.scene.clone());
+        let file = ScanFile::from_loaded(loaded, path, &limits)?.with_options(options);
+        let scan = file.into_scan(Progress::SILENT)?;
+        warnings.absorb(scan.warnings().clone());
+        let Some(scene) = scene else {
+            console::say("the page holds no part of the scan; --publish-scan shows it under the wipe");
+            return Ok(Self { scan, published: None });
+        };
+        limits.check(format!("a page of {what}"), Bytes(COPIES * scene_bytes(&scene)))?;
+        let scene = viewer::scene_to_show(&scene, scan.sorted(), warnings).with_context(|| what.clone())?;
+        let published = Some(Prepared::new(scene, &SurfaceSettings::default()).context(what)?);
+        Ok(Self { scan, published })
+    }
+
+    fn subject(&self) -> ScanSubject<'_> {
+        ScanSubject { measured: &self.scan, published: self.published.as_ref() }
     }
 }
 
@@ -135,9 +157,9 @@ fn report(args: &ViewArgs, written: &[PathBuf], warnings: &Warnings) -> serde_js
     json!({
         "schema": SCHEMA,
         "version": env!("CARGO_PKG_VERSION"),
-        "model": args.model.to_string_lossy(),
-        "files": written.iter().map(|path| path.to_string_lossy()).collect::<Vec<_>>(),
-        "scan": args.scan.as_ref().map(|path| path.to_string_lossy()),
+        "model": console::name_of(&args.model),
+        "files": written.iter().map(|path| console::name_of(path)).collect::<Vec<_>>(),
+        "scan": args.scan.as_deref().map(console::name_of),
         "environment": args.light.environment_json(),
         "warnings": console::json_warnings(warnings),
     })

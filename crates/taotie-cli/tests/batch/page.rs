@@ -1,6 +1,7 @@
 //! The collection's page, and what lies beside it.
 
 use crate::collection::{Collection, QUICK};
+use crate::files::all_files_below;
 use serde_json::Value;
 
 #[test]
@@ -39,4 +40,27 @@ fn assets_that_nobody_has_attempted_stand_on_the_page_too() {
     let data: Value =
         serde_json::from_slice(&std::fs::read(collection.path("out/collection.json")).unwrap()).unwrap();
     assert_eq!(data["assets"][0]["state"], "waiting");
+}
+
+#[test]
+fn nothing_that_is_written_names_a_folder_of_the_machine() {
+    let collection = Collection::of_balls(1);
+    collection.write("scans/broken.obj", "v 1 2\n");
+    collection.configure(&format!("report = true\nviewer = true\n{QUICK}"));
+    let mut command = collection.command("--json");
+    // Named by its whole path, from another folder.
+    let output = command.arg(collection.path("collection.toml")).current_dir(std::env::temp_dir()).output();
+    let output = output.expect("the command runs");
+    let folder = collection.path("").to_string_lossy().trim_end_matches('/').to_owned();
+    let names_it = |bytes: &[u8]| bytes.windows(folder.len()).any(|window| window == folder.as_bytes());
+    let files = all_files_below(&collection.path("out"));
+    assert!(files.iter().any(|file| file.to_string_lossy().ends_with(".report.html")), "{files:?}");
+    for file in files {
+        assert!(
+            !names_it(&std::fs::read(&file).expect("it can be read")),
+            "{} names {folder}",
+            file.display()
+        );
+    }
+    assert!(!names_it(&output.stdout), "{}", String::from_utf8_lossy(&output.stdout));
 }

@@ -4,7 +4,10 @@ use std::path::Path;
 use std::process::Command;
 use taotie::image::Encoding;
 use taotie::io::{PngColor, PngImage, PngSamples, encode_png};
-use taotie_report::{Cell, Column, Fact, Legend, Notice, Page, Picture, Section, Series, Tone, View, html};
+use taotie_report::{
+    Cell, Column, Fact, Legend, Notice, Page, Picture, PlainTable, Section, Series, Statement, Tone, View,
+    html,
+};
 
 const RED: [u8; 3] = [200, 30, 30];
 const GREEN: [u8; 3] = [30, 160, 60];
@@ -93,6 +96,54 @@ fn full() -> Page {
         views: views(),
         sections: vec![prose, table(), histogram()],
         footer: "the end".into(),
+        ..Page::default()
+    }
+}
+
+/// As long a certificate as there is: ten requirements, as many figures, sixteen files.
+fn certificate() -> Page {
+    let words = |names: &[&str]| names.iter().map(|name| Column::words(*name)).collect();
+    let table = |title: &str, columns, row: Vec<Cell>, count: usize| PlainTable {
+        title: title.into(),
+        note: "Means and quantiles lie within their interval with a confidence of 99 %. ".repeat(2),
+        columns,
+        rows: vec![row; count],
+    };
+    let judged = || Cell::Mark { text: "not met".into(), tone: Tone::Bad, why: String::new() };
+    let texts = |texts: &[&str]| texts.iter().map(|text| Cell::text(*text)).collect::<Vec<_>>();
+    let figure = ["normal error, mean in the worst 1 % of the surface", "on the surface"];
+    let values = ["1.2346°", "1.2345° to 1.2347°", "≤ 1°"];
+    let required = [texts(&figure), texts(&["0"]), texts(&values), vec![judged()]].concat();
+    let measured = [texts(&figure), texts(&values[..2])].concat();
+    let file = [
+        texts(&["map: metallic roughness, occlusion", "a-scan-with-a-rather-long-name.height.png"]),
+        vec![Cell::number(12_345_678.0, 0), Cell::Code("0123456789abcdef".repeat(4))],
+    ];
+    let columns = words(&["required", "shown by", "level", "value", "interval", "limit", "result"]);
+    let statement = Statement {
+        title: "Certificate".into(),
+        verdict: Notice::new("Not met: 1 of 10 requirements.", Tone::Bad),
+        facts: vec![Fact::new("Scan read with", "hard edges from 40°, normal maps with green down"); 10],
+        tables: vec![
+            table("Requirements", columns, required, 10),
+            table("Further figures", words(&["figure", "shown by", "value", "interval"]), measured, 10),
+            table("Files", words(&["file", "name", "bytes", "SHA-256"]), file.concat(), 16),
+        ],
+        command_note: "To recompute this certificate, run this in a folder that holds the files above:"
+            .into(),
+        command:
+            "taotie verify a-scan-with-a-rather-long-name.glb --scan a-scan-with-a-rather-long-name.ply "
+                .repeat(4),
+    };
+    let feature = View { name: "Worst patch".into(), ..views().remove(1) };
+    Page {
+        title: "a-scan-with-a-rather-long-name.ply".into(),
+        subtitle: "The scan, and the low-poly asset made from it".into(),
+        facts: vec![Fact::new("Maps", "2048 × 2048"), Fact::new("Carried over from the scan", "base colour")],
+        statement: Some(statement),
+        features: vec![feature],
+        views: views(),
+        ..Page::default()
     }
 }
 
@@ -133,6 +184,7 @@ pub fn write_all(folder: &Path) {
         ("views", of_views(views())),
         ("long", Page { sections: vec![table(), histogram()], ..of_views(views()) }),
         ("full", full()),
+        ("certificate", certificate()),
         ("empty", Page::default()),
         ("hollow", Page { sections: hollow().into(), ..of_views(vec![View::default()]) }),
         ("odd", of_views(odd())),

@@ -28,8 +28,9 @@ const MEAN: f64 = 1.0;
 const NEAR: u8 = 4;
 
 /// The shares of pixels that may lie beyond, by Chromium with SwiftShader and by Firefox with Mesa, of a few pictures: measured
-/// 0.0059 and 0.0006. SwiftShader places edges in sixteenths of a pixel, Mesa in 256ths.
-const FEW_BEYOND: [f64; 2] = [0.0065, 0.0008];
+/// 0.0062 and 0.00095. SwiftShader places edges in sixteenths of a pixel, Mesa in 256ths. The largest in Firefox is a Phong
+/// highlight on relief beyond the unmapped horizon, which is as bright as its neighbours are dark.
+const FEW_BEYOND: [f64; 2] = [0.0065, 0.00105];
 
 /// The same of all pictures. Measured 0.0194 and 0.0170, on models whose roughness is a map: Mesa filters it in 8 bits. By
 /// Firefox the demo's vessel reaches 0.0041.
@@ -192,7 +193,7 @@ fn write_proof(folder: &Path) {
         write_gltf(&folder.join(name), &asset, &GltfFormat::default()).unwrap();
     }
     let [low, high, page] = ["low.glb", "high.glb", "proof.html"].map(|name| text(&folder.join(name)));
-    let own = ["view".into(), low, "--scan".into(), high, "-o".into(), page];
+    let own = ["view".into(), low, "--scan".into(), high, "--publish-scan".into(), "-o".into(), page];
     run(&[own.to_vec(), words("--samples 1")].concat(), folder);
 }
 

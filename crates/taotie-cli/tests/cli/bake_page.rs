@@ -40,10 +40,10 @@ fn colors_are_proved_and_shown() {
     }
     assert!(!text.contains("not compared"), "{text}");
     let page = page(&place);
-    let verdict = &page["notices"][0];
+    let verdict = &page["statement"]["verdict"];
     assert_eq!(
         (verdict["tone"].as_str(), verdict["text"].as_str()),
-        (Some("good"), Some("Required and met: mean-color."))
+        (Some("good"), Some("All requirements are met."))
     );
     let views = names(&page["views"], "name");
     assert!(
@@ -64,10 +64,10 @@ fn colors_that_are_lost_fail_and_the_page_says_so_first() {
     let text = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
     assert!(text.contains("NOT met: mean-color is "), "{text}");
     let page = page(&place);
-    let verdict = &page["notices"][0];
+    let verdict = &page["statement"]["verdict"];
     assert_eq!(
         (verdict["tone"].as_str(), verdict["text"].as_str()),
-        (Some("bad"), Some("Required and NOT met: mean-color. Met: missed."))
+        (Some("bad"), Some("Not met: 1 of 2 requirements."))
     );
 }
 
@@ -77,13 +77,9 @@ fn a_scan_without_colors_says_that_none_were_looked_at() {
     place.write("low.obj", LOW.obj());
     place.taotie("bake scan.obj --low low.obj -o out.glb --size 64").assert().success();
     let page = page(&place);
-    let notices = names(&page["notices"], "text");
-    assert_eq!(
-        notices,
-        [
-            "Nothing was required of the asset: judge by the figures below.",
-            "Not looked at: colour and material, of which the scan says nothing.",
-        ]
-    );
+    let statement = &page["statement"];
+    assert_eq!(statement["verdict"]["text"], "Measured; nothing was required. The figures are below.");
+    let note = "Not compared: colour and material, of which the scan says nothing.";
+    assert_eq!(statement["tables"][0]["note"], note);
     assert!(!names(&page["views"], "name").iter().any(|name| name.starts_with("full")));
 }

@@ -14,6 +14,7 @@ struct BakeReport {
     schema: u32,
     kind: String,
     version: String,
+    certificate: Option<Certificate>,
     high: String,
     high_sha256: String,
     high_triangles: usize,
@@ -28,10 +29,69 @@ struct BakeReport {
     left: Vec<Left>,
     proof: Option<Proof>,
     bake: Option<BakeFigures>,
-    required: Vec<Met>,
     trials: Vec<Trial>,
     stages: Vec<Stage>,
     warnings: Vec<Counted>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Certificate {
+    verdict: String,
+    required: Vec<Met>,
+    figures: Vec<KeyFigure>,
+    not_compared: Vec<String>,
+    scan: Vec<HashedFile>,
+    scan_triangles: usize,
+    asset: Vec<HashedFile>,
+    triangles: Vec<usize>,
+    maps: Vec<HashedMap>,
+    program: String,
+    options: ProofOptions,
+    date: Option<String>,
+    operator: Option<String>,
+    command: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct KeyFigure {
+    figure: String,
+    value: f64,
+    interval: [f64; 2],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HashedFile {
+    name: String,
+    bytes: u64,
+    sha256: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HashedMap {
+    uses: String,
+    file: Option<String>,
+    bytes: Option<u64>,
+    sha256: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ProofOptions {
+    scan: ScanOptions,
+    points: usize,
+    view: u32,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ScanOptions {
+    crease_angle_deg: Option<f64>,
+    green: Option<String>,
+    unit: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -373,7 +433,12 @@ fn of_a_pair() {
     assert_eq!((bake.unproved_maps, bake.floor_8_bit), (vec!["heights".to_owned()], Some([0.17, 0.38])));
     assert!(proof.parts.is_empty() && normal.material.is_none(), "there is one material");
     assert_eq!(proof.bytes_out as usize, place.read("out.glb").len());
-    let [met] = report.required.as_slice() else { panic!("one figure was required") };
+    let certificate = report.certificate.expect("it was measured");
+    let [met] = certificate.required.as_slice() else { panic!("one figure was required") };
+    assert_eq!(
+        (certificate.verdict.as_str(), certificate.scan[0].sha256.as_str()),
+        ("met", report.high_sha256.as_str())
+    );
     assert_eq!((met.figure.as_str(), met.most, met.level, met.met), ("mean-angle", 9.0, Some(0), true));
     assert_eq!((met.value, met.interval), (Some(seen.mean), Some([low, high])));
     assert!(report.trials.is_empty() && report.warnings.is_empty());
@@ -392,6 +457,6 @@ fn of_a_scan_alone_without_proof() {
     let parameters = report.parameters.as_ref().expect("it was baked");
     assert_eq!((&parameters.dilation, &parameters.ray_distance), (&AutoOr::Given(2.0), &AutoOr::Given(0.1)));
     assert_eq!((parameters.triangles, parameters.size), (Some(800), Some(64)));
-    assert!(report.proof.is_none() && report.required.is_empty());
+    assert!(report.proof.is_none() && report.certificate.is_none());
     assert_eq!(report.files, ["out.glb"]);
 }

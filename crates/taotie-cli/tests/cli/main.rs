@@ -12,6 +12,7 @@ mod bake_page;
 mod bake_pairs;
 mod bake_scan;
 mod balls;
+mod certificate;
 mod compare;
 mod compare_paper;
 mod device;

@@ -53,7 +53,7 @@ fn an_asset_of_a_scan_in_millimetres_is_in_metres() {
     assert_eq!(with.bytes, without.bytes, "vertices and texels are the same");
     assert_valid(&place.path("out.glb"));
 
-    let distance = report["required"][0].clone();
+    let distance = report["certificate"]["required"][0].clone();
     let upper = report["proof"]["levels"][0]["hausdorff"]["upper"].as_f64().unwrap();
     assert_eq!(distance["is_length"], true);
     assert_eq!(distance["value"], json!(upper * 1e-3), "metres");
@@ -61,7 +61,7 @@ fn an_asset_of_a_scan_in_millimetres_is_in_metres() {
     // The asset records the unit.
     let verified = place.json(&format!("verify out.glb --scan scan.obj {QUICK} {gate}"));
     assert_eq!(verified["proof"], report["proof"]);
-    assert_eq!(verified["required"], report["required"]);
+    assert_eq!(verified["certificate"]["required"], report["certificate"]["required"]);
     let page = place
         .taotie(&format!("verify out.glb --scan scan.obj {}", QUICK.trim_end_matches(" --json")))
         .assert();

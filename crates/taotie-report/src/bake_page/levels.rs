@@ -9,10 +9,10 @@ use taotie::asset::{LevelFigures, Proof, ViewFigures, Views};
 /// Makes the table of all levels; `None` where there is one alone.
 pub fn table(levels: &[LevelFigures]) -> Option<Section> {
     let further = [
-        Column::numbers("as seen, mean", "°"),
-        Column::numbers("worst 1 %", "°"),
+        Column::numbers("overview, mean", "°"),
+        Column::numbers("close-up, worst 1 %", "°"),
         Column::numbers("shape error, at most", "% of the diagonal"),
-        Column::numbers("colour error as seen, mean", "ΔE00"),
+        Column::numbers("colour error, overview, mean", "ΔE00"),
         Column::numbers("FLIP", ""),
         Column::numbers("SSIM", ""),
     ];

@@ -51,7 +51,7 @@ pub fn view(field: &Field) -> Result<View> {
     let heat = HeatMap { field, title: "colour error", unit: "", map: ColorMap::Viridis, top: TOP };
     Ok(View {
         name: "colour error".into(),
-        note: "The difference of the base colours of asset and scan, CIEDE2000, laid out on the map.".into(),
+        note: "The difference of the base colours of asset and scan on the surface, CIEDE2000, laid out on the map.".into(),
         pictures: vec![Picture::new("colour error", "", &heat.plain())?],
         legend: Some(Legend::new("CIEDE2000", "", f64::from(TOP), ColorMap::Viridis)),
     })

@@ -2,7 +2,7 @@
 //!
 //! ```no_run
 //! use std::path::Path;
-//! use taotie::asset::{BakeOptions, Baker, Limits, Packing, Report, Scan, VerifyOptions};
+//! use taotie::asset::{BakeOptions, Baker, Certificate, Limits, Packing, Report, Scan, Signature, VerifyOptions};
 //! use taotie::{Progress, io};
 //!
 //! let quiet = Progress::SILENT;
@@ -10,49 +10,44 @@
 //! let asset = Baker::new(BakeOptions::default()).bake(&scan, quiet)?;
 //! let written = asset.write("scan.glb", &Packing::default(), quiet)?;
 //! let mut report = Report::of(&written)?;
-//! let proof = written.verify(scan, &VerifyOptions::default(), quiet)?;
-//! report.proof = Some(proof.figures.clone());
+//! let options = VerifyOptions { patch_view: taotie_report::bake_page::PATCH_VIEW, ..VerifyOptions::default() };
+//! let proof = written.verify(scan, &options, quiet)?;
+//! let certificate = Certificate::of_written(&written, &proof.figures, &options, &Signature::default())?;
+//! (report.proof, report.certificate) = (Some(proof.figures.clone()), Some(certificate));
 //! let page = taotie_report::bake_page::page(&report, &proof, Some(written.asset()))?;
 //! io::write_text(Path::new("scan.report.html"), &taotie_report::html(&page))?;
 //! # Ok::<(), taotie::Error>(())
 //! ```
 
+mod certificate;
 mod levels;
 mod material;
 mod misses;
 mod normal_errors;
 mod notices;
 mod parts;
+mod patches;
 mod sections;
 mod views;
 
 use crate::viewer::{AssetSubject, MeasuredErrors};
-use crate::{Fact, Notice, Page, Tone};
+use crate::{Fact, Page};
+use certificate::Judge;
 use std::path::Path;
-use taotie::asset::{Asset, Figures, Limits, Proof, Report};
-use taotie::length::{ShownLength, Unit, texel_text};
+use taotie::asset::{Asset, Limits, Proof, Report};
 use taotie::{Result, Warnings};
 
-/// Makes the page of a proof: verdict and warnings, facts, views of scan and asset, maps, and every figure. `asset` is `None`
-/// if it was not baked here.
+/// Pixels along a side of the pictures of the worst patches; see
+/// [`VerifyOptions::patch_view`](taotie::asset::VerifyOptions::patch_view).
+pub const PATCH_VIEW: u32 = 384;
+
+/// Makes the page of a proof: certificate, worst patches, views of scan and asset, maps, every figure, and warnings. `asset` is
+/// `None` if it was not baked here.
 ///
 /// # Errors
 /// [`taotie::Error::Invalid`] where a picture has no pixels.
 pub fn page(report: &Report, proof: &Proof, asset: Option<&Asset>) -> Result<Page> {
-    let figures = &proof.figures;
-    let title = Path::new(&report.high).file_name().unwrap_or_default().to_string_lossy();
-    Ok(Page {
-        title: title.into_owned(),
-        subtitle: "The scan, and the low-poly asset made from it".into(),
-        notices: notices::notices(report, figures),
-        facts: facts(report, figures),
-        views: views::views(proof, asset)?.into_iter().chain(levels::worst_views(proof)?).collect(),
-        sections: sections::sections(report, figures),
-        footer: format!(
-            "Made by taotie {}. All figures are in the .json file beside this page.",
-            report.version
-        ),
-    })
+    of(report, proof, (asset, Judge::Here))
 }
 
 /// Makes the page of a bake that is judged elsewhere, as the assets of a collection are: what is required of them may
@@ -61,31 +56,43 @@ pub fn page(report: &Report, proof: &Proof, asset: Option<&Asset>) -> Result<Pag
 /// # Errors
 /// As [`page`].
 pub fn page_of_collection(report: &Report, proof: &Proof, asset: Option<&Asset>) -> Result<Page> {
-    let mut unjudged = report.clone();
-    unjudged.required.clear();
-    let mut page = page(&unjudged, proof, asset)?;
-    let elsewhere =
-        "What is required of the asset, and whether it is met, stands on the page of its collection.";
-    page.notices[0] = Notice::new(elsewhere, Tone::Changed);
-    Ok(page)
+    of(report, proof, (asset, Judge::Collection))
+}
+
+fn of(report: &Report, proof: &Proof, (asset, judge): (Option<&Asset>, Judge)) -> Result<Page> {
+    let mut sections = sections::sections(report, &proof.figures);
+    sections.extend(report.certificate.as_ref().and_then(certificate::further_files));
+    sections.extend(notices::section(report, proof));
+    Ok(Page {
+        title: report.high.clone(),
+        subtitle: match report.bake {
+            Some(_) => "The scan, and the low-poly asset made from it".into(),
+            None => "The scan, and an asset that stands for it".into(),
+        },
+        facts: facts(report),
+        statement: report.certificate.as_ref().map(|own| certificate::statement(own, judge)),
+        features: patches::features(proof)?,
+        views: views::views(proof, asset)?.into_iter().chain(levels::worst_views(proof)?).collect(),
+        sections,
+        footer: format!(
+            "Made by taotie {}. All figures are in the .json file next to this page.",
+            report.version
+        ),
+        ..Page::default()
+    })
 }
 
 /// Writes a page of a bake as one HTML document whose first view is the asset as it lies at `path`: by the shaders of
 /// Taotie, with the error of its normals on it. Where it cannot be shown, the page is without it, and a warning says why.
 pub fn html_with_asset(page: &Page, proof: &Proof, path: &Path) -> (String, Warnings) {
-    let finest = proof.figures.finest();
-    // The viewer shows the asset as it is written: in metres, if the scan's unit is known.
-    let shown = |length: f64| length * proof.figures.unit.map_or(1.0, Unit::metres);
-    let (rms, hausdorff) =
-        finest.map_or((0.0, 0.0), |finest| (shown(finest.rms), shown(finest.hausdorff.upper)));
     let subject = AssetSubject {
         path,
         title: &path.file_name().unwrap_or_default().to_string_lossy(),
         limits: &Limits::default(),
-        errors: proof.error_map.as_ref().map(|normals| MeasuredErrors { normals, rms, hausdorff }),
+        errors: MeasuredErrors::of(proof),
     };
-    match subject.viewer() {
-        Ok(viewer) => (viewer.within(page), viewer.warnings),
+    match subject.page(&|viewer| viewer.within(page)) {
+        Ok(written) => written,
         Err(error) => {
             let mut warnings = Warnings::default();
             warnings.note(format!("the report does not show the asset itself: {error}"), 1);
@@ -94,40 +101,10 @@ pub fn html_with_asset(page: &Page, proof: &Proof, path: &Path) -> (String, Warn
     }
 }
 
-fn facts(report: &Report, proof: &Figures) -> Vec<Fact> {
-    let triangles = report.triangles.first().copied().unwrap_or_default();
-    let mut facts = vec![
-        Fact::new("Scan", format!("{} triangles, {} bytes", report.high_triangles, proof.bytes_in)),
-        Fact::new("Asset", format!("{triangles} triangles, {} bytes", proof.bytes_out)),
-    ];
-    if report.size != [0; 2] {
-        facts.push(Fact::new("Maps", format!("{} × {}", report.size[0], report.size[1])));
-    }
-    if !report.carried.is_empty() {
-        facts.push(Fact::new("Carried", report.carried.join(", ")));
-    }
-    let Some(finest) = proof.finest() else { return facts };
-    if let Some(angles) = &finest.overview.angles {
-        facts.push(Fact::new("Normal error as seen, mean", format!("{:.2}°", angles.summary.mean)));
-    }
-    if let Some(patch) = &finest.patches.angle {
-        facts.push(Fact::new("Worst 1 % of the surface", format!("{:.1}°", patch.mean)));
-    }
-    if let Some(color) = &finest.overview.color {
-        facts.push(Fact::new("Colour error as seen, mean", format!("ΔE00 {:.2}", color.summary.mean)));
-    }
-    facts.push(Fact::new("Missed", format!("{:.3} %", finest.coverage.missed() * 100.0)));
-    facts.push(Fact::new(
-        "Shape error, at most",
-        format!(
-            "{}, {:.3} % of the diagonal",
-            ShownLength::of(finest.hausdorff.upper, proof.unit, 3),
-            finest.hausdorff_of_diagonal.upper * 100.0
-        ),
-    ));
-    if let Some(resolution) = &finest.resolution {
-        facts.push(Fact::new("Texel", texel_text(resolution.texel, proof.unit)));
-    }
-    facts.push(Fact::new("Diagonal of the scan", ShownLength::of(proof.diagonal, proof.unit, 4).to_string()));
-    facts
+/// Returns what the certificate does not state.
+fn facts(report: &Report) -> Vec<Fact> {
+    let size = (report.size != [0; 2]).then(|| format!("{} × {}", report.size[0], report.size[1]));
+    let carried = (!report.carried.is_empty()).then(|| report.carried.join(", "));
+    let all = [("Maps", size), ("Carried over from the scan", carried)];
+    all.into_iter().filter_map(|(name, text)| Some(Fact::new(name, text?))).collect()
 }

@@ -1,41 +1,34 @@
-//! The lines that the page of a bake opens with: the verdict, the warnings, and what was not looked at.
+//! The warnings of a page, by importance.
 
-use crate::{Notice, Tone};
-use taotie::asset::{Figures, Met, Report, Warning};
-use taotie::names::Named;
+use crate::{Notice, Section, Tone};
+use taotie::asset::{Proof, Report, Warning};
 
-/// Makes all notices, the verdict first.
-pub fn notices(report: &Report, proof: &Figures) -> Vec<Notice> {
-    let mut notices = vec![verdict(report)];
-    notices.extend(report.warnings.iter().map(|seen| Notice::new(warning(seen), Tone::Changed)));
-    if !proof.unseen.is_empty() {
-        let text = format!("Not looked at: {}.", proof.unseen.join("; "));
-        notices.push(Notice::new(text, Tone::Changed));
-    }
-    notices
-}
-
-fn verdict(report: &Report) -> Notice {
-    let has_levels = report.triangles.len() > 1;
-    let name = |met: &Met| match met.level {
-        Some(level) if has_levels => format!("{} of level {level}", met.figure.name()),
-        _ => met.figure.name().to_owned(),
-    };
-    let names = |is_met: bool| {
-        let those = report.required.iter().filter(|met| met.met == is_met);
-        those.map(name).collect::<Vec<_>>().join(", ")
-    };
-    match [names(false), names(true)] {
-        [failed, met] if failed.is_empty() && met.is_empty() => {
-            Notice::new("Nothing was required of the asset: judge by the figures below.", Tone::Changed)
+/// Makes the section of all warnings, each once: what the proof found comes first, then what was wrong with the files and
+/// the bake. `None` if there are none.
+pub fn section(report: &Report, proof: &Proof) -> Option<Section> {
+    let found = Warning::list(&proof.warnings);
+    let (first, others): (Vec<&Warning>, Vec<&Warning>) =
+        report.warnings.iter().partition(|warning| found.iter().any(|found| found.what == warning.what));
+    let mut notices: Vec<Notice> = Vec::new();
+    for (warning, tone) in with(first, Tone::Bad).chain(with(others, Tone::Changed)) {
+        let notice = Notice::new(text(warning), tone);
+        if notices.iter().all(|known| known.text != notice.text) {
+            notices.push(notice);
         }
-        [failed, met] if failed.is_empty() => Notice::new(format!("Required and met: {met}."), Tone::Good),
-        [failed, met] if met.is_empty() => Notice::new(format!("Required and NOT met: {failed}."), Tone::Bad),
-        [failed, met] => Notice::new(format!("Required and NOT met: {failed}. Met: {met}."), Tone::Bad),
     }
+    (!notices.is_empty()).then(|| Section::Notices {
+        title: "Warnings".into(),
+        note: "What the proof found comes first, then what was wrong with the files, and what was changed."
+            .into(),
+        notices,
+    })
 }
 
-fn warning(warning: &Warning) -> String {
+fn with(warnings: Vec<&Warning>, tone: Tone) -> impl Iterator<Item = (&Warning, Tone)> {
+    warnings.into_iter().map(move |warning| (warning, tone))
+}
+
+fn text(warning: &Warning) -> String {
     match warning.count {
         1 => warning.what.clone(),
         count => format!("{} ({count} times)", warning.what),

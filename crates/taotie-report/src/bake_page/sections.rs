@@ -7,14 +7,14 @@ use taotie::asset::{
     BIN_WIDTH, BakeFigures, FigureUnit, Figures, LevelFigures, Met, Report, StageTime, ViewFigures,
 };
 use taotie::compare::Summary;
-use taotie::length::{ShownLength, Unit};
+use taotie::length::{ShownLength, Unit, dpi};
 use taotie::names::Named;
 use taotie::proof::Estimate;
 
 /// Makes all sections in order.
 pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
     let mut sections = Vec::new();
-    if !report.required.is_empty() {
+    if report.triangles.len() > 1 && !report.required().is_empty() {
         sections.push(required(report));
     }
     if let Some(finest) = proof.finest() {
@@ -38,8 +38,8 @@ pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
 
 fn required(report: &Report) -> Section {
     Section::Table {
-        title: "Required".into(),
-        note: "The figures demanded by --require. Level 0 is the finest level of detail.".into(),
+        title: "Requirements by level".into(),
+        note: "The outcomes of all requirements at each level of detail; level 0 is the finest.".into(),
         columns: vec![
             Column::words("figure"),
             Column::words("level"),
@@ -48,7 +48,7 @@ fn required(report: &Report) -> Section {
             Column::words("unit"),
             Column::words("result"),
         ],
-        rows: report.required.iter().map(row_of_requirement).collect(),
+        rows: report.required().iter().map(row_of_requirement).collect(),
     }
 }
 
@@ -104,8 +104,8 @@ fn as_seen(level: &LevelFigures) -> Section {
     .flatten()
     .collect();
     let patches = [
-        ("normals, worst 1 % of the surface (°)", &level.patches.angle),
-        ("colours, worst 1 % of the surface (ΔE00)", &level.patches.color),
+        ("normals, close-up, worst 1 % of the surface (°)", &level.patches.angle),
+        ("colours, close-up, worst 1 % of the surface (ΔE00)", &level.patches.color),
     ];
     for (name, patch) in patches {
         let Some(patch) = patch else { continue };
@@ -113,7 +113,7 @@ fn as_seen(level: &LevelFigures) -> Section {
         rows.push(vec![Cell::text(name), Cell::number(patch.mean, 3), none(), none(), none()]);
     }
     Section::Table {
-        title: "As seen".into(),
+        title: "As seen: overview and close-up".into(),
         note: format!(
             "Differences at the same pixel of scan and asset, parallax and texture filtering included, outlines left out. \
              Overview: {} random pixels of 32 fixed views in which the object fills 512 × 512 pixels. Worst 1 %: the window \
@@ -202,6 +202,9 @@ fn shape(level: &LevelFigures, unit: Option<Unit>) -> Section {
     ];
     if let Some(resolution) = &level.resolution {
         rows.push(length("texel, median width", resolution.texel));
+        rows.extend(
+            unit.map(|unit| row("texels, median resolution", dpi(resolution.texel, unit), (0, "dpi"))),
+        );
         rows.push(row(
             "surface where texels are twice as coarse as the scan",
             resolution.share * 100.0,
@@ -237,7 +240,7 @@ fn views(level: &LevelFigures) -> Section {
     let grey = level.views.iter().map(|view| ("grey", view));
     let full = level.full_views.iter().map(|view| ("full", view));
     Section::Table {
-        title: "Visual difference".into(),
+        title: "Visual difference in images".into(),
         note: "Pictures of scan and asset, compared pixel by pixel: FLIP is 0 and SSIM is 1 where they are equal. Both \
                also count where the low-poly mesh lies beside the scan. Grey pictures show shape and normals alone; \
                full ones the materials of both, where the scan says anything of its own."
@@ -271,7 +274,7 @@ mod tests {
     /// One level of which this share is missed.
     fn missing(share: f64) -> Figures {
         let (mut figures, mut level) = (Figures::default(), LevelFigures::default());
-        level.coverage.missed_interval = [share; 2];
+        (level.coverage.missed_of_scan, level.coverage.missed_interval) = (share, [share; 2]);
         figures.levels.push(level);
         figures
     }
@@ -286,6 +289,7 @@ mod tests {
         let angle = row(Requirement::mean_angle_deg(1.0).at_level(2));
         assert_eq!((&angle[1], &angle[2]), (&Cell::text("2"), &Cell::text("not measured")));
     }
+
     #[test]
     fn a_value_that_is_too_large_looks_larger() {
         let figures = missing(0.001_234_12);

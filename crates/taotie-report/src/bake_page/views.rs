@@ -133,7 +133,7 @@ fn grouped(pictures: &[Picture]) -> Vec<View> {
 fn view_of_maps(i: usize, pictures: Vec<Picture>) -> View {
     View {
         name: if i == 0 { "maps".into() } else { format!("maps {}", i + 1) },
-        note: "The angle between the normals of asset and scan, laid out on the map; and the baked maps."
+        note: "The angle between the normals of asset and scan on the surface, laid out on the map; and the baked maps."
             .into(),
         pictures,
         legend: Some(Legend::new("Normal error", "°", f64::from(TOP), ColorMap::Viridis)),

@@ -36,12 +36,12 @@ function time(value) {
 
 /** @type {Figure[]} */
 const FIGURES = [
-  { name: "normal error, mean", key: "mean", of: (asset) => asset.mean_angle, text: degrees },
-  { name: "normal error, 95\u202f%", key: "p95", of: (asset) => asset.p95_angle, text: degrees },
-  { name: "normal error, max", key: "max", of: (asset) => asset.max_angle, text: degrees },
-  { name: "colour error, mean", key: "color", of: (asset) => asset.mean_color, text: (value) => written(value, 2) + "\u202fΔE" },
-  { name: "shape error, largest", key: "shape", of: (asset) => asset.hausdorff, text: percent },
-  { name: "missed rays", key: "missed", of: (asset) => asset.missed, text: percent },
+  { name: "normal error, overview, mean", key: "mean", of: (asset) => asset.mean_angle, text: degrees },
+  { name: "normal error, overview, 95\u202f%", key: "p95", of: (asset) => asset.p95_angle, text: degrees },
+  { name: "normal error, overview, largest sampled", key: "max", of: (asset) => asset.max_angle, text: degrees },
+  { name: "colour error, overview, mean", key: "color", of: (asset) => asset.mean_color, text: (value) => written(value, 2) + "\u202fΔE" },
+  { name: "largest distance (Hausdorff), bound", key: "shape", of: (asset) => asset.hausdorff, text: percent },
+  { name: "missed, close-up", key: "missed", of: (asset) => asset.missed, text: percent },
   { name: "bytes of the asset", key: "bytes", of: (asset) => asset.bytes_out, text: bytes },
   { name: "bytes of the scan", key: "scan", of: (asset) => asset.bytes_in, text: bytes },
   { name: "triangles of the scan", key: "triangles", of: (asset) => asset.triangles_in, text: (value) => written(value, 0) },

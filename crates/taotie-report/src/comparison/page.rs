@@ -30,6 +30,7 @@ pub(super) fn page(comparison: &Comparison, report: &Document, options: &Options
         views: views(report, comparison, options.heat_top_deg as f32)?,
         sections: sections(report),
         footer: format!("Made by taotie {}. All figures are in report.json.", report.version),
+        ..Page::default()
     })
 }
 

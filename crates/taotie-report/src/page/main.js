@@ -8,18 +8,24 @@
  * @typedef {{ name: string, note: string, pictures: Picture[], legend: Legend | null, isModel?: boolean }} View
  * @typedef {{ name: string, unit: string, numeric: boolean }} Column
  * @typedef {{ text: string, tone: "good" | "bad" | "changed", why: string }} Mark
- * @typedef {{ text: string } | { number: { value: number | null, digits: number } } | { mark: Mark }} Cell
+ * @typedef {{ text: string } | { code: string } | { number: { value: number | null, digits: number } } | { mark: Mark }} Cell
  * @typedef {{ title: string, note: string, columns: Column[], rows: Cell[][] }} Table
  * @typedef {{ label: string, counts: number[] }} Series
  * @typedef {{
  *   title: string, note: string, unit: string, bin_width: number, last_is_open: boolean, series: Series[]
  * }} Histogram
  * @typedef {{ title: string, paragraphs: string[] }} Prose
- * @typedef {{ text: Prose } | { table: Table } | { histogram: Histogram }} Section
+ * @typedef {{ title: string, note: string, notices: Notice[] }} Notices
+ * @typedef {{ text: Prose } | { table: Table } | { histogram: Histogram } | { notices: Notices }} Section
+ * @typedef {{ title: string, note: string, columns: Column[], rows: Cell[][] }} PlainTable
+ * @typedef {{
+ *   title: string, verdict: Notice, facts: { name: string, value: string }[], tables: PlainTable[], command_note: string,
+ *   command: string
+ * }} Statement
  * @typedef {{ text: string, tone: "good" | "bad" | "changed" }} Notice
  * @typedef {{
- *   title: string, subtitle: string, notices: Notice[], facts: { name: string, value: string }[], views: View[],
- *   sections: Section[], footer: string
+ *   title: string, subtitle: string, notices: Notice[], facts: { name: string, value: string }[],
+ *   statement: Statement | null, features: View[], views: View[], sections: Section[], footer: string
  * }} Page
  */
 
@@ -27,7 +33,7 @@
  * @param {Page} page
  * @returns {HTMLElement[]}
  */
-function contentOf({ title, subtitle, notices, facts, views, sections, footer }) {
+function contentOf({ title, subtitle, notices, facts, statement, features, views, sections, footer }) {
   const list = facts.flatMap(({ name, value }) => el("div", {}, el("dt", {}, name), el("dd", {}, value)));
   const head = el("header", { class: "head" }, el("h1", {}, title), ...note("subtitle", subtitle));
   if (notices.length) head.append(el("ul", { class: "notices" }, ...notices.map(noticeOf)));
@@ -35,6 +41,8 @@ function contentOf({ title, subtitle, notices, facts, views, sections, footer })
   const all = [...modelViews(), ...views];
   return [
     head,
+    ...(statement ? [statementOf(statement)] : []),
+    ...features.map(featureOf),
     ...(all.length ? [viewerOf(all)] : []),
     ...sections.map(sectionOf),
     ...(footer ? [el("footer", {}, footer)] : []),
@@ -56,6 +64,11 @@ function noticeOf({ text, tone }) {
 function sectionOf(section) {
   if ("table" in section) return tableOf(section.table);
   if ("histogram" in section) return histogramOf(section.histogram);
+  if ("notices" in section) {
+    const { title, note: about, notices } = section.notices;
+    const list = el("ul", { class: "notices" }, ...notices.map(noticeOf));
+    return el("section", {}, el("h2", {}, title), ...note("note", about), list);
+  }
   const { title, paragraphs } = section.text;
   return el("section", { class: "text" }, el("h2", {}, title), ...paragraphs.map((text) => el("p", {}, text)));
 }

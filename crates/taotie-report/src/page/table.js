@@ -70,7 +70,8 @@ function headOf({ name, unit, numeric }, sort) {
 function rowOf(cells, columns, reasons) {
   const boxes = cells.map((cell, i) => {
     const box = el("td", columns[i]?.numeric ? { class: "numeric" } : {});
-    box.append(...("mark" in cell ? markOf(cell.mark, reasons) : [textOf(cell)]));
+    if ("code" in cell) box.append(el("span", { class: "hash" }, cell.code));
+    else box.append(...("mark" in cell ? markOf(cell.mark, reasons) : [textOf(cell)]));
     return box;
   });
   return el("tr", {}, ...boxes);
@@ -102,6 +103,7 @@ function reasonsOf(rows) {
  */
 function textOf(cell) {
   if ("text" in cell) return cell.text;
+  if ("code" in cell) return cell.code;
   return "mark" in cell ? cell.mark.text : written(cell.number.value, cell.number.digits);
 }
 

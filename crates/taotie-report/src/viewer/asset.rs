@@ -8,8 +8,8 @@ use taotie::render::{Prepared, Surface};
 use taotie::scene::{Classic, GreenChannel, Instance, Material, NormalMap, NormalSpace, Scene, SceneData};
 use taotie::{Result, Warnings};
 
-/// Returns the GLB of all surfaces; a mesh has the number of its surface as its name.
-pub(super) fn glb(prepared: &Prepared, warnings: &mut Warnings) -> Result<Vec<u8>> {
+/// Returns the GLB of all surfaces, with colours of this quality; a mesh has the number of its surface as its name.
+pub(super) fn glb(prepared: &Prepared, quality: Option<u8>, warnings: &mut Warnings) -> Result<Vec<u8>> {
     let surfaces = prepared.surfaces();
     let meshes: Vec<Mesh> = surfaces.iter().map(mesh).collect::<Result<_>>()?;
     let names: Vec<String> = (0..meshes.len()).map(|number| number.to_string()).collect();
@@ -27,9 +27,14 @@ pub(super) fn glb(prepared: &Prepared, warnings: &mut Warnings) -> Result<Vec<u8
         textures: scene.textures().to_vec(),
         ..SceneData::default()
     })?;
-    // WebP loses nothing here, and every browser reads it.
-    let format =
-        GltfFormat { meshopt: true, images: GltfImages::WebP, quick_webp: true, ..GltfFormat::default() };
+    // Every browser reads WebP, which loses nothing unless a quality is given.
+    let format = GltfFormat {
+        meshopt: true,
+        images: GltfImages::WebP,
+        webp_quality: quality,
+        quick_webp: true,
+        ..GltfFormat::default()
+    };
     encode_scene_as(&written, &names, &format, warnings)
 }
 

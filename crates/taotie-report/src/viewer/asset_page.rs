@@ -3,13 +3,14 @@
 use super::{MeasuredErrors, Subject, Viewer, facts};
 use crate::Fact;
 use std::path::Path;
-use taotie::Result;
 use taotie::asset::{Limits, model_unit};
 use taotie::film::Development;
 use taotie::image::Texture;
+use taotie::length::Unit;
 use taotie::render::{Prepared, RenderSettings};
 use taotie::scene::Scene;
 use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, Viewpoint};
+use taotie::{Result, Warnings};
 
 /// Texels along a side of the textures that the page holds, at most.
 pub const MOST_TEXTURE_SIDE: u32 = 2048;
@@ -27,20 +28,63 @@ pub struct AssetSubject<'a> {
     pub errors: Option<MeasuredErrors<'a>>,
 }
 
+/// What a page may lose of textures to keep to its size.
+#[derive(Debug, Clone, Copy)]
+struct Reduction {
+    /// Texels along a side, at most.
+    side: u32,
+    /// The quality of base colour and emission as lossy WebP; `None` loses nothing.
+    quality: Option<u8>,
+}
+
+/// Reductions in the order in which they are tried.
+const REDUCTIONS: [Reduction; 5] = [
+    Reduction { side: MOST_TEXTURE_SIDE, quality: None },
+    Reduction { side: MOST_TEXTURE_SIDE, quality: Some(90) },
+    Reduction { side: MOST_TEXTURE_SIDE / 2, quality: Some(90) },
+    Reduction { side: MOST_TEXTURE_SIDE / 4, quality: Some(85) },
+    Reduction { side: MOST_TEXTURE_SIDE / 8, quality: Some(80) },
+];
+
+/// Returns the bytes that a page of an asset of `bytes` may have: the asset in base64, and 3 MB for all else.
+pub fn most_page_bytes(bytes: u64) -> u64 {
+    bytes / 100 * 134 + 3_000_000
+}
+
 impl AssetSubject<'_> {
-    /// Makes its viewer. Textures of more than [`MOST_TEXTURE_SIDE`] texels along a side are taken smaller, and a fact of the page says so.
-    /// What is wrong in the file is not told once more: its proof has read it before.
+    /// Writes a page with its viewer. Textures of more than [`MOST_TEXTURE_SIDE`] texels along a side are taken smaller, and
+    /// more is lost of them where the page has more than [`most_page_bytes`]; a fact of the page says so. What is wrong in the
+    /// file is not noted again: its proof has read it before.
     ///
     /// # Errors
     /// Those of [`studio::load_within`] and [`Viewer::new`].
-    pub fn viewer(&self) -> Result<Viewer> {
+    pub fn page(&self, write: &dyn Fn(&Viewer) -> String) -> Result<(String, Warnings)> {
         let name = self.path.file_name().unwrap_or_default().to_string_lossy();
         let mut loaded = studio::load_within(self.path, &MaterialOptions::default(), self.limits)?;
-        let mut facts = facts(&loaded, &name);
-        facts.extend(shrink(&mut loaded.scene)?);
-        let unit = model_unit(&loaded);
+        let (facts, most) = (facts(&loaded, &name), most_page_bytes(loaded.bytes.unwrap_or_default()));
+        let (scene, unit) = (std::mem::take(&mut loaded.scene), model_unit(&loaded));
+        let mut last = None;
+        for reduction in REDUCTIONS {
+            let viewer = self.viewer(scene.clone(), (&facts, unit), reduction)?;
+            let page = write(&viewer);
+            let is_small = page.len() as u64 <= most;
+            last = Some((page, viewer.warnings));
+            if is_small {
+                break;
+            }
+        }
+        Ok(last.unwrap_or_default())
+    }
+
+    fn viewer(
+        &self,
+        mut scene: Scene,
+        (facts, unit): (&[Fact], Option<Unit>),
+        reduction: Reduction,
+    ) -> Result<Viewer> {
+        let facts = [facts, &reduce(&mut scene, reduction)?].concat();
         let settings = RenderSettings::default();
-        let prepared = Prepared::new(loaded.scene, &settings.surface)?;
+        let prepared = Prepared::new(scene, &settings.surface)?;
         let framing = Framing { size: [1024; 2], all_around: false };
         let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, prepared.scene())?;
         let view = viewpoint.at(0.0);
@@ -54,27 +98,32 @@ impl AssetSubject<'_> {
             camera: &view.camera(),
             lighting: &LightOptions::default().lighting(None, prepared.scene(), view),
             development: &Development::default(),
+            quality: reduction.quality,
             scan: None,
             errors: self.errors,
         })
     }
 }
 
-/// Takes coarser levels of textures that are too large for a page, and returns the fact that says so.
-fn shrink(scene: &mut Scene) -> Result<Option<Fact>> {
-    let is_large = |texture: &Texture| texture.width().max(texture.height()) > MOST_TEXTURE_SIDE;
-    if !scene.textures().iter().any(is_large) {
-        return Ok(None);
+/// Takes coarser levels of textures that are too large for a page, and returns the fact that says what is lost.
+fn reduce(scene: &mut Scene, Reduction { side, quality }: Reduction) -> Result<Vec<Fact>> {
+    let is_large = |texture: &Texture| texture.width().max(texture.height()) > side;
+    let mut losses = Vec::new();
+    if scene.textures().iter().any(is_large) {
+        scene.edit(|data| data.textures.iter_mut().for_each(|texture| *texture = shrunk(texture, side)))?;
+        losses.push(format!("at most {side} × {side}; the asset's are larger"));
     }
-    scene.edit(|data| data.textures.iter_mut().for_each(|texture| *texture = shrunk(texture)))?;
-    let said = format!("at most {MOST_TEXTURE_SIDE} × {MOST_TEXTURE_SIDE}; the asset's are larger");
-    Ok(Some(Fact::new("Textures of this page", said)))
+    if let Some(quality) = quality.filter(|_| !scene.textures().is_empty()) {
+        losses.push(format!("colours of quality {quality}"));
+    }
+    let fact = Fact::new("Textures of this page", losses.join("; "));
+    Ok(if losses.is_empty() { Vec::new() } else { vec![fact] })
 }
 
-fn shrunk(texture: &Texture) -> Texture {
+fn shrunk(texture: &Texture, side: u32) -> Texture {
     let fits = |level: &usize| {
         let (width, height) = texture.level_size(*level);
-        width.max(height) <= MOST_TEXTURE_SIDE
+        width.max(height) <= side
     };
     match (0..texture.levels()).find(fits) {
         None | Some(0) => texture.clone(),
@@ -97,19 +146,21 @@ mod tests {
     #[test]
     fn large_maps_become_smaller() {
         let of = |width: u32, height: u32| {
-            let small = shrunk(&texture(width, height));
+            let small = shrunk(&texture(width, height), 2048);
             [small.width(), small.height()]
         };
         assert_eq!([of(4096, 16), of(16, 2048), of(5000, 2)], [[2048, 8], [16, 2048], [1250, 1]]);
     }
 
     #[test]
-    fn the_page_says_that_they_are() {
+    fn the_page_says_what_it_lost() {
         let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
         scene.add_texture(texture(16, 2048));
-        assert!(shrink(&mut scene).unwrap().is_none());
-        scene.add_texture(texture(2049, 1));
-        assert!(shrink(&mut scene).unwrap().is_some());
-        assert_eq!(scene.textures()[1].width(), 1024);
+        let [whole, lossy, half, ..] = REDUCTIONS;
+        assert!(reduce(&mut scene, whole).unwrap().is_empty());
+        assert_eq!(reduce(&mut scene.clone(), lossy).unwrap()[0].value, "colours of quality 90");
+        let said = "at most 1024 × 1024; the asset's are larger; colours of quality 90";
+        assert_eq!(reduce(&mut scene, half).unwrap()[0].value, said);
+        assert_eq!(scene.textures()[0].height(), 1024);
     }
 }

@@ -39,7 +39,7 @@ pub(super) struct Data<'a> {
     tables: [usize; 2],
     frame: Option<FrameLayout>,
     texts: Texts,
-    /// The asset, and the scan where there is one.
+    /// The asset, and the scan if it is published.
     models: Vec<Model>,
     errors: Option<Errors>,
 }
@@ -88,6 +88,7 @@ impl Data<'_> {
 struct Models<'a> {
     settings: &'a RenderSettings,
     environment: bool,
+    quality: Option<u8>,
     shaders: Shaders,
     all: Vec<Model>,
     blobs: Vec<Blob>,
@@ -103,7 +104,7 @@ impl Models<'_> {
         let (settings, environment) = (self.settings, self.environment);
         let mut drawing = Drawing { prepared, settings, environment, shaders: &mut self.shaders };
         let (model, (surfaces, (textures, numbers))) = rayon::join(
-            || asset::glb(prepared, warnings),
+            || asset::glb(prepared, self.quality, warnings),
             || (drawing.surfaces(), textures(prepared.scene(), codes)),
         );
         self.blobs.push(Blob::new(glb, model?));
@@ -118,12 +119,15 @@ pub(super) fn data<'a>(subject: &Subject<'a>, warnings: &mut Warnings) -> Result
     let (prepared, settings) = (subject.prepared, subject.settings);
     let (light, blobs) = light(subject.lighting, warnings);
     let environment = subject.lighting.environment.is_some();
-    let mut models = Models { settings, environment, shaders: Shaders::default(), all: Vec::new(), blobs };
+    let (quality, shaders) = (subject.quality, Shaders::default());
+    let mut models = Models { settings, environment, quality, shaders, all: Vec::new(), blobs };
     models.add(prepared, ["asset", "codes"], warnings)?;
     let mut measured = None;
     if let Some(scan) = &subject.scan {
-        models.add(scan.shown, ["scan", "scan_codes"], warnings)?;
-        let (errors, blob) = errors(prepared, scan.high, warnings)?;
+        if let Some(published) = scan.published {
+            models.add(published, ["scan", "scan_codes"], warnings)?;
+        }
+        let (errors, blob) = errors(prepared, scan.measured, warnings)?;
         models.blobs.push(blob);
         measured = Some(errors);
     } else if let Some(known) = &subject.errors {

@@ -21,7 +21,7 @@ mod surfaces;
 mod textures;
 
 pub use about::facts;
-pub use asset_page::{AssetSubject, MOST_TEXTURE_SIDE};
+pub use asset_page::{AssetSubject, MOST_TEXTURE_SIDE, most_page_bytes};
 pub use bookmark::Bookmark;
 pub use document::SCRIPT;
 pub use scan::{MOST_TRIANGLES, MeasuredErrors, ScanSubject, scene_to_show};
@@ -58,7 +58,9 @@ pub struct Subject<'a> {
     pub lighting: &'a Lighting,
     /// Exposure, tone curve and background.
     pub development: &'a Development,
-    /// The scan that the model was baked from, to be shown beside it and to be measured against.
+    /// The quality of base colour and emission as lossy WebP, 1 to 100; `None` loses nothing.
+    pub quality: Option<u8>,
+    /// The scan that the model is measured against.
     pub scan: Option<ScanSubject<'a>>,
     /// The model's errors where they are known already; not read with `scan`.
     pub errors: Option<MeasuredErrors<'a>>,

@@ -2,10 +2,11 @@
 
 use super::blob::{Blob, bytes_of_words};
 use serde::Serialize;
+use taotie::asset::{Figures, Proof, Scan, VerifyOptions, measure};
 use taotie::bake::{self, Cage, SimplifyOptions, TexturedMesh, Verifier, simplify};
 use taotie::compare::{ColorMap, Field};
+use taotie::length::Unit;
 use taotie::math::Mat4;
-use taotie::proof::{CloseUp, Pair, ShapeFigures, Side};
 use taotie::render::{Prepared, Surface};
 use taotie::scene::{Instance, Material, Scene, SceneData};
 use taotie::{Progress, Result, Warnings};
@@ -22,16 +23,15 @@ const STOPS: usize = 17;
 /// Steps of a degree in which errors are stored, and the step that stands for none.
 const STEPS: f32 = 100.0;
 const NONE: u16 = u16::MAX;
-/// Points of each surface at which it is looked at, as many as in a proof.
-const POINTS: usize = 20_000;
 
-/// A scan beside its asset.
+/// The scan of an asset.
 #[derive(Clone, Copy)]
 pub struct ScanSubject<'a> {
-    /// Its triangles as they are shown: [`scene_to_show`] makes few enough of them.
-    pub shown: &'a Prepared,
-    /// All of its triangles.
-    pub high: &'a bake::Scan,
+    /// All of its triangles, which the asset is measured against.
+    pub measured: &'a Scan,
+    /// Its triangles as they are published with the page; [`scene_to_show`] makes few enough of them. `None` publishes
+    /// nothing of it.
+    pub published: Option<&'a Prepared>,
 }
 
 /// Returns the scene that a page shows of a scan: itself, or its shape in at most [`MOST_TRIANGLES`] triangles, which is
@@ -69,6 +69,8 @@ pub(super) struct Errors {
     stops: Vec<[u8; 3]>,
     /// Steps of a degree.
     steps: f32,
+    /// The mean on the surface, degrees: that of the proof, not of the texels.
+    mean: Option<f64>,
     /// In the unit of the model.
     rms: f64,
     hausdorff: f64,
@@ -81,30 +83,20 @@ struct ErrorMap {
     height: u32,
     /// The number of numbers before it.
     from: usize,
-    /// Degrees, over all texels.
-    mean: f64,
 }
 
-/// Measures an asset against its scan. Says what cannot be measured.
-pub(super) fn errors(
-    prepared: &Prepared,
-    high: &bake::Scan,
-    warnings: &mut Warnings,
-) -> Result<(Errors, Blob)> {
+/// Measures an asset against its scan, as a proof does, and notes what is wrong.
+pub(super) fn errors(prepared: &Prepared, scan: &Scan, warnings: &mut Warnings) -> Result<(Errors, Blob)> {
+    let (figures, found) = measure(prepared.scene(), scan, &VerifyOptions::default(), Progress::SILENT)?;
+    warnings.absorb(found);
     let mut codes: Vec<u16> = Vec::new();
     let mut maps = Vec::new();
     for (instance, surface) in prepared.surfaces().iter().enumerate() {
-        let field =
-            is_measurable(surface).then(|| error_map(prepared.scene(), instance, high)).transpose()?;
-        warnings.note("surfaces without a map of their normals' error", usize::from(field.is_none()));
-        maps.push(field.map(|field| ErrorMap::put(&field, &mut codes)));
+        let map = is_measurable(surface).then(|| error_map(prepared.scene(), instance, scan.sorted()));
+        warnings.note("surfaces without a map of their normals' error", usize::from(map.is_none()));
+        maps.push(map.transpose()?.map(|field| ErrorMap::put(&field, &mut codes)));
     }
-    let (scan, asset) = (Side::of(high), bake::Scan::new(Scene::clone(prepared.scene()))?);
-    let (asset, diagonal) = (scan.like(&asset), high.mesh().diagonal() as f32);
-    let pair = Pair { scan: &scan, asset: &asset, diagonal, has_material: false };
-    let close_ups = [CloseUp::of_scan(&pair, POINTS)?, CloseUp::of_asset(&pair, POINTS)?];
-    let shape = ShapeFigures::of(&pair, close_ups.each_ref());
-    let errors = Errors::new(maps, [shape.rms, shape.hausdorff.upper]);
+    let errors = Errors::new(maps, ShownFigures::of(&figures));
     Ok((errors, Blob::new("errors", bytes_of_words(codes.into_iter()))))
 }
 
@@ -113,11 +105,37 @@ pub(super) fn errors(
 pub struct MeasuredErrors<'a> {
     /// Degrees between the normals of model and scan, over the map of the model's one surface. Where it has several
     /// surfaces no map is shown.
-    pub normals: &'a Field,
+    normals: &'a Field,
+    figures: ShownFigures,
+}
+
+impl<'a> MeasuredErrors<'a> {
+    /// Takes the errors of a proof; `None` if the model has no map on which they could be shown.
+    pub fn of(proof: &'a Proof) -> Option<Self> {
+        let figures = ShownFigures::of(&proof.figures);
+        proof.error_map.as_ref().map(|normals| Self { normals, figures })
+    }
+}
+
+/// The figures of a proof that the viewer states.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct ShownFigures {
+    /// The mean normal error on the surface, degrees.
+    mean: Option<f64>,
     /// The root mean square distance of the shapes, in the unit of the model.
-    pub rms: f64,
-    /// The largest distance, in the unit of the model.
-    pub hausdorff: f64,
+    rms: f64,
+    /// The upper bound of the largest distance, in the unit of the model.
+    hausdorff: f64,
+}
+
+impl ShownFigures {
+    fn of(figures: &Figures) -> Self {
+        let Some(finest) = figures.finest() else { return Self::default() };
+        let mean = finest.surface_angles.map(|angles| angles.mean);
+        // Models of scans whose unit is known are in metres.
+        let metres = figures.unit.map_or(1.0, Unit::metres);
+        Self { mean, rms: finest.rms * metres, hausdorff: finest.hausdorff.upper * metres }
+    }
 }
 
 /// The errors of a model of so many surfaces, as they were measured before.
@@ -127,7 +145,7 @@ pub(super) fn known_errors(known: &MeasuredErrors<'_>, surfaces: usize) -> (Erro
         1 => vec![Some(ErrorMap::put(known.normals, &mut codes))],
         several => vec![None; several],
     };
-    let errors = Errors::new(maps, [known.rms, known.hausdorff]);
+    let errors = Errors::new(maps, known.figures);
     (errors, Blob::new("errors", bytes_of_words(codes.into_iter())))
 }
 
@@ -141,9 +159,11 @@ fn error_map(scene: &Scene, instance: usize, high: &bake::Scan) -> Result<Field>
 }
 
 impl Errors {
-    fn new(maps: Vec<Option<ErrorMap>>, [rms, hausdorff]: [f64; 2]) -> Self {
+    fn new(maps: Vec<Option<ErrorMap>>, figures: ShownFigures) -> Self {
+        let ShownFigures { mean, rms, hausdorff } = figures;
         let color = |i: usize| ColorMap::Viridis.color(i as f64 / (STOPS - 1) as f64);
-        Self { maps, top: TOP, stops: (0..STOPS).map(color).collect(), steps: STEPS, rms, hausdorff }
+        let stops = (0..STOPS).map(color).collect();
+        Self { maps, top: TOP, stops, steps: STEPS, mean, rms, hausdorff }
     }
 }
 
@@ -151,8 +171,7 @@ impl ErrorMap {
     fn put(field: &Field, codes: &mut Vec<u16>) -> Self {
         let from = codes.len();
         codes.extend(field.values().iter().map(code));
-        let mean = field.summary().map_or(0.0, |summary| summary.mean);
-        Self { width: field.width(), height: field.height(), from, mean }
+        Self { width: field.width(), height: field.height(), from }
     }
 }
 
@@ -185,14 +204,39 @@ mod tests {
 
     #[test]
     fn wrong_normals_have_their_error() {
-        let high = bake::Scan::new(pressed([64, 32], true)).unwrap();
+        let scan = Scan::from_scene(pressed([64, 32], true), Progress::SILENT).unwrap();
         let prepared = Prepared::new(pressed([24, 12], false), &SurfaceSettings::default()).unwrap();
-        let (errors, _) = errors(&prepared, &high, &mut Warnings::default()).unwrap();
-        let [Some(map)] = &errors.maps[..] else { panic!("a sphere has uvs") };
+        let (errors, _) = errors(&prepared, &scan, &mut Warnings::default()).unwrap();
+        assert!(matches!(&errors.maps[..], [Some(_)]), "a sphere has uvs");
         // The angle is at most 6.4°.
-        assert!(map.mean > 2.0 && map.mean < 6.4, "{errors:?}");
+        let mean = errors.mean.unwrap();
+        assert!(mean > 2.0 && mean < 6.4, "{errors:?}");
         assert!(errors.rms > 1e-4 && errors.hausdorff < 0.1, "{errors:?}");
         assert_eq!([code(&0.126), code(&f32::NAN), code(&1e9)], [13, NONE, NONE - 1]);
+    }
+
+    #[test]
+    fn the_figures_are_those_of_a_proof() {
+        let scan = Scan::from_scene(pressed([64, 32], true), Progress::SILENT).unwrap();
+        let model = pressed([24, 12], false);
+        let options = VerifyOptions::default();
+        let (figures, _) = measure(&model, &scan, &options, Progress::SILENT).unwrap();
+        let prepared = Prepared::new(model, &SurfaceSettings::default()).unwrap();
+        let (errors, _) = errors(&prepared, &scan, &mut Warnings::default()).unwrap();
+        let finest = figures.finest().unwrap();
+        assert_eq!(errors.mean, finest.surface_angles.map(|angles| angles.mean));
+        assert_eq!([errors.rms, errors.hausdorff], [finest.rms, finest.hausdorff.upper]);
+    }
+
+    #[test]
+    fn a_model_elsewhere_is_refused() {
+        let scan = Scan::from_scene(pressed([64, 32], true), Progress::SILENT).unwrap();
+        let mut data = Mesh::sphere(1.0, 24, 12).into_data();
+        data.positions.iter_mut().for_each(|p| p.x += 5.0);
+        let model = Scene::of_mesh(Mesh::new(data).unwrap(), Material::default()).unwrap();
+        let prepared = Prepared::new(model, &SurfaceSettings::default()).unwrap();
+        let error = errors(&prepared, &scan, &mut Warnings::default()).err().unwrap().to_string();
+        assert!(error.contains("the meshes do not overlap: 100.0 %"), "{error}");
     }
 
     #[test]

@@ -39,6 +39,7 @@ impl Study {
                 angles(self),
             ],
             footer: format!("Made by taotie {}: `taotie compare --paper`.", env!("CARGO_PKG_VERSION")),
+            ..Page::default()
         }
     }
 }

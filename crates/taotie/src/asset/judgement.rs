@@ -18,6 +18,8 @@ const POINTS: usize = 4_000;
 const MISSED: f64 = 0.001;
 /// More of the low-poly mesh far away, or turned, than this is worth a warning.
 const PART: f64 = 0.02;
+/// Meshes of which more than this part is far away do not overlap.
+const APART: f64 = 0.9;
 /// The least distance, as a fraction of the diagonal, from which on two surfaces have nothing to do with each other. Of
 /// coarser meshes it is [`OF_SIDE`] of the diagonal by the square root of their triangles: about half a triangle's side.
 const FAR: f64 = 0.02;
@@ -252,6 +254,19 @@ fn misfits(pair: Pair<'_>, cage: &Cage) -> Vec<String> {
     misfits
 }
 
+/// Refuses a model that does not lie on its scan at all, and notes one of which a part does not.
+///
+/// # Errors
+/// [`Error::Invalid`] if the meshes do not overlap.
+pub(super) fn refuse_misfit(fit: &Fit, warnings: &mut Warnings) -> Result<()> {
+    if fit.away > APART {
+        return Err(Error::invalid("the model and its scan", apart(fit)));
+    }
+    warnings.note(apart(fit), usize::from(fit.away > PART));
+    warnings.note(reversed(fit), usize::from(fit.turned > PART && fit.away < 0.5));
+    Ok(())
+}
+
 fn too_few(fault: &str) -> String {
     format!(
         "the mesh that was made does not follow the scan's thin or curved parts: {fault}; ask for more triangles"
@@ -259,7 +274,7 @@ fn too_few(fault: &str) -> String {
 }
 
 fn apart(fit: &Fit) -> String {
-    let apart = if fit.away > 0.9 { "the meshes do not overlap" } else { "the meshes lie apart" };
+    let apart = if fit.away > APART { "the meshes do not overlap" } else { "the meshes lie apart" };
     format!(
         "{apart}: {} of the low-poly mesh lies farther than 2 % of the diagonal from the scan ({} on average); is one of \
          them moved, scaled or posed differently?",

@@ -26,7 +26,8 @@ pub struct MapNote {
     pub map: MapKind,
     /// The name of its material in names of files, where the asset has several.
     pub material: Option<String>,
-    /// Its file; `None` inside of the asset.
+    /// Its file; `None` inside of the asset. JSON has its name without folders.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "super::certified_files::named::option"))]
     pub file: Option<PathBuf>,
     /// Bits a channel.
     pub bits: u8,

@@ -79,7 +79,7 @@ impl fmt::Display for Parameters {
 }
 
 impl Parameters {
-    /// Collects what was asked for; a cage is named by its path.
+    /// Collects what was asked for; files are named without their folders, which are private.
     pub(super) fn new(options: &BakeOptions, scan: &ScanOptions, packing: &Packing) -> Self {
         let green = |green| match green {
             GreenChannel::Up => "up",
@@ -109,7 +109,7 @@ impl Parameters {
             "ao_distance": options.ao_distance,
             "roughness": options.roughness,
             "ray_distance": auto(distance),
-            "cage": cage.and_then(MeshSource::path),
+            "cage": cage.and_then(MeshSource::name),
             "images": match packing.images {
                 GltfImages::Png => "png",
                 GltfImages::WebP => "webp",
@@ -154,14 +154,9 @@ impl Parameters {
         ScanOptions { crease_angle_deg: all.get("crease_angle_deg").and_then(Value::as_f64), green, unit }
     }
 
-    /// Returns the same with the names of the files that were given, without their folders, which are private.
-    pub(super) fn with_names(mut self, options: &BakeOptions) -> Self {
-        let cage = match &options.ray_distance {
-            RayDistance::Cage(source) => source.name(),
-            _ => None,
-        };
+    /// Returns the same with the name of the low-poly mesh's file.
+    pub(super) fn with_low(mut self, options: &BakeOptions) -> Self {
         self.0["low"] = options.low.as_ref().and_then(MeshSource::name).into();
-        self.0["cage"] = cage.into();
         self
     }
 }

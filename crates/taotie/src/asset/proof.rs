@@ -6,6 +6,7 @@ use super::level_figures::{LevelFigures, Measured, PointCounts, measured, stacke
 use super::made::Made;
 use super::maps_alone;
 use super::part_figures::PartFigures;
+use super::patch_pictures::{MeasuredPatch, PatchPictures};
 use super::requirement::{Met, Requirement};
 use super::scan::{Scan, is_gltf};
 use super::shown::ShownLevel;
@@ -45,15 +46,17 @@ pub struct VerifyOptions {
     pub map: u32,
     /// Pixels along a side of the images from all sides, at least 11.
     pub view: u32,
+    /// Pixels along a side of the pictures of the worst patches; 0 takes none. No figure depends on it.
+    pub patch_view: u32,
     /// What the figures have to decide.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub requirements: Vec<Requirement>,
 }
 
 impl Default for VerifyOptions {
-    /// 20,000 points, a map of 1024² and images of 384², no requirements.
+    /// 20,000 points, a map of 1024² and images of 384², no pictures of patches, no requirements.
     fn default() -> Self {
-        Self { points: 20_000, map: 1024, view: 384, requirements: Vec::new() }
+        Self { points: 20_000, map: 1024, view: 384, patch_view: 0, requirements: Vec::new() }
     }
 }
 
@@ -103,6 +106,8 @@ pub struct Proof {
     pub full_views: Option<Views>,
     /// As `views`, for each coarser level of detail.
     pub coarser_views: Vec<Views>,
+    /// The worst patches of the finest level, if [`VerifyOptions::patch_view`] asks for pictures of them.
+    pub patches: Vec<PatchPictures>,
     /// The faults of the file as it was read, and of what was measured.
     pub warnings: Warnings,
 }
@@ -205,11 +210,13 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
     figures.bytes_out = bytes_out;
     progress.begin("map errors")?;
     let [error_map, color_map] = maps(&finest, options.map)?;
+    let worst = figures.finest().map(|found| found.patches).unwrap_or_default();
+    let patches = MeasuredPatch::all(&worst, scan.sorted(), &finest, options.patch_view)?;
     drop(finest);
     let views = progress.begin("compare views")?;
     let scan = scan.into_scene()?;
     figures.unseen = unseen([&scan, &scenes[0]], poses);
-    let mut looks = views::take(scan, scenes, options.view, views)?;
+    let mut looks = views::take((scan, scenes), (options.view, patches), views)?;
     if !has_material {
         looks.full.clear();
     }
@@ -234,15 +241,15 @@ fn maps(level: &ShownLevel<'_>, most: u32) -> Result<[Option<Field>; 2]> {
 }
 
 /// Measures levels of detail until all requirements are decided.
-struct Measurement<'a> {
-    scan: &'a Scan,
-    unit: Option<Unit>,
-    options: &'a VerifyOptions,
+pub(super) struct Measurement<'a> {
+    pub scan: &'a Scan,
+    pub unit: Option<Unit>,
+    pub options: &'a VerifyOptions,
 }
 
 impl<'a> Measurement<'a> {
     /// Returns the figures of all levels, and of the finest level's materials.
-    fn all(
+    pub fn all(
         &self,
         finest: &ShownLevel<'a>,
         coarser: &[Scene],
@@ -437,8 +444,17 @@ impl Proof {
         }
         let mut grey = looks.grey.into_iter();
         let (views, full_views) = (grey.next().unwrap_or_default(), looks.full.into_iter().next());
-        let (coarser_views, warnings) = (grey.collect(), Warnings::default());
-        Self { figures, error_map: None, color_map: None, views, full_views, coarser_views, warnings }
+        let (coarser_views, patches, warnings) = (grey.collect(), looks.patches, Warnings::default());
+        Self {
+            figures,
+            error_map: None,
+            color_map: None,
+            views,
+            full_views,
+            coarser_views,
+            patches,
+            warnings,
+        }
     }
 }
 
@@ -449,12 +465,16 @@ fn within(size: [u32; 2], most: u32) -> [u32; 2] {
     if longer <= most { size } else { size.map(scaled) }
 }
 
-fn check(options: &VerifyOptions) -> Result<()> {
+/// Refuses options that are out of range.
+pub(super) fn check(options: &VerifyOptions) -> Result<()> {
     let wrong = |what: &str, why: &str| Err(Error::invalid(what, why));
     match options {
         VerifyOptions { points: 0..10, .. } => wrong("points of the proof", "give at least 10"),
         VerifyOptions { map: 0, .. } => wrong("the map of errors", "give at least one texel"),
         VerifyOptions { view: 0..11, .. } => wrong("pictures from all sides", "give at least 11 pixels"),
+        VerifyOptions { patch_view: 4097.., .. } => {
+            wrong("pictures of the worst patches", "give at most 4096 pixels")
+        }
         _ => Ok(()),
     }
 }

@@ -13,7 +13,7 @@ use crate::io::{Json, Provenance, XmpProperties};
 pub(super) fn packet(made: &Made, packing: &Packing) -> Result<Json> {
     let about = &made.about;
     let name = about.path.file_name().unwrap_or_default().to_string_lossy();
-    let parameters = Parameters::new(&made.options, &made.about.options, packing).with_names(&made.options);
+    let parameters = Parameters::new(&made.options, &made.about.options, packing).with_low(&made.options);
     let done = Provenance {
         source: &name,
         sha256: &about.sha256()?,

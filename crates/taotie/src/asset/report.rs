@@ -1,5 +1,7 @@
 //! Every parameter and every figure of a bake, as data.
 
+use super::certificate::Certificate;
+use super::certified_files::name_of;
 use super::figures::Figures;
 use super::low::Origin;
 use super::map_note::MapNote;
@@ -25,13 +27,13 @@ const SCHEMA: u32 = 4;
 ///
 /// ```
 /// use taotie::Result;
-/// use taotie::asset::{Proof, Report, Requirement, Written};
+/// use taotie::asset::{Certificate, Proof, Report, Signature, VerifyOptions, Written};
 ///
 /// /// Collects all that is known of an asset.
-/// fn report(written: &Written, proof: &Proof, wanted: &[Requirement]) -> Result<Report> {
+/// fn report(written: &Written, proof: &Proof, wanted: &VerifyOptions) -> Result<Report> {
 ///     let mut report = Report::of(written)?;
 ///     report.proof = Some(proof.figures.clone());
-///     report.required = proof.require(wanted);
+///     report.certificate = Some(Certificate::of_written(written, &proof.figures, wanted, &Signature::default())?);
 ///     Ok(report)
 /// }
 /// ```
@@ -45,13 +47,15 @@ pub struct Report {
     pub kind: &'static str,
     /// The version of the program.
     pub version: &'static str,
-    /// The scan's file.
+    /// The statement that opens the page; `None` where nothing was measured.
+    pub certificate: Option<Certificate>,
+    /// The name of the scan's file, without folders.
     pub high: String,
     /// The SHA-256 of its bytes.
     pub high_sha256: String,
     /// Its triangles.
     pub high_triangles: usize,
-    /// The low-poly mesh's file, or `None` where it was made.
+    /// The name of the low-poly mesh's file, or `None` where it was made.
     pub low: Option<String>,
     /// The origin of the low-poly mesh.
     pub origin: Origin,
@@ -61,7 +65,8 @@ pub struct Report {
     pub size: [u32; 2],
     /// All else that was asked for; `None` if the asset was not baked here.
     pub parameters: Option<Parameters>,
-    /// The files written.
+    /// The files written; JSON has their names without folders.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "super::certified_files::named::list"))]
     pub files: Vec<PathBuf>,
     /// The kind and the place of each map.
     pub maps: Vec<MapNote>,
@@ -73,8 +78,6 @@ pub struct Report {
     pub proof: Option<Figures>,
     /// What only the bake knows: the outcomes of its rays; `None` if the asset was not baked here.
     pub bake: Option<BakeFigures>,
-    /// The requirements and their outcomes.
-    pub required: Vec<Met>,
     /// The trials of a search, where an error was wanted.
     pub trials: Vec<Trial>,
     /// The duration of each stage.
@@ -200,10 +203,11 @@ impl Report {
             schema: SCHEMA,
             kind: "taotie bake",
             version: env!("CARGO_PKG_VERSION"),
-            high: made.about.path.display().to_string(),
+            certificate: None,
+            high: name_of(&made.about.path),
             high_sha256: made.about.sha256()?,
             high_triangles: made.about.size.triangles as usize,
-            low: made.options.low.as_ref().and_then(MeshSource::path),
+            low: made.options.low.as_ref().and_then(MeshSource::name),
             origin: asset.origin().clone(),
             triangles: asset.levels().map(|mesh| mesh.triangles().len()).collect(),
             size: made.size,
@@ -214,7 +218,6 @@ impl Report {
             left: made.left.clone(),
             proof: None,
             bake: Some(BakeFigures::of(written)),
-            required: Vec::new(),
             trials: made.trials.clone(),
             stages: Vec::new(),
             warnings,
@@ -231,10 +234,11 @@ impl Report {
             schema: SCHEMA,
             kind: "taotie verify",
             version: env!("CARGO_PKG_VERSION"),
-            high: scan.path().display().to_string(),
+            certificate: None,
+            high: name_of(scan.path()),
             high_sha256: scan.sha256()?,
             high_triangles: scan.about.size.triangles as usize,
-            low: Some(asset.display().to_string()),
+            low: Some(name_of(asset)),
             origin: Origin::default(),
             triangles: proof.figures.levels.iter().map(|level| level.triangles).collect(),
             size,
@@ -245,16 +249,20 @@ impl Report {
             left: Vec::new(),
             proof: Some(proof.figures.clone()),
             bake: None,
-            required: Vec::new(),
             trials: Vec::new(),
             stages: Vec::new(),
             warnings: Warning::list(&proof.warnings),
         })
     }
 
-    /// Returns `true` where all that was required is met.
+    /// Returns the requirements and their outcomes.
+    pub fn required(&self) -> &[Met] {
+        self.certificate.as_ref().map_or(&[], |certificate| &certificate.required)
+    }
+
+    /// Returns `true` if all requirements are met.
     pub fn is_met(&self) -> bool {
-        self.required.iter().all(|met| met.met)
+        self.required().iter().all(|met| met.met)
     }
 }
 

@@ -67,6 +67,11 @@ impl Requirement {
         }
     }
 
+    /// Returns the unit in which its limit is shown.
+    pub(super) fn unit(&self) -> FigureUnit {
+        shown_unit(self.figure, self.most, self.is_length)
+    }
+
     /// Returns what `--require standard` demands: a mean angle of at most 1° and p95 of 5° as seen, no window of 1 % of the
     /// surface with more than 10° or ΔE 3 on average, at most 0.1 % missed, a Hausdorff distance of at most 1 % of the
     /// diagonal, and a mean colour difference of at most ΔE 1. Limits of colours hold only if colours are compared.
@@ -199,10 +204,14 @@ impl Requirement {
     }
 }
 
-/// Returns the unit that a limit of this many metres is shown in.
+/// Returns the unit in which a length of this many metres is shown.
 fn length_unit(metres: f64) -> FigureUnit {
     let (name, size) = length::shown_unit(metres);
     FigureUnit { name, size }
+}
+
+fn shown_unit(figure: Figure, limit: f64, is_length: bool) -> FigureUnit {
+    if is_length { length_unit(limit) } else { figure.unit() }
 }
 
 /// A figure and the interval in which it lies.
@@ -338,7 +347,7 @@ impl Met {
 
     /// Returns the unit in which value and limit are shown: the figure's own, or a length of the limit's size.
     pub fn unit(&self) -> FigureUnit {
-        if self.is_length { length_unit(self.most) } else { self.figure.unit() }
+        shown_unit(self.figure, self.most, self.is_length)
     }
 
     /// Returns value and limit in [`Met::unit`], such as `is 0.02 %, at most 0.1 %`. Both have all their digits if fewer

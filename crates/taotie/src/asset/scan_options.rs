@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::length::Unit;
+use crate::names::Named;
 use crate::scene::GreenChannel;
 
 /// How a scan is read where its file leaves room for doubt. Built by `Default` and struct update.
@@ -63,5 +64,17 @@ impl ScanOptions {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Returns the arguments of the command for all options that differ from the defaults.
+    pub(super) fn arguments(&self) -> Vec<String> {
+        let crease_angle = self.crease_angle_deg.map(|angle| ("--crease-angle", angle.to_string()));
+        let green = self.green.map(|green| match green {
+            GreenChannel::Up => ("--scan-green", "up".to_owned()),
+            GreenChannel::Down => ("--scan-green", "down".to_owned()),
+        });
+        let unit = self.unit.map(|unit| ("--unit", unit.name().to_owned()));
+        let all = [crease_angle, green, unit].into_iter().flatten();
+        all.flat_map(|(name, value)| [name.to_owned(), value]).collect()
     }
 }

@@ -1,11 +1,13 @@
 //! Scan and asset seen from all sides in the same light.
 
 use super::look;
+use super::patch_pictures::{MeasuredPatch, PatchPictures};
 use crate::compare::{self, DisplayImage, Field, PIXELS_PER_DEGREE};
 use crate::error::Result;
 use crate::film::Development;
 use crate::math::Vec3;
 use crate::progress::Progress;
+use crate::proof::PatchQuantity;
 use crate::render::{EnvironmentLight, RenderSettings, Renderer, Shot};
 use crate::scene::{Camera, Orbit, Outline, Scene};
 
@@ -67,24 +69,34 @@ pub(super) struct Looks {
     pub grey: Vec<Views>,
     /// In their own materials; empty where the scan says nothing of its material.
     pub full: Vec<Views>,
+    /// The worst patches: that of normals in grey, that of colours in their own materials.
+    pub patches: Vec<PatchPictures>,
 }
 
-/// Takes the images of the scan and of each level of the asset, in each look.
+/// Takes the images of the scan and of each level of the asset, in each look, and of the worst patches of the finest.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`]; those of rendering, which a scene that was read does not cause.
-pub(super) fn take(scan: Scene, levels: Vec<Scene>, side: u32, progress: Progress<'_>) -> Result<Looks> {
+pub(super) fn take(
+    (scan, levels): (Scene, Vec<Scene>),
+    (side, patches): (u32, Vec<MeasuredPatch>),
+    progress: Progress<'_>,
+) -> Result<Looks> {
     let mut setting = Setting { cameras: cameras(&scan), side, environment: None };
-    let (mut full, mut rest) = (Vec::new(), progress);
+    let (of_color, of_angle): (Vec<_>, Vec<_>) =
+        patches.into_iter().partition(|patch| patch.of == PatchQuantity::Color);
+    let (mut full, mut colors, mut rest) = (Vec::new(), Vec::new(), progress);
     if !look::is_plain(&scan) {
         setting.environment = look::environment(std::iter::once(&scan).chain(&levels))?;
         let own = levels.iter().cloned().map(look::full).collect::<Result<Vec<_>>>()?;
-        full = setting.views(look::full(scan.clone())?, own, progress.part(0.0, 0.5))?;
+        let scene = look::full(scan.clone())?;
+        (full, colors) = setting.views((scene, own), of_color, progress.part(0.0, 0.5))?;
         (setting.environment, rest) = (None, progress.part(0.5, 1.0));
     }
     let levels = levels.into_iter().map(look::grey).collect::<Result<Vec<_>>>()?;
-    let grey = setting.views(look::grey(scan)?, levels, rest)?;
-    Ok(Looks { grey, full })
+    let (grey, mut patches) = setting.views((look::grey(scan)?, levels), of_angle, rest)?;
+    patches.extend(colors);
+    Ok(Looks { grey, full, patches })
 }
 
 /// How images are taken.
@@ -97,30 +109,54 @@ struct Setting {
 }
 
 impl Setting {
-    /// Takes images of the scan and of each level, and compares them.
-    fn views(&self, scan: Scene, levels: Vec<Scene>, progress: Progress<'_>) -> Result<Vec<Views>> {
-        let scan = self.pictures(scan, progress.part(0.0, 0.5))?;
-        let share = 0.5 / levels.len().max(1) as f64;
-        let take = |(i, level): (usize, Scene)| {
-            let from = 0.5 + i as f64 * share;
-            let asset = self.pictures(level, progress.part(from, from + 0.8 * share))?;
-            compared(scan.clone(), asset, progress.part(from + 0.8 * share, from + share))
+    /// Takes images of the scan and of each level, and compares them; and of the patches of the finest level.
+    fn views(
+        &self,
+        (scan, levels): (Scene, Vec<Scene>),
+        patches: Vec<MeasuredPatch>,
+        progress: Progress<'_>,
+    ) -> Result<(Vec<Views>, Vec<PatchPictures>)> {
+        let shots = |scene: Scene, patches: &[MeasuredPatch], progress: Progress<'_>| {
+            let close_up = |patch: &MeasuredPatch| (patch.camera.clone(), patch.side);
+            let around = self.cameras.iter().map(|camera| (camera.clone(), self.side));
+            let shots: Vec<_> = around.chain(patches.iter().map(close_up)).collect();
+            let mut around = self.pictures(scene, &shots, progress)?;
+            let close_ups = around.split_off(self.cameras.len());
+            Result::Ok((around, close_ups))
         };
-        levels.into_iter().enumerate().map(take).collect()
+        let (scan, close_ups_of_scan) = shots(scan, &patches, progress.part(0.0, 0.5))?;
+        let share = 0.5 / levels.len().max(1) as f64;
+        let (mut views, mut close_ups) = (Vec::with_capacity(levels.len()), Vec::new());
+        for (i, level) in levels.into_iter().enumerate() {
+            let from = 0.5 + i as f64 * share;
+            let own = if i == 0 { &patches[..] } else { &[] };
+            let (asset, of_patches) = shots(level, own, progress.part(from, from + 0.8 * share))?;
+            close_ups.extend(of_patches);
+            views.push(compared(scan.clone(), asset, progress.part(from + 0.8 * share, from + share))?);
+        }
+        let pairs = close_ups_of_scan.into_iter().zip(close_ups);
+        let patches = patches.into_iter().zip(pairs).map(|(patch, (a, b))| patch.with_pictures([a, b]));
+        Ok((views, patches.collect()))
     }
 
-    fn pictures(&self, scene: Scene, progress: Progress<'_>) -> Result<Vec<DisplayImage>> {
-        let side = self.side;
-        let settings = RenderSettings { width: side, height: side, samples: 4, ..RenderSettings::default() };
+    /// Takes an image by each camera, with so many pixels along a side.
+    fn pictures(
+        &self,
+        scene: Scene,
+        shots: &[(Camera, u32)],
+        progress: Progress<'_>,
+    ) -> Result<Vec<DisplayImage>> {
         let development = Development { background: Some(Vec3::splat(0.03)), ..Development::default() };
-        let mut renderer = Renderer::new(scene, &settings.surface)?;
+        let usual = RenderSettings { samples: 4, ..RenderSettings::default() };
+        let mut renderer = Renderer::new(scene, &usual.surface)?;
         let (mut pictures, mut codes) = (Vec::new(), Vec::new());
-        for (i, camera) in self.cameras.iter().enumerate() {
-            let [from, to] = [i, i + 1].map(|views| views as f64 / self.cameras.len() as f64);
+        for (i, (camera, side)) in shots.iter().enumerate() {
+            let [from, to] = [i, i + 1].map(|views| views as f64 / shots.len() as f64);
+            let settings = RenderSettings { width: *side, height: *side, ..usual.clone() };
             let lighting = look::lighting(camera, self.environment.as_ref());
             let shot = Shot { camera, lighting: &lighting, settings: &settings };
             renderer.develop(&shot, &development, &mut codes, progress.part(from, to))?;
-            pictures.push(DisplayImage::from_developed(side, side, &codes)?);
+            pictures.push(DisplayImage::from_developed(*side, *side, &codes)?);
         }
         Ok(pictures)
     }

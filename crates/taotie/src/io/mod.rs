@@ -26,12 +26,12 @@ mod words;
 mod write;
 mod xmp;
 
-pub use gltf::{GltfSource, SUPPORTED as GLTF_EXTENSIONS};
+pub use gltf::{GltfSource, SUPPORTED as GLTF_EXTENSIONS, StoredImage, StoredParts};
 
 pub use bitmap::{decode_bitmap, read_bitmap, read_bitmap_within};
 pub use cache::cache_folder;
 pub use environment::{decode_environment, decode_environment_within};
-pub use file::{file_size, read as read_bytes, sha256};
+pub use file::{file_size, read as read_bytes, sha256, sha256_of};
 pub use json::Json;
 pub use limits::{Bytes, Limits};
 pub use loaded::Loaded;
@@ -141,6 +141,14 @@ fn with_size(loaded: Loaded, path: &Path) -> Result<Loaded> {
     let sizes = others.into_iter().chain([path]).map(file_size);
     let bytes = sizes.sum::<Result<u64>>()?;
     Ok(Loaded { bytes: Some(bytes), ..loaded })
+}
+
+/// Returns `true` if a file's first bytes or its extension make it glTF.
+///
+/// # Errors
+/// [`Error::Io`] if it cannot be read, [`Error::Unsupported`] if it is not a model.
+pub fn is_gltf(path: &Path) -> Result<bool> {
+    Ok(format_of(path)? == Format::Gltf)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

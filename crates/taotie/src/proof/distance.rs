@@ -7,8 +7,10 @@ use crate::mesh::{Mesh, Point, blend};
 use crate::parallel;
 use crate::trace::distance_to_triangle;
 
-/// Triangles that are looked at together before any of them is looked at alone.
-const BLOCK: usize = 32;
+/// Triangles of the other surface that some that lie together are compared with, at most.
+const MOST_NEAR: usize = 768;
+/// A triangle is cut so many times, at most, before its pieces are bounded in order of their distances.
+const MOST_CUTS: u32 = 3;
 /// Pieces of triangles that are looked at, at most; the upper bound is then wider than was asked for.
 const MOST_PIECES: usize = 4_000_000;
 /// Rounding of distances in single precision, as a part of the largest coordinate.
@@ -44,17 +46,16 @@ impl DistanceBounds {
     }
 }
 
-/// Bounds the largest distance of a surface from `to`, up to `width` model units apart where the search ends in time. Of a
-/// surface with hidden parts `visible` holds what is seen; `None` takes all of it. `known` is the distance of a point that was
-/// found already.
+/// Bounds the largest distance of a surface from `to`, up to `width` model units apart where the search ends in time.
 ///
 /// The distance of a point changes by no more than the point moves, and the distance from one triangle is convex. So over a
 /// piece of a triangle it is at most that of its middle plus the piece's radius, and at most the largest of its corners from
-/// the triangle closest to its middle. Pieces that may hold a larger distance than was found are cut in four.
+/// any one triangle. Pieces that may hold a larger distance than was found are cut in four.
 pub fn distance_bounds(from: Source<'_>, to: &Scan, width: f32) -> DistanceBounds {
-    let mesh = from.mesh;
-    let slack = ROUNDING * largest_coordinate([mesh, to.mesh()]);
-    let mut search = Search { from, to, width: width.max(slack), lower: from.known, upper: from.known };
+    let slack = ROUNDING * largest_coordinate([from.side.surface.mesh(), to.mesh()]);
+    let width = width.max(slack);
+    let hidden_piece = HIDDEN_PIECE * from.side.surface.mesh().diagonal() as f32;
+    let mut search = Search { from, to, width, slack, hidden_piece, lower: from.known, upper: from.known };
     let mut pieces = search.all_pieces();
     let mut looked_at = 0;
     while !pieces.is_empty() {
@@ -74,10 +75,10 @@ pub fn distance_bounds(from: Source<'_>, to: &Scan, width: f32) -> DistanceBound
 /// The surface whose distance is measured.
 #[derive(Clone, Copy)]
 pub struct Source<'a> {
-    /// Its triangles.
-    pub mesh: &'a Mesh,
-    /// What can be seen of it, if only that counts.
-    pub visible: Option<&'a Side<'a>>,
+    /// The surface, and what can be seen of it.
+    pub side: &'a Side<'a>,
+    /// `true` if only what can be seen counts.
+    pub is_partly_hidden: bool,
     /// The distance of one of its points that counts, model units.
     pub known: f32,
 }
@@ -92,12 +93,14 @@ struct Piece {
     middle: f32,
     /// No point of it is farther away.
     most: f32,
+    /// `true` if its middle counts.
+    is_seen: bool,
 }
 
 impl Piece {
-    fn whole(triangle: usize) -> Self {
+    fn whole(triangle: u32) -> Self {
         let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        Self { triangle: triangle as u32, corners, ..Self::default() }
+        Self { triangle, corners, most: f32::INFINITY, is_seen: true, ..Self::default() }
     }
 
     fn places(&self, mesh: &Mesh) -> [Vec3; 3] {
@@ -121,48 +124,84 @@ struct Search<'a> {
     from: Source<'a>,
     to: &'a Scan,
     width: f32,
+    /// Rounding of distances, model units.
+    slack: f32,
+    /// Hidden pieces no larger than this are passed over, model units.
+    hidden_piece: f32,
     lower: f32,
     upper: f32,
 }
 
 impl Search<'_> {
-    /// Returns the triangles, but for blocks of them that hold no larger distance than is known.
-    fn all_pieces(&mut self) -> Vec<Piece> {
-        let mesh = self.from.mesh;
-        let count = mesh.triangles().len();
-        let block = |i: usize| i * BLOCK..((i + 1) * BLOCK).min(count);
-        let enough = self.lower + self.width;
-        let most: Vec<f32> = parallel::collect(count.div_ceil(BLOCK), |i| self.most_of_block(block(i)));
-        for most in most.iter().filter(|most| **most <= enough) {
-            self.upper = self.upper.max(*most);
-        }
-        let kept = (0..most.len()).filter(|i| most[*i] > enough);
-        kept.flat_map(block).map(Piece::whole).collect()
+    fn mesh(&self) -> &Mesh {
+        self.from.side.surface.mesh()
     }
 
-    /// Returns a distance that no point of some triangles exceeds.
-    fn most_of_block(&self, triangles: std::ops::Range<usize>) -> f32 {
-        let mesh = self.from.mesh;
-        let corners = || triangles.clone().flat_map(|t| mesh.corners(t));
-        let count = corners().count().max(1) as f32;
-        let center = corners().fold(Vec3::splat(0.0), |sum, corner| sum + corner) * (1.0 / count);
-        let radius = corners().map(|corner| (corner - center).length()).fold(0.0, f32::max);
-        let reach = self.lower + self.width;
-        // Farther than that the block is not passed over anyway.
-        let closest = if radius < reach { self.to.bvh().closest(center, reach) } else { None };
-        closest.map_or(f32::INFINITY, |closest| closest.distance + radius)
+    /// Returns the triangles, or pieces of them, but for those that hold no larger distance than is known.
+    fn all_pieces(&mut self) -> Vec<Piece> {
+        let clusters: Vec<&[u32]> = self.from.side.surface.bvh().clusters().collect();
+        let settled = parallel::collect(clusters.len(), |i| self.settled(clusters[i]));
+        let most = settled.iter().map(|(most, _)| *most);
+        self.upper = most.fold(self.upper, f32::max);
+        settled.into_iter().flat_map(|(_, rest)| rest).collect()
+    }
+
+    /// Compares triangles that lie together with those of the other surface that are near: returns the largest bound of what
+    /// holds no larger distance than is known, and the pieces that may.
+    fn settled(&self, triangles: &[u32]) -> (f32, Vec<Piece>) {
+        let corners = |t: u32| self.mesh().corners(t as usize);
+        let Some(near) = Near::of(triangles.iter().flat_map(|t| corners(*t)), self) else {
+            return match triangles {
+                [only] => (0.0, vec![Piece::whole(*only)]),
+                several => {
+                    let mut all = (0f32, Vec::new());
+                    for one in several {
+                        let (most, rest) = self.settled(&[*one]);
+                        all.0 = all.0.max(most);
+                        all.1.extend(rest);
+                    }
+                    all
+                }
+            };
+        };
+        let (mut most, mut rest) = (0f32, Vec::new());
+        for triangle in triangles {
+            let whole = Piece::whole(*triangle);
+            match near.bound(whole.places(self.mesh())) {
+                bound if bound <= near.enough => most = most.max(bound),
+                _ => most = most.max(self.settle_quarters(&whole, &near, &mut rest)),
+            }
+        }
+        (most, rest)
+    }
+
+    /// Cuts a piece until all pieces are bounded by one triangle each, up to some times; adds those that are not to `rest`.
+    fn settle_quarters(&self, piece: &Piece, near: &Near, rest: &mut Vec<Piece>) -> f32 {
+        let mut most = 0f32;
+        let mut waiting = piece.quarters().map(|quarter| (quarter, 1)).to_vec();
+        while let Some((piece, cuts)) = waiting.pop() {
+            match near.quick_bound(piece.places(self.mesh())) {
+                bound if bound <= near.enough => most = most.max(bound),
+                _ if cuts < MOST_CUTS => {
+                    waiting.extend(piece.quarters().map(|quarter| (quarter, cuts + 1)));
+                }
+                _ => rest.push(piece),
+            }
+        }
+        most
     }
 
     /// Bounds the distances of pieces.
     fn bounded(&self, mut pieces: Vec<Piece>) -> Vec<Piece> {
         parallel::change(&mut pieces, |_, piece| {
-            let places = piece.places(self.from.mesh);
+            let places = piece.places(self.mesh());
             let middle = (places[0] + places[1] + places[2]) * (1.0 / 3.0);
-            let Some(closest) = self.to.bvh().closest(middle, f32::INFINITY) else { return };
+            // No point of the piece that it was cut from is farther away than that.
+            let reach = piece.most + self.slack;
+            let Some(closest) = self.to.bvh().closest(middle, reach) else { return };
             let radius = places.into_iter().map(|place| (place - middle).length()).fold(0.0, f32::max);
             let triangle = self.to.mesh().corners(closest.triangle as usize);
-            let from_one =
-                places.map(|place| distance_to_triangle(triangle, place)).into_iter().fold(0.0, f32::max);
+            let from_one = farthest(places, triangle, f32::INFINITY);
             piece.middle = closest.distance;
             piece.most = (closest.distance + radius).min(from_one).max(closest.distance);
         });
@@ -171,36 +210,90 @@ impl Search<'_> {
 
     /// Raises the lower bound, and returns the pieces that may hold a larger distance.
     fn promising(&mut self, mut pieces: Vec<Piece>) -> Vec<Piece> {
-        pieces.sort_by(|a, b| b.middle.total_cmp(&a.middle).then(a.triangle.cmp(&b.triangle)));
-        let farthest =
-            pieces.iter().take_while(|piece| piece.middle > self.lower).find(|piece| self.is_seen(piece));
-        if let Some(farthest) = farthest {
-            self.lower = farthest.middle;
+        if self.from.is_partly_hidden {
+            pieces.retain(|piece| piece.most > self.lower);
+            parallel::change(&mut pieces, |_, piece| piece.is_seen = self.is_seen(piece));
         }
+        let seen = pieces.iter().filter(|piece| piece.is_seen).map(|piece| piece.middle);
+        self.lower = seen.fold(self.lower, f32::max);
         let enough = self.lower + self.width;
+        pieces.retain(|piece| piece.is_seen || self.size(piece) > self.hidden_piece);
         let dropped = pieces.iter().map(|piece| piece.most).filter(|most| *most <= enough);
         self.upper = dropped.fold(self.upper, f32::max);
         pieces.retain(|piece| piece.most > enough);
-        if self.from.visible.is_some() {
-            let is_hidden: Vec<bool> = parallel::collect(pieces.len(), |i| self.is_hidden(&pieces[i]));
-            let mut hidden = is_hidden.into_iter();
-            pieces.retain(|_| hidden.next() != Some(true));
-        }
         pieces
     }
 
-    /// Returns `true` if the middle of a piece counts.
+    /// Returns `true` if the middle of a piece can be seen.
     fn is_seen(&self, piece: &Piece) -> bool {
-        let Some(side) = self.from.visible else { return true };
-        side.surface.is_seen(Point { triangle: piece.triangle, weights: piece.middle_weights() })
+        let point = Point { triangle: piece.triangle, weights: piece.middle_weights() };
+        self.from.side.surface.is_seen(point)
     }
 
-    /// Returns `true` for a small piece whose middle cannot be seen.
-    fn is_hidden(&self, piece: &Piece) -> bool {
-        let [a, b, c] = piece.places(self.from.mesh);
-        let size = (b - a).length().max((c - b).length()).max((a - c).length());
-        size <= HIDDEN_PIECE * self.from.mesh.diagonal() as f32 && !self.is_seen(piece)
+    /// Returns the longest edge of a piece.
+    fn size(&self, piece: &Piece) -> f32 {
+        let [a, b, c] = piece.places(self.mesh());
+        (b - a).length().max((c - b).length()).max((a - c).length())
     }
+}
+
+/// The triangles of the other surface near some points.
+struct Near {
+    triangles: Vec<[Vec3; 3]>,
+    middles: Vec<Vec3>,
+    /// A distance that is no larger than is known.
+    enough: f32,
+}
+
+impl Near {
+    /// Returns all triangles that may be within the known distance of some points; `None` if there are many or none.
+    fn of(points: impl Iterator<Item = Vec3> + Clone, search: &Search<'_>) -> Option<Self> {
+        let count = points.clone().count() as f32;
+        let center = points.clone().fold(Vec3::splat(0.0), |sum, point| sum + point) * (1.0 / count);
+        let radius = points.map(|point| (point - center).length()).fold(0.0, f32::max);
+        let enough = search.lower + search.width;
+        let mut found = Vec::new();
+        search.to.bvh().within((center, radius + enough + search.slack), MOST_NEAR, &mut found);
+        if found.is_empty() || found.len() > MOST_NEAR {
+            return None;
+        }
+        let corners = |t: &u32| search.to.mesh().corners(*t as usize);
+        let triangles: Vec<[Vec3; 3]> = found.iter().map(corners).collect();
+        let middles = triangles.iter().map(|[a, b, c]| (*a + *b + *c) * (1.0 / 3.0)).collect();
+        Some(Self { triangles, middles, enough })
+    }
+
+    /// Bounds the distances of the points between three by one of the triangles: the first that is near enough, else the best.
+    fn bound(&self, places: [Vec3; 3]) -> f32 {
+        let mut least = self.quick_bound(places);
+        for triangle in &self.triangles {
+            if least <= self.enough {
+                break;
+            }
+            least = farthest(places, *triangle, least);
+        }
+        least
+    }
+
+    /// Bounds them by the triangle whose middle is closest to theirs.
+    fn quick_bound(&self, places: [Vec3; 3]) -> f32 {
+        let middle = (places[0] + places[1] + places[2]) * (1.0 / 3.0);
+        let squared = |i: &usize| (self.middles[*i] - middle).dot(self.middles[*i] - middle);
+        let closest = (0..self.middles.len()).min_by(|a, b| squared(a).total_cmp(&squared(b)));
+        closest.map_or(f32::INFINITY, |i| farthest(places, self.triangles[i], f32::INFINITY))
+    }
+}
+
+/// Returns the largest distance of three points from a triangle, or `least` if it is no less than that.
+fn farthest(points: [Vec3; 3], triangle: [Vec3; 3], least: f32) -> f32 {
+    let mut most = 0f32;
+    for point in points {
+        most = most.max(distance_to_triangle(triangle, point));
+        if most >= least {
+            return least;
+        }
+    }
+    most
 }
 
 fn largest_coordinate(meshes: [&Mesh; 2]) -> f32 {

@@ -12,6 +12,7 @@ mod footprint;
 mod overview;
 mod pair;
 mod patch;
+mod patch_view;
 mod shape;
 mod silhouette;
 
@@ -22,5 +23,6 @@ pub use footprint::Footprint;
 pub use overview::{Overview, overview};
 pub use pair::{Pair, Side};
 pub use patch::{Patch, most_missing, worst_patch};
+pub use patch_view::{PatchQuantity, PatchView};
 pub use shape::ShapeFigures;
 pub use silhouette::{SilhouetteFigures, silhouettes};

@@ -13,6 +13,8 @@ use crate::parallel;
 const SHARE: f64 = 0.01;
 /// Windows that are tried, their middles spread over the surface.
 const WINDOWS: usize = 512;
+/// Samples among which the worst window is sought, at most: it is measured at fresh ones.
+const MOST_SAMPLES: usize = 20_000;
 /// Fresh points at which the worst window is measured, at least, and as a part of those of the whole surface.
 const POINTS: usize = 2_048;
 const PART: usize = 8;
@@ -83,6 +85,7 @@ struct Window {
 fn worst_window(samples: &[SurfaceSample], difference: fn(&SurfaceSample) -> f32) -> Option<Window> {
     let known: Vec<(Vec3, Vec3, f32)> = samples
         .iter()
+        .step_by(samples.len().div_ceil(MOST_SAMPLES).max(1))
         .map(|sample| (sample.position, sample.toward, difference(sample)))
         .filter(|(.., value)| !value.is_nan())
         .collect();

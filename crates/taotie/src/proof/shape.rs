@@ -7,7 +7,7 @@ use super::pair::Pair;
 /// Less of a surface hidden than this needs no search for what is visible: noise and folds hide as much.
 const HARDLY_HIDDEN: f64 = 1e-3;
 /// The width of the bounds of distances, as a part of the diagonal, and as a part of the distance.
-const WIDTH: [f32; 2] = [5e-4, 0.05];
+const WIDTH: [f32; 2] = [1e-3, 0.1];
 /// The bounds are closer in proportion if more points than these are looked at.
 const POINTS: f32 = 20_000.0;
 
@@ -32,8 +32,7 @@ fn hausdorff(pair: &Pair<'_>, close_ups: [&CloseUp; 2]) -> DistanceBounds {
     let sides = [(pair.scan, pair.asset), (pair.asset, pair.scan)];
     let bounds = sides.into_iter().zip(close_ups).map(|((from, to), close_up)| {
         let known = close_up.samples.iter().map(|sample| sample.distance).fold(0.0, f32::max);
-        let visible = (close_up.hidden > HARDLY_HIDDEN).then_some(from);
-        let source = Source { mesh: from.surface.mesh(), visible, known };
+        let source = Source { side: from, is_partly_hidden: close_up.hidden > HARDLY_HIDDEN, known };
         let width = (pair.diagonal * WIDTH[0]).max(known * WIDTH[1]);
         // Closer where more points have to decide a requirement.
         distance_bounds(source, to.surface, width * (POINTS / close_up.points.max(1) as f32).min(1.0))

@@ -2,8 +2,8 @@
 
 use super::overview::{SIDE, VIEWS, View};
 use super::pair::Pair;
-use crate::bake::sphere_directions;
-use crate::mesh::Mesh;
+use crate::bake::{TexturedMesh, sphere_directions};
+use crate::math::Vec3;
 use crate::parallel;
 
 /// The deviation of an asset's outlines from those of its scan over 32 fixed views, the object filling 512² pixels.
@@ -24,8 +24,9 @@ pub fn silhouettes(pair: &Pair<'_>) -> SilhouetteFigures {
     let directions = sphere_directions(VIEWS);
     let views = parallel::tasks(VIEWS, &|i| {
         let view = View::fitting(pair, directions[i]);
-        let [scan, asset] = [pair.scan, pair.asset].map(|side| Mask::of(side.surface.mesh(), &view));
-        let found = scan.outline_distances(&asset).into_iter().chain(asset.outline_distances(&scan));
+        let [scan, asset] =
+            [pair.scan, pair.asset].map(|side| Mask::of(side.surface.surface(), &view).outline());
+        let found = scan.distances(&asset).into_iter().chain(asset.distances(&scan));
         let mut sums = Sums::default();
         found.for_each(|distance| sums.add(distance));
         (sums, f64::from(view.pixel))
@@ -54,83 +55,205 @@ impl Sums {
     }
 }
 
-/// The pixels whose middles a mesh covers in a view.
+/// Bits of a row of pixels, and of a picture of them.
+const WORDS: usize = SIDE / 64;
+type Rows = Vec<[u64; WORDS]>;
+
+/// The pixels whose middles a surface covers in a view. Back faces are not drawn, but those of double-sided materials.
 struct Mask {
-    is_covered: Vec<bool>,
+    rows: Rows,
 }
 
 impl Mask {
-    fn of(mesh: &Mesh, view: &View) -> Self {
-        let place = |p: crate::math::Vec3| {
+    fn of(surface: &TexturedMesh, view: &View) -> Self {
+        let mesh = surface.mesh();
+        let place = |p: Vec3| {
             let away = p - view.corner;
             view.axes.map(|axis| axis.dot(away) / view.pixel - 0.5)
         };
         let places: Vec<[f32; 2]> = mesh.positions().iter().map(|p| place(*p)).collect();
-        let mut mask = Self { is_covered: vec![false; SIDE * SIDE] };
-        for triangle in mesh.triangles() {
-            mask.cover(triangle.map(|v| places[v as usize]));
+        let mut mask = Self { rows: vec![[0; WORDS]; SIDE] };
+        for (t, triangle) in mesh.triangles().iter().enumerate() {
+            let corners = triangle.map(|v| places[v as usize]);
+            if faces_viewer(corners) || surface.material(t as u32).double_sided {
+                mask.cover(corners);
+            }
         }
         mask
     }
 
     /// Covers the pixels whose middles, whole numbers, lie in a triangle or on its border.
-    fn cover(&mut self, [a, b, c]: [[f32; 2]; 3]) {
-        let bounds = |k: usize| {
-            let [low, high] = [a[k].min(b[k]).min(c[k]).ceil(), a[k].max(b[k]).max(c[k]).floor()];
-            (low.max(0.0) as usize, high.min(SIDE as f32 - 1.0))
-        };
-        let ((left, right), (top, bottom)) = (bounds(0), bounds(1));
-        if right < left as f32 || bottom < top as f32 {
-            return;
+    fn cover(&mut self, corners: [[f32; 2]; 3]) {
+        let [a, b, c] = corners;
+        let range = |k: usize| [a[k].min(b[k]).min(c[k]), a[k].max(b[k]).max(c[k])];
+        let (Some([left, right]), Some([top, bottom])) = (whole(range(0)), whole(range(1))) else { return };
+        for y in top..=bottom {
+            let span = across(corners, y as f32);
+            if let Some([from, to]) = whole(span).filter(|[from, to]| from.max(&left) <= to.min(&right)) {
+                set(&mut self.rows[y], from.max(left), to.min(right));
+            }
         }
-        let edge = |p: [f32; 2], q: [f32; 2], x: f32, y: f32| {
-            (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0])
+    }
+
+    /// Returns the covered pixels with a neighbour that is not.
+    fn outline(&self) -> Outline {
+        let rows = &self.rows;
+        let row = |y: usize| {
+            let none = &[0; WORDS];
+            let above = if y == 0 { none } else { &rows[y - 1] };
+            let below = rows.get(y + 1).unwrap_or(none);
+            std::array::from_fn(|w| {
+                let before = if w == 0 { 0 } else { rows[y][w - 1] >> 63 };
+                let after = rows[y].get(w + 1).map_or(0, |word| word << 63);
+                let own = rows[y][w];
+                own & !((own << 1 | before) & (own >> 1 | after) & above[w] & below[w])
+            })
         };
-        for y in top..=bottom as usize {
-            for x in left..=right as usize {
-                let (px, py) = (x as f32, y as f32);
-                let sides = [edge(a, b, px, py), edge(b, c, px, py), edge(c, a, px, py)];
-                if sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0) {
-                    self.is_covered[y * SIDE + x] = true;
+        Outline { rows: (0..SIDE).map(row).collect() }
+    }
+}
+
+/// Returns `true` if the corners go around as those of a front face do: axes across, down the picture and towards the viewer
+/// are right-handed.
+fn faces_viewer([a, b, c]: [[f32; 2]; 3]) -> bool {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) >= 0.0
+}
+
+/// Returns the first and the last whole number of a range that are pixels; `None` if there are none. Most triangles of a
+/// scan have none: conversions decide that faster than rounding.
+fn whole([from, to]: [f32; 2]) -> Option<[usize; 2]> {
+    if !(to >= 0.0 && from <= SIDE as f32 - 1.0) {
+        return None;
+    }
+    let from = from.max(0.0);
+    let first = from as usize + usize::from((from as usize as f32) < from);
+    let last = (to as usize).min(SIDE - 1);
+    (first <= last).then_some([first, last])
+}
+
+/// Returns where a row enters and leaves a triangle; nothing if it does not meet it.
+fn across(corners: [[f32; 2]; 3], y: f32) -> [f32; 2] {
+    let mut span = [f32::INFINITY, f32::NEG_INFINITY];
+    for (k, [x, from]) in corners.into_iter().enumerate() {
+        let [next, to] = corners[(k + 1) % 3];
+        if from.min(to) <= y && y <= from.max(to) {
+            let part = if to == from { 0.0 } else { (y - from) / (to - from) };
+            let at = x + (next - x) * part;
+            span = [span[0].min(at), span[1].max(at)];
+            // Along the row, from one corner to the other.
+            if to == from {
+                span = [span[0].min(next), span[1].max(next)];
+            }
+        }
+    }
+    span
+}
+
+/// Sets the bits of the columns `from` to `to`, the last included.
+fn set(row: &mut [u64; WORDS], from: usize, to: usize) {
+    for word in from / 64..=to / 64 {
+        let low = if word == from / 64 { u64::MAX << (from % 64) } else { u64::MAX };
+        let high = if word == to / 64 { u64::MAX >> (63 - to % 64) } else { u64::MAX };
+        row[word] |= low & high;
+    }
+}
+
+/// The pixels of an outline.
+struct Outline {
+    rows: Rows,
+}
+
+impl Outline {
+    fn holds(&self, x: isize, y: isize) -> bool {
+        let side = 0..SIDE as isize;
+        side.contains(&x)
+            && side.contains(&y)
+            && self.rows[y as usize][x as usize / 64] >> (x as usize % 64) & 1 != 0
+    }
+
+    fn pixels(&self) -> Vec<[isize; 2]> {
+        let mut pixels = Vec::new();
+        for (y, row) in self.rows.iter().enumerate() {
+            for (w, word) in row.iter().enumerate() {
+                let mut rest = *word;
+                while rest != 0 {
+                    pixels.push([(w * 64) as isize + rest.trailing_zeros() as isize, y as isize]);
+                    rest &= rest - 1;
+                }
+            }
+        }
+        pixels
+    }
+
+    /// Returns how far each of its pixels lies from another outline, pixels; as far as the picture is wide if that is empty.
+    fn distances(&self, other: &Self) -> Vec<f64> {
+        /// Pixels are looked at one by one as far as this.
+        const REACH: isize = 4;
+        let around = (-REACH..=REACH).flat_map(|v| (-REACH..=REACH).map(move |u| [u, v]));
+        let mut near: Vec<(isize, [isize; 2])> = around.map(|[u, v]| (u * u + v * v, [u, v])).collect();
+        near.retain(|(squared, _)| *squared <= REACH * REACH);
+        near.sort_unstable();
+        let others = other.pixels();
+        let distance = |[x, y]: [isize; 2]| {
+            let close =
+                near.iter().find(|(_, [u, v])| other.holds(x + u, y + v)).map(|(squared, _)| *squared);
+            let far = || others.iter().map(|[u, v]| (u - x).pow(2) + (v - y).pow(2)).min();
+            close.or_else(far).map_or(SIDE as f64, |squared| (squared as f64).sqrt())
+        };
+        self.pixels().into_iter().map(distance).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn masked(triangles: &[[[f32; 2]; 3]]) -> Mask {
+        let mut mask = Mask { rows: vec![[0; WORDS]; SIDE] };
+        triangles.iter().for_each(|triangle| mask.cover(*triangle));
+        mask
+    }
+
+    #[test]
+    fn pixels_whose_middles_lie_inside_are_covered() {
+        let triangles = [
+            [[3.2, 4.7], [130.4, 60.1], [20.9, 200.3]],
+            [[-50.0, 300.0], [600.0, 310.5], [70.0, 511.9]],
+            [[200.5, 100.5], [200.9, 100.6], [200.7, 100.9]],
+        ];
+        for triangle in triangles {
+            let mask = masked(&[triangle]);
+            let edge = |p: [f32; 2], q: [f32; 2], x: f32, y: f32| {
+                (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0])
+            };
+            for y in 0..SIDE {
+                for x in 0..SIDE {
+                    let sides =
+                        [0, 1, 2].map(|k| edge(triangle[k], triangle[(k + 1) % 3], x as f32, y as f32));
+                    let is_inside =
+                        sides.iter().all(|side| *side > 0.5) || sides.iter().all(|side| *side < -0.5);
+                    let is_outside =
+                        sides.iter().any(|side| *side > 0.5) && sides.iter().any(|side| *side < -0.5);
+                    let is_covered = mask.rows[y][x / 64] >> (x % 64) & 1 != 0;
+                    assert!(!is_inside || is_covered, "({x}, {y}) of {triangle:?}");
+                    assert!(!is_outside || !is_covered, "({x}, {y}) of {triangle:?}");
                 }
             }
         }
     }
 
-    fn at(&self, x: isize, y: isize) -> bool {
-        let side = SIDE as isize;
-        (0..side).contains(&x) && (0..side).contains(&y) && self.is_covered[(y * side + x) as usize]
-    }
-
-    /// Returns `true` for a covered pixel with a neighbour that is not.
-    fn is_outline(&self, x: isize, y: isize) -> bool {
-        self.at(x, y) && !(self.at(x - 1, y) && self.at(x + 1, y) && self.at(x, y - 1) && self.at(x, y + 1))
-    }
-
-    fn outline(&self) -> Vec<[isize; 2]> {
-        let side = SIDE as isize;
-        let pixels = (0..side).flat_map(|y| (0..side).map(move |x| [x, y]));
-        pixels.filter(|[x, y]| self.is_outline(*x, *y)).collect()
-    }
-
-    /// Returns how far each pixel of the outline lies from the outline of another mask, pixels; as far as the picture is
-    /// wide if that has none.
-    fn outline_distances(&self, other: &Self) -> Vec<f64> {
-        let others = other.outline();
-        let distance = |[x, y]: [isize; 2]| {
-            other.near_outline([x, y]).or_else(|| {
-                let squared = others.iter().map(|[u, v]| (u - x).pow(2) + (v - y).pow(2)).min()?;
-                Some((squared as f64).sqrt())
-            })
+    #[test]
+    fn outlines_that_are_moved_lie_that_far_apart() {
+        let square = |x: f32, side: f32| {
+            let [a, b] = [[x, 100.0], [x + side, 100.0]];
+            let [c, d] = [[x + side, 100.0 + side], [x, 100.0 + side]];
+            masked(&[[a, b, c], [a, c, d]]).outline()
         };
-        self.outline().into_iter().map(|at| distance(at).unwrap_or(SIDE as f64)).collect()
-    }
-
-    /// Returns the distance of the outline from a pixel, if it is no more than a few pixels.
-    fn near_outline(&self, [x, y]: [isize; 2]) -> Option<f64> {
-        const REACH: isize = 4;
-        let around = (-REACH..=REACH).flat_map(|v| (-REACH..=REACH).map(move |u| [u, v]));
-        let near = around.filter(|[u, v]| u * u + v * v <= REACH * REACH && self.is_outline(x + u, y + v));
-        near.map(|[u, v]| u * u + v * v).min().map(|squared| (squared as f64).sqrt())
+        let one = square(60.0, 80.0);
+        assert_eq!(one.pixels().len(), 4 * 80);
+        assert!(one.distances(&square(60.0, 80.0)).iter().all(|distance| *distance == 0.0));
+        let most = |other: &Outline| one.distances(other).into_iter().fold(0.0, f64::max);
+        assert_eq!((most(&square(63.0, 80.0)), most(&square(67.0, 80.0))), (3.0, 7.0));
+        assert_eq!(most(&masked(&[]).outline()), SIDE as f64);
     }
 }

@@ -2,13 +2,16 @@
 
 use super::Ray;
 use super::by_area::by_area;
-use super::nearby::{Closest, closest};
+use super::nearby::{Closest, closest, within};
 use super::tree::{Tree, along_curve};
 use super::walk::{Cast, Met, Span, walk};
 use crate::error::Result;
 use crate::math::{SimdLevel, Vec3, dispatch_eight};
 use crate::mesh::Point;
 use fearless_simd::Level;
+
+/// Triangles of a cluster, at most.
+const CLUSTER: usize = 64;
 
 /// A point where a ray meets a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,6 +100,16 @@ impl Bvh {
     /// The point of all triangles that is closest to `point`, where one is at most `reach` away.
     pub fn closest(&self, point: Vec3, reach: f32) -> Option<Closest> {
         closest(&self.tree, point, reach)
+    }
+
+    /// Adds the triangles within `reach` of a point to `found`, in any order. It stops once there are more than `most`.
+    pub fn within(&self, (point, reach): (Vec3, f32), most: usize, found: &mut Vec<u32>) {
+        within(&self.tree, (point, reach), most, found);
+    }
+
+    /// Returns all triangles in groups of up to 64 that lie close to each other.
+    pub fn clusters(&self) -> std::slice::Chunks<'_, u32> {
+        self.tree.order.chunks(CLUSTER)
     }
 
     fn walk<const NEAR_FIRST: bool>(&self, ray: &Ray, span: Span, mut meet: impl FnMut(Hit, Span) -> Span) {

@@ -1,8 +1,9 @@
-//! The point of a surface that is closest to another.
+//! The point of a surface that is closest to a given one, and the triangles within a distance of it.
 
 use super::tree::{Boxes, Tree, WIDTH};
 use crate::math::Vec3;
 use crate::mesh::Point;
+use arrayvec::ArrayVec;
 
 /// The point of a surface that is closest to another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,11 +29,14 @@ pub fn distance_to_triangle(corners: [Vec3; 3], point: Vec3) -> f32 {
     (corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2] - point).length()
 }
 
+/// Nodes that wait to be visited, at most: of each of 11 levels those of one node, but for the one that is visited.
+const STACK: usize = 11 * (WIDTH - 1) + WIDTH;
+
 /// Visits nodes from near to far, and passes over those that begin farther away than the best so far.
 pub(super) fn closest(tree: &Tree, point: Vec3, reach: f32) -> Option<Closest> {
     let mut best: Option<(f32, Closest)> = None;
     let mut limit = reach * reach;
-    let mut waiting: Vec<(f32, usize, usize)> = Vec::with_capacity(64);
+    let mut waiting: ArrayVec<(f32, usize, usize), STACK> = ArrayVec::new();
     if !tree.leaves.is_empty() {
         waiting.push((0.0, tree.levels.len(), 0));
     }
@@ -65,6 +69,31 @@ pub(super) fn closest(tree: &Tree, point: Vec3, reach: f32) -> Option<Closest> {
         }
     }
     best.map(|(_, closest)| closest)
+}
+
+/// Adds the triangles within `reach` of a point to `found`; stops as soon as they are more than `most`.
+pub(super) fn within(tree: &Tree, (point, reach): (Vec3, f32), most: usize, found: &mut Vec<u32>) {
+    let limit = reach * reach;
+    let mut waiting: ArrayVec<(usize, usize), STACK> = ArrayVec::new();
+    if !tree.leaves.is_empty() {
+        waiting.push((tree.levels.len(), 0));
+    }
+    while let Some((level, node)) = waiting.pop() {
+        if found.len() > most {
+            return;
+        }
+        if level > 0 {
+            let distances = squared_distances(&tree.levels[level - 1][node], point);
+            let present = distances.into_iter().take(tree.children(level, node)).enumerate();
+            let near = present.filter(|(_, squared)| *squared <= limit);
+            waiting.extend(near.map(|(i, _)| (level - 1, node * WIDTH + i)));
+            continue;
+        }
+        let slots = tree.order[node * WIDTH..].iter().take(WIDTH).enumerate();
+        let near =
+            slots.filter(|(i, _)| distance_to_triangle(tree.leaves[node].triangle(*i), point) <= reach);
+        found.extend(near.map(|(_, triangle)| *triangle));
+    }
 }
 
 /// The squared distance to each box, 0 inside.
@@ -120,6 +149,29 @@ mod tests {
     use super::super::numbers::numbers;
     use super::*;
     use crate::trace::Bvh;
+
+    #[test]
+    fn triangles_within_a_distance_are_those_that_are_near() {
+        let mut next = numbers(1);
+        let mut point = || Vec3::new(next(), next(), next());
+        let triangles: Vec<[Vec3; 3]> = (0..300)
+            .map(|_| {
+                let p = point();
+                [p, p + point() * 0.1, p + point() * 0.1]
+            })
+            .collect();
+        let bvh = Bvh::build(&triangles);
+        for _ in 0..100 {
+            let (p, mut found) = (point(), Vec::new());
+            bvh.within((p, 0.2), usize::MAX, &mut found);
+            found.sort_unstable();
+            let is_near = |t: &u32| distance_to_triangle(triangles[*t as usize], p) <= 0.2;
+            assert_eq!(found, (0..300).filter(is_near).collect::<Vec<u32>>());
+        }
+        let mut all: Vec<u32> = bvh.clusters().flatten().copied().collect();
+        all.sort_unstable();
+        assert_eq!(all, (0..300).collect::<Vec<u32>>());
+    }
 
     #[test]
     fn no_point_of_any_triangle_is_closer() {

@@ -14,7 +14,8 @@ use taotie::mesh::{Mesh, MeshData};
 use taotie::scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
 
 /// The numbers of points that a proof of these tests measures.
-const POINTS: VerifyOptions = VerifyOptions { points: 5_000, map: 32, view: 96, requirements: Vec::new() };
+const POINTS: VerifyOptions =
+    VerifyOptions { points: 5_000, map: 32, view: 96, patch_view: 0, requirements: Vec::new() };
 
 fn ball(material: Material) -> Scene {
     Scene::of_mesh(Mesh::sphere(1.0, 32, 16), material).unwrap()

@@ -349,7 +349,8 @@ fn the_verdict_does_not_depend_on_the_samples_at_first() {
     let verdicts = [2_000, 20_000].map(|points| {
         let requirements: Vec<Requirement> =
             ["mean-angle=2.5", "patch-angle=40", "hausdorff=0.4%"].map(|text| text.parse().unwrap()).to_vec();
-        let options = VerifyOptions { points, map: 16, view: 16, requirements: requirements.clone() };
+        let options =
+            VerifyOptions { points, map: 16, view: 16, patch_view: 0, requirements: requirements.clone() };
         let proof = verify(&path, &scan, &options, Progress::SILENT).unwrap();
         proof.require(&requirements).iter().map(|met| met.met).collect::<Vec<_>>()
     });

@@ -28,6 +28,7 @@ mod raw;
 mod reason;
 mod samplers;
 mod source;
+mod stored_images;
 mod structure;
 mod supplied;
 mod textures;
@@ -41,6 +42,7 @@ pub(super) use extensions::{OF_TEXTURES, is_known};
 pub(super) use missing_tangents::missing_tangents;
 pub(super) use raw::RawGltf;
 pub use source::GltfSource;
+pub use stored_images::{StoredImage, StoredParts};
 
 use super::json::Json;
 use super::limits::Limits;

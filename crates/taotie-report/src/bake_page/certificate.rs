@@ -1,0 +1,295 @@
+//! The certificate as the statement that opens a page.
+
+use crate::{Cell, Column, Fact, Notice, PlainTable, Statement, Tone};
+use taotie::asset::{Certificate, FigureUnit, HashedFile, HashedMap, KeyFigure, Met, ScanOptions, Verdict};
+use taotie::names::Named;
+use taotie::scene::GreenChannel;
+
+/// Files that the statement lists, so that it fits one sheet; the others are in a table below it.
+const MOST_FILES: usize = 16;
+
+/// Who judges the figures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Judge {
+    /// This page.
+    Here,
+    /// The page of a collection, whose requirements may change.
+    Collection,
+}
+
+/// Makes the statement of a certificate.
+pub fn statement(certificate: &Certificate, judge: Judge) -> Statement {
+    let mut tables = Vec::new();
+    if !certificate.required.is_empty() {
+        tables.push(requirements(certificate));
+    }
+    tables.extend([figures(certificate), files(certificate)]);
+    Statement {
+        title: "Certificate".into(),
+        verdict: verdict(certificate, judge),
+        facts: facts(certificate),
+        tables,
+        command_note: match certificate.command {
+            Some(_) => "To recompute this certificate and the `proof` section of the JSON report, byte for byte, run this in a \
+                        folder that holds the files above:"
+                .into(),
+            None => "The certificate cannot be recomputed from a model's file: not all that was compared is part of one.".into(),
+        },
+        command: certificate.command.clone().unwrap_or_default(),
+    }
+}
+
+/// Makes the table of all files that the statement has no room for; `None` if it lists each.
+pub fn further_files(certificate: &Certificate) -> Option<crate::Section> {
+    let rows = rows_of_files(certificate);
+    (rows.len() > MOST_FILES).then(|| crate::Section::Table {
+        title: "All files".into(),
+        note: "Maps in the model's own file are hashed as they are stored there.".into(),
+        columns: columns_of_files(),
+        rows,
+    })
+}
+
+fn verdict(certificate: &Certificate, judge: Judge) -> Notice {
+    let count = |is: fn(&Met) -> bool| certificate.required.iter().filter(|met| is(met)).count();
+    let (all, unmet) = (certificate.required.len(), count(|met| !met.met));
+    match certificate.verdict {
+        _ if judge == Judge::Collection => Notice::new(
+            "Measured. The page of the collection states what is required of this asset, and whether it is met.",
+            Tone::Changed,
+        ),
+        Verdict::NothingRequired => {
+            Notice::new("Measured; nothing was required. The figures are below.", Tone::Changed)
+        }
+        Verdict::Met => Notice::new("All requirements are met.", Tone::Good),
+        Verdict::Undecided => Notice::new(
+            format!(
+                "Not met: {unmet} of {all} requirements are undecided; the limit is within the interval."
+            ),
+            Tone::Bad,
+        ),
+        Verdict::NotMet => Notice::new(format!("Not met: {unmet} of {all} requirements."), Tone::Bad),
+    }
+}
+
+fn facts(certificate: &Certificate) -> Vec<Fact> {
+    let name = |files: &[HashedFile]| files.first().map_or("in memory".to_owned(), |file| file.name.clone());
+    let levels: Vec<String> = certificate.triangles.iter().map(|count| grouped(*count as u64)).collect();
+    let options = &certificate.options;
+    let images = format!(
+        "{} samples at first, images of {} × {}",
+        grouped(options.points as u64),
+        options.view,
+        options.view
+    );
+    let mut facts = vec![
+        Fact::new("Scan", name(&certificate.scan)),
+        Fact::new("Triangles of the scan", grouped(certificate.scan_triangles as u64)),
+        Fact::new("Asset", name(&certificate.asset)),
+        Fact::new("Triangles of the asset", levels.join("; ")),
+        Fact::new("Scan read with", reading(&options.scan)),
+        Fact::new("Measured with", images),
+        Fact::new("Measured by", certificate.program.clone()),
+    ];
+    let signed = [("Date", &certificate.date), ("Operator", &certificate.operator)];
+    facts.extend(signed.into_iter().filter_map(|(name, text)| Some(Fact::new(name, text.as_ref()?))));
+    facts
+}
+
+/// Returns how a scan was read, in words.
+fn reading(options: &ScanOptions) -> String {
+    let crease_angle = options.crease_angle_deg.map(|angle| format!("hard edges from {angle}°"));
+    let green = options.green.map(|green| match green {
+        GreenChannel::Up => "normal maps with green up".to_owned(),
+        GreenChannel::Down => "normal maps with green down".to_owned(),
+    });
+    let unit = options.unit.map(|unit| format!("coordinates in {}", unit.name()));
+    let all: Vec<String> = [unit, crease_angle, green].into_iter().flatten().collect();
+    if all.is_empty() { "default options".into() } else { all.join(", ") }
+}
+
+/// Returns a whole number with commas between thousands.
+fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let group = |(i, digit): (usize, char)| match (digits.len() - i).is_multiple_of(3) && i > 0 {
+        true => vec![',', digit],
+        false => vec![digit],
+    };
+    digits.chars().enumerate().flat_map(group).collect()
+}
+
+fn requirements(certificate: &Certificate) -> PlainTable {
+    let has_levels = certificate.triangles.len() > 1;
+    let mut columns = vec![Column::words("required"), Column::words("shown by")];
+    columns.extend(has_levels.then(|| Column::words("level")));
+    columns.extend(["value", "interval", "limit", "result"].map(Column::words));
+    PlainTable {
+        title: "Requirements".into(),
+        note: match has_levels {
+            true => {
+                "Each level of detail is judged, level 0 is the finest; this is the worst of them. "
+                    .to_owned()
+                    + INTERVALS
+            }
+            false => INTERVALS.into(),
+        },
+        columns,
+        rows: worst(&certificate.required)
+            .into_iter()
+            .map(|met| row_of_requirement(met, has_levels))
+            .collect(),
+    }
+}
+
+const INTERVALS: &str = "Means and quantiles lie within their interval with a confidence of 99 %; the largest distance lies \
+                         within proven bounds. A requirement is met only if the whole interval meets the limit.";
+
+/// Returns the worst outcome of each requirement over all levels, in order.
+fn worst(required: &[Met]) -> Vec<&Met> {
+    let mut worst: Vec<&Met> = Vec::new();
+    for met in required {
+        let is_same = |known: &&mut &Met| known.figure == met.figure && known.most == met.most;
+        match worst.iter_mut().find(is_same) {
+            Some(known) if is_worse(met, known) => *known = met,
+            Some(_) => {}
+            None => worst.push(met),
+        }
+    }
+    worst
+}
+
+fn is_worse(a: &Met, b: &Met) -> bool {
+    if a.met != b.met {
+        return b.met;
+    }
+    let (Some(of_a), Some(of_b)) = (a.value, b.value) else { return a.value.is_none() && b.value.is_some() };
+    if a.figure.is_at_least() { of_a < of_b } else { of_a > of_b }
+}
+
+fn row_of_requirement(met: &Met, has_level: bool) -> Vec<Cell> {
+    let (text, tone) = match met.met {
+        true => ("met", Tone::Good),
+        false if met.is_undecided() => ("undecided", Tone::Bad),
+        false => ("not met", Tone::Bad),
+    };
+    let bound = if met.figure.is_at_least() { "≥" } else { "≤" };
+    let unit = met.unit();
+    let limit = unit.text(met.most);
+    // Five digits may hide that a limit is exceeded; then the outcome is stated with all of them.
+    let value = match met.value.map(|value| unit.text(value)) {
+        None => "not measured".into(),
+        Some(value) if !met.met && value == limit => met.text(),
+        Some(value) => value,
+    };
+    let mut row = vec![Cell::text(met.figure.title()), Cell::text(met.figure.looking().words())];
+    row.extend(has_level.then(|| Cell::text(met.level.map_or("all".into(), |level| level.to_string()))));
+    row.extend([
+        Cell::text(value),
+        Cell::text(met.interval.map_or_else(String::new, |interval| between(unit, interval))),
+        Cell::text(format!("{bound} {limit}")),
+        Cell::Mark { text: text.into(), tone, why: String::new() },
+    ]);
+    row
+}
+
+/// Returns an interval in words; nothing if the value is exact.
+fn between(unit: FigureUnit, [low, high]: [f64; 2]) -> String {
+    let [from, to] = [low, high].map(|bound| unit.text(bound));
+    if low == high { String::new() } else { format!("{from} to {to}") }
+}
+
+/// Makes the table of the key figures that no requirement shows.
+fn figures(certificate: &Certificate) -> PlainTable {
+    let has_row = |figure: &KeyFigure| {
+        certificate
+            .required
+            .iter()
+            .any(|met| met.figure == figure.figure && met.level.is_none_or(|level| level == 0))
+    };
+    let is_single = certificate.triangles.len() < 2;
+    let further = certificate.figures.iter().filter(|figure| !(is_single && has_row(figure)));
+    let row = |KeyFigure { figure, value, interval, .. }: &KeyFigure| {
+        vec![
+            Cell::text(figure.title()),
+            Cell::text(figure.looking().words()),
+            Cell::text(figure.unit().text(*value)),
+            Cell::text(between(figure.unit(), *interval)),
+        ]
+    };
+    let unseen = &certificate.not_compared;
+    PlainTable {
+        title: if certificate.required.is_empty() { "Figures" } else { "Further figures" }.into(),
+        note: match (unseen.is_empty(), is_single) {
+            (true, true) => String::new(),
+            (true, false) => "Of the finest level of detail.".into(),
+            (false, _) => format!("Not compared: {}.", unseen.join("; ")),
+        },
+        columns: ["figure", "shown by", "value", "interval"].map(Column::words).to_vec(),
+        rows: further.map(row).collect(),
+    }
+}
+
+fn files(certificate: &Certificate) -> PlainTable {
+    let mut rows = rows_of_files(certificate);
+    let more = rows.len().saturating_sub(MOST_FILES);
+    rows.truncate(MOST_FILES);
+    let further = format!(" {more} more are listed under “All files”.");
+    PlainTable {
+        title: "Files".into(),
+        note: "Maps in the model's own file are hashed as they are stored there.".to_owned()
+            + if more > 0 { &further } else { "" },
+        columns: columns_of_files(),
+        rows,
+    }
+}
+
+fn columns_of_files() -> Vec<Column> {
+    vec![Column::words("file"), Column::words("name"), Column::numbers("bytes", ""), Column::words("SHA-256")]
+}
+
+fn rows_of_files(certificate: &Certificate) -> Vec<Vec<Cell>> {
+    let row = |what: String, file: &HashedFile| {
+        let HashedFile { name, bytes, sha256, .. } = file;
+        vec![Cell::text(what), Cell::text(name), Cell::number(*bytes as f64, 0), Cell::Code(sha256.clone())]
+    };
+    let of = |what: &'static str, files: &[HashedFile]| -> Vec<Vec<Cell>> {
+        let named = files.iter().enumerate();
+        named.map(|(i, file)| row(if i == 0 { what.into() } else { format!("{what}, part") }, file)).collect()
+    };
+    let map = |map: &HashedMap| {
+        let uses = if map.uses.is_empty() { "unused" } else { &map.uses };
+        let name = map.file.clone().unwrap_or_else(|| "in the model's file".into());
+        let hash = map.sha256.clone().map_or_else(|| Cell::text("missing"), Cell::Code);
+        let bytes = Cell::Number { value: map.bytes.map(|bytes| bytes as f64), digits: 0 };
+        vec![Cell::text(format!("map: {uses}")), Cell::text(name), bytes, hash]
+    };
+    let maps = certificate.maps.iter().map(map);
+    of("scan", &certificate.scan).into_iter().chain(of("asset", &certificate.asset)).chain(maps).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie::asset::{Figures, LevelFigures, Requirement};
+
+    #[test]
+    fn numbers_have_commas() {
+        assert_eq!([0, 999, 1000, 1_234_567].map(grouped), ["0", "999", "1,000", "1,234,567"]);
+    }
+
+    #[test]
+    fn the_worst_level_stands_for_all() {
+        let level = |share: f64| {
+            let mut level = LevelFigures::default();
+            level.coverage.missed_interval = [share; 2];
+            level
+        };
+        let mut figures = Figures::default();
+        figures.levels = [0.0, 0.02, 0.01].map(level).to_vec();
+        let required = figures.require(&[Requirement::missed(0.001), Requirement::missed(0.5)]);
+        let [strict, mild] = worst(&required)[..] else { panic!("two limits") };
+        assert_eq!((strict.met, strict.level), (false, Some(1)));
+        assert_eq!((mild.met, mild.most), (true, 0.5));
+        assert_eq!(row_of_requirement(strict, true)[2], Cell::text("1"));
+    }
+}

@@ -1,0 +1,334 @@
+//! The certificate: what was required and found of an asset, of which bytes, and how to find it again.
+
+use super::certified_files::{AssetFiles, HashedFile, HashedMap, name_of};
+use super::figure::Figure;
+use super::figures::Figures;
+use super::proof::VerifyOptions;
+use super::requirement::{Met, Requirement};
+use super::requirement_text;
+use super::scan::{About, Scan};
+use super::scan_options::ScanOptions;
+use super::write::Written;
+use crate::error::{Error, Result};
+use crate::scene::NormalSpace;
+use std::path::Path;
+
+/// Figures that a certificate states, in order, if they were measured.
+const KEY_FIGURES: [Figure; 13] = [
+    Figure::MeanAngle,
+    Figure::P95Angle,
+    Figure::PatchAngle,
+    Figure::MeanColor,
+    Figure::PatchColor,
+    Figure::Missed,
+    Figure::Completeness,
+    Figure::Hausdorff,
+    Figure::Silhouette,
+    Figure::SurfaceMeanAngle,
+    Figure::Flip,
+    Figure::Ssim,
+    Figure::Bytes,
+];
+
+/// A statement about one scan and one asset: what was required and found, the hashes of all files, and the command that
+/// recomputes it. The same files, options and version give the same certificate on every machine.
+///
+/// ```
+/// use taotie::Result;
+/// use taotie::asset::{Certificate, Proof, Signature, VerifyOptions, Written};
+///
+/// /// Certifies an asset by nobody in particular.
+/// fn certify(written: &Written, proof: &Proof, options: &VerifyOptions) -> Result<Certificate> {
+///     Certificate::of_written(written, &proof.figures, options, &Signature::default())
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Certificate {
+    /// The outcome of all requirements.
+    pub verdict: Verdict,
+    /// The requirements and their outcomes.
+    pub required: Vec<Met>,
+    /// The key figures of the finest level of detail.
+    pub figures: Vec<KeyFigure>,
+    /// What no figure and no image looks at.
+    pub not_compared: Vec<String>,
+    /// The scan's files, its own first; none in memory.
+    pub scan: Vec<HashedFile>,
+    /// Triangles of the scan.
+    pub scan_triangles: usize,
+    /// The asset's files, its own first.
+    pub asset: Vec<HashedFile>,
+    /// Triangles of each level of detail, the finest first.
+    pub triangles: Vec<usize>,
+    /// The asset's maps, those in the model's own file too.
+    pub maps: Vec<HashedMap>,
+    /// The program that measured, with its version.
+    pub program: String,
+    /// The options that figures depend on.
+    pub options: ProofOptions,
+    /// When it was made, if the operator states that.
+    pub date: Option<String>,
+    /// Who made it, if that is stated.
+    pub operator: Option<String>,
+    /// The command that recomputes this certificate from the files, in the folder that holds them; `None` if a model's file
+    /// does not hold all that was compared.
+    pub command: Option<String>,
+}
+
+/// The options that the figures of a proof depend on.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct ProofOptions {
+    /// How the scan was read.
+    pub scan: ScanOptions,
+    /// Pixels of the overview and points of each surface that were compared at first.
+    pub points: usize,
+    /// Pixels along a side of the images from all sides.
+    pub view: u32,
+}
+
+/// The outcome of all requirements together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum Verdict {
+    /// Each is met.
+    Met,
+    /// At least one is not met.
+    NotMet,
+    /// None is exceeded for certain, but a limit lies within the interval of its figure.
+    Undecided,
+    /// Nothing was required.
+    NothingRequired,
+}
+
+impl Verdict {
+    fn of(required: &[Met]) -> Self {
+        let is_failed = |met: &Met| !met.met && !met.is_undecided();
+        match required {
+            [] => Self::NothingRequired,
+            all if all.iter().all(|met| met.met) => Self::Met,
+            all if all.iter().any(is_failed) => Self::NotMet,
+            _ => Self::Undecided,
+        }
+    }
+}
+
+/// A figure of a certificate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct KeyFigure {
+    /// The figure.
+    pub figure: Figure,
+    /// Its value: degrees, ΔE, parts of 1, pixels, or bytes.
+    pub value: f64,
+    /// The two numbers between which it lies, with a confidence of 99 % if it is estimated from samples.
+    pub interval: [f64; 2],
+}
+
+impl KeyFigure {
+    /// Collects the key figures that were measured.
+    fn all(figures: &Figures) -> Vec<Self> {
+        let of = |figure: Figure| {
+            let level = figure.is_of_level().then_some(0);
+            let met = figures.require(&[Requirement { level, ..Requirement::of(figure, 0.0) }]);
+            let Met { value, interval, .. } = *met.first()?;
+            Some(Self { figure, value: value?, interval: interval? })
+        };
+        KEY_FIGURES.into_iter().filter_map(of).collect()
+    }
+}
+
+/// The date and the operator of a certificate. Neither is taken from the machine, so that the output stays the same.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct Signature {
+    /// The date, as it is to be printed.
+    pub date: Option<String>,
+    /// The name of the operator.
+    pub operator: Option<String>,
+}
+
+impl Signature {
+    /// Checks that both fit the certificate.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for an empty text, one of more than 120 letters, or control characters.
+    pub fn check(&self) -> Result<()> {
+        const MOST: usize = 120;
+        let both = [("date", &self.date), ("operator", &self.operator)];
+        for (name, text) in both.into_iter().filter_map(|(name, text)| Some((name, text.as_ref()?))) {
+            if text.trim().is_empty() || text.chars().count() > MOST || text.contains(char::is_control) {
+                let why = format!("expected one line of 1 to {MOST} characters");
+                return Err(Error::invalid(format!("{name} `{}`", text.escape_debug()), why));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What a certificate is made of.
+struct Subject<'a> {
+    scan: &'a About,
+    asset: AssetFiles,
+    /// `true` if the asset's own file holds all that was compared.
+    is_whole: bool,
+    figures: &'a Figures,
+}
+
+impl Certificate {
+    /// Certifies an asset that was written, by the figures of its proof.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if a file cannot be read for its hash; those of [`Signature::check`].
+    pub fn of_written(
+        written: &Written,
+        figures: &Figures,
+        options: &VerifyOptions,
+        signature: &Signature,
+    ) -> Result<Self> {
+        let made = &written.asset.made;
+        // glTF cannot name maps in object space: they are compared, but no model's file leads to them.
+        let is_whole = !written.is_alone() && made.options.space == NormalSpace::Tangent;
+        let asset = AssetFiles::of_written(written)?;
+        Self::of(Subject { scan: &made.about, asset, is_whole, figures }, options, signature)
+    }
+
+    /// Certifies an asset's file, made by any program, by the figures of its proof.
+    ///
+    /// # Errors
+    /// As [`Certificate::of_written`].
+    pub fn of_file(
+        asset: &Path,
+        scan: &Scan,
+        proved: (&Figures, &VerifyOptions),
+        signature: &Signature,
+    ) -> Result<Self> {
+        let (figures, options) = proved;
+        let asset = AssetFiles::of_model(asset, &scan.limits)?;
+        Self::of(Subject { scan: &scan.about, asset, is_whole: true, figures }, options, signature)
+    }
+
+    fn of(subject: Subject<'_>, options: &VerifyOptions, signature: &Signature) -> Result<Self> {
+        signature.check()?;
+        let Subject { scan, asset, is_whole, figures } = subject;
+        let required = figures.require(&options.requirements);
+        let names = asset.files.first().map(|file| &file.name).filter(|_| is_whole && !scan.files.is_empty());
+        let command =
+            names.map(|asset| command([asset, &name_of(&scan.path)], &scan.options, options, signature));
+        Ok(Self {
+            verdict: Verdict::of(&required),
+            required,
+            figures: KeyFigure::all(figures),
+            not_compared: figures.unseen.clone(),
+            scan: HashedFile::of_scan(scan)?,
+            scan_triangles: scan.size.triangles as usize,
+            asset: asset.files,
+            triangles: figures.levels.iter().map(|level| level.triangles).collect(),
+            maps: asset.maps,
+            program: concat!("taotie ", env!("CARGO_PKG_VERSION")).into(),
+            options: ProofOptions { scan: scan.options, points: options.points, view: options.view },
+            date: signature.date.clone(),
+            operator: signature.operator.clone(),
+            command,
+        })
+    }
+}
+
+/// Returns the command that recomputes a certificate; options with their default values are left out.
+fn command(
+    [asset, scan]: [&str; 2],
+    reading: &ScanOptions,
+    options: &VerifyOptions,
+    signature: &Signature,
+) -> String {
+    let usual = VerifyOptions::default();
+    let mut words = ["taotie", "verify", asset, "--scan", scan].map(str::to_owned).to_vec();
+    words.extend(reading.arguments());
+    let mut option = |name: &str, value: Option<String>| {
+        words.extend(value.into_iter().flat_map(|value| [name.to_owned(), value]));
+    };
+    option("--proof-points", (options.points != usual.points).then(|| options.points.to_string()));
+    option("--proof-view", (options.view != usual.view).then(|| options.view.to_string()));
+    let required = requirement_text::argument(&options.requirements);
+    option("--require", (!required.is_empty()).then_some(required));
+    option("--date", signature.date.clone());
+    option("--operator", signature.operator.clone());
+    let page = Path::new(asset).with_extension("report.html");
+    option("-o", Some(page.to_string_lossy().into_owned()));
+    words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+}
+
+/// Returns a word as shells read it: bare, or in the quotes that all of them have, or in those of POSIX.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-._/=,@%+:".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_owned()
+    } else if !word.contains(['"', '$', '`', '\\', '!']) {
+        format!("\"{word}\"")
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::GreenChannel;
+
+    #[test]
+    fn the_command_has_what_differs_from_the_defaults() {
+        let (plain, usual) = (ScanOptions::default(), VerifyOptions::default());
+        let bare = command(["a.glb", "s.ply"], &plain, &usual, &Signature::default());
+        assert_eq!(bare, "taotie verify a.glb --scan s.ply -o a.report.html");
+        let reading = ScanOptions {
+            crease_angle_deg: Some(30.0),
+            green: Some(GreenChannel::Down),
+            ..ScanOptions::default()
+        };
+        let requirements = Requirement::standard();
+        let options = VerifyOptions { points: 500, view: 96, requirements, ..usual };
+        let signature =
+            Signature { date: Some("1 May 2026".into()), operator: Some("E. O'Neill \"EO\"".into()) };
+        let full = command(["big jug.glb", "s.ply"], &reading, &options, &signature);
+        let wanted = "taotie verify \"big jug.glb\" --scan s.ply --crease-angle 30 --scan-green down \
+                      --proof-points 500 --proof-view 96 --require standard --date \"1 May 2026\" \
+                      --operator 'E. O'\\''Neill \"EO\"' -o \"big jug.report.html\"";
+        assert_eq!(full, wanted);
+    }
+
+    #[test]
+    fn a_verdict_is_only_as_good_as_its_worst_requirement() {
+        let met = |met: bool, interval: [f64; 2]| Met {
+            is_length: false,
+            figure: Figure::MeanAngle,
+            most: 1.0,
+            level: Some(0),
+            value: Some(interval[0]),
+            interval: Some(interval),
+            met,
+        };
+        let (good, open, bad) = (met(true, [0.5; 2]), met(false, [0.9, 1.1]), met(false, [1.5; 2]));
+        let cases = [
+            (vec![], Verdict::NothingRequired),
+            (vec![good], Verdict::Met),
+            (vec![good, open], Verdict::Undecided),
+            (vec![bad, good, open], Verdict::NotMet),
+        ];
+        for (required, verdict) in cases {
+            assert_eq!(Verdict::of(&required), verdict, "{required:?}");
+        }
+    }
+
+    #[test]
+    fn signatures_are_one_line() {
+        let of = |text: &str| Signature { operator: Some(text.into()), ..Signature::default() }.check();
+        assert!(of("A. Curator").is_ok() && Signature::default().check().is_ok());
+        for wrong in ["", "  ", "a\nb", &"x".repeat(121)] {
+            assert!(of(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! Figures in words: what each one measures, and which of the three ways of looking it belongs to.
+
+use super::figure::Figure;
+
+/// The way in which a figure looks at scan and asset.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum Looking {
+    /// As seen, the same pixel of both, the object as a whole.
+    Overview,
+    /// As seen close up, as finely as the scan has detail.
+    CloseUp,
+    /// Point by point along the projection rays of a bake.
+    OnTheSurface,
+    /// The shapes themselves.
+    Shape,
+    /// Images from all sides in one grey material.
+    Images,
+    /// The files.
+    Files,
+}
+
+impl Looking {
+    /// Returns the way of looking in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Overview => "overview",
+            Self::CloseUp => "close-up",
+            Self::OnTheSurface => "on the surface",
+            Self::Shape => "shape",
+            Self::Images => "images",
+            Self::Files => "files",
+        }
+    }
+}
+
+impl Figure {
+    /// Returns the way in which the figure looks at scan and asset.
+    pub fn looking(self) -> Looking {
+        self.described().0
+    }
+
+    /// Returns what the figure measures, such as `normal error, mean`.
+    pub fn title(self) -> &'static str {
+        self.described().1
+    }
+
+    fn described(self) -> (Looking, &'static str) {
+        match self {
+            Self::MeanAngle => (Looking::Overview, "normal error, mean"),
+            Self::P95Angle => (Looking::Overview, "normal error, 95 %"),
+            Self::MaxAngle => (Looking::Overview, "normal error, largest sampled"),
+            Self::PatchAngle => (Looking::CloseUp, "normal error, mean in the worst 1 % of the surface"),
+            Self::MeanColor => (Looking::Overview, "colour error, mean"),
+            Self::P95Color => (Looking::Overview, "colour error, 95 %"),
+            Self::PatchColor => (Looking::CloseUp, "colour error, mean in the worst 1 % of the surface"),
+            Self::SurfaceMeanAngle => (Looking::OnTheSurface, "normal error, mean"),
+            Self::SurfaceP95Angle => (Looking::OnTheSurface, "normal error, 95 %"),
+            Self::SurfaceMaxAngle => (Looking::OnTheSurface, "normal error, largest sampled"),
+            Self::Missed => (Looking::CloseUp, "visible surface that the other lacks"),
+            Self::Completeness => (Looking::Shape, "scan within 0.5 % of the diagonal of the asset"),
+            Self::Hausdorff => (Looking::Shape, "largest distance (Hausdorff), proven bound"),
+            Self::Silhouette => (Looking::Shape, "outline, largest deviation"),
+            Self::Texel => (Looking::CloseUp, "texel of the asset, median width"),
+            Self::Flip => (Looking::Images, "visual difference (FLIP), mean"),
+            Self::WorstView => (Looking::Images, "visual difference (FLIP), worst view"),
+            Self::Ssim => (Looking::Images, "structural similarity (SSIM), worst view"),
+            Self::Bytes => (Looking::Files, "size of the asset"),
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! A model in memory, measured against its scan without pictures.
+
+use super::figures::Figures;
+use super::findings;
+use super::judgement;
+use super::proof::{Measurement, VerifyOptions, check};
+use super::scan::Scan;
+use super::shown::ShownLevel;
+use crate::error::{Result, Warnings};
+use crate::progress::Progress;
+use crate::scene::Scene;
+use std::path::Path;
+
+/// Measures a model that is shown already against its scan: the figures that [`verify`](super::verify) finds of the same model,
+/// except those of images and files, and what is wrong. `options.map` and the sizes of pictures are not read.
+///
+/// ```no_run
+/// use taotie::Progress;
+/// use taotie::asset::{Limits, Scan, VerifyOptions, measure};
+///
+/// let scan = Scan::read("scan.ply", &Limits::default(), Progress::SILENT)?;
+/// let model = taotie::io::load_model("packed.glb".as_ref())?.scene;
+/// let (figures, _) = measure(&model, &scan, &VerifyOptions::default(), Progress::SILENT)?;
+/// println!("{:?}", figures.finest().map(|finest| finest.hausdorff));
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Invalid`](crate::Error::Invalid) if the meshes do not overlap, or an option is out of range;
+/// [`Error::Cancelled`](crate::Error::Cancelled).
+pub fn measure(
+    model: &Scene,
+    scan: &Scan,
+    options: &VerifyOptions,
+    progress: Progress<'_>,
+) -> Result<(Figures, Warnings)> {
+    check(options)?;
+    scan.sort(progress)?;
+    progress.begin("measure normals")?;
+    let level = |scene: &Scene| ShownLevel::of(scene, scan, (Path::new("the model"), true));
+    let finest = level(model)?;
+    let mut warnings = Warnings::default();
+    let fit = finest.whole().fit((options.points / 2).max(1), scan.mesh().diagonal());
+    if let Some(fit) = fit {
+        judgement::refuse_misfit(&fit, &mut warnings)?;
+    }
+    let (mut figures, parts) =
+        Measurement { scan, unit: scan.unit(), options }.all(&finest, &[], &level, progress)?;
+    figures.parts = parts;
+    findings::note(&figures, &finest, &mut warnings);
+    Ok((figures, warnings))
+}
