@@ -148,7 +148,8 @@ const INTERVALS: &str = "Means and quantiles lie within their interval with a co
 fn worst(required: &[Met]) -> Vec<&Met> {
     let mut worst: Vec<&Met> = Vec::new();
     for met in required {
-        let is_same = |known: &&mut &Met| known.figure == met.figure && known.most == met.most;
+        let limit = |of: &Met| (of.figure, of.within, of.most, of.is_length);
+        let is_same = |known: &&mut &Met| limit(known) == limit(met);
         match worst.iter_mut().find(is_same) {
             Some(known) if is_worse(met, known) => *known = met,
             Some(_) => {}
@@ -181,7 +182,7 @@ fn row_of_requirement(met: &Met, has_level: bool) -> Vec<Cell> {
         Some(value) if !met.met && value == limit => met.text(),
         Some(value) => value,
     };
-    let mut row = vec![Cell::text(met.figure.title()), Cell::text(met.figure.looking().words())];
+    let mut row = vec![Cell::text(met.title()), Cell::text(met.figure.looking().words())];
     row.extend(has_level.then(|| Cell::text(met.level.map_or("all".into(), |level| level.to_string()))));
     row.extend([
         Cell::text(value),
@@ -270,7 +271,7 @@ fn rows_of_files(certificate: &Certificate) -> Vec<Vec<Cell>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::asset::{Figures, LevelFigures, Requirement};
+    use taotie::asset::{Figure, Figures, LevelFigures, Requirement};
 
     #[test]
     fn numbers_have_commas() {
@@ -291,5 +292,16 @@ mod tests {
         assert_eq!((strict.met, strict.level), (false, Some(1)));
         assert_eq!((mild.met, mild.most), (true, 0.5));
         assert_eq!(row_of_requirement(strict, true)[2], Cell::text("1"));
+    }
+
+    #[test]
+    fn shares_within_different_limits_are_different_requirements() {
+        let mut figures = Figures::default();
+        figures.levels = vec![LevelFigures::default(); 2];
+        let within = |limit: f64| Requirement::within(Figure::WithinAngle, limit, 0.99);
+        let required = figures.require(&[within(5.0), within(10.0)]);
+        let titles = worst(&required).into_iter().map(|met| row_of_requirement(met, false)[0].clone());
+        let wanted = ["surface within a normal error of 5°", "surface within a normal error of 10°"];
+        assert_eq!(titles.collect::<Vec<_>>(), wanted.map(Cell::text));
     }
 }

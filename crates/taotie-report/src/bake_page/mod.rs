@@ -29,6 +29,7 @@ mod parts;
 mod patches;
 mod sections;
 mod views;
+mod worst;
 
 use crate::viewer::{AssetSubject, MeasuredErrors};
 use crate::{Fact, Page};

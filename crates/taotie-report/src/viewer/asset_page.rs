@@ -63,13 +63,16 @@ impl AssetSubject<'_> {
         let mut loaded = studio::load_within(self.path, &MaterialOptions::default(), self.limits)?;
         let (facts, most) = (facts(&loaded, &name), most_page_bytes(loaded.bytes.unwrap_or_default()));
         let (scene, unit) = (std::mem::take(&mut loaded.scene), model_unit(&loaded));
+        let texels: usize = scene.textures().iter().map(texels_of_page).sum();
         let mut last = None;
         for reduction in REDUCTIONS {
             let viewer = self.viewer(scene.clone(), (&facts, unit), reduction)?;
             let page = write(&viewer);
             let is_small = page.len() as u64 <= most;
+            // Losing more of textures is of no use if all else is too large already.
+            let is_vain = page.len().saturating_sub(texels * MOST_TEXEL_BYTES) as u64 > most;
             last = Some((page, viewer.warnings));
-            if is_small {
+            if is_small || is_vain {
                 break;
             }
         }
@@ -103,6 +106,14 @@ impl AssetSubject<'_> {
             errors: self.errors,
         })
     }
+}
+
+/// Bytes of a page that a texel takes, at most: four in base64.
+const MOST_TEXEL_BYTES: usize = 6;
+
+/// Returns the texels that the page holds of a texture, at most.
+fn texels_of_page(texture: &Texture) -> usize {
+    [texture.width(), texture.height()].map(|side| side.min(MOST_TEXTURE_SIDE) as usize).iter().product()
 }
 
 /// Takes coarser levels of textures that are too large for a page, and returns the fact that says what is lost.

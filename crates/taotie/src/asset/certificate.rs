@@ -307,6 +307,7 @@ mod tests {
             figure: Figure::MeanAngle,
             most: 1.0,
             level: Some(0),
+            within: None,
             value: Some(interval[0]),
             interval: Some(interval),
             met,

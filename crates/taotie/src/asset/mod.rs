@@ -23,9 +23,11 @@
 //! the step is at. What is asked for and cannot be done is an error or a counted warning.
 
 mod baker;
+mod beyond;
 mod carried;
 mod certificate;
 mod certified_files;
+mod detail;
 mod document;
 mod extent;
 mod figure;
@@ -45,6 +47,7 @@ mod low_file;
 mod made;
 mod map_note;
 mod map_numbers;
+mod map_side;
 mod maps;
 mod maps_alone;
 mod material_figures;
@@ -62,6 +65,7 @@ mod plan;
 mod proof;
 mod property;
 mod provenance;
+mod regions;
 mod report;
 mod requirement;
 mod requirement_text;
@@ -81,10 +85,12 @@ mod textures;
 mod unlit;
 mod unseen;
 mod views;
+mod within;
 mod write;
 
 pub use crate::io::{Bytes, Limits};
 pub use baker::Baker;
+pub use beyond::Beyond;
 pub use certificate::{Certificate, KeyFigure, ProofOptions, Signature, Verdict};
 pub use certified_files::{HashedFile, HashedMap};
 pub use figure::{Figure, FigureUnit};
@@ -94,6 +100,7 @@ pub use level_figures::{BIN_WIDTH, Coverage, LevelFigures, Resolution, WorstPatc
 pub use low::{Origin, Simplification};
 pub use made::Asset;
 pub use map_note::MapNote;
+pub use map_side::AUTO_SIZE;
 pub use material_figures::MaterialFigures;
 pub use measured_model::measure;
 pub use memory::Need;
@@ -105,6 +112,7 @@ pub use part_figures::PartFigures;
 pub use patch_pictures::PatchPictures;
 pub use plan::Left;
 pub use proof::{FLOOR_8_BIT, Proof, VerifyOptions, verify};
+pub use regions::WorstParts;
 pub use report::{BakeFigures, Report, StageTime, Warning};
 pub use requirement::{Met, Requirement};
 pub use scan::{Scan, ScanFile};
