@@ -97,6 +97,23 @@ def test_hard_edges_of_a_modelled_shape_are_kept_unless_asked_otherwise() -> Non
         tt.bake(cube, size=64, scan_green="left")  # type: ignore[arg-type]
 
 
+def test_the_unit_of_a_scan_makes_its_asset_metres(tmp_path: Path) -> None:
+    scan = tt.Mesh(*sphere(64, 32))
+    asset = tt.bake(scan, triangles=300, size=64, unit="cm")
+    path = asset.save(tmp_path / "asset.glb").path
+    assert np.allclose(np.ptp(tt.load(path).bounds, axis=0), 0.02, rtol=0.05)
+    proof = tt.verify(path, scan, points=20_000, view=64)
+    assert (proof.figures["unit"], proof.figures["metres_per_unit"]) == ("cm", 0.01)
+    met = proof.require("texel=5mm", hausdorff="1mm")
+    assert [one.is_length for one in met] == [True, True] and all(one.met for one in met)
+    unknown = tt.bake(scan, triangles=300, size=64).verify(scan, points=20_000, view=64)
+    assert unknown.figures["unit"] is None
+    with pytest.raises(tt.Error, match="unit"):
+        unknown.require(hausdorff="1mm")
+    with pytest.raises(tt.Error, match="unit 'ft'"):
+        tt.bake(scan, unit="ft")  # type: ignore[arg-type]
+
+
 def test_maps_alone_are_written_as_pictures(scan: tt.Model, asset: tt.Asset, tmp_path: Path) -> None:
     level = asset.levels()[0]
     low = tt.Mesh(level["vertices"], level["faces"], level["normals"], level["uvs"])

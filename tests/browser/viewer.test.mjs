@@ -287,14 +287,26 @@ test("distances and sections are measured on the model", async () => {
     // Whole pixels, since Firefox knows no others of a mouse.
     const pixel = async (at) => (await pointOf(page, "canvas", at)).map(Math.round);
     const ends = [await pixel([0.45, 0.5]), await pixel([0.55, 0.5])];
-    const points = await page.evaluate((ends) => ends.map((at) => window.taotie.pointUnder(...at).toArray()), ends);
+    const picked = (at) => page.evaluate((at) => ({ ...window.taotie.pick(...at), point: window.taotie.pick(...at).point.toArray() }), at);
+    const picks = [await picked(ends[0]), await picked(ends[1])];
+    const points = picks.map(({ point }) => point);
     const length = Math.hypot(...points[0].map((v, i) => v - points[1][i]));
+    // Half a pixel of each end: the picture shows the ball, of two units, with some room around it.
+    const rows = await page.evaluate(() => window.taotie.canvas.clientHeight);
+    const pixel_length = (picks[0].precision * 2 * rows) / 2;
+    assert(pixel_length > 0.9 && pixel_length < 3, `${pixel_length}`);
     await page.locator("summary", { hasText: "Measure" }).click();
     await page.getByRole("button", { name: "Section" }).click();
     for (const at of ends) await page.mouse.click(...at);
     const told = await page.locator(".result").textContent();
-    assert.match(told, /^[0-9.]+ ± [0-9.e-]+ model units$/);
-    near(parseFloat(told), length, 1e-3 * length);
+    const [, value, doubt, unit] = told.match(/^([0-9.]+) ± ([0-9.]+) (mm|cm|m)$/) ?? assert.fail(told);
+    const metres = { mm: 1e-3, cm: 1e-2, m: 1 }[unit];
+    near(value * metres, length, doubt * metres);
+    const { errors } = await page.evaluate(() => window.taotie.data);
+    const known = Math.hypot(...picks.map(({ precision }) => precision), errors.rms, errors.rms);
+    near(doubt * metres, known, 0.5 * known);
+    const decimals = (text) => (text.split(".")[1] ?? "").length;
+    assert.equal(decimals(value), decimals(doubt), "digits end where the doubt does");
     const csv = await saved(page, () => page.getByRole("button", { name: "Profile as CSV" }).click());
     const rows = csv.toString().trim().split("\n").slice(1);
     const pieces = rows.map((row) => row.split(",").map(Number));

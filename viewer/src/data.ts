@@ -93,7 +93,7 @@ export interface ErrorMap {
     from: number;
 }
 
-/** Angles between the normals of asset and scan, and the distance of their shapes, model units. */
+/** Angles between the normals of asset and scan, and the distance of their shapes, in the unit of the model. */
 export interface Errors {
     maps: (ErrorMap | null)[];
     top: number;
@@ -116,6 +116,8 @@ export interface Data {
     version: string;
     title: string;
     facts: { name: string; value: string }[];
+    /** Whether lengths of the model are metres; else their unit is unknown. */
+    in_metres: boolean;
     bookmarks: Bookmark[];
     camera: Orbit | null;
     light: Light;

@@ -1,12 +1,13 @@
 // The legend of the errors, and their value under the pointer.
 
 import { make } from "./dom";
+import { lengthText } from "./lengths";
 import { texts } from "./texts";
 import type { Viewer } from "./viewer";
 
 /** Makes the legend; it is there while errors are shown. */
 export function legend(viewer: Viewer): HTMLElement | undefined {
-    const { errors } = viewer.data;
+    const { errors, in_metres } = viewer.data;
     if (!errors) return undefined;
     const bar = make("div", { class: "bar" });
     bar.style.background = `linear-gradient(to right, ${errors.stops.map((stop) => `rgb(${stop.join()})`).join()})`;
@@ -16,7 +17,7 @@ export function legend(viewer: Viewer): HTMLElement | undefined {
         { class: "legend" },
         bar,
         make("p", {}, texts.legend(errors.top, errors.mean)),
-        make("p", {}, texts.shape(errors.rms, errors.hausdorff)),
+        make("p", {}, texts.shape(lengthText(errors.rms, in_metres), lengthText(errors.hausdorff, in_metres))),
         here,
     );
     viewer.listen(({ mode }) => void (all.hidden = mode !== "error"));

@@ -3,10 +3,11 @@
 import { Vector3 } from "three";
 import { button, group } from "./controls";
 import { make, save } from "./dom";
+import { measuredText, uncertain } from "./lengths";
 import { axes, degrees } from "./orbit";
 import { type Piece, csv, profile, svg } from "./section";
 import { texts } from "./texts";
-import type { Viewer } from "./viewer";
+import type { Pick, Viewer } from "./viewer";
 
 const KINDS = ["distance", "angle", "section"] as const;
 type Kind = (typeof KINDS)[number];
@@ -18,7 +19,7 @@ const SVG = "http://www.w3.org/2000/svg";
 /** What is measured, and how it is drawn over the picture. */
 export class Measure {
     private kind: Kind | undefined;
-    private points: Vector3[] = [];
+    private points: Pick[] = [];
     private readonly overlay = document.createElementNS(SVG, "svg");
     private readonly result = make("output", { class: "result" });
     private readonly files = make("p", { class: "actions" });
@@ -57,17 +58,17 @@ export class Measure {
         canvas.addEventListener("pointerdown", ({ clientX, clientY }) => void (from = [clientX, clientY]));
         canvas.addEventListener("pointerup", ({ clientX, clientY }) => {
             const isClick = Math.hypot(clientX - from[0]!, clientY - from[1]!) <= CLICK;
-            if (this.kind && isClick) this.add(this.viewer.pointUnder(clientX, clientY));
+            if (this.kind && isClick) this.add(this.viewer.pick(clientX, clientY));
         });
     }
 
     /** Adds what lies in the middle of the picture, for hands on keys. */
     private addMiddle(): void {
         const { left, top, width, height } = this.viewer.canvas.getBoundingClientRect();
-        if (this.kind) this.add(this.viewer.pointUnder(left + width / 2, top + height / 2));
+        if (this.kind) this.add(this.viewer.pick(left + width / 2, top + height / 2));
     }
 
-    private add(point: Vector3 | undefined): void {
+    private add(point: Pick | undefined): void {
         if (!point || !this.kind) return;
         if (this.points.length === POINTS[this.kind]) this.points = [];
         this.points.push(point);
@@ -81,15 +82,26 @@ export class Measure {
         const { kind } = this;
         if (!kind) this.result.textContent = texts.measureNothing;
         else if (!a || !b || (kind === "angle" && !c)) this.result.textContent = texts.measureMore(POINTS[kind] - this.points.length);
-        else if (kind === "angle") this.result.textContent = texts.degrees(angle(a, b, c!));
-        else this.result.textContent = texts.distance(a.distanceTo(b), this.doubt());
-        if (kind === "section" && a && b) this.offer(a, b);
+        else if (kind === "angle") this.result.textContent = this.angle(a, b, c!);
+        else this.result.textContent = this.distance(a, b);
+        if (kind === "section" && a && b) this.offer(a.point, b.point);
     }
 
-    /** The uncertainty of a distance: each end is as far from the scan as the shape is. */
-    private doubt(): number | undefined {
-        const { errors } = this.viewer.data;
-        return errors ? Math.SQRT2 * errors.rms : undefined;
+    private distance(a: Pick, b: Pick): string {
+        const { in_metres } = this.viewer.data;
+        return measuredText(a.point.distanceTo(b.point), Math.hypot(this.doubt(a), this.doubt(b)), in_metres);
+    }
+
+    /** The angle at `b`: each end turns its side, and `b` both. */
+    private angle(a: Pick, b: Pick, c: Pick): string {
+        const sides = [a, c].map((end) => [this.doubt(end), end.point.distanceTo(b.point)] as const);
+        const turns = sides.flatMap(([doubt, length]) => [doubt / length, this.doubt(b) / length]);
+        return texts.angle(uncertain(angle(a.point, b.point, c.point), degrees(Math.hypot(...turns))));
+    }
+
+    /** How far a point may be from the one meant: by the pick, and as the shape is from the scan where that is known. */
+    private doubt({ precision }: Pick): number {
+        return Math.hypot(precision, this.viewer.data.errors?.rms ?? 0);
     }
 
     private offer(a: Vector3, b: Vector3): void {
@@ -105,7 +117,7 @@ export class Measure {
 
     /** Draws the points and the lines between them where they are seen now. */
     private draw(): void {
-        const places = this.points.map((point) => this.viewer.placeOf(point));
+        const places = this.points.map(({ point }) => this.viewer.placeOf(point));
         const line = document.createElementNS(SVG, "polyline");
         line.setAttribute("points", places.map((place) => place.join()).join(" "));
         const dots = places.map(([x, y]) => {

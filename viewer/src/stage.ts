@@ -25,6 +25,8 @@ import { frameTextures } from "./textures";
 
 /** The places of samples in units of 1/256 pixel. */
 const STEPS = 256;
+/** The least cosine between sight and a surface of which a pixel covers a known length. */
+const STEEPEST = 0.1;
 
 export class Stage {
     private readonly camera = new PerspectiveCamera();
@@ -109,6 +111,15 @@ export class Stage {
         const ray = new Raycaster();
         ray.setFromCamera(point, this.camera);
         return ray.intersectObjects(this.main.meshes, false)[0];
+    }
+
+    /** The length on the surface that a pixel covers where it was last hit, in a picture of so many rows. */
+    pixelAt({ point, face }: Intersection, rows: number): number {
+        const { matrixWorld, matrixWorldInverse, projectionMatrix } = this.camera;
+        const depth = -point.clone().applyMatrix4(matrixWorldInverse).z;
+        const sight = new Vector3().setFromMatrixPosition(matrixWorld).sub(point).normalize();
+        const slope = face ? Math.abs(face.normal.dot(sight)) : 1;
+        return (2 * depth) / (projectionMatrix.elements[5]! * rows * Math.max(slope, STEEPEST));
     }
 
     /** Where a point of the world is in the picture, [−1, 1]². */

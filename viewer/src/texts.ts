@@ -48,8 +48,7 @@ export const texts = {
         `${mean === null ? "" : `; mean ${mean.toFixed(3)}°`}. Grey: not measured.`,
     errorHere: (degrees: number | undefined) =>
         degrees === undefined ? "not measured here" : `${degrees.toFixed(2)}° under the pointer`,
-    shape: (rms: number, most: number) =>
-        `Shape: ${rms.toPrecision(3)} model units from the scan (root mean square), at most ${most.toPrecision(3)}.`,
+    shape: (rms: string, most: string) => `Shape: ${rms} from the scan (root mean square), at most ${most}.`,
     light: "Light",
     lights: { given: "as given", raking: "raking" } as Record<string, string>,
     lightKind: "Lights",
@@ -72,8 +71,7 @@ export const texts = {
     pointInTheMiddle: "Point in the middle",
     measureNothing: "Choose what to measure, then click the model.",
     measureMore: (points: number) => `${points} more ${points === 1 ? "point" : "points"} on the model.`,
-    distance: (length: number, doubt: number | undefined) =>
-        `${length.toPrecision(4)}${doubt === undefined ? "" : ` ± ${doubt.toPrecision(2)}`} model units`,
+    angle: (degrees: string) => `${degrees}°`,
     profile: (format: string) => `Profile as ${format}`,
     bookmarks: "Bookmarks",
     bookmarkTitle: "Title",

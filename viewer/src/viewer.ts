@@ -18,6 +18,12 @@ const LONGEST = 4096;
 /** The name of the text in a saved picture that holds its link. */
 const LINK = "taotie:view";
 
+/** A point of the model that was picked, world space, and how far it may be from the one meant. */
+export interface Pick {
+    point: Vector3;
+    precision: number;
+}
+
 export class Viewer {
     readonly first: State;
     private current: State;
@@ -93,9 +99,10 @@ export class Viewer {
         return this.stage.errorAt(this.current, this.pointOf(x, y), this.size());
     }
 
-    /** The point of the model under a point of the window, world space. */
-    pointUnder(x: number, y: number): Vector3 | undefined {
-        return this.stage.hit(this.current, this.pointOf(x, y), this.size())?.point;
+    /** The point of the model under a point of the window, to half a pixel of the page. */
+    pick(x: number, y: number): Pick | undefined {
+        const hit = this.stage.hit(this.current, this.pointOf(x, y), this.size());
+        return hit && { point: hit.point, precision: this.stage.pixelAt(hit, this.canvas.clientHeight) / 2 };
     }
 
     /** Where a point of the world is in the picture, pixels of the page from its upper left corner. */

@@ -9,10 +9,11 @@ use pyo3::types::{PyBytes, PyDict};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use taotie::asset::{Limits, Scan, ScanFile, ScanOptions};
+use taotie::asset::{Limits, Scan, ScanFile, ScanOptions, into_metres};
 use taotie::bake::low_poly_mesh;
 use taotie::inspection::{Audit, AuditSchema, Inspection, ProductInfo};
 use taotie::io::{self, Loaded};
+use taotie::length::Unit;
 use taotie::mesh::Mesh;
 use taotie::scene::{Material, Scene};
 use taotie::studio::{self, MaterialOptions};
@@ -94,6 +95,21 @@ impl Model {
     pub fn scan_of(&self, asset: &Path, progress: Progress<'_>) -> taotie::Result<Scan> {
         let options = self.scan_options.or(ScanOptions::recorded(asset, &self.limits)?);
         if options == self.scan_options { self.scan(progress) } else { self.read_as(options).scan(progress) }
+    }
+
+    /// Returns scene and scan in the space of a model that was baked from this one, which is in metres if it records the unit.
+    pub fn scan_beside(&self, model: &Self, progress: Progress<'_>) -> taotie::Result<(Scene, Scan)> {
+        let recorded =
+            model.path.as_deref().map(|path| ScanOptions::recorded(path, &model.limits)).transpose()?;
+        let mut scene = self.loaded.scene.clone();
+        match recorded.and_then(|recorded| recorded.unit).filter(|unit| *unit != Unit::Metre) {
+            None => Ok((scene, self.scan(progress)?)),
+            unit => {
+                into_metres(&mut scene, unit)?;
+                let file = ScanFile::from_scene(scene.clone())?.with_options(self.scan_options);
+                Ok((scene, file.into_scan(progress)?))
+            }
+        }
     }
 
     /// Returns the same model with these options of reading it as a scan.

@@ -7,6 +7,7 @@ use crate::work::{self, Listed, Running};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::Path;
+use taotie::asset::model_unit;
 use taotie::render::{Prepared, SurfaceSettings};
 use taotie::studio::{Framing, Viewpoint};
 use taotie::{Progress, Result, Warnings};
@@ -87,13 +88,14 @@ impl Look<'_> {
         let best = SurfaceSettings { method: None, ..self.setup.surface };
         let prepared = Prepared::new(model.loaded.scene.clone(), &best)?;
         warnings.absorb(prepared.warnings().clone());
-        let scan = scan.map(|scan| ShownScan::of(scan, progress, &mut warnings)).transpose()?;
+        let scan = scan.map(|scan| ShownScan::of(scan, model, progress, &mut warnings)).transpose()?;
         let framing = Framing { size: [1024; 2], all_around: false };
         let viewpoint = Viewpoint::choose(&self.image.camera, framing, prepared.scene())?;
         let view = viewpoint.at(0.0);
         let viewer = viewer::Viewer::new(&Subject {
             title: self.title,
             facts: &viewer::facts(&model.loaded, &self.file_name(model)),
+            unit: model_unit(&model.loaded),
             bookmarks: &[],
             prepared: &prepared,
             settings: &self.image.settings,
@@ -121,16 +123,17 @@ struct ShownScan {
 }
 
 impl ShownScan {
-    /// Reads a model as a scan, to be published or not.
+    /// Reads a model as a scan in the space of the one that was baked from it, to be published or not.
     fn of(
-        (model, is_published): (&Model, bool),
+        (high, is_published): (&Model, bool),
+        model: &Model,
         progress: Progress<'_>,
         warnings: &mut Warnings,
     ) -> Result<Self> {
-        let scan = model.scan(progress)?;
+        let (scene, scan) = high.scan_beside(model, progress)?;
         let mut published = None;
         if is_published {
-            let scene = viewer::scene_to_show(&model.loaded.scene, scan.sorted(), warnings)?;
+            let scene = viewer::scene_to_show(&scene, scan.sorted(), warnings)?;
             published = Some(Prepared::new(scene, &SurfaceSettings::default())?);
         }
         Ok(Self { scan, published })

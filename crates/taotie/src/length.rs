@@ -119,6 +119,17 @@ impl fmt::Display for ShownLength {
     }
 }
 
+/// Returns the resolution of a texture whose texels have this width on the surface, dots per inch.
+///
+/// ```
+/// use taotie::length::{Unit, dpi};
+///
+/// assert_eq!(dpi(0.0254, Unit::Millimetre).round(), 1000.0);
+/// ```
+pub fn dpi(width: f64, unit: Unit) -> f64 {
+    INCH / (width * unit.metres())
+}
+
 /// Returns the width of a texel on a surface as text, with dots per inch if the unit is known: `51.0 µm (498 dpi)`.
 ///
 /// ```
@@ -131,7 +142,7 @@ pub fn texel_text(width: f64, unit: Option<Unit>) -> String {
     let shown = ShownLength::of(width, unit, 3);
     match unit {
         Some(unit) => {
-            let (dots, decimals) = rounded(INCH / (width * unit.metres()), 3);
+            let (dots, decimals) = rounded(dpi(width, unit), 3);
             format!("{shown} ({dots:.decimals$} dpi)")
         }
         None => shown.to_string(),

@@ -10,8 +10,9 @@ use anyhow::{Context, Result};
 use args::FRAMING;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use taotie::asset::{Bytes, Scan, ScanFile};
+use taotie::asset::{Bytes, Scan, ScanFile, ScanOptions, into_metres, model_unit};
 use taotie::io::{FileSet, load_model_within};
+use taotie::length::Unit;
 use taotie::math::SimdLevel;
 use taotie::render::{Prepared, SurfaceSettings, scene_bytes};
 use taotie::{Progress, Warnings};
@@ -51,7 +52,7 @@ fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<V
     files.protect(&loaded.files)?;
     limits
         .check(format!("a page of {}", args.model.display()), Bytes(COPIES * scene_bytes(&loaded.scene)))?;
-    let facts = viewer::facts(&loaded, &args.file_name());
+    let (facts, unit) = (viewer::facts(&loaded, &args.file_name()), model_unit(&loaded));
     warnings.absorb(loaded.warnings);
     args.light.note_unread(&loaded.scene, warnings);
     let settings = args.settings();
@@ -59,12 +60,15 @@ fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<V
     let best = SurfaceSettings { method: None, ..settings.surface };
     let prepared = Prepared::new(loaded.scene, &best).with_context(|| args.model.display().to_string())?;
     warnings.absorb(prepared.warnings().clone());
-    let scan = args.scan.as_deref().map(|path| ShownScan::read(path, args, files, warnings)).transpose()?;
+    let is_in_metres = unit == Some(Unit::Metre);
+    let scan = args.scan.as_deref().map(|path| ShownScan::read((path, is_in_metres), args, files, warnings));
+    let scan = scan.transpose()?;
     let viewpoint = Viewpoint::choose(&args.camera, FRAMING, prepared.scene())?;
     let view = viewpoint.at(0.0);
     let viewer = Viewer::new(&Subject {
         title: &args.title(),
         facts: &facts,
+        unit,
         bookmarks: &args.bookmarks()?,
         prepared: &prepared,
         settings: &settings,
@@ -85,12 +89,23 @@ struct ShownScan {
 }
 
 impl ShownScan {
-    fn read(path: &Path, args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<Self> {
+    /// Reads the scan of a model as the options say, else as the model records it; into metres if the model is.
+    fn read(
+        (path, is_in_metres): (&Path, bool),
+        args: &ViewArgs,
+        files: &FileSet,
+        warnings: &mut Warnings,
+    ) -> Result<Self> {
         let (limits, what) = (args.limits.limits(), path.display().to_string());
-        let loaded = load_model_within(path, &limits).context("--scan")?;
+        let mut loaded = load_model_within(path, &limits).context("--scan")?;
+        let mut options = args.reading.options().or(ScanOptions::recorded(&args.model, &limits)?);
+        if is_in_metres {
+            into_metres(&mut loaded.scene, options.unit).with_context(|| what.clone())?;
+            options.unit = options.unit.map(|_| Unit::Metre);
+        }
         files.protect(&loaded.files)?;
         let scene = args.publish_scan.then(|| loaded.scene.clone());
-        let file = ScanFile::from_loaded(loaded, path, &limits)?.with_options(args.reading.options());
+        let file = ScanFile::from_loaded(loaded, path, &limits)?.with_options(options);
         let scan = file.into_scan(Progress::SILENT)?;
         warnings.absorb(scan.warnings().clone());
         let Some(scene) = scene else {

@@ -42,6 +42,7 @@ mod running;
 mod same_bits;
 mod shader;
 mod sizes;
+mod units;
 mod unread;
 #[path = "../../../taotie/tests/common/validator.rs"]
 mod validator;

@@ -7,7 +7,7 @@ use taotie::asset::{
     BIN_WIDTH, BakeFigures, FigureUnit, Figures, LevelFigures, Met, Report, StageTime, ViewFigures,
 };
 use taotie::compare::Summary;
-use taotie::length::{ShownLength, Unit};
+use taotie::length::{ShownLength, Unit, dpi};
 use taotie::proof::Estimate;
 
 /// Makes all sections in order.
@@ -199,6 +199,9 @@ fn shape(level: &LevelFigures, unit: Option<Unit>) -> Section {
     ];
     if let Some(resolution) = &level.resolution {
         rows.push(length("texel, median width", resolution.texel));
+        rows.extend(
+            unit.map(|unit| row("texels, median resolution", dpi(resolution.texel, unit), (0, "dpi"))),
+        );
         rows.push(row(
             "surface where texels are twice as coarse as the scan",
             resolution.share * 100.0,

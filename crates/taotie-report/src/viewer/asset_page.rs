@@ -3,10 +3,11 @@
 use super::{MeasuredErrors, Subject, Viewer, facts};
 use crate::Fact;
 use std::path::Path;
-use taotie::asset::Limits;
+use taotie::asset::{Limits, model_unit};
 use taotie::film::Development;
 use taotie::image::Texture;
 use taotie::io;
+use taotie::length::Unit;
 use taotie::render::{Prepared, RenderSettings};
 use taotie::scene::Scene;
 use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, Viewpoint};
@@ -47,10 +48,10 @@ impl AssetSubject<'_> {
         let name = self.path.file_name().unwrap_or_default().to_string_lossy();
         let mut loaded = studio::load_within(self.path, &MaterialOptions::default(), self.limits)?;
         let (facts, most) = (facts(&loaded, &name), most_page_bytes(loaded.bytes.unwrap_or_default()));
-        let scene = std::mem::take(&mut loaded.scene);
+        let (scene, unit) = (std::mem::take(&mut loaded.scene), model_unit(&loaded));
         let mut side = fitting_side(&scene, most);
         loop {
-            let viewer = self.viewer(scene.clone(), &facts, side)?;
+            let viewer = self.viewer((scene.clone(), unit), &facts, side)?;
             let page = write(&viewer);
             // The estimate knows nothing of the page's pictures.
             let over = (page.len() as u64).saturating_sub(most);
@@ -61,7 +62,7 @@ impl AssetSubject<'_> {
         }
     }
 
-    fn viewer(&self, mut scene: Scene, facts: &[Fact], side: u32) -> Result<Viewer> {
+    fn viewer(&self, (mut scene, unit): (Scene, Option<Unit>), facts: &[Fact], side: u32) -> Result<Viewer> {
         let facts = facts.iter().cloned().chain(shrink(&mut scene, side)?).collect::<Vec<_>>();
         let settings = RenderSettings::default();
         let prepared = Prepared::new(scene, &settings.surface)?;
@@ -71,6 +72,7 @@ impl AssetSubject<'_> {
         Viewer::new(&Subject {
             title: self.title,
             facts: &facts,
+            unit,
             bookmarks: &[],
             prepared: &prepared,
             settings: &settings,

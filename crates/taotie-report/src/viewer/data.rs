@@ -11,6 +11,7 @@ use super::textures::{TextureData, textures};
 use super::{Bookmark, Subject, asset};
 use crate::Fact;
 use serde::Serialize;
+use taotie::length::Unit;
 use taotie::names::Named;
 use taotie::raster::SamplePattern;
 use taotie::render::{Prepared, RenderSettings};
@@ -24,6 +25,7 @@ pub(super) struct Data<'a> {
     version: &'static str,
     title: &'a str,
     facts: &'a [Fact],
+    in_metres: bool,
     bookmarks: &'a [Bookmark],
     camera: Option<Orbit>,
     light: Light,
@@ -140,6 +142,7 @@ pub(super) fn data<'a>(subject: &Subject<'a>, warnings: &mut Warnings) -> Result
         version: env!("CARGO_PKG_VERSION"),
         title: subject.title,
         facts: subject.facts,
+        in_metres: subject.unit == Some(Unit::Metre),
         bookmarks: subject.bookmarks,
         camera: bounds.map(|bounds| Orbit::new(subject.camera, &bounds, warnings)),
         light,

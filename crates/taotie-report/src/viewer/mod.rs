@@ -30,6 +30,7 @@ use crate::{Fact, Page};
 use blob::Blob;
 use iiif::Outline;
 use taotie::film::Development;
+use taotie::length::Unit;
 use taotie::render::{Lighting, Prepared, RenderSettings};
 use taotie::scene::Camera;
 use taotie::{Result, Warnings};
@@ -41,6 +42,9 @@ pub struct Subject<'a> {
     pub title: &'a str,
     /// Source and rights, as the page tells them.
     pub facts: &'a [Fact],
+    /// The unit of the model's coordinates, and of `scan` and `errors`: the metre, or unknown. [`taotie::asset::model_unit`]
+    /// returns it.
+    pub unit: Option<Unit>,
     /// Views that the page offers.
     pub bookmarks: &'a [Bookmark],
     /// The model.

@@ -5,6 +5,7 @@ use serde::Serialize;
 use taotie::asset::{Figures, Proof, Scan, VerifyOptions, measure};
 use taotie::bake::{self, Cage, SimplifyOptions, TexelChecks, TexturedMesh, Verifier, simplify};
 use taotie::compare::{ColorMap, Field};
+use taotie::length::Unit;
 use taotie::math::Mat4;
 use taotie::render::{Prepared, Surface};
 use taotie::scene::{Instance, Material, Scene, SceneData};
@@ -72,7 +73,7 @@ pub(super) struct Errors {
     steps: f32,
     /// The mean on the surface, degrees: that of the proof, not of the texels.
     mean: Option<f64>,
-    /// Model units.
+    /// In the unit of the model.
     rms: f64,
     hausdorff: f64,
 }
@@ -123,9 +124,9 @@ impl<'a> MeasuredErrors<'a> {
 struct ShownFigures {
     /// The mean normal error on the surface, degrees.
     mean: Option<f64>,
-    /// The root mean square distance of the shapes, model units.
+    /// The root mean square distance of the shapes, in the unit of the model.
     rms: f64,
-    /// The upper bound of the largest distance, model units.
+    /// The upper bound of the largest distance, in the unit of the model.
     hausdorff: f64,
 }
 
@@ -133,7 +134,9 @@ impl ShownFigures {
     fn of(figures: &Figures) -> Self {
         let Some(finest) = figures.finest() else { return Self::default() };
         let mean = finest.surface_angles.map(|angles| angles.mean);
-        Self { mean, rms: finest.rms, hausdorff: finest.hausdorff.upper }
+        // Models of scans whose unit is known are in metres.
+        let metres = figures.unit.map_or(1.0, Unit::metres);
+        Self { mean, rms: finest.rms * metres, hausdorff: finest.hausdorff.upper * metres }
     }
 }
 

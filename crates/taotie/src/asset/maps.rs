@@ -51,7 +51,7 @@ pub(super) fn bake_maps(
     let Baked { maps, counts } = bake::bake(input, &settings, progress.begin("bake")?)?;
     refuse_no_hit(pair, &cage, &counts)?;
     progress.begin("store")?;
-    let textures = Textures::new(&maps, options, low)?;
+    let textures = Textures::new(&maps, options, pair)?;
     Ok(StoredMaps { textures, counts, cage })
 }
 

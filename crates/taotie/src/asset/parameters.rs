@@ -2,9 +2,10 @@
 
 use super::options::{BakeOptions, MeshSource, RayDistance};
 use super::packing::Packing;
+use super::scan::is_gltf;
 use super::scan_options::ScanOptions;
 use crate::error::Result;
-use crate::io::{self, GltfImages, Json, Limits};
+use crate::io::{self, GltfImages, Json, Limits, Loaded};
 use crate::length::Unit;
 use crate::names::Named;
 use crate::scene::{GreenChannel, NormalSpace};
@@ -53,6 +54,22 @@ impl ScanOptions {
         let recorded = packet.as_ref().and_then(Parameters::recorded);
         Ok(recorded.map_or_else(Self::default, |parameters| parameters.scan_options()))
     }
+}
+
+/// Returns the unit of a model's coordinates: the metre for glTF, unless it is an asset that was baked from a scan whose unit
+/// is unknown; `None` if it is unknown.
+///
+/// ```
+/// use taotie::asset::model_unit;
+/// use taotie::{io::Loaded, length::Unit};
+///
+/// assert_eq!(model_unit(&Loaded { format: "GLB", ..Loaded::default() }), Some(Unit::Metre));
+/// assert_eq!(model_unit(&Loaded { format: "STL", ..Loaded::default() }), None);
+/// ```
+pub fn model_unit(model: &Loaded) -> Option<Unit> {
+    let recorded = model.xmp.first().and_then(Parameters::recorded);
+    let is_unknown = recorded.is_some_and(|Parameters(all)| all.get("unit").is_some_and(Value::is_null));
+    (is_gltf(model.format) && !is_unknown).then_some(Unit::Metre)
 }
 
 impl fmt::Display for Parameters {

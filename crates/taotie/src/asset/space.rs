@@ -12,14 +12,44 @@ pub(super) fn root_scale(unit: Option<Unit>) -> Option<f32> {
     unit.filter(|unit| *unit != Unit::Metre).map(|unit| unit.metres() as f32)
 }
 
+/// Brings a scan's scene, whose coordinates are in `unit`, into the space of its assets, which are in metres.
+///
+/// ```
+/// use taotie::asset::into_metres;
+/// use taotie::length::Unit;
+/// use taotie::mesh::Mesh;
+/// use taotie::scene::{Material, Scene};
+///
+/// let mut scan = Scene::of_mesh(Mesh::sphere(40.0, 16, 8), Material::default())?;
+/// into_metres(&mut scan, Some(Unit::Millimetre))?;
+/// assert!(scan.bounds().unwrap().max.y < 0.041);
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Invalid`](crate::Error::Invalid) if its transforms are not finite any more.
+pub fn into_metres(scene: &mut Scene, unit: Option<Unit>) -> Result<()> {
+    match root_scale(unit) {
+        Some(scale) => scaled(scene, |v| v * f64::from(scale)),
+        None => Ok(()),
+    }
+}
+
 /// Brings a glTF scene into the space of a scan in this unit. An asset that was written for that scan gets its transforms
 /// back to the bit: they are divided by what its root node is scaled by.
 pub(super) fn from_metres(scene: &mut Scene, unit: Option<Unit>) -> Result<()> {
-    let Some(scale) = root_scale(unit).map(f64::from) else { return Ok(()) };
+    match root_scale(unit) {
+        Some(scale) => scaled(scene, |v| v / f64::from(scale)),
+        None => Ok(()),
+    }
+}
+
+/// Changes all that scales and moves instances.
+fn scaled(scene: &mut Scene, change: impl Fn(f64) -> f64) -> Result<()> {
     let mut data = std::mem::take(scene).into_data();
     for instance in &mut data.instances {
         for column in &mut instance.world_from_object.columns {
-            column[..3].iter_mut().for_each(|v| *v /= scale);
+            column[..3].iter_mut().for_each(|v| *v = change(*v));
         }
     }
     *scene = Scene::new(data)?;

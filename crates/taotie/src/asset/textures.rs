@@ -1,5 +1,6 @@
 //! Baked maps as textures of an asset, and as files beside it.
 
+use super::judgement::Pair;
 use super::kept_textures::KeptTextures;
 use super::low::LowPoly;
 use super::metalness::Metalness;
@@ -9,6 +10,7 @@ use crate::bake::{BakedMaps, MapKind, Maps, TexelStatus};
 use crate::error::Result;
 use crate::image::Bitmap;
 use crate::io::{GltfImage, GltfMaterial};
+use crate::length::Unit;
 use crate::math::srgb::srgb_from_linear;
 use crate::names::Named;
 use crate::normal_map::{Storage, store_codes, store_rgba, store_unit_vectors};
@@ -118,8 +120,8 @@ pub struct Range {
 }
 
 impl Textures {
-    /// Stores the maps that were baked; beside a roughness stands the metalness of `low` where no other was baked.
-    pub(super) fn new(maps: &BakedMaps, options: &BakeOptions, low: &LowPoly) -> Result<Self> {
+    /// Stores the maps that were baked; beside a roughness stands the metalness of the low-poly mesh where no other was baked.
+    pub(super) fn new(maps: &BakedMaps, options: &BakeOptions, Pair { scan, low }: Pair<'_>) -> Result<Self> {
         let mut textures = Self { misses: Misses::of(maps), stored: stored(options), ..Self::default() };
         let storage = Storage { bits: options.bits, dither: options.bits == 8 };
         if !maps.normal.is_empty() {
@@ -146,10 +148,9 @@ impl Textures {
             let bitmap = store_unit_vectors(maps.size(), &maps.bent, storage)?;
             textures.beside.push(Beside { map: MapKind::Bent, bitmap, range: None });
         }
-        let numbers = [
-            (MapKind::Height, &maps.heights, "model units"),
-            (MapKind::Curvature, &maps.curvature, "1 / model unit"),
-        ];
+        let [length, curvature] = units(scan.unit());
+        let numbers =
+            [(MapKind::Height, &maps.heights, length), (MapKind::Curvature, &maps.curvature, curvature)];
         for (map, plane, unit) in numbers.into_iter().filter(|(_, plane, _)| !plane.is_empty()) {
             textures.beside.push(of_numbers(map, maps, plane, unit)?);
         }
@@ -269,6 +270,17 @@ fn orm(maps: &BakedMaps, low: &LowPoly) -> Result<Bitmap> {
     }
     let metalness = Metalness::of(&low.material, &low.kept, maps.size());
     store_codes(maps.size(), |i| [occlusion(i), maps.roughness[i], metalness.at(i)], 3, DITHERED)
+}
+
+/// Returns the units of lengths and curvatures of a scan.
+fn units(unit: Option<Unit>) -> [&'static str; 2] {
+    match unit {
+        None => ["model units", "1 / model unit"],
+        Some(Unit::Millimetre) => ["mm", "1 / mm"],
+        Some(Unit::Centimetre) => ["cm", "1 / cm"],
+        Some(Unit::Metre) => ["m", "1 / m"],
+        Some(Unit::Inch) => ["in", "1 / in"],
+    }
 }
 
 /// Makes a map of numbers, in 16 bits.
