@@ -125,11 +125,12 @@ struct ShownScan {
 impl ShownScan {
     /// Reads a model as a scan in the space of the one that was baked from it, to be published or not.
     fn of(
-        (high, is_published): (&Model, bool),
+        high: (&Model, bool),
         model: &Model,
         progress: Progress<'_>,
         warnings: &mut Warnings,
     ) -> Result<Self> {
+        let (high, is_published) = high;
         let (scene, scan) = high.scan_beside(model, progress)?;
         let mut published = None;
         if is_published {

@@ -61,7 +61,10 @@ fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<V
     let prepared = Prepared::new(loaded.scene, &best).with_context(|| args.model.display().to_string())?;
     warnings.absorb(prepared.warnings().clone());
     let is_in_metres = unit == Some(Unit::Metre);
-    let scan = args.scan.as_deref().map(|path| ShownScan::read((path, is_in_metres), args, files, warnings));
+    let scan = args
+        .scan
+        .as_deref()
+        .map(|path| ShownScan::read(ScanOfModel { path, is_in_metres }, args, files, warnings));
     let scan = scan.transpose()?;
     let viewpoint = Viewpoint::choose(&args.camera, FRAMING, prepared.scene())?;
     let view = viewpoint.at(0.0);
@@ -88,14 +91,22 @@ struct ShownScan {
     published: Option<Prepared>,
 }
 
+/// The file of a scan whose model is shown.
+struct ScanOfModel<'a> {
+    path: &'a Path,
+    /// `true` if the model is in metres.
+    is_in_metres: bool,
+}
+
 impl ShownScan {
     /// Reads the scan of a model as the options say, else as the model records it; into metres if the model is.
     fn read(
-        (path, is_in_metres): (&Path, bool),
+        of_model: ScanOfModel<'_>,
         args: &ViewArgs,
         files: &FileSet,
         warnings: &mut Warnings,
     ) -> Result<Self> {
+        let ScanOfModel { path, is_in_metres } = of_model;
         let (limits, what) = (args.limits.limits(), path.display().to_string());
         let mut loaded = load_model_within(path, &limits).context("--scan")?;
         let mut options = args.reading.options().or(ScanOptions::recorded(&args.model, &limits)?);
