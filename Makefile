@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
+.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes proofs-table bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -130,6 +130,12 @@ $(SIZES)/ready: $(addprefix benches/sizes/,requirements.txt package.json package
 	mkdir -p $(SIZES)/node && cp benches/sizes/package.json benches/sizes/package-lock.json $(SIZES)/node
 	$(INSTALL) $(SIZES)/node
 	touch $@
+
+# Blender comes as a Python package for Python 3.11; elsewhere its rows report that it is absent. Assets and proofs are kept in
+# target/proofs-table/made: a run that was interrupted continues. `make proofs-table BENCH=--help` lists the options.
+proofs-table: $(SIZES)/ready $(BENCH_VENV)/ready ## The proof of six scans reduced by Taotie and by other programs, for docs/proofs.md
+	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
+	PYTHONPATH=benches/common $(BENCH_VENV)/bin/python benches/proofs/bench.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
 
 docs: ## Writes docs/help, and the tables and pictures of docs/as-printed.md, anew
 	cargo run --release -p xtask -- help-pages

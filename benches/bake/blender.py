@@ -38,24 +38,6 @@ class Clock:
         self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - start
 
 
-def set_up(args):
-    """An empty scene, and Cycles without anything that would change the number of samples."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    scene = bpy.context.scene
-    scene.world = bpy.data.worlds.new("world")
-    scene.render.engine = "CYCLES"
-    scene.cycles.device = "CPU"
-    scene.cycles.samples = args.samples
-    scene.cycles.use_adaptive_sampling = False
-    scene.cycles.use_denoising = False
-    bake = scene.render.bake
-    bake.use_selected_to_active = True
-    bake.cage_extrusion = args.extrusion
-    bake.max_ray_distance = 0.0
-    bake.margin = args.margin
-    bake.normal_space = "TANGENT"
-
-
 def load_scan(path):
     # The file's axes as they are; the importer's own choice is Z upward, which turns nothing.
     bpy.ops.wm.ply_import(filepath=path, forward_axis="Y", up_axis="Z")
@@ -85,24 +67,9 @@ def build_low(path):
 
 
 def add_image(low, size):
-    """The picture to bake into: the active image of the low-poly mesh's material."""
-    image = bpy.data.images.new("map", size, size, alpha=False, float_buffer=False)
-    image.colorspace_settings.name = "Non-Color"
-    material = bpy.data.materials.new("low")
-    material.use_nodes = True
-    node = material.node_tree.nodes.new("ShaderNodeTexImage")
-    node.image = image
-    material.node_tree.nodes.active = node
-    low.data.materials.append(material)
-    return image
-
-
-def bake(scan, low, kind):
-    bpy.ops.object.select_all(action="DESELECT")
-    scan.select_set(True)
-    low.select_set(True)
-    bpy.context.view_layer.objects.active = low
-    bpy.ops.object.bake(type=kind.upper())
+    """The picture to bake into, of a new material of the low-poly mesh."""
+    low.data.materials.append(bpy.data.materials.new("low"))
+    return cycles_bake.add_image(low.data.materials[0], size).image
 
 
 def save(image, path):
@@ -113,16 +80,17 @@ def save(image, path):
 
 def main():
     args, clock = arguments(), Clock()
-    global bpy, np
+    global bpy, cycles_bake, np
     with clock.step("import"):
         import bpy
+        import cycles_bake
         import numpy as np
     with clock.step("load"):
-        set_up(args)
+        cycles_bake.set_up(args.samples, args.extrusion, args.margin)
         scan, low = load_scan(args.scan), build_low(args.low)
         image = add_image(low, args.size)
     with clock.step("bake"):
-        bake(scan, low, args.map)
+        cycles_bake.bake(scan, low, args.map)
     with clock.step("save"):
         save(image, args.output)
     seconds = {name: round(value, 3) for name, value in clock.seconds.items()}

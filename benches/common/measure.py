@@ -23,8 +23,9 @@ class Run:
     output: str
 
 
-def run(command, environment=None):
-    """Runs a command to its end; with `environment` its variables are these and no others.
+def run(command, environment=None, accepted=(0,)):
+    """Runs a command to its end; with `environment` its variables are these and no others. Fails unless its exit code is
+    one of `accepted`.
 
     A process counts the memory of the one that started it as its own peak, up to the moment it becomes a program of
     its own. So whoever calls this must stay small: arrays belong into processes of their own.
@@ -35,7 +36,7 @@ def run(command, environment=None):
         _, status, usage = os.wait4(process.pid, 0)
         seconds = time.perf_counter() - start
         process.returncode = os.waitstatus_to_exitcode(status)
-        if process.returncode != 0:
+        if process.returncode not in accepted:
             raise Failed(f"{' '.join(command)}\nended with {process.returncode}:\n{_text(talk)[-2000:]}")
         mib = usage.ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)
         return Run(seconds, usage.ru_utime + usage.ru_stime, mib, _text(output))

@@ -42,8 +42,7 @@ def arguments():
     args = parser.parse_args()
     if args.rounds < 1:
         parser.error("--rounds: at least 1")
-    if not os.access(args.taotie, os.X_OK):
-        parser.error(f"{args.taotie} is no program; build it by `cargo build --release -p taotie-cli` or name another")
+    command.check_program(parser, args.taotie)
     return args
 
 

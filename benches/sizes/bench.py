@@ -3,6 +3,7 @@
 import os
 
 import command
+import inspected
 import judge
 import machine
 import measure
@@ -16,19 +17,12 @@ TARGET = "bench-sizes"
 
 
 def arguments():
-    parser = command.parser(__doc__, TARGET)
+    parser = command.models_parser(__doc__, TARGET)
     parser.set_defaults(page=os.path.join(command.ROOT, "docs/sizes.md"))
-    taotie = os.path.join(command.PROGRAMS, "taotie")
-    data = os.environ.get("TAOTIE_DATA") or os.path.join(command.ROOT, "../shared/data")
-    node = os.path.join(command.ROOT, "target", TARGET, "node")
-    parser.add_argument("--taotie", default=taotie, help="the program that bakes, and renders for the judge")
-    parser.add_argument("--data", default=data, help="the folder of models by others")
-    parser.add_argument("--node", default=node, help="where npm installed the others")
     parser.add_argument("--gltfpack", help="a build of gltfpack that packs textures; npm's cannot")
     parser.add_argument("--only", nargs="+", choices=subjects.PATHS, help="these models; prints and leaves the page alone")
     args = parser.parse_args()
-    if not os.access(args.taotie, os.X_OK):
-        parser.error(f"{args.taotie} is no program; build it by `cargo build --release -p taotie-cli` or name another")
+    command.check_program(parser, args.taotie)
     return args
 
 
@@ -60,7 +54,7 @@ def outcome(tool, subject, eye):
     try:
         for line in tool.commands(job):
             measure.run(line)
-        made = {"triangles": judge.triangles(eye.program, out), "bytes": os.path.getsize(out)}
+        made = {"triangles": inspected.triangles(eye.program, out), "bytes": os.path.getsize(out)}
         made["verdict"] = eye.verdict(out)
     except measure.Failed as failed:
         made = {"failed": str(failed).strip().splitlines()[-1]}
@@ -70,8 +64,8 @@ def outcome(tool, subject, eye):
 
 def versions(args):
     """Of the others, by their own words."""
-    own = args.gltfpack or tools.program(args.node, "gltfpack")
-    transform = measure.run([tools.program(args.node, "gltf-transform"), "--version"]).output.strip()
+    own = args.gltfpack or args.node.program("gltfpack")
+    transform = measure.run([args.node.program("gltf-transform"), "--version"]).output.strip()
     return f"gltf-transform {transform}; {measure.run([own, '-v']).output.strip()}"
 
 

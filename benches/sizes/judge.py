@@ -6,10 +6,10 @@ The angles are computed here, CIEDE2000 by scikit-image.
 """
 
 import dataclasses
-import json
 import math
 import os
 
+import inspected
 import measure
 import numpy as np
 import OpenEXR
@@ -50,7 +50,7 @@ class Judge:
 
     def __init__(self, program, folder, model):
         self.program, self.folder = program, folder
-        about = inspected(program, model)
+        about = inspected.of(program, model)
         low, high = (np.array(about["bounds"][end]) for end in ("min", "max"))
         radius = np.linalg.norm(high - low) / 2
         self.target = (low + high) / 2
@@ -91,14 +91,6 @@ class Judge:
         normals = OpenEXR.File(f"{out}.normals.exr").channels()["RGBA"].pixels[..., :3]
         covered = (image[..., 3] == 1) & (np.linalg.norm(normals, axis=-1) > 0.5)
         return View(normals.astype(np.float64), albedo[..., :3], image[..., :3], covered)
-
-
-def inspected(program, path):
-    return json.loads(measure.run([program, "inspect", path, "--json"]).output)
-
-
-def triangles(program, path):
-    return inspected(program, path)["counts"]["triangles_drawn"]
 
 
 def picture(path):

@@ -1,7 +1,6 @@
 """The tools, each as the commands that make an asset of a model."""
 
 import dataclasses
-import os
 from collections.abc import Callable
 
 # Triangles of the asset by those of the model, and texels along a side of its textures.
@@ -35,26 +34,26 @@ def taotie(program):
     return Tool("taotie bake --for web", commands)
 
 
-def gltf_transform(programs):
+def gltf_transform(node):
     def commands(job):
         simplify = ["--simplify-ratio", str(RATIO), "--simplify-error", "1"]
         textures = ["--texture-compress", "webp", "--texture-size", str(TEXELS)]
-        return [[program(programs, "gltf-transform"), "optimize", job.source, job.out, *simplify, *textures]]
+        return [[node.program("gltf-transform"), "optimize", job.source, job.out, *simplify, *textures]]
 
     return Tool("gltf-transform optimize", commands)
 
 
-def gltfpack(programs, native):
-    """With `native`, a build that packs textures, KTX2; npm's cannot, so gltf-transform packs them as WebP before it."""
+def gltfpack(node, native):
+    """With `native`, a build that packs textures, KTX2; npm's cannot: gltf-transform packs them as WebP before it."""
     if native:
         return Tool("gltfpack -si -tc", lambda job: [[*pack(native, job.source, job), "-tc", "-tl", str(TEXELS)]])
-    transform = program(programs, "gltf-transform")
+    transform = node.program("gltf-transform")
     side = ["--width", str(TEXELS), "--height", str(TEXELS)]
 
     def commands(job):
         between = f"{job.out}.textures.glb"
         resize, webp = [transform, "resize", job.source, between, *side], [transform, "webp", between, between]
-        return [resize, webp, pack(program(programs, "gltfpack"), between, job)]
+        return [resize, webp, pack(node.program("gltfpack"), between, job)]
 
     return Tool("gltfpack -si, WebP", commands)
 
@@ -62,7 +61,3 @@ def gltfpack(programs, native):
 def pack(gltfpack, source, job):
     """The error is not limited, so that the ratio is reached; geometry is compressed as far as it can be."""
     return [gltfpack, "-i", source, "-o", job.out, "-si", str(RATIO), "-se", "1", "-cc"]
-
-
-def program(programs, name):
-    return os.path.join(programs, "node_modules", ".bin", name)

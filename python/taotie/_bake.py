@@ -46,6 +46,9 @@ class Met:
         True if the whole interval keeps to the limit.
     text : str
         All that in words.
+    within : float or None
+        Of figures that are the share of the surface within a limit, such as ``within-5deg``: that limit, in degrees, ΔE, or
+        parts of the diagonal.
     """
 
     figure: str
@@ -56,6 +59,7 @@ class Met:
     interval: tuple[float, float] | None
     met: bool
     text: str
+    within: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +75,8 @@ class Proof:
         islands. None if the asset has no uvs.
     color_map : ndarray or None
         ``(H, W)`` float32: CIEDE2000 between the base colours; None where the scan says nothing of its material.
+    detail_map : ndarray or None
+        ``(H, W)`` float32: how many times wider than the scan's finest detail the asset's texels are; None without textures.
     options : dict
         The options that it was made with: points, map, view.
     """
@@ -78,6 +84,7 @@ class Proof:
     figures: Mapping[str, Any]
     error_map: Floats | None = field(repr=False)
     color_map: Floats | None = field(default=None, repr=False)
+    detail_map: Floats | None = field(default=None, repr=False)
     options: Mapping[str, int] = field(default_factory=dict)
 
     @property
@@ -187,7 +194,8 @@ def _met(met: str, text: str) -> Met:
 def _proof(found: Mapping[str, Any], options: Mapping[str, int]) -> Proof:
     """Return what the native module found as a proof, and warn of what it noted."""
     warn(found["warnings"])
-    return Proof(json.loads(found["figures"]), found["error_map"], found["color_map"], options)
+    maps = (found[name] for name in ("error_map", "color_map", "detail_map"))
+    return Proof(json.loads(found["figures"]), *maps, options)
 
 
 def verify(
@@ -438,7 +446,7 @@ def bake(
     triangles: int = 50_000,
     error: float | None = None,
     lods: Sequence[int] = (),
-    size: int | tuple[int, int] = 2048,
+    size: int | tuple[int, int] | Literal["auto"] = 2048,
     maps: Sequence[Map | Literal["auto"]] = ("auto",),
     space: Literal["tangent", "object"] = "tangent",
     samples: Literal[1, 4, 9, 16, 25, 36, 49, 64] = 4,
@@ -470,8 +478,8 @@ def bake(
         Find the mesh and map of the fewest bytes whose mean normal error is at most so many degrees.
     lods : sequence of int
         Triangles of further levels of detail.
-    size : int or (width, height)
-        Texels of the maps.
+    size : int, (width, height) or "auto"
+        Texels of the maps; auto is the smallest power of two, 256 to 8192, that preserves the scan's detail.
     maps : sequence of str
         Maps to bake: auto (normal, and whatever varies in the scan's materials), normal, ao, albedo, height, bent,
         curvature, roughness, metallic-roughness, emission, alpha, occlusion.
@@ -518,7 +526,7 @@ def bake(
     """
     if isinstance(maps, str):
         raise invalid(f"maps {maps!r}", "give a sequence of names, such as ['normal', 'ao']")
-    width, height = (size, size) if isinstance(size, int) else size
+    width, height = (size, size) if isinstance(size, int | str) else size
     low_file, low_mesh = _source(low)
     cage_file, cage_mesh = _source(cage)
     if cage is not None and ray_distance != "auto":

@@ -50,6 +50,9 @@ def test_a_proof_measures_and_requires(asset: tt.Asset, scan: tt.Model, tmp_path
     assert 0.1 < proof.mean_deg < proof.p95_deg <= proof.max_deg < 90
     assert proof.error_map.shape == (128, 128) and proof.error_map.dtype == np.float32
     assert np.isnan(proof.error_map).any() and abs(np.nanmean(proof.error_map) - proof.mean_deg) < 2
+    assert proof.detail_map.shape == (128, 128) and np.nanmin(proof.detail_map) > 0
+    within = proof.require("within-60deg=50%")[0]
+    assert (within.figure, within.within) == ("within-angle", 60)
     met = proof.require("mean-angle@0=20", mean_angle=20, missed="5%", bytes="1MB")
     assert [one.figure for one in met] == ["mean-angle", "mean-angle", "missed", "bytes"] and all(m.met for m in met)
     with pytest.raises(tt.NotMet, match="mean-angle"):

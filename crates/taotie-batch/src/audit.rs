@@ -3,7 +3,7 @@
 use crate::collection::Collection;
 use crate::driver::{Worker, nonempty, remake};
 use crate::manifest::History;
-use crate::record::{Part, Record};
+use crate::record::{OUTDATED, Part, Record};
 use crate::store::Store;
 use taotie::Result;
 use taotie::io::sha256;
@@ -55,6 +55,9 @@ pub fn audit(
     for (index, record) in made.iter().enumerate() {
         if !hear(index as f64 / made.len() as f64) {
             return Err(taotie::Error::Cancelled);
+        }
+        if !record.is_current() {
+            audit.note(record, OUTDATED.into());
         }
         record.parts.iter().for_each(|part| audit.read(record, part, &store));
     }

@@ -1,6 +1,6 @@
 //! What objects say of themselves. Nothing in it depends on the machine, or on when it was made.
 
-use crate::record::{FileEntry, Part, ShortFigures};
+use crate::record::{FileEntry, Part, SCHEMA, ShortFigures};
 use crate::store::entry;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -15,6 +15,11 @@ pub trait Object: Serialize + DeserializeOwned {
     /// Returns the kind of its files.
     fn kind(&self) -> &str;
 
+    /// Returns `true` if its figures are those of this version.
+    fn is_current(&self) -> bool {
+        true
+    }
+
     /// Returns the part of an asset that it is.
     fn into_part(self, address: String, reused: bool) -> Part {
         Part { kind: self.kind().into(), address, files: self.files().to_vec(), reused }
@@ -26,6 +31,9 @@ pub trait Object: Serialize + DeserializeOwned {
 pub struct AssetObject {
     /// `asset`.
     pub kind: String,
+    /// The version of its figures, [`SCHEMA`].
+    #[serde(default)]
+    pub schema: u32,
     /// The version of the program.
     pub version: String,
     /// Triangles of the scan.
@@ -60,6 +68,10 @@ impl Object for AssetObject {
 
     fn kind(&self) -> &str {
         &self.kind
+    }
+
+    fn is_current(&self) -> bool {
+        self.schema == SCHEMA
     }
 }
 

@@ -2,13 +2,12 @@
 
 use crate::collection::Collection;
 use crate::manifest::History;
-use crate::record::{Record, ShortFigures};
+use crate::record::{OUTDATED, Record, ShortFigures};
 use crate::store::Store;
 use std::path::PathBuf;
 use taotie::Result;
 use taotie::asset::Met;
 use taotie::io::FileSet;
-use taotie::names::Named;
 use taotie_report::collection_page::{self, Entry, Gallery};
 
 /// Writes `index.html`, `collection.json` and the IIIF manifest of a collection; returns their paths.
@@ -46,14 +45,14 @@ fn entry(record: &Record) -> Entry {
     let ShortFigures { triangles_in, bytes_in, bytes_out, hausdorff, missed, .. } = figures;
     let one = |kind: &str, ending: &str| link(record, kind, ending);
     let is_unmet = |met: &&Met| !met.met;
-    let unmet = |met: &Met| format!("{} {}", met.figure.name(), met.text());
+    let unmet = |met: &Met| format!("{} {}", met.name(), met.text());
     Entry {
         id: record.id.clone(),
         title: record.title.clone(),
         state: record.state.name().into(),
         error: record.error.clone(),
         unmet: record.required.iter().filter(is_unmet).map(unmet).collect(),
-        warnings: record.warnings.iter().map(|warning| warning.what.clone()).collect(),
+        warnings: warnings(record),
         thumbnail: one("thumbnail", ".webp"),
         turntable: one("turntable", ".png"),
         viewer: one("viewer", ".html"),
@@ -72,6 +71,12 @@ fn entry(record: &Record) -> Entry {
         seconds: Some(record.seconds),
         peak_bytes: record.peak_bytes,
     }
+}
+
+/// Returns the warnings of a record, first of all that its verdict is out of date.
+fn warnings(record: &Record) -> Vec<String> {
+    let outdated = (!record.is_current()).then(|| OUTDATED.to_owned());
+    outdated.into_iter().chain(record.warnings.iter().map(|warning| warning.what.clone())).collect()
 }
 
 /// Returns the address of a file, relative to the page.

@@ -5,8 +5,12 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 use taotie::asset::{Figures, Met, Requirement, Warning};
 
-/// The version of the manifest's layout.
-pub const SCHEMA: u32 = 1;
+/// The version of records and of the figures they are judged by. Assets whose record or figures have another one are judged
+/// again.
+pub const SCHEMA: u32 = 2;
+
+/// What is said of a record with another schema.
+pub const OUTDATED: &str = "judged by the figures of another version; run `taotie batch` to judge it again";
 
 /// The end of an attempt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -178,6 +182,11 @@ impl Record {
     /// Returns the part of a kind.
     pub fn part(&self, kind: &str) -> Option<&Part> {
         self.parts.iter().find(|part| part.kind == kind)
+    }
+
+    /// Returns `true` if it was judged by the figures of this version.
+    pub fn is_current(&self) -> bool {
+        self.schema == SCHEMA
     }
 
     /// Says whether the files that it was made of are as they were, as far as the system tells without reading them. Their paths

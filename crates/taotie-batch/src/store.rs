@@ -54,10 +54,10 @@ impl Store {
         self.root.join(Self::folder(address))
     }
 
-    /// Returns what an object says of itself; `None` where it is not there, or not whole.
+    /// Returns an object's description of itself; `None` if it is missing, incomplete, or has figures of another version.
     pub fn object<T: Object>(&self, address: &str) -> Option<T> {
         let told: T = self.told(address)?;
-        are_there(&self.path(address), told.files()).then_some(told)
+        (told.is_current() && are_there(&self.path(address), told.files())).then_some(told)
     }
 
     fn told<T: DeserializeOwned>(&self, address: &str) -> Option<T> {

@@ -2,7 +2,7 @@
 //! geometry.
 
 use crate::console::{self, Bar};
-use crate::studio::in_pool;
+use crate::running::RunArgs;
 use crate::{options, stop};
 use anyhow::Result;
 use clap::Args;
@@ -37,12 +37,8 @@ pub struct DemoArgs {
     /// Also write the bronze with its relief as geometry, more than two million triangles, as jue-high.glb
     #[arg(long)]
     pub high: bool,
-    /// Number of threads, 1 to 1024; all of the machine's if not given
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
-    pub threads: Option<u32>,
-    /// Print a report as JSON
-    #[arg(long)]
-    pub json: bool,
+    #[command(flatten)]
+    pub run: RunArgs,
 }
 
 /// Texels along a side of the jue's maps.
@@ -60,9 +56,8 @@ struct Demo {
 pub fn run(args: &DemoArgs) -> Result<()> {
     let files = stop::files();
     files.claim_folder(&args.out)?;
-    let threads = args.threads.map(|threads| threads as usize);
-    let demo = in_pool(threads, || demo(args, &files))??;
-    if args.json {
+    let demo = args.run.in_pool(|| demo(args, &files))??;
+    if args.run.json {
         return console::result(&serde_json::to_string_pretty(&demo.json())?);
     }
     demo.print()

@@ -18,6 +18,7 @@ mod normals;
 mod options;
 mod proof_args;
 mod render;
+mod running;
 mod shader;
 mod stop;
 mod studio;

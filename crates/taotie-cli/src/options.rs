@@ -3,7 +3,7 @@
 use anyhow::anyhow;
 use std::fmt::Display;
 use taotie::Error;
-use taotie::asset::Bytes;
+use taotie::asset::{AUTO_SIZE, Bytes};
 use taotie::math::Vec3;
 use taotie::names::Named;
 use taotie::studio::parse;
@@ -43,8 +43,11 @@ pub fn square<const LEAST: u32>(value: &str) -> Result<u32, String> {
     }
 }
 
-/// The size of maps: as [`size`], 16 to 16384 texels a side.
+/// The size of maps: as [`size`], 16 to 16384 texels a side, or `auto`.
 pub fn map_size(value: &str) -> Result<[u32; 2], String> {
+    if value == "auto" {
+        return Ok([AUTO_SIZE; 2]);
+    }
     let size = size(value)?;
     match size.iter().find(|side| !(16..=16_384).contains(*side)) {
         Some(side) => Err(format!("{side} is not in 16..=16384")),

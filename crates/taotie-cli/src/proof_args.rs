@@ -10,11 +10,13 @@ use taotie_report::bake_page;
 pub struct ProofArgs {
     /// Exit with 1 unless every figure keeps to its limit. As seen, at the same pixel: mean-angle, p95-angle, max-angle (°),
     /// mean-color, p95-color (CIEDE2000), and patch-angle, patch-color (the mean in the worst 1 % of the surface, seen close
-    /// up). On the surface, along the rays of a bake: surface-mean-angle, surface-p95-angle, surface-max-angle. Shape: missed
-    /// (visible surface that the other lacks, %), completeness (at least, %), hausdorff (upper bound of the largest distance,
-    /// % of the diagonal or a length), silhouette (pixels of 512 or a length), texel (median width of the asset's texels, a
-    /// length). Lengths are in um, mm, cm, m or in, such as hausdorff=0.2mm, and need a scan whose unit is known. Images: flip, worst-view, ssim (at least). bytes may have B, kB, MB,
-    /// GB, KiB, MiB, GiB. `standard` stands for mean-angle=1, p95-angle=5, patch-angle=10, missed=0.1%, hausdorff=1%,
+    /// up). within-5deg, within-3dE, within-0.5% (at least, %: the share of the visible surface whose angle, colour difference
+    /// or distance is at most this; any number). On the surface, along the rays of a bake: surface-mean-angle,
+    /// surface-p95-angle, surface-max-angle. Shape: missed (visible surface that the other lacks, %), completeness (at least,
+    /// %), hausdorff (upper bound of the largest distance, % of the diagonal or a length), silhouette (pixels of 512 or a
+    /// length), texel (median width of the asset's texels, a length). Lengths are in um, mm, cm, m or in, such as
+    /// hausdorff=0.2mm, and need a scan whose unit is known. Images: flip, worst-view, ssim (at least). bytes may have B, kB,
+    /// MB, GB, KiB, MiB, GiB. `standard` stands for mean-angle=1, p95-angle=5, patch-angle=10, missed=0.1%, hausdorff=1%,
     /// mean-color=1, patch-color=3. Every level of detail counts; mean-angle@1=5 is for level 1 only, level 0 is the finest
     #[arg(long, value_name = "standard|FIGURE[@LEVEL]=LIMIT[UNIT],...", value_delimiter = ',', value_parser = required)]
     require: Vec<Required>,

@@ -5,19 +5,23 @@ use crate::bake::clock::Clock;
 use crate::bake::text;
 use crate::limits::LimitArgs;
 use crate::proof_args::ProofArgs;
-use crate::{Outcome, console, stop, studio};
+use crate::running::RunArgs;
+use crate::{Outcome, console, stop};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use taotie::Progress;
-use taotie::asset::{self, Certificate, Limits, Report, Requirement, Scan, ScanFile, ScanOptions, Warning};
+use taotie::asset::{
+    self, Certificate, Limits, ProvedFile, Report, Requirement, Scan, ScanFile, ScanOptions, Warning,
+};
 use taotie_report::bake_page;
 
 const EXAMPLES: &str = "\
 Examples:
   taotie verify asset.glb --scan scan.ply --require standard
   taotie verify asset.glb --scan scan.stl --unit mm --require hausdorff=0.2mm,texel=50um
-  taotie verify packed.glb --scan scan.glb -o packed.proof.html";
+  taotie verify packed.glb --scan scan.glb -o packed.proof.html
+  taotie verify bracket.glb --scan bracket.stl --crease-angle 30";
 
 /// Compares an asset, made by any program, with the scan that it should look like.
 #[derive(Args)]
@@ -39,20 +43,13 @@ pub struct VerifyArgs {
     pub proof: ProofArgs,
     #[command(flatten)]
     pub limits: LimitArgs,
-    /// Number of threads, 1 to 1024; results do not depend on it [default: all of the machine's]
-    #[arg(long, value_name = "N", help_heading = "Running")]
-    pub threads: Option<usize>,
-    /// Print the report as JSON
-    #[arg(long, help_heading = "Running")]
-    pub json: bool,
+    #[command(flatten)]
+    pub run: RunArgs,
 }
 
 impl VerifyArgs {
     /// Refuses options that cannot work, before any work is done.
     fn check(&self) -> Result<()> {
-        if self.threads == Some(0) {
-            bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
-        }
         self.proof.signature().check()?;
         match &self.output {
             Some(path) if !path.extension().is_some_and(|end| end.eq_ignore_ascii_case("html")) => {
@@ -66,8 +63,8 @@ impl VerifyArgs {
 /// Runs the subcommand.
 pub fn run(args: &VerifyArgs) -> Result<Outcome> {
     args.check()?;
-    let report = studio::in_pool(args.threads, || verify(args))??;
-    match args.json {
+    let report = args.run.in_pool(|| verify(args))??;
+    match args.run.json {
         true => console::result(&serde_json::to_string_pretty(&report)?)?,
         false => console::result(&text::of(&report))?,
     }
@@ -100,8 +97,9 @@ fn verify(args: &VerifyArgs) -> Result<Report> {
     let proof = asset::verify(&args.asset, &scan, &options, progress)?;
     console::say_warnings(&proof.warnings);
     let mut report = Report::of_proof(&args.asset, &scan, &proof)?;
-    let proved = (&proof.figures, &options);
-    report.certificate = Some(Certificate::of_file(&args.asset, &scan, proved, &args.proof.signature())?);
+    let proved = ProvedFile { asset: &args.asset, scan: &scan };
+    let certificate = Certificate::of_file(&proved, &proof.figures, &options, &args.proof.signature())?;
+    report.certificate = Some(certificate);
     report.stages = clock.done();
     if let [html, json] = &pages[..] {
         let page = bake_page::page(&report, &proof, None)?;

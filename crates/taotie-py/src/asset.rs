@@ -236,6 +236,8 @@ fn told<'py>(py: Python<'py>, proof: &Proof) -> PyResult<Bound<'py, PyDict>> {
     found.set_item("error_map", errors)?;
     let colors = proof.color_map.as_ref().map(|map| arrays::of_field(py, map)).transpose()?;
     found.set_item("color_map", colors)?;
+    let detail = proof.detail_map.as_ref().map(|map| arrays::of_field(py, map)).transpose()?;
+    found.set_item("detail_map", detail)?;
     found.set_item("warnings", work::listed(&proof.warnings))?;
     Ok(found)
 }
@@ -252,6 +254,6 @@ fn requirements(required: &[String], unit: Option<Unit>) -> Result<Vec<Requireme
 pub fn require(py: Python<'_>, figures: Options, required: Vec<String>) -> PyResult<Vec<(String, String)>> {
     let figures = figures.read::<Figures>()?;
     let met = figures.require(&requirements(&required, figures.unit).map_err(|error| exception(py, &error))?);
-    let pair = |met: &Met| Ok((serde_json::to_string(met)?, format!("{} {}", met.figure.name(), met.text())));
+    let pair = |met: &Met| Ok((serde_json::to_string(met)?, format!("{} {}", met.name(), met.text())));
     met.iter().map(pair).collect::<serde_json::Result<_>>().map_err(no_json)
 }

@@ -13,8 +13,12 @@ pub(crate) struct Function<'f> {
     pub(crate) body: &'f Graph,
 }
 
-/// The graph with a call wherever the function's body stands.
-pub(crate) fn with_calls(graph: &Graph, function: Function<'_>) -> Graph {
+/// Returns the graph with a call wherever the function's body stands; `None` if it stands nowhere.
+pub(crate) fn with_calls(graph: &Graph, function: Function<'_>) -> Option<Graph> {
+    let is_output = |at| bound(graph, Id(at), function.body).is_some();
+    if !(0..graph.nodes().len()).any(is_output) {
+        return None;
+    }
     let mut called = Graph::of(graph.parameters());
     let mut moved: Vec<Id> = Vec::with_capacity(graph.nodes().len());
     for node in graph.nodes() {
@@ -23,22 +27,25 @@ pub(crate) fn with_calls(graph: &Graph, function: Function<'_>) -> Graph {
         moved.push(id);
     }
     called.outputs = graph.outputs().iter().map(|output| moved[output.0]).collect();
-    called.pruned()
+    Some(called.pruned())
 }
 
 /// The call that gives what `id` is, if it is the function's output.
 fn call(graph: &mut Graph, id: Id, function: Function<'_>) -> Option<Id> {
-    let [output] = function.body.outputs()[..] else { return None };
-    if graph.kind(id) != function.body.kind(output) {
+    let bound = bound(graph, id, function.body)?;
+    let result = function.body.kind(*function.body.outputs().first()?);
+    let arguments = arguments(graph, function.body, &bound)?;
+    Some(graph.add(Node::Call(Call { function: function.number, result, arguments })))
+}
+
+/// Returns what stands in the places of a function's nodes if `id` is its output.
+fn bound(graph: &Graph, id: Id, body: &Graph) -> Option<FxHashMap<Id, Id>> {
+    let [output] = body.outputs()[..] else { return None };
+    if graph.kind(id) != body.kind(output) || shape(graph.node(id)) != shape(body.node(output)) {
         return None;
     }
     let mut bound = FxHashMap::default();
-    if !matches(graph, id, &mut Pattern { body: function.body, at: output, bound: &mut bound }) {
-        return None;
-    }
-    let arguments = arguments(graph, function.body, &bound)?;
-    let result = function.body.kind(output);
-    Some(graph.add(Node::Call(Call { function: function.number, result, arguments })))
+    matches(graph, id, &mut Pattern { body, at: output, bound: &mut bound }).then_some(bound)
 }
 
 /// A node of a function's body, and what of the body is found already.

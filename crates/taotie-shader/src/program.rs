@@ -50,7 +50,9 @@ impl Program {
         formula.graph = with_vectors(&formula.graph, &kinds);
         let functions = self.formulas.iter().enumerate();
         for (number, function) in functions.filter(|(_, function)| function.is_found()) {
-            formula.graph = with_calls(&formula.graph, Function { number, body: &function.graph });
+            if let Some(graph) = with_calls(&formula.graph, Function { number, body: &function.graph }) {
+                formula.graph = graph;
+            }
         }
         self.formulas.push(formula);
     }

@@ -6,7 +6,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{from_str, json, to_string, to_value};
 use std::fmt::Debug;
 use std::sync::Arc;
-use taotie::asset::{BakeOptions, Limits, Packing, ScanOptions, VerifyOptions};
+use taotie::asset::{AUTO_SIZE, BakeOptions, Limits, Packing, ScanOptions, VerifyOptions};
 use taotie::bake::MapKind;
 use taotie::compare::NormalEncoding;
 use taotie::comparison::diff::{self, DiffOptions, Metric};
@@ -73,6 +73,15 @@ fn all_options_survive_json() {
     assert_options::<RenderSettings>();
     assert_options::<ReferenceSettings>();
     assert_options::<Development>();
+}
+
+#[test]
+fn the_size_of_maps_may_be_chosen() {
+    let options: BakeOptions = from_str("{\"size\": \"auto\"}").unwrap();
+    assert_eq!((options.size, &to_value(&options).unwrap()["size"]), (AUTO_SIZE, &json!("auto")));
+    assert_eq!(to_value(BakeOptions::default()).unwrap()["size"], 2048);
+    let error = from_str::<BakeOptions>("{\"size\": \"large\"}").unwrap_err().to_string();
+    assert!(error.contains("expected a number of texels, or \"auto\""), "{error}");
 }
 
 #[test]

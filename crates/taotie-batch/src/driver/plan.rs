@@ -6,7 +6,7 @@ use crate::address::{self, VERSION};
 use crate::collection::{Collection, Scan};
 use crate::input::InputFile;
 use crate::objects::AssetObject;
-use crate::record::{Record, State};
+use crate::record::{Record, SCHEMA, State};
 use crate::settings::Settings;
 use std::path::Path;
 use taotie::Result;
@@ -15,7 +15,7 @@ use taotie::Result;
 pub struct Plan {
     /// Assets to be made, the largest first.
     pub todo: Vec<Todo>,
-    /// Assets that are there and whose requirements are others now, judged anew.
+    /// Assets that exist and are judged again, since their requirements or the version of records have changed.
     pub judged: Vec<Record>,
     /// The number of those that stay as they are.
     pub known: usize,
@@ -104,7 +104,7 @@ fn due(todo: Todo, (folder, books): (&Path, &Books), retry: bool) -> Due {
     if !last.parts.iter().all(|part| books.store.holds(part)) {
         return Due::Making(Box::new(todo));
     }
-    if last.require == todo.settings.require && last.title == todo.scan.title {
+    if last.is_current() && last.require == todo.settings.require && last.title == todo.scan.title {
         return Due::Nothing;
     }
     let object = last.part("asset").and_then(|part| books.store.object::<AssetObject>(&part.address));
@@ -114,16 +114,18 @@ fn due(todo: Todo, (folder, books): (&Path, &Books), retry: bool) -> Due {
     }
 }
 
-/// Returns the record of an asset whose requirements, or whose name, are others now.
+/// Returns the record of an asset that is judged again: its requirements, its name or the version of records have changed.
 fn judged(last: &Record, todo: &Todo, object: &AssetObject) -> Record {
     let required = object.figures.require(&todo.settings.require);
     Record {
+        schema: SCHEMA,
         attempt: last.attempt + 1,
         ended: now(),
         title: todo.scan.title.clone(),
         state: State::of(&required),
         require: todo.settings.require.clone(),
         required,
+        figures: Some(object.short()),
         seconds: 0.0,
         stages: Vec::new(),
         ..last.clone()

@@ -5,6 +5,7 @@ use super::process::Process;
 use crate::job::{Message, Outcome};
 use crate::memory::peak_of;
 use std::time::{Duration, Instant};
+use taotie::asset::ScanSize;
 
 /// How far a process is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,7 +99,8 @@ impl Running {
     /// about ten seconds on one core.
     pub fn patience_to_work(&self) -> Duration {
         let searching = if self.todo.settings.searches() { 16 } else { 1 };
-        let texels = u64::from(self.todo.settings.asset.bake.size).pow(2) >> 20;
+        let largest = ScanSize { detail_side: u32::MAX, ..ScanSize::default() };
+        let texels = u64::from(self.todo.settings.asset.bake.sized(largest).size).pow(2) >> 20;
         let rays = u64::from(self.todo.settings.asset.bake.ao_rays.max(64)) / 64;
         Duration::from_secs(searching * (1200 + 180 * (self.triangles >> 20) + 60 * texels * rays))
     }

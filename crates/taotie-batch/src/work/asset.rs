@@ -3,6 +3,7 @@
 use super::{Work, named};
 use crate::address::VERSION;
 use crate::objects::{AssetObject, entries};
+use crate::record::SCHEMA;
 use std::path::PathBuf;
 use taotie::Result;
 use taotie::asset::{
@@ -41,6 +42,7 @@ pub fn make(work: &Work<'_>, file: ScanFile, address: &str) -> Result<AssetObjec
     files.commit()?;
     let object = AssetObject {
         kind: "asset".into(),
+        schema: SCHEMA,
         version: VERSION.into(),
         triangles_in: report.high_triangles,
         triangles: report.triangles,

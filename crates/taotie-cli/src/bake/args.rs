@@ -5,11 +5,12 @@ use super::scan_args::ScanArgs;
 use crate::limits::LimitArgs;
 use crate::options::{self, fraction, positive};
 use crate::proof_args::ProofArgs;
+use crate::running::RunArgs;
 use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
-use taotie::asset::{BakeOptions, Baker, Limits, MeshSource, Packing, RayDistance};
+use taotie::asset::{AUTO_SIZE, BakeOptions, Baker, Limits, MeshSource, Packing, RayDistance};
 use taotie::bake::MapKind;
 use taotie::io::{FileSet, GltfImages};
 use taotie::names::Named;
@@ -57,8 +58,9 @@ pub struct BakeArgs {
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = options::triangles, help_heading = "Low-poly mesh")]
     pub lods: Vec<u32>,
 
-    /// Width and height of the maps, texels: one number, or two as in 2048x1024 for a --low with UVs; 2048 if not given
-    #[arg(long, value_name = "N|WxH", value_parser = options::map_size, help_heading = "Maps")]
+    /// Width and height of the maps, texels: one number, two as in 2048x1024 for a --low with UVs, or auto: the smallest power
+    /// of two, 256 to 8192, that preserves the scan's detail [default: 2048]
+    #[arg(long, value_name = "N|WxH|auto", value_parser = options::map_size, help_heading = "Maps")]
     pub size: Option<[u32; 2]>,
     /// Maps to bake, separated by commas: auto (normal, and whatever varies in the scan's materials), normal, ao (ambient
     /// occlusion), albedo (base colour), height, bent (bent normals), curvature, roughness (widened by fine relief),
@@ -131,12 +133,8 @@ pub struct BakeArgs {
 
     #[command(flatten)]
     pub limits: LimitArgs,
-    /// Number of threads, 1 to 1024; all of the machine's if not given. Results do not depend on it
-    #[arg(long, value_name = "N", help_heading = "Running")]
-    pub threads: Option<usize>,
-    /// Print the report as JSON
-    #[arg(long, help_heading = "Running")]
-    pub json: bool,
+    #[command(flatten)]
+    pub run: RunArgs,
 }
 
 /// A value, or the program's choice.
@@ -190,9 +188,6 @@ impl<T> Auto<T> {
 impl BakeArgs {
     /// Refuses options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
-        if self.threads == Some(0) {
-            bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
-        }
         let extension = self.output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         if !matches!(extension.as_deref(), Some("glb" | "gltf" | "png" | "webp" | "exr")) {
             bail!(
@@ -379,14 +374,11 @@ impl BakeArgs {
     /// Refuses requirements of levels of detail that are not asked for.
     fn check_levels(&self) -> Result<()> {
         let coarsest = self.lods().len();
-        let requirements = self.proof.requirements();
-        let named =
-            requirements.iter().filter_map(|requirement| Some((requirement.figure, requirement.level?)));
-        for (figure, level) in named {
-            if level > coarsest {
+        for requirement in self.proof.requirements() {
+            if let Some(level) = requirement.level.filter(|level| *level > coarsest) {
                 bail!(
                     "--require {}@{level}: the coarsest level of detail is {coarsest}; --lods asks for more",
-                    figure.name()
+                    requirement.name()
                 );
             }
         }
@@ -464,7 +456,10 @@ impl BakeArgs {
         let [width, height] = self.size();
         let parts = [
             (!levels.is_empty()).then(|| format!("{} triangles", levels.join(", "))),
-            self.error.is_none().then(|| format!("maps of {width}×{height}")),
+            self.error.is_none().then(|| match width {
+                AUTO_SIZE => "maps of automatic size".into(),
+                _ => format!("maps of {width}×{height}"),
+            }),
             self.bakes_normals().then(|| format!("normals in {} bits", self.bits())),
             Some(self.images().to_string()),
             self.webp_quality().map(|quality| format!("colours of quality {quality}")),

@@ -3,14 +3,15 @@
 mod args;
 pub mod clock;
 mod purpose;
-pub mod scan_args;
+mod scan_args;
 mod schedule;
 pub mod text;
+mod worst;
 
 pub use args::BakeArgs;
 pub use scan_args::ScanArgs;
 
-use crate::{Outcome, console, stop, studio};
+use crate::{Outcome, console, stop};
 use anyhow::Result;
 use clock::Clock;
 use schedule::Schedule;
@@ -29,8 +30,8 @@ pub fn run(args: &BakeArgs) -> Result<Outcome> {
     if let Some(chosen) = args.chosen() {
         console::say(&format!("taotie: {chosen}"));
     }
-    let report = studio::in_pool(args.threads, || bake(args, &files))??;
-    if args.json {
+    let report = args.run.in_pool(|| bake(args, &files))??;
+    if args.run.json {
         console::result(&serde_json::to_string_pretty(&report)?)?;
     } else {
         console::result(&text::of(&report))?;

@@ -33,6 +33,7 @@ impl Schedule {
         if options.mean_error_deg.is_some() {
             return None;
         }
+        let options = &options.sized(scan);
         let texels = f64::from(options.size) * f64::from(options.height.unwrap_or(options.size)) / 1e6;
         let work = Work { options, scan: scan.triangles as f64 / 1e6, texels, is_packed };
         Some(Self { stages: work.making().into_iter().chain(work.writing()).chain(work.proving()).collect() })

@@ -1,12 +1,12 @@
 //! A bake in plain words.
 
+use super::worst;
 use std::fmt::Write;
 use taotie::asset::{
     BakeFigures, Figures, LevelFigures, MaterialFigures, Met, PartFigures, Report, ViewFigures,
 };
 use taotie::compare::Summary;
 use taotie::length::{ShownLength, place_text, texel_text};
-use taotie::names::Named;
 use taotie_report::summary;
 use taotie_report::table::Table;
 
@@ -25,6 +25,8 @@ pub fn of(report: &Report) -> String {
     if let Some(figures) = &report.proof {
         if let Some(finest) = figures.finest() {
             as_seen(figures, finest, &mut table);
+            worst::parts(figures, &finest.worst_parts, &mut table);
+            worst::beyond(&finest.beyond, &mut table);
             on_surface(finest, report.bake.as_ref(), &mut table);
             shape(figures, finest, &mut table);
             material(&finest.material, &mut table);
@@ -208,5 +210,5 @@ fn requirement(met: &Met, triangles: &[usize]) -> String {
             None => format!(" of level {level}, which is not there,"),
         },
     };
-    format!("{verdict}: {}{level} {}", met.figure.name(), met.text())
+    format!("{verdict}: {}{level} {}", met.name(), met.text())
 }

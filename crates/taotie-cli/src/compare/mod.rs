@@ -11,7 +11,7 @@ pub use args::CompareArgs;
 
 use crate::console::{self, Bar};
 use crate::stop;
-use crate::studio::{self, Viewpoint, in_pool};
+use crate::studio::{self, Viewpoint};
 use anyhow::{Context, Result};
 use reference::Reference;
 use std::path::Path;
@@ -28,11 +28,11 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let files = stop::files();
     args.claim(&files)?;
     let (Some(model), Some(output)) = (&args.model, &args.output) else {
-        return paper::run(args.running.json, &files, args.output.as_deref());
+        return paper::run(args.running.run.json, &files, args.output.as_deref());
     };
     let places = Places { model, output, files: &files };
-    let written = in_pool(args.running.threads, || compare_files(args, &places))??;
-    if args.running.json {
+    let written = args.running.run.in_pool(|| compare_files(args, &places))??;
+    if args.running.run.json {
         return console::result(&written.document.json()?);
     }
     console::result(&text::of(&written.document))?;

@@ -1,6 +1,7 @@
 //! The options of `taotie diff`.
 
 use crate::options;
+use crate::running::RunArgs;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -65,12 +66,8 @@ pub struct DiffArgs {
     /// Largest amount of memory to use, such as 4G; the machine's free memory if not given
     #[arg(long, value_name = "BYTES", value_parser = options::memory, help_heading = "Running")]
     pub memory_limit: Option<Bytes>,
-    /// Number of threads, 1 to 1024; all of the machine's if not given. Results do not depend on it
-    #[arg(long, value_name = "N", help_heading = "Running")]
-    pub threads: Option<usize>,
-    /// Print a report as JSON
-    #[arg(long, help_heading = "Running")]
-    pub json: bool,
+    #[command(flatten)]
+    pub run: RunArgs,
 }
 
 /// The meaning of the numbers in the files.
@@ -134,9 +131,6 @@ impl DiffArgs {
 
     /// Refuses options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
-        if self.threads == Some(0) {
-            bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
-        }
         if self.heat_top.is_some_and(|top| top <= 0.0) {
             bail!("--heat-top: the top of the scale must be above 0");
         }

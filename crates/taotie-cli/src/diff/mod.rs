@@ -9,7 +9,7 @@ mod report;
 pub use args::DiffArgs;
 
 use crate::console::{self, Bar};
-use crate::{Outcome, stop, studio};
+use crate::{Outcome, stop};
 use anyhow::{Result, bail};
 use report::Report;
 use taotie::asset::Bytes;
@@ -23,7 +23,7 @@ pub fn run(args: &DiffArgs) -> Result<Outcome> {
     args.check()?;
     let files = stop::files();
     args.claim(&files)?;
-    let report = studio::in_pool(args.threads, || compare(args, &files))??;
+    let report = args.run.in_pool(|| compare(args, &files))??;
     match print(args, &report) {
         // A reader that went away still gets the exit code.
         Err(error) if !console::is_broken_pipe(&error) => return Err(error),
@@ -38,7 +38,7 @@ pub fn run(args: &DiffArgs) -> Result<Outcome> {
 
 fn print(args: &DiffArgs, report: &Report) -> Result<()> {
     console::say_warnings(&report.warnings);
-    if args.json {
+    if args.run.json {
         return console::result(&serde_json::to_string_pretty(report)?);
     }
     console::result(report.text().trim_end())

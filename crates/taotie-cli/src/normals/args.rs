@@ -2,6 +2,7 @@
 
 use crate::limits::LimitArgs;
 use crate::options;
+use crate::running::RunArgs;
 use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
@@ -75,12 +76,8 @@ pub struct NormalsArgs {
 
     #[command(flatten)]
     pub limits: LimitArgs,
-    /// Number of threads, 1 to 1024; all of the machine's if not given. Results do not depend on it
-    #[arg(long, value_name = "N", help_heading = "Running")]
-    pub threads: Option<usize>,
-    /// Print a report as JSON
-    #[arg(long, help_heading = "Running")]
-    pub json: bool,
+    #[command(flatten)]
+    pub run: RunArgs,
 }
 
 /// The content of the input.
@@ -121,9 +118,6 @@ impl Border {
 impl NormalsArgs {
     /// Refuses options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
-        if self.threads == Some(0) {
-            bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
-        }
         if self.output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
             bail!("{}: normal maps are written as .png", self.output.display());
         }

@@ -9,7 +9,7 @@ mod unread;
 pub use args::NormalsArgs;
 
 use crate::studio::Green;
-use crate::{console, stop, studio};
+use crate::{console, stop};
 use anyhow::{Result, bail};
 use args::Border;
 use report::Report;
@@ -25,9 +25,9 @@ pub fn run(args: &NormalsArgs) -> Result<()> {
     args.check()?;
     let files = stop::files();
     args.claim(&files)?;
-    let (report, warnings) = studio::in_pool(args.threads, || convert(args, &files))??;
+    let (report, warnings) = args.run.in_pool(|| convert(args, &files))??;
     console::say_warnings(&warnings);
-    if args.json {
+    if args.run.json {
         return console::result(&serde_json::to_string_pretty(&report)?);
     }
     console::result(&report.text())

@@ -9,7 +9,7 @@ mod sequence;
 
 pub use args::RenderArgs;
 
-use crate::studio::{self, Motion, in_pool};
+use crate::studio::{self, Motion};
 use crate::{console, stop};
 use anyhow::Result;
 use device::Machine;
@@ -47,10 +47,10 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     args.check()?;
     let files = stop::files();
     args.claim(&files)?;
-    let report = in_pool(args.running.threads, || render(args, &files))??;
+    let report = args.running.run.in_pool(|| render(args, &files))??;
     report.machine.tell(args);
     console::say_warnings(&report.warnings);
-    if args.running.json {
+    if args.running.run.json {
         return console::result(&serde_json::to_string_pretty(&report.json(args))?);
     }
     for file in &report.files {

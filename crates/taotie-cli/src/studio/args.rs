@@ -1,6 +1,7 @@
 //! The options of light, camera and film, shared by the subcommands that take pictures of a model.
 
 use crate::limits::LimitArgs;
+use crate::running::RunArgs;
 use crate::{console, options};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
@@ -264,23 +265,16 @@ impl FilmArgs {
 pub struct RunningArgs {
     #[command(flatten)]
     pub limits: LimitArgs,
-    /// Number of threads, 1 to 1024; all of the machine's if not given. Pixels do not depend on it
-    #[arg(long, value_name = "N")]
-    pub threads: Option<usize>,
+    #[command(flatten)]
+    pub run: RunArgs,
     /// SIMD level: auto, scalar, sse2, avx2, avx512, neon. Pixels do not depend on it
     #[arg(long, value_parser = options::named::<SimdLevel>, default_value = "auto")]
     pub simd: SimdLevel,
-    /// Print a report as JSON
-    #[arg(long)]
-    pub json: bool,
 }
 
 impl RunningArgs {
     /// Refuses values that cannot be used, before any work is done.
     pub fn check(&self) -> Result<()> {
-        if self.threads == Some(0) {
-            bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
-        }
         self.simd.check()?;
         Ok(())
     }

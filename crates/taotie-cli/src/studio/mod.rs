@@ -12,7 +12,7 @@ pub use surface_args::{Green, MaterialArgs, ReflectionArgs, Space, SurfaceArgs};
 pub use taotie::studio::{Framing, Motion};
 pub use viewpoint::Viewpoint;
 
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Result, anyhow};
 use std::path::{Path, PathBuf};
 use taotie::asset::Limits;
 use taotie::io::Loaded;
@@ -59,19 +59,4 @@ pub fn lighting(
     view: View<'_>,
 ) -> Result<Lighting> {
     Ok(args.options()?.lighting(environment, scene, view))
-}
-
-/// The most threads that are started.
-const MOST_THREADS: usize = 1024;
-
-/// Runs `work` on `threads` threads, 1 to 1024, or on all of the machine's.
-pub fn in_pool<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> Result<T> {
-    if let Some(count) = threads.filter(|count| *count > MOST_THREADS) {
-        bail!("--threads {count}: at most {MOST_THREADS} are started; leave it out for all of the machine's");
-    }
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.unwrap_or(0))
-        .build()
-        .context("the threads could not be started; ask for fewer with --threads")?;
-    Ok(pool.install(work))
 }

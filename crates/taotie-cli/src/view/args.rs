@@ -1,6 +1,6 @@
 //! The options of `taotie view`.
 
-use crate::bake::scan_args::ScanArgs;
+use crate::bake::ScanArgs;
 use crate::limits::LimitArgs;
 use crate::studio::{
     self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, SurfaceArgs,

@@ -87,6 +87,46 @@ fn requirements_are_judged_anew_without_a_bake() {
     assert_eq!(collection.report("").0, Some(0));
 }
 
+/// Rewrites all records as an earlier version of the program left them.
+fn age(collection: &Collection) {
+    let path = collection.path("out/manifest.jsonl");
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains("\"schema\":2"), "{text}");
+    std::fs::write(&path, text.replace("\"schema\":2", "\"schema\":1")).unwrap();
+}
+
+#[test]
+fn records_of_an_earlier_version_are_judged_again() {
+    let collection = Collection::of_balls(1);
+    collection.report("");
+    age(&collection);
+    let (code, report) = collection.report("--check --proofs 0");
+    assert!(
+        code == Some(1) && report["faults"].to_string().contains("figures of another version"),
+        "{report}"
+    );
+    let (_, report) = collection.report("");
+    let record = &collection.last()["ball0.obj"];
+    let seconds = number(record, "/seconds");
+    assert_eq!(
+        (number(&report, "/attempts"), number(record, "/schema"), seconds),
+        (1.0, 2.0, 0.0),
+        "{record}"
+    );
+    assert_eq!(number(&collection.report("").1, "/attempts"), 0.0);
+    // If the figures themselves are of an earlier version, the asset is made again.
+    age(&collection);
+    for (path, bytes) in collection.objects() {
+        if path.ends_with("object.json") {
+            let text = String::from_utf8(bytes).unwrap().replace("\"schema\":2", "\"schema\":1");
+            std::fs::write(collection.path("out").join(path), text).unwrap();
+        }
+    }
+    collection.report("");
+    let record = &collection.last()["ball0.obj"];
+    assert!(number(record, "/schema") == 2.0 && number(record, "/seconds") > 0.0, "{record}");
+}
+
 #[test]
 fn a_scan_that_changed_is_done_anew_and_the_same_one_elsewhere_is_not() {
     let collection = Collection::of_balls(1);

@@ -260,7 +260,9 @@ fn no_threads() {
     refused_beside_a_model(
         "render a.obj -o a.png --threads 0",
         str![[r#"
-taotie: error: --threads 0: at least one thread is needed; leave it out for all of the machine's
+error: invalid value '0' for '--threads <N>': at least one thread is needed; leave it out for all of the machine's
+
+For more information, try '--help'.
 
 "#]],
     );
@@ -550,7 +552,9 @@ taotie: error: --heat-top: the top of the scale must be above 0
         &place,
         "diff a.png b.png --threads 0",
         str![[r#"
-taotie: error: --threads 0: at least one thread is needed; leave it out for all of the machine's
+error: invalid value '0' for '--threads <N>': at least one thread is needed; leave it out for all of the machine's
+
+For more information, try '--help'.
 
 "#]],
     );

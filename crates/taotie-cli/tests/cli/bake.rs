@@ -35,6 +35,8 @@ fn a_scan_becomes_an_asset_with_its_proof() {
 9024 triangles onto 1000, maps of 128×128
 normal error as seen         mean [..]°, median [..]°, quartiles [..]° and [..]°, p95 [..]°, max [..]°; mean ± [..]°
 worst 1 % of the surface     [..]° around ([..], [..], [..])
+worst UV island              [..]° on island [..] of [..] ([..] % of the area) around ([..], [..], [..])[..]
+share of the surface         [..] % beyond 5° ([..] to [..]); [..] % beyond 10° ([..] to [..])
 normal error on the surface  mean [..]°, median [..]°, quartiles [..]° and [..]°, p95 [..]°, max [..]°
                              storing normals in 8 bits alone costs 0.17° on average
 error without normal map     mean [..]°, by vertex normals alone
@@ -165,7 +167,7 @@ fn refusals() {
             "--green down: no normal or bent map in tangent space",
         ),
         ("scan.obj -o out.glb --green down --space object", "--green down: no normal or bent map"),
-        ("scan.obj -o out.glb --threads 0", "--threads 0: at least one thread is needed"),
+        ("scan.obj -o out.glb --threads 0", "at least one thread is needed"),
         ("scan.obj -o out.glb --ray-distance 0", "0 is not above 0"),
         ("scan.obj -o out.glb --cage low.obj", "--low <LOW>"),
         ("scan.obj --low low.obj --cage other.obj -o out.glb", "other.obj: the cage: it has [..] triangles"),

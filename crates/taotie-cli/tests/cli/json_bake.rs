@@ -7,6 +7,7 @@ use super::balls::{LOW, SCAN};
 use super::json::Spread;
 use super::place::Place;
 use serde::Deserialize;
+use serde_json::Value;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -270,10 +271,36 @@ struct Resolution {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+struct Exceedance {
+    limits: Vec<f64>,
+    shares: Vec<f64>,
+    samples: usize,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Beyond {
+    angle: Option<Exceedance>,
+    color: Option<Exceedance>,
+    distance: Option<Exceedance>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Parts {
+    islands: Option<Value>,
+    materials: Option<Value>,
+    material_names: Vec<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Level {
     triangles: usize,
     overview: Overview,
     patches: Patches,
+    worst_parts: Parts,
+    beyond: Beyond,
     silhouette: Silhouette,
     coverage: Coverage,
     hausdorff: Bounds,
@@ -414,6 +441,17 @@ fn of_a_pair() {
     assert!(overview.p95_interval[0] <= seen.p95 && seen.p95 <= overview.p95_interval[1]);
     let patch = level.patches.angle.as_ref().expect("there is a worst patch");
     assert!(patch.interval[0] <= patch.mean && patch.mean <= patch.interval[1] && patch.radius > 0.0);
+    let Beyond { angle, color, distance } = &level.beyond;
+    let [angle, distance] = [angle, distance].map(|curve| curve.as_ref().expect("samples were taken"));
+    for Exceedance { limits, shares, samples } in [angle, distance] {
+        assert!(limits.is_sorted() && shares.is_sorted_by(|a, b| a >= b) && shares.last() == Some(&0.0));
+        assert!(limits.len() == shares.len() && limits.len() < 140 && *samples > 1_000);
+    }
+    assert!(color.is_none() && level.worst_parts.material_names.is_empty());
+    assert!(
+        level.worst_parts.islands.is_none() && level.worst_parts.materials.is_none(),
+        "there is one of each"
+    );
     assert_eq!((bake.missed_texels, bake.missed_samples, bake.lost_samples), (0.0, 0.0, 0.0));
     assert_eq!((level.surface_missed, level.views.len(), level.triangles), (0.0, 8, 528));
     assert!(

@@ -46,3 +46,4 @@ mod unread;
 #[path = "../../../taotie/tests/common/validator.rs"]
 mod validator;
 mod variants;
+mod verify;

@@ -71,12 +71,14 @@ impl Place {
     }
 }
 
-/// Options of a bake for a proof that takes a tenth of the time, where the test does not say what it needs.
+/// Options for a proof that takes a tenth of the time, where the test does not say what it needs.
 fn quick_proof(arguments: &[&str]) -> &'static [&'static str] {
     let asks =
         |argument: &&str| argument.starts_with("--proof-") || ["--no-verify", "--help"].contains(argument);
     match arguments {
-        ["bake", rest @ ..] if !rest.iter().any(asks) => &["--proof-points", "20000", "--proof-view", "96"],
+        ["bake" | "verify", rest @ ..] if !rest.iter().any(asks) => {
+            &["--proof-points", "20000", "--proof-view", "96"]
+        }
         _ => &[],
     }
 }

@@ -34,6 +34,18 @@ fn maps_may_be_wider_than_high() {
 }
 
 #[test]
+fn the_size_of_maps_may_be_chosen() {
+    let place = Place::with("scan.obj", SCAN.obj());
+    place.write("low.obj", LOW.obj());
+    let chosen = bake(&place, "auto");
+    let side = chosen["size"][0].as_u64().expect("a number of texels");
+    assert!(side >= 256 && side.is_power_of_two(), "{side}");
+    assert_eq!(chosen["parameters"]["size"], side);
+    let lost = chosen["warnings"].to_string();
+    assert!(!lost.contains("coarser than the scan's detail"), "{lost}");
+}
+
+#[test]
 fn one_number_is_both_sides() {
     let place = Place::with("a.obj", TRIANGLE);
     for size in ["16", "16x16", " 16 × 16"] {

@@ -153,7 +153,8 @@ const INTERVALS: &str = "Means and quantiles lie within their interval with a co
 fn worst(required: &[Met]) -> Vec<&Met> {
     let mut worst: Vec<&Met> = Vec::new();
     for met in required {
-        let is_same = |known: &&mut &Met| known.figure == met.figure && known.most == met.most;
+        let limit = |of: &Met| (of.figure, of.within, of.most, of.is_length);
+        let is_same = |known: &&mut &Met| limit(known) == limit(met);
         match worst.iter_mut().find(is_same) {
             Some(known) if is_worse(met, known) => *known = met,
             Some(_) => {}
@@ -186,7 +187,8 @@ fn row_of_requirement(met: &Met, has_level: bool) -> Vec<Cell> {
         Some(value) if !met.met && value == limit => met.text(),
         Some(value) => value,
     };
-    let mut row = vec![Cell::text(title(met.figure, unit)), Cell::text(met.figure.looking().words())];
+    let mut row =
+        vec![Cell::text(title(met.figure, &met.title(), unit)), Cell::text(met.figure.looking().words())];
     row.extend(has_level.then(|| Cell::text(met.level.map_or("all".into(), |level| level.to_string()))));
     row.extend([
         Cell::text(value),
@@ -213,10 +215,10 @@ fn shown(unit: FigureUnit, value: f64) -> String {
     }
 }
 
-/// Returns what a figure in this unit measures.
-fn title(figure: Figure, unit: FigureUnit) -> String {
+/// Returns the title of a figure, with what it is a part of.
+fn title(figure: Figure, title: &str, unit: FigureUnit) -> String {
     let of_diagonal = figure == Figure::Hausdorff && unit.name == "%";
-    format!("{}{}", figure.title(), if of_diagonal { ", of the diagonal" } else { "" })
+    format!("{title}{}", if of_diagonal { ", of the diagonal" } else { "" })
 }
 
 /// Makes the table of the key figures that no requirement shows.
@@ -233,7 +235,7 @@ fn figures(certificate: &Certificate) -> PlainTable {
     let further = further.take(room.max(LEAST_FIGURES));
     let row = |KeyFigure { figure, value, interval, .. }: &KeyFigure| {
         vec![
-            Cell::text(title(*figure, figure.unit())),
+            Cell::text(title(*figure, figure.title(), figure.unit())),
             Cell::text(figure.looking().words()),
             Cell::text(shown(figure.unit(), *value)),
             Cell::text(between(figure.unit(), *interval)),
@@ -300,7 +302,7 @@ fn rows_of_files(certificate: &Certificate) -> Vec<Vec<Cell>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::asset::{Figures, LevelFigures, Requirement};
+    use taotie::asset::{Figure, Figures, LevelFigures, Requirement};
 
     #[test]
     fn numbers_have_commas() {
@@ -313,7 +315,10 @@ mod tests {
         assert_eq!(shown(bytes, 5_000_000.0), "5,000,000 B");
         assert_eq!(between(share, [2.7e-20, 0.000_331_6]), "0 % to 0.03316 %");
         assert_eq!(between(share, [0.1; 2]), "", "it is exact");
-        assert!(title(Figure::Hausdorff, Figure::Hausdorff.unit()).ends_with("of the diagonal"));
+        assert!(
+            title(Figure::Hausdorff, Figure::Hausdorff.title(), Figure::Hausdorff.unit())
+                .ends_with("of the diagonal")
+        );
     }
 
     #[test]
@@ -330,5 +335,16 @@ mod tests {
         assert_eq!((strict.met, strict.level), (false, Some(1)));
         assert_eq!((mild.met, mild.most), (true, 0.5));
         assert_eq!(row_of_requirement(strict, true)[2], Cell::text("1"));
+    }
+
+    #[test]
+    fn shares_within_different_limits_are_different_requirements() {
+        let mut figures = Figures::default();
+        figures.levels = vec![LevelFigures::default(); 2];
+        let within = |limit: f64| Requirement::within(Figure::WithinAngle, limit, 0.99);
+        let required = figures.require(&[within(5.0), within(10.0)]);
+        let titles = worst(&required).into_iter().map(|met| row_of_requirement(met, false)[0].clone());
+        let wanted = ["surface within a normal error of 5°", "surface within a normal error of 10°"];
+        assert_eq!(titles.collect::<Vec<_>>(), wanted.map(Cell::text));
     }
 }

@@ -29,9 +29,10 @@ mod parts;
 mod patches;
 mod sections;
 mod views;
+mod worst;
 
-use crate::viewer::{AssetSubject, MeasuredErrors};
 use crate::Page;
+use crate::viewer::{AssetSubject, MeasuredErrors};
 use certificate::Judge;
 use std::path::Path;
 use taotie::asset::{Asset, Limits, Proof, Report};

@@ -4,8 +4,9 @@ use crate::heat_map::HeatMap;
 use crate::sheet::Sheet;
 use crate::{Legend, Picture, View};
 use taotie::Result;
-use taotie::asset::{PatchPictures, Proof};
+use taotie::asset::{Figures, PatchPictures, Proof};
 use taotie::compare::ColorMap;
+use taotie::length::place_text;
 use taotie::proof::PatchQuantity;
 
 /// The last colour of a map stands for one of these: degrees, or CIEDE2000.
@@ -18,10 +19,10 @@ const OVER_MEAN: f64 = 3.0;
 /// # Errors
 /// [`taotie::Error::Invalid`] if a picture has no pixels.
 pub fn features(proof: &Proof) -> Result<Vec<View>> {
-    proof.patches.iter().map(feature).collect()
+    proof.patches.iter().map(|pictures| feature(&proof.figures, pictures)).collect()
 }
 
-fn feature(pictures: &PatchPictures) -> Result<View> {
+fn feature(figures: &Figures, pictures: &PatchPictures) -> Result<View> {
     let PatchPictures { patch, of, scan, asset, difference, .. } = pictures;
     let (name, unit, map) = match of {
         PatchQuantity::Angle => ("Worst patch: normals", "°", ColorMap::Viridis),
@@ -33,14 +34,14 @@ fn feature(pictures: &PatchPictures) -> Result<View> {
         PatchQuantity::Angle => ("in one grey material", format!("{:.2}°", patch.mean)),
         PatchQuantity::Color => ("in their own materials", format!("ΔE00 {:.2}", patch.mean)),
     };
-    let [x, y, z] = patch.center;
+    let place = place_text(patch.center, figures.diagonal, figures.unit);
     let surface = if patch.is_of_scan { "scan" } else { "asset" };
     let heat = HeatMap { field: difference, title: "difference", unit, map, top };
     Ok(View {
         name: name.into(),
         note: format!(
             "Close-up of the window of 1 % of the visible surface with the largest mean difference: {mean}, measured at points \
-             of the {surface} around ({x:.4}, {y:.4}, {z:.4}). Both are seen from the same direction, {look} and the same \
+             of the {surface} around {place}. Both are seen from the same direction, {look} and the same \
              light; the window fills two thirds of the width. Grey pixels have nothing to compare."
         ),
         pictures: vec![

@@ -1,6 +1,6 @@
 //! The tables, histogram and texts of a proof.
 
-use super::{levels, material, parts};
+use super::{levels, material, parts, worst};
 use crate::summary::figures;
 use crate::{Cell, Column, Section, Series, Tone};
 use taotie::asset::{
@@ -8,7 +8,6 @@ use taotie::asset::{
 };
 use taotie::compare::Summary;
 use taotie::length::{ShownLength, Unit};
-use taotie::names::Named;
 use taotie::proof::Estimate;
 
 /// Makes all sections in order.
@@ -18,12 +17,10 @@ pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
         sections.push(required(report));
     }
     if let Some(finest) = proof.finest() {
-        sections.extend([
-            as_seen(finest),
-            shape(finest, proof.unit),
-            on_surface(report, finest),
-            histogram(finest),
-        ]);
+        sections.push(as_seen(finest));
+        sections.extend(worst::parts(proof, &finest.worst_parts));
+        sections.extend(worst::beyond(&finest.beyond));
+        sections.extend([shape(finest, proof.unit), on_surface(report, finest), histogram(finest)]);
         sections.extend(material::section(&finest.material));
         sections.extend(parts::table(&proof.parts));
         sections.push(views(finest));
@@ -62,7 +59,7 @@ fn row_of_requirement(met: &Met) -> Vec<Cell> {
     let (value, most) = (met.value.map(|value| value / size), met.most / size);
     let digits = digits(met.met, value.unwrap_or(most), most);
     vec![
-        Cell::text(met.figure.name()),
+        Cell::text(met.name()),
         Cell::text(met.level.map_or("all".into(), |level| level.to_string())),
         value.map_or_else(|| Cell::text("not measured"), |value| Cell::number(value, digits)),
         Cell::number(most, digits),
@@ -222,7 +219,8 @@ fn rays(report: &Report, bake: &BakeFigures) -> Section {
         row_of_number("map covered by UV islands", bake.uv_use * 100.0, (1, "%")),
     ];
     let ([width, height], carried) = (report.size, report.carried.join(", "));
-    let carried = if carried.is_empty() { carried } else { format!("Carried over from the scan: {carried}. ") };
+    let carried =
+        if carried.is_empty() { carried } else { format!("Carried over from the scan: {carried}. ") };
     let note = format!(
         "Maps of {width} × {height}. {carried}A ray misses where it meets no surface of the scan that faces it."
     );

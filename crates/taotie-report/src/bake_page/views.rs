@@ -7,7 +7,7 @@ use crate::sheet::Sheet;
 use crate::{Legend, Picture, View};
 use taotie::Result;
 use taotie::asset::{Asset, Proof, Textures, Views};
-use taotie::compare::ColorMap;
+use taotie::compare::{ColorMap, Field};
 use taotie::names::Named;
 
 /// Pixels along a side of the pictures of maps; of several materials, of all of them side by side.
@@ -16,6 +16,8 @@ const MAP: usize = 512;
 const LEAST_MAP: usize = 128;
 /// The last colour of the map of errors stands for this many degrees.
 const TOP: f32 = 10.0;
+/// The last colour of the map of lost detail stands for texels that are this many times as wide as the scan's.
+const MOST_COARSE: f32 = 8.0;
 
 /// Makes all views, a tab each.
 ///
@@ -30,10 +32,25 @@ pub fn views(proof: &Proof, asset: Option<&Asset>) -> Result<Vec<View>> {
     if let Some(field) = &proof.color_map {
         views.push(material::view(field)?);
     }
+    views.extend(proof.detail_map.as_ref().map(lost_detail).transpose()?);
     for (material, textures) in asset.into_iter().flat_map(Asset::texture_sets) {
         views.extend(missed_rays(material, textures)?);
     }
     Ok(views)
+}
+
+/// Makes the view of how much coarser than the scan's detail the asset's texels are.
+fn lost_detail(field: &Field) -> Result<View> {
+    let (title, map) = ("times as wide as the scan's detail", ColorMap::Magma);
+    let heat = HeatMap { field, title, unit: " ×", map, top: MOST_COARSE };
+    Ok(View {
+        name: "lost detail".into(),
+        note: "How many times wider the asset's texels are than the scan's finest detail there: a texel of its textures, or half \
+               its median edge, but at least 1/4096 of the object. Above 2 detail is lost."
+            .into(),
+        pictures: vec![Picture::new("lost detail", "", &heat.plain())?],
+        legend: Some(Legend::new("Texel by the scan's detail", " ×", f64::from(MOST_COARSE), ColorMap::Magma)),
+    })
 }
 
 /// Makes the view of the rays that missed the scan; `None` where none did.

@@ -3,7 +3,7 @@
 use super::blob::{Blob, bytes_of_words};
 use serde::Serialize;
 use taotie::asset::{Figures, Proof, Scan, VerifyOptions, measure};
-use taotie::bake::{self, Cage, SimplifyOptions, TexturedMesh, Verifier, simplify};
+use taotie::bake::{self, Cage, SimplifyOptions, TexelChecks, TexturedMesh, Verifier, simplify};
 use taotie::compare::{ColorMap, Field};
 use taotie::math::Mat4;
 use taotie::render::{Prepared, Surface};
@@ -154,7 +154,8 @@ fn error_map(scene: &Scene, instance: usize, high: &bake::Scan) -> Result<Field>
     own.edit(|scene| scene.instances = vec![scene.instances[instance]])?;
     let shown = TexturedMesh::new(own)?;
     let (mesh, cage) = (shown.mesh(), Cage::automatic(shown.mesh(), high));
-    Verifier { mesh, shown: Some(&shown), cage: &cage, scan: high }.error_map([MAP; 2])
+    let verifier = Verifier { mesh, shown: Some(&shown), cage: &cage, scan: high };
+    Ok(verifier.error_maps([MAP; 2], TexelChecks::default())?.angles)
 }
 
 impl Errors {

@@ -5,6 +5,7 @@ use super::inputs::Inputs;
 use super::judgement::{self, Pair};
 use super::low::{self, LowPoly};
 use super::made::{Asset, Made, Part};
+use super::map_side::{self, AUTO_SIZE};
 use super::maps::{Recipe, bake_maps};
 use super::memory::Need;
 use super::notes;
@@ -181,6 +182,10 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let materials = given.as_ref().map_or(1, GivenMesh::material_count);
     Need { materials, ..need_of(asked, scan) }.check(limits)?;
     let looks = given.as_ref().map_or_else(Vec::new, GivenMesh::looks);
+    if asked.size == AUTO_SIZE {
+        map_side::shortfall(about.size.detail_side).into_iter().for_each(|what| warnings.note(what, 1));
+    }
+    let asked = &asked.sized(about.size);
     let plan = BakePlan::of(asked, &about.carried, &looks);
     notes::unread_options(&plan.options, &mut warnings);
     plan.note(&mut warnings);
@@ -285,7 +290,10 @@ fn lightened(
                 .collect::<Result<Vec<_>>>()?
         }
         None => {
-            let simplified = low::simplified(scan, options.triangles, progress)?;
+            progress.begin("simplify")?;
+            let seen = low::seen(scan, warnings)?;
+            let simplified = low::simplified(&seen, options.triangles, progress)?;
+            drop(seen);
             low::note_simplified(&simplified, options.triangles, warnings);
             let low = LowPoly::made(scan, &simplified, options.size, progress)?;
             scan.sort(progress)?;

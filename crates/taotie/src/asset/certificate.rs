@@ -3,8 +3,9 @@
 use super::certified_files::{AssetFiles, HashedFile, HashedMap, name_of};
 use super::figure::Figure;
 use super::figures::Figures;
+use super::met::Met;
 use super::proof::VerifyOptions;
-use super::requirement::{Met, Requirement};
+use super::requirement::Requirement;
 use super::requirement_text;
 use super::scan::{About, Scan};
 use super::scan_options::ScanOptions;
@@ -170,6 +171,15 @@ impl Signature {
     }
 }
 
+/// An asset's file, and the scan that it was compared with.
+#[derive(Debug, Clone, Copy)]
+pub struct ProvedFile<'a> {
+    /// The asset.
+    pub asset: &'a Path,
+    /// The scan.
+    pub scan: &'a Scan,
+}
+
 /// What a certificate is made of.
 struct Subject<'a> {
     scan: &'a About,
@@ -202,12 +212,12 @@ impl Certificate {
     /// # Errors
     /// As [`Certificate::of_written`].
     pub fn of_file(
-        asset: &Path,
-        scan: &Scan,
-        proved: (&Figures, &VerifyOptions),
+        proved: &ProvedFile<'_>,
+        figures: &Figures,
+        options: &VerifyOptions,
         signature: &Signature,
     ) -> Result<Self> {
-        let (figures, options) = proved;
+        let ProvedFile { asset, scan } = *proved;
         let asset = AssetFiles::of_model(asset, &scan.limits)?;
         Self::of(Subject { scan: &scan.about, asset, is_whole: true, figures }, options, signature)
     }
@@ -240,11 +250,12 @@ impl Certificate {
 
 /// Returns the command that recomputes a certificate; options with their default values are left out.
 fn command(
-    [asset, scan]: [&str; 2],
+    names: [&str; 2],
     reading: &ScanOptions,
     options: &VerifyOptions,
     signature: &Signature,
 ) -> String {
+    let [asset, scan] = names;
     let usual = VerifyOptions::default();
     let mut words = ["taotie", "verify", asset, "--scan", scan].map(str::to_owned).to_vec();
     words.extend(reading.arguments());
@@ -307,6 +318,7 @@ mod tests {
             figure: Figure::MeanAngle,
             most: 1.0,
             level: Some(0),
+            within: None,
             value: Some(interval[0]),
             interval: Some(interval),
             met,

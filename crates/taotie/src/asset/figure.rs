@@ -42,6 +42,13 @@ pub enum Figure {
     /// The least share of the scan's visible area that lies within half a per cent of the diagonal of the asset; of each
     /// level.
     Completeness,
+    /// As seen close up: the least share of the visible surface whose angle between normals is at most
+    /// [`Requirement::within`](super::Requirement::within), the worse of scan and asset; of each level.
+    WithinAngle,
+    /// The same for the difference of base colours; of each level.
+    WithinColor,
+    /// The same for the distance to the other surface, a part of the diagonal; of each level.
+    WithinDistance,
     /// The largest distance between the visible surfaces, as a part of the diagonal, its upper bound; of each level.
     Hausdorff,
     /// The largest deviation of outlines, pixels of 512 across the object; of each level.
@@ -73,6 +80,9 @@ impl Named for Figure {
         ("surface-max-angle", Self::SurfaceMaxAngle),
         ("missed", Self::Missed),
         ("completeness", Self::Completeness),
+        ("within-angle", Self::WithinAngle),
+        ("within-color", Self::WithinColor),
+        ("within-distance", Self::WithinDistance),
         ("hausdorff", Self::Hausdorff),
         ("silhouette", Self::Silhouette),
         ("texel", Self::Texel),
@@ -104,6 +114,9 @@ const fn unit(name: &'static str, size: f64) -> FigureUnit {
 }
 
 const DEGREES: &[FigureUnit] = &[unit("°", 1.0), unit("deg", 1.0)];
+/// The same with the unit first that is typed most easily, as names of figures have it.
+const WITHIN_ANGLE: &[FigureUnit] = &[unit("deg", 1.0), unit("°", 1.0)];
+const WITHIN_COLOR: &[FigureUnit] = &[unit("dE", 1.0), unit("ΔE", 1.0), unit("ΔE00", 1.0)];
 const PER_CENT: &[FigureUnit] = &[unit("%", 0.01)];
 const COLOR: &[FigureUnit] = &[unit("ΔE", 1.0), unit("ΔE00", 1.0)];
 const METRES: &[FigureUnit] = &[unit("m", 1.0)];
@@ -134,6 +147,7 @@ impl Figure {
             Self::SurfaceMeanAngle | Self::SurfaceP95Angle | Self::SurfaceMaxAngle => DEGREES,
             Self::MeanColor | Self::P95Color | Self::PatchColor => COLOR,
             Self::Missed | Self::Completeness | Self::Hausdorff => PER_CENT,
+            Self::WithinAngle | Self::WithinColor | Self::WithinDistance => PER_CENT,
             Self::Silhouette => PIXELS,
             Self::Texel => METRES,
             Self::Flip | Self::WorstView | Self::Ssim => NUMBER,
@@ -158,7 +172,17 @@ impl Figure {
 
     /// Returns `true` if more is better, so that a limit is the least that is wanted.
     pub fn is_at_least(self) -> bool {
-        matches!(self, Self::Completeness | Self::Ssim)
+        matches!(self, Self::Completeness | Self::Ssim) || self.units_within().is_some()
+    }
+
+    /// Returns the units of the limit within which most of the surface has to be; `None` for other figures.
+    pub(super) fn units_within(self) -> Option<&'static [FigureUnit]> {
+        match self {
+            Self::WithinAngle => Some(WITHIN_ANGLE),
+            Self::WithinColor => Some(WITHIN_COLOR),
+            Self::WithinDistance => Some(PER_CENT),
+            _ => None,
+        }
     }
 }
 
@@ -182,6 +206,14 @@ impl FigureUnit {
         self.after(&(value / self.size).to_string())
     }
 
+    /// Returns the fewest digits of a value in this unit that give the value when they are multiplied by the unit's size again.
+    pub(super) fn shortest(&self, value: f64) -> String {
+        let quotient = value / self.size;
+        let number = |digits: usize| format!("{quotient:.digits$e}").parse::<f64>().unwrap_or(quotient);
+        let found = (0..17).map(number).find(|number| number * self.size == value);
+        found.unwrap_or(quotient).to_string()
+    }
+
     fn after(&self, number: &str) -> String {
         match self.name {
             "" => number.to_owned(),
@@ -195,6 +227,13 @@ impl FigureUnit {
 fn five_digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
     rounded.to_string()
+}
+
+/// Splits a number from its unit.
+pub(super) fn split(text: &str) -> (&str, &str) {
+    let is_of_number = |c: char| c.is_ascii_digit() || ".+-eE".contains(c);
+    let (number, unit) = text.split_at(text.find(|c: char| !is_of_number(c)).unwrap_or(text.len()));
+    (number, unit.trim())
 }
 
 #[cfg(test)]

@@ -43,7 +43,7 @@ pub(super) fn note(all: &Figures, level: &ShownLevel<'_>, warnings: &mut Warning
         let texel = texel_text(resolution.texel, all.unit);
         let what = format!(
             "texels, {texel} wide, are up to {times:.1} × coarser than the scan's detail on {share} of the surface; take a \
-             larger map"
+             larger map, or --size auto"
         );
         warnings.note(what, 1);
     }

@@ -192,9 +192,10 @@ fn extent_of(mesh: &Mesh, unit: Option<Unit>, triangles: &[usize]) -> Option<Ext
 
 /// Notes parts of the scan that the whole low-poly mesh lacks, such as thin ones that simplification removed. Meshes that
 /// lie apart altogether are left to [`judge`].
+/// The scan is sorted if it is not yet.
 pub(super) fn note_missing_parts(scan: &Scan, low: &Mesh, is_made: bool, warnings: &mut Warnings) {
     let diagonal = scan.mesh().diagonal();
-    let points = bake::uncovered(scan.mesh(), low, SCAN_POINTS, MISSING * diagonal);
+    let points = bake::uncovered(scan.sorted(), low, SCAN_POINTS, MISSING * diagonal);
     if points.len() < LEAST_POINTS || points.len() > SCAN_POINTS / 2 {
         return;
     }

@@ -1,7 +1,9 @@
 //! The figures of one level of detail.
 
+use super::beyond::{AskedLimits, Beyond};
 use super::material_figures::MaterialFigures;
-use super::views::ViewFigures;
+use super::regions::WorstParts;
+use super::view_figures::ViewFigures;
 use crate::bake::{MaterialError, TexturedMesh, Verifier};
 use crate::compare::{Field, Summary};
 use crate::error::Result;
@@ -51,6 +53,10 @@ pub struct LevelFigures {
     pub overview: Overview,
     /// As seen close up: the worst windows of one per cent of the visible surface.
     pub patches: WorstPatches,
+    /// As seen close up: the worst UV island and the worst material.
+    pub worst_parts: WorstParts,
+    /// As seen close up: the share of the visible surface beyond any limit.
+    pub beyond: Beyond,
     /// The deviation of outlines.
     pub silhouette: SilhouetteFigures,
     /// What one surface shows and the other lacks.
@@ -213,21 +219,23 @@ impl LevelFigures {
         })
     }
 
-    /// Adds what a viewer sees of the level.
+    /// Adds what a viewer sees of the level, at `points` pixels of the overview and points of each surface.
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] if a surface has no area.
-    pub(super) fn with_seen(self, pair: &Pair<'_>, points: PointCounts) -> Result<Self> {
-        let of_scan = CloseUp::of_scan(pair, points.seen)?;
-        let of_asset = CloseUp::of_asset(pair, points.seen)?;
+    pub(super) fn with_seen(self, pair: &Pair<'_>, points: usize, asked: &AskedLimits) -> Result<Self> {
+        let of_scan = CloseUp::of_scan(pair, points)?;
+        let of_asset = CloseUp::of_asset(pair, points)?;
         let ShapeFigures { hausdorff, rms } = ShapeFigures::of(pair, [&of_scan, &of_asset]);
         let diagonal = f64::from(pair.diagonal);
         Ok(Self {
-            overview: overview(pair, points.seen)?,
+            overview: overview(pair, points)?,
             patches: WorstPatches {
                 angle: worse_patch(pair, [&of_scan, &of_asset], |sample| sample.angle_deg)?,
                 color: worse_patch(pair, [&of_scan, &of_asset], |sample| sample.color)?,
             },
+            worst_parts: WorstParts::of(pair, &of_asset)?,
+            beyond: Beyond::of([&of_scan, &of_asset], pair.diagonal, asked),
             silhouette: silhouettes(pair),
             coverage: coverage(pair, [&of_scan, &of_asset]),
             hausdorff,

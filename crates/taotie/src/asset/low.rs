@@ -5,12 +5,13 @@ use super::given::Taken;
 use super::kept_textures::KeptTextures;
 use super::options::{BakeOptions, NEEDS_UVS, SQUARE};
 use super::scan::Scan;
-use crate::bake::{self, Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions};
+use crate::bake::{self, Shells, Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions};
 use crate::error::{Error, Result, Warnings};
 use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::scene::Material;
 use crate::surface::with_frames;
+use std::borrow::Cow;
 
 /// A low-poly mesh, ready to be baked onto.
 pub(super) struct LowPoly {
@@ -117,10 +118,25 @@ fn method_name(method: SimplifyMethod) -> &'static str {
     }
 }
 
-/// Simplifies the scan.
-pub(super) fn simplified(scan: &Scan, triangles: u32, progress: Progress<'_>) -> Result<Simplified> {
+/// Returns the triangles of which a low-poly mesh is made: those of the scan without parts that cannot be seen, which is noted.
+pub(super) fn seen<'a>(scan: &'a Scan, warnings: &mut Warnings) -> Result<Cow<'a, Mesh>> {
+    let Some(shells) = Shells::of(scan.mesh()) else { return Ok(Cow::Borrowed(scan.mesh())) };
+    let Some((mesh, share)) = scan.with_sorted(|sorted| shells.without_hidden(sorted))? else {
+        return Ok(Cow::Borrowed(scan.mesh()));
+    };
+    let what = format!(
+        "{:.1} % of the scan's area are parts that cannot be seen (walls within walls, ghost layers or filled cavities): the \
+         low-poly mesh is made without them",
+        share * 100.0
+    );
+    warnings.note(what, 1);
+    Ok(Cow::Owned(mesh))
+}
+
+/// Simplifies what is seen of the scan.
+pub(super) fn simplified(seen: &Mesh, triangles: u32, progress: Progress<'_>) -> Result<Simplified> {
     let options = SimplifyOptions { triangles: triangles as usize, ..SimplifyOptions::default() };
-    bake::simplify(scan.mesh(), &options, progress.begin("simplify")?)
+    bake::simplify(seen, &options, progress.begin("simplify")?)
 }
 
 /// Notes what simplification left out, and whether it went as far as was wanted.

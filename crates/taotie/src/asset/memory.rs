@@ -58,6 +58,7 @@ pub struct Need {
 
 impl Need {
     pub(super) fn of(options: &BakeOptions, scan: ScanSize) -> Self {
+        let options = &options.sized(scan);
         let wanted = maps(options, scan.carries);
         let maps = wanted.iter().count() as u64;
         Self {
@@ -193,9 +194,9 @@ impl Need {
     fn proof(&self) -> u64 {
         /// Images of scan and level from all sides in one look, and their differences.
         const VIEWS: u64 = 48 << 20;
-        /// A map of errors, at most, and its texels.
+        /// Maps of errors and of lost detail, at most, and their texels.
         const MOST_ERRORS: u64 = 1 << 20;
-        const ERROR: u64 = 37;
+        const ERROR: u64 = 53;
         let looks = if self.scan.has_material { 2 } else { 1 };
         let errors = self.materials.saturating_mul(self.texels.min(MOST_ERRORS) * ERROR * looks);
         errors.saturating_add(self.levels * looks * VIEWS)

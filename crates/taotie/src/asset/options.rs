@@ -1,5 +1,7 @@
 //! The options of a bake.
 
+use super::map_side::{self, AUTO_SIZE};
+use super::scan_size::ScanSize;
 use crate::bake::MapKind;
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
@@ -96,7 +98,8 @@ pub struct BakeOptions {
     pub lods: Vec<u32>,
     /// `true` where no uvs may be made, since no file will hold them: `low` is needed then, with uvs. For maps alone.
     pub keep_uvs: bool,
-    /// Texels across the maps, 16 to 16384.
+    /// Texels across the maps, 16 to 16384, or [`AUTO_SIZE`].
+    #[cfg_attr(feature = "serde", serde(with = "super::map_side::as_text"))]
     pub size: u32,
     /// Texels down the maps; as many as across where `None`. Only for `low` with uvs: atlases that are made are square.
     pub height: Option<u32>,
@@ -182,7 +185,12 @@ impl BakeOptions {
         let is_above_0 = |v: &Option<f64>| v.is_none_or(|v| v > 0.0 && v.is_finite());
         match self {
             Self { triangles: n @ 0..4, .. } => wrong(format!("{n} triangles"), "ask for at least 4"),
-            _ if !self.map_size().iter().all(|side| (16..=16_384).contains(side)) => {
+            Self { size: AUTO_SIZE, height: Some(_), .. } => {
+                wrong(self.maps_in_words(), "they are square; leave the height out")
+            }
+            _ if self.size != AUTO_SIZE
+                && !self.map_size().iter().all(|side| (16..=16_384).contains(side)) =>
+            {
                 wrong(self.maps_in_words(), "give 16 to 16384 texels")
             }
             Self { low: None, keep_uvs: true, .. } => wrong("maps alone".into(), NEEDS_UVS),
@@ -242,6 +250,12 @@ impl BakeOptions {
         Ok(())
     }
 
+    /// Returns the options with the number of texels that is chosen for a scan of this size in place of [`AUTO_SIZE`].
+    pub fn sized(&self, scan: ScanSize) -> Self {
+        let size = if self.size == AUTO_SIZE { map_side::chosen(scan.detail_side) } else { self.size };
+        Self { size, ..self.clone() }
+    }
+
     /// Returns how many texels the maps have across and down.
     pub(super) fn map_size(&self) -> [u32; 2] {
         [self.size, self.height.unwrap_or(self.size)]
@@ -254,8 +268,10 @@ impl BakeOptions {
 
     /// Returns the maps by their size, for errors.
     pub(super) fn maps_in_words(&self) -> String {
-        let [width, height] = self.map_size();
-        format!("maps of {width}×{height}")
+        match self.map_size() {
+            [AUTO_SIZE, _] => "maps of automatic size".into(),
+            [width, height] => format!("maps of {width}×{height}"),
+        }
     }
 
     /// Returns `true` where one of these maps is baked.
@@ -277,6 +293,7 @@ mod tests {
             (BakeOptions { size: 8, ..base() }, "16 to 16384"),
             (BakeOptions { low: low.clone(), height: Some(20_000), ..base() }, "maps of 2048×20000: give 16"),
             (BakeOptions { height: Some(1024), ..base() }, "atlases that are made are square"),
+            (BakeOptions { size: AUTO_SIZE, height: Some(64), ..base() }, "leave the height out"),
             (BakeOptions { maps: Vec::new(), ..base() }, "at least one"),
             (BakeOptions { keep_uvs: true, ..base() }, "maps alone: no file holds the uvs"),
             (BakeOptions { side: 9, ..base() }, "1 to 8"),

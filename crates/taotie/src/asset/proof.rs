@@ -5,22 +5,25 @@ use super::findings;
 use super::level_figures::{LevelFigures, Measured, PointCounts, measured, stacked};
 use super::made::Made;
 use super::maps_alone;
+use super::met::Met;
 use super::part_figures::PartFigures;
 use super::patch_pictures::{MeasuredPatch, PatchPictures};
-use super::requirement::{Met, Requirement};
+use super::requirement::{self, Requirement};
 use super::scan::{Scan, is_gltf};
 use super::shown::ShownLevel;
 use super::space;
 use super::unseen::unseen;
-use super::views::{self, Looks, Views};
+use super::views::{self, Looks, Views, Wanted};
 use super::write::Written;
+use crate::bake::{self, TexelChecks};
 use crate::compare::Field;
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Encoding, Texture};
 use crate::io::{self, Limits, Loaded};
 use crate::length::Unit;
+use crate::mesh::Point;
 use crate::progress::Progress;
-use crate::proof::{Pair, Side};
+use crate::proof::{Footprint, Pair, Side};
 use crate::scene::{GreenChannel, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
 use std::path::{Path, PathBuf};
 
@@ -100,6 +103,9 @@ pub struct Proof {
     /// CIEDE2000 between the base colours of asset and scan at the same texels; `None` if the scan says nothing of its
     /// material.
     pub color_map: Option<Field>,
+    /// How many times wider than the scan's finest detail the asset's texels are, at the same texels: its texture's texels or
+    /// half its median edge, as [`Resolution`](super::Resolution) has it. `None` if the asset has no textures.
+    pub detail_map: Option<Field>,
     /// Scan and asset from all sides, in one grey material.
     pub views: Views,
     /// The same in full material; `None` where the scan says nothing of its own.
@@ -209,35 +215,39 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
     figures.bytes_in = scan.about.bytes;
     figures.bytes_out = bytes_out;
     progress.begin("map errors")?;
-    let [error_map, color_map] = maps(&finest, options.map)?;
+    let [error_map, color_map, detail_map] = maps(&finest, scan.sorted(), options.map)?;
     let worst = figures.finest().map(|found| found.patches).unwrap_or_default();
     let patches = MeasuredPatch::all(&worst, scan.sorted(), &finest, options.patch_view)?;
     drop(finest);
     let views = progress.begin("compare views")?;
     let scan = scan.into_scene()?;
     figures.unseen = unseen([&scan, &scenes[0]], poses);
-    let mut looks = views::take((scan, scenes), (options.view, patches), views)?;
+    let mut looks = views::take(scan, scenes, Wanted { side: options.view, patches }, views)?;
     if !has_material {
         looks.full.clear();
     }
-    Ok(Proof { error_map, color_map, warnings, ..Proof::new(figures, looks) })
+    Ok(Proof { error_map, color_map, detail_map, warnings, ..Proof::new(figures, looks) })
 }
 
-/// Returns the maps of the errors of normals and colours of all parts with uvs, with at most so many texels along a side.
-fn maps(level: &ShownLevel<'_>, most: u32) -> Result<[Option<Field>; 2]> {
-    let (mut angles, mut colors) = (Vec::new(), Vec::new());
+/// Returns the maps of the errors of normals, of colours, and of lost detail, of all parts with uvs, with at most so many texels
+/// along a side.
+fn maps(level: &ShownLevel<'_>, scan: &bake::Scan, most: u32) -> Result<[Option<Field>; 3]> {
+    let footprint = Footprint::of(scan);
+    let detail = |point: Point| footprint.at(scan, point);
+    let (mut angles, mut colors, mut coarser) = (Vec::new(), Vec::new(), Vec::new());
     for (part, surface) in level.parts.iter().zip(level.part_surfaces()) {
         let has_uvs = !part.shown.mesh().uvs().is_empty();
         let Some(size) = part.shown.map_size().filter(|_| has_uvs).map(|size| within(size, most)) else {
             continue;
         };
-        angles.push(surface.mapped.error_map(size)?);
-        if let Some(material) = surface.material {
-            colors.push(surface.mapped.color_map(material, size)?);
-        }
+        let checks = TexelChecks { colors: surface.material, detail: Some((&part.shown, &detail)) };
+        let found = surface.mapped.error_maps(size, checks)?;
+        angles.push(found.angles);
+        colors.extend(found.colors);
+        coarser.extend(found.coarser);
     }
     let stack = |maps: &[Field]| (!maps.is_empty()).then(|| stacked(maps)).transpose();
-    Ok([stack(&angles)?, stack(&colors)?])
+    Ok([stack(&angles)?, stack(&colors)?, stack(&coarser)?])
 }
 
 /// Measures levels of detail until all requirements are decided.
@@ -293,7 +303,8 @@ impl<'a> Measurement<'a> {
         let diagonal = self.scan.mesh().diagonal() as f32;
         let pair = Pair { scan, asset: &asset, diagonal, has_material: level.has_material() };
         let figures = LevelFigures::on_surface(&found, level.surface.mesh().triangles().len())?;
-        Ok((figures.with_seen(&pair, points)?, part_figures(level, &found)))
+        let asked = requirement::asked_limits(&self.options.requirements);
+        Ok((figures.with_seen(&pair, points.seen, &asked)?, part_figures(level, &found)))
     }
 }
 
@@ -445,10 +456,12 @@ impl Proof {
         let mut grey = looks.grey.into_iter();
         let (views, full_views) = (grey.next().unwrap_or_default(), looks.full.into_iter().next());
         let (coarser_views, patches, warnings) = (grey.collect(), looks.patches, Warnings::default());
+        let [error_map, color_map, detail_map] = [None, None, None];
         Self {
             figures,
-            error_map: None,
-            color_map: None,
+            error_map,
+            color_map,
+            detail_map,
             views,
             full_views,
             coarser_views,

@@ -1,13 +1,17 @@
 //! The requirements that a proof must meet.
 
-use super::figure::{Figure, FigureUnit};
+use super::beyond::AskedLimits;
+use super::figure::{Figure, FigureUnit, split};
 use super::figures::Figures;
 use super::level_figures::LevelFigures;
-use super::views::ViewFigures;
+use super::met::{Met, length_unit, shown_unit};
+use super::view_figures::ViewFigures;
+use super::within;
 use crate::error::{Error, Result};
-use crate::length::{self, Unit};
+use crate::length::Unit;
 use crate::names::Named;
-use crate::proof::{Estimate, Patch};
+use crate::proof::{Estimate, Exceedance, Patch};
+use std::borrow::Cow;
 use std::str::FromStr;
 
 /// A figure and its limit, at every level of detail or at one: the most that it may be, or the least of completeness and SSIM.
@@ -19,6 +23,8 @@ use std::str::FromStr;
 /// assert_eq!("mean-angle@1=5°".parse::<Requirement>()?, Requirement::mean_angle_deg(5.0).at_level(1));
 /// assert_eq!("missed=0.5".parse::<Requirement>()?, Requirement::missed(0.005), "per cent");
 /// assert_eq!("hausdorff=0.25mm".parse::<Requirement>()?, Requirement::length(Figure::Hausdorff, 0.00025));
+/// let within: Requirement = "within-5deg=99%".parse()?;
+/// assert_eq!((within.within, within.most), (Some(5.0), 0.99), "at most 1 % of the surface is off by more");
 /// assert!("mean-angle=2%".parse::<Requirement>().is_err(), "an angle is no part of anything");
 /// # Ok::<(), taotie::Error>(())
 /// ```
@@ -35,6 +41,9 @@ pub struct Requirement {
     /// The level of detail that it is for, 0 the finest; `None` for every level. Figures of the whole asset have none.
     #[cfg_attr(feature = "serde", serde(default))]
     pub level: Option<usize>,
+    /// Of figures that are the share of the surface within a limit: that limit, in degrees, ΔE, or parts of the diagonal.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub within: Option<f64>,
     /// `true` if the requirement is dropped when neither surface states its material, so that there is nothing to compare.
     #[cfg_attr(feature = "serde", serde(default))]
     pub if_compared: bool,
@@ -43,7 +52,8 @@ pub struct Requirement {
 impl Requirement {
     /// Demands that a figure is at most so large, in its own unit: degrees, ΔE, parts of 1, pixels, metres or bytes.
     pub fn of(figure: Figure, most: f64) -> Self {
-        Self { figure, most, is_length: figure == Figure::Texel, level: None, if_compared: false }
+        let is_length = figure == Figure::Texel;
+        Self { figure, most, is_length, level: None, within: None, if_compared: false }
     }
 
     /// Demands that a distance, or the width of a texel, is at most this many metres.
@@ -58,11 +68,11 @@ impl Requirement {
     pub fn check_unit(requirements: &[Self], unit: Option<Unit>) -> Result<()> {
         match requirements.iter().find(|requirement| requirement.is_length && unit.is_none()) {
             None => Ok(()),
-            Some(Self { figure, most, .. }) => {
-                let text = length_unit(*most).text(*most);
+            Some(requirement) => {
+                let text = length_unit(requirement.most).text(requirement.most);
                 let why = "the scan's file does not state the unit of its coordinates; state it with --unit mm, cm, m or in \
                            (`unit` in Python and in collection.toml)";
-                Err(Error::invalid(format!("the limit {}={text}", figure.name()), why))
+                Err(Error::invalid(format!("the limit {}={text}", requirement.name()), why))
             }
         }
     }
@@ -120,9 +130,20 @@ impl Requirement {
         Self::of(Figure::Bytes, most as f64)
     }
 
+    /// Demands that at least the share `least` of the visible surface is within a limit: [`Figure::WithinAngle`] in degrees,
+    /// [`Figure::WithinColor`] in ΔE, or [`Figure::WithinDistance`] as a part of the diagonal.
+    pub fn within(figure: Figure, limit: f64, least: f64) -> Self {
+        Self { within: Some(limit), ..Self::of(figure, least) }
+    }
+
     /// Demands the same of one level of detail alone, 0 the finest.
     pub fn at_level(self, level: usize) -> Self {
         Self { level: Some(level), ..self }
+    }
+
+    /// Returns the name of the figure, with the limit of those that are a share within one: `mean-angle`, `within-5deg`.
+    pub fn name(&self) -> Cow<'static, str> {
+        within::name_of(self.figure, self.within)
     }
 
     /// Compares the requirement with what was measured, level by level.
@@ -154,8 +175,8 @@ impl Requirement {
             |value: f64| if self.figure.is_at_least() { value >= self.most } else { value <= self.most };
         let (value, interval) = (measured.map(|of| of.value), measured.map(|of| of.interval));
         let met = interval.is_some_and(|interval| interval.into_iter().all(meets));
-        let Self { figure, most, is_length, .. } = *self;
-        Met { figure, most, is_length, level, value, interval, met }
+        let Self { figure, most, is_length, within, .. } = *self;
+        Met { figure, most, is_length, level, within, value, interval, met }
     }
 
     /// Returns a length of a level in metres.
@@ -194,6 +215,9 @@ impl Requirement {
             Figure::SurfaceMaxAngle => exactly(surface.map(|summary| summary.max)),
             Figure::Missed => Some(Value { value: coverage.missed(), interval: coverage.missed_interval }),
             Figure::Completeness => exactly(Some(coverage.completeness)),
+            Figure::WithinAngle => self.share_within(level.beyond.angle.as_ref(), 1.0),
+            Figure::WithinColor => self.share_within(level.beyond.color.as_ref().filter(|_| is_finite), 1.0),
+            Figure::WithinDistance => self.share_within(level.beyond.distance.as_ref(), PER_CENT),
             Figure::Hausdorff => Some(Value { value: bounds.upper, interval: [bounds.lower, bounds.upper] }),
             Figure::Silhouette => exactly(Some(level.silhouette.max_pixels)),
             Figure::Flip => exactly(mean_of(&level.views, |view| view.flip)),
@@ -202,17 +226,30 @@ impl Requirement {
             Figure::Texel | Figure::Bytes => None,
         }
     }
+
+    /// Returns the share of the surface within the limit; `scale` is the unit of the limit in that of the curve.
+    fn share_within(&self, curve: Option<&Exceedance>, scale: f64) -> Option<Value> {
+        let beyond = curve?.beyond(self.within? * scale);
+        let [low, high] = beyond.interval;
+        Some(Value { value: 1.0 - beyond.value, interval: [1.0 - high, 1.0 - low] })
+    }
 }
 
-/// Returns the unit in which a length of this many metres is shown.
-fn length_unit(metres: f64) -> FigureUnit {
-    let (name, size) = length::shown_unit(metres);
-    FigureUnit { name, size }
+/// Returns the limits of all requirements that are a share within one.
+pub(super) fn asked_limits(requirements: &[Requirement]) -> AskedLimits {
+    let of = |figure: Figure, scale: f64| {
+        let those = requirements.iter().filter(|requirement| requirement.figure == figure);
+        those.filter_map(|requirement| Some(requirement.within? * scale)).collect()
+    };
+    AskedLimits {
+        angles: of(Figure::WithinAngle, 1.0),
+        colors: of(Figure::WithinColor, 1.0),
+        distances: of(Figure::WithinDistance, PER_CENT),
+    }
 }
 
-fn shown_unit(figure: Figure, limit: f64, is_length: bool) -> FigureUnit {
-    if is_length { length_unit(limit) } else { figure.unit() }
-}
+/// The unit of distances as parts of the diagonal, in that of their curve.
+const PER_CENT: f64 = 100.0;
 
 /// A figure and the interval in which it lies.
 #[derive(Clone, Copy)]
@@ -250,10 +287,13 @@ impl FromStr for Requirement {
             Some((name, level)) => (name.trim(), Some(level.trim())),
             None => (name.trim(), None),
         };
-        let figure = Figure::from_name(name)?;
+        let (figure, within) = match within::read(name).transpose().map_err(|why| wrong(&why))? {
+            Some((figure, limit)) => (figure, Some(limit)),
+            None => (Figure::from_name(name)?, None),
+        };
         let level = level.map(|level| level_of(figure, level)).transpose().map_err(|why| wrong(&why))?;
         let (most, is_length) = most_of(figure, most.trim()).map_err(|why| wrong(&why))?;
-        Ok(Self { level, is_length, ..Self::of(figure, most) })
+        Ok(Self { level, is_length, within, ..Self::of(figure, most) })
     }
 }
 
@@ -267,10 +307,9 @@ fn level_of(figure: Figure, level: &str) -> std::result::Result<usize, String> {
 
 /// Reads a number and its unit. Returns it in the unit of the figure itself, or in metres, and whether it is a length.
 fn most_of(figure: Figure, text: &str) -> std::result::Result<(f64, bool), String> {
-    let is_of_number = |c: char| c.is_ascii_digit() || ".+-eE".contains(c);
-    let (number, unit) = text.split_at(text.find(|c: char| !is_of_number(c)).unwrap_or(text.len()));
+    let (number, unit) = split(text);
     let number: f64 = number.parse().map_err(|_| format!("`{text}` is not a number"))?;
-    let (size, is_length) = match unit.trim() {
+    let (size, is_length) = match unit {
         "" if figure == Figure::Texel => {
             return Err(format!("{text} has no unit; write a length such as 50um"));
         }
@@ -292,82 +331,6 @@ fn unit_size(figure: Figure, name: &str) -> std::result::Result<(f64, bool), Str
         || format!("{} is not measured in {name}; write a bare number, or one in {}", figure.name(), known());
     let is_own = figure.own_units().iter().any(|unit| unit.name == name) && figure != Figure::Texel;
     unit.map(|unit| (unit.size, !is_own)).ok_or_else(why)
-}
-
-/// The outcome of a requirement at one level of detail, or for the whole asset.
-///
-/// ```
-/// use taotie::asset::Met;
-/// use taotie::names::Named;
-///
-/// /// Returns a line for each requirement that is not met.
-/// fn shortfalls(met: &[Met]) -> Vec<String> {
-///     let line = |met: &Met| format!("{}: {}", met.figure.name(), met.text());
-///     met.iter().filter(|met| !met.met).map(line).collect()
-/// }
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct Met {
-    /// The figure that is limited.
-    pub figure: Figure,
-    /// The limit: degrees, ΔE, parts of 1, pixels, or bytes; metres if `is_length`.
-    pub most: f64,
-    /// `true` if limit, value and interval are lengths in metres.
-    #[cfg_attr(feature = "serde", serde(default))]
-    pub is_length: bool,
-    /// The level of detail, 0 the finest; `None` for a figure of the whole asset.
-    pub level: Option<usize>,
-    /// The figure's value; `None` if it could not be measured.
-    pub value: Option<f64>,
-    /// The figure lies between these two, with a confidence of 99 % if it is estimated from samples; both are the same if it
-    /// is known exactly. `None` if it could not be measured.
-    pub interval: Option<[f64; 2]>,
-    /// `true` if the whole interval meets the limit.
-    pub met: bool,
-}
-
-impl Met {
-    /// Returns `true` if the limit lies within the interval, so that more samples may tell.
-    pub fn is_undecided(&self) -> bool {
-        let Some([low, high]) = self.interval else { return false };
-        !self.met && if self.figure.is_at_least() { high >= self.most } else { low <= self.most }
-    }
-
-    /// Returns how many times as many samples are likely to decide the requirement, since intervals shrink with the square
-    /// root of their number: at least 2, and 1 if it is decided.
-    pub(super) fn samples_to_decide(&self) -> f64 {
-        let (Some(value), Some([low, high]), true) = (self.value, self.interval, self.is_undecided()) else {
-            return 1.0;
-        };
-        let ratio = (high - low) / 2.0 / (value - self.most).abs().max(f64::MIN_POSITIVE);
-        (ratio * ratio).max(2.0)
-    }
-
-    /// Returns the unit in which value and limit are shown: the figure's own, or a length of the limit's size.
-    pub fn unit(&self) -> FigureUnit {
-        shown_unit(self.figure, self.most, self.is_length)
-    }
-
-    /// Returns value and limit in [`Met::unit`], such as `is 0.02 %, at most 0.1 %`. Both have all their digits if fewer
-    /// would hide that the limit is exceeded.
-    pub fn text(&self) -> String {
-        let (unit, most) = (self.unit(), self.most);
-        let bound = if self.figure.is_at_least() { "at least" } else { "at most" };
-        let (Some(value), Some([low, high])) = (self.value, self.interval) else {
-            return format!("could not be measured, {bound} {}", unit.text(most));
-        };
-        if self.is_undecided() {
-            let [low, high] = [low, high].map(|number| unit.text(number));
-            return format!("is undecided: between {low} and {high}, {bound} {}", unit.text(most));
-        }
-        let [mut told, mut limit] = [value, most].map(|number| unit.text(number));
-        if !self.met && told == limit {
-            [told, limit] = [value, most].map(|number| unit.exact_text(number));
-        }
-        format!("is {told}, {bound} {limit}")
-    }
 }
 
 impl Figures {
@@ -437,6 +400,11 @@ mod tests {
             ("missed=1mm", "missed is not measured in mm"),
             ("mean-angle@x=1", "`x` is no level of detail"),
             ("mean-angle@-1=1", "`-1` is no level of detail"),
+            ("within-angle=99%", "expected a limit in deg, dE or % of the diagonal"),
+            ("within-5=99%", "expected a limit in deg, dE or % of the diagonal"),
+            ("within--5deg=99%", "expected a limit in deg, dE or % of the diagonal"),
+            ("within-0.2mm=99%", "expected a limit in deg, dE or % of the diagonal"),
+            ("within-5deg=3°", "within-angle is not measured in °"),
             ("bytes@1=1", "bytes is a figure of the whole asset; leave out @1"),
         ];
         for (text, why) in cases {
@@ -518,6 +486,45 @@ mod tests {
         assert_eq!(outcomes("bytes=3MB", &figures), [true], "the asset has its bytes once");
         let met = figures.require(&[read("mean-angle=1").unwrap()]);
         assert_eq!((met[2].level, met[2].text().as_str()), (Some(2), "is 5°, at most 1°"));
+    }
+
+    #[test]
+    fn a_share_within_a_limit_is_at_least_what_is_demanded() {
+        // 2 % of 10,000 points beyond 5°; 0.3 % beyond ΔE 3 and 1 % of the diagonal.
+        let curve = |limit: f32, beyond: usize| {
+            let values: Vec<f32> =
+                (0..10_000).map(|i| if i < beyond { limit * 2.0 } else { limit / 2.0 }).collect();
+            Exceedance::of([&values, &values], &[])
+        };
+        let mut of = level(1.0, 0.0);
+        of.beyond.angle = curve(5.0, 200);
+        (of.beyond.color, of.beyond.distance) = (curve(3.0, 30), curve(1.0, 30));
+        let figures = figures(vec![of]);
+        let verdict = |text: &str| outcomes(text, &figures)[0];
+        assert_eq!(
+            ["within-5deg=97%", "within-5°@0=97", "within-5deg=99%"].map(verdict),
+            [true, true, false]
+        );
+        assert_eq!(["within-3dE=99%", "within-3ΔE=99.9%"].map(verdict), [true, false]);
+        assert_eq!(["within-1%=99%", "within-1%=99.9%", "within-3%=99.9%"].map(verdict), [true, false, true]);
+        let met = |text: &str| figures.require(&[read(text).unwrap()])[0];
+        assert_eq!(met("within-0.5%=99%").name(), "within-0.5%");
+        assert_eq!(
+            (met("within-5°=99%").name(), met("missed=1%").name()),
+            ("within-5deg".into(), "missed".into())
+        );
+        assert_eq!(met("within-5deg=99%").text(), "is 98 %, at least 99 %");
+        let titles = ["within-5deg=99%", "within-3dE=99%", "within-0.5%=99%", "missed=1%"]
+            .map(|text| met(text).title().into_owned());
+        let wanted = [
+            "surface within a normal error of 5°",
+            "surface within a colour error of 3 ΔE",
+            "surface within a distance of 0.5 % of the diagonal",
+            "visible surface that the other lacks",
+        ];
+        assert_eq!(titles, wanted);
+        let near = met("within-5deg=98%");
+        assert!(near.is_undecided() && !near.met, "the samples cannot tell: {near:?}");
     }
 
     #[test]

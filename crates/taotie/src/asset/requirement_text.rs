@@ -1,7 +1,6 @@
 //! Requirements as `--require` reads them.
 
 use super::requirement::Requirement;
-use crate::names::Named;
 use std::fmt;
 
 impl fmt::Display for Requirement {
@@ -16,16 +15,8 @@ impl fmt::Display for Requirement {
             length if self.is_length => length,
             _ => "",
         };
-        write!(f, "{}{level}={}{name}", self.figure.name(), shortest(self.most, unit.size))
+        write!(f, "{}{level}={}{name}", self.name(), unit.shortest(self.most))
     }
-}
-
-/// Returns the fewest digits of `value / size` that give `value` when they are multiplied by `size` again.
-fn shortest(value: f64, size: f64) -> String {
-    let quotient = value / size;
-    let number = |digits: usize| format!("{quotient:.digits$e}").parse::<f64>().unwrap_or(quotient);
-    let found = (0..17).map(number).find(|number| number * size == value);
-    found.unwrap_or(quotient).to_string()
 }
 
 /// Returns requirements as one argument of `--require`; those of [`Requirement::standard`] by that name.
@@ -52,7 +43,8 @@ mod tests {
         let lists = [
             "standard",
             "bytes=3000000,standard,flip=0.02",
-            "hausdorff=0.2mm,texel=50um,silhouette=1.5cm",
+            "hausdorff=0.2mm,texel=50um,silhouette=15mm",
+            "within-5deg=99%,within-3.1234567dE=99.9%,within-0.3%@1=95%",
             "mean-angle=2,p95-angle@1=5.5,missed=0.1%,completeness=99.95%,hausdorff=0.3%,silhouette=2,ssim=0.97",
         ];
         for list in lists {

@@ -246,6 +246,15 @@ impl Scan {
         }
     }
 
+    /// Calls `work` with the triangles sorted for rays. If they are not sorted yet, that is undone afterwards, so that stages
+    /// that need the memory have it.
+    pub(super) fn with_sorted<T>(&self, work: impl FnOnce(&bake::Scan) -> T) -> T {
+        match self.sorted.get() {
+            Some(sorted) => work(sorted),
+            None => work(&bake::Scan::of(Arc::clone(&self.surface))),
+        }
+    }
+
     /// Sorts it for rays, a stage of its own, where that is still to be done.
     pub(super) fn sort(&self, progress: Progress<'_>) -> Result<()> {
         if !self.is_sorted() {

@@ -1,6 +1,6 @@
 //! The size of a scan, and the memory that its triangles and textures take.
 
-use super::look;
+use super::{detail, look};
 use crate::bake::{Maps, lacks_tangents};
 use crate::image::Texture;
 use crate::mesh::Mesh;
@@ -34,6 +34,8 @@ pub struct ScanSize {
     pub framed_vertices: u64,
     /// The maps of what varies in its materials, which a bake carries where it is asked to.
     pub carries: Maps,
+    /// The side of the smallest square map, a power of two, that preserves its detail; see [`AUTO_SIZE`](super::AUTO_SIZE).
+    pub detail_side: u32,
     /// `true` where it says something of its material, so that images in full material are compared too.
     pub has_material: bool,
 }
@@ -54,6 +56,7 @@ impl ScanSize {
             framed_triangles: largest.map_or(0, |mesh| mesh.triangles().len() as u64),
             framed_vertices: largest.map_or(0, vertices),
             carries,
+            detail_side: detail::map_side(scene),
             has_material: !look::is_plain(scene),
         }
     }

@@ -9,6 +9,7 @@ use crate::bake::{self, Simplified};
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Encoding, Texture};
 use crate::io::{self, GltfAsset, GltfFormat, GltfLevel};
+use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::proof::{self, Side};
 use crate::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
@@ -42,8 +43,10 @@ pub(super) fn smallest(recipe: Recipe<'_>, scan: &Scan, most: f64, progress: Pro
     let (mut candidates, mut course) = (candidates(total), Course::default());
     scan.sort(progress)?;
     let side = Side::of(scan.sorted());
-    let known = BTreeMap::new();
-    let mut search = Search { recipe, scan, side: &side, known, refused: Vec::new(), best: None };
+    let (known, mut noted) = (BTreeMap::new(), Warnings::default());
+    let seen = low::seen(scan, &mut noted)?;
+    let mut search =
+        Search { recipe, scan, seen: &seen, side: &side, known, refused: Vec::new(), best: None };
     while let Some(candidate) = course.next(&candidates) {
         let Some((tried, mean_angle)) = search.tried(candidate, progress)? else {
             candidates.retain(|other| other.triangles != candidate.triangles);
@@ -58,6 +61,7 @@ pub(super) fn smallest(recipe: Recipe<'_>, scan: &Scan, most: f64, progress: Pro
     match search.best {
         Some(best) => {
             let mut found = best.found(&search.known, course.trials);
+            found.warnings.absorb(noted);
             refused.for_each(|error| found.warnings.note(format!("not considered: {error}"), 1));
             Ok(found)
         }
@@ -72,6 +76,8 @@ pub(super) fn smallest(recipe: Recipe<'_>, scan: &Scan, most: f64, progress: Pro
 struct Search<'a> {
     recipe: Recipe<'a>,
     scan: &'a Scan,
+    /// The triangles of the scan that meshes are made of.
+    seen: &'a Mesh,
     side: &'a Side<'a>,
     /// Maps of several sizes are tried on the same triangles.
     known: BTreeMap<u32, Simplified>,
@@ -94,7 +100,7 @@ impl Search<'_> {
         let Candidate { triangles, size } = candidate;
         let simplified = match self.known.entry(triangles) {
             Entry::Occupied(entry) => entry.into_mut(),
-            Entry::Vacant(place) => place.insert(low::simplified(self.scan, triangles, progress)?),
+            Entry::Vacant(place) => place.insert(low::simplified(self.seen, triangles, progress)?),
         };
         let low = LowPoly::made(self.scan, simplified, size, progress)?;
         let pair = Pair { scan: self.scan, low: &low };

@@ -2,6 +2,7 @@
 
 use super::look;
 use super::patch_pictures::{MeasuredPatch, PatchPictures};
+use super::view_figures::ViewFigures;
 use crate::compare::{self, DisplayImage, Field, PIXELS_PER_DEGREE};
 use crate::error::Result;
 use crate::film::Development;
@@ -39,30 +40,6 @@ pub struct Views {
     pub figures: Vec<ViewFigures>,
 }
 
-/// The difference of an image of an asset from that of its scan.
-///
-/// ```
-/// use taotie::asset::ViewFigures;
-///
-/// /// Returns a row of a table.
-/// fn row(view: &ViewFigures) -> String {
-///     format!("{:>4}° {:>4}° {:.3} {:.3}", view.azimuth_deg, view.elevation_deg, view.flip, view.ssim)
-/// }
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct ViewFigures {
-    /// The azimuth of the view, degrees.
-    pub azimuth_deg: f64,
-    /// Degrees above the horizon.
-    pub elevation_deg: f64,
-    /// The mean of FLIP, [0, 1]; 0 where equal.
-    pub flip: f64,
-    /// SSIM; 1 where equal.
-    pub ssim: f64,
-}
-
 /// Views of each level of the asset, the finest first, in each look.
 pub(super) struct Looks {
     /// In one grey material, so that nothing but shape and normals differs.
@@ -73,13 +50,22 @@ pub(super) struct Looks {
     pub patches: Vec<PatchPictures>,
 }
 
+/// The images to take.
+pub(super) struct Wanted {
+    /// Pixels along a side of the images from all sides.
+    pub side: u32,
+    /// The worst patches.
+    pub patches: Vec<MeasuredPatch>,
+}
+
 /// Takes the images of the scan and of each level of the asset, in each look, and of the worst patches of the finest.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`]; those of rendering, which a scene that was read does not cause.
 pub(super) fn take(
-    (scan, levels): (Scene, Vec<Scene>),
-    (side, patches): (u32, Vec<MeasuredPatch>),
+    scan: Scene,
+    levels: Vec<Scene>,
+    Wanted { side, patches }: Wanted,
     progress: Progress<'_>,
 ) -> Result<Looks> {
     let mut setting = Setting { cameras: cameras(&scan), side, environment: None };

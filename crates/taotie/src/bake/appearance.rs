@@ -72,12 +72,15 @@ pub(super) struct Appearance {
     /// Of each texture with alpha whose visible colours alone are averaged: the same, premultiplied. Empty where all
     /// colours are.
     premultiplied: Vec<Option<Texture>>,
+    /// The textures of each material.
+    used: Vec<Vec<TextureRef>>,
 }
 
 impl Appearance {
     pub fn new(parts: Vec<Part>, materials: Vec<Material>, textures: Vec<Texture>) -> Self {
         let bends = parts.iter().any(|part| part.normal_source != NormalSource::Smooth);
-        Self { parts, materials, textures, bends, premultiplied: Vec::new() }
+        let used = materials.iter().map(Material::textures).collect();
+        Self { parts, materials, textures, bends, premultiplied: Vec::new(), used }
     }
 
     /// Reads base colours of masked and blended parts beyond the finest level as means of what is visible.
@@ -97,7 +100,12 @@ impl Appearance {
 
     /// Returns the material of a triangle.
     pub fn material(&self, triangle: u32) -> &Material {
-        &self.materials[self.part(triangle).material]
+        &self.materials[self.material_number(triangle)]
+    }
+
+    /// Returns the number of the material of a triangle.
+    pub fn material_number(&self, triangle: u32) -> usize {
+        self.part(triangle).material
     }
 
     /// Returns the factors of the first part's material, which stand where nothing is found.
@@ -157,8 +165,8 @@ impl Appearance {
 
     /// Returns the width of the finest texel of all textures at a point, model units; `None` without textures.
     pub fn texel_size(&self, mesh: &Mesh, point: Point) -> Option<f32> {
-        let textures = self.material(point.triangle).textures();
-        let widths = textures.iter().filter_map(|used| self.texture(mesh, used).texel_size(point));
+        let used = &self.used[self.material_number(point.triangle)];
+        let widths = used.iter().filter_map(|used| self.texture(mesh, used).texel_size(point));
         widths.reduce(f32::min)
     }
 

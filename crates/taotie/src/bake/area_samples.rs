@@ -74,7 +74,7 @@ pub(super) fn triangle_weights(u: f32, v: f32) -> [f32; 3] {
     [1.0 - root, root * (1.0 - v), root * v]
 }
 
-fn doubled_area(mesh: &Mesh, triangle: usize) -> f64 {
+pub(super) fn doubled_area(mesh: &Mesh, triangle: usize) -> f64 {
     let [a, b, c] = mesh.corners(triangle).map(Vec3::to_f64);
     (b - a).cross(c - a).length()
 }

@@ -3,7 +3,7 @@
 use super::area_samples::{Triangles, sample_triangles};
 use super::scan::Scan;
 use crate::error::Result;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Point};
 use crate::parallel;
 use crate::trace::Bvh;
 
@@ -17,7 +17,7 @@ const TRIANGLES: usize = 1 << 16;
 pub(crate) struct Astray {
     /// Of the low-poly mesh's area: what is far from the scan.
     pub low: f64,
-    /// Of the scan's area: what is far from the low-poly mesh.
+    /// Of the scan's area: what is far from the low-poly mesh, and can be seen.
     pub scan: f64,
 }
 
@@ -28,17 +28,23 @@ impl Astray {
     /// [`Error::Invalid`](crate::Error::Invalid) if one of the meshes has no area.
     pub fn measure(low: &Mesh, scan: &Scan, far: f64) -> Result<Self> {
         let of_low = Bvh::of(low.triangles().len(), |t| low.corners(t));
-        Ok(Self { low: far_part(low, scan.bvh(), far)?, scan: far_part(scan.mesh(), &of_low, far)? })
+        let is_far =
+            |mesh: &Mesh, point: Point, from: &Bvh| from.closest(point.position(mesh), far as f32).is_none();
+        Ok(Self {
+            low: part(low, &|point| is_far(low, point, scan.bvh()))?,
+            scan: part(scan.mesh(), &|point| {
+                is_far(scan.mesh(), point, &of_low) && scan.is_seen_from_anywhere(point)
+            })?,
+        })
     }
 }
 
-/// Returns the fraction of a mesh's area that is farther than `far` from some triangles.
-fn far_part(mesh: &Mesh, from: &Bvh, far: f64) -> Result<f64> {
+/// Returns the fraction of a mesh's area whose points satisfy a condition.
+fn part(mesh: &Mesh, is_it: &(dyn Fn(Point) -> bool + Sync)) -> Result<f64> {
     // An odd step, so that both halves of the squares of a grid are met.
     let step = (mesh.triangles().len() / TRIANGLES) | 1;
     let point = sample_triangles(mesh, Triangles::Every(step), POINTS)?;
-    let is_far = |i: usize| from.closest(point(i).position(mesh), far as f32).is_none();
-    Ok(parallel::count(POINTS, is_far) as f64 / POINTS as f64)
+    Ok(parallel::count(POINTS, |i| is_it(point(i))) as f64 / POINTS as f64)
 }
 
 #[cfg(test)]

@@ -72,6 +72,15 @@ impl Scan {
         self.is_visible(point, normal) || is_double && self.is_visible(point, -normal)
     }
 
+    /// Returns `true` if a point can be seen from either side, as [`Scan::is_seen`] has it of double-sided materials.
+    ///
+    /// # Panics
+    /// If the mesh has no such triangle.
+    pub(crate) fn is_seen_from_anywhere(&self, point: Point) -> bool {
+        let normal = facet_normal(self.mesh().corners(point.triangle as usize));
+        normal.is_some_and(|normal| self.is_visible(point, normal) || self.is_visible(point, -normal))
+    }
+
     /// Returns `true` if the side of the surface that faces `direction` can be seen at a point. Small triangles are seen or
     /// hidden as a whole, and asked about once.
     pub(super) fn is_visible(&self, point: Point, direction: Vec3) -> bool {

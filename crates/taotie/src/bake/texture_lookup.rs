@@ -43,6 +43,16 @@ pub(super) fn premultiplied(texture: &Texture) -> Result<Texture> {
     Ok(Texture::new(Bitmap::new(width, height, 4, texels)?, Encoding::Linear))
 }
 
+/// Returns the width of a texel of the finest level of a texture on a triangle, model units; `None` if uvs span no area.
+pub(crate) fn texel_width(
+    (mesh, triangle): (&Mesh, u32),
+    textures: &[Texture],
+    used: &TextureRef,
+) -> Option<f32> {
+    let middle = Point { triangle, weights: [1.0 / 3.0; 3] };
+    TextureOnMesh { mesh, texture: &textures[used.texture], used }.texel_size(middle)
+}
+
 /// A texture as a material uses it on a mesh.
 pub(super) struct TextureOnMesh<'a> {
     pub mesh: &'a Mesh,

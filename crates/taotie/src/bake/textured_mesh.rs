@@ -51,6 +51,14 @@ impl TexturedMesh {
         self.appearance.material(triangle)
     }
 
+    /// Returns the number of the material of a triangle, among those of the scene.
+    ///
+    /// # Panics
+    /// If the mesh has no such triangle.
+    pub(crate) fn material_number(&self, triangle: u32) -> usize {
+        self.appearance.material_number(triangle)
+    }
+
     /// Returns the factors of the first instance's material, which stand where nothing of the surface is found.
     pub(super) fn first_factors(&self) -> MaterialSample {
         self.appearance.first_factors()

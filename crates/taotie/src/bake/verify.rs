@@ -2,7 +2,6 @@
 
 use super::area_samples::sample_area;
 use super::cage::Cage;
-use super::layout::{BAND, Layout};
 use super::projection::Correspondence;
 use super::scan::Scan;
 use super::texture_lookup::LookupPoint;
@@ -57,24 +56,6 @@ impl Verifier<'_> {
         })
     }
 
-    /// Returns the same angle at the middle of each texel of a map of this size, NaN away from all UV islands.
-    ///
-    /// # Errors
-    /// As [`Verifier::normal_error`]; [`Error::Invalid`] if the mesh has no uvs.
-    pub fn error_map(&self, size: [u32; 2]) -> Result<Field> {
-        self.check(self.shown)?;
-        let layout = Layout::new(self.mesh, size, 1)?;
-        let mut values = vec![f32::NAN; size[0] as usize * size[1] as usize];
-        parallel::pieces(&mut values, (BAND * size[0]) as usize, &|band, values| {
-            layout.triangle_samples(band, |group| {
-                for sample in &group.samples {
-                    values[sample.texel as usize] = self.angle(group.point(sample)).0;
-                }
-            });
-        });
-        Field::new(size[0], size[1], values)
-    }
-
     pub(super) fn check(&self, shown: Option<&TexturedMesh>) -> Result<()> {
         let count = |mesh: &Mesh| mesh.triangles().len();
         match shown {
@@ -96,11 +77,12 @@ impl Verifier<'_> {
     /// Returns the angle between what is shown and what should be, degrees; NaN where nothing was found.
     fn angle(&self, point: Point) -> (f32, Way) {
         let (found, way) = self.found(point);
-        let shown = self.shown(point).to_f64();
-        let angle = found.map_or(f32::NAN, |found| {
-            angle_deg(shown, self.scan.mapped_normal(&found, 0.0).normal.to_f64()) as f32
-        });
-        (angle, way)
+        (found.map_or(f32::NAN, |found| self.angle_to(point, &found)), way)
+    }
+
+    /// Returns the angle between what is shown at a point and the scan's normal at the one that it corresponds to, degrees.
+    pub(super) fn angle_to(&self, point: Point, found: &Correspondence) -> f32 {
+        angle_deg(self.shown(point).to_f64(), self.scan.mapped_normal(found, 0.0).normal.to_f64()) as f32
     }
 
     /// Returns the point of the scan that a point corresponds to.

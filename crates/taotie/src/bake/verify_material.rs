@@ -1,7 +1,7 @@
 //! The error of the material that a low-poly mesh shows against the scan it was baked from.
 
 use super::area_samples::sample_area;
-use super::layout::{BAND, Layout};
+use super::projection::Correspondence;
 use super::texture_lookup::LookupPoint;
 use super::textured_mesh::TexturedMesh;
 use super::verify::Verifier;
@@ -52,28 +52,18 @@ impl Verifier<'_> {
         })
     }
 
-    /// Returns the difference of the base colours, CIEDE2000, at the middle of each texel of a map of this size; NaN away
-    /// from all UV islands, where one of them is not finite, and where either side is not there to be seen.
-    ///
-    /// # Errors
-    /// As [`Verifier::material_error`]; [`crate::Error::Invalid`] where the mesh has no uvs.
-    pub fn color_map(&self, shown: &TexturedMesh, size: [u32; 2]) -> Result<Field> {
-        self.check(Some(shown))?;
-        let layout = Layout::new(self.mesh, size, 1)?;
-        let mut values = vec![f32::NAN; size[0] as usize * size[1] as usize];
-        parallel::pieces(&mut values, (BAND * size[0]) as usize, &|band, values| {
-            layout.triangle_samples(band, |group| {
-                for sample in &group.samples {
-                    let difference = self.material_difference(shown, group.point(sample));
-                    values[sample.texel as usize] = difference.color;
-                }
-            });
-        });
-        Field::new(size[0], size[1], values)
-    }
-
     fn material_difference(&self, shown: &TexturedMesh, point: Point) -> Difference {
         let (Some(found), _) = self.found(point) else { return Difference::default() };
+        self.difference_to(shown, point, &found)
+    }
+
+    /// Returns the CIEDE2000 between the base colours at a point and at the one of the scan that it corresponds to; NaN if one
+    /// of them is not finite, or if either side is transparent.
+    pub(super) fn color_to(&self, shown: &TexturedMesh, point: Point, found: &Correspondence) -> f32 {
+        self.difference_to(shown, point, found).color
+    }
+
+    fn difference_to(&self, shown: &TexturedMesh, point: Point, found: &Correspondence) -> Difference {
         let scan = Shown::of(self.scan.surface(), found.point);
         Shown::of(shown, point).difference(&scan)
     }

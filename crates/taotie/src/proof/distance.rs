@@ -252,9 +252,8 @@ impl Near {
         let center = points.clone().fold(Vec3::splat(0.0), |sum, point| sum + point) * (1.0 / count);
         let radius = points.map(|point| (point - center).length()).fold(0.0, f32::max);
         let enough = search.lower + search.width;
-        let mut found = Vec::new();
-        search.to.bvh().within((center, radius + enough + search.slack), MOST_NEAR, &mut found);
-        if found.is_empty() || found.len() > MOST_NEAR {
+        let found = search.to.bvh().within(center, radius + enough + search.slack, MOST_NEAR)?;
+        if found.is_empty() {
             return None;
         }
         let corners = |t: &u32| search.to.mesh().corners(*t as usize);

@@ -2,7 +2,7 @@
 
 use crate::bake::Scan;
 use crate::math::Vec3;
-use crate::mesh::Point;
+use crate::mesh::{Mesh, Point};
 
 /// Pixels across the object in a close-up, at most.
 const MOST_PIXELS: f64 = 4096.0;
@@ -23,20 +23,35 @@ impl Footprint {
     /// Measures the edges of a scan.
     pub fn of(scan: &Scan) -> Self {
         let mesh = scan.mesh();
-        let stride = mesh.triangles().len().div_ceil(TRIANGLES).max(1);
-        let edges = |t: usize| {
-            let [a, b, c] = mesh.corners(t);
-            [b - a, c - b, a - c].map(Vec3::length)
-        };
-        let mut lengths: Vec<f32> = (0..mesh.triangles().len()).step_by(stride).flat_map(edges).collect();
+        let lengths = Self::looked_at(mesh.triangles().len()).flat_map(|t| edges(mesh, t));
+        Self::of_edges(lengths.collect(), mesh.diagonal())
+    }
+
+    /// Returns some triangles of so many, spread evenly, whose edges are looked at.
+    pub(crate) fn looked_at(triangles: usize) -> impl Iterator<Item = usize> {
+        (0..triangles).step_by(triangles.div_ceil(TRIANGLES).max(1))
+    }
+
+    /// Takes the lengths of edges of a scan with this diagonal, model units.
+    pub(crate) fn of_edges(mut lengths: Vec<f32>, diagonal: f64) -> Self {
         lengths.sort_unstable_by(f32::total_cmp);
         let median = lengths.get(lengths.len() / 2).copied().unwrap_or(0.0);
-        Self { half_edge: median * 0.5, least: (mesh.diagonal() / MOST_PIXELS) as f32 }
+        Self { half_edge: median * 0.5, least: (diagonal / MOST_PIXELS) as f32 }
     }
 
     /// Returns the size of a pixel at a point of the scan, model units.
     pub fn at(&self, scan: &Scan, point: Point) -> f32 {
-        let texel = scan.surface().texel_size(point).unwrap_or(f32::INFINITY);
-        self.half_edge.min(texel).max(self.least)
+        self.of_texel(scan.surface().texel_size(point))
     }
+
+    /// Returns the size of a pixel where the finest texel has this width, model units.
+    pub(crate) fn of_texel(&self, texel: Option<f32>) -> f32 {
+        self.half_edge.min(texel.unwrap_or(f32::INFINITY)).max(self.least)
+    }
+}
+
+/// Returns the lengths of a triangle's edges.
+pub(crate) fn edges(mesh: &Mesh, triangle: usize) -> [f32; 3] {
+    let [a, b, c] = mesh.corners(triangle);
+    [b - a, c - b, a - c].map(Vec3::length)
 }

@@ -8,21 +8,26 @@
 mod close_up;
 mod distance;
 mod estimate;
+mod exceedance;
 mod footprint;
 mod overview;
 mod pair;
 mod patch;
 mod patch_view;
+mod region;
 mod shape;
 mod silhouette;
 
 pub use close_up::{CloseUp, SurfaceSample};
 pub use distance::{DistanceBounds, Source, distance_bounds};
 pub use estimate::{Estimate, share_interval};
+pub use exceedance::{Exceedance, Share};
 pub use footprint::Footprint;
+pub(crate) use footprint::edges;
 pub use overview::{Overview, overview};
 pub use pair::{Pair, Side};
 pub use patch::{Patch, most_missing, worst_patch};
 pub use patch_view::{PatchQuantity, PatchView};
+pub use region::{Region, WorstRegions};
 pub use shape::ShapeFigures;
 pub use silhouette::{SilhouetteFigures, silhouettes};

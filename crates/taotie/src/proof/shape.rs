@@ -7,7 +7,7 @@ use super::pair::Pair;
 /// Less of a surface hidden than this needs no search for what is visible: noise and folds hide as much.
 const HARDLY_HIDDEN: f64 = 1e-3;
 /// The width of the bounds of distances, as a part of the diagonal, and as a part of the distance.
-const WIDTH: [f32; 2] = [1e-3, 0.1];
+const WIDTH: [f32; 2] = [1.5e-3, 0.1];
 /// The bounds are closer in proportion if more points than these are looked at.
 const POINTS: f32 = 20_000.0;
 
@@ -29,15 +29,19 @@ impl ShapeFigures {
 }
 
 fn hausdorff(pair: &Pair<'_>, close_ups: [&CloseUp; 2]) -> DistanceBounds {
+    let samples = || close_ups.into_iter().flat_map(|close_up| &close_up.samples);
+    let known = samples().map(|sample| sample.distance).fold(0.0, f32::max);
+    let points = close_ups.iter().map(|close_up| close_up.points).max().unwrap_or(1).max(1);
+    // Closer where more points have to decide a requirement.
+    let width = (pair.diagonal * WIDTH[0]).max(known * WIDTH[1]) * (POINTS / points as f32).min(1.0);
     let sides = [(pair.scan, pair.asset), (pair.asset, pair.scan)];
-    let bounds = sides.into_iter().zip(close_ups).map(|((from, to), close_up)| {
-        let known = close_up.samples.iter().map(|sample| sample.distance).fold(0.0, f32::max);
-        let source = Source { side: from, is_partly_hidden: close_up.hidden > HARDLY_HIDDEN, known };
-        let width = (pair.diagonal * WIDTH[0]).max(known * WIDTH[1]);
-        // Closer where more points have to decide a requirement.
-        distance_bounds(source, to.surface, width * (POINTS / close_up.points.max(1) as f32).min(1.0))
-    });
-    bounds.fold(DistanceBounds::default(), DistanceBounds::larger)
+    let start = DistanceBounds::exactly(f64::from(known));
+    sides.into_iter().zip(close_ups).fold(start, |bounds, ((side, to), close_up)| {
+        // Only a distance larger than that of the other direction is of interest.
+        let known = bounds.lower as f32;
+        let source = Source { side, is_partly_hidden: close_up.hidden > HARDLY_HIDDEN, known };
+        bounds.larger(distance_bounds(source, to.surface, width))
+    })
 }
 
 fn root_mean_square(close_ups: [&CloseUp; 2]) -> f64 {

@@ -4,6 +4,7 @@ use super::overview::{SIDE, VIEWS, View};
 use super::pair::Pair;
 use crate::bake::{TexturedMesh, sphere_directions};
 use crate::math::Vec3;
+use crate::mesh::Mesh;
 use crate::parallel;
 
 /// The deviation of an asset's outlines from those of its scan over 32 fixed views, the object filling 512² pixels.
@@ -22,10 +23,10 @@ pub struct SilhouetteFigures {
 /// Compares the outlines of both surfaces.
 pub fn silhouettes(pair: &Pair<'_>) -> SilhouetteFigures {
     let directions = sphere_directions(VIEWS);
+    let shapes = [pair.scan, pair.asset].map(|side| Shape::of(side.surface.surface()));
     let views = parallel::tasks(VIEWS, &|i| {
         let view = View::fitting(pair, directions[i]);
-        let [scan, asset] =
-            [pair.scan, pair.asset].map(|side| Mask::of(side.surface.surface(), &view).outline());
+        let [scan, asset] = [0, 1].map(|of| Mask::of(&shapes[of], &view).outline());
         let found = scan.distances(&asset).into_iter().chain(asset.distances(&scan));
         let mut sums = Sums::default();
         found.for_each(|distance| sums.add(distance));
@@ -55,9 +56,28 @@ impl Sums {
     }
 }
 
+/// A mesh, and which of its triangles have two sides that are drawn; none if that is empty.
+struct Shape<'a> {
+    mesh: &'a Mesh,
+    is_double_sided: Vec<bool>,
+}
+
+impl<'a> Shape<'a> {
+    fn of(surface: &'a TexturedMesh) -> Self {
+        let is_double = |t: usize| surface.material(t as u32).double_sided;
+        let mut is_double_sided = parallel::collect(surface.mesh().triangles().len(), is_double);
+        if !is_double_sided.contains(&true) {
+            is_double_sided.clear();
+        }
+        Self { mesh: surface.mesh(), is_double_sided }
+    }
+}
+
 /// Bits of a row of pixels, and of a picture of them.
 const WORDS: usize = SIDE / 64;
 type Rows = Vec<[u64; WORDS]>;
+/// A box of a smaller product of sides is looked at pixel by pixel.
+const FEW: usize = 16;
 
 /// The pixels whose middles a surface covers in a view. Back faces are not drawn, but those of double-sided materials.
 struct Mask {
@@ -65,8 +85,7 @@ struct Mask {
 }
 
 impl Mask {
-    fn of(surface: &TexturedMesh, view: &View) -> Self {
-        let mesh = surface.mesh();
+    fn of(Shape { mesh, is_double_sided }: &Shape<'_>, view: &View) -> Self {
         let place = |p: Vec3| {
             let away = p - view.corner;
             view.axes.map(|axis| axis.dot(away) / view.pixel - 0.5)
@@ -75,7 +94,7 @@ impl Mask {
         let mut mask = Self { rows: vec![[0; WORDS]; SIDE] };
         for (t, triangle) in mesh.triangles().iter().enumerate() {
             let corners = triangle.map(|v| places[v as usize]);
-            if faces_viewer(corners) || surface.material(t as u32).double_sided {
+            if faces_viewer(corners) || is_double_sided.get(t) == Some(&true) {
                 mask.cover(corners);
             }
         }
@@ -87,10 +106,30 @@ impl Mask {
         let [a, b, c] = corners;
         let range = |k: usize| [a[k].min(b[k]).min(c[k]), a[k].max(b[k]).max(c[k])];
         let (Some([left, right]), Some([top, bottom])) = (whole(range(0)), whole(range(1))) else { return };
+        // Spans pay off for triangles of some size.
+        if (right - left) * (bottom - top) < FEW {
+            return self.cover_few(corners, [left, right, top, bottom]);
+        }
         for y in top..=bottom {
             let span = across(corners, y as f32);
             if let Some([from, to]) = whole(span).filter(|[from, to]| from.max(&left) <= to.min(&right)) {
                 set(&mut self.rows[y], from.max(left), to.min(right));
+            }
+        }
+    }
+
+    /// Covers the pixels of a small box that lie in a triangle or on its border.
+    fn cover_few(&mut self, [a, b, c]: [[f32; 2]; 3], [left, right, top, bottom]: [usize; 4]) {
+        let edge = |p: [f32; 2], q: [f32; 2], [x, y]: [f32; 2]| {
+            (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0])
+        };
+        for y in top..=bottom {
+            for x in left..=right {
+                let at = [x as f32, y as f32];
+                let sides = [edge(a, b, at), edge(b, c, at), edge(c, a, at)];
+                let is_inside = sides[0] >= 0.0 && sides[1] >= 0.0 && sides[2] >= 0.0
+                    || sides[0] <= 0.0 && sides[1] <= 0.0 && sides[2] <= 0.0;
+                self.rows[y][x / 64] |= u64::from(is_inside) << (x % 64);
             }
         }
     }

@@ -17,6 +17,7 @@ mod method;
 mod mikktspace;
 mod normals;
 mod tangents;
+mod uv_islands;
 mod weld;
 mod winding;
 
@@ -36,5 +37,6 @@ pub use normals::{facet_normal, vertex_normals, with_normals};
 pub(crate) use normals::{mean_by_position, shared_by_position, with_normals_at};
 pub(crate) use tangents::{NO_UV_AREA, tangent_bytes, with_frames_at};
 pub use tangents::{Tangented, with_frames, with_tangents};
+pub(crate) use uv_islands::uv_islands;
 pub(crate) use weld::{Classes, bits, by_position};
 pub(crate) use winding::Opposed;

@@ -102,9 +102,9 @@ impl Bvh {
         closest(&self.tree, point, reach)
     }
 
-    /// Adds the triangles within `reach` of a point to `found`, in any order. It stops once there are more than `most`.
-    pub fn within(&self, (point, reach): (Vec3, f32), most: usize, found: &mut Vec<u32>) {
-        within(&self.tree, (point, reach), most, found);
+    /// Returns the triangles within `reach` of a point, in any order; `None` if they are more than `most`.
+    pub fn within(&self, point: Vec3, reach: f32, most: usize) -> Option<Vec<u32>> {
+        within(&self.tree, point, reach, most)
     }
 
     /// Returns all triangles in groups of up to 64 that lie close to each other.

@@ -71,17 +71,14 @@ pub(super) fn closest(tree: &Tree, point: Vec3, reach: f32) -> Option<Closest> {
     best.map(|(_, closest)| closest)
 }
 
-/// Adds the triangles within `reach` of a point to `found`; stops as soon as they are more than `most`.
-pub(super) fn within(tree: &Tree, (point, reach): (Vec3, f32), most: usize, found: &mut Vec<u32>) {
-    let limit = reach * reach;
+/// Returns the triangles within `reach` of a point; `None` if they are more than `most`.
+pub(super) fn within(tree: &Tree, point: Vec3, reach: f32, most: usize) -> Option<Vec<u32>> {
+    let (limit, mut found) = (reach * reach, Vec::new());
     let mut waiting: ArrayVec<(usize, usize), STACK> = ArrayVec::new();
     if !tree.leaves.is_empty() {
         waiting.push((tree.levels.len(), 0));
     }
     while let Some((level, node)) = waiting.pop() {
-        if found.len() > most {
-            return;
-        }
         if level > 0 {
             let distances = squared_distances(&tree.levels[level - 1][node], point);
             let present = distances.into_iter().take(tree.children(level, node)).enumerate();
@@ -93,7 +90,11 @@ pub(super) fn within(tree: &Tree, (point, reach): (Vec3, f32), most: usize, foun
         let near =
             slots.filter(|(i, _)| distance_to_triangle(tree.leaves[node].triangle(*i), point) <= reach);
         found.extend(near.map(|(_, triangle)| *triangle));
+        if found.len() > most {
+            return None;
+        }
     }
+    Some(found)
 }
 
 /// The squared distance to each box, 0 inside.
@@ -162,11 +163,12 @@ mod tests {
             .collect();
         let bvh = Bvh::build(&triangles);
         for _ in 0..100 {
-            let (p, mut found) = (point(), Vec::new());
-            bvh.within((p, 0.2), usize::MAX, &mut found);
+            let p = point();
+            let mut found = bvh.within(p, 0.2, usize::MAX).unwrap();
             found.sort_unstable();
             let is_near = |t: &u32| distance_to_triangle(triangles[*t as usize], p) <= 0.2;
             assert_eq!(found, (0..300).filter(is_near).collect::<Vec<u32>>());
+            assert!(found.is_empty() || bvh.within(p, 0.2, found.len() - 1).is_none());
         }
         let mut all: Vec<u32> = bvh.clusters().flatten().copied().collect();
         all.sort_unstable();

@@ -6,7 +6,7 @@ use taotie::Progress;
 use taotie::asset::{
     BakeOptions, Baker, LevelFigures, MeshSource, Packing, Proof, Requirement, Scan, VerifyOptions,
 };
-use taotie::bake::{self, Cage, MapKind, MaterialError, TexturedMesh, Verifier};
+use taotie::bake::{self, Cage, MapKind, MaterialError, TexelChecks, TexturedMesh, Verifier};
 use taotie::compare::{Field, color_difference};
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
 use taotie::math::{Mat4, Vec2, Vec3};
@@ -28,7 +28,8 @@ fn errors(scan: Material, asset: Material) -> (MaterialError, Field) {
     let cage = Cage::automatic(shown.mesh(), &scan);
     let verifier = Verifier { mesh: shown.mesh(), shown: None, cage: &cage, scan: &scan };
     let error = verifier.material_error(&shown, 500).unwrap();
-    (error, verifier.color_map(&shown, [16, 8]).unwrap())
+    let checks = TexelChecks { colors: Some(&shown), detail: None };
+    (error, verifier.error_maps([16, 8], checks).unwrap().colors.unwrap())
 }
 
 fn is_everywhere(field: &Field, value: f64) {

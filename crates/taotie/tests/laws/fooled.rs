@@ -3,7 +3,8 @@
 use std::sync::Arc;
 use taotie::Progress;
 use taotie::asset::{
-    Asset, BakeOptions, Baker, MeshSource, Packing, Proof, Requirement, Scan, VerifyOptions, verify,
+    AUTO_SIZE, Asset, BakeOptions, Baker, MeshSource, Packing, Proof, Requirement, Scan, VerifyOptions,
+    verify,
 };
 use taotie::bake::{MapKind, SimplifyOptions, simplify};
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
@@ -130,19 +131,20 @@ fn proof(asset: &Asset, scan: &Scan) -> Proof {
 
 fn failures(proof: &Proof) -> Vec<String> {
     let met = proof.require(&Requirement::standard());
-    use taotie::names::Named;
-    met.iter().filter(|met| !met.met).map(|met| format!("{} {}", met.figure.name(), met.text())).collect()
+    met.iter().filter(|met| !met.met).map(|met| format!("{} {}", met.name(), met.text())).collect()
 }
 
+/// Fails if the proof misses a figure; returns the proof.
 #[track_caller]
-fn is_sound(asset: &Asset, scan: &Scan) {
+fn is_sound(asset: &Asset, scan: &Scan) -> Proof {
     let proof = proof(asset, scan);
     assert!(failures(&proof).is_empty(), "{:?} {:?}", failures(&proof), proof.figures.levels[0].coverage);
+    proof
 }
 
-/// Fails unless the proof misses these figures, and says so in a warning that holds `words`.
+/// Fails unless the proof misses these figures, and says so in a warning that holds `words`; returns the proof.
 #[track_caller]
-fn is_bad(asset: &Asset, scan: &Scan, (figures, words): (&[&str], &str)) {
+fn is_bad(asset: &Asset, scan: &Scan, (figures, words): (&[&str], &str)) -> Proof {
     let proof = proof(asset, scan);
     let failures = failures(&proof);
     for figure in figures {
@@ -150,6 +152,7 @@ fn is_bad(asset: &Asset, scan: &Scan, (figures, words): (&[&str], &str)) {
     }
     let warnings: Vec<&str> = proof.warnings.iter().map(|(what, _)| what).collect();
     assert!(warnings.iter().any(|what| what.contains(words)), "{warnings:?}");
+    proof
 }
 
 #[test]
@@ -177,7 +180,7 @@ fn label(texels: u32) -> Scan {
     let color = |i: usize| {
         let (x, y) = (i as u32 % texels, i as u32 / texels);
         let (u, v) = (f64::from(x) / f64::from(texels), f64::from(y) / f64::from(texels));
-        let is_ink = u < 0.2 && v < 0.2 && ((u * 128.0) as u32).is_multiple_of(2);
+        let is_ink = u < 0.2 && v < 0.2 && ((u * 64.0) as u32).is_multiple_of(2);
         if is_ink { [20, 20, 20, 255] } else { [200, 190, 170, 255] }
     };
     let texels_ = (0..(texels * texels) as usize).map(color).collect();
@@ -195,9 +198,13 @@ fn label(texels: u32) -> Scan {
 
 #[test]
 fn a_label_that_cannot_be_read() {
-    let scan = label(1024);
-    is_sound(&made(&scan, 400, 1024), &scan);
-    is_bad(&made(&scan, 400, 128), &scan, (&["patch-color"], "coarser than the scan's detail"));
+    let scan = label(512);
+    let preserved = made(&scan, 400, AUTO_SIZE);
+    assert_eq!(preserved.size(), [1024; 2]);
+    let fine = is_sound(&preserved, &scan);
+    let lossy = is_bad(&made(&scan, 400, 128), &scan, (&["patch-color"], "coarser than the scan's detail"));
+    let [fine, lossy] = [fine, lossy].map(|proof| proof.detail_map.unwrap().summary().unwrap().median);
+    assert!(fine < 1.0 && lossy > 4.0, "{fine} {lossy}");
 }
 
 /// Wedges on two per cent of a ball.
@@ -298,6 +305,25 @@ fn parts_that_are_instances() {
     };
     let scan = Scan::from_scene(Scene::new(scene).unwrap(), Progress::SILENT).unwrap();
     is_sound(&made(&scan, 9_000, 1024), &scan);
+}
+
+#[test]
+fn hidden_walls_take_no_triangles() {
+    let ball = || ball([96, 48], lettering);
+    let inside = moved(ball(), |p| p * 0.6);
+    let budget = 400;
+    let scan = scan_of(joined([ball(), inside]));
+    let asset = made(&scan, budget, 256);
+    let low = asset.levels().next().unwrap();
+    assert!(low.triangles().len() > 350, "{}", low.triangles().len());
+    assert!(low.positions().iter().all(|p| p.length() > 0.9), "all triangles are on the outer wall");
+    let said: Vec<&str> = asset.warnings().iter().map(|(what, _)| what).collect();
+    assert!(said.iter().any(|what| what.starts_with("26.") && what.contains("cannot be seen")), "{said:?}");
+    assert!(!said.iter().any(|what| what.contains("lacks parts")), "{said:?}");
+    // A part beside it is seen, and kept.
+    let beside = moved(ball(), |p| Vec3::new(p.x * 0.6 + 2.0, p.y * 0.6, p.z * 0.6));
+    let asset = made(&scan_of(joined([ball(), beside])), budget, 256);
+    assert!(asset.levels().next().unwrap().positions().iter().any(|p| p.x > 2.2));
 }
 
 #[test]

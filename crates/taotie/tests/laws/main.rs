@@ -30,6 +30,7 @@ mod energy;
 mod environment;
 mod exact;
 mod facets;
+mod figures;
 mod film;
 mod fooled;
 mod gradients;

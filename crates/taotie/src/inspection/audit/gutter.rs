@@ -7,9 +7,9 @@ use super::uv_raster::UvRaster;
 use super::words::{number, rounded};
 use crate::bake::Coverage;
 use crate::error::Result;
-use crate::mesh::{DisjointSets, Mesh};
+use crate::mesh::Mesh;
 use crate::parallel;
-use crate::surface::{Classes, bits};
+use crate::surface::uv_islands;
 
 /// Texels of the raster on the gutter that is asked for.
 const TEXELS: f64 = 16.0;
@@ -36,7 +36,7 @@ pub(super) fn result(meshes: &[&Mesh], gutter: Option<Gutter>) -> Result<CheckRe
         let Some(raster) = UvRaster::per_uv(mesh, texels_per_uv) else { continue };
         if raster.texel > gutter.width() * 1.0001 {
             coarse = Some(raster.texel);
-        } else if let Some(width) = width(&raster, &islands(mesh))? {
+        } else if let Some(width) = width(&raster, &uv_islands(mesh))? {
             narrowest = narrowest.min(width);
         }
     }
@@ -65,19 +65,6 @@ fn measured(width: f64, gutter: Gutter) -> CheckResult {
 /// Returns true if a width, which is rounded up and so above the true one, is enough.
 fn is_wide_enough(width: f64, gutter: Gutter) -> bool {
     width > gutter.width() * (1.0 + 1e-9)
-}
-
-/// Returns the island of each triangle, by a number that its triangles share.
-fn islands(mesh: &Mesh) -> Vec<u32> {
-    let uvs = &mesh.uvs()[0];
-    let corners = Classes::by(uvs.len(), |i| bits([uvs[i].x, uvs[i].y]));
-    let mut sets = DisjointSets::new(corners.firsts.len());
-    for [a, b, c] in mesh.triangles().iter().map(|t| t.map(|i| corners.of[i as usize])) {
-        sets.join(a, b);
-        sets.join(b, c);
-    }
-    let lowest = sets.into_lowest();
-    mesh.triangles().iter().map(|t| lowest[corners.of[t[0] as usize] as usize]).collect()
 }
 
 /// Returns the narrowest gutter in uv, rounded up to the next texel; `None` where there are no two islands.

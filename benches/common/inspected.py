@@ -1,0 +1,13 @@
+"""What `taotie inspect` reports of a model."""
+
+import json
+
+import measure
+
+
+def of(program, path):
+    return json.loads(measure.run([program, "inspect", path, "--json"]).output)
+
+
+def triangles(program, path):
+    return of(program, path)["counts"]["triangles_drawn"]

@@ -1,0 +1,93 @@
+//! The worst parts of an asset, and how much of it is beyond limits.
+
+use crate::{Cell, Column, Section};
+use taotie::asset::{Beyond, Figures, WorstParts};
+use taotie::length::place_text;
+use taotie::proof::{Exceedance, Region, WorstRegions};
+
+/// Limits whose shares are shown: degrees, CIEDE2000 and per cent of the diagonal.
+const ANGLES: &[f64] = &[1.0, 2.0, 5.0, 10.0, 20.0];
+const COLORS: &[f64] = &[1.0, 2.0, 3.0, 5.0, 10.0];
+const DISTANCES: &[f64] = &[0.1, 0.2, 0.5, 1.0];
+
+/// Makes the table of shares of the surface beyond limits; `None` if nothing was compared.
+pub fn beyond(beyond: &Beyond) -> Option<Section> {
+    let curves = [
+        ("angle between normals", "°", ANGLES, &beyond.angle),
+        ("colour difference", "ΔE00", COLORS, &beyond.color),
+        ("distance", "% of the diagonal", DISTANCES, &beyond.distance),
+    ];
+    let rows = curves.into_iter().flat_map(|(name, unit, limits, curve)| {
+        curve.iter().flat_map(move |curve| limits.iter().map(move |limit| row(name, (*limit, unit), curve)))
+    });
+    let rows: Vec<Vec<Cell>> = rows.collect();
+    (!rows.is_empty()).then(|| Section::Table {
+        title: "Share of the surface beyond limits".into(),
+        note: "Of the visible surface, seen close up, the worse of scan and asset; with its 99 % interval. \
+               --require within-5deg=99% demands that at most 1 % is beyond 5°."
+            .into(),
+        columns: vec![
+            Column::words("figure"),
+            Column::numbers("limit", ""),
+            Column::words("unit"),
+            Column::numbers("beyond", "%"),
+            Column::numbers("at least", "%"),
+            Column::numbers("at most", "%"),
+        ],
+        rows,
+    })
+}
+
+fn row(name: &str, (limit, unit): (f64, &str), curve: &Exceedance) -> Vec<Cell> {
+    let share = curve.beyond(limit);
+    let [low, high] = share.interval;
+    let percent = [share.value, low, high].map(|share| Cell::number(share * 100.0, 3));
+    [Cell::text(name), Cell::number(limit, 1), Cell::text(unit)].into_iter().chain(percent).collect()
+}
+
+/// Makes the table of the worst UV island and the worst material; `None` if the asset has only one of each.
+pub fn parts(figures: &Figures, parts: &WorstParts) -> Option<Section> {
+    let island = |number: usize| format!("UV island {number}");
+    let material = |number: usize| parts.material_names.get(number).cloned().unwrap_or_default();
+    let of_islands = parts.islands.iter().flat_map(|worst| rows(worst, (figures, &island)));
+    let of_materials = parts.materials.iter().flat_map(|worst| rows(worst, (figures, &material)));
+    let rows: Vec<Vec<Cell>> = of_islands.chain(of_materials).collect();
+    (!rows.is_empty()).then(|| Section::Table {
+        title: "Worst parts of the asset".into(),
+        note: note(parts),
+        columns: vec![
+            Column::words("part"),
+            Column::words("figure"),
+            Column::numbers("mean", ""),
+            Column::numbers("at least", ""),
+            Column::numbers("at most", ""),
+            Column::numbers("share of the area", "%"),
+            Column::words("around"),
+        ],
+        rows,
+    })
+}
+
+fn note(parts: &WorstParts) -> String {
+    let mut note =
+        "The UV island and the material with the largest mean difference, seen close up, measured again at \
+                    points of their own; with 99 % intervals."
+            .to_owned();
+    if let Some(WorstRegions { count, skipped, .. }) = &parts.islands {
+        note += &format!(" Of {count} UV islands {skipped} are too small to be compared.");
+    }
+    note
+}
+
+fn rows(worst: &WorstRegions, (all, name): (&Figures, &dyn Fn(usize) -> String)) -> Vec<Vec<Cell>> {
+    let figures = [("normals (°)", &worst.angle), ("colours (ΔE00)", &worst.color)];
+    let row = |(figure, region): (&str, &Option<Region>)| {
+        let region = region.as_ref()?;
+        let place = place_text(region.center, all.diagonal, all.unit);
+        let numbers = [region.mean, region.interval[0], region.interval[1], region.share * 100.0];
+        let words = [Cell::text(name(region.number)), Cell::text(figure)];
+        let cells = words.into_iter().chain(numbers.map(|value| Cell::number(value, 3)));
+        Some(cells.chain([Cell::text(place)]).collect())
+    };
+    figures.into_iter().filter_map(row).collect()
+}

@@ -1,0 +1,42 @@
+//! The shares of a surface beyond limits.
+
+use crate::proof::{CloseUp, Exceedance, SurfaceSample};
+
+/// Limits that a requirement names: at these shares are exact.
+#[derive(Debug, Clone, Default)]
+pub(super) struct AskedLimits {
+    /// Degrees.
+    pub angles: Vec<f64>,
+    /// CIEDE2000.
+    pub colors: Vec<f64>,
+    /// Per cent of the diagonal.
+    pub distances: Vec<f64>,
+}
+
+/// The shares of the visible surface beyond limits, seen close up, the worse of scan and asset.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Beyond {
+    /// Limits of the angle between normals, degrees; what one surface lacks counts 90.
+    pub angle: Option<Exceedance>,
+    /// Limits of the difference of base colours, CIEDE2000; `None` if colours are not compared.
+    pub color: Option<Exceedance>,
+    /// Limits of the distance to the other surface, per cent of the diagonal.
+    pub distance: Option<Exceedance>,
+}
+
+impl Beyond {
+    /// Counts what is seen close up of scan and asset.
+    pub(super) fn of(surfaces: [&CloseUp; 2], diagonal: f32, asked: &AskedLimits) -> Self {
+        let curve = |difference: &dyn Fn(&SurfaceSample) -> f32, asked: &[f64]| {
+            let [scan, asset] = surfaces.map(|of| of.samples.iter().map(difference).collect::<Vec<f32>>());
+            Exceedance::of([&scan, &asset], asked)
+        };
+        Self {
+            angle: curve(&|sample| sample.angle_deg, &asked.angles),
+            color: curve(&|sample| sample.color, &asked.colors),
+            distance: curve(&|sample| sample.distance / diagonal * 100.0, &asked.distances),
+        }
+    }
+}

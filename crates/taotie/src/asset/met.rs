@@ -1,0 +1,106 @@
+//! The outcome of a requirement.
+
+use super::figure::{Figure, FigureUnit};
+use super::within;
+use crate::length;
+use std::borrow::Cow;
+
+/// Returns the unit in which a length of this many metres is shown.
+pub(super) fn length_unit(metres: f64) -> FigureUnit {
+    let (name, size) = length::shown_unit(metres);
+    FigureUnit { name, size }
+}
+
+/// Returns the unit in which a figure and its limit are shown: its own, or a length of the limit's size.
+pub(super) fn shown_unit(figure: Figure, limit: f64, is_length: bool) -> FigureUnit {
+    if is_length { length_unit(limit) } else { figure.unit() }
+}
+
+/// The outcome of a requirement at one level of detail, or for the whole asset.
+///
+/// ```
+/// use taotie::asset::Met;
+///
+/// /// Returns a line for each requirement that is not met.
+/// fn shortfalls(met: &[Met]) -> Vec<String> {
+///     let line = |met: &Met| format!("{}: {}", met.name(), met.text());
+///     met.iter().filter(|met| !met.met).map(line).collect()
+/// }
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Met {
+    /// The figure that is limited.
+    pub figure: Figure,
+    /// The limit: degrees, ΔE, parts of 1, pixels, or bytes; metres if `is_length`.
+    pub most: f64,
+    /// `true` if limit, value and interval are lengths in metres.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub is_length: bool,
+    /// The level of detail, 0 the finest; `None` for a figure of the whole asset.
+    pub level: Option<usize>,
+    /// Of figures that are the share of the surface within a limit: that limit, in degrees, ΔE, or parts of the diagonal.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub within: Option<f64>,
+    /// The figure's value; `None` if it could not be measured.
+    pub value: Option<f64>,
+    /// The figure lies between these two, with a confidence of 99 % if it is estimated from samples; both are the same if it
+    /// is known exactly. `None` if it could not be measured.
+    pub interval: Option<[f64; 2]>,
+    /// `true` if the whole interval meets the limit.
+    pub met: bool,
+}
+
+impl Met {
+    /// Returns the name of the figure, as [`Requirement::name`] does.
+    pub fn name(&self) -> Cow<'static, str> {
+        within::name_of(self.figure, self.within)
+    }
+
+    /// Returns what the figure measures, with the limit of those that are a share within one: `normal error, mean`, `surface
+    /// within a normal error of 5°`.
+    pub fn title(&self) -> Cow<'static, str> {
+        within::title_of(self.figure, self.within)
+    }
+
+    /// Returns `true` if the limit lies within the interval, so that more samples may tell.
+    pub fn is_undecided(&self) -> bool {
+        let Some([low, high]) = self.interval else { return false };
+        !self.met && if self.figure.is_at_least() { high >= self.most } else { low <= self.most }
+    }
+
+    /// Returns how many times as many samples are likely to decide the requirement, since intervals shrink with the square
+    /// root of their number: at least 2, and 1 if it is decided.
+    pub(super) fn samples_to_decide(&self) -> f64 {
+        let (Some(value), Some([low, high]), true) = (self.value, self.interval, self.is_undecided()) else {
+            return 1.0;
+        };
+        let ratio = (high - low) / 2.0 / (value - self.most).abs().max(f64::MIN_POSITIVE);
+        (ratio * ratio).max(2.0)
+    }
+
+    /// Returns the unit in which value and limit are shown: the figure's own, or a length of the limit's size.
+    pub fn unit(&self) -> FigureUnit {
+        shown_unit(self.figure, self.most, self.is_length)
+    }
+
+    /// Returns value and limit in [`Met::unit`], such as `is 0.02 %, at most 0.1 %`. Both have all their digits if fewer
+    /// would hide that the limit is exceeded.
+    pub fn text(&self) -> String {
+        let (unit, most) = (self.unit(), self.most);
+        let bound = if self.figure.is_at_least() { "at least" } else { "at most" };
+        let (Some(value), Some([low, high])) = (self.value, self.interval) else {
+            return format!("could not be measured, {bound} {}", unit.text(most));
+        };
+        if self.is_undecided() {
+            let [low, high] = [low, high].map(|number| unit.text(number));
+            return format!("is undecided: between {low} and {high}, {bound} {}", unit.text(most));
+        }
+        let [mut told, mut limit] = [value, most].map(|number| unit.text(number));
+        if !self.met && told == limit {
+            [told, limit] = [value, most].map(|number| unit.exact_text(number));
+        }
+        format!("is {told}, {bound} {limit}")
+    }
+}

@@ -1,0 +1,147 @@
+//! Connected parts of a scan of which nothing can be seen: walls within walls, ghost layers, filled cavities.
+
+use super::area_samples::{Triangles, doubled_area, sample_triangles};
+use super::scan::Scan;
+use crate::error::Result;
+use crate::mesh::{DisjointSets, Mesh, MeshData};
+use crate::parallel;
+use crate::surface::by_position;
+
+/// Shells of a smaller share of the area are not examined.
+const LEAST_SHARE: f64 = 0.001;
+/// Hidden shells of a smaller share of the area together are kept.
+const WORTH_LEAVING: f64 = 0.01;
+/// Points of a shell that are examined before it counts as hidden, at most; it has fewer if it has fewer triangles.
+const POINTS: usize = 4_096;
+/// Points that are examined at once: nearly all shells that can be seen are seen at one of the first.
+const BATCH: usize = 64;
+
+/// The connected parts of a surface, at shared positions, that are large enough to be examined.
+#[derive(Debug)]
+pub(crate) struct Shells {
+    /// The triangles of each.
+    triangles: Vec<Vec<u32>>,
+    /// The share of the area of each, [0, 1].
+    shares: Vec<f64>,
+}
+
+impl Shells {
+    /// Finds the parts of a mesh; `None` unless there are at least two, since one of them can be seen.
+    pub fn of(mesh: &Mesh) -> Option<Self> {
+        let places = by_position(mesh.positions());
+        let mut sets = DisjointSets::new(places.firsts.len());
+        for [a, b, c] in mesh.triangles().iter().map(|t| t.map(|v| places.of[v as usize])) {
+            sets.join(a, b);
+            sets.join(b, c);
+        }
+        let lowest = sets.into_lowest();
+        let label = |t: usize| lowest[places.of[mesh.triangles()[t][0] as usize] as usize] as usize;
+        let mut areas = vec![0.0; lowest.len()];
+        (0..mesh.triangles().len()).for_each(|t| areas[label(t)] += doubled_area(mesh, t));
+        let all: f64 = areas.iter().sum();
+        let large: Vec<usize> = (0..areas.len()).filter(|l| areas[*l] > all * LEAST_SHARE).collect();
+        if large.len() < 2 {
+            return None;
+        }
+        let mut triangles = vec![Vec::new(); large.len()];
+        for t in 0..mesh.triangles().len() {
+            if let Ok(shell) = large.binary_search(&label(t)) {
+                triangles[shell].push(t as u32);
+            }
+        }
+        Some(Self { triangles, shares: large.into_iter().map(|l| areas[l] / all).collect() })
+    }
+
+    /// Returns the scan's mesh without shells of which no point can be seen from either side, and their share of the area;
+    /// `None` if that is below one per cent, or if the scan is an interior.
+    ///
+    /// # Errors
+    /// None but those of [`Mesh::new`], which checks again.
+    pub fn without_hidden(&self, scan: &Scan) -> Result<Option<(Mesh, f64)>> {
+        if !scan.sights().places().is_empty() {
+            return Ok(None);
+        }
+        let (mut is_hidden, mut share) = (vec![false; scan.mesh().triangles().len()], 0.0);
+        for (triangles, own) in self.triangles.iter().zip(&self.shares) {
+            if !is_seen(scan, triangles)? {
+                share += own;
+                triangles.iter().for_each(|t| is_hidden[*t as usize] = true);
+            }
+        }
+        if share < WORTH_LEAVING || share >= 1.0 {
+            return Ok(None);
+        }
+        let mesh = scan.mesh();
+        let numbered = mesh.triangles().iter().zip(is_hidden);
+        let triangles = numbered.filter(|(_, is_hidden)| !is_hidden).map(|(t, _)| *t).collect();
+        let data = MeshData { positions: mesh.positions().to_vec(), triangles, ..MeshData::default() };
+        Ok(Some((Mesh::new(data)?, share)))
+    }
+}
+
+/// Returns `true` if a point of some triangles can be seen, from whatever side.
+fn is_seen(scan: &Scan, triangles: &[u32]) -> Result<bool> {
+    let count = triangles.len().min(POINTS);
+    let point = sample_triangles(scan.mesh(), Triangles::These(triangles), count)?;
+    // The points are in the order of the triangles: a stride spreads each batch over all of them.
+    let batches = count.div_ceil(BATCH);
+    let numbers = |batch: usize| (0..BATCH).map(move |i| i * batches + batch).take_while(move |i| *i < count);
+    Ok((0..batches).any(|batch| {
+        let numbers: Vec<usize> = numbers(batch).collect();
+        parallel::count(numbers.len(), |i| scan.is_seen_from_anywhere(point(numbers[i]))) > 0
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+    use crate::scene::{Material, Scene};
+
+    fn joined(parts: &[Mesh]) -> Mesh {
+        let mut all = MeshData::default();
+        for part in parts {
+            let first = all.positions.len() as u32;
+            all.positions.extend(part.positions());
+            all.triangles.extend(part.triangles().iter().map(|t| t.map(|v| v + first)));
+        }
+        Mesh::new(all).unwrap()
+    }
+
+    fn moved(mesh: &Mesh, by: f32) -> Mesh {
+        let positions = mesh.positions().iter().map(|p| *p + Vec3::new(by, 0.0, 0.0)).collect();
+        Mesh::new(MeshData { positions, triangles: mesh.triangles().to_vec(), ..MeshData::default() })
+            .unwrap()
+    }
+
+    fn without(parts: &[Mesh]) -> Option<(Mesh, f64)> {
+        let mesh = joined(parts);
+        let shells = Shells::of(&mesh)?;
+        shells
+            .without_hidden(&Scan::new(Scene::of_mesh(mesh, Material::default()).unwrap()).unwrap())
+            .unwrap()
+    }
+
+    #[test]
+    fn a_ball_within_a_ball_is_left_out() {
+        let (outer, inner) = (Mesh::sphere(1.0, 32, 16), Mesh::sphere(0.5, 32, 16));
+        let (mesh, share) = without(&[outer.clone(), inner.clone()]).unwrap();
+        assert!((share - 0.2).abs() < 0.001, "{share}");
+        let radius = |t: &[u32; 3]| mesh.positions()[t[0] as usize].length();
+        assert!(mesh.triangles().len() == outer.triangles().len());
+        assert!(mesh.triangles().iter().all(|t| radius(t) > 0.9));
+        assert!(without(&[outer.clone()]).is_none(), "there is only one");
+        assert!(without(&[outer.clone(), moved(&inner, 3.0)]).is_none(), "both can be seen");
+    }
+
+    #[test]
+    fn what_a_small_hole_shows_is_kept() {
+        let (inner, outer) = (Mesh::sphere(0.9, 64, 32), Mesh::sphere(1.0, 64, 32));
+        let data = outer.into_data();
+        let is_hole = |t: &[u32; 3]| t.iter().all(|v| data.positions[*v as usize].x > 0.97);
+        let triangles = data.triangles.iter().copied().filter(|t| !is_hole(t)).collect();
+        let outer =
+            Mesh::new(MeshData { positions: data.positions, triangles, ..MeshData::default() }).unwrap();
+        assert!(without(&[outer, inner]).is_none());
+    }
+}

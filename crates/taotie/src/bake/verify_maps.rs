@@ -1,0 +1,69 @@
+//! The errors of a low-poly mesh laid out on its map, texel by texel.
+
+use super::layout::{BAND, Layout};
+use super::projection::Correspondence;
+use super::textured_mesh::TexturedMesh;
+use super::verify::Verifier;
+use crate::compare::Field;
+use crate::error::Result;
+use crate::mesh::Point;
+use crate::parallel;
+
+/// The errors at the middle of each texel of a map; NaN between UV islands, and where no scan was found.
+#[derive(Debug, Clone)]
+pub struct ErrorMaps {
+    /// Degrees between the normals shown and the scan's.
+    pub angles: Field,
+    /// CIEDE2000 between the base colours; NaN too if either side is transparent; `None` if they were not compared.
+    pub colors: Option<Field>,
+    /// How many times wider than the scan's detail the texels of the finest texture are; NaN without textures.
+    pub coarser: Option<Field>,
+}
+
+/// What is compared at each texel besides normals.
+#[derive(Clone, Copy, Default)]
+pub struct TexelChecks<'a> {
+    /// The material whose colours are compared.
+    pub colors: Option<&'a TexturedMesh>,
+    /// The material whose texels are compared with the width of the finest detail at a point of the scan, model units.
+    pub detail: Option<(&'a TexturedMesh, &'a (dyn Fn(Point) -> f32 + Sync))>,
+}
+
+impl Verifier<'_> {
+    /// Measures the errors at the middle of each texel of a map of this size, along the rays of [`Verifier::normal_error`].
+    ///
+    /// # Errors
+    /// As [`Verifier::normal_error`]; [`crate::Error::Invalid`] if the mesh has no uvs.
+    pub fn error_maps(&self, size: [u32; 2], checks: TexelChecks<'_>) -> Result<ErrorMaps> {
+        self.check(self.shown)?;
+        self.check(checks.colors.or(self.shown))?;
+        let errors = |point: Point| match self.found(point) {
+            (Some(found), _) => self.errors(point, &found, checks),
+            (None, _) => [f32::NAN; 3],
+        };
+        let layout = Layout::new(self.mesh, size, 1)?;
+        let mut values = vec![[f32::NAN; 3]; size[0] as usize * size[1] as usize];
+        parallel::pieces(&mut values, (BAND * size[0]) as usize, &|band, values| {
+            layout.triangle_samples(band, |group| {
+                for sample in &group.samples {
+                    values[sample.texel as usize] = errors(group.point(sample));
+                }
+            });
+        });
+        let field = |i: usize| Field::new(size[0], size[1], values.iter().map(|errors| errors[i]).collect());
+        Ok(ErrorMaps {
+            angles: field(0)?,
+            colors: checks.colors.map(|_| field(1)).transpose()?,
+            coarser: checks.detail.map(|_| field(2)).transpose()?,
+        })
+    }
+
+    fn errors(&self, point: Point, found: &Correspondence, checks: TexelChecks<'_>) -> [f32; 3] {
+        let color = checks.colors.map(|shown| self.color_to(shown, point, found));
+        let coarser = checks.detail.and_then(|(shown, detail)| {
+            let texel = shown.texel_size(point)?;
+            Some(texel / detail(found.point))
+        });
+        [self.angle_to(point, found), color.unwrap_or(f32::NAN), coarser.unwrap_or(f32::NAN)]
+    }
+}

@@ -1,0 +1,146 @@
+//! The share of a surface on which a difference exceeds a limit, whatever the limit.
+
+use super::estimate::share_interval;
+
+/// The digits of the limits that shares are always counted at. Between two limits the share is between theirs.
+const DIGITS: [u32; 23] =
+    [10, 11, 12, 13, 14, 15, 16, 18, 20, 22, 25, 28, 30, 32, 35, 40, 45, 50, 55, 60, 70, 80, 90];
+/// The powers of ten of the smallest and the largest limits: 0.0001 to 900, and 0.
+const DECADES: std::ops::RangeInclusive<i32> = -4..=2;
+/// Limits that differ by less than this part are the same.
+const SAME: f64 = 1e-9;
+
+/// The shares of the visible surface on which a difference is larger than each of many limits, the worse of scan and asset.
+///
+/// ```
+/// use taotie::proof::Exceedance;
+///
+/// let angles = [0.2, 0.3, 0.6, 7.0];
+/// let curve = Exceedance::of([&angles, &[0.1]], &[]).unwrap();
+/// assert_eq!(curve.beyond(5.0).value, 0.25);
+/// ```
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Exceedance {
+    /// Limits in ascending order, from the last that everything exceeds to the first that nothing does.
+    pub limits: Vec<f64>,
+    /// The share of the surface that is beyond each, the larger one of scan and asset, [0, 1].
+    pub shares: Vec<f64>,
+    /// The number of samples of the surface that has fewer.
+    pub samples: usize,
+}
+
+/// A share of a surface and the two numbers that it lies between, with a confidence of 99 %.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Share {
+    /// The share, [0, 1].
+    pub value: f64,
+    /// Its 99 % interval.
+    pub interval: [f64; 2],
+}
+
+impl Exceedance {
+    /// Counts samples of scan and asset, NaN left out, beyond the usual limits and the ones `asked` for; `None` if there are no
+    /// samples.
+    pub fn of(surfaces: [&[f32]; 2], asked: &[f64]) -> Option<Self> {
+        let sorted: Vec<Vec<f64>> = surfaces.into_iter().map(sorted).filter(|v| !v.is_empty()).collect();
+        let samples = sorted.iter().map(Vec::len).min()?;
+        let beyond = |limit: f64| {
+            let share = |values: &Vec<f64>| {
+                let within = values.partition_point(|v| *v <= limit);
+                (values.len() - within) as f64 / values.len() as f64
+            };
+            sorted.iter().map(share).fold(0.0, f64::max)
+        };
+        let mut limits: Vec<f64> = usual_limits().chain(asked.iter().copied()).collect();
+        limits.sort_unstable_by(f64::total_cmp);
+        limits.dedup_by(|a, b| *a - *b <= *b * SAME);
+        let all: Vec<(f64, f64)> = limits.into_iter().map(|limit| (limit, beyond(limit))).collect();
+        let first = all.partition_point(|(_, share)| *share >= 1.0).saturating_sub(1);
+        let end = (all.partition_point(|(_, share)| *share > 0.0) + 1).min(all.len());
+        let (limits, shares) = all[first.min(end - 1)..end].iter().copied().unzip();
+        Some(Self { limits, shares, samples })
+    }
+
+    /// Returns the share of the surface beyond a limit.
+    pub fn beyond(&self, limit: f64) -> Share {
+        let next = self.limits.partition_point(|l| *l < limit * (1.0 - SAME));
+        let at = |i: usize| (self.limits[i], self.shares[i]);
+        let before = if next == 0 { (0.0, 1.0) } else { at(next - 1) };
+        let after = if next < self.limits.len() { at(next) } else { (limit, before.1.min(self.least())) };
+        if (after.0 - limit).abs() <= limit * SAME {
+            return Share { value: after.1, interval: share_interval(after.1, self.samples) };
+        }
+        let part = (limit - before.0) / (after.0 - before.0);
+        let [low, _] = share_interval(after.1, self.samples);
+        let [_, high] = share_interval(before.1, self.samples);
+        Share { value: before.1 + (after.1 - before.1) * part, interval: [low, high] }
+    }
+
+    /// Returns the share beyond the largest limit.
+    fn least(&self) -> f64 {
+        self.shares.last().copied().unwrap_or(0.0)
+    }
+}
+
+/// Returns the limits that every curve has.
+fn usual_limits() -> impl Iterator<Item = f64> {
+    let above_zero = DECADES.flat_map(|decade| {
+        DIGITS.into_iter().map(move |digits| match decade - 1 {
+            // Divided, so that 0.5 is the number that is written so.
+            power @ ..0 => f64::from(digits) / 10f64.powi(-power),
+            power => f64::from(digits) * 10f64.powi(power),
+        })
+    });
+    std::iter::once(0.0).chain(above_zero)
+}
+
+fn sorted(values: &[f32]) -> Vec<f64> {
+    let mut values: Vec<f64> = values.iter().filter(|v| !v.is_nan()).map(|v| f64::from(*v)).collect();
+    values.sort_unstable_by(f64::total_cmp);
+    values
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_exact_at_the_usual_limits_and_bracketed_between_them() {
+        // 1,000 angles from 0.01° to 10°.
+        let angles: Vec<f32> = (1..=1000).map(|i| i as f32 * 0.01).collect();
+        let curve = Exceedance::of([&angles, &[]], &[]).unwrap();
+        for (limit, share) in [(0.5, 0.5 / 10.0), (1.0, 0.1), (5.0, 0.5), (9.0, 0.9)] {
+            let found = curve.beyond(limit);
+            assert!((found.value - (1.0 - share)).abs() < 2e-3, "{limit}: {found:?}");
+            assert_eq!(found.interval, share_interval(found.value, 1000), "{limit}");
+        }
+        let between = curve.beyond(6.5);
+        assert!((between.value - 0.35).abs() < 1e-9, "{between:?}");
+        assert_eq!(between.interval, [share_interval(0.3, 1000)[0], share_interval(0.4, 1000)[1]]);
+        let asked = Exceedance::of([&angles, &[]], &[6.5]).unwrap();
+        let exact = asked.beyond(6.5);
+        assert!(
+            (exact.value - 0.35).abs() < 1e-3 && exact.interval == share_interval(exact.value, 1000),
+            "{exact:?}"
+        );
+        assert_eq!(curve.beyond(100.0).value, 0.0);
+        assert!(curve.beyond(100.0).interval[1] < 0.01);
+        assert_eq!(curve.beyond(1e-6).value, 1.0);
+    }
+
+    #[test]
+    fn the_worse_surface_counts_and_only_limits_that_tell_something_are_kept() {
+        let curve = Exceedance::of([&[1.0, 3.0], &[f32::NAN, 20.0, 0.001, 0.001, 0.001]], &[]).unwrap();
+        assert_eq!([0.5, 2.5, 10.0].map(|limit| curve.beyond(limit).value), [1.0, 0.5, 0.25]);
+        assert_eq!(curve.samples, 2);
+        assert!(curve.limits.len() < 40 && curve.shares.last() == Some(&0.0), "{curve:?}");
+        assert_eq!(Exceedance::of([&[f32::NAN], &[]], &[]), None);
+        let infinite = Exceedance::of([&[f32::INFINITY], &[]], &[]).unwrap();
+        assert_eq!(infinite.beyond(1e6).value, 1.0);
+        let none = Exceedance::of([&[0.0], &[0.0]], &[]).unwrap();
+        assert_eq!((none.beyond(1e-9).value, none.beyond(3.0).value), (0.0, 0.0));
+    }
+}
