@@ -8,9 +8,10 @@ use taotie::names::Named;
 use taotie::scene::GreenChannel;
 
 /// Rows of all tables of the statement, so that it fits one sheet; files that have no room are in a table below it.
-const MOST_ROWS: usize = 32;
-/// Files that it lists in any case.
-const LEAST_FILES: usize = 6;
+const MOST_ROWS: usize = 22;
+/// Further figures and files that it lists in any case. All figures are in the tables below it.
+const LEAST_FIGURES: usize = 4;
+const LEAST_FILES: usize = 4;
 
 /// Who judges the figures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -229,7 +230,9 @@ fn figures(certificate: &Certificate) -> PlainTable {
             .any(|met| met.figure == figure.figure && met.level.is_none_or(|level| level == 0))
     };
     let is_single = certificate.triangles.len() < 2;
+    let room = (MOST_ROWS - LEAST_FILES).saturating_sub(worst(&certificate.required).len());
     let further = certificate.figures.iter().filter(|figure| !(is_single && has_row(figure)));
+    let further = further.take(room.max(LEAST_FIGURES));
     let row = |KeyFigure { figure, value, interval, .. }: &KeyFigure| {
         vec![
             Cell::text(title(*figure, figure.title(), figure.unit())),
