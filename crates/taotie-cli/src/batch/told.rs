@@ -34,7 +34,7 @@ fn say(record: &Record) {
         console::say(&format!("taotie: {name}: {}: {}", record.state.name(), console::plain(error)));
     }
     for met in record.required.iter().filter(|met| !met.met) {
-        let figure = taotie::names::Named::name(met.figure);
+        let figure = met.name();
         console::say(&format!("taotie: {name}: {}: {figure} {}", record.state.name(), met.text()));
     }
 }
