@@ -76,11 +76,10 @@ def summary(results, kind):
     best = [min(rows, key=lambda row: row.mean) for rows in proved if rows]
     passing = [row for rows in proved for row in rows if not row.unmet]
     outdone = [row for _, rows in results for row in rows[kind] if is_outdone(row, rows["whole"])]
-    told = f"Number of scans, of {len(results)}. Smallest mean angle as seen: {counts(best)}."
-    told += f" Meets `standard`: {counts(passing)}."
+    facts = [f"smallest mean angle as seen: {counts(best)}", f"`standard` met: {counts(passing)}"]
     if kind != "whole":
-        told += f" The whole scan, packed, has both fewer bytes and a smaller mean angle: {counts(outdone)}."
-    return f"**{told}**"
+        facts.append(f"the whole scan, packed, has both fewer bytes and a smaller mean angle: {counts(outdone)}")
+    return f"**Of {len(results)} scans: {'; '.join(facts)}.**"
 
 
 def is_outdone(row, whole):
