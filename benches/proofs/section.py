@@ -71,8 +71,10 @@ def about(kind, measured):
 
 
 def summary(results, kind):
-    """Counts of scans by program: with the smallest mean angle, meeting `standard`, and better left whole. Scans of which
-    an asset could not be proved are left out."""
+    """Counts of scans by program: with the smallest mean angle, meeting `standard`, and better left whole.
+
+    Scans with an asset that could not be proved are left out.
+    """
     complete = [rows for _, rows in results if not any(row.failed for row in rows[kind])]
     best = [min(rows[kind], key=lambda row: row.mean) for rows in complete]
     passing = [row for rows in complete for row in rows[kind] if not row.unmet]
