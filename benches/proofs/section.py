@@ -71,15 +71,18 @@ def about(kind, measured):
 
 
 def summary(results, kind):
-    """Counts of scans by program: with the smallest mean angle, meeting `standard`, and better left whole."""
-    proved = [[row for row in rows[kind] if not row.failed] for _, rows in results]
-    best = [min(rows, key=lambda row: row.mean) for rows in proved if rows]
-    passing = [row for rows in proved for row in rows if not row.unmet]
-    outdone = [row for _, rows in results for row in rows[kind] if is_outdone(row, rows["whole"])]
+    """Counts of scans by program: with the smallest mean angle, meeting `standard`, and better left whole.
+
+    Scans with an asset that could not be proved are left out.
+    """
+    complete = [rows for _, rows in results if not any(row.failed for row in rows[kind])]
+    best = [min(rows[kind], key=lambda row: row.mean) for rows in complete]
+    passing = [row for rows in complete for row in rows[kind] if not row.unmet]
+    outdone = [row for rows in complete for row in rows[kind] if is_outdone(row, rows["whole"])]
     facts = [f"smallest mean angle as seen: {counts(best)}", f"`standard` met: {counts(passing)}"]
     if kind != "whole":
         facts.append(f"the whole scan, packed, has both fewer bytes and a smaller mean angle: {counts(outdone)}")
-    return f"**Of {len(results)} scans: {'; '.join(facts)}.**"
+    return f"**Of {len(complete)} scans with every asset proved: {'; '.join(facts)}.**"
 
 
 def is_outdone(row, whole):
