@@ -9,6 +9,7 @@ use pyo3::types::{PyBytes, PyDict};
 use std::path::Path;
 use taotie::asset::model_unit;
 use taotie::render::{Prepared, SurfaceSettings};
+use taotie::scene::Scene;
 use taotie::studio::{Framing, Viewpoint};
 use taotie::{Progress, Result, Warnings};
 use taotie_report::viewer::{self, ScanSubject, Subject};
@@ -88,7 +89,16 @@ impl Look<'_> {
         let best = SurfaceSettings { method: None, ..self.setup.surface };
         let prepared = Prepared::new(model.loaded.scene.clone(), &best)?;
         warnings.absorb(prepared.warnings().clone());
-        let scan = scan.map(|scan| ShownScan::of(scan, model, progress, &mut warnings)).transpose()?;
+        let scan = match scan {
+            None => None,
+            Some((high, is_published)) => {
+                let (mut shown, scene) = ShownScan::of(high, model, progress)?;
+                if is_published {
+                    shown.publish(&scene, &mut warnings)?;
+                }
+                Some(shown)
+            }
+        };
         let framing = Framing { size: [1024; 2], all_around: false };
         let viewpoint = Viewpoint::choose(&self.image.camera, framing, prepared.scene())?;
         let view = viewpoint.at(0.0);
@@ -123,21 +133,17 @@ struct ShownScan {
 }
 
 impl ShownScan {
-    /// Reads a model as a scan in the space of the one that was baked from it, to be published or not.
-    fn of(
-        high: (&Model, bool),
-        model: &Model,
-        progress: Progress<'_>,
-        warnings: &mut Warnings,
-    ) -> Result<Self> {
-        let (high, is_published) = high;
+    /// Reads a model as a scan in the space of the one that was baked from it; returns what it shows, too.
+    fn of(high: &Model, model: &Model, progress: Progress<'_>) -> Result<(Self, Scene)> {
         let (scene, scan) = high.scan_beside(model, progress)?;
-        let mut published = None;
-        if is_published {
-            let scene = viewer::scene_to_show(&scene, scan.sorted(), warnings)?;
-            published = Some(Prepared::new(scene, &SurfaceSettings::default())?);
-        }
-        Ok(Self { scan, published })
+        Ok((Self { scan, published: None }, scene))
+    }
+
+    /// Puts the scan itself into the page.
+    fn publish(&mut self, scene: &Scene, warnings: &mut Warnings) -> Result<()> {
+        let scene = viewer::scene_to_show(scene, self.scan.sorted(), warnings)?;
+        self.published = Some(Prepared::new(scene, &SurfaceSettings::default())?);
+        Ok(())
     }
 
     fn subject(&self) -> ScanSubject<'_> {

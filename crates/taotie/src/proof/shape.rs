@@ -7,7 +7,10 @@ use super::pair::Pair;
 /// Less of a surface hidden than this needs no search for what is visible: noise and folds hide as much.
 const HARDLY_HIDDEN: f64 = 1e-3;
 /// The width of the bounds of distances, as a part of the diagonal, and as a part of the distance.
-const WIDTH: [f32; 2] = [1.5e-3, 0.1];
+const WIDTH: [f32; 2] = [5e-4, 0.05];
+/// Triangles of both surfaces from which on the bounds are wider in proportion, and how many times they are at most.
+const MANY: usize = 350_000;
+const WIDEST: f32 = 3.0;
 /// The bounds are closer in proportion if more points than these are looked at.
 const POINTS: f32 = 20_000.0;
 
@@ -33,7 +36,10 @@ fn hausdorff(pair: &Pair<'_>, close_ups: [&CloseUp; 2]) -> DistanceBounds {
     let known = samples().map(|sample| sample.distance).fold(0.0, f32::max);
     let points = close_ups.iter().map(|close_up| close_up.points).max().unwrap_or(1).max(1);
     // Closer where more points have to decide a requirement.
-    let width = (pair.diagonal * WIDTH[0]).max(known * WIDTH[1]) * (POINTS / points as f32).min(1.0);
+    let triangles: usize =
+        [pair.scan, pair.asset].map(|side| side.surface.mesh().triangles().len()).iter().sum();
+    let wider = (triangles as f32 / MANY as f32).clamp(1.0, WIDEST);
+    let width = (pair.diagonal * WIDTH[0]).max(known * WIDTH[1]) * wider * (POINTS / points as f32).min(1.0);
     let sides = [(pair.scan, pair.asset), (pair.asset, pair.scan)];
     let start = DistanceBounds::exactly(f64::from(known));
     sides.into_iter().zip(close_ups).fold(start, |bounds, ((side, to), close_up)| {
