@@ -68,7 +68,7 @@ impl Shells {
                 triangles.iter().for_each(|t| is_hidden[*t as usize] = true);
             }
         }
-        if share < WORTH_LEAVING || share >= 1.0 {
+        if !(WORTH_LEAVING..1.0).contains(&share) {
             return Ok(None);
         }
         let mesh = scan.mesh();
@@ -130,7 +130,7 @@ mod tests {
         let radius = |t: &[u32; 3]| mesh.positions()[t[0] as usize].length();
         assert!(mesh.triangles().len() == outer.triangles().len());
         assert!(mesh.triangles().iter().all(|t| radius(t) > 0.9));
-        assert!(without(&[outer.clone()]).is_none(), "there is only one");
+        assert!(without(std::slice::from_ref(&outer)).is_none(), "there is only one");
         assert!(without(&[outer.clone(), moved(&inner, 3.0)]).is_none(), "both can be seen");
     }
 

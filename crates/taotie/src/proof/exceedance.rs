@@ -5,8 +5,10 @@ use super::estimate::share_interval;
 /// The digits of the limits that shares are always counted at. Between two limits the share is between theirs.
 const DIGITS: [u32; 23] =
     [10, 11, 12, 13, 14, 15, 16, 18, 20, 22, 25, 28, 30, 32, 35, 40, 45, 50, 55, 60, 70, 80, 90];
-/// The powers of ten of the smallest and the largest limits: 0.0001 to 900, and 0.
-const DECADES: std::ops::RangeInclusive<i32> = -4..=2;
+/// What the digits are multiplied by and divided by: limits are 0.0001 to 900, and 0. They are divided where they can be, so
+/// that 0.5 is the number that is written so.
+const SCALES: [[f64; 2]; 7] =
+    [[1.0, 1e5], [1.0, 1e4], [1.0, 1e3], [1.0, 1e2], [1.0, 10.0], [1.0, 1.0], [10.0, 1.0]];
 /// Limits that differ by less than this part are the same.
 const SAME: f64 = 1e-9;
 
@@ -87,13 +89,9 @@ impl Exceedance {
 
 /// Returns the limits that every curve has.
 fn usual_limits() -> impl Iterator<Item = f64> {
-    let above_zero = DECADES.flat_map(|decade| {
-        DIGITS.into_iter().map(move |digits| match decade - 1 {
-            // Divided, so that 0.5 is the number that is written so.
-            power @ ..0 => f64::from(digits) / 10f64.powi(-power),
-            power => f64::from(digits) * 10f64.powi(power),
-        })
-    });
+    let above_zero = SCALES
+        .into_iter()
+        .flat_map(|[times, parts]| DIGITS.into_iter().map(move |digits| f64::from(digits) * times / parts));
     std::iter::once(0.0).chain(above_zero)
 }
 

@@ -190,10 +190,11 @@ fn across(corners: [[f32; 2]; 3], y: f32) -> [f32; 2] {
 
 /// Sets the bits of the columns `from` to `to`, the last included.
 fn set(row: &mut [u64; WORDS], from: usize, to: usize) {
-    for word in from / 64..=to / 64 {
-        let low = if word == from / 64 { u64::MAX << (from % 64) } else { u64::MAX };
-        let high = if word == to / 64 { u64::MAX >> (63 - to % 64) } else { u64::MAX };
-        row[word] |= low & high;
+    let [first, last] = [from / 64, to / 64];
+    for (i, word) in row.iter_mut().enumerate().take(last + 1).skip(first) {
+        let low = if i == first { u64::MAX << (from % 64) } else { u64::MAX };
+        let high = if i == last { u64::MAX >> (63 - to % 64) } else { u64::MAX };
+        *word |= low & high;
     }
 }
 
