@@ -194,8 +194,8 @@ def _met(met: str, text: str) -> Met:
 def _proof(found: Mapping[str, Any], options: Mapping[str, int]) -> Proof:
     """Return what the native module found as a proof, and warn of what it noted."""
     warn(found["warnings"])
-    maps = (found[name] for name in ("error_map", "color_map", "detail_map"))
-    return Proof(json.loads(found["figures"]), *maps, options)
+    maps = {name: found[name] for name in ("error_map", "color_map", "detail_map")}
+    return Proof(json.loads(found["figures"]), **maps, options=options)
 
 
 def verify(

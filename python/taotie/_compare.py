@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Literal, Union
 
 import numpy as np
@@ -13,6 +14,7 @@ import numpy.typing as npt
 from . import _taotie
 from ._arrays import PathLike
 from ._error import invalid, warn
+from ._model import Model
 from ._model import model as a_model
 from ._options import BACKGROUND, Color, Material, Orbit, Shading, Surface, Tone, _color, environment, lights
 from ._options import camera as a_camera
@@ -159,13 +161,18 @@ def compare(
         "ambient": None if ambient is None else _color(ambient),
         "environment": environment(env, env_rotate_deg, env_intensity, show_env),
     }
-    names = [model.path or "model", (reference.path if reference else None) or "reference"]
+    names = [_name(model, "model"), _name(reference, "reference")]
     models = {"low": model._native, "high": reference._native if reference else None, "names": names}
     with running(progress, threads) as run:
         told = _taotie.compare(models, request, run)
     warn(told["warnings"])
     views = {name: View(**view) for name, view in told["views"].items()}
     return Comparison(json.loads(told["report"]), views)
+
+
+def _name(model: Model | None, otherwise: str) -> str:
+    """Return the name of a model's file without its folders, which are private."""
+    return Path(model.path).name if model and model.path else otherwise
 
 
 def _method(name: str) -> dict[str, Any]:

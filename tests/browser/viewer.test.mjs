@@ -292,8 +292,8 @@ test("distances and sections are measured on the model", async () => {
     const points = picks.map(({ point }) => point);
     const length = Math.hypot(...points[0].map((v, i) => v - points[1][i]));
     // Half a pixel of each end: the picture shows the ball, of two units, with some room around it.
-    const rows = await page.evaluate(() => window.taotie.canvas.clientHeight);
-    const pixel_length = (picks[0].precision * 2 * rows) / 2;
+    const height = await page.evaluate(() => window.taotie.canvas.clientHeight);
+    const pixel_length = (picks[0].precision * 2 * height) / 2;
     assert(pixel_length > 0.9 && pixel_length < 3, `${pixel_length}`);
     await page.locator("summary", { hasText: "Measure" }).click();
     await page.getByRole("button", { name: "Section" }).click();

@@ -195,6 +195,9 @@ fn turntables_and_pages_are_made_where_they_are_asked_for() {
     assert!(read("ball0.turn.png").windows(4).any(|chunk| chunk == b"acTL"), "an animated PNG");
     assert!(String::from_utf8_lossy(&read("ball0.html")).starts_with("<!doctype html>"));
     let report = String::from_utf8_lossy(&read("ball0.report.html")).into_owned();
-    assert!(report.contains("Normal error") && report.contains("stands on the page of its collection"));
+    assert!(
+        report.contains("Normal error")
+            && report.contains("The page of the collection states what is required")
+    );
     assert!(read("ball0.webp").starts_with(b"RIFF"));
 }

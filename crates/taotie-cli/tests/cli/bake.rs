@@ -42,7 +42,7 @@ normal error on the surface  mean [..]°, median [..]°, quartiles [..]° and [.
 error without normal map     mean [..]°, by vertex normals alone
 ray missed                   0.000 % of the texels, 0.000 % of the samples (closest point used); no hit: 0.000 % of the samples
 shape error                  between [..] and [..] at most ([..] % of the diagonal), RMS [..] ([..] %)
-silhouette                   [..] pixels of 512 on average, [..] at most
+silhouette                   [..] pixels of 512 on average, [..] at most, which is [..] model units
 missed                       0.000 % of the scan, 0.000 % of the asset; [..] % of the scan within 0.5 % of the diagonal
 texel                        [..] model units wide (median)
 visual difference            FLIP [..], SSIM [..], mean of 8 views

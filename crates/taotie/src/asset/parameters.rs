@@ -19,9 +19,9 @@ use std::path::Path;
 /// use taotie::Result;
 /// use taotie::asset::{Report, Written};
 ///
-/// /// Returns the parameters of a written asset as JSON.
-/// fn json(written: &Written) -> Result<String> {
-///     Ok(Report::of(written)?.parameters.to_string())
+/// /// Returns the parameters of a written asset as JSON; `None` if it was not baked here.
+/// fn json(written: &Written) -> Result<Option<String>> {
+///     Ok(Report::of(written)?.parameters.map(|parameters| parameters.to_string()))
 /// }
 /// ```
 #[derive(Debug, Clone, PartialEq)]

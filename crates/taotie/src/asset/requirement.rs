@@ -17,7 +17,7 @@ use std::str::FromStr;
 /// A figure and its limit, at every level of detail or at one: the most that it may be, or the least of completeness and SSIM.
 ///
 /// ```
-/// use taotie::asset::Requirement;
+/// use taotie::asset::{Figure, Requirement};
 ///
 /// assert_eq!("mean-angle=2".parse::<Requirement>()?, Requirement::mean_angle_deg(2.0));
 /// assert_eq!("mean-angle@1=5°".parse::<Requirement>()?, Requirement::mean_angle_deg(5.0).at_level(1));
