@@ -53,7 +53,7 @@ pub struct Met {
 }
 
 impl Met {
-    /// Returns the name of the figure, as [`Requirement::name`] does.
+    /// Returns the name of the figure, as [`Requirement::name`](super::Requirement::name) does.
     pub fn name(&self) -> Cow<'static, str> {
         within::name_of(self.figure, self.within)
     }
