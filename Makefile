@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes proofs-table bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
+.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes bench-distances proofs-table bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -136,6 +136,17 @@ $(SIZES)/ready: $(addprefix benches/sizes/,requirements.txt package.json package
 proofs-table: $(SIZES)/ready $(BENCH_VENV)/ready ## The proof of six scans reduced by Taotie and by other programs, for docs/proofs.md
 	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
 	PYTHONPATH=benches/common $(BENCH_VENV)/bin/python benches/proofs/bench.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
+
+# SCANS names the scans: files that open without others. TAOTIE=/path/to/taotie takes that program instead of building one.
+DISTANCES_VENV = target/bench-distances/venv
+bench-distances: $(DISTANCES_VENV)/ready ## Compares the bounds of distances with two million points by Embree; SCANS="FILE ..."
+	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
+	$(DISTANCES_VENV)/bin/python benches/distances/check.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(SCANS)
+
+$(DISTANCES_VENV)/ready: benches/distances/requirements.txt
+	$(PYTHON) -m venv $(DISTANCES_VENV)
+	$(DISTANCES_VENV)/bin/pip install --quiet --requirement $<
+	touch $@
 
 docs: ## Writes docs/help, and the tables and pictures of docs/as-printed.md, anew
 	cargo run --release -p xtask -- help-pages

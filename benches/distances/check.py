@@ -24,7 +24,7 @@ SINGLE = 1e-6
 
 def surface(path):
     """The triangles of a file in world space."""
-    return trimesh.load(path, force="mesh", process=False)
+    return trimesh.load(path, force="mesh", process=False, skip_materials=True)
 
 
 def farthest(points, mesh):
