@@ -30,7 +30,7 @@ fn tell(args: &BatchArgs, audit: &Audit) -> Result<()> {
         let report = json!({
             "schema": SCHEMA,
             "version": env!("CARGO_PKG_VERSION"),
-            "collection": super::name_of(&args.collection),
+            "collection": console::name_of(&args.collection),
             "assets": assets,
             "files": files,
             "proofs": proofs,

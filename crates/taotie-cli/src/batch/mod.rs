@@ -13,7 +13,7 @@ pub use worker::{WORKER, run as work};
 use crate::{Outcome, console, stop};
 use anyhow::Result;
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use taotie_batch::{Collection, State, Summary, drive, write_page};
 use told::Told;
 
@@ -60,22 +60,17 @@ fn outcome(summary: &Summary) -> Outcome {
     }
 }
 
-/// Returns the name of a file without its folders, which are private.
-fn name_of(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
 /// Prints what became of the collection.
 fn tell(args: &BatchArgs, summary: Option<&Summary>, pages: &[PathBuf]) -> Result<()> {
     if args.json {
         let report = json!({
             "schema": SCHEMA,
             "version": env!("CARGO_PKG_VERSION"),
-            "collection": name_of(&args.collection),
+            "collection": console::name_of(&args.collection),
             "states": summary.map(states_json),
             "attempts": summary.map(|summary| summary.attempts),
             "known": summary.map(|summary| summary.known),
-            "files": pages.iter().map(|page| name_of(page)).collect::<Vec<_>>(),
+            "files": pages.iter().map(|page| console::name_of(page)).collect::<Vec<_>>(),
             "warnings": summary.map(|summary| console::json_warnings(&summary.warnings)),
         });
         return console::result(&serde_json::to_string_pretty(&report)?);

@@ -35,10 +35,10 @@ fn hausdorff(pair: &Pair<'_>, close_ups: [&CloseUp; 2]) -> DistanceBounds {
     let samples = || close_ups.into_iter().flat_map(|close_up| &close_up.samples);
     let known = samples().map(|sample| sample.distance).fold(0.0, f32::max);
     let points = close_ups.iter().map(|close_up| close_up.points).max().unwrap_or(1).max(1);
-    // Closer where more points have to decide a requirement.
     let triangles: usize =
         [pair.scan, pair.asset].map(|side| side.surface.mesh().triangles().len()).iter().sum();
     let wider = (triangles as f32 / MANY as f32).clamp(1.0, WIDEST);
+    // Closer where more points have to decide a requirement.
     let width = (pair.diagonal * WIDTH[0]).max(known * WIDTH[1]) * wider * (POINTS / points as f32).min(1.0);
     let sides = [(pair.scan, pair.asset), (pair.asset, pair.scan)];
     let start = DistanceBounds::exactly(f64::from(known));
