@@ -60,8 +60,8 @@ impl ProofArgs {
         VerifyOptions { points, view, requirements: self.requirements(), ..VerifyOptions::default() }
     }
 
-    /// Returns the same, with pictures of the worst patches if a page is written.
+    /// Returns the same, with maps of errors and pictures of the worst patches if a page is written.
     pub fn options_of_page(&self, is_written: bool) -> VerifyOptions {
-        VerifyOptions { patch_view: if is_written { bake_page::PATCH_VIEW } else { 0 }, ..self.options() }
+        bake_page::options(self.options(), is_written)
     }
 }

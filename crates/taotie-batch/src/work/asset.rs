@@ -27,8 +27,7 @@ pub fn make(work: &Work<'_>, file: ScanFile, address: &str) -> Result<AssetObjec
     let asset = baker.bake(&scan, progress)?;
     let written = asset.write_in(&files, &path, &settings.packing, progress)?;
     let mut report = Report::of(&written)?;
-    let patch_view = if settings.report { bake_page::PATCH_VIEW } else { 0 };
-    let options = VerifyOptions { patch_view, ..settings.verify.clone() };
+    let options = bake_page::options(settings.verify.clone(), settings.report);
     let proof = written.verify(scan, &options, progress)?;
     report.warnings.extend(Warning::list(&proof.warnings));
     report.proof = Some(proof.figures.clone());

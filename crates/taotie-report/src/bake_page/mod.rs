@@ -10,7 +10,7 @@
 //! let asset = Baker::new(BakeOptions::default()).bake(&scan, quiet)?;
 //! let written = asset.write("scan.glb", &Packing::default(), quiet)?;
 //! let mut report = Report::of(&written)?;
-//! let options = VerifyOptions { patch_view: taotie_report::bake_page::PATCH_VIEW, ..VerifyOptions::default() };
+//! let options = taotie_report::bake_page::options(VerifyOptions::default(), true);
 //! let proof = written.verify(scan, &options, quiet)?;
 //! let certificate = Certificate::of_written(&written, &proof.figures, &options, &Signature::default())?;
 //! (report.proof, report.certificate) = (Some(proof.figures.clone()), Some(certificate));
@@ -35,12 +35,20 @@ use crate::Page;
 use crate::viewer::{AssetSubject, MeasuredErrors};
 use certificate::Judge;
 use std::path::Path;
-use taotie::asset::{Asset, Limits, Proof, Report};
+use taotie::asset::{Asset, Limits, Proof, Report, VerifyOptions};
 use taotie::{Result, Warnings};
 
-/// Pixels along a side of the pictures of the worst patches; see
-/// [`VerifyOptions::patch_view`](taotie::asset::VerifyOptions::patch_view).
-pub const PATCH_VIEW: u32 = 384;
+/// Pixels along a side of the pictures of the worst patches.
+const PATCH_VIEW: u32 = 384;
+
+/// Returns the options of a proof with the pictures that a page shows: maps of errors and the worst patches; without them if
+/// no page is wanted.
+pub fn options(options: VerifyOptions, is_wanted: bool) -> VerifyOptions {
+    match is_wanted {
+        true => VerifyOptions { patch_view: PATCH_VIEW, ..options },
+        false => VerifyOptions { map: 0, patch_view: 0, ..options },
+    }
+}
 
 /// Makes the page of a proof: certificate, worst patches, views of scan and asset, maps, every figure, and warnings. `asset` is
 /// `None` if it was not baked here.

@@ -23,7 +23,7 @@ pub fn features(proof: &Proof) -> Result<Vec<View>> {
 }
 
 fn feature(figures: &Figures, pictures: &PatchPictures) -> Result<View> {
-    let PatchPictures { patch, of, scan, asset, difference, .. } = pictures;
+    let PatchPictures { patch, of, scan, asset, difference, flip, .. } = pictures;
     let (name, unit, map) = match of {
         PatchQuantity::Angle => ("Worst patch: normals", "°", ColorMap::Viridis),
         PatchQuantity::Color => ("Worst patch: colours", "ΔE00", ColorMap::Viridis),
@@ -42,7 +42,7 @@ fn feature(figures: &Figures, pictures: &PatchPictures) -> Result<View> {
         note: format!(
             "Close-up of the window of 1 % of the visible surface with the largest mean difference: {mean}, measured at points \
              of the {surface} around {place}. Both are seen from the same direction, {look} and the same \
-             light; the window fills two thirds of the width. Grey pixels have nothing to compare."
+             light, with a mean FLIP of {flip:.4}; the window fills two thirds of the width. Grey pixels have nothing to compare."
         ),
         pictures: vec![
             Picture::to_look_at("scan", "", &Sheet::developed(scan))?,

@@ -93,6 +93,17 @@ impl Named for Figure {
     ];
 }
 
+/// The samples by which a figure is estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Sampling {
+    /// Pixels of the overview.
+    Overview,
+    /// Points of both surfaces, seen close up.
+    CloseUp,
+    /// Pieces of triangles between whose distances the largest lies.
+    Distance,
+}
+
 /// A unit that a limit is written in.
 ///
 /// ```
@@ -133,6 +144,21 @@ const BYTES: &[FigureUnit] = &[
 ];
 
 impl Figure {
+    /// Returns the samples that more of give a closer interval; `None` of figures that have none.
+    pub(super) fn sampling(self) -> Option<Sampling> {
+        match self {
+            Self::MeanAngle | Self::P95Angle | Self::MeanColor | Self::P95Color => Some(Sampling::Overview),
+            Self::PatchAngle
+            | Self::PatchColor
+            | Self::Missed
+            | Self::WithinAngle
+            | Self::WithinColor
+            | Self::WithinDistance => Some(Sampling::CloseUp),
+            Self::Hausdorff => Some(Sampling::Distance),
+            _ => None,
+        }
+    }
+
     /// Returns all units that its limit may be written in: its own, the first of which a bare number has, and those of
     /// length.
     pub(super) fn units(self) -> impl Iterator<Item = FigureUnit> {

@@ -3,14 +3,15 @@
 use super::beyond::{AskedLimits, Beyond};
 use super::material_figures::MaterialFigures;
 use super::regions::WorstParts;
+use super::seen::Seen;
 use super::view_figures::ViewFigures;
 use crate::bake::{MaterialError, TexturedMesh, Verifier};
 use crate::compare::{Field, Summary};
 use crate::error::Result;
 use crate::math::Mat4;
 use crate::proof::{
-    CloseUp, DistanceBounds, Overview, Pair, Patch, ShapeFigures, SilhouetteFigures, SurfaceSample,
-    most_missing, overview, share_interval, silhouettes, worst_patch,
+    CloseUp, DistanceBounds, Overview, Pair, Patch, SilhouetteFigures, SurfaceSample, most_missing,
+    root_mean_square, share_interval, worst_patch,
 };
 
 /// Bins of the histogram.
@@ -140,22 +141,6 @@ pub struct Resolution {
     pub share: f64,
 }
 
-/// The numbers of points at which a level is measured.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct PointCounts {
-    /// At which normals are compared.
-    pub normals: usize,
-    /// Pixels of the overview, and points of each surface that are seen close up.
-    pub seen: usize,
-}
-
-impl PointCounts {
-    /// Returns a quarter of them, for a coarser level.
-    pub fn quarter(self) -> Self {
-        Self { normals: (self.normals / 4).max(10), seen: (self.seen / 4).max(10) }
-    }
-}
-
 /// The triangles of one material at a level of detail, with their normal map and without.
 pub(super) struct PartSurface<'a> {
     pub mapped: Verifier<'a>,
@@ -219,30 +204,28 @@ impl LevelFigures {
         })
     }
 
-    /// Adds what a viewer sees of the level, at `points` pixels of the overview and points of each surface.
+    /// Adds what a viewer sees of the level.
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] if a surface has no area.
-    pub(super) fn with_seen(self, pair: &Pair<'_>, points: usize, asked: &AskedLimits) -> Result<Self> {
-        let of_scan = CloseUp::of_scan(pair, points)?;
-        let of_asset = CloseUp::of_asset(pair, points)?;
-        let ShapeFigures { hausdorff, rms } = ShapeFigures::of(pair, [&of_scan, &of_asset]);
-        let diagonal = f64::from(pair.diagonal);
+    pub(super) fn with_seen(self, pair: &Pair<'_>, seen: &Seen, asked: &AskedLimits) -> Result<Self> {
+        let [of_scan, of_asset] = &seen.close_ups;
+        let (rms, diagonal) = (root_mean_square([of_scan, of_asset]), f64::from(pair.diagonal));
         Ok(Self {
-            overview: overview(pair, points)?,
+            overview: seen.overview.clone(),
             patches: WorstPatches {
-                angle: worse_patch(pair, [&of_scan, &of_asset], |sample| sample.angle_deg)?,
-                color: worse_patch(pair, [&of_scan, &of_asset], |sample| sample.color)?,
+                angle: worse_patch(pair, [of_scan, of_asset], |sample| sample.angle_deg)?,
+                color: worse_patch(pair, [of_scan, of_asset], |sample| sample.color)?,
             },
-            worst_parts: WorstParts::of(pair, &of_asset)?,
-            beyond: Beyond::of([&of_scan, &of_asset], pair.diagonal, asked),
-            silhouette: silhouettes(pair),
-            coverage: coverage(pair, [&of_scan, &of_asset]),
-            hausdorff,
-            hausdorff_of_diagonal: hausdorff.scaled(1.0 / diagonal),
+            worst_parts: WorstParts::of(pair, of_asset)?,
+            beyond: Beyond::of([of_scan, of_asset], pair.diagonal, asked),
+            silhouette: seen.silhouette,
+            coverage: coverage(pair, [of_scan, of_asset]),
+            hausdorff: seen.hausdorff,
+            hausdorff_of_diagonal: seen.hausdorff.scaled(1.0 / diagonal),
             rms,
             rms_of_diagonal: rms / diagonal,
-            resolution: resolution(&of_scan, &of_asset),
+            resolution: resolution(of_scan, of_asset),
             ..self
         })
     }

@@ -3,7 +3,8 @@
 use super::figures::Figures;
 use super::findings;
 use super::judgement;
-use super::proof::{Measurement, VerifyOptions, check};
+use super::measurement::Measurement;
+use super::proof::{VerifyOptions, check};
 use super::scan::Scan;
 use super::shown::ShownLevel;
 use crate::error::{Result, Warnings};

@@ -3,7 +3,7 @@
 use super::level_figures::WorstPatches;
 use super::shown::ShownLevel;
 use crate::bake;
-use crate::compare::{DisplayImage, Field};
+use crate::compare::{self, DisplayImage, Field, PIXELS_PER_DEGREE};
 use crate::error::Result;
 use crate::proof::{Patch, PatchQuantity, PatchView};
 use crate::scene::Camera;
@@ -32,6 +32,8 @@ pub struct PatchPictures {
     pub asset: DisplayImage,
     /// The difference at every other pixel, degrees or CIEDE2000; NaN where there is nothing to compare.
     pub difference: Field,
+    /// The mean of FLIP between the two pictures, [0, 1].
+    pub flip: f64,
 }
 
 /// A patch whose difference is measured, before pictures are taken of it.
@@ -68,8 +70,12 @@ impl MeasuredPatch {
     }
 
     /// Adds the pictures that were taken of it.
-    pub fn with_pictures(self, [scan, asset]: [DisplayImage; 2]) -> PatchPictures {
+    ///
+    /// # Errors
+    /// Those of [`compare::flip`].
+    pub fn with_pictures(self, [scan, asset]: [DisplayImage; 2]) -> Result<PatchPictures> {
         let Self { patch, of, difference, .. } = self;
-        PatchPictures { patch, of, scan, asset, difference }
+        let flip = compare::flip(&scan, &asset, PIXELS_PER_DEGREE)?.summary().map_or(0.0, |flip| flip.mean);
+        Ok(PatchPictures { patch, of, scan, asset, difference, flip })
     }
 }

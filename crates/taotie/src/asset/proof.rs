@@ -1,14 +1,14 @@
 //! The proof: an asset as its files show it, compared with the scan.
 
-use super::figures::{Figures, FitFigures};
+use super::figures::Figures;
 use super::findings;
-use super::level_figures::{LevelFigures, Measured, PointCounts, measured, stacked};
+use super::level_figures::stacked;
 use super::made::Made;
 use super::maps_alone;
+use super::measurement::Measurement;
 use super::met::Met;
-use super::part_figures::PartFigures;
 use super::patch_pictures::{MeasuredPatch, PatchPictures};
-use super::requirement::{self, Requirement};
+use super::requirement::Requirement;
 use super::scan::{Scan, is_gltf};
 use super::shown::ShownLevel;
 use super::space;
@@ -23,7 +23,7 @@ use crate::io::{self, Limits, Loaded};
 use crate::length::Unit;
 use crate::mesh::Point;
 use crate::progress::Progress;
-use crate::proof::{Footprint, Pair, Side};
+use crate::proof::Footprint;
 use crate::scene::{GreenChannel, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
 use std::path::{Path, PathBuf};
 
@@ -45,7 +45,8 @@ pub struct VerifyOptions {
     /// Pixels of the overview, and points of each surface, at which scan and asset are compared at first, at least 10. If a
     /// requirement's limit lies within the interval of what was found, more are taken, up to 4 million.
     pub points: usize,
-    /// Texels along a side of the map of errors, at most; no more than the maps have.
+    /// Texels along a side of the maps of errors, at most; no more than the maps have, and 0 makes none. No figure depends on
+    /// it.
     pub map: u32,
     /// Pixels along a side of the images from all sides, at least 11.
     pub view: u32,
@@ -62,11 +63,6 @@ impl Default for VerifyOptions {
         Self { points: 20_000, map: 1024, view: 384, patch_view: 0, requirements: Vec::new() }
     }
 }
-
-/// Points at most, when samples double to decide a requirement.
-const MOST_POINTS: usize = 4_000_000;
-/// More points than are likely to decide a requirement, since estimates of intervals vary.
-const MARGIN: f64 = 1.5;
 
 /// The mean and the largest angle, degrees, between unit vectors and what eight bits store of them.
 ///
@@ -98,7 +94,7 @@ pub struct Proof {
     pub figures: Figures,
     /// Angles between the normals of asset and scan at the texels of a map, on the surface, degrees; NaN between UV islands.
     /// If there are several materials their maps stand one below the other, in the order of [`Figures::parts`]. `None` if the
-    /// asset has no uvs.
+    /// asset has no uvs, or [`VerifyOptions::map`] is 0.
     pub error_map: Option<Field>,
     /// CIEDE2000 between the base colours of asset and scan at the same texels; `None` if the scan says nothing of its
     /// material.
@@ -214,8 +210,13 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
     findings::note(&figures, &finest, &mut warnings);
     figures.bytes_in = scan.about.bytes;
     figures.bytes_out = bytes_out;
-    progress.begin("map errors")?;
-    let [error_map, color_map, detail_map] = maps(&finest, scan.sorted(), options.map)?;
+    let [error_map, color_map, detail_map] = match options.map {
+        0 => [None, None, None],
+        most => {
+            progress.begin("map errors")?;
+            maps(&finest, scan.sorted(), most)?
+        }
+    };
     let worst = figures.finest().map(|found| found.patches).unwrap_or_default();
     let patches = MeasuredPatch::all(&worst, scan.sorted(), &finest, options.patch_view)?;
     drop(finest);
@@ -248,72 +249,6 @@ fn maps(level: &ShownLevel<'_>, scan: &bake::Scan, most: u32) -> Result<[Option<
     }
     let stack = |maps: &[Field]| (!maps.is_empty()).then(|| stacked(maps)).transpose();
     Ok([stack(&angles)?, stack(&colors)?, stack(&coarser)?])
-}
-
-/// Measures levels of detail until all requirements are decided.
-pub(super) struct Measurement<'a> {
-    pub scan: &'a Scan,
-    pub unit: Option<Unit>,
-    pub options: &'a VerifyOptions,
-}
-
-impl<'a> Measurement<'a> {
-    /// Returns the figures of all levels, and of the finest level's materials.
-    pub fn all(
-        &self,
-        finest: &ShownLevel<'a>,
-        coarser: &[Scene],
-        level: &dyn Fn(&Scene) -> Result<ShownLevel<'a>>,
-        progress: Progress<'_>,
-    ) -> Result<(Figures, Vec<PartFigures>)> {
-        let Self { scan, unit, options } = *self;
-        let side = Side::of(scan.sorted());
-        let diagonal = scan.mesh().diagonal();
-        let fit = finest.whole().fit((options.points / 2).max(1), diagonal).map(FitFigures::from);
-        let mut points = options.points;
-        loop {
-            let counts = PointCounts { normals: points, seen: points };
-            let (first, parts) = self.of_level(finest, &side, counts)?;
-            let mut figures = Figures { unit, levels: vec![first], diagonal, fit, ..Figures::default() };
-            if !coarser.is_empty() {
-                progress.begin("measure levels")?;
-            }
-            for scene in coarser {
-                figures.levels.push(self.of_level(&level(scene)?, &side, counts.quarter())?.0);
-            }
-            let met = figures.require(&options.requirements);
-            let times = met.iter().map(Met::samples_to_decide).fold(1.0, f64::max);
-            // If even the most points are far from enough, none of them would tell.
-            if times <= 1.0 || points >= MOST_POINTS || points as f64 * times > MOST_POINTS as f64 * 4.0 {
-                return Ok((figures, parts));
-            }
-            points = (points as f64 * times * MARGIN).min(MOST_POINTS as f64) as usize;
-            progress.begin("measure more points")?;
-        }
-    }
-
-    fn of_level(
-        &self,
-        level: &ShownLevel<'_>,
-        scan: &Side<'a>,
-        points: PointCounts,
-    ) -> Result<(LevelFigures, Vec<PartFigures>)> {
-        let found = measured(&level.part_surfaces(), points.normals)?;
-        let asset = scan.like(&level.surface);
-        let diagonal = self.scan.mesh().diagonal() as f32;
-        let pair = Pair { scan, asset: &asset, diagonal, has_material: level.has_material() };
-        let figures = LevelFigures::on_surface(&found, level.surface.mesh().triangles().len())?;
-        let asked = requirement::asked_limits(&self.options.requirements);
-        Ok((figures.with_seen(&pair, points.seen, &asked)?, part_figures(level, &found)))
-    }
-}
-
-/// Returns the figures of each material if there are several.
-fn part_figures(level: &ShownLevel<'_>, found: &[Measured]) -> Vec<PartFigures> {
-    let parts = level.parts.iter().zip(found).filter(|(part, _)| !part.label.is_empty());
-    parts
-        .map(|(part, found)| PartFigures::of(&part.label, part.shown.mesh().triangles().len(), found))
-        .collect()
 }
 
 impl Written {
@@ -483,7 +418,6 @@ pub(super) fn check(options: &VerifyOptions) -> Result<()> {
     let wrong = |what: &str, why: &str| Err(Error::invalid(what, why));
     match options {
         VerifyOptions { points: 0..10, .. } => wrong("points of the proof", "give at least 10"),
-        VerifyOptions { map: 0, .. } => wrong("the map of errors", "give at least one texel"),
         VerifyOptions { view: 0..11, .. } => wrong("pictures from all sides", "give at least 11 pixels"),
         VerifyOptions { patch_view: 4097.., .. } => {
             wrong("pictures of the worst patches", "give at most 4096 pixels")

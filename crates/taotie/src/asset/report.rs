@@ -61,7 +61,7 @@ pub struct Report {
     pub origin: Origin,
     /// Triangles of each level of detail, the finest first.
     pub triangles: Vec<usize>,
-    /// Texels across and down.
+    /// Texels across and down; 0 if the asset was not baked here.
     pub size: [u32; 2],
     /// All else that was asked for; `None` if the asset was not baked here.
     pub parameters: Option<Parameters>,
@@ -229,7 +229,6 @@ impl Report {
     /// # Errors
     /// [`Error::Io`](crate::Error::Io) if the scan's file cannot be read for its hash.
     pub fn of_proof(asset: &Path, scan: &Scan, proof: &Proof) -> Result<Self> {
-        let size = proof.error_map.as_ref().map_or([0; 2], |map| [map.width(), map.height()]);
         Ok(Self {
             schema: SCHEMA,
             kind: "taotie verify",
@@ -241,7 +240,7 @@ impl Report {
             low: Some(name_of(asset)),
             origin: Origin::default(),
             triangles: proof.figures.levels.iter().map(|level| level.triangles).collect(),
-            size,
+            size: [0; 2],
             parameters: None,
             files: Vec::new(),
             maps: Vec::new(),

@@ -122,7 +122,7 @@ impl Setting {
         }
         let pairs = close_ups_of_scan.into_iter().zip(close_ups);
         let patches = patches.into_iter().zip(pairs).map(|(patch, (a, b))| patch.with_pictures([a, b]));
-        Ok((views, patches.collect()))
+        Ok((views, patches.collect::<Result<_>>()?))
     }
 
     /// Takes an image by each camera, with so many pixels along a side.

@@ -29,6 +29,7 @@ mod projection;
 mod raster;
 mod scan;
 mod search;
+mod seen_cells;
 mod sight;
 mod sights;
 mod simplify;

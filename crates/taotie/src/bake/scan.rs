@@ -1,6 +1,7 @@
 //! The high-poly surface that is baked from.
 
 use super::appearance::MaterialSample;
+use super::seen_cells::SeenCells;
 use super::sights::{Ground, Sights};
 use super::texture_lookup::LookupPoint;
 use super::textured_mesh::TexturedMesh;
@@ -10,7 +11,6 @@ use crate::mesh::{Mesh, Point};
 use crate::scene::Scene;
 use crate::surface::facet_normal;
 use crate::trace::Bvh;
-use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Arc, OnceLock};
 
 /// The triangles of a high-poly scene with their materials, sorted so that they can be found from points of a low-poly
@@ -22,8 +22,8 @@ pub struct Scan {
     surface: Arc<TexturedMesh>,
     bvh: Bvh,
     sights: Sights,
-    /// Of each triangle and side whether it can be seen, as far as that was asked for.
-    seen: OnceLock<Box<[AtomicU8]>>,
+    /// Which sides of its triangles can be seen, as far as it was asked for.
+    seen: OnceLock<SeenCells>,
 }
 
 impl Scan {
@@ -81,28 +81,15 @@ impl Scan {
         normal.is_some_and(|normal| self.is_visible(point, normal) || self.is_visible(point, -normal))
     }
 
-    /// Returns `true` if the side of the surface that faces `direction` can be seen at a point. Small triangles are seen or
-    /// hidden as a whole, and asked about once.
+    /// Returns `true` if the side of the surface that faces `direction` can be seen at a point.
+    ///
+    /// # Panics
+    /// If the mesh has no such triangle.
     pub(super) fn is_visible(&self, point: Point, direction: Vec3) -> bool {
-        /// Triangles whose first edge is longer than this part of the diagonal are asked about point by point.
-        const LARGE: f32 = 0.01;
-        let triangle = point.triangle as usize;
-        let [a, b, _] = self.mesh().corners(triangle);
-        if (b - a).length() > self.sights.reach() * LARGE {
-            return self.sights.is_side_visible(self.ground(), point, direction);
-        }
-        let seen =
-            self.seen.get_or_init(|| self.mesh().triangles().iter().map(|_| AtomicU8::new(0)).collect());
-        // Two bits a side: whether it is known, and whether it is seen.
-        let shift = if self.mesh().faces(point.triangle, direction) { 0 } else { 2 };
-        let known = seen[triangle].load(Ordering::Relaxed) >> shift;
-        if known & 1 != 0 {
-            return known & 2 != 0;
-        }
-        let middle = Point { triangle: point.triangle, weights: [1.0 / 3.0; 3] };
-        let is_seen = self.sights.is_side_visible(self.ground(), middle, direction);
-        seen[triangle].fetch_or((1 | u8::from(is_seen) << 1) << shift, Ordering::Relaxed);
-        is_seen
+        let seen = self.seen.get_or_init(|| SeenCells::new(self.mesh(), self.sights.reach()));
+        let is_front = self.mesh().faces(point.triangle, direction);
+        let look = |point: Point| self.sights.is_side_visible(self.ground(), point, direction);
+        seen.is_seen(self.mesh(), (point, is_front), look)
     }
 
     /// Returns the triangles, world space, with normals.

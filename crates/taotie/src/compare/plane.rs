@@ -24,12 +24,11 @@ impl Plane {
         let radius = kernel.len() / 2;
         self.by_rows(|y, out| {
             let row = &self.values[y * self.width..][..self.width];
-            let mut padded = vec![row[0]; radius];
+            let mut padded = Vec::with_capacity(self.width + 2 * radius);
+            padded.resize(radius, row[0]);
             padded.extend_from_slice(row);
-            padded.extend(std::iter::repeat_n(row[self.width - 1], radius));
-            for (tap, weight) in kernel.iter().enumerate() {
-                add_scaled(out, &padded[tap..], *weight);
-            }
+            padded.resize(self.width + 2 * radius, row[self.width - 1]);
+            weighted_sum(out, kernel, |tap| &padded[tap..]);
         })
     }
 
@@ -37,14 +36,12 @@ impl Plane {
         let radius = kernel.len() / 2;
         let last = self.values.len() / self.width - 1;
         self.by_rows(|y, out| {
-            for (tap, weight) in kernel.iter().enumerate() {
-                let from = (y + tap).saturating_sub(radius).min(last);
-                add_scaled(out, &self.values[from * self.width..], *weight);
-            }
+            let row = |tap: usize| (y + tap).saturating_sub(radius).min(last);
+            weighted_sum(out, kernel, |tap| &self.values[row(tap) * self.width..]);
         })
     }
 
-    /// A plane of this size, of which `fill` writes each row; it gets the row's number and zeros.
+    /// A plane of this size, of which `fill` writes each row; it gets the row's number.
     fn by_rows(&self, fill: impl Fn(usize, &mut [f64]) + Sync) -> Plane {
         let mut values = vec![0.0f64; self.values.len()];
         parallel::pieces(&mut values, self.width, &fill);
@@ -52,9 +49,26 @@ impl Plane {
     }
 }
 
-fn add_scaled(out: &mut [f64], from: &[f64], weight: f64) {
-    for (out, value) in out.iter_mut().zip(from) {
-        *out += value * weight;
+/// Numbers of a row that are summed at once.
+const BLOCK: usize = 16;
+
+/// Writes the sum over all taps of a kernel of its weight times the row that `from` returns for it.
+fn weighted_sum<'a>(out: &mut [f64], kernel: &[f64], from: impl Fn(usize) -> &'a [f64]) {
+    let mut blocks = out.chunks_exact_mut(BLOCK);
+    let mut at = 0;
+    for block in &mut blocks {
+        let mut sums = [0.0; BLOCK];
+        for (tap, weight) in kernel.iter().enumerate() {
+            let values: &[f64; BLOCK] = from(tap)[at..at + BLOCK].try_into().expect("a block");
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum += value * weight;
+            }
+        }
+        block.copy_from_slice(&sums);
+        at += BLOCK;
+    }
+    for (i, out) in blocks.into_remainder().iter_mut().enumerate() {
+        *out = kernel.iter().enumerate().fold(0.0, |sum, (tap, weight)| sum + from(tap)[at + i] * weight);
     }
 }
 

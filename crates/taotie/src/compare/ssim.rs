@@ -47,7 +47,12 @@ fn similarity(a: &DisplayImage, b: &DisplayImage) -> Result<Vec<f64>> {
             ),
         ));
     }
-    let [red, green, blue] = [0, 1, 2].map(|c| channel_similarity(a, b, c));
+    let is_grey = |picture: &DisplayImage| picture.pixels().iter().all(|[r, g, b]| r == g && g == b);
+    let red = channel_similarity(a, b, 0);
+    let (green, blue) = match is_grey(a) && is_grey(b) {
+        true => (red.clone(), red.clone()),
+        false => (channel_similarity(a, b, 1), channel_similarity(a, b, 2)),
+    };
     let inside = |i: usize| {
         let (x, y, radius) = (i as u32 % width, i as u32 / width, SSIM_WINDOW / 2);
         (radius..width - radius).contains(&x) && (radius..height - radius).contains(&y)

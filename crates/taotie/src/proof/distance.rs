@@ -240,10 +240,14 @@ impl Search<'_> {
 /// The triangles of the other surface near some points.
 struct Near {
     triangles: Vec<[Vec3; 3]>,
-    middles: Vec<Vec3>,
+    /// The middles of the triangles, eight by eight, coordinate by coordinate; infinite beyond the last.
+    middles: Vec<[[f32; LANES]; 3]>,
     /// A distance that is no larger than is known.
     enough: f32,
 }
+
+/// Middles that are compared at once.
+const LANES: usize = 8;
 
 impl Near {
     /// Returns all triangles that may be within the known distance of some points; `None` if there are many or none.
@@ -256,9 +260,14 @@ impl Near {
         if found.is_empty() {
             return None;
         }
-        let corners = |t: &u32| search.to.mesh().corners(*t as usize);
-        let triangles: Vec<[Vec3; 3]> = found.iter().map(corners).collect();
-        let middles = triangles.iter().map(|[a, b, c]| (*a + *b + *c) * (1.0 / 3.0)).collect();
+        let triangles: Vec<[Vec3; 3]> = found.iter().map(|t| search.to.mesh().corners(*t as usize)).collect();
+        let mut middles = vec![[[f32::INFINITY; LANES]; 3]; triangles.len().div_ceil(LANES)];
+        for (i, [a, b, c]) in triangles.iter().enumerate() {
+            let middle = (*a + *b + *c) * (1.0 / 3.0);
+            for (axis, v) in middle.to_array().into_iter().enumerate() {
+                middles[i / LANES][axis][i % LANES] = v;
+            }
+        }
         Some(Self { triangles, middles, enough })
     }
 
@@ -277,9 +286,24 @@ impl Near {
     /// Bounds them by the triangle whose middle is closest to theirs.
     fn quick_bound(&self, places: [Vec3; 3]) -> f32 {
         let middle = (places[0] + places[1] + places[2]) * (1.0 / 3.0);
-        let squared = |i: &usize| (self.middles[*i] - middle).dot(self.middles[*i] - middle);
-        let closest = (0..self.middles.len()).min_by(|a, b| squared(a).total_cmp(&squared(b)));
-        closest.map_or(f32::INFINITY, |i| farthest(places, self.triangles[i], f32::INFINITY))
+        farthest(places, self.triangles[self.closest_middle(middle)], f32::INFINITY)
+    }
+
+    /// Returns the triangle whose middle is closest to a point, the first of several.
+    fn closest_middle(&self, point: Vec3) -> usize {
+        let (mut least, mut found) = ([f32::INFINITY; LANES], [0u32; LANES]);
+        for (group, [x, y, z]) in self.middles.iter().enumerate() {
+            for i in 0..LANES {
+                let away = [x[i] - point.x, y[i] - point.y, z[i] - point.z];
+                let squared = away[0] * away[0] + away[1] * away[1] + away[2] * away[2];
+                let is_closer = squared < least[i];
+                least[i] = if is_closer { squared } else { least[i] };
+                found[i] = if is_closer { group as u32 } else { found[i] };
+            }
+        }
+        let index = |i: usize| found[i] as usize * LANES + i;
+        let best = (0..LANES).min_by(|a, b| least[*a].total_cmp(&least[*b]).then(index(*a).cmp(&index(*b))));
+        best.map_or(0, index).min(self.triangles.len() - 1)
     }
 }
 

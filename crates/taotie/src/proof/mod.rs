@@ -29,5 +29,5 @@ pub use pair::{Pair, Side};
 pub use patch::{Patch, most_missing, worst_patch};
 pub use patch_view::{PatchQuantity, PatchView};
 pub use region::{Region, WorstRegions};
-pub use shape::ShapeFigures;
+pub use shape::{hausdorff, root_mean_square};
 pub use silhouette::{SilhouetteFigures, silhouettes};

@@ -166,17 +166,12 @@ impl View {
     pub fn fitting(pair: &Pair<'_>, toward: Vec3) -> Self {
         let across = toward.any_perpendicular();
         let axes = [across, toward.cross(across)];
-        let mut low = [f32::INFINITY; 3];
-        let mut high = [f32::NEG_INFINITY; 3];
-        for side in [pair.scan, pair.asset] {
-            for position in side.surface.mesh().positions() {
-                let at = [axes[0].dot(*position), axes[1].dot(*position), toward.dot(*position)];
-                for k in 0..3 {
-                    low[k] = low[k].min(at[k]);
-                    high[k] = high[k].max(at[k]);
-                }
-            }
-        }
+        let extent = |direction: Vec3| {
+            let of = |side: &Side<'_>| side.surface.bvh().extent_along(direction);
+            of(pair.scan).max(of(pair.asset))
+        };
+        let [low, high] =
+            [-1.0, 1.0].map(|sign| [axes[0], axes[1], toward].map(|axis| sign * extent(axis * sign)));
         let middle: [f32; 3] = std::array::from_fn(|k| (low[k] + high[k]) * 0.5);
         let width = (high[0] - low[0]).max(high[1] - low[1]).max(f32::MIN_POSITIVE);
         let center = axes[0] * middle[0] + axes[1] * middle[1] + toward * middle[2];

@@ -14,32 +14,17 @@ const WIDEST: f32 = 3.0;
 /// The bounds are closer in proportion if more points than these are looked at.
 const POINTS: f32 = 20_000.0;
 
-/// The distances between what can be seen of two surfaces, in both directions, model units.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-#[non_exhaustive]
-pub struct ShapeFigures {
-    /// Bounds of the largest (Hausdorff distance).
-    pub hausdorff: DistanceBounds,
-    /// The root mean square over sampled points.
-    pub rms: f64,
-}
-
-impl ShapeFigures {
-    /// Measures the distances; `close_ups` are those of the scan and of the asset.
-    pub fn of(pair: &Pair<'_>, close_ups: [&CloseUp; 2]) -> Self {
-        Self { hausdorff: hausdorff(pair, close_ups), rms: root_mean_square(close_ups) }
-    }
-}
-
-fn hausdorff(pair: &Pair<'_>, close_ups: [&CloseUp; 2]) -> DistanceBounds {
+/// Bounds the largest (Hausdorff) distance between what can be seen of two surfaces, in both directions, model units.
+/// `close_ups` are those of the scan and of the asset; the bounds are closer in proportion to `points` above 20,000.
+pub fn hausdorff(pair: &Pair<'_>, close_ups: [&CloseUp; 2], points: usize) -> DistanceBounds {
     let samples = || close_ups.into_iter().flat_map(|close_up| &close_up.samples);
     let known = samples().map(|sample| sample.distance).fold(0.0, f32::max);
-    let points = close_ups.iter().map(|close_up| close_up.points).max().unwrap_or(1).max(1);
     let triangles: usize =
         [pair.scan, pair.asset].map(|side| side.surface.mesh().triangles().len()).iter().sum();
     let wider = (triangles as f32 / MANY as f32).clamp(1.0, WIDEST);
     // Closer where more points have to decide a requirement.
-    let width = (pair.diagonal * WIDTH[0]).max(known * WIDTH[1]) * wider * (POINTS / points as f32).min(1.0);
+    let width =
+        (pair.diagonal * WIDTH[0]).max(known * WIDTH[1]) * wider * (POINTS / points.max(1) as f32).min(1.0);
     let sides = [(pair.scan, pair.asset), (pair.asset, pair.scan)];
     let start = DistanceBounds::exactly(f64::from(known));
     sides.into_iter().zip(close_ups).fold(start, |bounds, ((side, to), close_up)| {
@@ -50,7 +35,8 @@ fn hausdorff(pair: &Pair<'_>, close_ups: [&CloseUp; 2]) -> DistanceBounds {
     })
 }
 
-fn root_mean_square(close_ups: [&CloseUp; 2]) -> f64 {
+/// Returns the root mean square distance over the points of both surfaces, model units.
+pub fn root_mean_square(close_ups: [&CloseUp; 2]) -> f64 {
     let samples = || close_ups.into_iter().flat_map(|close_up| &close_up.samples);
     let sum: f64 = samples().map(|sample| f64::from(sample.distance) * f64::from(sample.distance)).sum();
     (sum / samples().count().max(1) as f64).sqrt()

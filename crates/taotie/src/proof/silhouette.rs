@@ -2,10 +2,10 @@
 
 use super::overview::{SIDE, VIEWS, View};
 use super::pair::Pair;
-use crate::bake::{TexturedMesh, sphere_directions};
+use crate::bake::{Scan, sphere_directions};
 use crate::math::Vec3;
-use crate::mesh::Mesh;
 use crate::parallel;
+use crate::trace::{EightTriangles, Sweep};
 
 /// The deviation of an asset's outlines from those of its scan over 32 fixed views, the object filling 512² pixels.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -23,7 +23,7 @@ pub struct SilhouetteFigures {
 /// Compares the outlines of both surfaces.
 pub fn silhouettes(pair: &Pair<'_>) -> SilhouetteFigures {
     let directions = sphere_directions(VIEWS);
-    let shapes = [pair.scan, pair.asset].map(|side| Shape::of(side.surface.surface()));
+    let shapes = [pair.scan, pair.asset].map(|side| Shape::of(side.surface));
     let views = parallel::tasks(VIEWS, &|i| {
         let view = View::fitting(pair, directions[i]);
         let [scan, asset] = [0, 1].map(|of| Mask::of(&shapes[of], &view).outline());
@@ -56,20 +56,28 @@ impl Sums {
     }
 }
 
-/// A mesh, and which of its triangles have two sides that are drawn; none if that is empty.
+/// A surface, and which of its triangles have two sides that are drawn; none if that is empty.
 struct Shape<'a> {
-    mesh: &'a Mesh,
+    surface: &'a Scan,
     is_double_sided: Vec<bool>,
+    /// Rounding of places, model units.
+    slack: f32,
 }
 
 impl<'a> Shape<'a> {
-    fn of(surface: &'a TexturedMesh) -> Self {
-        let is_double = |t: usize| surface.material(t as u32).double_sided;
-        let mut is_double_sided = parallel::collect(surface.mesh().triangles().len(), is_double);
+    /// A few roundings of the largest coordinate, as a part of it.
+    const ROUNDING: f32 = 1e-6;
+
+    fn of(surface: &'a Scan) -> Self {
+        let mesh = surface.mesh();
+        let is_double = |t: usize| surface.surface().material(t as u32).double_sided;
+        let mut is_double_sided = parallel::collect(mesh.triangles().len(), is_double);
         if !is_double_sided.contains(&true) {
             is_double_sided.clear();
         }
-        Self { mesh: surface.mesh(), is_double_sided }
+        let coordinates = mesh.positions().iter().flat_map(|p| p.to_array());
+        let largest = coordinates.fold(0f32, |most, v| most.max(v.abs()));
+        Self { surface, is_double_sided, slack: largest * Self::ROUNDING }
     }
 }
 
@@ -84,21 +92,67 @@ struct Mask {
     rows: Rows,
 }
 
-impl Mask {
-    fn of(Shape { mesh, is_double_sided }: &Shape<'_>, view: &View) -> Self {
-        let place = |p: Vec3| {
-            let away = p - view.corner;
-            view.axes.map(|axis| axis.dot(away) / view.pixel - 0.5)
+/// A surface that is being drawn.
+struct Drawing<'a> {
+    mask: Mask,
+    shape: &'a Shape<'a>,
+    view: &'a View,
+    /// Across and down the picture, in pixels.
+    axes: [Vec3; 2],
+}
+
+impl Drawing<'_> {
+    /// Returns where a point appears, pixels; whole numbers are the middles of pixels.
+    #[inline(always)]
+    fn place(&self, p: Vec3) -> [f32; 2] {
+        let away = p - self.view.corner;
+        [self.axes[0].dot(away) - 0.5, self.axes[1].dot(away) - 0.5]
+    }
+}
+
+impl Sweep for Drawing<'_> {
+    /// Returns `true` if the box has the middle of a pixel that is not covered yet.
+    fn wants(&self, [low, high]: [Vec3; 2]) -> bool {
+        let middle = self.place((low + high) * 0.5);
+        let half = (high - low) * 0.5;
+        let range = |k: usize| {
+            let axis = self.axes[k];
+            let reach = axis.x.abs() * half.x + axis.y.abs() * half.y + axis.z.abs() * half.z;
+            let reach = reach + self.shape.slack / self.view.pixel + MARGIN;
+            whole([middle[k] - reach, middle[k] + reach])
         };
-        let places: Vec<[f32; 2]> = mesh.positions().iter().map(|p| place(*p)).collect();
-        let mut mask = Self { rows: vec![[0; WORDS]; SIDE] };
-        for (t, triangle) in mesh.triangles().iter().enumerate() {
-            let corners = triangle.map(|v| places[v as usize]);
-            if faces_viewer(corners) || is_double_sided.get(t) == Some(&true) {
-                mask.cover(corners);
+        let (Some([left, right]), Some([top, bottom])) = (range(0), range(1)) else { return false };
+        self.mask.rows[top..=bottom].iter().any(|row| !is_set(row, left, right))
+    }
+
+    fn take(&mut self, triangles: &[u32], corners: &EightTriangles) {
+        // Eight at once: absent ones are not a number.
+        let mut places = [[[0.0; 2]; 3]; LANES];
+        for (corner, [x, y, z]) in corners.iter().enumerate() {
+            let all: [[f32; 2]; LANES] = std::array::from_fn(|i| self.place(Vec3::new(x[i], y[i], z[i])));
+            places.iter_mut().zip(all).for_each(|(places, place)| places[corner] = place);
+        }
+        for (places, triangle) in places.into_iter().zip(triangles) {
+            let is_double = || self.shape.is_double_sided.get(*triangle as usize) == Some(&true);
+            if faces_viewer(places) || is_double() {
+                self.mask.cover(places);
             }
         }
-        mask
+    }
+}
+
+/// Triangles that are placed at once.
+const LANES: usize = 8;
+/// Rounding of places within a picture, pixels.
+const MARGIN: f32 = 1e-3;
+
+impl Mask {
+    fn of(shape: &Shape<'_>, view: &View) -> Self {
+        let mask = Self { rows: vec![[0; WORDS]; SIDE] };
+        let mut drawing =
+            Drawing { mask, shape, view, axes: view.axes.map(|axis| axis * (1.0 / view.pixel)) };
+        shape.surface.bvh().sweep(view.toward, &mut drawing);
+        drawing.mask
     }
 
     /// Covers the pixels whose middles, whole numbers, lie in a triangle or on its border.
@@ -190,12 +244,21 @@ fn across(corners: [[f32; 2]; 3], y: f32) -> [f32; 2] {
 
 /// Sets the bits of the columns `from` to `to`, the last included.
 fn set(row: &mut [u64; WORDS], from: usize, to: usize) {
-    let [first, last] = [from / 64, to / 64];
-    for (i, word) in row.iter_mut().enumerate().take(last + 1).skip(first) {
-        let low = if i == first { u64::MAX << (from % 64) } else { u64::MAX };
-        let high = if i == last { u64::MAX >> (63 - to % 64) } else { u64::MAX };
-        *word |= low & high;
+    for i in from / 64..=to / 64 {
+        row[i] |= bits(i, from, to);
     }
+}
+
+/// Returns `true` if the bits of the columns `from` to `to`, the last included, are set.
+fn is_set(row: &[u64; WORDS], from: usize, to: usize) -> bool {
+    (from / 64..=to / 64).all(|i| !row[i] & bits(i, from, to) == 0)
+}
+
+/// Returns the bits of word `i` that belong to the columns `from` to `to`.
+fn bits(i: usize, from: usize, to: usize) -> u64 {
+    let low = if i == from / 64 { u64::MAX << (from % 64) } else { u64::MAX };
+    let high = if i == to / 64 { u64::MAX >> (63 - to % 64) } else { u64::MAX };
+    low & high
 }
 
 /// The pixels of an outline.

@@ -102,7 +102,7 @@ impl Bvh {
         closest(&self.tree, point, reach)
     }
 
-    /// Returns the triangles within `reach` of a point, in any order; `None` if they are more than `most`.
+    /// Returns the triangles whose boxes are within `reach` of a point, in any order; `None` if they are more than `most`.
     pub fn within(&self, point: Vec3, reach: f32, most: usize) -> Option<Vec<u32>> {
         within(&self.tree, point, reach, most)
     }

@@ -1,6 +1,6 @@
 //! The point of a surface that is closest to a given one, and the triangles within a distance of it.
 
-use super::tree::{Boxes, Tree, WIDTH};
+use super::tree::{Boxes, Leaf, Tree, WIDTH};
 use crate::math::Vec3;
 use crate::mesh::Point;
 use arrayvec::ArrayVec;
@@ -71,7 +71,7 @@ pub(super) fn closest(tree: &Tree, point: Vec3, reach: f32) -> Option<Closest> {
     best.map(|(_, closest)| closest)
 }
 
-/// Returns the triangles within `reach` of a point; `None` if they are more than `most`.
+/// Returns the triangles whose boxes are within `reach` of a point; `None` if they are more than `most`.
 pub(super) fn within(tree: &Tree, point: Vec3, reach: f32, most: usize) -> Option<Vec<u32>> {
     let (limit, mut found) = (reach * reach, Vec::new());
     let mut waiting: ArrayVec<(usize, usize), STACK> = ArrayVec::new();
@@ -86,15 +86,23 @@ pub(super) fn within(tree: &Tree, point: Vec3, reach: f32, most: usize) -> Optio
             waiting.extend(near.map(|(i, _)| (level - 1, node * WIDTH + i)));
             continue;
         }
-        let slots = tree.order[node * WIDTH..].iter().take(WIDTH).enumerate();
-        let near =
-            slots.filter(|(i, _)| distance_to_triangle(tree.leaves[node].triangle(*i), point) <= reach);
-        found.extend(near.map(|(_, triangle)| *triangle));
+        let distances = squared_distances(&boxes(&tree.leaves[node]), point);
+        let slots = tree.order[node * WIDTH..].iter().zip(distances);
+        found.extend(slots.filter(|(_, squared)| *squared <= limit).map(|(triangle, _)| *triangle));
         if found.len() > most {
             return None;
         }
     }
     Some(found)
+}
+
+/// The box around each triangle.
+fn boxes(leaf: &Leaf) -> Boxes {
+    let [a, b, c] = &leaf.corners;
+    let of = |pick: fn(f32, f32) -> f32| {
+        std::array::from_fn(|axis| std::array::from_fn(|i| pick(pick(a[axis][i], b[axis][i]), c[axis][i])))
+    };
+    Boxes { min: of(f32::min), max: of(f32::max) }
 }
 
 /// The squared distance to each box, 0 inside.
@@ -150,6 +158,7 @@ mod tests {
     use super::super::numbers::numbers;
     use super::*;
     use crate::trace::Bvh;
+    use std::collections::HashSet;
 
     #[test]
     fn triangles_within_a_distance_are_those_that_are_near() {
@@ -164,10 +173,12 @@ mod tests {
         let bvh = Bvh::build(&triangles);
         for _ in 0..100 {
             let p = point();
-            let mut found = bvh.within(p, 0.2, usize::MAX).unwrap();
-            found.sort_unstable();
+            let found: HashSet<u32> = bvh.within(p, 0.2, usize::MAX).unwrap().into_iter().collect();
             let is_near = |t: &u32| distance_to_triangle(triangles[*t as usize], p) <= 0.2;
-            assert_eq!(found, (0..300).filter(is_near).collect::<Vec<u32>>());
+            assert!((0..300).filter(is_near).all(|t| found.contains(&t)));
+            // Boxes are no larger than 0.1 by 0.1 by 0.1.
+            let is_far = |t: &u32| distance_to_triangle(triangles[*t as usize], p) > 0.2 + 0.18;
+            assert!(!found.iter().any(is_far));
             assert!(found.is_empty() || bvh.within(p, 0.2, found.len() - 1).is_none());
         }
         let mut all: Vec<u32> = bvh.clusters().flatten().copied().collect();

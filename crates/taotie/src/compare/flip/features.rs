@@ -7,9 +7,6 @@ use crate::parallel;
 /// The distance from peak to trough of the eye's edge detector, degrees: §4.2.1.
 const EDGE_WIDTH: f64 = 0.082;
 
-/// The exponent q_f of §4.2.2.
-const EXPONENT: f64 = 0.5;
-
 /// Returns the strengths of edges and points at each pixel, of a plane of lightness with white being 1: the lengths of
 /// the gradient and of the vector of second derivatives of the blurred plane, §4.2.1.
 pub fn strengths(lightness: &Plane, pixels_per_degree: f64) -> Vec<[f64; 2]> {
@@ -23,10 +20,10 @@ pub fn strengths(lightness: &Plane, pixels_per_degree: f64) -> Vec<[f64; 2]> {
     edges.into_iter().zip(points).map(|(edge, point)| [edge, point]).collect()
 }
 
-/// Returns the difference of features, [0, 1]: §4.2.2.
+/// Returns the difference of features, [0, 1]: §4.2.2 with the exponent q_f = 0.5.
 pub fn difference(a: [f64; 2], b: [f64; 2]) -> f64 {
     let most = (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
-    scalar::pow(most * std::f64::consts::FRAC_1_SQRT_2, EXPONENT)
+    (most * std::f64::consts::FRAC_1_SQRT_2).sqrt()
 }
 
 /// A Gaussian and its first two derivatives in one dimension.

@@ -1,0 +1,114 @@
+//! What a viewer sees of a level of detail, found at as many points as are wanted.
+
+use super::figure::Sampling;
+use super::met::Met;
+use crate::error::Result;
+use crate::proof::{
+    CloseUp, DistanceBounds, Overview, Pair, SilhouetteFigures, hausdorff, overview, silhouettes,
+};
+
+/// Points at most, when samples are added to decide a requirement.
+const MOST_POINTS: usize = 4_000_000;
+/// More points than are likely to decide a requirement, since estimates of intervals vary.
+const MARGIN: f64 = 1.5;
+
+/// A level of detail as a viewer sees it.
+pub(super) struct Seen {
+    counts: Counts,
+    pub overview: Overview,
+    pub silhouette: SilhouetteFigures,
+    /// Of the scan and of the asset.
+    pub close_ups: [CloseUp; 2],
+    pub hausdorff: DistanceBounds,
+}
+
+/// The numbers of points by which the figures of a level are found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Counts {
+    /// On the surface.
+    pub surface: usize,
+    /// Pixels of the overview.
+    overview: usize,
+    /// Of each surface, seen close up.
+    close_up: usize,
+    /// The bounds of distances are closer in proportion to this.
+    distance: usize,
+}
+
+impl Seen {
+    /// Looks at a level.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] if a surface has no area.
+    pub fn of(pair: &Pair<'_>, counts: Counts) -> Result<Self> {
+        let close_ups = close_ups(pair, counts)?;
+        Ok(Self {
+            counts,
+            overview: overview(pair, counts.overview)?,
+            silhouette: silhouettes(pair),
+            hausdorff: hausdorff(pair, [&close_ups[0], &close_ups[1]], counts.distance),
+            close_ups,
+        })
+    }
+
+    /// Returns the numbers of points that were looked at.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Measures the figures again whose number of points is another.
+    ///
+    /// # Errors
+    /// As [`Seen::of`].
+    pub fn refine(&mut self, pair: &Pair<'_>, counts: Counts) -> Result<()> {
+        let before = std::mem::replace(&mut self.counts, counts);
+        if counts.overview != before.overview {
+            self.overview = overview(pair, counts.overview)?;
+        }
+        if counts.close_up != before.close_up {
+            self.close_ups = close_ups(pair, counts)?;
+        }
+        if counts.distance != before.distance {
+            let [of_scan, of_asset] = &self.close_ups;
+            self.hausdorff = hausdorff(pair, [of_scan, of_asset], counts.distance);
+        }
+        Ok(())
+    }
+}
+
+fn close_ups(pair: &Pair<'_>, counts: Counts) -> Result<[CloseUp; 2]> {
+    Ok([CloseUp::of_scan(pair, counts.close_up)?, CloseUp::of_asset(pair, counts.close_up)?])
+}
+
+impl Counts {
+    /// The same number for all figures.
+    pub fn all(points: usize) -> Self {
+        Self { surface: points, overview: points, close_up: points, distance: points }
+    }
+
+    /// Returns the numbers that are likely to decide what is undecided.
+    pub fn to_decide<'m>(self, met: impl Iterator<Item = &'m Met>) -> Self {
+        let mut next = self;
+        for met in met {
+            let times = met.samples_to_decide();
+            let (now, next) = match met.figure.sampling() {
+                Some(Sampling::Overview) => (self.overview, &mut next.overview),
+                Some(Sampling::CloseUp) => (self.close_up, &mut next.close_up),
+                Some(Sampling::Distance) => (self.distance, &mut next.distance),
+                None => continue,
+            };
+            *next = (*next).max(enough(now, times));
+        }
+        next
+    }
+}
+
+/// Returns so many points that `times` as many as there are decide a requirement; as many as there are if not even the most
+/// would tell.
+fn enough(points: usize, times: f64) -> usize {
+    let (now, most) = (points as f64, MOST_POINTS as f64);
+    if times <= 1.0 || now >= most || now * times > most * 4.0 {
+        return points;
+    }
+    (now * times * MARGIN).min(most) as usize
+}

@@ -1,0 +1,164 @@
+//! Walks over all triangles in one direction.
+
+use super::bvh::Bvh;
+use super::tree::{Boxes, Leaf, WIDTH};
+use crate::math::Vec3;
+use std::cmp::Ordering;
+
+/// The corners of up to eight triangles, `corners[corner][axis][triangle]`.
+pub type EightTriangles = [[[f32; WIDTH]; 3]; 3];
+
+/// Takes the triangles of a [`Bvh::sweep`].
+pub trait Sweep {
+    /// Returns `true` if the triangles in a box, its least and its greatest corner, are wanted.
+    fn wants(&self, bounds: [Vec3; 2]) -> bool;
+
+    /// Takes up to eight triangles, by their numbers and corners.
+    fn take(&mut self, triangles: &[u32], corners: &EightTriangles);
+}
+
+/// A node that waits to be visited.
+struct Waiting {
+    level: usize,
+    node: usize,
+    bounds: [Vec3; 2],
+}
+
+impl Bvh {
+    /// Visits the boxes that are wanted, those farthest along `toward` first, and takes their triangles.
+    pub fn sweep(&self, toward: Vec3, sweep: &mut impl Sweep) {
+        self.descend(toward, |next, leaf| match leaf {
+            None => sweep.wants(next),
+            Some((triangles, leaf)) => {
+                sweep.take(triangles, &leaf.corners);
+                true
+            }
+        });
+    }
+
+    /// Returns the largest dot product of a direction and a corner of a triangle; −∞ without triangles.
+    pub fn extent_along(&self, direction: Vec3) -> f32 {
+        let mut most = f32::NEG_INFINITY;
+        self.descend(direction, |[low, high], leaf| {
+            let Some((triangles, leaf)) = leaf else {
+                // Rounding keeps the order of numbers, so no corner in the box is farther than that.
+                let pick = |d: f32, low: f32, high: f32| if d < 0.0 { low } else { high };
+                let farthest = Vec3::new(
+                    pick(direction.x, low.x, high.x),
+                    pick(direction.y, low.y, high.y),
+                    pick(direction.z, low.z, high.z),
+                );
+                return direction.dot(farthest) > most;
+            };
+            for i in 0..triangles.len() {
+                most =
+                    leaf.triangle(i).into_iter().fold(most, |most, corner| most.max(direction.dot(corner)));
+            }
+            true
+        });
+        most
+    }
+
+    /// Visits boxes, those farthest along `toward` first. `visit` decides whether a box is entered, and takes the triangles
+    /// of a leaf that was.
+    fn descend(&self, toward: Vec3, mut visit: impl FnMut([Vec3; 2], Option<(&[u32], &Leaf)>) -> bool) {
+        let everything = [Vec3::splat(f32::NEG_INFINITY), Vec3::splat(f32::INFINITY)];
+        let mut waiting = Vec::new();
+        if !self.tree.leaves.is_empty() {
+            let top = self.tree.levels.len();
+            waiting.extend(self.children(Waiting { level: top, node: 0, bounds: everything }));
+            sort(&mut waiting, toward);
+        }
+        while let Some(next) = waiting.pop() {
+            if !visit(next.bounds, None) {
+                continue;
+            }
+            if next.level == 0 {
+                let triangles = &self.tree.order[next.node * WIDTH..][..self.tree.triangles(next.node)];
+                visit(next.bounds, Some((triangles, &self.tree.leaves[next.node])));
+                continue;
+            }
+            let first = waiting.len();
+            waiting.extend(self.children(next));
+            sort(&mut waiting[first..], toward);
+        }
+    }
+
+    fn children(&self, Waiting { level, node, .. }: Waiting) -> impl Iterator<Item = Waiting> {
+        let boxes = &self.tree.levels[level - 1][node];
+        let count = self.tree.children(level, node);
+        (0..count).map(move |i| Waiting {
+            level: level - 1,
+            node: node * WIDTH + i,
+            bounds: corners(boxes, i),
+        })
+    }
+}
+
+/// Puts the node farthest along `toward` last.
+fn sort(nodes: &mut [Waiting], toward: Vec3) {
+    let depth = |node: &Waiting| (node.bounds[0] + node.bounds[1]).dot(toward);
+    nodes.sort_by(|a, b| depth(a).partial_cmp(&depth(b)).unwrap_or(Ordering::Equal));
+}
+
+fn corners(boxes: &Boxes, child: usize) -> [Vec3; 2] {
+    [&boxes.min, &boxes.max].map(|bound| Vec3::new(bound[0][child], bound[1][child], bound[2][child]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::numbers::numbers;
+    use super::*;
+
+    struct Taken {
+        triangles: Vec<u32>,
+        least: f32,
+    }
+
+    impl Sweep for Taken {
+        fn wants(&self, [_, high]: [Vec3; 2]) -> bool {
+            high.x >= self.least
+        }
+
+        fn take(&mut self, triangles: &[u32], _: &EightTriangles) {
+            self.triangles.extend(triangles);
+        }
+    }
+
+    #[test]
+    fn all_triangles_that_are_wanted_are_taken_once() {
+        let mut next = numbers(3);
+        let mut point = || Vec3::new(next(), next(), next());
+        for count in [0, 1, 8, 9, 500] {
+            let triangles: Vec<[Vec3; 3]> = (0..count).map(|_| [point(), point(), point()]).collect();
+            let bvh = Bvh::build(&triangles);
+            let taken = |least: f32| {
+                let mut taken = Taken { triangles: Vec::new(), least };
+                bvh.sweep(Vec3::new(0.6, 0.0, 0.8), &mut taken);
+                taken.triangles.sort_unstable();
+                taken.triangles
+            };
+            assert_eq!(taken(0.0), (0..count).collect::<Vec<u32>>());
+            let some = taken(0.9);
+            let reaches = |t: &[Vec3; 3]| t.iter().any(|p| p.x >= 0.9);
+            let expected = triangles.iter().filter(|t| reaches(t)).count();
+            assert!(some.len() >= expected && some.windows(2).all(|pair| pair[0] < pair[1]));
+            let direction = point() - Vec3::splat(0.5);
+            let most =
+                triangles.iter().flatten().map(|p| direction.dot(*p)).fold(f32::NEG_INFINITY, f32::max);
+            assert_eq!(bvh.extent_along(direction), most);
+        }
+    }
+
+    /// Those nearer to the viewer come first, as far as boxes tell.
+    #[test]
+    fn the_farthest_come_first() {
+        let sheet = |z: f32| [Vec3::new(0.0, 0.0, z), Vec3::new(1.0, 0.0, z), Vec3::new(0.0, 1.0, z)];
+        let bvh = Bvh::build(&(0..64).map(|i| sheet(i as f32)).collect::<Vec<_>>());
+        let mut taken = Taken { triangles: Vec::new(), least: 0.0 };
+        bvh.sweep(Vec3::new(0.0, 0.0, 1.0), &mut taken);
+        let leaves: Vec<u32> =
+            taken.triangles.chunks(8).map(|leaf| leaf.iter().copied().max().unwrap()).collect();
+        assert!(leaves.windows(2).all(|pair| pair[0] > pair[1]), "{leaves:?}");
+    }
+}
