@@ -29,7 +29,7 @@ fn errors(scan: Material, asset: Material) -> (MaterialError, Field) {
     let verifier = Verifier { mesh: shown.mesh(), shown: None, cage: &cage, scan: &scan };
     let error = verifier.material_error(&shown, 500).unwrap();
     let checks = TexelChecks { colors: Some(&shown), detail: None };
-    (error, verifier.error_maps([16, 8], checks).unwrap().colors.unwrap())
+    (error, verifier.error_maps([16, 8], checks).unwrap().unwrap().colors.unwrap())
 }
 
 fn is_everywhere(field: &Field, value: f64) {

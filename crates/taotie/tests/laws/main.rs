@@ -28,6 +28,7 @@ mod bake_scan;
 mod coarse;
 mod energy;
 mod environment;
+mod error_maps;
 mod exact;
 mod facets;
 mod figures;
