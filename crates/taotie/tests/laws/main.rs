@@ -39,6 +39,7 @@ mod lane;
 mod low_faults;
 mod made_meshes;
 mod maps;
+mod mismatches;
 mod names;
 mod pixel_gradients;
 mod rays;
