@@ -309,7 +309,10 @@ test("distances and sections are measured on the model", async () => {
     const decimals = (text) => (text.split(".")[1] ?? "").length;
     assert.equal(decimals(value), decimals(doubt), "digits end where the doubt does");
     const csv = await saved(page, () => page.getByRole("button", { name: "Profile as CSV" }).click());
-    const rows = csv.toString().trim().split("\n").slice(1);
+    const [head, ...rows] = csv.toString().trim().split("\n");
+    assert.equal(head, "along_from (m),above_from (m),along_to (m),above_to (m)");
+    const svg = await saved(page, () => page.getByRole("button", { name: "Profile as SVG" }).click());
+    assert.match(svg.toString(), /<title>Profile, lengths in m<\/title>/);
     const pieces = rows.map((row) => row.split(",").map(Number));
     assert(pieces.length >= 2, `${pieces.length} pieces`);
     // Between the points a ball bulges by its sagitta, and its far side lies two radii behind.

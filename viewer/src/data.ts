@@ -91,6 +91,10 @@ export interface ErrorMap {
     width: number;
     height: number;
     from: number;
+    /** The uv set by which it is laid out. */
+    uv_set: number;
+    /** Takes these uvs to the map: the rows of the linear part, then the offset. */
+    transform: [number, number, number, number, number, number];
 }
 
 /** Angles between the normals of asset and scan, and the distance of their shapes, in the unit of the model. */

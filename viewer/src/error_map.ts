@@ -1,6 +1,15 @@
 // The error of the model's normals on its surface, in the colours of its legend.
 
-import { DataTexture, NearestFilter, type RawShaderMaterial, RGBAFormat, type Texture, UnsignedByteType } from "three";
+import {
+    DataTexture,
+    Matrix3,
+    NearestFilter,
+    type RawShaderMaterial,
+    RepeatWrapping,
+    RGBAFormat,
+    type Texture,
+    UnsignedByteType,
+} from "three";
 import type { ErrorMap, Errors } from "./data";
 import type { Blobs } from "./host";
 import { plain } from "./plain";
@@ -11,10 +20,14 @@ const NONE = 0xffff;
 const GREY = [96, 96, 96] as const;
 
 const FRAGMENT = `uniform sampler2D colors;
+uniform mat3 mapFromUv;
 void main() {
-    color = vec4(texture(colors, place).rgb, 1.0);
+    color = vec4(texture(colors, (mapFromUv * vec3(place, 1.0)).xy).rgb, 1.0);
 }
 `;
+
+/** The map of surfaces without one: a texel that stands for none. */
+const UNKNOWN: ErrorMap = { width: 1, height: 1, from: 0, uv_set: 0, transform: [1, 0, 0, 1, 0, 0] };
 
 export class ErrorMaps {
     private constructor(
@@ -26,12 +39,15 @@ export class ErrorMaps {
         return new ErrorMaps(errors, new Uint16Array(await blob("errors")));
     }
 
-    /** Degrees at a place of a surface's map; none where nothing was measured. */
-    at(surface: number, u: number, v: number): number | undefined {
+    /** Degrees at a point of a surface, whose uvs of a set `uvOf` returns; none where nothing was measured. */
+    at(surface: number, uvOf: (set: number) => [number, number] | undefined): number | undefined {
         const map = this.errors.maps[surface];
-        if (!map) return undefined;
-        const [x, y] = [Math.floor(u * map.width), Math.floor(v * map.height)];
-        if (x < 0 || y < 0 || x >= map.width || y >= map.height) return undefined;
+        const uv = map && uvOf(map.uv_set);
+        if (!map || !uv) return undefined;
+        const [a, b, c, d, e, f] = map.transform;
+        const texel = (place: number, count: number) => Math.min(Math.floor((place - Math.floor(place)) * count), count - 1);
+        const x = texel(a * uv[0] + b * uv[1] + e, map.width);
+        const y = texel(c * uv[0] + d * uv[1] + f, map.height);
         const code = this.codes[map.from + y * map.width + x];
         return code === undefined || code === NONE ? undefined : code / this.errors.steps;
     }
@@ -39,8 +55,10 @@ export class ErrorMaps {
     /** Draws a surface in the colours of its errors, which are codes of sRGB. */
     material(surface: number): RawShaderMaterial {
         const map = this.errors.maps[surface];
-        const colors = this.texture(map ?? { width: 1, height: 1, from: 0 }, !map);
-        return plain(FRAGMENT, { colors: { value: colors } });
+        const shown = map ?? UNKNOWN;
+        const [a, b, c, d, e, f] = shown.transform;
+        const mapFromUv = { value: new Matrix3(a, b, e, c, d, f, 0, 0, 1) };
+        return plain(FRAGMENT, { colors: { value: this.texture(shown, !map) }, mapFromUv }, shown.uv_set);
     }
 
     private texture({ width, height, from }: ErrorMap, isUnknown: boolean): Texture {
@@ -51,6 +69,7 @@ export class ErrorMaps {
         }
         const texture = new DataTexture(colors, width, height, RGBAFormat, UnsignedByteType);
         texture.minFilter = texture.magFilter = NearestFilter;
+        texture.wrapS = texture.wrapT = RepeatWrapping;
         texture.needsUpdate = true;
         return texture;
     }

@@ -108,10 +108,12 @@ export class Measure {
         const [, , back] = axes(this.viewer.state);
         const pieces: Piece[] = profile(this.viewer.geometries, [a, b], back);
         const file = (name: string, type: string, text: string) => () => save(name, new Blob([text], { type }));
-        const { title } = this.viewer.data;
+        const { title, in_metres } = this.viewer.data;
+        const unit = in_metres ? "m" : "model units";
+        const drawing = svg(pieces, a.distanceTo(b), unit);
         this.files.append(
-            button(texts.profile("CSV"), file(`${title}.profile.csv`, "text/csv", csv(pieces))),
-            button(texts.profile("SVG"), file(`${title}.profile.svg`, "image/svg+xml", svg(pieces, a.distanceTo(b)))),
+            button(texts.profile("CSV"), file(`${title}.profile.csv`, "text/csv", csv(pieces, unit))),
+            button(texts.profile("SVG"), file(`${title}.profile.svg`, "image/svg+xml", drawing)),
         );
     }
 

@@ -2,14 +2,14 @@
 
 import { DoubleSide, GLSL3, RawShaderMaterial } from "three";
 
-const VERTEX = `precision highp float;
+const vertex = (set: number): string => `precision highp float;
 uniform mat4 projectionMatrix;
 uniform mat4 modelViewMatrix;
 in vec3 position;
-in vec2 uv0;
+in vec2 uv${set};
 out vec2 place;
 void main() {
-    place = uv0;
+    place = uv${set};
     gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }
 `;
@@ -19,11 +19,11 @@ in vec2 place;
 layout(location = 0) out vec4 color;
 `;
 
-/** A material whose `fragment` shader writes `color` at a `place` of the map. */
-export const plain = (fragment: string, uniforms: RawShaderMaterial["uniforms"] = {}): RawShaderMaterial =>
+/** A material whose `fragment` shader writes `color` at a `place` of a uv set. */
+export const plain = (fragment: string, uniforms: RawShaderMaterial["uniforms"] = {}, set = 0): RawShaderMaterial =>
     new RawShaderMaterial({
         glslVersion: GLSL3,
-        vertexShader: VERTEX,
+        vertexShader: vertex(set),
         fragmentShader: HEAD + fragment,
         uniforms,
         side: DoubleSide,

@@ -67,14 +67,15 @@ export function profile(geometries: BufferGeometry[], ends: [Vector3, Vector3], 
     return pieces.sort((a, b) => a[0][0] - b[0][0]);
 }
 
-/** The profile as comma-separated values: a piece a line. */
-export function csv(pieces: Piece[]): string {
-    const head = "along_from,above_from,along_to,above_to";
+/** The profile as comma-separated values, a piece a line; `unit` is that of the model's lengths. */
+export function csv(pieces: Piece[], unit: string): string {
+    const names = ["along_from", "above_from", "along_to", "above_to"];
+    const head = names.map((name) => `${name} (${unit})`).join();
     return [head, ...pieces.map((piece) => piece.flat().map((v) => v.toPrecision(7)).join())].join("\n") + "\n";
 }
 
-/** The profile as a drawing in model units, with a line from end to end. */
-export function svg(pieces: Piece[], length: number): string {
+/** The profile as a drawing with a line from end to end; `unit` is that of the model's lengths, and of its coordinates. */
+export function svg(pieces: Piece[], length: number, unit: string): string {
     const heights = pieces.flat().map(([, above]) => above);
     const [low, high] = [Math.min(0, ...heights), Math.max(0, ...heights)];
     const gap = 0.05 * length;
@@ -82,5 +83,5 @@ export function svg(pieces: Piece[], length: number): string {
     const d = pieces.map(([p, q]) => `M${n(p[0])} ${n(-p[1])}L${n(q[0])} ${n(-q[1])}`).join("");
     const box = [-gap, -high - gap, length + 2 * gap, high - low + 2 * gap].map(n).join(" ");
     const stroke = `fill="none" stroke-width="${n(length / 400)}"`;
-    return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="${box}"><path d="M0 0H${n(length)}" ${stroke} stroke="#999"/><path d="${d}" ${stroke} stroke="#000"/></svg>\n`;
+    return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="${box}"><title>Profile, lengths in ${unit}</title><path d="M0 0H${n(length)}" ${stroke} stroke="#999"/><path d="${d}" ${stroke} stroke="#000"/></svg>\n`;
 }

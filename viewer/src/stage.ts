@@ -134,12 +134,14 @@ export class Stage {
         const { face, barycoord } = hit ?? {};
         if (!hit || !face || !barycoord) return undefined;
         const number = this.main.meshes.indexOf(hit.object as (typeof this.main.meshes)[number]);
-        const uvs = this.main.meshes[number]!.geometry.attributes["uv0"];
-        if (!uvs) return undefined;
+        const { attributes } = this.main.meshes[number]!.geometry;
         const weights = new Vector3(barycoord.x, barycoord.y, barycoord.z);
         const along = (of: (i: number) => number) => weights.dot(new Vector3(of(face.a), of(face.b), of(face.c)));
         const maps = await this.asset.errorMaps();
-        return maps.at(number, along((i) => uvs.getX(i)), along((i) => uvs.getY(i)));
+        return maps.at(number, (set) => {
+            const uvs = attributes[`uv${set}`];
+            return uvs && [along((i) => uvs.getX(i)), along((i) => uvs.getY(i))];
+        });
     }
 
     private place(state: State, size: [number, number], sample: number): void {

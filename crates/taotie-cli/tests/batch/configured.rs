@@ -1,6 +1,6 @@
 //! `collection.toml`: what is wrong with it is told with its line, before any work.
 
-use crate::collection::{Collection, QUICK, ball};
+use crate::collection::{Collection, QUICK, ball, text};
 
 #[track_caller]
 fn assert_told(text: &str, line: usize, why: &str) {
@@ -30,6 +30,9 @@ fn what_is_wrong_is_told_with_its_line() {
     assert_told(&format!("{source}[bake]\nmaps = [\"norm\"]\n"), 4, "unknown variant `norm`");
     assert_told(&format!("{source}[bake]\nsize = 4\n"), 4, "give 16 to 16384 texels");
     assert_told(&format!("{source}[packing]\nimages = \"gif\"\n"), 4, "unknown variant `gif`");
+    assert_told(&format!("{source}[scan]\nunits = \"mm\"\n"), 4, "[scan] has no `units`; it has ");
+    assert_told(&format!("{source}[scan]\nunit = \"ft\"\n"), 4, "unknown variant `ft`");
+    assert_told(&format!("{source}[scan]\ncrease_angle_deg = 181\n"), 4, "between 0 and 180 degrees");
     assert_told(&format!("{source}[thumbnail]\nsize = 4\n"), 1, "thumbnail: a size of 4");
     assert_told(&format!("{source}[thumbnail]\nwidth = 4\n"), 3, "width");
     assert_told(&format!("require = [\n\"mean-angle=2\",\n\"beauty=1\"]\n{source}"), 3, "beauty");
@@ -78,4 +81,26 @@ fn lists_name_scans_with_ids_and_titles() {
     collection.write("list.csv", "file\nscans/a.obj\n");
     let told = String::from_utf8_lossy(&collection.run("").stderr).into_owned();
     assert!(told.contains("list.csv: line 1: ") && told.contains("`path`"), "{told}");
+}
+
+#[test]
+fn scans_are_read_as_their_table_says() {
+    let collection = Collection::new("");
+    collection.write("scans/a.obj", ball(0.01));
+    collection.write("scans/b.obj", ball(0.02));
+    let tables = "\n[scan]\nunit = \"mm\"\n\n[[override]]\nid = \"b.obj\"\nscan = { unit = \"in\" }\n";
+    collection.configure(&format!("require = [\"hausdorff=0.3mm\"]\n{QUICK}{tables}"));
+    // Of a ball of a millimetre 100 triangles are nowhere so far, of a ball of an inch they are.
+    let (code, report) = collection.report("");
+    assert_eq!(code, Some(1), "{report}");
+    let last = collection.last();
+    let states = ["a.obj", "b.obj"].map(|id| text(&last[id], "/state"));
+    assert_eq!(states, ["done", "required-not-met"]);
+    #[cfg(unix)]
+    for (id, path, unit) in [("a.obj", "a.obj/a.glb", 0.001), ("b.obj", "b.obj/b.glb", 0.0254)] {
+        let path = collection.path("out/assets").join(path);
+        let asset = taotie::io::load_model(&path).expect("the asset can be read").scene;
+        let top = asset.bounds().expect("it has triangles").max.y;
+        assert!((top / unit - 1.0).abs() < 0.05, "{id} is in metres: {top}");
+    }
 }

@@ -129,7 +129,7 @@ pub(super) fn data<'a>(subject: &Subject<'a>, warnings: &mut Warnings) -> Result
         models.blobs.push(blob);
         measured = Some(errors);
     } else if let Some(known) = &subject.errors {
-        let (errors, blob) = known_errors(known, prepared.surfaces().len());
+        let (errors, blob) = known_errors(known, &prepared.surfaces());
         models.blobs.push(blob);
         measured = Some(errors);
     }

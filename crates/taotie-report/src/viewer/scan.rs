@@ -3,7 +3,9 @@
 use super::blob::{Blob, bytes_of_words};
 use serde::Serialize;
 use taotie::asset::{Figures, Proof, Scan, VerifyOptions, measure};
-use taotie::bake::{self, Cage, SimplifyOptions, TexelChecks, TexturedMesh, Verifier, simplify};
+use taotie::bake::{
+    self, Cage, SimplifyOptions, TexelChecks, TexturedMesh, Verifier, leading_texture, simplify,
+};
 use taotie::compare::{ColorMap, Field};
 use taotie::length::Unit;
 use taotie::math::Mat4;
@@ -85,6 +87,10 @@ struct ErrorMap {
     height: u32,
     /// The number of numbers before it.
     from: usize,
+    /// The uv set by which it is laid out.
+    uv_set: usize,
+    /// Takes these uvs to the map: the rows of the linear part, then the offset.
+    transform: [f32; 6],
 }
 
 /// Measures an asset against its scan, as a proof does, and notes what is wrong.
@@ -94,9 +100,12 @@ pub(super) fn errors(prepared: &Prepared, scan: &Scan, warnings: &mut Warnings) 
     let mut codes: Vec<u16> = Vec::new();
     let mut maps = Vec::new();
     for (instance, surface) in prepared.surfaces().iter().enumerate() {
-        let map = is_measurable(surface).then(|| error_map(prepared.scene(), instance, scan.sorted()));
+        let map = match is_measurable(surface) {
+            true => error_map(prepared.scene(), instance, scan.sorted())?,
+            false => None,
+        };
         warnings.note("surfaces without a map of their normals' error", usize::from(map.is_none()));
-        maps.push(map.transpose()?.map(|field| ErrorMap::put(&field, &mut codes)));
+        maps.push(map.map(|field| ErrorMap::put(&field, surface, &mut codes)));
     }
     let errors = Errors::new(maps, ShownFigures::of(&figures));
     Ok((errors, Blob::new("errors", bytes_of_words(codes.into_iter()))))
@@ -140,25 +149,25 @@ impl ShownFigures {
     }
 }
 
-/// The errors of a model of so many surfaces, as they were measured before.
-pub(super) fn known_errors(known: &MeasuredErrors<'_>, surfaces: usize) -> (Errors, Blob) {
+/// The errors of a model with these surfaces, as they were measured before.
+pub(super) fn known_errors(known: &MeasuredErrors<'_>, surfaces: &[Surface<'_>]) -> (Errors, Blob) {
     let mut codes = Vec::new();
     let maps = match surfaces {
-        1 => vec![Some(ErrorMap::put_shrunk(known.normals, &mut codes))],
-        several => vec![None; several],
+        [only] => vec![Some(ErrorMap::put_shrunk(known.normals, only, &mut codes))],
+        several => vec![None; several.len()],
     };
     let errors = Errors::new(maps, known.figures);
     (errors, Blob::new("errors", bytes_of_words(codes.into_iter())))
 }
 
-/// The error of the normals of one instance at the texels of its map, degrees.
-fn error_map(scene: &Scene, instance: usize, high: &bake::Scan) -> Result<Field> {
+/// Returns the error of the normals of one instance at the texels of its map, degrees; `None` if its maps repeat too often.
+fn error_map(scene: &Scene, instance: usize, high: &bake::Scan) -> Result<Option<Field>> {
     let mut own = scene.clone();
     own.edit(|scene| scene.instances = vec![scene.instances[instance]])?;
     let shown = TexturedMesh::new(own)?;
     let (mesh, cage) = (shown.mesh(), Cage::automatic(shown.mesh(), high));
     let verifier = Verifier { mesh, shown: Some(&shown), cage: &cage, scan: high };
-    Ok(verifier.error_maps([MAP; 2], TexelChecks::default())?.angles)
+    Ok(verifier.error_maps([MAP; 2], TexelChecks::default())?.map(|maps| maps.angles))
 }
 
 impl Errors {
@@ -172,18 +181,26 @@ impl Errors {
 
 impl ErrorMap {
     /// Puts every so many texels one, so that no side is longer than [`SHRUNK`].
-    fn put_shrunk(field: &Field, codes: &mut Vec<u16>) -> Self {
+    fn put_shrunk(field: &Field, surface: &Surface<'_>, codes: &mut Vec<u16>) -> Self {
         let step = field.width().max(field.height()).div_ceil(SHRUNK).max(1);
         let (width, height, from) = (field.width() / step, field.height() / step, codes.len());
         let at = |i: u32| (i / width * step * field.width() + i % width * step) as usize;
         codes.extend((0..width * height).map(|i| code(&field.values()[at(i)])));
-        Self { width, height, from }
+        Self::on(surface, [width, height], from)
     }
 
-    fn put(field: &Field, codes: &mut Vec<u16>) -> Self {
+    fn put(field: &Field, surface: &Surface<'_>, codes: &mut Vec<u16>) -> Self {
         let from = codes.len();
         codes.extend(field.values().iter().map(code));
-        Self { width: field.width(), height: field.height(), from }
+        Self::on(surface, [field.width(), field.height()], from)
+    }
+
+    /// Describes a map of this size that is laid out as the maps of a surface are.
+    fn on(surface: &Surface<'_>, [width, height]: [u32; 2], from: usize) -> Self {
+        let lead = leading_texture(surface.material, surface.uvs.len());
+        let (uv_set, used) = lead.map(|lead| (lead.uv_set, lead.transform)).unwrap_or_default();
+        let ([[a, b], [c, d]], [e, f]) = (used.linear, used.offset);
+        Self { width, height, from, uv_set, transform: [a, b, c, d, e, f] }
     }
 }
 
@@ -191,7 +208,7 @@ fn code(degrees: &f32) -> u16 {
     if degrees.is_nan() { NONE } else { (degrees * STEPS + 0.5).min(f32::from(NONE - 1)) as u16 }
 }
 
-/// Returns `true` if the error of a surface's normals can be laid out on its first uvs.
+/// Returns `true` if the error of a surface's normals can be laid out on its uvs.
 fn is_measurable(surface: &Surface<'_>) -> bool {
     !surface.uvs.is_empty() && !surface.triangles.is_empty()
 }

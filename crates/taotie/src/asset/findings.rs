@@ -1,12 +1,13 @@
 //! What a proof finds wrong, in plain words: how much of the surface, and where.
 
-use super::figures::Figures;
-use super::judgement::useless_map;
+use super::figures::{Figures, FitFigures};
+use super::judgement::{INSIDE_OUT, useless_map};
 use super::level_figures::LevelFigures;
 use super::shown::ShownLevel;
 use crate::error::Warnings;
-use crate::length::{place_text, texel_text};
-use crate::proof::Patch;
+use crate::length::{Unit, place_text, texel_text};
+use crate::names::Named;
+use crate::proof::{Mismatch, Patch};
 
 /// Shares of the area below this are noise: folds, thin cracks.
 const WORTH_A_WORD: f64 = 0.01;
@@ -22,8 +23,16 @@ const PATCH_COLOR: f64 = 3.0;
 pub(super) fn note(all: &Figures, level: &ShownLevel<'_>, warnings: &mut Warnings) {
     let Some(figures) = all.finest() else { return };
     let coordinates = |place| place_text(place, all.diagonal, all.unit);
+    if let Some(what) = mismatch(level, all.fit, all.unit) {
+        warnings.note(what, 1);
+    }
     let there =
         |patch: &Patch| format!("in the worst 1 % of the surface, around {}", coordinates(patch.center));
+    if level.lacks_material() {
+        let what = "the asset states no colours and no material, but its scan does: what is compared with the scan is the \
+                    default that viewers show";
+        warnings.note(what, 1);
+    }
     note_coverage(figures, &coordinates, warnings);
     let LevelFigures { patches, resolution, .. } = figures;
     if let Some(patch) = patches.angle.filter(|patch| patch.mean > PATCH_DEG) {
@@ -53,6 +62,40 @@ pub(super) fn note(all: &Figures, level: &ShownLevel<'_>, warnings: &mut Warning
     {
         warnings.note(what, 1);
     }
+}
+
+/// Returns in words how an asset as a whole differs from its scan; `None` if it does not. `fit` is the fit of its surface.
+pub(super) fn mismatch(
+    level: &ShownLevel<'_>,
+    fit: Option<FitFigures>,
+    unit: Option<Unit>,
+) -> Option<String> {
+    let scan = level.scan();
+    let Some(found) = Mismatch::find(scan, &level.surface) else {
+        let turned = fit.filter(|fit| fit.away < 0.5)?.turned;
+        let what = format!(
+            "the asset looks inside out: {} of it faces the other way than the scan beside it; reverse its triangles and \
+             normals",
+            percent(turned)
+        );
+        return (turned > INSIDE_OUT).then_some(what);
+    };
+    let size = found.units.map(|[asset, scan]| {
+        let (ratio, than) =
+            if found.size() < 1.0 { (1.0 / found.size(), "smaller") } else { (found.size(), "larger") };
+        let ratio = (ratio * 100.0).round() / 100.0;
+        format!("{ratio} times {than} ({} instead of {})", asset.name(), scan.name())
+    });
+    let moved = found.moved.map(|by| format!("moved by {}", place_text(by, scan.mesh().diagonal(), unit)));
+    let changes: Vec<String> = [found.axes_text(), size, moved].into_iter().flatten().collect();
+    let [without, distance] = [found.without, found.distance].map(|part| match part {
+        part if part < 1.0 => format!("{:.2} % of the diagonal", part * 100.0),
+        part => format!("{part:.0} diagonals"),
+    });
+    let changes = changes.join(" and ");
+    Some(format!(
+        "the asset looks {changes}: without that, asset and scan are {without} apart on average instead of {distance}"
+    ))
 }
 
 fn note_coverage(figures: &LevelFigures, coordinates: &dyn Fn([f64; 3]) -> String, warnings: &mut Warnings) {

@@ -37,6 +37,8 @@ const SCAN_POINTS: usize = 8_192;
 const LEAST_POINTS: usize = 4;
 /// Hard edges inside UV islands of more than this part of the length of all edges are worth a warning.
 const HARD: f64 = 0.001;
+/// An asset of which more than this part faces the other way is inside out as a whole.
+pub(super) const INSIDE_OUT: f64 = 0.9;
 
 /// A scan and the low-poly mesh made for it.
 #[derive(Clone, Copy)]
@@ -255,16 +257,24 @@ fn misfits(pair: Pair<'_>, cage: &Cage) -> Vec<String> {
     misfits
 }
 
-/// Refuses a model that does not lie on its scan at all, and notes one of which a part does not.
+/// Refuses a model that does not lie on its scan at all, and notes one of which a part does not. `cause` names what is wrong
+/// with the model as a whole, if that is known.
 ///
 /// # Errors
 /// [`Error::Invalid`] if the meshes do not overlap.
-pub(super) fn refuse_misfit(fit: &Fit, warnings: &mut Warnings) -> Result<()> {
+pub(super) fn refuse_misfit(
+    fit: &Fit,
+    cause: impl Fn() -> Option<String>,
+    warnings: &mut Warnings,
+) -> Result<()> {
     if fit.away > APART {
-        return Err(Error::invalid("the model and its scan", apart(fit)));
+        let cause = cause().map_or_else(String::new, |cause| format!("; {cause}"));
+        return Err(Error::invalid("the model and its scan", apart(fit) + &cause));
     }
     warnings.note(apart(fit), usize::from(fit.away > PART));
-    warnings.note(reversed(fit), usize::from(fit.turned > PART && fit.away < 0.5));
+    // Of more the proof says that the asset is inside out.
+    let is_partly_turned = fit.turned > PART && fit.turned <= INSIDE_OUT;
+    warnings.note(reversed(fit), usize::from(is_partly_turned && fit.away < 0.5));
     Ok(())
 }
 

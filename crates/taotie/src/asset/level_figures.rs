@@ -309,11 +309,17 @@ pub(super) fn chained<'a>(fields: impl Iterator<Item = &'a Field>) -> Result<Fie
     Field::new(values.len() as u32, 1, values)
 }
 
-/// Returns fields of one width, one below the other.
+/// Returns fields one below the other, at the left; NaN beside those that are narrower than others.
 pub(super) fn stacked(fields: &[Field]) -> Result<Field> {
-    let values: Vec<f32> = fields.iter().flat_map(Field::values).copied().collect();
-    let height = fields.iter().map(Field::height).sum();
-    Field::new(fields.first().map_or(0, Field::width), height, values)
+    let width = fields.iter().map(Field::width).max().unwrap_or_default();
+    let mut values = Vec::new();
+    for field in fields {
+        for row in field.values().chunks(field.width() as usize) {
+            values.extend_from_slice(row);
+            values.extend(std::iter::repeat_n(f32::NAN, width as usize - row.len()));
+        }
+    }
+    Field::new(width, fields.iter().map(Field::height).sum(), values)
 }
 
 #[cfg(test)]
@@ -331,8 +337,11 @@ mod tests {
         let all = chained(found.iter().map(|part| &part.angles)).unwrap();
         assert_eq!((all.values().len(), all.summary().unwrap().mean), (4, 4.0));
         assert_eq!(weighted(&found, |part| part.missed), 0.25);
-        let columns = [Field::new(1, 2, vec![1.0, 2.0]).unwrap(), Field::new(1, 1, vec![3.0]).unwrap()];
+        let columns = [Field::new(1, 2, vec![1.0, 2.0]).unwrap(), Field::new(2, 1, vec![3.0, 4.0]).unwrap()];
         let stack = stacked(&columns).unwrap();
-        assert_eq!((stack.width(), stack.height(), stack.values()), (1, 3, &[1.0, 2.0, 3.0][..]));
+        assert_eq!((stack.width(), stack.height()), (2, 3));
+        let known: Vec<f32> = stack.values().iter().copied().filter(|value| !value.is_nan()).collect();
+        assert_eq!(known, [1.0, 2.0, 3.0, 4.0]);
+        assert!(stack.values()[1].is_nan() && stack.values()[3].is_nan(), "beside the narrower one");
     }
 }

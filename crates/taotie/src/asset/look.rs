@@ -8,19 +8,20 @@ use crate::render::{EnvironmentLight, Lighting};
 use crate::scene::{Camera, Instance, Material, Scene, three_point_rig};
 use crate::studio::{EnvironmentOptions, EnvironmentSource};
 
-/// Returns `true` where nothing is said of colour and material: no vertex colours, and materials that are the default
-/// but for their relief.
+/// Returns `true` if a scene states no colour and no material: no vertex colours, and materials that are the default of their
+/// format, except for their relief.
 pub(super) fn is_plain(scene: &Scene) -> bool {
     let is_plain = |instance: &Instance| {
         let own = &scene.materials()[instance.material];
-        let plain = Material {
+        let plain = |default: Material| Material {
             name: own.name.clone(),
             normal: own.normal,
             height: own.height,
             double_sided: own.double_sided,
-            ..Material::default()
+            ..default
         };
-        scene.meshes()[instance.mesh].colors().is_empty() && *own == plain
+        let is_default = [Material::default(), Material::default_of_gltf()].map(plain).contains(own);
+        scene.meshes()[instance.mesh].colors().is_empty() && is_default
     };
     scene.instances().iter().all(is_plain)
 }
@@ -91,6 +92,9 @@ mod tests {
         assert!(is_plain(&ball(Material::default(), Vec::new())));
         let named = Material { name: "clay".into(), double_sided: true, ..Material::default() };
         assert!(is_plain(&ball(named, Vec::new())));
+        let of_gltf = Material::default_of_gltf();
+        assert!(is_plain(&ball(Material { double_sided: true, ..of_gltf.clone() }, Vec::new())));
+        assert!(!is_plain(&ball(Material { metallic: 0.0, ..of_gltf }, Vec::new())));
         let count = Mesh::sphere(1.0, 8, 4).positions().len();
         assert!(!is_plain(&ball(Material::default(), vec![[1.0; 4]; count])));
         assert!(!is_plain(&ball(Material { metallic: 1.0, ..Material::default() }, Vec::new())));

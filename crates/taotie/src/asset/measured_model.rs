@@ -43,7 +43,8 @@ pub fn measure(
     let mut warnings = Warnings::default();
     let fit = finest.whole().fit((options.points / 2).max(1), scan.mesh().diagonal());
     if let Some(fit) = fit {
-        judgement::refuse_misfit(&fit, &mut warnings)?;
+        let cause = || findings::mismatch(&finest, Some(fit.into()), scan.unit());
+        judgement::refuse_misfit(&fit, cause, &mut warnings)?;
     }
     let (mut figures, parts) =
         Measurement { scan, unit: scan.unit(), options }.all(&finest, &[], &level, progress)?;

@@ -93,8 +93,9 @@ pub struct Proof {
     /// The figures.
     pub figures: Figures,
     /// Angles between the normals of asset and scan at the texels of a map, on the surface, degrees; NaN between UV islands.
-    /// If there are several materials their maps stand one below the other, in the order of [`Figures::parts`]. `None` if the
-    /// asset has no uvs, or [`VerifyOptions::map`] is 0.
+    /// It is laid out as the asset's normal map is, or else its base colour. If there are several materials their maps are
+    /// one below the other, in the order of [`Figures::parts`]; narrower ones are at the left. `None` if the asset has no
+    /// uvs or no textures, if they repeat more than 16 times across a triangle, or if [`VerifyOptions::map`] is 0.
     pub error_map: Option<Field>,
     /// CIEDE2000 between the base colours of asset and scan at the same texels; `None` if the scan says nothing of its
     /// material.
@@ -242,7 +243,7 @@ fn maps(level: &ShownLevel<'_>, scan: &bake::Scan, most: u32) -> Result<[Option<
             continue;
         };
         let checks = TexelChecks { colors: surface.material, detail: Some((&part.shown, &detail)) };
-        let found = surface.mapped.error_maps(size, checks)?;
+        let Some(found) = surface.mapped.error_maps(size, checks)? else { continue };
         angles.push(found.angles);
         colors.extend(found.colors);
         coarser.extend(found.coarser);

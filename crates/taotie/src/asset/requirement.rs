@@ -44,7 +44,7 @@ pub struct Requirement {
     /// Of figures that are the share of the surface within a limit: that limit, in degrees, ΔE, or parts of the diagonal.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub within: Option<f64>,
-    /// `true` if the requirement is dropped when neither surface states its material, so that there is nothing to compare.
+    /// `true` if the requirement is dropped if the scan states no colour and no material, so that there is nothing to compare.
     #[cfg_attr(feature = "serde", serde(default))]
     pub if_compared: bool,
 }

@@ -1,6 +1,7 @@
 //! A level of detail of an asset as a viewer shows it, and the means to measure it.
 
 use super::level_figures::PartSurface;
+use super::look;
 use super::scan::Scan;
 use crate::bake::{self, Cage, TexturedMesh, Verifier};
 use crate::error::{Error, Result};
@@ -28,8 +29,10 @@ pub(super) struct ShownLevel<'a> {
     pub parts: Vec<ShownPart>,
     scan: &'a Scan,
     whole_cage: Cage,
-    /// `true` if the files state their material, and the scan too.
+    /// `true` if the files show a material, and the scan states one.
     has_material: bool,
+    /// `true` if the files state no colour and no material.
+    is_plain: bool,
 }
 
 impl ShownPart {
@@ -68,7 +71,7 @@ impl<'a> ShownLevel<'a> {
             _ => Cage::automatic(surface.mesh(), scan.sorted()),
         };
         let has_material = has_material && !scan.about.is_plain;
-        Ok(Self { surface, parts, scan, whole_cage, has_material })
+        Ok(Self { surface, parts, scan, whole_cage, has_material, is_plain: look::is_plain(scene) })
     }
 
     /// Returns the surfaces of all parts.
@@ -88,9 +91,19 @@ impl<'a> ShownLevel<'a> {
         Verifier { mesh: self.surface.mesh(), shown: None, cage: &self.whole_cage, scan: self.scan.sorted() }
     }
 
-    /// Returns `true` if colours and materials are compared.
+    /// Returns the scan, sorted for rays.
+    pub fn scan(&self) -> &bake::Scan {
+        self.scan.sorted()
+    }
+
+    /// Returns `true` if colours and materials are compared: the scan states them.
     pub fn has_material(&self) -> bool {
         self.has_material
+    }
+
+    /// Returns `true` if the scan states colours or materials, and the asset shows the default of its format.
+    pub fn lacks_material(&self) -> bool {
+        self.has_material && self.is_plain
     }
 }
 

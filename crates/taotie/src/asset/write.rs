@@ -146,7 +146,8 @@ fn anew(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<Vec<FileBy
         .zip(coverages(meshes.len()))
         .map(|(mesh, coverage)| GltfLevel { mesh, coverage: Some(coverage) })
         .collect();
-    let name = target.path.file_stem().unwrap_or_default().to_string_lossy();
+    // Not that of the file that is written: the same asset has the same bytes under any name.
+    let name = made.about.path.file_stem().map_or("asset".into(), |stem| stem.to_string_lossy());
     let model = GltfAsset {
         name: &name,
         levels: &levels,

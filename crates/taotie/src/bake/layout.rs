@@ -62,12 +62,12 @@ impl TriangleSamples {
 }
 
 impl<'a> Layout<'a> {
-    /// Makes the layout by uv set 0.
+    /// Makes the layout by these uvs of the mesh.
     ///
     /// # Errors
     /// As [`super::Coverage::new`] where uvs span too many copies of the map.
-    pub fn new(mesh: &'a Mesh, size: [u32; 2], side: u32) -> Result<Self> {
-        let rasterizer = Rasterizer::new(mesh.triangles(), &mesh.uvs()[0], size.map(|s| s * side))?;
+    pub fn new(mesh: &'a Mesh, uvs: &'a [Vec2], size: [u32; 2], side: u32) -> Result<Self> {
+        let rasterizer = Rasterizer::new(mesh.triangles(), uvs, size.map(|s| s * side))?;
         let mut layout = Self { mesh, size, side, rasterizer, bands: Vec::new(), flat: 0 };
         layout.bands = vec![Vec::new(); layout.band_count()];
         for t in 0..mesh.triangles().len() {

@@ -127,7 +127,7 @@ mod tests {
             let low = Mesh::sphere(1.0, columns, rows);
             for distance in [0.02, 0.15] {
                 let cage = Cage::uniform(&low, distance).unwrap();
-                let layout = Layout::new(&low, [size; 2], 2).unwrap();
+                let layout = Layout::new(&low, &low.uvs()[0], [size; 2], 2).unwrap();
                 let (mut met, mut missed) = (0, 0);
                 for band in 0..layout.band_count() {
                     layout.triangle_samples(band, |group| {

@@ -136,7 +136,7 @@ pub(crate) fn bytes_of_bands(size: [u32; 2], side: u32, maps: Maps) -> u64 {
 pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_>) -> Result<Baked> {
     let BakeInput { low, cage, scan } = input;
     check(low, settings)?;
-    let layout = Layout::new(low, settings.size, settings.side)?;
+    let layout = Layout::new(low, &low.uvs()[0], settings.size, settings.side)?;
     let wants = |kind| settings.maps.has(kind);
     let reads_materials = settings.maps.has_any(&OF_MATERIALS);
     let job = Job {

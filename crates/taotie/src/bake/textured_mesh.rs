@@ -3,14 +3,16 @@
 use super::alpha::common_mode;
 use super::appearance::{Appearance, MaterialSample, Part};
 use super::joined::{Keep, joined, moved_back};
+use super::map_places;
 use super::mapped_normal::MappedNormal;
 use super::normal_source::NormalSource;
 use super::texture_lookup::LookupPoint;
 use crate::error::Result;
-use crate::math::{Mat4, Vec3};
+use crate::math::{Mat4, Vec2, Vec3};
 use crate::mesh::{Mesh, MeshData, Point};
-use crate::scene::{AlphaMode, Instance, Material, Scene, SceneData};
+use crate::scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef};
 use crate::surface::with_frames;
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -128,14 +130,21 @@ impl TexturedMesh {
         self.appearance.texel_size(&self.mesh, point)
     }
 
-    /// Returns the texels across and down of the first normal map, else of the largest texture; `None` without textures.
+    /// Returns the texels across and down of the texture by which the errors of a map are laid out: the largest
+    /// [`leading_texture`](super::leading_texture) of its materials; `None` without textures.
     pub fn map_size(&self) -> Option<[u32; 2]> {
-        let Appearance { materials, textures, parts, .. } = &self.appearance;
-        let size = |texture: usize| [textures[texture].width(), textures[texture].height()];
-        let used = || parts.iter().map(|part| &materials[part.material]);
-        let normal = used().find_map(|material| material.normal).map(|map| size(map.texture.texture));
-        let all = || used().flat_map(Material::textures).map(|used| size(used.texture));
-        normal.or_else(|| all().max_by_key(|[width, height]| u64::from(*width) * u64::from(*height)))
+        let Appearance { textures, parts, materials, .. } = &self.appearance;
+        let size = |lead: TextureRef| [textures[lead.texture].width(), textures[lead.texture].height()];
+        let sizes = map_places::leading(parts, materials).flatten().map(size);
+        sizes.max_by_key(|[width, height]| u64::from(*width) * u64::from(*height))
+    }
+
+    /// Returns the place of each vertex on the maps of its material: the transformed uvs of the
+    /// [`leading_texture`](super::leading_texture), or the first uv set if there is none. Empty if the surface has no uvs.
+    pub fn map_places(&self) -> Cow<'_, [Vec2]> {
+        let Appearance { parts, materials, .. } = &self.appearance;
+        let leads: Vec<Option<TextureRef>> = map_places::leading(parts, materials).collect();
+        map_places::places(&self.mesh, parts, &leads)
     }
 
     /// Returns what the material is at a point.

@@ -5,9 +5,11 @@ use super::projection::Correspondence;
 use super::textured_mesh::TexturedMesh;
 use super::verify::Verifier;
 use crate::compare::Field;
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::math::Vec2;
 use crate::mesh::Point;
 use crate::parallel;
+use std::borrow::Cow;
 
 /// The errors at the middle of each texel of a map; NaN between UV islands, and where no scan was found.
 #[derive(Debug, Clone)]
@@ -30,18 +32,30 @@ pub struct TexelChecks<'a> {
 }
 
 impl Verifier<'_> {
-    /// Measures the errors at the middle of each texel of a map of this size, along the rays of [`Verifier::normal_error`].
+    /// Measures the errors at the middle of each texel of a map of this size, along the rays of [`Verifier::normal_error`]. They
+    /// are laid out as the maps of the material are, by [`TexturedMesh::map_places`]. `None` if a triangle spans more than 16
+    /// copies of the map: a pattern that repeats so often has no map of errors.
     ///
     /// # Errors
-    /// As [`Verifier::normal_error`]; [`crate::Error::Invalid`] if the mesh has no uvs.
-    pub fn error_maps(&self, size: [u32; 2], checks: TexelChecks<'_>) -> Result<ErrorMaps> {
+    /// As [`Verifier::normal_error`]; [`Error::Invalid`] if the mesh has no uvs.
+    pub fn error_maps(&self, size: [u32; 2], checks: TexelChecks<'_>) -> Result<Option<ErrorMaps>> {
         self.check(self.shown)?;
         self.check(checks.colors.or(self.shown))?;
+        let shown = self.shown.or(checks.colors);
+        let mesh = shown.map_or(self.mesh, TexturedMesh::mesh);
+        let own = || mesh.uvs().first().map_or(&[][..], Vec::as_slice).into();
+        let places: Cow<'_, [Vec2]> = shown.map_or_else(own, TexturedMesh::map_places);
+        if places.is_empty() {
+            return Err(Error::invalid("the low-poly mesh", "it has no uvs"));
+        }
         let errors = |point: Point| match self.found(point) {
             (Some(found), _) => self.errors(point, &found, checks),
             (None, _) => [f32::NAN; 3],
         };
-        let layout = Layout::new(self.mesh, size, 1)?;
+        let layout = match Layout::new(mesh, &places, size, 1) {
+            Err(Error::Limit { .. }) => return Ok(None),
+            layout => layout?,
+        };
         let mut values = vec![[f32::NAN; 3]; size[0] as usize * size[1] as usize];
         parallel::pieces(&mut values, (BAND * size[0]) as usize, &|band, values| {
             layout.triangle_samples(band, |group| {
@@ -51,11 +65,11 @@ impl Verifier<'_> {
             });
         });
         let field = |i: usize| Field::new(size[0], size[1], values.iter().map(|errors| errors[i]).collect());
-        Ok(ErrorMaps {
+        Ok(Some(ErrorMaps {
             angles: field(0)?,
             colors: checks.colors.map(|_| field(1)).transpose()?,
             coarser: checks.detail.map(|_| field(2)).transpose()?,
-        })
+        }))
     }
 
     fn errors(&self, point: Point, found: &Correspondence, checks: TexelChecks<'_>) -> [f32; 3] {

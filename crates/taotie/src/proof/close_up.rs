@@ -99,11 +99,14 @@ impl<'a> Viewer<'a> {
         let texel =
             on_asset.and_then(|at| self.pair.asset.surface.surface().texel_size(at)).unwrap_or(f32::NAN);
         let closest = other.bvh().closest(position, f32::INFINITY);
-        // Beside an outline the line of sight passes by a surface that is there, and not turned away from the viewer.
-        let is_beside = closest.is_some_and(|closest| {
-            let facet = facet_normal(other.mesh().corners(closest.triangle as usize)).unwrap_or(line.toward);
-            closest.distance <= self.pair.diagonal * OUTLINE && facet.dot(line.toward) > AWAY
-        });
+        // Beside an outline the line of sight passes by a surface that is there, and not turned away from the viewer. It need
+        // not be the closest: at the edge of a blade that is as likely its other side.
+        let is_not_away = |triangle: u32| {
+            let facet = facet_normal(other.mesh().corners(triangle as usize));
+            facet.is_none_or(|facet| facet.dot(line.toward) > AWAY)
+        };
+        let outline = self.pair.diagonal * OUTLINE;
+        let is_beside = hit.is_none() && other.bvh().closest_of(position, outline, is_not_away).is_some();
         let mut sample = SurfaceSample {
             position,
             toward: line.toward,

@@ -21,7 +21,7 @@ pub struct Pair<'a> {
     pub asset: &'a Side<'a>,
     /// The scan's diagonal, model units.
     pub diagonal: f32,
-    /// `true` if colours are compared: the scan states its material, and the asset too.
+    /// `true` if colours are compared: the scan states colours or materials, and the asset's files show any.
     pub has_material: bool,
 }
 

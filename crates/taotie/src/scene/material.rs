@@ -235,6 +235,13 @@ pub struct Material {
     pub classic: Classic,
 }
 
+impl Material {
+    /// Returns the material of a glTF file that states none: white metal, as the specification has it.
+    pub fn default_of_gltf() -> Self {
+        Self { base_color: [1.0; 4], metallic: 1.0, roughness: 1.0, ..Self::default() }
+    }
+}
+
 impl Default for Material {
     /// A neutral grey dielectric, for files that name no material.
     fn default() -> Self {

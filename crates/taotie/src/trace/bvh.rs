@@ -99,7 +99,12 @@ impl Bvh {
 
     /// The point of all triangles that is closest to `point`, where one is at most `reach` away.
     pub fn closest(&self, point: Vec3, reach: f32) -> Option<Closest> {
-        closest(&self.tree, point, reach)
+        self.closest_of(point, reach, |_| true)
+    }
+
+    /// Returns the closest point of all triangles that `counts`, at most `reach` away.
+    pub fn closest_of(&self, point: Vec3, reach: f32, counts: impl Fn(u32) -> bool) -> Option<Closest> {
+        closest(&self.tree, point, reach, counts)
     }
 
     /// Returns the triangles whose boxes are within `reach` of a point, in any order; `None` if they are more than `most`.

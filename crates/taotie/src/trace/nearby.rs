@@ -32,8 +32,9 @@ pub fn distance_to_triangle(corners: [Vec3; 3], point: Vec3) -> f32 {
 /// Nodes that wait to be visited, at most: of each of 11 levels those of one node, but for the one that is visited.
 const STACK: usize = 11 * (WIDTH - 1) + WIDTH;
 
-/// Visits nodes from near to far, and passes over those that begin farther away than the best so far.
-pub(super) fn closest(tree: &Tree, point: Vec3, reach: f32) -> Option<Closest> {
+/// Returns the closest point of the triangles that `counts`. Visits nodes from near to far, and passes over those that begin
+/// farther away than the best so far.
+pub(super) fn closest(tree: &Tree, point: Vec3, reach: f32, counts: impl Fn(u32) -> bool) -> Option<Closest> {
     let mut best: Option<(f32, Closest)> = None;
     let mut limit = reach * reach;
     let mut waiting: ArrayVec<(f32, usize, usize), STACK> = ArrayVec::new();
@@ -62,7 +63,7 @@ pub(super) fn closest(tree: &Tree, point: Vec3, reach: f32) -> Option<Closest> {
             let is_before = best.is_none_or(|(least, found)| {
                 squared < least || squared == least && *triangle < found.triangle
             });
-            if squared <= limit && is_before {
+            if squared <= limit && is_before && counts(*triangle) {
                 limit = squared;
                 best = Some((squared, Closest { triangle: *triangle, weights, distance: squared.sqrt() }));
             }
@@ -219,6 +220,11 @@ mod tests {
                 corners[0] * found.weights[0] + corners[1] * found.weights[1] + corners[2] * found.weights[2];
             assert!(((at - p).length() - found.distance).abs() < 1e-6);
             assert!(bvh.closest(p, found.distance * 0.99).is_none(), "beyond its reach");
+            let other = bvh.closest_of(p, f32::INFINITY, |triangle| triangle != found.triangle).unwrap();
+            assert!(other.triangle != found.triangle && other.distance >= found.distance);
+            let rest = (0..300).filter(|t| *t != found.triangle as usize).map(|t| triangles[t]);
+            let least = rest.map(|t| distance_to_triangle(t, p)).fold(f32::INFINITY, f32::min);
+            assert_eq!(other.distance, least);
         }
     }
 

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use taotie::Progress;
 use taotie::asset::{
-    BakeOptions, Baker, LevelFigures, MeshSource, Packing, Proof, Requirement, Scan, VerifyOptions,
+    BakeOptions, Baker, LevelFigures, MeshSource, Packing, Proof, Requirement, Scan, VerifyOptions, verify,
 };
 use taotie::bake::{self, Cage, MapKind, MaterialError, TexelChecks, TexturedMesh, Verifier};
 use taotie::compare::{Field, color_difference};
@@ -29,7 +29,7 @@ fn errors(scan: Material, asset: Material) -> (MaterialError, Field) {
     let verifier = Verifier { mesh: shown.mesh(), shown: None, cage: &cage, scan: &scan };
     let error = verifier.material_error(&shown, 500).unwrap();
     let checks = TexelChecks { colors: Some(&shown), detail: None };
-    (error, verifier.error_maps([16, 8], checks).unwrap().colors.unwrap())
+    (error, verifier.error_maps([16, 8], checks).unwrap().unwrap().colors.unwrap())
 }
 
 fn is_everywhere(field: &Field, value: f64) {
@@ -178,6 +178,35 @@ fn a_scan_without_material_is_not_compared_and_the_proof_says_so() {
     assert!(plain.full_views.is_none() && plain.color_map.is_none());
     assert!(!plain.require(&[Requirement::mean_color(100.0)])[0].met, "nothing was measured");
     assert!(plain.figures.unseen.iter().any(|what| what.contains("colour and material")));
+}
+
+/// The proof of a ball without a material, as OBJ, against a scan of this one.
+fn proof_without_material(material: Material) -> Proof {
+    let ball = Mesh::sphere(1.0, 32, 16);
+    let vertices = ball.positions().iter().map(|p| format!("v {} {} {}\n", p.x, p.y, p.z));
+    let faces = ball.triangles().iter().map(|t| t.map(|v| v + 1)).map(|[a, b, c]| format!("f {a} {b} {c}\n"));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("ball.obj");
+    std::fs::write(&path, vertices.chain(faces).collect::<String>()).unwrap();
+    let scan = Scan::from_scene(self::ball(material), Progress::SILENT).unwrap();
+    verify(&path, scan, &POINTS, Progress::SILENT).unwrap()
+}
+
+#[test]
+fn what_the_scan_states_decides_whether_colours_are_compared() {
+    let says = |proof: &Proof| proof.warnings.iter().any(|(what, _)| what.contains("states no colours"));
+    // White metal is what glTF assumes where nothing is stated.
+    let unstated = proof_without_material(Material::default_of_gltf());
+    assert!(finest(&unstated).overview.color.is_none() && unstated.full_views.is_none() && !says(&unstated));
+    assert!(unstated.figures.unseen.iter().any(|what| what.contains("colour and material")));
+    let is_of_color = |met: &taotie::asset::Met| met.name().ends_with("color");
+    assert!(!unstated.require(&Requirement::standard()).iter().any(is_of_color));
+    // A colour that the asset lost is compared, and not met.
+    let red = Material { base_color: [0.6, 0.1, 0.1, 1.0], ..Material::default_of_gltf() };
+    let lost = proof_without_material(red);
+    assert!(says(&lost));
+    let met = lost.require(&Requirement::standard());
+    assert!(met.iter().any(is_of_color) && met.iter().filter(|met| is_of_color(met)).all(|met| !met.met));
 }
 
 /// Three units along x for each ball of a row.

@@ -23,13 +23,7 @@ pub(super) fn read(document: &Document, textures: &mut Textures, warnings: &mut 
 
 /// The material of primitives without one. Source: glTF 2.0, 3.9.6.
 fn default_material() -> Material {
-    Material {
-        name: "default".into(),
-        base_color: [1.0; 4],
-        metallic: 1.0,
-        roughness: 1.0,
-        ..Material::default()
-    }
+    Material { name: "default".into(), ..Material::default_of_gltf() }
 }
 
 /// Reads one material.
