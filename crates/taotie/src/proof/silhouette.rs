@@ -160,6 +160,9 @@ impl Mask {
         let [a, b, c] = corners;
         let range = |k: usize| [a[k].min(b[k]).min(c[k]), a[k].max(b[k]).max(c[k])];
         let (Some([left, right]), Some([top, bottom])) = (whole(range(0)), whole(range(1))) else { return };
+        if self.rows[top..=bottom].iter().all(|row| is_set(row, left, right)) {
+            return;
+        }
         // Spans pay off for triangles of some size.
         if (right - left) * (bottom - top) < FEW {
             return self.cover_few(corners, [left, right, top, bottom]);
