@@ -2,6 +2,7 @@
 //! differ: a document has one list of them, and a page one table.
 
 use super::balls::{Ball, SCAN};
+use super::glb::Glb;
 use super::pictures::write_square;
 use super::place::Place;
 use std::collections::BTreeMap;
@@ -100,6 +101,17 @@ fn ways() -> Vec<String> {
         levels.iter().map(move |level| format!("--threads {threads} --simd {level}"))
     };
     THREADS.iter().flat_map(with).collect()
+}
+
+#[test]
+fn an_asset_has_the_same_bytes_under_another_name() {
+    let place = textured();
+    let [a, b] = ["a.glb", "b.glb"].map(|name| {
+        place.taotie(&format!("bake scan.obj -o {name} --triangles 200 --size 32")).assert().success();
+        place.read(name)
+    });
+    assert!(a == b);
+    assert_eq!(Glb::read(&a).json["meshes"][0]["name"], "scan", "it is named after its scan");
 }
 
 /// A bake takes the fastest level of the machine, at which its parts have the bits of every other: a law of rays, and

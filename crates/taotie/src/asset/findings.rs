@@ -18,12 +18,15 @@ const COARSE: f64 = 0.005;
 /// The mean differences of the worst window from which on it is worth a warning: degrees, and CIEDE2000.
 const PATCH_DEG: f64 = 10.0;
 const PATCH_COLOR: f64 = 3.0;
+/// Normals that are off by more than this on average as seen, degrees, have a cause in the asset as a whole.
+const OFF_DEG: f64 = 3.0;
 
 /// Notes what the finest level of an asset shows otherwise than its scan.
 pub(super) fn note(all: &Figures, level: &ShownLevel<'_>, warnings: &mut Warnings) {
     let Some(figures) = all.finest() else { return };
     let coordinates = |place| place_text(place, all.diagonal, all.unit);
-    if let Some(what) = mismatch(level, all.fit, all.unit) {
+    let is_off = figures.overview.angles.is_some_and(|angles| angles.summary.mean > OFF_DEG);
+    if let Some(what) = mismatch(level, (all.fit, is_off), all.unit) {
         warnings.note(what, 1);
     }
     let there =
@@ -64,14 +67,15 @@ pub(super) fn note(all: &Figures, level: &ShownLevel<'_>, warnings: &mut Warning
     }
 }
 
-/// Returns in words how an asset as a whole differs from its scan; `None` if it does not. `fit` is the fit of its surface.
+/// Returns in words how an asset as a whole differs from its scan; `None` if it does not. `fit` is the fit of its surface;
+/// `is_off` is `true` if what is seen of it is far off.
 pub(super) fn mismatch(
     level: &ShownLevel<'_>,
-    fit: Option<FitFigures>,
+    (fit, is_off): (Option<FitFigures>, bool),
     unit: Option<Unit>,
 ) -> Option<String> {
     let scan = level.scan();
-    let Some(found) = Mismatch::find(scan, &level.surface) else {
+    let Some(found) = Mismatch::find(scan, &level.surface, is_off) else {
         let turned = fit.filter(|fit| fit.away < 0.5)?.turned;
         let what = format!(
             "the asset looks inside out: {} of it faces the other way than the scan beside it; reverse its triangles and \
@@ -88,13 +92,14 @@ pub(super) fn mismatch(
     });
     let moved = found.moved.map(|by| format!("moved by {}", place_text(by, scan.mesh().diagonal(), unit)));
     let changes: Vec<String> = [found.axes_text(), size, moved].into_iter().flatten().collect();
-    let [without, distance] = [found.without, found.distance].map(|part| match part {
-        part if part < 1.0 => format!("{:.2} % of the diagonal", part * 100.0),
+    let distance = match found.distance {
+        part if part < 1.0 => format!("{:.2} %", part * 100.0),
         part => format!("{part:.0} diagonals"),
-    });
-    let changes = changes.join(" and ");
+    };
     Some(format!(
-        "the asset looks {changes}: without that, asset and scan are {without} apart on average instead of {distance}"
+        "the asset looks {}: without that, asset and scan are {:.2} % of the diagonal apart on average instead of {distance}",
+        changes.join(" and "),
+        found.without * 100.0
     ))
 }
 

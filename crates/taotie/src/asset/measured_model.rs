@@ -43,7 +43,7 @@ pub fn measure(
     let mut warnings = Warnings::default();
     let fit = finest.whole().fit((options.points / 2).max(1), scan.mesh().diagonal());
     if let Some(fit) = fit {
-        let cause = || findings::mismatch(&finest, Some(fit.into()), scan.unit());
+        let cause = || findings::mismatch(&finest, (Some(fit.into()), false), scan.unit());
         judgement::refuse_misfit(&fit, cause, &mut warnings)?;
     }
     let (mut figures, parts) =

@@ -37,11 +37,13 @@ pub(crate) struct Mismatch {
 }
 
 impl Mismatch {
-    /// Finds the change that explains why an asset is not on its scan; `None` if it is, or if no change explains it.
-    pub fn find(scan: &Scan, asset: &Scan) -> Option<Self> {
+    /// Finds the change that explains why an asset is not on its scan; `None` if it is, or if no change explains it. If
+    /// `is_off`, the asset differs so much in other ways that the cause is sought even if it is near its scan, as a mirrored
+    /// face is.
+    pub fn find(scan: &Scan, asset: &Scan, is_off: bool) -> Option<Self> {
         let pair = Surfaces::of(scan, asset)?;
         let before = pair.distances(&Placement::NONE, POINTS)?;
-        if before.mean() < NEAR {
+        if before.mean() < NEAR && !is_off {
             return None;
         }
         let candidates: Vec<Placement> = pair.placements();
@@ -51,7 +53,7 @@ impl Mismatch {
         let least = tried.iter().map(|(_, distance)| *distance).fold(f64::INFINITY, f64::min);
         let (placement, _) = tried.into_iter().find(|(_, distance)| *distance <= least * EQUAL)?;
         let after = pair.distances(placement, POINTS)?;
-        if after.of_asset > ON_SCAN || after.mean() * TIMES > before.mean() {
+        if after.of_asset > ON_SCAN || after.mean() * TIMES >= before.mean() {
             return None;
         }
         let moved = placement.shift.map(|shift| shift.map(|v| 0.0 - v));
@@ -293,7 +295,7 @@ mod tests {
     }
 
     fn found(change: impl Fn([f64; 3]) -> [f64; 3]) -> Option<Mismatch> {
-        Mismatch::find(&lump([96, 48], |p| p), &lump([40, 20], change))
+        Mismatch::find(&lump([96, 48], |p| p), &lump([40, 20], change), true)
     }
 
     #[test]
