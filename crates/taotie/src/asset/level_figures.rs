@@ -147,12 +147,16 @@ pub(super) struct PointCounts {
     pub normals: usize,
     /// Pixels of the overview, and points of each surface that are seen close up.
     pub seen: usize,
+    /// Points of each surface among which the worst patch is sought. They do not grow with the others, so that more points
+    /// measure the same patch.
+    pub sought: usize,
 }
 
 impl PointCounts {
     /// Returns a quarter of them, for a coarser level.
     pub fn quarter(self) -> Self {
-        Self { normals: (self.normals / 4).max(10), seen: (self.seen / 4).max(10) }
+        let quarter = |count: usize| (count / 4).max(10);
+        Self { normals: quarter(self.normals), seen: quarter(self.seen), sought: quarter(self.sought) }
     }
 }
 
@@ -219,20 +223,27 @@ impl LevelFigures {
         })
     }
 
-    /// Adds what a viewer sees of the level, at `points` pixels of the overview and points of each surface.
+    /// Adds what a viewer sees of the level.
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] if a surface has no area.
-    pub(super) fn with_seen(self, pair: &Pair<'_>, points: usize, asked: &AskedLimits) -> Result<Self> {
-        let of_scan = CloseUp::of_scan(pair, points)?;
-        let of_asset = CloseUp::of_asset(pair, points)?;
+    pub(super) fn with_seen(self, pair: &Pair<'_>, counts: PointCounts, asked: &AskedLimits) -> Result<Self> {
+        let PointCounts { seen: points, sought, .. } = counts;
+        let [of_scan, of_asset] = [CloseUp::of_scan(pair, points)?, CloseUp::of_asset(pair, points)?];
+        let fixed = match sought == points {
+            true => None,
+            false => Some([CloseUp::of_scan(pair, sought)?, CloseUp::of_asset(pair, sought)?]),
+        };
+        let close_ups = fixed.as_ref().map_or([&of_scan, &of_asset], |[scan, asset]| [scan, asset]);
+        let worst =
+            |difference: fn(&SurfaceSample) -> f32| worse_patch(pair, (close_ups, points), difference);
         let ShapeFigures { hausdorff, rms } = ShapeFigures::of(pair, [&of_scan, &of_asset]);
         let diagonal = f64::from(pair.diagonal);
         Ok(Self {
             overview: overview(pair, points)?,
             patches: WorstPatches {
-                angle: worse_patch(pair, [&of_scan, &of_asset], |sample| sample.angle_deg)?,
-                color: worse_patch(pair, [&of_scan, &of_asset], |sample| sample.color)?,
+                angle: worst(|sample| sample.angle_deg)?,
+                color: worst(|sample| sample.color)?,
             },
             worst_parts: WorstParts::of(pair, &of_asset)?,
             beyond: Beyond::of([&of_scan, &of_asset], pair.diagonal, asked),
@@ -251,10 +262,11 @@ impl LevelFigures {
 /// Returns the worse of the worst windows of scan and asset.
 fn worse_patch(
     pair: &Pair<'_>,
-    [of_scan, of_asset]: [&CloseUp; 2],
+    (close_ups, points): ([&CloseUp; 2], usize),
     difference: fn(&SurfaceSample) -> f32,
 ) -> Result<Option<Patch>> {
-    let [a, b] = [worst_patch(pair, of_scan, difference)?, worst_patch(pair, of_asset, difference)?];
+    let [a, b] = close_ups.map(|close_up| worst_patch(pair, (close_up, points), difference));
+    let [a, b] = [a?, b?];
     Ok(match (a, b) {
         (Some(a), Some(b)) if b.mean > a.mean => Some(b),
         (None, b) => b,

@@ -67,6 +67,8 @@ impl Default for VerifyOptions {
 const MOST_POINTS: usize = 4_000_000;
 /// More points than are likely to decide a requirement, since estimates of intervals vary.
 const MARGIN: f64 = 1.5;
+/// Points among which the worst patch is sought, whatever the number of others.
+const SOUGHT: usize = 20_000;
 
 /// The mean and the largest angle, degrees, between unit vectors and what eight bits store of them.
 ///
@@ -212,6 +214,7 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
         Measurement { scan: &scan, unit, options }.all(&finest, &scenes[1..], &level, progress)?;
     figures.parts = parts;
     findings::note(&figures, &finest, &mut warnings);
+    findings::note_unmet(&figures, &options.requirements, &mut warnings);
     figures.bytes_in = scan.about.bytes;
     figures.bytes_out = bytes_out;
     progress.begin("map errors")?;
@@ -272,7 +275,7 @@ impl<'a> Measurement<'a> {
         let fit = finest.whole().fit((options.points / 2).max(1), diagonal).map(FitFigures::from);
         let mut points = options.points;
         loop {
-            let counts = PointCounts { normals: points, seen: points };
+            let counts = PointCounts { normals: points, seen: points, sought: SOUGHT };
             let (first, parts) = self.of_level(finest, &side, counts)?;
             let mut figures = Figures { unit, levels: vec![first], diagonal, fit, ..Figures::default() };
             if !coarser.is_empty() {
@@ -282,9 +285,10 @@ impl<'a> Measurement<'a> {
                 figures.levels.push(self.of_level(&level(scene)?, &side, counts.quarter())?.0);
             }
             let met = figures.require(&options.requirements);
-            let times = met.iter().map(Met::samples_to_decide).fold(1.0, f64::max);
-            // If even the most points are far from enough, none of them would tell.
-            if times <= 1.0 || points >= MOST_POINTS || points as f64 * times > MOST_POINTS as f64 * 4.0 {
+            // If even the most points are far from enough for one of them, the others are still decided.
+            let is_hopeful = |times: &f64| points as f64 * times <= MOST_POINTS as f64 * 4.0;
+            let times = met.iter().map(Met::samples_to_decide).filter(is_hopeful).fold(1.0, f64::max);
+            if times <= 1.0 || points >= MOST_POINTS {
                 return Ok((figures, parts));
             }
             points = (points as f64 * times * MARGIN).min(MOST_POINTS as f64) as usize;
@@ -299,12 +303,12 @@ impl<'a> Measurement<'a> {
         points: PointCounts,
     ) -> Result<(LevelFigures, Vec<PartFigures>)> {
         let found = measured(&level.part_surfaces(), points.normals)?;
-        let asset = scan.like(&level.surface);
+        let asset = Side::of(&level.surface);
         let diagonal = self.scan.mesh().diagonal() as f32;
         let pair = Pair { scan, asset: &asset, diagonal, has_material: level.has_material() };
         let figures = LevelFigures::on_surface(&found, level.surface.mesh().triangles().len())?;
         let asked = requirement::asked_limits(&self.options.requirements);
-        Ok((figures.with_seen(&pair, points.seen, &asked)?, part_figures(level, &found)))
+        Ok((figures.with_seen(&pair, points, &asked)?, part_figures(level, &found)))
     }
 }
 
