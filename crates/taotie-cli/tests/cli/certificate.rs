@@ -68,6 +68,24 @@ fn the_command_of_a_certificate_recomputes_it_byte_for_byte() {
     assert_eq!(seller["features"], buyer["features"], "pictures of the worst patches");
 }
 
+/// A section of a report, to the byte.
+fn section<'a>(report: &'a str, name: &str) -> &'a str {
+    let start = report.find(&format!("\n  \"{name}\": {{")).expect("it has the section") + 1;
+    let length = report[start..].find("\n  }").expect("the section ends") + 4;
+    &report[start..start + length]
+}
+
+/// `make bless` takes the certificate of today for right: other machines then have to find the same bytes.
+#[test]
+fn it_has_the_bytes_that_another_machine_found() {
+    let place = pair();
+    prove(&place, BAKE);
+    let report = String::from_utf8(place.read("out.report.json")).expect("it is text");
+    let stated: String =
+        ["certificate", "proof"].map(|name| format!("{}\n", section(&report, name))).concat();
+    snapbox::assert_data_eq!(stated, snapbox::file!["certificate.txt": Text].raw());
+}
+
 #[test]
 fn it_holds_what_was_required_the_hashes_and_who_signed() {
     let place = pair();

@@ -1,8 +1,10 @@
 //! What a proof finds wrong, in plain words: how much of the surface, and where.
 
+use super::figure::Figure;
 use super::figures::{Figures, FitFigures};
 use super::judgement::{INSIDE_OUT, useless_map};
 use super::level_figures::LevelFigures;
+use super::requirement::Requirement;
 use super::shown::ShownLevel;
 use crate::error::Warnings;
 use crate::length::{Unit, place_text, texel_text};
@@ -101,6 +103,42 @@ pub(super) fn mismatch(
         changes.join(" and "),
         found.without * 100.0
     ))
+}
+
+/// Notes each requirement that is not met: what is wrong, and where most.
+pub(super) fn note_unmet(all: &Figures, requirements: &[Requirement], warnings: &mut Warnings) {
+    for met in all.require(requirements).iter().filter(|met| !met.met) {
+        let number = met.level.unwrap_or_default();
+        let Some((what, at)) = all.levels.get(number).and_then(|level| fault(met.figure, level)) else {
+            continue;
+        };
+        let of_level =
+            if all.levels.len() > 1 { format!(" at level of detail {number}") } else { String::new() };
+        let place = place_text(at, all.diagonal, all.unit);
+        warnings.note(format!("{}{of_level} {}: {what} around {place}", met.name(), met.text()), 1);
+    }
+}
+
+/// Returns what is wrong if a figure of a level is beyond its limit, and the place where it is worst; `None` if that is not
+/// known.
+fn fault(figure: Figure, level: &LevelFigures) -> Option<(String, [f64; 3])> {
+    match figure {
+        Figure::Missed | Figure::Completeness => {
+            level.coverage.missed_at.map(|at| ("one surface lacks most of the other".into(), at))
+        }
+        Figure::Hausdorff | Figure::WithinDistance | Figure::Silhouette => {
+            level.hausdorff.at.map(|at| ("the surfaces are farthest apart".into(), at))
+        }
+        Figure::MeanColor | Figure::P95Color | Figure::PatchColor | Figure::WithinColor => {
+            let patch = level.patches.color?;
+            Some((format!("colours are off most, by ΔE {:.1} on average,", patch.mean), patch.center))
+        }
+        Figure::Texel | Figure::Bytes => None,
+        _ => {
+            let patch = level.patches.angle?;
+            Some((format!("normals are off most, by {:.1}° on average,", patch.mean), patch.center))
+        }
+    }
 }
 
 fn note_coverage(figures: &LevelFigures, coordinates: &dyn Fn([f64; 3]) -> String, warnings: &mut Warnings) {

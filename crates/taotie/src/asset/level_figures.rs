@@ -10,8 +10,8 @@ use crate::compare::{Field, Summary};
 use crate::error::Result;
 use crate::math::Mat4;
 use crate::proof::{
-    CloseUp, DistanceBounds, Overview, Pair, Patch, SilhouetteFigures, SurfaceSample, most_missing,
-    root_mean_square, share_interval, worst_patch,
+    CloseUp, DistanceBounds, Overview, Pair, Patch, SilhouetteFigures, most_missing, root_mean_square,
+    share_interval,
 };
 
 /// Bins of the histogram.
@@ -214,8 +214,8 @@ impl LevelFigures {
         Ok(Self {
             overview: seen.overview.clone(),
             patches: WorstPatches {
-                angle: worse_patch(pair, [of_scan, of_asset], |sample| sample.angle_deg)?,
-                color: worse_patch(pair, [of_scan, of_asset], |sample| sample.color)?,
+                angle: seen.worse_patch(pair, |sample| sample.angle_deg)?,
+                color: seen.worse_patch(pair, |sample| sample.color)?,
             },
             worst_parts: WorstParts::of(pair, of_asset)?,
             beyond: Beyond::of([of_scan, of_asset], pair.diagonal, asked),
@@ -229,20 +229,6 @@ impl LevelFigures {
             ..self
         })
     }
-}
-
-/// Returns the worse of the worst windows of scan and asset.
-fn worse_patch(
-    pair: &Pair<'_>,
-    [of_scan, of_asset]: [&CloseUp; 2],
-    difference: fn(&SurfaceSample) -> f32,
-) -> Result<Option<Patch>> {
-    let [a, b] = [worst_patch(pair, of_scan, difference)?, worst_patch(pair, of_asset, difference)?];
-    Ok(match (a, b) {
-        (Some(a), Some(b)) if b.mean > a.mean => Some(b),
-        (None, b) => b,
-        (a, _) => a,
-    })
 }
 
 /// The part of the diagonal within which the asset completes the scan.

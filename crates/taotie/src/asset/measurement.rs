@@ -36,32 +36,31 @@ impl<'a> Measurement<'a> {
         let diagonal = scan.mesh().diagonal();
         let fit = finest.whole().fit((options.points / 2).max(1), diagonal).map(FitFigures::from);
         let mut figures = Figures { unit, diagonal, fit, ..Figures::default() };
-        let found = self.add_level(&mut figures, (finest, &side), options.points, progress)?;
+        let found = self.add_level(&mut figures, (finest, &side), progress)?;
         if !coarser.is_empty() {
             progress.begin("measure levels")?;
         }
         for scene in coarser {
-            self.add_level(&mut figures, (&level(scene)?, &side), (options.points / 4).max(10), progress)?;
+            self.add_level(&mut figures, (&level(scene)?, &side), progress)?;
         }
         Ok((figures, part_figures(finest, &found)))
     }
 
-    /// Adds the figures of a level, from `points` points on, and returns what was found on the surfaces of its materials.
+    /// Adds the figures of the next level, and returns what was found on the surfaces of its materials.
     fn add_level(
         &self,
         figures: &mut Figures,
         (level, scan): (&ShownLevel<'_>, &Side<'a>),
-        points: usize,
         progress: Progress<'_>,
     ) -> Result<Vec<Measured>> {
-        let mut counts = Counts::all(points);
+        let number = figures.levels.len();
+        let mut counts = Counts::of(self.options.points, number == 0);
         let found = measured(&level.part_surfaces(), counts.surface)?;
         let on_surface = LevelFigures::on_surface(&found, level.surface.mesh().triangles().len())?;
-        let asset = scan.like(&level.surface);
+        let asset = Side::of(&level.surface);
         let diagonal = self.scan.mesh().diagonal() as f32;
         let pair = Pair { scan, asset: &asset, diagonal, has_material: level.has_material() };
         let asked = requirement::asked_limits(&self.options.requirements);
-        let number = figures.levels.len();
         let mut seen = Seen::of(&pair, counts)?;
         loop {
             figures.levels.push(on_surface.clone().with_seen(&pair, &seen, &asked)?);

@@ -228,7 +228,9 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
     if !has_material {
         looks.full.clear();
     }
-    Ok(Proof { error_map, color_map, detail_map, warnings, ..Proof::new(figures, looks) })
+    let proof = Proof::new(figures, looks);
+    findings::note_unmet(&proof.figures, &options.requirements, &mut warnings);
+    Ok(Proof { error_map, color_map, detail_map, warnings, ..proof })
 }
 
 /// Returns the maps of the errors of normals, of colours, and of lost detail, of all parts with uvs, with at most so many texels

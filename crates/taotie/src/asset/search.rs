@@ -170,8 +170,8 @@ fn mean_angle(scan: &Side<'_>, low: &LowPoly, maps: &StoredMaps) -> Result<f64> 
         scene.materials =
             vec![Material { normal, double_sided: low.material.double_sided, ..Material::default() }];
     })?;
-    let surface = bake::Scan::new(scene)?;
-    let asset = scan.like(&surface);
+    let surface = bake::Scan::of_asset(scene, scan.surface)?;
+    let asset = Side::of(&surface);
     let diagonal = scan.surface.mesh().diagonal() as f32;
     let pair = proof::Pair { scan, asset: &asset, diagonal, has_material: false };
     let angles = proof::overview(&pair, PIXELS)?.angles;

@@ -4,11 +4,15 @@ use super::figure::Sampling;
 use super::met::Met;
 use crate::error::Result;
 use crate::proof::{
-    CloseUp, DistanceBounds, Overview, Pair, SilhouetteFigures, hausdorff, overview, silhouettes,
+    CloseUp, DistanceBounds, Overview, Pair, Patch, SilhouetteFigures, SurfaceSample, hausdorff, overview,
+    silhouettes, worst_patch,
 };
 
 /// Points at most, when samples are added to decide a requirement.
 const MOST_POINTS: usize = 4_000_000;
+/// Points of each surface among which the worst patch is sought. They do not grow with the others, so that more points measure
+/// the same patch.
+const SOUGHT: usize = 20_000;
 /// More points than are likely to decide a requirement, since estimates of intervals vary.
 const MARGIN: f64 = 1.5;
 
@@ -19,6 +23,8 @@ pub(super) struct Seen {
     pub silhouette: SilhouetteFigures,
     /// Of the scan and of the asset.
     pub close_ups: [CloseUp; 2],
+    /// The same at as many points as the worst patches are sought among; `None` if they are those of `close_ups`.
+    sought: Option<[CloseUp; 2]>,
     pub hausdorff: DistanceBounds,
 }
 
@@ -29,6 +35,8 @@ pub(super) struct Counts {
     pub surface: usize,
     /// Pixels of the overview.
     overview: usize,
+    /// Of each surface, among which the worst patch is sought.
+    sought: usize,
     /// Of each surface, seen close up.
     close_up: usize,
     /// The bounds of distances are closer in proportion to this.
@@ -41,13 +49,32 @@ impl Seen {
     /// # Errors
     /// [`crate::Error::Invalid`] if a surface has no area.
     pub fn of(pair: &Pair<'_>, counts: Counts) -> Result<Self> {
-        let close_ups = close_ups(pair, counts)?;
+        let close_ups = close_ups(pair, counts.close_up)?;
         Ok(Self {
             counts,
+            sought: sought(pair, counts)?,
             overview: overview(pair, counts.overview)?,
             silhouette: silhouettes(pair),
             hausdorff: hausdorff(pair, [&close_ups[0], &close_ups[1]], counts.distance),
             close_ups,
+        })
+    }
+
+    /// Returns the worse of the worst windows of scan and asset.
+    ///
+    /// # Errors
+    /// Those of [`worst_patch`].
+    pub fn worse_patch(
+        &self,
+        pair: &Pair<'_>,
+        difference: fn(&SurfaceSample) -> f32,
+    ) -> Result<Option<Patch>> {
+        let worst = |close_up| worst_patch(pair, (close_up, self.counts.close_up), difference);
+        let [of_scan, of_asset] = self.sought.as_ref().unwrap_or(&self.close_ups);
+        Ok(match (worst(of_scan)?, worst(of_asset)?) {
+            (Some(a), Some(b)) if b.mean > a.mean => Some(b),
+            (None, b) => b,
+            (a, _) => a,
         })
     }
 
@@ -66,7 +93,8 @@ impl Seen {
             self.overview = overview(pair, counts.overview)?;
         }
         if counts.close_up != before.close_up {
-            self.close_ups = close_ups(pair, counts)?;
+            let few = std::mem::replace(&mut self.close_ups, close_ups(pair, counts.close_up)?);
+            self.sought.get_or_insert(few);
         }
         if counts.distance != before.distance {
             let [of_scan, of_asset] = &self.close_ups;
@@ -76,14 +104,20 @@ impl Seen {
     }
 }
 
-fn close_ups(pair: &Pair<'_>, counts: Counts) -> Result<[CloseUp; 2]> {
-    Ok([CloseUp::of_scan(pair, counts.close_up)?, CloseUp::of_asset(pair, counts.close_up)?])
+fn close_ups(pair: &Pair<'_>, points: usize) -> Result<[CloseUp; 2]> {
+    Ok([CloseUp::of_scan(pair, points)?, CloseUp::of_asset(pair, points)?])
+}
+
+fn sought(pair: &Pair<'_>, counts: Counts) -> Result<Option<[CloseUp; 2]>> {
+    (counts.sought != counts.close_up).then(|| close_ups(pair, counts.sought)).transpose()
 }
 
 impl Counts {
-    /// The same number for all figures.
-    pub fn all(points: usize) -> Self {
-        Self { surface: points, overview: points, close_up: points, distance: points }
+    /// The same number for all figures of the finest level; of a coarser one a quarter.
+    pub fn of(points: usize, is_finest: bool) -> Self {
+        let part = |points: usize| if is_finest { points } else { (points / 4).max(10) };
+        let all = part(points);
+        Self { surface: all, overview: all, sought: part(SOUGHT), close_up: all, distance: all }
     }
 
     /// Returns the numbers that are likely to decide what is undecided.

@@ -53,7 +53,7 @@ impl<'a> ShownLevel<'a> {
     /// # Errors
     /// [`Error::Invalid`] if it has no triangles; [`Error::Limit`] for more than 2^32 − 1 vertices.
     pub fn of(scene: &Scene, scan: &'a Scan, (path, has_material): (&Path, bool)) -> Result<Self> {
-        let surface = bake::Scan::new(scene.clone())?;
+        let surface = bake::Scan::of_asset(scene.clone(), scan.sorted())?;
         if surface.mesh().triangles().is_empty() {
             return Err(Error::invalid(path.display().to_string(), "it has no triangles to measure"));
         }

@@ -35,6 +35,16 @@ impl Scan {
         Ok(Self::of(Arc::new(Self::surface_of(scene)?)))
     }
 
+    /// Takes over an asset of a scan: it is seen from the same places, and the backs that no renderer draws hide nothing of
+    /// it.
+    ///
+    /// # Errors
+    /// As those of [`Scan::new`].
+    pub(crate) fn of_asset(scene: Scene, scan: &Scan) -> Result<Self> {
+        let surface = Arc::new(Self::surface_of(scene)?);
+        Ok(Self::with_sights(surface, |_| scan.sights.of_asset()))
+    }
+
     /// Makes the surface that [`Scan::of`] sorts.
     ///
     /// # Errors
@@ -45,9 +55,13 @@ impl Scan {
 
     /// Sorts a surface, which others may share.
     pub(crate) fn of(surface: Arc<TexturedMesh>) -> Self {
+        Self::with_sights(surface, Sights::of)
+    }
+
+    fn with_sights(surface: Arc<TexturedMesh>, sights: impl Fn(Ground<'_>) -> Sights) -> Self {
         let mesh = surface.mesh();
         let bvh = Bvh::of(mesh.triangles().len(), |t| mesh.corners(t));
-        let sights = Sights::of(Ground { surface: &surface, bvh: &bvh });
+        let sights = sights(Ground { surface: &surface, bvh: &bvh });
         Self { surface, bvh, sights, seen: OnceLock::new() }
     }
 

@@ -12,7 +12,7 @@ use crate::trace::{Bvh, Ray};
 const DIRECTIONS: usize = 256;
 /// Points at which the visible share of a surface is estimated.
 const POINTS: usize = 2_000;
-/// If a smaller share of the surface is visible from outside, it is the inside of something.
+/// If a smaller share of the surface is visible from outside, it may be the inside of something.
 const LEAST_OUTSIDE: f64 = 0.5;
 /// Rays start this part of the diagonal above the surface.
 const OFFSET: f32 = 1e-5;
@@ -24,13 +24,6 @@ pub(super) struct Ground<'a> {
     pub bvh: &'a Bvh,
 }
 
-impl Ground<'_> {
-    /// Returns `true` if nothing but what alpha makes transparent lies between the ray's origin and the distance `limit`.
-    fn is_free(self, ray: &Ray, limit: f32) -> bool {
-        !self.bvh.occluded(ray, limit, |hit| self.surface.is_opaque_at(hit.point()))
-    }
-}
-
 /// The places from which a surface is seen.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sights {
@@ -39,6 +32,8 @@ pub(super) struct Sights {
     places: Vec<Vec3>,
     /// The surface's diagonal, model units.
     diagonal: f32,
+    /// `true` if only what a renderer draws hides anything: not the backs of materials that are not double-sided.
+    is_drawn: bool,
 }
 
 /// A line of sight from a visible point to a viewer.
@@ -59,11 +54,29 @@ impl Sights {
     /// Finds out whether a surface is seen from outside or from within.
     pub fn of(ground: Ground<'_>) -> Self {
         let diagonal = ground.surface.mesh().diagonal() as f32;
-        let outside = Self { directions: sphere_directions(DIRECTIONS), places: Vec::new(), diagonal };
-        match outside.visible_share(ground) >= LEAST_OUTSIDE {
-            true => outside,
-            false => Self { places: free_places(ground), ..outside },
+        let outside = Self { directions: sphere_directions(DIRECTIONS), diagonal, ..Self::default() };
+        let share = outside.visible_share(ground);
+        if share >= LEAST_OUTSIDE {
+            return outside;
         }
+        let within = Self { places: free_places(ground), ..outside.clone() };
+        // A statue with cavities has little that is visible from outside, and less from the largest of them.
+        if within.visible_share(ground) > share { within } else { outside }
+    }
+
+    /// Returns the same places, for an asset as a renderer draws it.
+    pub fn of_asset(&self) -> Self {
+        Self { is_drawn: true, ..self.clone() }
+    }
+
+    /// Returns `true` if nothing but what alpha makes transparent lies between the ray's origin and the distance `limit`.
+    fn is_free(&self, ground: Ground<'_>, ray: &Ray, limit: f32) -> bool {
+        let Ground { surface, bvh } = ground;
+        let is_shown = |triangle: u32| {
+            let is_front = surface.mesh().faces(triangle, ray.direction());
+            !self.is_drawn || is_front || surface.material(triangle).double_sided
+        };
+        !bvh.occluded(ray, limit, |hit| is_shown(hit.triangle) && surface.is_opaque_at(hit.point()))
     }
 
     /// Returns the surface's diagonal, model units.
@@ -108,7 +121,7 @@ impl Sights {
     }
 
     fn line_outward(&self, ground: Ground<'_>, start: Vec3, normal: Vec3) -> Option<SightLine> {
-        let escapes = |toward: Vec3| ground.is_free(&Ray::new(start, toward), self.far());
+        let escapes = |toward: Vec3| self.is_free(ground, &Ray::new(start, toward), self.far());
         let line = |toward: Vec3| SightLine { toward, distance: self.far() };
         if escapes(normal) {
             return Some(line(normal));
@@ -135,7 +148,7 @@ impl Sights {
             .filter(|(cosine, _)| *cosine > 0.0)
             .collect();
         lines.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let is_free = |line: &SightLine| ground.is_free(&Ray::new(start, line.toward), line.distance);
+        let is_free = |line: &SightLine| self.is_free(ground, &Ray::new(start, line.toward), line.distance);
         lines.into_iter().map(|(_, line)| line).find(is_free)
     }
 }

@@ -8,8 +8,8 @@ use crate::mesh::Point;
 /// Tells which points of a surface a viewer can see.
 ///
 /// A point is visible from outside if nothing hides it in the direction of its facet normal or in one of 256 fixed directions
-/// on its front; of double-sided materials, on either side. If less than half of the area is visible so, the surface is an
-/// interior (a room, a tomb, a cave), and its points are seen from the largest free space within it.
+/// on its front; of double-sided materials, on either side. If less than half of the area is visible so, and more of it from
+/// the largest free space within, the surface is an interior (a room, a tomb, a cave), and its points are seen from there.
 #[derive(Clone, Copy)]
 pub struct Visibility<'a> {
     surface: &'a Scan,
@@ -20,11 +20,6 @@ impl<'a> Visibility<'a> {
     /// Looks at a surface.
     pub fn of(surface: &'a Scan) -> Self {
         Self { surface, sights: surface.sights() }
-    }
-
-    /// Looks at another surface in the same space from the same places.
-    pub fn of_other(&self, surface: &'a Scan) -> Self {
-        Self { surface, ..*self }
     }
 
     /// Returns the places in the free space from which an interior is seen; none if it is seen from outside.

@@ -2,9 +2,9 @@
 
 use super::footprint::Footprint;
 use super::pair::{Look, Pair, Sample, Side, view_ray};
-use crate::bake::{LookupPoint, Scan, sample_area};
+use crate::bake::{LookupPoint, Scan, SightLine, sample_area};
 use crate::error::Result;
-use crate::math::Vec3;
+use crate::math::{Vec3, scalar};
 use crate::mesh::Point;
 use crate::parallel;
 use crate::surface::facet_normal;
@@ -15,6 +15,8 @@ const SAME_PART: f32 = 0.02;
 const OUTLINE: f32 = 0.005;
 /// The cosine to the viewer below which that surface is turned away, as one with reversed winding is.
 const AWAY: f32 = -0.5;
+/// Pixels across the object, at least: edges of modelled shapes may be as long as the object, and say nothing of its detail.
+const LEAST_PIXELS: f32 = 256.0;
 /// The angle that counts where the other surface shows nothing, degrees.
 const NOTHING_DEG: f32 = 90.0;
 
@@ -90,9 +92,10 @@ impl<'a> Viewer<'a> {
         let on_scan = if self.is_of_scan { Some(point) } else { hit.map(|hit| hit.point()) };
         let on_asset = if self.is_of_scan { hit.map(|hit| hit.point()) } else { Some(point) };
         let width = on_scan.map_or(self.footprint.least, |at| self.footprint.at(self.pair.scan.surface, at));
+        let pixel = width.min(self.pair.diagonal / LEAST_PIXELS);
         let look = |surface: &Scan, point: Point| {
             let mut look = Look::default();
-            let sample = Sample { at: LookupPoint { point, width }, toward: line.toward };
+            let sample = Sample { at: LookupPoint { point, width: pixel }, toward: line.toward };
             look.add(surface, sample, self.pair.has_material);
             look
         };
@@ -106,7 +109,8 @@ impl<'a> Viewer<'a> {
             facet.is_none_or(|facet| facet.dot(line.toward) > AWAY)
         };
         let outline = self.pair.diagonal * OUTLINE;
-        let is_beside = hit.is_none() && other.bvh().closest_of(position, outline, is_not_away).is_some();
+        let is_near = || other.bvh().closest_of(position, outline, is_not_away).is_some();
+        let is_beside = hit.is_none() && is_near() && self.is_at_outline((position, line));
         let mut sample = SurfaceSample {
             position,
             toward: line.toward,
@@ -125,6 +129,26 @@ impl<'a> Viewer<'a> {
             sample.is_missing = false;
         }
         Some(sample)
+    }
+
+    /// Returns `true` if its own surface ends or steps back beside a line of sight to one of its points: otherwise the other
+    /// surface has a hole there.
+    fn is_at_outline(&self, (position, line): (Vec3, SightLine)) -> bool {
+        /// Lines of sight beside it, on each of some rings, every ring half as wide as the one before.
+        const AROUND: usize = 8;
+        const RINGS: usize = 3;
+        let reach = self.pair.diagonal * SAME_PART;
+        let right = line.toward.any_perpendicular();
+        let up = line.toward.cross(right);
+        let is_there = |i: usize| {
+            let aside = self.pair.diagonal * OUTLINE / (1 << (i / AROUND)) as f32;
+            let angle = std::f64::consts::TAU * (i % AROUND) as f64 / AROUND as f64;
+            let [across, along] = [scalar::cos(angle), scalar::sin(angle)].map(|part| part as f32 * aside);
+            let ray = view_ray(position + right * across + up * along, line.toward, line.distance);
+            let hit = self.own.surface.first_seen(&ray, line.distance + reach);
+            hit.is_some_and(|hit| hit.distance > line.distance - reach)
+        };
+        !(0..AROUND * RINGS).all(is_there)
     }
 
     /// Returns the surface whose points are looked at.

@@ -27,22 +27,26 @@ pub struct DistanceBounds {
     pub lower: f64,
     /// No point is farther away, model units.
     pub upper: f64,
+    /// The point at the lower bound, model units; `None` if it is not known.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub at: Option<[f64; 3]>,
 }
 
 impl DistanceBounds {
     /// Bounds a distance that is known.
     pub fn exactly(distance: f64) -> Self {
-        Self { lower: distance, upper: distance }
+        Self { lower: distance, upper: distance, at: None }
     }
 
     /// Returns the bounds of the larger of two distances.
     pub fn larger(self, other: Self) -> Self {
-        Self { lower: self.lower.max(other.lower), upper: self.upper.max(other.upper) }
+        let at = if other.lower > self.lower { other.at } else { self.at };
+        Self { lower: self.lower.max(other.lower), upper: self.upper.max(other.upper), at }
     }
 
     /// Returns both bounds times a factor.
     pub fn scaled(self, factor: f64) -> Self {
-        Self { lower: self.lower * factor, upper: self.upper * factor }
+        Self { lower: self.lower * factor, upper: self.upper * factor, ..self }
     }
 }
 
@@ -55,7 +59,8 @@ pub fn distance_bounds(from: Source<'_>, to: &Scan, width: f32) -> DistanceBound
     let slack = ROUNDING * largest_coordinate([from.side.surface.mesh(), to.mesh()]);
     let width = width.max(slack);
     let hidden_piece = HIDDEN_PIECE * from.side.surface.mesh().diagonal() as f32;
-    let mut search = Search { from, to, width, slack, hidden_piece, lower: from.known, upper: from.known };
+    let (lower, upper) = (from.known, from.known);
+    let mut search = Search { from, to, width, slack, hidden_piece, lower, upper, at: None };
     let mut pieces = search.all_pieces();
     let mut looked_at = 0;
     while !pieces.is_empty() {
@@ -69,7 +74,8 @@ pub fn distance_bounds(from: Source<'_>, to: &Scan, width: f32) -> DistanceBound
         pieces = pieces.iter().flat_map(Piece::quarters).collect();
     }
     let upper = f64::from(search.upper.max(search.lower) + slack);
-    DistanceBounds { lower: f64::from((search.lower - slack).max(0.0)), upper }
+    let at = search.at.map(|at| at.to_f64().to_array());
+    DistanceBounds { lower: f64::from((search.lower - slack).max(0.0)), upper, at }
 }
 
 /// The surface whose distance is measured.
@@ -130,6 +136,8 @@ struct Search<'a> {
     hidden_piece: f32,
     lower: f32,
     upper: f32,
+    /// The place of the lower bound, if the search found it.
+    at: Option<Vec3>,
 }
 
 impl Search<'_> {
@@ -214,8 +222,12 @@ impl Search<'_> {
             pieces.retain(|piece| piece.most > self.lower);
             parallel::change(&mut pieces, |_, piece| piece.is_seen = self.is_seen(piece));
         }
-        let seen = pieces.iter().filter(|piece| piece.is_seen).map(|piece| piece.middle);
-        self.lower = seen.fold(self.lower, f32::max);
+        for piece in pieces.iter().filter(|piece| piece.is_seen) {
+            if piece.middle > self.lower {
+                self.lower = piece.middle;
+                self.at = Some(blend(self.mesh().corners(piece.triangle as usize), piece.middle_weights()));
+            }
+        }
         let enough = self.lower + self.width;
         pieces.retain(|piece| piece.is_seen || self.size(piece) > self.hidden_piece);
         let dropped = pieces.iter().map(|piece| piece.most).filter(|most| *most <= enough);

@@ -47,14 +47,6 @@ impl<'a> Side<'a> {
     pub fn of(surface: &'a Scan) -> Self {
         Self { surface, visibility: Visibility::of(surface) }
     }
-
-    /// Looks at another surface from the same places.
-    pub fn like<'b>(&self, surface: &'b Scan) -> Side<'b>
-    where
-        'a: 'b,
-    {
-        Side { surface, visibility: self.visibility.of_other(surface) }
-    }
 }
 
 impl Look {

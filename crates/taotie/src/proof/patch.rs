@@ -13,7 +13,7 @@ use crate::parallel;
 const SHARE: f64 = 0.01;
 /// Windows that are tried, their middles spread over the surface.
 const WINDOWS: usize = 512;
-/// Samples among which the worst window is sought, at most: it is measured at fresh ones.
+/// Samples among which a window is sought, at most.
 const MOST_SAMPLES: usize = 20_000;
 /// Fresh points at which the worst window is measured, at least, and as a part of those of the whole surface.
 const POINTS: usize = 2_048;
@@ -42,18 +42,19 @@ pub struct Patch {
 }
 
 /// Finds the window of one per cent of the samples with the largest mean of `difference`, and measures it at fresh points, so
-/// that it is not the worst by chance. `None` if there is nothing to compare.
+/// that it is not the worst by chance: more of them for more `points` of the whole surface. `None` if there is nothing to
+/// compare.
 ///
 /// # Errors
 /// As [`Estimate::of`].
 pub fn worst_patch(
     pair: &Pair<'_>,
-    close_up: &CloseUp,
+    (close_up, points): (&CloseUp, usize),
     difference: fn(&SurfaceSample) -> f32,
 ) -> Result<Option<Patch>> {
     let viewer = if close_up.is_of_scan { Viewer::of_scan(pair) } else { Viewer::of_asset(pair) };
     let Some(window) = worst_window(&close_up.samples, difference) else { return Ok(None) };
-    let samples = fresh_samples(viewer, &window, (close_up.points / PART).max(POINTS))?;
+    let samples = fresh_samples(viewer, &window, (points / PART).max(POINTS))?;
     let values: Vec<f32> = samples.iter().map(difference).collect();
     let Some(estimate) = Estimate::of(&values)? else { return Ok(None) };
     Ok(Some(Patch {

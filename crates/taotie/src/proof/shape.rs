@@ -18,7 +18,8 @@ const POINTS: f32 = 20_000.0;
 /// `close_ups` are those of the scan and of the asset; the bounds are closer in proportion to `points` above 20,000.
 pub fn hausdorff(pair: &Pair<'_>, close_ups: [&CloseUp; 2], points: usize) -> DistanceBounds {
     let samples = || close_ups.into_iter().flat_map(|close_up| &close_up.samples);
-    let known = samples().map(|sample| sample.distance).fold(0.0, f32::max);
+    let farthest = samples().max_by(|a, b| a.distance.total_cmp(&b.distance));
+    let known = farthest.map_or(0.0, |sample| sample.distance);
     let triangles: usize =
         [pair.scan, pair.asset].map(|side| side.surface.mesh().triangles().len()).iter().sum();
     let wider = (triangles as f32 / MANY as f32).clamp(1.0, WIDEST);
@@ -26,7 +27,8 @@ pub fn hausdorff(pair: &Pair<'_>, close_ups: [&CloseUp; 2], points: usize) -> Di
     let width =
         (pair.diagonal * WIDTH[0]).max(known * WIDTH[1]) * wider * (POINTS / points.max(1) as f32).min(1.0);
     let sides = [(pair.scan, pair.asset), (pair.asset, pair.scan)];
-    let start = DistanceBounds::exactly(f64::from(known));
+    let at = farthest.map(|sample| sample.position.to_f64().to_array());
+    let start = DistanceBounds { at, ..DistanceBounds::exactly(f64::from(known)) };
     sides.into_iter().zip(close_ups).fold(start, |bounds, ((side, to), close_up)| {
         // Only a distance larger than that of the other direction is of interest.
         let known = bounds.lower as f32;
