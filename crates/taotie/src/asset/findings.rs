@@ -20,6 +20,8 @@ const COARSE: f64 = 0.005;
 /// The mean differences of the worst window from which on it is worth a warning: degrees, and CIEDE2000.
 const PATCH_DEG: f64 = 10.0;
 const PATCH_COLOR: f64 = 3.0;
+/// Metallic, roughness, emission and alpha that are off by more than this on average are worth a warning.
+const MATERIAL: f64 = 0.1;
 /// Normals that are off by more than this on average as seen, degrees, have a cause in the asset as a whole.
 const OFF_DEG: f64 = 3.0;
 
@@ -51,6 +53,11 @@ pub(super) fn note(all: &Figures, level: &ShownLevel<'_>, warnings: &mut Warning
     if let Some(patch) = patches.color.filter(|patch| patch.mean > PATCH_COLOR) {
         let what = format!("colours are off by ΔE {:.1} on average {}", patch.mean, there(&patch));
         warnings.note(what, 1);
+    }
+    for (name, found) in figures.material.numbers() {
+        if let Some(found) = found.filter(|found| found.mean > MATERIAL) {
+            warnings.note(format!("{name} is off by {:.2} on average", found.mean), 1);
+        }
     }
     if let Some(resolution) = resolution.filter(|resolution| resolution.share > COARSE) {
         let (times, share) = (resolution.coarser, percent(resolution.share));

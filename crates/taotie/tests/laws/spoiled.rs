@@ -3,7 +3,7 @@
 
 use crate::pairs::{
     Fate, ball, changed, copy_of, direction, grid, is_bad, is_sound, joined, lettered_pair, lettering, moved,
-    remade, repainted, reshaped, scan_of, turned, with_fates, with_part,
+    proof, remade, repainted, reshaped, scan_of, turned, with_fates, with_part,
 };
 use taotie::Progress;
 use taotie::asset::{BakeOptions, Baker, Scan};
@@ -235,4 +235,20 @@ fn colours_that_are_wrong() {
             remade(&data.meshes[0], |mesh| mesh.colors = mesh.positions.iter().map(tint).collect());
     });
     is_bad(&tinted, &scan, (&["patch-color"], "colours are off"));
+}
+
+/// No requirement limits these, so they are warnings.
+#[test]
+fn materials_that_are_wrong_are_noted() {
+    let (scan, asset) = colored();
+    let warned = |change: fn(&mut Material), words: &str| {
+        let spoiled = changed(&asset, |data| data.materials.iter_mut().for_each(change));
+        let proof = proof(&spoiled, &scan, Vec::new());
+        assert!(proof.warnings.iter().any(|(what, _)| what == words), "{:?}", proof.warnings);
+    };
+    warned(|material| material.metallic = 1.0, "metallic is off by 1.00 on average");
+    warned(|material| material.roughness = 0.0, "roughness is off by 0.60 on average");
+    warned(|material| material.emissive = [0.3; 3], "emission is off by 0.30 on average");
+    let sound = proof(&asset, &scan, Vec::new());
+    assert!(!sound.warnings.iter().any(|(what, _)| what.contains("is off by")), "{:?}", sound.warnings);
 }
