@@ -6,9 +6,7 @@ use crate::objects::{AssetObject, entries};
 use crate::record::SCHEMA;
 use std::path::PathBuf;
 use taotie::Result;
-use taotie::asset::{
-    Baker, Certificate, Proof, Report, ScanFile, Signature, VerifyOptions, Warning, Written,
-};
+use taotie::asset::{Baker, Certificate, Proof, Report, ScanFile, Signature, Warning, Written};
 use taotie::io::FileSet;
 use taotie_report::bake_page;
 

@@ -3,11 +3,11 @@
 use super::figures::{Figures, FitFigures};
 use super::level_figures::{LevelFigures, Measured, measured};
 use super::part_figures::PartFigures;
-use super::proof::VerifyOptions;
 use super::requirement;
 use super::scan::Scan;
 use super::seen::{Counts, Seen};
 use super::shown::ShownLevel;
+use super::verify_options::VerifyOptions;
 use crate::error::Result;
 use crate::length::Unit;
 use crate::progress::Progress;

@@ -13,6 +13,7 @@ use super::scan::{Scan, is_gltf};
 use super::shown::ShownLevel;
 use super::space;
 use super::unseen::unseen;
+use super::verify_options::{VerifyOptions, check};
 use super::views::{self, Looks, Views, Wanted};
 use super::write::Written;
 use crate::bake::{self, TexelChecks};
@@ -26,43 +27,6 @@ use crate::progress::Progress;
 use crate::proof::Footprint;
 use crate::scene::{GreenChannel, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
 use std::path::{Path, PathBuf};
-
-/// The options of a proof. Built by `Default` and struct update.
-///
-/// ```
-/// use taotie::asset::{Proof, Requirement, Scan, VerifyOptions, Written};
-/// use taotie::{Progress, Result};
-///
-/// /// Measures at as many points as it takes to tell whether the mean angle is at most 1°.
-/// fn verify_to_one_degree(written: &Written, scan: Scan) -> Result<Proof> {
-///     let requirements = vec![Requirement::mean_angle_deg(1.0)];
-///     written.verify(scan, &VerifyOptions { requirements, ..VerifyOptions::default() }, Progress::SILENT)
-/// }
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
-pub struct VerifyOptions {
-    /// Pixels of the overview, and points of each surface, at which scan and asset are compared at first, at least 10. If a
-    /// requirement's limit lies within the interval of what was found, more are taken, up to 4 million.
-    pub points: usize,
-    /// Texels along a side of the maps of errors, at most; no more than the maps have, and 0 makes none. No figure depends on
-    /// it.
-    pub map: u32,
-    /// Pixels along a side of the images from all sides, at least 11.
-    pub view: u32,
-    /// Pixels along a side of the pictures of the worst patches; 0 takes none. No figure depends on it.
-    pub patch_view: u32,
-    /// What the figures have to decide.
-    #[cfg_attr(feature = "serde", serde(skip))]
-    pub requirements: Vec<Requirement>,
-}
-
-impl Default for VerifyOptions {
-    /// 20,000 points, a map of 1024² and images of 384², no pictures of patches, no requirements.
-    fn default() -> Self {
-        Self { points: 20_000, map: 1024, view: 384, patch_view: 0, requirements: Vec::new() }
-    }
-}
 
 /// The mean and the largest angle, degrees, between unit vectors and what eight bits store of them.
 ///
@@ -414,17 +378,4 @@ fn within(size: [u32; 2], most: u32) -> [u32; 2] {
     let longer = size[0].max(size[1]);
     let scaled = |side: u32| (u64::from(side) * u64::from(most) / u64::from(longer)).max(1) as u32;
     if longer <= most { size } else { size.map(scaled) }
-}
-
-/// Refuses options that are out of range.
-pub(super) fn check(options: &VerifyOptions) -> Result<()> {
-    let wrong = |what: &str, why: &str| Err(Error::invalid(what, why));
-    match options {
-        VerifyOptions { points: 0..10, .. } => wrong("points of the proof", "give at least 10"),
-        VerifyOptions { view: 0..11, .. } => wrong("pictures from all sides", "give at least 11 pixels"),
-        VerifyOptions { patch_view: 4097.., .. } => {
-            wrong("pictures of the worst patches", "give at most 4096 pixels")
-        }
-        _ => Ok(()),
-    }
 }
