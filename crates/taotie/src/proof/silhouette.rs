@@ -247,8 +247,8 @@ fn across(corners: [[f32; 2]; 3], y: f32) -> [f32; 2] {
 
 /// Sets the bits of the columns `from` to `to`, the last included.
 fn set(row: &mut [u64; WORDS], from: usize, to: usize) {
-    for i in from / 64..=to / 64 {
-        row[i] |= bits(i, from, to);
+    for (i, word) in row.iter_mut().enumerate().take(to / 64 + 1).skip(from / 64) {
+        *word |= bits(i, from, to);
     }
 }
 
