@@ -56,7 +56,9 @@ mod tests {
     fn no_text_breaks_out_of_its_place() {
         let nasty = "</title><script>alert(1)</script>{policy}";
         let document = alone(nasty, &[Blob::new("data", b"</script>".to_vec())]);
-        assert_eq!(document.matches("<title>").count(), 1);
+        // The script writes drawings with titles of their own.
+        let (head, _) = document.split_once("<main>").unwrap();
+        assert_eq!(head.matches("<title>").count(), 1);
         assert!(document.contains("&lt;/title&gt;&lt;script&gt;alert(1)&lt;/script&gt;{policy}</title>"));
         assert!(!document.contains("alert(1)</script>"));
     }
