@@ -3,7 +3,7 @@
 use crate::mesh::{Mesh, Point};
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// Triangles with a longer edge than this part of the diagonal have cells of at most this size.
+/// Triangles with a longer edge than this part of the diagonal have cells of about this size.
 const LARGE: f32 = 0.01;
 /// Cells along a side of a triangle, at most.
 const MOST_CUTS: u32 = 64;
@@ -20,7 +20,8 @@ pub(super) struct SeenCells {
     large: Vec<Large>,
     /// What is known of their cells, likewise.
     cells: Box<[AtomicU8]>,
-    mesh_reach: f32,
+    /// The mesh's diagonal, model units.
+    diagonal: f32,
 }
 
 /// What is known of a side.
@@ -63,7 +64,7 @@ impl SeenCells {
                 break;
             }
         }
-        Self { small: unknown(mesh.triangles().len()), large, cells: unknown(count), mesh_reach: diagonal }
+        Self { small: unknown(mesh.triangles().len()), large, cells: unknown(count), diagonal }
     }
 
     /// Returns `true` if the front, or the back, of a point can be seen, by the answers of `look`.
@@ -77,7 +78,7 @@ impl SeenCells {
         let triangle = point.triangle;
         let at = |weights: [f32; 3]| Point { triangle, weights };
         let answer = |weights: [f32; 3]| if look(at(weights)) { SEEN } else { HIDDEN };
-        if longest_edge(mesh, triangle) <= self.mesh_reach * LARGE {
+        if longest_edge(mesh, triangle) <= self.diagonal * LARGE {
             let state = &self.small[triangle as usize];
             return remembered(state, shift, || answer([1.0 / 3.0; 3])) == SEEN;
         }

@@ -56,7 +56,7 @@ impl DistanceBounds {
 /// piece of a triangle it is at most that of its middle plus the piece's radius, and at most the largest of its corners from
 /// any one triangle. Pieces that may hold a larger distance than was found are cut in four.
 pub fn distance_bounds(from: Source<'_>, to: &Scan, width: f32) -> DistanceBounds {
-    let slack = ROUNDING * largest_coordinate([from.side.surface.mesh(), to.mesh()]);
+    let slack = rounding(from.side.surface.mesh()).max(rounding(to.mesh()));
     let width = width.max(slack);
     let hidden_piece = HIDDEN_PIECE * from.side.surface.mesh().diagonal() as f32;
     let (lower, upper) = (from.known, from.known);
@@ -331,7 +331,8 @@ fn farthest(points: [Vec3; 3], triangle: [Vec3; 3], least: f32) -> f32 {
     most
 }
 
-fn largest_coordinate(meshes: [&Mesh; 2]) -> f32 {
-    let coordinates = meshes.into_iter().flat_map(|mesh| mesh.positions()).flat_map(|p| p.to_array());
-    coordinates.fold(0.0, |most, v| most.max(v.abs()))
+/// Returns the rounding of places on a mesh and of distances from it, model units.
+pub(super) fn rounding(mesh: &Mesh) -> f32 {
+    let coordinates = mesh.positions().iter().flat_map(|p| p.to_array());
+    coordinates.fold(0.0f32, |most, v| most.max(v.abs())) * ROUNDING
 }

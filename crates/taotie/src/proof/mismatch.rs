@@ -6,6 +6,7 @@ use crate::math::Vec3;
 use crate::mesh::{Mesh, Point};
 use crate::names::Named;
 use crate::parallel;
+use crate::scene::Bounds;
 
 /// Points of each surface at which a change is tried, and at which the best one is confirmed.
 const FEW: usize = 300;
@@ -261,13 +262,9 @@ impl<'a> Surfaces<'a> {
 
 /// Returns the middle and the sides of the box around a mesh's triangles; `None` without any.
 fn box_of(mesh: &Mesh) -> Option<[[f64; 3]; 2]> {
-    let mut corners =
-        (0..mesh.triangles().len()).flat_map(|t| mesh.corners(t)).map(|p| p.to_f64().to_array());
-    let first = corners.next()?;
-    let [low, high] = corners.fold([first; 2], |[low, high], p| {
-        [[0, 1, 2].map(|i| low[i].min(p[i])), [0, 1, 2].map(|i| high[i].max(p[i]))]
-    });
-    Some([[0, 1, 2].map(|i| (low[i] + high[i]) * 0.5), [0, 1, 2].map(|i| high[i] - low[i])])
+    let corners = (0..mesh.triangles().len()).flat_map(|t| mesh.corners(t));
+    let bounds = Bounds::around(corners.map(Vec3::to_f64))?;
+    Some([bounds.center().to_array(), (bounds.max - bounds.min).to_array()])
 }
 
 fn length([x, y, z]: [f64; 3]) -> f64 {

@@ -1,5 +1,6 @@
 //! Outlines of scan and asset from all sides.
 
+use super::distance::rounding;
 use super::overview::{SIDE, VIEWS, View};
 use super::pair::Pair;
 use crate::bake::{Scan, sphere_directions};
@@ -65,9 +66,6 @@ struct Shape<'a> {
 }
 
 impl<'a> Shape<'a> {
-    /// A few roundings of the largest coordinate, as a part of it.
-    const ROUNDING: f32 = 1e-6;
-
     fn of(surface: &'a Scan) -> Self {
         let mesh = surface.mesh();
         let is_double = |t: usize| surface.surface().material(t as u32).double_sided;
@@ -75,9 +73,7 @@ impl<'a> Shape<'a> {
         if !is_double_sided.contains(&true) {
             is_double_sided.clear();
         }
-        let coordinates = mesh.positions().iter().flat_map(|p| p.to_array());
-        let largest = coordinates.fold(0f32, |most, v| most.max(v.abs()));
-        Self { surface, is_double_sided, slack: largest * Self::ROUNDING }
+        Self { surface, is_double_sided, slack: rounding(mesh) }
     }
 }
 
