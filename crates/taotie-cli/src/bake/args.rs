@@ -51,8 +51,9 @@ pub struct BakeArgs {
     /// Triangles of the low-poly mesh; 50000 if not given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..), help_heading = "Low-poly mesh", conflicts_with = "low")]
     pub triangles: Option<u32>,
-    /// Find the smallest asset with a mean normal error, as seen, of at most DEG degrees
-    #[arg(long, value_name = "DEG", value_parser = degrees, help_heading = "Low-poly mesh", conflicts_with_all = ["low", "triangles", "size"])]
+    /// Find the smallest asset with a mean normal error, as seen, of at most DEG degrees: triangles, bits of vertices, normal
+    /// map or none, its size and quality are chosen by what they cost. Files need EXT_meshopt_compression, and with maps WebP
+    #[arg(long, value_name = "DEG", value_parser = degrees, help_heading = "Low-poly mesh", conflicts_with_all = ["low", "triangles", "size", "purpose", "bits", "ktx2", "webp", "jpeg", "meshopt"])]
     pub error: Option<f64>,
     /// Further levels of detail in the same file (MSFT_lod): the triangles of each, separated by commas
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = options::triangles, help_heading = "Low-poly mesh")]
@@ -77,7 +78,7 @@ pub struct BakeArgs {
     /// Samples per texel
     #[arg(long, value_name = "K", default_value = "4", value_parser = ["1", "4", "9", "16", "25", "36", "49", "64"], help_heading = "Maps")]
     pub samples: String,
-    /// Bits per channel of normal maps; 8 if not given, and 8-bit maps are dithered
+    /// Bits per channel of normal maps; 8 if not given. 8-bit maps are dithered where they would show bands
     #[arg(long, value_parser = ["8", "16"], help_heading = "Maps")]
     pub bits: Option<String>,
     /// Padding around UV islands, 0 to 16384 texels; auto fills the whole map
@@ -444,6 +445,7 @@ impl BakeArgs {
             meshopt: self.is_compressed(),
             provenance: self.provenance.clone(),
             green: self.green.into(),
+            ..Packing::default()
         }
     }
 

@@ -1,6 +1,7 @@
 //! `taotie bake`: a high-poly scan to a low-poly asset with a normal map, and its measured error.
 
 mod args;
+mod choice;
 pub mod clock;
 mod purpose;
 mod scan_args;

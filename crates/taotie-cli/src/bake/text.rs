@@ -1,6 +1,6 @@
 //! A bake in plain words.
 
-use super::worst;
+use super::{choice, worst};
 use std::fmt::Write;
 use taotie::asset::{
     BakeFigures, Figures, LevelFigures, MaterialFigures, Met, PartFigures, Report, ViewFigures,
@@ -18,6 +18,7 @@ pub fn of(report: &Report) -> String {
         let _ = write!(text, ", maps of {}×{}", report.size[0], report.size[1]);
     }
     text.push('\n');
+    text.extend(choice::line(&report.trials).map(|line| line + "\n"));
     let mut table = Table::untitled(&["", ""]);
     if !report.carried.is_empty() {
         table.row(["carried".into(), report.carried.join(", ")]);

@@ -362,8 +362,20 @@ struct Met {
 struct Trial {
     triangles: usize,
     size: u32,
+    has_normal_map: bool,
+    quality: Option<u8>,
+    bits: Bits,
     mean_angle: f64,
-    bytes: Option<u64>,
+    mean_color: Option<f64>,
+    is_near: bool,
+    bytes: u64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Bits {
+    positions: u8,
+    normals: u8,
 }
 
 #[derive(Deserialize)]

@@ -14,8 +14,7 @@ use super::packing::Packing;
 use super::plan::BakePlan;
 use super::scan::Scan;
 use super::scan_size::ScanSize;
-use super::search::smallest;
-use super::search_course::Trial;
+use super::search::{Rounding, Trial, smallest};
 use super::write::possible_files;
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
@@ -151,6 +150,8 @@ struct Lightened {
     parts: Vec<Part>,
     size: [u32; 2],
     trials: Vec<Trial>,
+    /// What the file loses if a search chose it.
+    rounding: Option<Rounding>,
 }
 
 /// All that a bake begins with, read.
@@ -200,7 +201,9 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         judgement::inspect(scan.mesh(), &mut of_scan);
     }
     let (subject, recipe) = (Subject { scan, given }, Recipe { options: &options, rays: &rays });
-    let Lightened { mut parts, size, trials } = lightened(recipe, subject, &mut warnings, progress)?;
+    let Lightened { mut parts, size, trials, rounding } =
+        lightened(recipe, subject, &mut warnings, progress)?;
+    let is_searched = rounding.is_some();
     for part in &mut parts {
         part.low.material.alpha = alpha(&options, scan, &part.low);
     }
@@ -219,6 +222,11 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let is_made = parts[0].low.origin.simplified.is_some();
     judgement::note_missing_parts(scan, whole, is_made, &mut warnings);
     warnings.absorb(of_scan);
+    let mut options = options;
+    // A search may have done without.
+    options
+        .maps
+        .retain(|map| *map != MapKind::Normal || !is_searched || parts[0].maps.textures.normal.is_some());
     let options = Arc::new(options);
     Ok(Asset::new(Made {
         options,
@@ -230,6 +238,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         alpha_modes,
         size,
         trials,
+        rounding,
         carried,
         left,
         warnings,
@@ -280,7 +289,8 @@ fn lightened(
         warnings.absorb(found.warnings);
         let size = [found.size; 2];
         let parts = vec![Part { low: found.low, maps: found.maps }];
-        return Ok(Lightened { parts, size, trials: found.trials });
+        let (trials, rounding) = (found.trials, Some(found.rounding));
+        return Ok(Lightened { parts, size, trials, rounding });
     }
     let lows = match given {
         Some(given) => {
@@ -295,8 +305,8 @@ fn lightened(
             let simplified = low::simplified(&seen, options.triangles, progress)?;
             drop(seen);
             low::note_simplified(&simplified, options.triangles, warnings);
+            let simplified = low::fitted(scan, simplified, progress)?;
             let low = LowPoly::made(scan, &simplified, options.size, progress)?;
-            scan.sort(progress)?;
             judgement::refuse_astray(Pair { scan, low: &low })?;
             vec![low]
         }
@@ -309,5 +319,5 @@ fn lightened(
         Ok(Part { maps: maps?, low })
     };
     let parts = lows.into_iter().map(part).collect::<Result<Vec<_>>>()?;
-    Ok(Lightened { parts, size, trials: Vec::new() })
+    Ok(Lightened { parts, size, trials: Vec::new(), rounding: None })
 }

@@ -7,7 +7,7 @@ use super::options::{BakeOptions, NEEDS_UVS, SQUARE};
 use super::scan::Scan;
 use crate::bake::{self, Shells, Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions};
 use crate::error::{Error, Result, Warnings};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
 use crate::scene::Material;
 use crate::surface::with_frames;
@@ -94,13 +94,29 @@ impl LowPoly {
 
     /// Unwraps a simplified scan for maps of this size.
     pub fn made(scan: &Scan, simplified: &Simplified, size: u32, progress: Progress<'_>) -> Result<Self> {
+        let mut low = Self::bare(scan, simplified);
+        low.mesh = unwrapped(&low.mesh, size, &mut low.origin, progress)?;
+        low.mesh = framed(&low.mesh, progress)?;
+        Ok(low)
+    }
+
+    /// Takes a simplified scan without uvs.
+    pub fn bare(scan: &Scan, simplified: &Simplified) -> Self {
         let method = method_name(simplified.method).to_owned();
         let simplification = Simplification { method, error: simplified.error };
-        let mut origin = Origin { simplified: Some(simplification), islands: None };
-        let mesh = unwrapped(&simplified.mesh, size, &mut origin, progress)?;
-        let material = scan.about.carried.material.clone();
-        let (mesh, kept) = (framed(&mesh, progress)?, KeptTextures::default());
-        Ok(Self { mesh, origin, material, kept, own: None })
+        Self {
+            mesh: simplified.mesh.clone(),
+            origin: Origin { simplified: Some(simplification), islands: None },
+            material: scan.about.carried.material.clone(),
+            kept: KeptTextures::default(),
+            own: None,
+        }
+    }
+
+    /// Leaves out the tangents, which only a normal map needs.
+    pub fn without_tangents(self) -> Result<Self> {
+        let mesh = Mesh::new(MeshData { tangents: Vec::new(), ..self.mesh.into_data() })?;
+        Ok(Self { mesh, ..self })
     }
 
     /// Returns a word that tells its material from others of the asset; empty where it is alone.
@@ -137,6 +153,14 @@ pub(super) fn seen<'a>(scan: &'a Scan, warnings: &mut Warnings) -> Result<Cow<'a
 pub(super) fn simplified(seen: &Mesh, triangles: u32, progress: Progress<'_>) -> Result<Simplified> {
     let options = SimplifyOptions { triangles: triangles as usize, ..SimplifyOptions::default() };
     bake::simplify(seen, &options, progress.begin("simplify")?)
+}
+
+/// Gives a simplified scan the vertex normals that come nearest to the scan's; sorts the scan if it is not yet.
+pub(super) fn fitted(scan: &Scan, simplified: Simplified, progress: Progress<'_>) -> Result<Simplified> {
+    scan.sort(progress)?;
+    progress.begin("fit normals")?;
+    let mesh = bake::fit_normals(&simplified.mesh, scan.sorted())?;
+    Ok(Simplified { mesh, ..simplified })
 }
 
 /// Notes what simplification left out, and whether it went as far as was wanted.
@@ -203,5 +227,9 @@ pub(super) fn coarser(
             );
         }
     }
-    levels.iter().map(|level| Ok(with_frames(&level.mesh, 0, None)?.0.into_owned())).collect()
+    let framed = |level: bake::DetailLevel| match low.mesh.tangents().is_empty() {
+        true => Ok(level.mesh),
+        false => Ok(with_frames(&level.mesh, 0, None)?.0.into_owned()),
+    };
+    levels.into_iter().map(framed).collect()
 }

@@ -4,10 +4,11 @@ use super::document::Document;
 use super::low::{LowPoly, Origin};
 use super::maps::StoredMaps;
 use super::options::BakeOptions;
+use super::packing::Packing;
 use super::plan::Left;
 use super::property::Property;
 use super::scan::About;
-use super::search_course::Trial;
+use super::search::{Rounding, Trial};
 use super::textures::Textures;
 use crate::bake::BakeCounts;
 use crate::error::Warnings;
@@ -34,6 +35,8 @@ pub(super) struct Made {
     /// Texels across and down.
     pub size: [u32; 2],
     pub trials: Vec<Trial>,
+    /// What the file loses if a search chose it; `None` if the packing says so.
+    pub rounding: Option<Rounding>,
     /// The properties of the scan's material that the asset has.
     pub carried: Vec<Property>,
     pub left: Vec<Left>,
@@ -47,6 +50,14 @@ pub(super) struct Part {
 }
 
 impl Made {
+    /// Returns the packing of its files: what a search chose goes before what is asked for.
+    pub fn packing(&self, asked: &Packing) -> Packing {
+        match self.rounding {
+            Some(rounding) => asked.clone().with_format(&rounding.format(self.size != [0; 2])),
+            None => asked.clone(),
+        }
+    }
+
     /// Returns all triangles of the finest level.
     pub fn mesh(&self) -> &Mesh {
         let whole = self.document.as_ref().and_then(|document| document.whole.as_ref());

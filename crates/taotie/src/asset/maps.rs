@@ -19,6 +19,14 @@ pub(super) struct StoredMaps {
     pub cage: Cage,
 }
 
+impl StoredMaps {
+    /// Returns no maps, and the cage of a mesh that has none.
+    pub fn none(Pair { scan, low }: Pair<'_>) -> Self {
+        let cage = Cage::automatic(&low.mesh, scan.sorted());
+        Self { textures: Textures::default(), counts: BakeCounts::default(), cage }
+    }
+}
+
 /// The options of a bake, with the cage that they name.
 #[derive(Clone, Copy)]
 pub(super) struct Recipe<'a> {

@@ -1,7 +1,7 @@
 //! The packing of an asset into files.
 
 use crate::error::Result;
-use crate::io::{GltfFormat, GltfImages, XmpProperties};
+use crate::io::{GltfFormat, GltfImages, VertexBits, XmpProperties};
 use crate::scene::GreenChannel;
 use std::path::PathBuf;
 
@@ -26,12 +26,16 @@ pub struct Packing {
     /// The quality of base colour and emission as lossy WebP, 1 to 100; `None` loses nothing. See
     /// [`GltfFormat::webp_quality`].
     pub webp_quality: Option<u8>,
+    /// The quality of the normal map as lossy WebP, 1 to 100; `None` loses nothing. See [`GltfFormat::normal_quality`].
+    pub normal_quality: Option<u8>,
     /// The rate–distortion optimisation of KTX2, 1 to 64. See [`GltfFormat::uastc_rdo`].
     pub uastc_rdo: Option<u8>,
     /// The quality of the base colour as JPEG, 1 to 100; `None` packs it as `images` says.
     pub jpeg: Option<u8>,
     /// Compresses geometry (EXT_meshopt_compression), but not that of a low-poly file that stays as it is.
     pub meshopt: bool,
+    /// The bits of compressed vertices. See [`GltfFormat::bits`].
+    pub bits: VertexBits,
     /// A JSON file of XMP properties, such as `dc:title`, that the asset is to bear beside those of the scan. Where the
     /// scan has no copyright notice, `dc:rights` is the asset's.
     pub provenance: Option<PathBuf>,
@@ -53,15 +57,23 @@ impl Packing {
         self.provenance.as_deref().map_or(Ok(()), |path| XmpProperties::read(path).map(drop))
     }
 
+    /// Returns the packing with another format of the model's own file.
+    pub(super) fn with_format(self, format: &GltfFormat) -> Self {
+        let GltfFormat { images, webp_quality, normal_quality, uastc_rdo, jpeg, meshopt, bits, .. } = *format;
+        Self { images, webp_quality, normal_quality, uastc_rdo, jpeg, meshopt, bits, ..self }
+    }
+
     /// Returns the packing of the model's own file.
     pub(super) fn format(&self) -> GltfFormat {
         GltfFormat {
             images: self.images,
             webp_quality: self.webp_quality,
+            normal_quality: self.normal_quality,
             quick_webp: false,
             uastc_rdo: self.uastc_rdo,
             jpeg: self.jpeg,
             meshopt: self.meshopt,
+            bits: self.bits,
         }
     }
 }

@@ -12,7 +12,7 @@ use super::parameters::Parameters;
 use super::plan::Left;
 use super::proof::{FLOOR_8_BIT, Proof};
 use super::scan::Scan;
-use super::search_course::Trial;
+use super::search::Trial;
 use super::unseen::unproved_maps;
 use super::write::Written;
 use crate::bake::MapKind;

@@ -13,9 +13,12 @@ use crate::io::{GltfImage, GltfMaterial};
 use crate::length::Unit;
 use crate::math::srgb::srgb_from_linear;
 use crate::names::Named;
-use crate::normal_map::{Storage, store_codes, store_rgba, store_unit_vectors};
+use crate::normal_map::{CoveredNormals, Storage, store_codes, store_rgba, store_unit_vectors};
 use crate::scene::{Material, NormalSpace};
 use std::path::{Path, PathBuf};
+
+/// Normals are dithered if bands would cover more than this part of their map.
+const MOST_BANDED: f64 = 0.05;
 
 /// The storage of colours and factors.
 const DITHERED: Storage = Storage { bits: 8, dither: true };
@@ -123,9 +126,12 @@ impl Textures {
     /// Stores the maps that were baked; beside a roughness stands the metalness of the low-poly mesh where no other was baked.
     pub(super) fn new(maps: &BakedMaps, options: &BakeOptions, Pair { scan, low }: Pair<'_>) -> Result<Self> {
         let mut textures = Self { misses: Misses::of(maps), stored: stored(options), ..Self::default() };
-        let storage = Storage { bits: options.bits, dither: options.bits == 8 };
+        let storage = |normals: &[[f32; 3]]| Storage {
+            bits: options.bits,
+            dither: is_dithered(maps, normals, options),
+        };
         if !maps.normal.is_empty() {
-            let bitmap = store_unit_vectors(maps.size(), &maps.normal, storage)?;
+            let bitmap = store_unit_vectors(maps.size(), &maps.normal, storage(&maps.normal))?;
             match options.space {
                 NormalSpace::Tangent => textures.normal = Some(bitmap),
                 NormalSpace::Object => {
@@ -145,7 +151,7 @@ impl Textures {
             textures.orm = Some(orm(maps, low)?);
         }
         if !maps.bent.is_empty() {
-            let bitmap = store_unit_vectors(maps.size(), &maps.bent, storage)?;
+            let bitmap = store_unit_vectors(maps.size(), &maps.bent, storage(&maps.bent))?;
             textures.beside.push(Beside { map: MapKind::Bent, bitmap, range: None });
         }
         let [length, curvature] = units(scan.unit());
@@ -230,6 +236,13 @@ pub(super) fn labeled(label: &str, name: &str) -> String {
 fn stored(options: &BakeOptions) -> Maps {
     let rays = options.bakes(&[MapKind::Occlusion]);
     options.maps.iter().copied().filter(|map| !(rays && *map == MapKind::OcclusionMap)).collect()
+}
+
+/// Returns `true` if normals in 8 bits would show bands on gentle curves, and files of several losses are not compared.
+fn is_dithered(maps: &BakedMaps, normals: &[[f32; 3]], options: &BakeOptions) -> bool {
+    let is_covered = |i: usize| maps.texels[i] != TexelStatus::Free;
+    let map = CoveredNormals { size: maps.size(), normals, is_covered: &is_covered };
+    options.bits == 8 && options.mean_error_deg.is_none() && map.banded_share() > MOST_BANDED
 }
 
 fn color(maps: &BakedMaps) -> Result<Bitmap> {

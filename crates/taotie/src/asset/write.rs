@@ -9,6 +9,7 @@ use super::maps_alone;
 use super::options::BakeOptions;
 use super::packing::Packing;
 use super::provenance;
+use super::search::Rounding;
 use super::space;
 use super::textures::{Beside, Textures, labeled};
 use super::unlit;
@@ -83,6 +84,7 @@ impl Asset {
     ) -> Result<Written> {
         let progress = progress.begin("write")?;
         set.protect(self.made.about.files.iter().chain(&self.made.low_files).chain(&packing.provenance))?;
+        let packing = self.made.packing(packing);
         let (asset, packed, path) = (self.clone(), packing.clone(), path.to_path_buf());
         let is_alone = maps_alone::is_alone(&path);
         let encode = move |_: Progress<'_>| match is_alone {
@@ -93,11 +95,11 @@ impl Asset {
         set.write_files(&files, progress.part(0.8, 1.0))?;
         let mut warnings = match is_alone {
             true => maps_alone::warnings(&self.made),
-            false => notes(&self.made, packing, &files),
+            false => notes(&self.made, &packing, &files),
         };
         warnings.absorb(left_out);
         let files = files.into_iter().map(|file| file.path).collect();
-        Ok(Written { asset: self.clone(), packing: packing.clone(), files, set: set.clone(), warnings })
+        Ok(Written { asset: self.clone(), packing, files, set: set.clone(), warnings })
     }
 }
 
@@ -108,7 +110,11 @@ pub(super) fn possible_files(path: &Path, options: &BakeOptions, packing: &Packi
         return maps_alone::possible_files(path);
     }
     let beside = options.maps.iter().map(|map| path.with_extension(format!("{}.png", map.name())));
-    io::gltf_files(path, &packing.format()).into_iter().chain(beside).collect()
+    let format = match options.mean_error_deg {
+        Some(_) => Rounding::default().format(true),
+        None => packing.format(),
+    };
+    io::gltf_files(path, &format).into_iter().chain(beside).collect()
 }
 
 /// Returns all files, the model first.
@@ -246,7 +252,9 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
         "the base colour's texture has alpha, which JPEG does not hold: it is not JPEG",
         usize::from(has_alpha && packing.jpeg.is_some()),
     );
-    warnings.absorb(unpacked(&materials, packing));
+    if made.rounding.is_none() {
+        warnings.absorb(unpacked(&materials, packing));
+    }
     let (of_scan, all) = (made.about.bytes, files.iter().map(|file| file.bytes.len() as u64).sum::<u64>());
     warnings.note(
         format!("the asset is larger than its scan: {all} bytes, {of_scan} of the scan; take smaller maps, or pack it"),

@@ -42,7 +42,7 @@ pub use variants::Variants;
 pub use write::{
     AnimatedImage, AnimationFormat, AnimationSpec, EncodedModel, FileBytes, FileSet, GltfAsset, GltfDraft,
     GltfFormat, GltfGraft, GltfImage, GltfImages, GltfLevel, GltfMaterial, GraftedMaterial, ImageFormat,
-    PngColor, PngImage, PngSamples, Stopper, WrittenScene, encode_glb, encode_gltf, encode_graft,
+    PngColor, PngImage, PngSamples, Stopper, VertexBits, WrittenScene, encode_glb, encode_gltf, encode_graft,
     encode_jpeg_bitmap, encode_png, encode_png_bitmap, encode_scene, encode_scene_as, encode_webp_bitmap,
     gltf_files, gltf_sampler, write_bytes, write_gltf, write_image, write_png, write_png_bitmap, write_scene,
     write_text,
@@ -97,6 +97,17 @@ pub fn load_model_within(path: &Path, limits: &Limits) -> Result<Loaded> {
         )),
         false => Ok(loaded),
     }
+}
+
+/// Reads the bytes of a GLB that names no files, at its finest level of detail, within limits.
+///
+/// # Errors
+/// As [`load_model_within`], but for files that cannot be read.
+pub(crate) fn load_glb(content: Vec<u8>, limits: &Limits) -> Result<Loaded> {
+    let reading = Arc::new(Reading::new(GltfSource::Glb(&[]).path(), limits));
+    let loaded = gltf::read_glb(&reading, content);
+    reading.check()?;
+    loaded
 }
 
 /// Reads a model at all of its levels of detail, the finest first, as [`load_model`] reads that. Levels are those of

@@ -20,12 +20,14 @@
 //! # }
 //! ```
 
+mod banding;
 mod conversion;
 mod convert;
 mod heights;
 mod source;
 mod store;
 
+pub(crate) use banding::CoveredNormals;
 pub use conversion::{Conversion, ConversionOptions, convert_map, lay_out};
 pub use convert::{
     decoded_normals, object_from_tangent, tangent_from_height, tangent_from_height_on, tangent_from_object,

@@ -68,9 +68,20 @@ use textures::{Decoded, Textures};
 pub(super) fn read(reading: &Arc<Reading>) -> Result<Loaded> {
     let mut warnings = Warnings::default();
     let document = Document::open(reading, &mut warnings)?;
-    let shapes = Shapes::read(&document, 0, &mut warnings)?;
-    let looks = Looks::read(&document, &mut warnings)?;
-    shapes.loaded(&document, looks, warnings)
+    finest(&document, warnings)
+}
+
+/// Reads the bytes of a GLB that names no files, at its finest level of detail.
+pub(super) fn read_glb(reading: &Arc<Reading>, content: Vec<u8>) -> Result<Loaded> {
+    let mut warnings = Warnings::default();
+    let document = Document::of(reading, content, &mut warnings)?;
+    finest(&document, warnings)
+}
+
+fn finest(document: &Document, mut warnings: Warnings) -> Result<Loaded> {
+    let shapes = Shapes::read(document, 0, &mut warnings)?;
+    let looks = Looks::read(document, &mut warnings)?;
+    shapes.loaded(document, looks, warnings)
 }
 
 /// Reads the XMP packets of a file, that of the whole asset first.

@@ -16,7 +16,7 @@ pub enum GltfSource<'a> {
 
 impl<'a> GltfSource<'a> {
     /// Returns its path, that of no file for bytes.
-    pub(super) fn path(self) -> &'a Path {
+    pub(in crate::io) fn path(self) -> &'a Path {
         match self {
             Self::File(path) => path,
             Self::Glb(_) => Path::new("a.glb"),

@@ -18,6 +18,7 @@ const MESHOPT: &str = "EXT_meshopt_compression";
 /// The type of an accessor's numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Component {
+    I8,
     U8,
     I16,
     U16,
@@ -29,6 +30,7 @@ impl Component {
     /// Its number in glTF.
     fn code(self) -> u32 {
         match self {
+            Self::I8 => 5120,
             Self::U8 => 5121,
             Self::I16 => 5122,
             Self::U16 => 5123,
@@ -39,7 +41,7 @@ impl Component {
 
     fn size(self) -> usize {
         match self {
-            Self::U8 => 1,
+            Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
             Self::U32 | Self::F32 => 4,
         }

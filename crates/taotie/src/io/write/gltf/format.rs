@@ -34,9 +34,11 @@ impl fmt::Display for GltfImages {
 pub struct GltfFormat {
     /// The packing of textures.
     pub images: GltfImages,
-    /// The quality, 1 to 100, of base colour and emission as lossy WebP; `None` loses nothing. Normals,
-    /// roughness, metallic, occlusion and alpha always are lossless. For WebP only.
+    /// The quality, 1 to 100, of base colour and emission as lossy WebP; `None` loses nothing. Roughness, metallic,
+    /// occlusion and alpha always are lossless. For WebP only.
     pub webp_quality: Option<u8>,
+    /// The quality, 1 to 100, of the normal map as lossy WebP; `None` loses nothing. For WebP only.
+    pub normal_quality: Option<u8>,
     /// `true` where the search for repetitions in lossless WebP is shorter: it takes less than half the time, and the file
     /// about 3 % more bytes. For WebP only.
     pub quick_webp: bool,
@@ -46,10 +48,44 @@ pub struct GltfFormat {
     /// The quality, 1 to 100, of the base colour as JPEG, which is lossy and which every program reads; `None` packs it
     /// as `images` says. All other textures are numbers, and never JPEG.
     pub jpeg: Option<u8>,
-    /// Packs meshes by EXT_meshopt_compression: positions in 16 bits, 65535 steps along the longest side of the box
-    /// around all levels; normals and tangents in 2 × 12 bits, within 0.05°; uvs and colours in 16 bits where they lie
-    /// in [0, 1]. Vertices and triangles are sorted anew. Programs that do not know the extension cannot read the file.
+    /// Packs meshes by EXT_meshopt_compression: positions, normals and tangents in the bits of [`GltfFormat::bits`]; uvs
+    /// and colours in 16 bits where they lie in [0, 1]. Vertices and triangles are sorted anew. Programs that do not know
+    /// the extension cannot read the file.
     pub meshopt: bool,
+    /// The bits of packed vertices. For meshopt only.
+    pub bits: VertexBits,
+}
+
+/// The bits of packed vertices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct VertexBits {
+    /// Bits of each coordinate of a position, 8 to 16: 2^bits − 1 steps along the longest side of the box around all levels.
+    pub positions: u8,
+    /// Bits of each of the two octahedral coordinates of a normal or tangent, 6 to 12. 8 bits are within 0.95° and 0.24° on
+    /// average, 12 within 0.05°. Up to 8 a vertex takes half of the bytes before compression.
+    pub normals: u8,
+}
+
+impl Default for VertexBits {
+    fn default() -> Self {
+        Self { positions: 16, normals: 12 }
+    }
+}
+
+impl VertexBits {
+    /// Checks that both numbers are in their ranges.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`], which names the number.
+    pub fn check(self) -> Result<()> {
+        let Self { positions, normals } = self;
+        match (positions, normals) {
+            (8..=16, 6..=12) => Ok(()),
+            (8..=16, _) => Err(Error::invalid(format!("normals of {normals} bits"), "give 6 to 12")),
+            _ => Err(Error::invalid(format!("positions of {positions} bits"), "give 8 to 16")),
+        }
+    }
 }
 
 impl GltfFormat {
@@ -66,9 +102,16 @@ impl GltfFormat {
                 most: 100,
                 of: Some(GltfImages::WebP),
             },
+            Number {
+                what: "a WebP quality of normals",
+                given: self.normal_quality,
+                most: 100,
+                of: Some(GltfImages::WebP),
+            },
             Number { what: "an RDO of UASTC", given: self.uastc_rdo, most: 64, of: Some(GltfImages::Ktx2) },
         ];
-        numbers.iter().try_for_each(|number| number.check(self.images))
+        numbers.iter().try_for_each(|number| number.check(self.images))?;
+        self.bits.check()
     }
 }
 

@@ -34,13 +34,13 @@ impl ImagePacking {
         }
     }
 
-    /// Returns the packing of an image of some meaning: colours may lose what is asked for, normals nothing more than
-    /// the format costs. Other numbers are lossless in WebP, since its losses blur their channels together.
+    /// Returns the packing of an image of some meaning: colours and normals may lose what is asked for. Other numbers are
+    /// lossless in WebP, since its losses blur their channels together.
     pub fn new(format: &GltfFormat, encoding: Encoding) -> Self {
+        let webp = |lossless, quality: Option<u8>| Self::WebP(quality.map_or(lossless, WebPLoss::Quality));
         match (Self::losing_least(format), encoding) {
-            (Self::WebP(lossless), Encoding::Srgb) => {
-                Self::WebP(format.webp_quality.map_or(lossless, WebPLoss::Quality))
-            }
+            (Self::WebP(lossless), Encoding::Srgb) => webp(lossless, format.webp_quality),
+            (Self::WebP(lossless), Encoding::Normal) => webp(lossless, format.normal_quality),
             (Self::Ktx2(_), Encoding::Srgb | Encoding::Linear) => Self::Ktx2(format.uastc_rdo.unwrap_or(0)),
             (packing, _) => packing,
         }

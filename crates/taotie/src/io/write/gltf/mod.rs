@@ -23,7 +23,7 @@ mod uri;
 mod webp;
 
 pub use draft::GltfDraft;
-pub use format::{GltfFormat, GltfImages};
+pub use format::{GltfFormat, GltfImages, VertexBits};
 pub use graft::{EncodedModel, GltfGraft, GraftedMaterial, encode_graft};
 pub use image_packing::{encode_jpeg_bitmap, encode_webp_bitmap};
 pub use material::GltfMaterial;
@@ -181,14 +181,18 @@ fn draft(
 ) -> Result<GltfDraft> {
     check(asset)?;
     let mut draft = GltfDraft::default();
-    let grid = format.meshopt.then(|| Grid::around(asset.levels.iter().map(|level| level.mesh)));
+    let meshes = asset.levels.iter().map(|level| level.mesh);
+    let grid = format.meshopt.then(|| Grid::around(meshes, format.bits.positions));
     let modes = parts::distinct(asset.alpha_modes, asset.material.alpha);
     let mut meshes = Vec::new();
     for (i, level) in asset.levels.iter().enumerate() {
         let each = asset.alpha_modes.get(i).map_or(&[][..], Vec::as_slice);
         let (mesh, parts) = (level.mesh, MeshPart::by_mode(level.mesh, each, &modes));
         let primitives = match &grid {
-            Some(grid) => packed::add(&mut draft, PackedMesh { mesh, parts: &parts, grid })?,
+            Some(grid) => {
+                let normal_bits = format.bits.normals;
+                packed::add(&mut draft, PackedMesh { mesh, parts: &parts, grid, normal_bits })?
+            }
             None => mesh::add(&mut draft, mesh, &parts),
         };
         meshes.push(named(asset, json!({ "primitives": primitives })));

@@ -11,24 +11,24 @@ use crate::math::{Vec2, Vec3};
 use crate::mesh::{Mesh, MeshData};
 use serde_json::{Value, json};
 
-/// The largest of 16 bits, unsigned and signed.
+/// The largest of 16 bits.
 const MOST: f64 = 65535.0;
-const SIGNED_MOST: i16 = 32767;
 
-/// The largest coordinate on the octahedron: 12 bits with sign, whose directions are within 0.05° of all.
-const OCTAHEDRAL_ONE: f64 = 2047.0;
+/// The most bits of a normal's coordinates that fit into bytes.
+const BITS_OF_BYTES: u8 = 8;
 
-/// The cube of 2¹⁶ steps a side that positions are rounded to. It has one step for all axes, so that normals keep
-/// their directions.
+/// The cube of steps that positions are rounded to. It has one step for all axes, so that normals keep their directions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Grid {
     origin: Vec3,
     step: f32,
+    /// Steps along a side.
+    most: f64,
 }
 
 impl Grid {
-    /// Returns the least grid around all meshes.
-    pub fn around<'a>(meshes: impl Iterator<Item = &'a Mesh>) -> Self {
+    /// Returns the least grid around all meshes, of 2^`bits` − 1 steps along a side.
+    pub fn around<'a>(meshes: impl Iterator<Item = &'a Mesh>, bits: u8) -> Self {
         let (mut least, mut most) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for point in meshes.flat_map(Mesh::positions) {
             for (axis, value) in point.to_array().into_iter().enumerate() {
@@ -37,8 +37,9 @@ impl Grid {
             }
         }
         let extents = least.iter().zip(most).map(|(least, most)| f64::from(most) - f64::from(*least));
-        let step = (extents.fold(0.0, f64::max) / MOST) as f32;
-        Self { origin: Vec3::from_array(least), step: if step > 0.0 { step.next_up() } else { 1.0 } }
+        let most = f64::from((1u32 << bits) - 1);
+        let step = (extents.fold(0.0, f64::max) / most) as f32;
+        Self { origin: Vec3::from_array(least), step: if step > 0.0 { step.next_up() } else { 1.0 }, most }
     }
 
     /// Gives a node the transform that takes steps to model units.
@@ -50,17 +51,19 @@ impl Grid {
     /// Returns the nearest point, in steps.
     fn steps(&self, point: Vec3) -> [u16; 4] {
         let [x, y, z] = ((point.to_f64() - self.origin.to_f64()) * (1.0 / f64::from(self.step))).to_array();
-        let nearest = |v: f64| (v + 0.5).clamp(0.0, MOST) as u16;
+        let nearest = |v: f64| (v + 0.5).clamp(0.0, self.most) as u16;
         [nearest(x), nearest(y), nearest(z), 0]
     }
 }
 
-/// A mesh in parts, and the steps that its positions are rounded to.
+/// A mesh in parts, and what its vertices are rounded to.
 #[derive(Clone, Copy)]
 pub(super) struct PackedMesh<'a> {
     pub mesh: &'a Mesh,
     pub parts: &'a [MeshPart<'a>],
     pub grid: &'a Grid,
+    /// Bits of normals and tangents, as in [`VertexBits`](super::VertexBits).
+    pub normal_bits: u8,
 }
 
 /// Adds a mesh and returns the primitive of each part; all share its vertices. Vertices, and the triangles of each part,
@@ -71,10 +74,10 @@ pub(super) struct PackedMesh<'a> {
 pub(super) fn add(draft: &mut GltfDraft, packed: PackedMesh) -> Result<Vec<Value>> {
     draft.require("KHR_mesh_quantization");
     draft.require("EXT_meshopt_compression");
-    let PackedMesh { mesh, parts, grid } = packed;
+    let PackedMesh { mesh, parts, grid, normal_bits } = packed;
     let (data, parts) = sorted(mesh, parts);
     let mut attributes = json!({});
-    for stream in streams(&data, grid) {
+    for stream in streams(&data, grid, Octahedron { bits: normal_bits }) {
         attributes[&stream.name] = add_stream(draft, &stream)?.into();
     }
     let primitive = |part: &MeshPart| -> Result<Value> {
@@ -91,7 +94,7 @@ fn sorted(mesh: &Mesh, parts: &[MeshPart]) -> (MeshData, Vec<MeshPart<'static>>)
     let mut place = vec![None; count];
     let mut order = Vec::with_capacity(count);
     let sort = |part: &MeshPart| {
-        let mut indices = meshopt::optimize_vertex_cache(part.triangles.as_flattened(), count);
+        let mut indices = meshopt::optimize_vertex_cache_strip(part.triangles.as_flattened(), count);
         for index in &mut indices {
             let new = *place[*index as usize].get_or_insert_with(|| {
                 order.push(*index as usize);
@@ -129,7 +132,7 @@ struct Stream {
     bounds: Option<[[u16; 3]; 2]>,
 }
 
-fn streams(data: &MeshData, grid: &Grid) -> Vec<Stream> {
+fn streams(data: &MeshData, grid: &Grid, octahedron: Octahedron) -> Vec<Stream> {
     let steps: Vec<[u16; 4]> = data.positions.iter().map(|p| grid.steps(*p)).collect();
     let extreme = |of: fn(u16, u16) -> u16| {
         [0, 1, 2].map(|axis| steps.iter().map(|v| v[axis]).reduce(of).unwrap_or_default())
@@ -141,11 +144,13 @@ fn streams(data: &MeshData, grid: &Grid) -> Vec<Stream> {
     };
     let mut streams = vec![positions];
     if !data.normals.is_empty() {
-        let normals: Vec<[i16; 4]> = data.normals.iter().map(|n| octahedral(n.to_array(), 0)).collect();
-        streams.push(directions("NORMAL", &normals, 3));
+        let normals = data.normals.iter().map(|n| octahedron.codes(n.to_array(), 0.0));
+        streams.push(octahedron.stream("NORMAL", normals, 3));
         if !data.tangents.is_empty() {
-            let tangents: Vec<[i16; 4]> = data.tangents.iter().map(|t| tangent(*t)).collect();
-            streams.push(directions("TANGENT", &tangents, 4));
+            let tangents = data.tangents.iter().map(|[x, y, z, handedness]| {
+                octahedron.codes([*x, *y, *z], if *handedness < 0.0 { -1.0 } else { 1.0 })
+            });
+            streams.push(octahedron.stream("TANGENT", tangents, 4));
         }
     }
     let sets = data.uvs.iter().enumerate();
@@ -180,27 +185,40 @@ fn words<const N: usize>(name: &str, values: &[[u16; N]], width: usize) -> Strea
     Stream { name, bytes, stride: 2 * N, component, width, normalized: true, filter: None, bounds: None }
 }
 
-/// Unit vectors as the octahedral filter stores them.
-fn directions(name: &str, values: &[[i16; 4]], width: usize) -> Stream {
-    let bytes = values.as_flattened().iter().copied().flat_map(i16::to_le_bytes).collect();
-    let filter = Some("OCTAHEDRAL");
-    let (name, component) = (name.to_owned(), Component::I16);
-    Stream { name, bytes, stride: 8, component, width, normalized: true, filter, bounds: None }
+/// How the octahedral filter stores unit vectors. Source: EXT_meshopt_compression, Filter 1.
+#[derive(Debug, Clone, Copy)]
+struct Octahedron {
+    /// Bits of a coordinate, with sign.
+    bits: u8,
 }
 
-fn tangent([x, y, z, handedness]: [f32; 4]) -> [i16; 4] {
-    octahedral([x, y, z], if handedness < 0.0 { -SIGNED_MOST } else { SIGNED_MOST })
-}
+impl Octahedron {
+    fn is_of_bytes(self) -> bool {
+        self.bits <= BITS_OF_BYTES
+    }
 
-/// A direction on the octahedron whose lower half is folded over the corners of the upper, the one of it, and a number
-/// that stays. Source: EXT_meshopt_compression, Filter 1.
-fn octahedral(direction: [f32; 3], rest: i16) -> [i16; 4] {
-    let [x, y, z] = direction.map(f64::from);
-    let sum = x.abs() + y.abs() + z.abs();
-    let (x, y) = if sum > 0.0 { (x / sum, y / sum) } else { (0.0, 0.0) };
-    let (x, y) = if z < 0.0 { ((1.0 - y.abs()).copysign(x), (1.0 - x.abs()).copysign(y)) } else { (x, y) };
-    let stored = |v: f64| (v * OCTAHEDRAL_ONE).round() as i16;
-    [stored(x), stored(y), OCTAHEDRAL_ONE as i16, rest]
+    /// Returns a direction on the octahedron whose lower half is folded over the corners of the upper, the one of it, and
+    /// a sign, which the filter keeps, as the largest number of its type.
+    fn codes(self, direction: [f32; 3], sign: f32) -> [i16; 4] {
+        let [x, y, z] = direction.map(f64::from);
+        let sum = x.abs() + y.abs() + z.abs();
+        let (x, y) = if sum > 0.0 { (x / sum, y / sum) } else { (0.0, 0.0) };
+        let (x, y) =
+            if z < 0.0 { ((1.0 - y.abs()).copysign(x), (1.0 - x.abs()).copysign(y)) } else { (x, y) };
+        let one = (1i16 << (self.bits - 1)) - 1;
+        let stored = |v: f64| (v * f64::from(one)).round() as i16;
+        let most = if self.is_of_bytes() { i16::from(i8::MAX) } else { i16::MAX };
+        [stored(x), stored(y), one, (f32::from(most) * sign) as i16]
+    }
+
+    fn stream(self, name: &str, codes: impl Iterator<Item = [i16; 4]>, width: usize) -> Stream {
+        let (bytes, component, stride) = match self.is_of_bytes() {
+            true => (codes.flatten().map(|code| code as i8 as u8).collect(), Component::I8, 4),
+            false => (codes.flatten().flat_map(i16::to_le_bytes).collect(), Component::I16, 8),
+        };
+        let (name, filter) = (name.to_owned(), Some("OCTAHEDRAL"));
+        Stream { name, bytes, stride, component, width, normalized: true, filter, bounds: None }
+    }
 }
 
 fn add_stream(draft: &mut GltfDraft, stream: &Stream) -> Result<usize> {

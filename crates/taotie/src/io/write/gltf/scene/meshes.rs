@@ -72,10 +72,14 @@ impl Writer<'_> {
         );
         let lost = mesh.normals().is_empty() && !mesh.tangents().is_empty();
         self.note("tangents of meshes without normals are left out", usize::from(lost));
-        let grid = self.format.meshopt.then(|| Grid::around(std::iter::once(mesh)));
+        let grid =
+            self.format.meshopt.then(|| Grid::around(std::iter::once(mesh), self.format.bits.positions));
         let parts = [MeshPart::whole(mesh)];
         let primitives = match &grid {
-            Some(grid) => packed::add(&mut self.draft, PackedMesh { mesh, parts: &parts, grid })?,
+            Some(grid) => packed::add(
+                &mut self.draft,
+                PackedMesh { mesh, parts: &parts, grid, normal_bits: self.format.bits.normals },
+            )?,
             None => mesh::add(&mut self.draft, mesh, &parts),
         };
         Ok(Shape { primitives, grid })

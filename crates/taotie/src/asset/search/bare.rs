@@ -1,0 +1,139 @@
+//! Candidates whose relief is in their vertex normals alone.
+
+use super::curve::Curve;
+use super::goal::{Winner, remaining};
+use super::trial::Trial;
+use super::workshop::{Draft, Rounding, Shape, Workshop};
+use crate::error::Result;
+use crate::io::VertexBits;
+use crate::progress::Progress;
+
+/// The least number of triangles.
+const LEAST: u32 = 100;
+/// The number of triangles from which the curve is measured.
+const START: u32 = 16_000;
+/// Bits of normals that are tried.
+const NORMAL_BITS: [u8; 5] = [7, 8, 9, 10, 12];
+/// The mean angle that rounding normals to 8 bits costs, degrees; each bit more halves it.
+const ANGLE_OF_8_BITS: f64 = 0.26;
+/// Positions are rounded to as few of these bits as have steps of at most half of the simplification's own error. The fewest
+/// move an outline by 0.02 % of the longest side.
+const POSITION_BITS: [u8; 4] = [11, 12, 13, 14];
+/// Trials that close in on the goal.
+const ROUNDS: usize = 5;
+
+/// A search among candidates without a normal map.
+pub(super) struct Bare<'a, 'b> {
+    pub workshop: &'b mut Workshop<'a>,
+    /// Texels along a side of the other maps, 0 if there are none, and their quality.
+    pub maps: (u32, Option<u8>),
+    /// The error of meshes over their triangles, without that of rounding.
+    errors: Curve,
+    /// Bytes a triangle with each number of [`NORMAL_BITS`].
+    rates: [f64; NORMAL_BITS.len()],
+    best: Option<Winner>,
+}
+
+impl<'a, 'b> Bare<'a, 'b> {
+    /// Returns the smallest candidate that reaches the goal.
+    pub fn smallest(
+        workshop: &'b mut Workshop<'a>,
+        maps: (u32, Option<u8>),
+        progress: Progress<'_>,
+    ) -> Result<Option<Winner>> {
+        let (errors, rates) = (Curve::default(), [0.0; NORMAL_BITS.len()]);
+        let mut search = Self { workshop, maps, errors, rates, best: None };
+        search.bracket(progress)?;
+        for _ in 0..ROUNDS {
+            let Some((triangles, normals)) = search.likely() else { break };
+            let Some(draft) = search.draft(triangles, progress)? else { break };
+            let bits = VertexBits { positions: position_bits(&draft), normals };
+            let trial = search.add(draft, bits)?;
+            if search.workshop.goal.is_hit(&trial) {
+                break;
+            }
+        }
+        Ok(search.best)
+    }
+
+    /// Measures a quarter or four times the triangles until the goal lies in between.
+    fn bracket(&mut self, progress: Progress<'_>) -> Result<()> {
+        let rungs = rungs(self.workshop.triangles());
+        let mut at = rungs.partition_point(|count| *count <= START).saturating_sub(1);
+        let mut before = None;
+        loop {
+            let is_met = match self.draft(rungs[at], progress)? {
+                Some(draft) => self.add(draft, VertexBits::default())?.is_near,
+                None => false,
+            };
+            let last = if is_met { 0 } else { rungs.len() - 1 };
+            if at == last || before.is_some_and(|before| before != is_met) {
+                return Ok(());
+            }
+            before = Some(is_met);
+            if is_met { at -= 1 } else { at += 1 }
+        }
+    }
+
+    fn draft(&mut self, triangles: u32, progress: Progress<'_>) -> Result<Option<Draft>> {
+        self.workshop.draft(Shape { triangles, size: self.maps.0, has_normal_map: false }, progress)
+    }
+
+    /// Tries a candidate, and learns from it.
+    fn add(&mut self, draft: Draft, bits: VertexBits) -> Result<Trial> {
+        let rounding = Rounding { bits, quality: self.maps.1 };
+        let trial = self.workshop.trial(&draft, rounding)?;
+        let count = trial.triangles as f64;
+        self.errors.add(count, remaining(trial.mean_angle, angle_of(bits.normals)));
+        for (rate, normals) in self.rates.iter_mut().zip(NORMAL_BITS) {
+            let bits = VertexBits { positions: position_bits(&draft), normals };
+            *rate = draft.mesh_bytes(bits)? as f64 / count;
+        }
+        if trial.is_near {
+            Winner::replace(&mut self.best, Winner { draft, rounding, trial });
+        }
+        Ok(trial)
+    }
+
+    /// Returns the number of triangles and the bits of normals that are likely to reach the goal with the fewest bytes.
+    fn likely(&self) -> Option<(u32, u8)> {
+        let all = f64::from(self.workshop.triangles());
+        let choices = NORMAL_BITS.into_iter().zip(self.rates).filter_map(|(bits, rate)| {
+            let angle = remaining(self.workshop.goal.aim(), angle_of(bits));
+            let triangles = self.errors.first_within(angle, [f64::from(LEAST).min(all), all])?;
+            Some((triangles, bits, triangles * rate))
+        });
+        let (triangles, bits, _) = choices.min_by(|a, b| a.2.total_cmp(&b.2))?;
+        Some((triangles.ceil() as u32, bits))
+    }
+}
+
+/// Returns the numbers of triangles at which the curve is measured, in rising order: all, a quarter, a sixteenth and so on.
+fn rungs(all: u32) -> Vec<u32> {
+    let quarters = std::iter::successors(Some(all), |count| Some(count / 4));
+    let mut rungs: Vec<u32> = quarters.take_while(|count| *count >= LEAST.min(all)).collect();
+    rungs.reverse();
+    rungs
+}
+
+/// Returns the mean angle that rounding normals to so many bits costs, degrees.
+fn angle_of(bits: u8) -> f64 {
+    ANGLE_OF_8_BITS * f64::from(1u32 << 8) / f64::from(1u32 << bits)
+}
+
+fn position_bits(draft: &Draft) -> u8 {
+    let error = draft.low.origin.simplified.as_ref().map_or(0.0, |simplified| simplified.error);
+    let step = |bits: u8| draft.low.mesh.diagonal() / f64::from(1u32 << bits);
+    POSITION_BITS.into_iter().find(|bits| step(*bits) <= 0.5 * error).unwrap_or(POSITION_BITS[3])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rungs_rise_to_all() {
+        assert_eq!(rungs(70_000), [273, 1093, 4375, 17_500, 70_000]);
+        assert_eq!((rungs(12), rungs(399)), (vec![12], vec![399]));
+    }
+}

@@ -1,0 +1,141 @@
+//! What candidates with a normal map are foretold to have.
+
+use super::curve::Curve;
+use super::map_size::{Loss, MapSize};
+use super::workshop::{Draft, Shape, UNDER_MAP, Workshop};
+use crate::error::Result;
+use crate::progress::Progress;
+
+/// Triangles of the meshes that are measured, and of the one on which map sizes are.
+const TRIANGLES: [u32; 3] = [2_000, 8_000, 32_000];
+const ON_TRIANGLES: u32 = 8_000;
+/// Sizes of maps that are measured, and the one with which meshes are.
+const SIZES: [u32; 4] = [256, 512, 1024, 2048];
+const ON_SIZE: u32 = 512;
+/// A size that has more than this part of the error of half the size is not worth doubling.
+const WORTH_DOUBLING: f64 = 0.85;
+/// The least number of triangles, and the ratio of one to the next that is considered.
+const LEAST: f64 = 200.0;
+const RATIO: f64 = 1.1;
+/// At least this part of the square of an error stays, whatever is added to a mesh or a map.
+const FLOOR: f64 = 0.1;
+
+/// Curves from which bytes and errors follow.
+pub(super) struct Forecast {
+    /// The square of the error of meshes with a lossless map of one size over their triangles.
+    squared: Curve,
+    mesh_bytes: Curve,
+    /// The sizes that were measured, in rising order, and the square of the error at which the curves cross.
+    sizes: Vec<MapSize>,
+    crossing: f64,
+    most_triangles: f64,
+    /// The true bytes beside those that are foretold.
+    factor: f64,
+}
+
+/// A candidate that is foretold.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Choice {
+    pub shape: Shape,
+    /// As lossy WebP; `None` loses nothing.
+    pub quality: Option<u8>,
+    pub bytes: f64,
+}
+
+impl Forecast {
+    /// Measures meshes and maps, the latter of at least `least_size`; `None` if no mesh is like the scan.
+    pub fn measured(
+        workshop: &mut Workshop<'_>,
+        least_size: u32,
+        progress: Progress<'_>,
+    ) -> Result<Option<Self>> {
+        let all = workshop.triangles();
+        let (on, size) = (ON_TRIANGLES.min(all), ON_SIZE.max(least_size));
+        let Some(draft) = workshop.draft(mapped(on, size), progress)? else { return Ok(None) };
+        let crossing = MapSize::measured(workshop, &draft)?;
+        let mut forecast = Self {
+            squared: Curve::default(),
+            mesh_bytes: Curve::default(),
+            crossing: crossing.squared,
+            sizes: Vec::new(),
+            most_triangles: f64::from(all),
+            factor: 1.0,
+        };
+        forecast.add_mesh(&draft, crossing.squared)?;
+        forecast.sizes.push(crossing);
+        for triangles in TRIANGLES.into_iter().filter(|count| *count != on && *count < all) {
+            if let Some(draft) = workshop.draft(mapped(triangles, size), progress)? {
+                let squared = MapSize::lossless(workshop, &draft)?.squared;
+                forecast.add_mesh(&draft, squared)?;
+            }
+        }
+        for size in SIZES.into_iter().filter(|other| *other != size && *other >= least_size) {
+            if forecast.is_worth_doubling(size / 2)
+                && let Some(draft) = workshop.draft(mapped(on, size), progress)?
+            {
+                forecast.sizes.push(MapSize::measured(workshop, &draft)?);
+                forecast.sizes.sort_by_key(|of| of.size);
+            }
+        }
+        Ok(Some(forecast))
+    }
+
+    fn add_mesh(&mut self, draft: &Draft, squared: f64) -> Result<()> {
+        let count = draft.low.mesh.triangles().len() as f64;
+        self.squared.add(count, squared);
+        self.mesh_bytes.add(count, draft.mesh_bytes(UNDER_MAP)? as f64);
+        Ok(())
+    }
+
+    /// Returns `true` unless doubling half of this size helped hardly.
+    fn is_worth_doubling(&self, size: u32) -> bool {
+        let squared = |size: u32| self.sizes.iter().find(|of| of.size == size).map(|of| of.squared);
+        match (squared(size / 2), squared(size)) {
+            (Some(half), Some(own)) => own < WORTH_DOUBLING * WORTH_DOUBLING * half,
+            _ => true,
+        }
+    }
+
+    /// Returns the smallest candidate with at most this mean angle, degrees.
+    pub fn smallest(&self, angle: f64) -> Option<Choice> {
+        let steps = std::iter::successors(Some(LEAST.min(self.most_triangles)), |count| Some(count * RATIO));
+        let counts: Vec<f64> = steps.take_while(|count| *count <= self.most_triangles).collect();
+        let pairs = self.sizes.windows(2).flat_map(|pair| pair[0].up_to(&pair[1]));
+        let sizes: Vec<MapSize> = pairs.chain(self.sizes.last().cloned()).collect();
+        let mut best: Option<Choice> = None;
+        for triangles in counts {
+            for size in &sizes {
+                let squared = self.lossless(triangles, size);
+                let enough = size.losses().filter(|loss| squared + loss.squared <= angle * angle);
+                for loss in enough {
+                    let choice = self.choice(triangles, size, loss);
+                    if best.is_none_or(|best| choice.bytes < best.bytes) {
+                        best = Some(choice);
+                    }
+                }
+            }
+        }
+        best
+    }
+
+    /// Returns the square of the error with maps that lose nothing: those of mesh and map, less what both have.
+    fn lossless(&self, triangles: f64, size: &MapSize) -> f64 {
+        let of_mesh = self.squared.at(triangles);
+        (of_mesh + size.squared - self.crossing).max(FLOOR * of_mesh.max(size.squared))
+    }
+
+    fn choice(&self, triangles: f64, size: &MapSize, loss: Loss) -> Choice {
+        let shape = mapped(triangles as u32, size.size);
+        let bytes = (self.mesh_bytes.at(triangles) + loss.bytes) * self.factor;
+        Choice { shape, quality: loss.quality, bytes }
+    }
+
+    /// Learns that bytes near the last choice are so many times those that were foretold.
+    pub fn mend(&mut self, factor: f64) {
+        self.factor *= factor;
+    }
+}
+
+fn mapped(triangles: u32, size: u32) -> Shape {
+    Shape { triangles, size, has_normal_map: true }
+}

@@ -1,0 +1,43 @@
+//! Candidates with a normal map.
+
+use super::forecast::Forecast;
+use super::goal::Winner;
+use super::workshop::{Rounding, UNDER_MAP, Workshop};
+use crate::error::Result;
+use crate::progress::Progress;
+
+/// Trials that close in on the goal.
+const ROUNDS: usize = 5;
+/// A candidate is made if its forecast has at most this part of the bytes of the smallest one so far.
+const WORTH: f64 = 0.99;
+
+/// Puts the smallest candidate with a normal map that reaches the goal in the place of a larger one. Its maps have at least
+/// `least_size` texels along a side.
+pub(super) fn smallest(
+    workshop: &mut Workshop<'_>,
+    least_size: u32,
+    best: &mut Option<Winner>,
+    progress: Progress<'_>,
+) -> Result<()> {
+    let goal = workshop.goal;
+    let Some(mut forecast) = Forecast::measured(workshop, least_size, progress)? else { return Ok(()) };
+    let mut aim = goal.aim();
+    for _ in 0..ROUNDS {
+        let Some(choice) = forecast.smallest(aim) else { break };
+        if best.as_ref().is_some_and(|best| choice.bytes > WORTH * best.trial.bytes as f64) {
+            break;
+        }
+        let Some(draft) = workshop.draft(choice.shape, progress)? else { break };
+        let rounding = Rounding { bits: UNDER_MAP, quality: choice.quality };
+        let trial = workshop.trial(&draft, rounding)?;
+        if trial.is_near {
+            Winner::replace(best, Winner { draft, rounding, trial });
+        }
+        if goal.is_hit(&trial) {
+            break;
+        }
+        forecast.mend(trial.bytes as f64 / choice.bytes);
+        aim *= goal.aim() / trial.mean_angle.max(f64::MIN_POSITIVE);
+    }
+    Ok(())
+}

@@ -1,0 +1,18 @@
+//! The search for the asset of the fewest bytes whose normals are near enough.
+//!
+//! Errors of different sources, such as of the mesh, of texels and of what a codec loses, add up in squares. So each is
+//! measured by itself, and together they foretell which candidate is the smallest; that is made, read back and measured.
+
+mod bare;
+mod curve;
+mod forecast;
+mod goal;
+mod map_size;
+mod mapped;
+mod smallest;
+mod trial;
+mod workshop;
+
+pub(super) use smallest::smallest;
+pub use trial::Trial;
+pub(super) use workshop::Rounding;

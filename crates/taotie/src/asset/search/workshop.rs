@@ -1,0 +1,205 @@
+//! Candidates of a search, made as they would be written, read back and measured.
+
+use super::goal::Goal;
+use super::trial::Trial;
+use crate::asset::judgement::{Pair, refuse_astray};
+use crate::asset::low::{self, LowPoly};
+use crate::asset::maps::{Recipe, StoredMaps, bake_maps};
+use crate::asset::options::BakeOptions;
+use crate::asset::scan::Scan;
+use crate::bake::{self, MapKind, Simplified};
+use crate::error::{Error, Result};
+use crate::io::{self, GltfAsset, GltfFormat, GltfImages, GltfLevel, Limits, VertexBits};
+use crate::mesh::Mesh;
+use crate::progress::Progress;
+use crate::proof::{self, Overview, Side};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
+/// The number of pixels at which a trial is measured.
+const PIXELS: usize = 20_000;
+
+/// Bits of vertices under a normal map, which makes up for the rounding of normals.
+pub(super) const UNDER_MAP: VertexBits = VertexBits { positions: 14, normals: 8 };
+
+/// The mesh and maps of a candidate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Shape {
+    pub triangles: u32,
+    /// Texels along a side of its maps; 0 if it has none.
+    pub size: u32,
+    pub has_normal_map: bool,
+}
+
+/// What a file loses.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(in crate::asset) struct Rounding {
+    pub bits: VertexBits,
+    /// The quality of its maps as lossy WebP; `None` loses nothing.
+    pub quality: Option<u8>,
+}
+
+/// A candidate that was made and not written yet.
+pub(super) struct Draft {
+    pub shape: Shape,
+    pub low: LowPoly,
+    pub maps: StoredMaps,
+}
+
+/// Makes candidates of a scan and measures them.
+pub(super) struct Workshop<'a> {
+    recipe: Recipe<'a>,
+    /// The same without a normal map.
+    plain: BakeOptions,
+    scan: &'a Scan,
+    /// The triangles of the scan that meshes are made of.
+    seen: &'a Mesh,
+    side: &'a Side<'a>,
+    /// `true` if colours are compared.
+    has_material: bool,
+    /// Maps of several sizes are tried on the same triangles.
+    known: BTreeMap<u32, Simplified>,
+    pub goal: Goal,
+    pub trials: Vec<Trial>,
+    /// Why meshes were refused that lost the scan's shape; no map of any size makes up for that.
+    pub refused: BTreeMap<u32, Error>,
+}
+
+impl Rounding {
+    /// Returns the format of a file that loses so much. Without the feature `webp` maps are PNG.
+    pub fn format(self, has_maps: bool) -> GltfFormat {
+        let is_webp = has_maps && cfg!(feature = "webp");
+        let quality = self.quality.filter(|_| is_webp);
+        GltfFormat {
+            images: if is_webp { GltfImages::WebP } else { GltfImages::Png },
+            webp_quality: quality,
+            normal_quality: quality,
+            meshopt: true,
+            bits: self.bits,
+            ..GltfFormat::default()
+        }
+    }
+}
+
+impl Draft {
+    /// Returns the bytes of the candidate as a GLB of one level of detail without metadata.
+    fn encoded(&self, rounding: Rounding) -> Result<Vec<u8>> {
+        let material = self.maps.textures.material(&self.low.material, &self.low.kept);
+        let levels = [GltfLevel { mesh: &self.low.mesh, coverage: None }];
+        let format = rounding.format(self.shape.size > 0);
+        io::encode_glb(&GltfAsset { levels: &levels, material, ..GltfAsset::default() }, &format)
+    }
+
+    /// Returns the bytes of its mesh alone.
+    pub fn mesh_bytes(&self, bits: VertexBits) -> Result<u64> {
+        let levels = [GltfLevel { mesh: &self.low.mesh, coverage: None }];
+        let format = Rounding { bits, quality: None }.format(false);
+        Ok(io::encode_glb(&GltfAsset { levels: &levels, ..GltfAsset::default() }, &format)?.len() as u64)
+    }
+}
+
+impl<'a> Workshop<'a> {
+    /// Makes a workshop for a sorted scan, of which meshes are made of the triangles `seen`.
+    pub fn new(
+        recipe: Recipe<'a>,
+        goal: Goal,
+        (scan, side): (&'a Scan, &'a Side<'a>),
+        seen: &'a Mesh,
+    ) -> Self {
+        let mut plain = recipe.options.clone();
+        plain.maps.retain(|map| *map != MapKind::Normal);
+        Self {
+            recipe,
+            plain,
+            scan,
+            seen,
+            side,
+            has_material: !scan.about.is_plain,
+            known: BTreeMap::new(),
+            goal,
+            trials: Vec::new(),
+            refused: BTreeMap::new(),
+        }
+    }
+
+    /// Returns the number of triangles that meshes are made of.
+    pub fn triangles(&self) -> u32 {
+        self.seen.triangles().len() as u32
+    }
+
+    /// Returns `true` if there are maps beside that of normals.
+    pub fn has_other_maps(&self) -> bool {
+        !self.plain.maps.is_empty()
+    }
+
+    /// Returns the simplified mesh of a candidate.
+    pub fn simplified(&mut self, triangles: u32, progress: Progress<'_>) -> Result<&Simplified> {
+        match self.known.entry(triangles) {
+            Entry::Occupied(known) => Ok(known.into_mut()),
+            Entry::Vacant(place) => {
+                let simplified = low::simplified(self.seen, triangles, progress)?;
+                Ok(place.insert(low::fitted(self.scan, simplified, progress)?))
+            }
+        }
+    }
+
+    /// Makes a candidate; `None` if its mesh lost the scan's shape.
+    pub fn draft(&mut self, shape: Shape, progress: Progress<'_>) -> Result<Option<Draft>> {
+        let Shape { triangles, size, has_normal_map } = shape;
+        if self.refused.contains_key(&triangles) {
+            return Ok(None);
+        }
+        let scan = self.scan;
+        let simplified = self.simplified(triangles, progress)?;
+        let low = match (size, has_normal_map) {
+            (0, _) => LowPoly::bare(scan, simplified),
+            (_, true) => LowPoly::made(scan, simplified, size, progress)?,
+            (_, false) => LowPoly::made(scan, simplified, size, progress)?.without_tangents()?,
+        };
+        let pair = Pair { scan, low: &low };
+        if let Err(error) = refuse_astray(pair) {
+            self.refused.insert(triangles, error);
+            return Ok(None);
+        }
+        let maps = match (size, has_normal_map) {
+            (0, _) => StoredMaps::none(pair),
+            (_, true) => bake_maps(self.recipe, [size; 2], pair, progress)?,
+            (_, false) => {
+                let plain = Recipe { options: &self.plain, rays: self.recipe.rays };
+                bake_maps(plain, [size; 2], pair, progress)?
+            }
+        };
+        Ok(Some(Draft { shape, low, maps }))
+    }
+
+    /// Writes a candidate, reads it back and measures it.
+    pub fn trial(&mut self, draft: &Draft, rounding: Rounding) -> Result<Trial> {
+        let encoded = draft.encoded(rounding)?;
+        let bytes = encoded.len() as u64;
+        let Overview { angles, color, .. } = self.overview(encoded)?;
+        let has_maps = draft.shape.size > 0;
+        let mut trial = Trial {
+            is_near: false,
+            triangles: draft.low.mesh.triangles().len(),
+            size: draft.shape.size,
+            has_normal_map: draft.shape.has_normal_map && has_maps,
+            quality: rounding.quality.filter(|_| has_maps),
+            bits: rounding.bits,
+            mean_angle: angles.map_or(f64::INFINITY, |angles| angles.summary.mean),
+            mean_color: color.map(|color| color.summary.mean),
+            bytes,
+        };
+        trial.is_near = self.goal.is_met(&trial);
+        self.trials.push(trial);
+        Ok(trial)
+    }
+
+    fn overview(&self, encoded: Vec<u8>) -> Result<Overview> {
+        let scene = io::load_glb(encoded, &Limits::of_own_files())?.scene;
+        let surface = bake::Scan::of_asset(scene, self.side.surface)?;
+        let asset = Side::of(&surface);
+        let diagonal = self.side.surface.mesh().diagonal() as f32;
+        let pair = proof::Pair { scan: self.side, asset: &asset, diagonal, has_material: self.has_material };
+        proof::overview(&pair, PIXELS)
+    }
+}
