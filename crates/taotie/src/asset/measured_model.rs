@@ -49,6 +49,7 @@ pub fn measure(
     let (mut figures, parts) =
         Measurement { scan, unit: scan.unit(), options }.all(&finest, &[], &level, progress)?;
     figures.parts = parts;
-    findings::note(&figures, &finest, &mut warnings);
+    findings::note_whole(&figures, &finest, &mut warnings);
+    findings::note(&figures, &[], &mut warnings);
     Ok((figures, warnings))
 }

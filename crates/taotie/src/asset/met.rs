@@ -88,19 +88,34 @@ impl Met {
     /// Returns value and limit in [`Met::unit`], such as `is 0.02 %, at most 0.1 %`. Both have all their digits if fewer
     /// would hide that the limit is exceeded.
     pub fn text(&self) -> String {
+        let [value, limit] = self.value_and_limit();
+        match (self.value, self.is_undecided()) {
+            (None, _) => format!("could not be measured, {limit}"),
+            (_, true) => format!("is undecided: {value}, {limit}"),
+            _ => format!("is {value}, {limit}"),
+        }
+    }
+
+    /// Returns name, value and limit in a list of several requirements, such as `missed 0.2 % (at most 0.1 %)`.
+    pub(super) fn in_list(&self) -> String {
+        let [value, limit] = self.value_and_limit();
+        format!("{} {value} ({limit})", self.name())
+    }
+
+    /// Returns the value, or the bounds between which it lies if the requirement is undecided, and the limit.
+    fn value_and_limit(&self) -> [String; 2] {
         let (unit, most) = (self.unit(), self.most);
         let bound = if self.figure.is_at_least() { "at least" } else { "at most" };
-        let (Some(value), Some([low, high])) = (self.value, self.interval) else {
-            return format!("could not be measured, {bound} {}", unit.text(most));
+        let (Some(value), Some(interval)) = (self.value, self.interval) else {
+            return ["not measured".into(), format!("{bound} {}", unit.text(most))];
         };
+        let [mut shown, mut limit] = [value, most].map(|number| unit.text(number));
         if self.is_undecided() {
-            let [low, high] = [low, high].map(|number| unit.text(number));
-            return format!("is undecided: between {low} and {high}, {bound} {}", unit.text(most));
+            let [low, high] = interval.map(|number| unit.text(number));
+            shown = format!("between {low} and {high}");
+        } else if !self.met && shown == limit {
+            [shown, limit] = [value, most].map(|number| unit.exact_text(number));
         }
-        let [mut told, mut limit] = [value, most].map(|number| unit.text(number));
-        if !self.met && told == limit {
-            [told, limit] = [value, most].map(|number| unit.exact_text(number));
-        }
-        format!("is {told}, {bound} {limit}")
+        [shown, format!("{bound} {limit}")]
     }
 }

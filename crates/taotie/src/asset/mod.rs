@@ -90,6 +90,7 @@ mod verify_options;
 mod view_figures;
 mod views;
 mod within;
+mod worst_places;
 mod write;
 
 pub use crate::io::{Bytes, Limits};

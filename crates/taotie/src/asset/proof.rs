@@ -172,7 +172,7 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
     let (mut figures, parts) =
         Measurement { scan: &scan, unit, options }.all(&finest, &scenes[1..], &level, progress)?;
     figures.parts = parts;
-    findings::note(&figures, &finest, &mut warnings);
+    findings::note_whole(&figures, &finest, &mut warnings);
     figures.bytes_in = scan.about.bytes;
     figures.bytes_out = bytes_out;
     let [error_map, color_map, detail_map] = match options.map {
@@ -193,7 +193,7 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
         looks.full.clear();
     }
     let proof = Proof::new(figures, looks);
-    findings::note_unmet(&proof.figures, &options.requirements, &mut warnings);
+    findings::note(&proof.figures, &options.requirements, &mut warnings);
     Ok(Proof { error_map, color_map, detail_map, warnings, ..proof })
 }
 

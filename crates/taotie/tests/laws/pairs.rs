@@ -171,7 +171,8 @@ pub fn is_sound(asset: &impl Written, scan: &Scan) -> Proof {
     proof
 }
 
-/// Fails unless the proof misses these figures, and says so in a warning that holds `words` and a place; returns the proof.
+/// Fails unless the proof misses these figures, and says so in a warning that holds `words` and a place, the only one of that
+/// place; returns the proof.
 #[track_caller]
 pub fn is_bad(asset: &impl Written, scan: &Scan, (figures, words): (&[&str], &str)) -> Proof {
     let asked = |required: &Requirement| figures.iter().any(|figure| figure.starts_with(&*required.name()));
@@ -184,7 +185,17 @@ pub fn is_bad(asset: &impl Written, scan: &Scan, (figures, words): (&[&str], &st
     let warnings: Vec<&str> = proof.warnings.iter().map(|(what, _)| what).collect();
     let names = |what: &&str| what.contains(words) && what.contains("around (");
     assert!(warnings.iter().any(names), "{warnings:?}");
+    let mut places: Vec<&str> = warnings.iter().filter_map(|what| place(what)).collect();
+    let count = places.len();
+    places.sort_unstable();
+    places.dedup();
+    assert_eq!(places.len(), count, "a place has two warnings: {warnings:?}");
     proof
+}
+
+/// Returns the place that a warning names.
+fn place(warning: &str) -> Option<&str> {
+    warning.split_once("around (")?.1.split_once(')').map(|(place, _)| place)
 }
 
 /// Returns an asset as its file shows it.
