@@ -1,5 +1,5 @@
 //! Baked assets under a raking light, compared with the scans that they were baked from:
-//! `docs/decisions/grazing-normals.md`.
+//! `docs/decisions/grazing-normals.md`, and the table of poses in `docs/errors.md`.
 
 use crate::hostile::{bare, sheet};
 use crate::scenes;
@@ -129,14 +129,24 @@ fn pose(pair: &Pair, number: u32) -> (Camera, Lighting) {
 }
 
 /// Sums over the poses of a model.
-#[derive(Debug, Default)]
+#[derive(Default)]
 struct Sums {
+    /// Pixels that show both surfaces.
+    shared: u32,
     /// Pixels away from silhouettes that are above 0.2 in the scan.
     lit: u32,
     /// Those of them that are below 0.05 in the asset.
     dark: u32,
-    /// The absolute differences of light over all pixels, by default and with kept normals.
+    /// The absolute differences of light over all shared pixels, by default and with kept normals.
     apart: [f64; 2],
+}
+
+impl Sums {
+    /// Returns the row of a model in the table of `docs/errors.md`: lit and dark pixels, and the mean differences.
+    fn row(&self, name: &str) -> String {
+        let [bent, kept] = self.apart.map(|sum| sum / f64::from(self.shared));
+        format!("| {name} | {} | {} | {bent:.4} | {kept:.4} |", self.lit, self.dark)
+    }
 }
 
 /// Returns `true` if nothing within two pixels is a silhouette, or slanted by more than 63°.
@@ -172,6 +182,7 @@ fn sums(pair: &Pair, shadows: bool) -> Sums {
             if truth[3].min(ours[3]) < 1.0 {
                 continue;
             }
+            sums.shared += 1;
             sums.apart[0] += f64::from((truth[1] - ours[1]).abs());
             sums.apart[1] += f64::from((truth[1] - kept[1]).abs());
             if [&scan, &asset].iter().all(|frame| is_inner(frame, &camera, at)) {
@@ -187,7 +198,7 @@ fn sums(pair: &Pair, shadows: bool) -> Sums {
 fn no_lit_relief_is_dark_in_the_asset() {
     for pair in &*PAIRS {
         let sums = sums(pair, false);
-        eprintln!("{}: {sums:?}", pair.name);
+        eprintln!("{}", sums.row(pair.name));
         assert!(sums.lit > 10_000, "{}: the case shows nothing", pair.name);
         assert_eq!(sums.dark, 0, "{}", pair.name);
         // Bending normals towards the viewer takes the asset no farther from its scan.
@@ -200,7 +211,7 @@ fn no_lit_relief_is_dark_in_the_asset() {
 fn the_coarse_mesh_casts_no_shadow_on_its_own_relief() {
     for pair in &*PAIRS {
         let sums = sums(pair, true);
-        eprintln!("{} with shadows: {sums:?}", pair.name);
+        eprintln!("{}", sums.row(&format!("{}, with shadows", pair.name)));
         assert!(sums.lit > 10_000, "{}: the case shows nothing", pair.name);
         assert!(sums.dark * 1000 <= sums.lit, "{}: {} of {}", pair.name, sums.dark, sums.lit);
     }
