@@ -69,7 +69,7 @@ pub fn page_of_collection(report: &Report, proof: &Proof, asset: Option<&Asset>)
 }
 
 fn of(report: &Report, proof: &Proof, (asset, judge): (Option<&Asset>, Judge)) -> Result<Page> {
-    let mut sections = sections::sections(report, &proof.figures);
+    let mut sections = sections::sections(report, (&proof.figures, &proof.part_flips));
     sections.extend(report.certificate.as_ref().and_then(certificate::further_files));
     sections.extend(notices::section(report, proof));
     Ok(Page {

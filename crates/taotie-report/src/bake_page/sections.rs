@@ -4,21 +4,21 @@ use super::{levels, material, parts, worst};
 use crate::summary::figures;
 use crate::{Cell, Column, Section, Series, Tone};
 use taotie::asset::{
-    BIN_WIDTH, BakeFigures, FigureUnit, Figures, LevelFigures, Met, Report, StageTime, ViewFigures,
+    BIN_WIDTH, BakeFigures, FigureUnit, Figures, LevelFigures, Met, PartFlip, Report, StageTime, ViewFigures,
 };
 use taotie::compare::Summary;
 use taotie::length::{ShownLength, Unit, dpi};
 use taotie::proof::Estimate;
 
 /// Makes all sections in order.
-pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
+pub fn sections(report: &Report, (proof, flips): (&Figures, &[PartFlip])) -> Vec<Section> {
     let mut sections = Vec::new();
     if report.triangles.len() > 1 && !report.required().is_empty() {
         sections.push(required(report));
     }
     if let Some(finest) = proof.finest() {
         sections.push(as_seen(finest));
-        sections.extend(worst::parts(proof, &finest.worst_parts));
+        sections.extend(worst::parts(proof, &finest.worst_parts, flips));
         sections.extend(worst::beyond(&finest.beyond));
         sections.extend([shape(finest, proof.unit), on_surface(report, finest), histogram(finest)]);
         sections.extend(material::section(&finest.material));

@@ -1,9 +1,9 @@
 //! The worst parts of an asset, and how much of it is beyond limits.
 
 use crate::{Cell, Column, Section};
-use taotie::asset::{Beyond, Figures, WorstParts};
+use taotie::asset::{Beyond, Figures, PartFlip, PartKind, WorstParts};
 use taotie::length::place_text;
-use taotie::proof::{Exceedance, Region, WorstRegions};
+use taotie::proof::{Exceedance, PatchQuantity, Region, WorstRegions};
 
 /// Limits whose shares are shown: degrees, CIEDE2000 and per cent of the diagonal.
 const ANGLES: &[f64] = &[1.0, 2.0, 5.0, 10.0, 20.0];
@@ -45,12 +45,18 @@ fn row(name: &str, (limit, unit): (f64, &str), curve: &Exceedance) -> Vec<Cell> 
     [Cell::text(name), Cell::number(limit, 1), Cell::text(unit)].into_iter().chain(percent).collect()
 }
 
-/// Makes the table of the worst UV island and the worst material; `None` if the asset has only one of each.
-pub fn parts(figures: &Figures, parts: &WorstParts) -> Option<Section> {
+/// Makes the table of the worst UV island and the worst material with their FLIP; `None` if the asset has only one of each.
+pub fn parts(figures: &Figures, parts: &WorstParts, flips: &[PartFlip]) -> Option<Section> {
     let island = |number: usize| format!("UV island {number}");
     let material = |number: usize| parts.material_names.get(number).cloned().unwrap_or_default();
-    let of_islands = parts.islands.iter().flat_map(|worst| rows(worst, (figures, &island)));
-    let of_materials = parts.materials.iter().flat_map(|worst| rows(worst, (figures, &material)));
+    let flip_of = |part: PartKind, of: PatchQuantity| {
+        flips.iter().find(|found| (found.part, found.of) == (part, of)).map(|found| found.flip)
+    };
+    let of_island = |of| flip_of(PartKind::Island, of);
+    let of_material = |of| flip_of(PartKind::Material, of);
+    let of_islands = parts.islands.iter().flat_map(|worst| rows(worst, (figures, &island), &of_island));
+    let of_materials =
+        parts.materials.iter().flat_map(|worst| rows(worst, (figures, &material), &of_material));
     let rows: Vec<Vec<Cell>> = of_islands.chain(of_materials).collect();
     (!rows.is_empty()).then(|| Section::Table {
         title: "Worst parts of the asset".into(),
@@ -63,6 +69,7 @@ pub fn parts(figures: &Figures, parts: &WorstParts) -> Option<Section> {
             Column::numbers("at most", ""),
             Column::numbers("share of the area", "%"),
             Column::words("around"),
+            Column::numbers("FLIP of its worst window", ""),
         ],
         rows,
     })
@@ -71,7 +78,8 @@ pub fn parts(figures: &Figures, parts: &WorstParts) -> Option<Section> {
 fn note(parts: &WorstParts) -> String {
     let mut note =
         "The UV island and the material with the largest mean difference, seen close up, measured again at \
-                    points of their own; with 99 % intervals."
+                    points of their own; with 99 % intervals. FLIP is the mean over close-ups of scan and asset, \
+                    as those of the worst patches, of the 1 % of the surface in which the part differs most, at half as many pixels along a side."
             .to_owned();
     if let Some(WorstRegions { count, skipped, .. }) = &parts.islands {
         note += &format!(" Of {count} UV islands {skipped} are too small to be compared.");
@@ -79,15 +87,22 @@ fn note(parts: &WorstParts) -> String {
     note
 }
 
-fn rows(worst: &WorstRegions, (all, name): (&Figures, &dyn Fn(usize) -> String)) -> Vec<Vec<Cell>> {
-    let figures = [("normals (°)", &worst.angle), ("colours (ΔE00)", &worst.color)];
-    let row = |(figure, region): (&str, &Option<Region>)| {
+fn rows(
+    worst: &WorstRegions,
+    (all, name): (&Figures, &dyn Fn(usize) -> String),
+    flip_of: &dyn Fn(PatchQuantity) -> Option<f64>,
+) -> Vec<Vec<Cell>> {
+    let figures = [
+        ("normals (°)", PatchQuantity::Angle, &worst.angle),
+        ("colours (ΔE00)", PatchQuantity::Color, &worst.color),
+    ];
+    let row = |(figure, of, region): (&str, PatchQuantity, &Option<Region>)| {
         let region = region.as_ref()?;
         let place = place_text(region.center, all.diagonal, all.unit);
         let numbers = [region.mean, region.interval[0], region.interval[1], region.share * 100.0];
         let words = [Cell::text(name(region.number)), Cell::text(figure)];
         let cells = words.into_iter().chain(numbers.map(|value| Cell::number(value, 3)));
-        Some(cells.chain([Cell::text(place)]).collect())
+        Some(cells.chain([Cell::text(place), Cell::Number { value: flip_of(of), digits: 4 }]).collect())
     };
     figures.into_iter().filter_map(row).collect()
 }

@@ -1,9 +1,9 @@
 //! Pictures of the worst patches: scan, asset and their difference.
 
 use super::level_figures::WorstPatches;
+use super::part_flip::mean_flip;
 use super::shown::ShownLevel;
-use crate::bake;
-use crate::compare::{self, DisplayImage, Field, PIXELS_PER_DEGREE};
+use crate::compare::{DisplayImage, Field};
 use crate::error::Result;
 use crate::proof::{Patch, PatchQuantity, PatchView};
 use crate::scene::Camera;
@@ -52,17 +52,13 @@ impl MeasuredPatch {
     ///
     /// # Errors
     /// Those of [`PatchView::differences`].
-    pub fn all(
-        patches: &WorstPatches,
-        scan: &bake::Scan,
-        level: &ShownLevel<'_>,
-        side: u32,
-    ) -> Result<Vec<Self>> {
+    pub fn all(patches: &WorstPatches, level: &ShownLevel<'_>, side: u32) -> Result<Vec<Self>> {
+        let scan = level.scan();
         let both = [(patches.angle, PatchQuantity::Angle), (patches.color, PatchQuantity::Color)];
         let wanted = both.into_iter().filter(|_| side > 0);
         let measured = |(patch, of): (Option<Patch>, PatchQuantity)| {
             let patch = patch?;
-            let view = PatchView::of(&patch, scan.mesh().diagonal());
+            let view = PatchView::of(patch.window(), scan.mesh().diagonal());
             let difference = view.differences([scan, &level.surface], of, side.div_ceil(2));
             Some(difference.map(|difference| Self { patch, of, camera: view.camera(), side, difference }))
         };
@@ -72,10 +68,10 @@ impl MeasuredPatch {
     /// Adds the pictures that were taken of it.
     ///
     /// # Errors
-    /// Those of [`compare::flip`].
+    /// Those of [`crate::compare::flip`].
     pub fn with_pictures(self, [scan, asset]: [DisplayImage; 2]) -> Result<PatchPictures> {
         let Self { patch, of, difference, .. } = self;
-        let flip = compare::flip(&scan, &asset, PIXELS_PER_DEGREE)?.summary().map_or(0.0, |flip| flip.mean);
+        let flip = mean_flip(&scan, &asset)?;
         Ok(PatchPictures { patch, of, scan, asset, difference, flip })
     }
 }

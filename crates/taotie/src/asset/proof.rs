@@ -1,5 +1,6 @@
 //! The proof: an asset as its files show it, compared with the scan.
 
+use super::close_ups::{CloseUps, TakenCloseUps};
 use super::figures::Figures;
 use super::findings;
 use super::level_figures::stacked;
@@ -7,6 +8,7 @@ use super::made::Made;
 use super::maps_alone;
 use super::measurement::Measurement;
 use super::met::Met;
+use super::part_flip::{PartFlip, PartView};
 use super::patch_pictures::{MeasuredPatch, PatchPictures};
 use super::requirement::Requirement;
 use super::scan::{Scan, is_gltf};
@@ -75,6 +77,9 @@ pub struct Proof {
     pub coarser_views: Vec<Views>,
     /// The worst patches of the finest level, if [`VerifyOptions::patch_view`] asks for pictures of them.
     pub patches: Vec<PatchPictures>,
+    /// FLIP of close-ups of the worst UV island and the worst material of the finest level, likewise; they have half as many
+    /// pixels along a side.
+    pub part_flips: Vec<PartFlip>,
     /// The faults of the file as it was read, and of what was measured.
     pub warnings: Warnings,
 }
@@ -182,19 +187,26 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
             maps(&finest, scan.sorted(), most)?
         }
     };
-    let worst = figures.finest().map(|found| found.patches).unwrap_or_default();
-    let patches = MeasuredPatch::all(&worst, scan.sorted(), &finest, options.patch_view)?;
+    let close_ups = close_ups(&figures, &finest, options.patch_view)?;
     drop(finest);
     let views = progress.begin("compare views")?;
     let scan = scan.into_scene()?;
     figures.unseen = unseen([&scan, &scenes[0]], poses);
-    let mut looks = views::take(scan, scenes, Wanted { side: options.view, patches }, views)?;
+    let mut looks = views::take(scan, scenes, Wanted { side: options.view, close_ups }, views)?;
     if !has_material {
         looks.full.clear();
     }
     let proof = Proof::new(figures, looks);
     findings::note(&proof.figures, &options.requirements, &mut warnings);
     Ok(Proof { error_map, color_map, detail_map, warnings, ..proof })
+}
+
+/// Returns the close-ups to take of the finest level, with so many pixels along a side; those of parts, which nobody sees,
+/// have half as many.
+fn close_ups(figures: &Figures, finest: &ShownLevel<'_>, side: u32) -> Result<CloseUps> {
+    let Some(found) = figures.finest() else { return Ok(CloseUps::default()) };
+    let patches = MeasuredPatch::all(&found.patches, finest, side)?;
+    Ok(CloseUps { patches, parts: PartView::all(&found.worst_parts, figures.diagonal, side.div_ceil(2)) })
 }
 
 /// Returns the maps of the errors of normals, of colours, and of lost detail, of all parts with uvs, with at most so many texels
@@ -357,7 +369,8 @@ impl Proof {
         }
         let mut grey = looks.grey.into_iter();
         let (views, full_views) = (grey.next().unwrap_or_default(), looks.full.into_iter().next());
-        let (coarser_views, patches, warnings) = (grey.collect(), looks.patches, Warnings::default());
+        let (coarser_views, warnings) = (grey.collect(), Warnings::default());
+        let TakenCloseUps { patches, parts: part_flips } = looks.close_ups;
         let [error_map, color_map, detail_map] = [None, None, None];
         Self {
             figures,
@@ -368,6 +381,7 @@ impl Proof {
             full_views,
             coarser_views,
             patches,
+            part_flips,
             warnings,
         }
     }

@@ -1,14 +1,13 @@
 //! Scan and asset seen from all sides in the same light.
 
+use super::close_ups::{CloseUps, TakenCloseUps};
 use super::look;
-use super::patch_pictures::{MeasuredPatch, PatchPictures};
 use super::view_figures::ViewFigures;
 use crate::compare::{self, DisplayImage, Field, PIXELS_PER_DEGREE};
 use crate::error::Result;
 use crate::film::Development;
 use crate::math::Vec3;
 use crate::progress::Progress;
-use crate::proof::PatchQuantity;
 use crate::render::{EnvironmentLight, RenderSettings, Renderer, Shot};
 use crate::scene::{Camera, Orbit, Outline, Scene};
 
@@ -46,32 +45,31 @@ pub(super) struct Looks {
     pub grey: Vec<Views>,
     /// In their own materials; empty where the scan says nothing of its material.
     pub full: Vec<Views>,
-    /// The worst patches: that of normals in grey, that of colours in their own materials.
-    pub patches: Vec<PatchPictures>,
+    /// The worst patches and parts: those of normals in grey, those of colours in their own materials.
+    pub close_ups: TakenCloseUps,
 }
 
 /// The images to take.
 pub(super) struct Wanted {
     /// Pixels along a side of the images from all sides.
     pub side: u32,
-    /// The worst patches.
-    pub patches: Vec<MeasuredPatch>,
+    /// The worst patches and parts.
+    pub close_ups: CloseUps,
 }
 
-/// Takes the images of the scan and of each level of the asset, in each look, and of the worst patches of the finest.
+/// Takes the images of the scan and of each level of the asset, in each look, and the close-ups of the finest.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`]; those of rendering, which a scene that was read does not cause.
 pub(super) fn take(
     scan: Scene,
     levels: Vec<Scene>,
-    Wanted { side, patches }: Wanted,
+    Wanted { side, close_ups }: Wanted,
     progress: Progress<'_>,
 ) -> Result<Looks> {
     let mut setting = Setting { cameras: cameras(&scan), side, environment: None };
-    let (of_color, of_angle): (Vec<_>, Vec<_>) =
-        patches.into_iter().partition(|patch| patch.of == PatchQuantity::Color);
-    let (mut full, mut colors, mut rest) = (Vec::new(), Vec::new(), progress);
+    let [of_angle, of_color] = close_ups.by_quantity();
+    let (mut full, mut colors, mut rest) = (Vec::new(), TakenCloseUps::default(), progress);
     if !look::is_plain(&scan) {
         setting.environment = look::environment(std::iter::once(&scan).chain(&levels))?;
         let own = levels.iter().cloned().map(look::full).collect::<Result<Vec<_>>>()?;
@@ -80,9 +78,9 @@ pub(super) fn take(
         (setting.environment, rest) = (None, progress.part(0.5, 1.0));
     }
     let levels = levels.into_iter().map(look::grey).collect::<Result<Vec<_>>>()?;
-    let (grey, mut patches) = setting.views((look::grey(scan)?, levels), of_angle, rest)?;
-    patches.extend(colors);
-    Ok(Looks { grey, full, patches })
+    let (grey, mut close_ups) = setting.views((look::grey(scan)?, levels), of_angle, rest)?;
+    close_ups.extend(colors);
+    Ok(Looks { grey, full, close_ups })
 }
 
 /// How images are taken.
@@ -95,34 +93,33 @@ struct Setting {
 }
 
 impl Setting {
-    /// Takes images of the scan and of each level, and compares them; and of the patches of the finest level.
+    /// Takes images of the scan and of each level, and compares them; and the close-ups of the finest level.
     fn views(
         &self,
         (scan, levels): (Scene, Vec<Scene>),
-        patches: Vec<MeasuredPatch>,
+        wanted: CloseUps,
         progress: Progress<'_>,
-    ) -> Result<(Vec<Views>, Vec<PatchPictures>)> {
-        let shots = |scene: Scene, patches: &[MeasuredPatch], progress: Progress<'_>| {
-            let close_up = |patch: &MeasuredPatch| (patch.camera.clone(), patch.side);
+    ) -> Result<(Vec<Views>, TakenCloseUps)> {
+        let near = wanted.shots();
+        let shots = |scene: Scene, near: &[(Camera, u32)], progress: Progress<'_>| {
             let around = self.cameras.iter().map(|camera| (camera.clone(), self.side));
-            let shots: Vec<_> = around.chain(patches.iter().map(close_up)).collect();
+            let shots: Vec<_> = around.chain(near.iter().cloned()).collect();
             let mut around = self.pictures(scene, &shots, progress)?;
             let close_ups = around.split_off(self.cameras.len());
             Result::Ok((around, close_ups))
         };
-        let (scan, close_ups_of_scan) = shots(scan, &patches, progress.part(0.0, 0.5))?;
+        let (scan, close_ups_of_scan) = shots(scan, &near, progress.part(0.0, 0.5))?;
         let share = 0.5 / levels.len().max(1) as f64;
         let (mut views, mut close_ups) = (Vec::with_capacity(levels.len()), Vec::new());
         for (i, level) in levels.into_iter().enumerate() {
             let from = 0.5 + i as f64 * share;
-            let own = if i == 0 { &patches[..] } else { &[] };
-            let (asset, of_patches) = shots(level, own, progress.part(from, from + 0.8 * share))?;
-            close_ups.extend(of_patches);
+            let own = if i == 0 { &near[..] } else { &[] };
+            let (asset, of_level) = shots(level, own, progress.part(from, from + 0.8 * share))?;
+            close_ups.extend(of_level);
             views.push(compared(scan.clone(), asset, progress.part(from + 0.8 * share, from + share))?);
         }
-        let pairs = close_ups_of_scan.into_iter().zip(close_ups);
-        let patches = patches.into_iter().zip(pairs).map(|(patch, (a, b))| patch.with_pictures([a, b]));
-        Ok((views, patches.collect::<Result<_>>()?))
+        let pairs = close_ups_of_scan.into_iter().zip(close_ups).map(|(scan, asset)| [scan, asset]);
+        Ok((views, wanted.with_pictures(pairs.collect())?))
     }
 
     /// Takes an image by each camera, with so many pixels along a side.

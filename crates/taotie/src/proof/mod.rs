@@ -18,6 +18,7 @@ mod patch_view;
 mod region;
 mod shape;
 mod silhouette;
+mod window;
 
 pub use close_up::{CloseUp, SurfaceSample};
 pub use distance::{DistanceBounds, Source, distance_bounds};
@@ -33,3 +34,4 @@ pub use patch_view::{PatchQuantity, PatchView};
 pub use region::{Region, WorstRegions};
 pub use shape::{hausdorff, root_mean_square};
 pub use silhouette::{SilhouetteFigures, silhouettes};
+pub use window::Window;

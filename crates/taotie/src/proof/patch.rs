@@ -3,14 +3,15 @@
 use super::close_up::{CloseUp, SurfaceSample, Viewer};
 use super::estimate::Estimate;
 use super::pair::Pair;
+use super::window::Window;
 use crate::bake::{Triangles, sample_triangles};
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::mesh::{Mesh, Point};
 use crate::parallel;
 
-/// The share of the samples that a window holds.
-const SHARE: f64 = 0.01;
+/// The share of a surface's samples that a window holds.
+pub(super) const SHARE: f64 = 0.01;
 /// Windows that are tried, their middles spread over the surface.
 const WINDOWS: usize = 512;
 /// Samples among which a window is sought, at most.
@@ -53,16 +54,17 @@ pub fn worst_patch(
     difference: fn(&SurfaceSample) -> f32,
 ) -> Result<Option<Patch>> {
     let viewer = if close_up.is_of_scan { Viewer::of_scan(pair) } else { Viewer::of_asset(pair) };
-    let Some(window) = worst_window(&close_up.samples, difference) else { return Ok(None) };
+    let Some(window) = worst_window(&close_up.samples, SHARE, difference) else { return Ok(None) };
     let samples = fresh_samples(viewer, &window, (points / PART).max(POINTS))?;
     let values: Vec<f32> = samples.iter().map(difference).collect();
     let Some(estimate) = Estimate::of(&values)? else { return Ok(None) };
+    let Window { center, radius, toward } = window.shown();
     Ok(Some(Patch {
         mean: estimate.summary.mean,
         interval: estimate.mean_interval,
-        center: window.center.to_f64().to_array(),
-        radius: f64::from(window.radius),
-        toward: window.toward.to_f64().to_array(),
+        center,
+        radius,
+        toward,
         is_of_scan: close_up.is_of_scan,
     }))
 }
@@ -70,20 +72,45 @@ pub fn worst_patch(
 /// Returns the middle of the window of one per cent of the samples in which most of them are missing, model units; `None` if
 /// none is.
 pub fn most_missing(close_up: &CloseUp) -> Option<[f64; 3]> {
-    let window = worst_window(&close_up.samples, |sample| f32::from(u8::from(sample.is_missing)))?;
+    let window = worst_window(&close_up.samples, SHARE, |sample| f32::from(u8::from(sample.is_missing)))?;
     (window.mean > 0.0).then(|| window.center.to_f64().to_array())
 }
 
-/// A ball that holds one per cent of the samples.
+/// A ball that holds a share of the samples.
 #[derive(Debug, Clone, Copy, Default)]
-struct Window {
+pub(super) struct Ball {
     center: Vec3,
     radius: f32,
     toward: Vec3,
     mean: f64,
 }
 
-fn worst_window(samples: &[SurfaceSample], difference: fn(&SurfaceSample) -> f32) -> Option<Window> {
+impl Patch {
+    /// Returns the window without what was measured in it.
+    pub fn window(&self) -> Window {
+        let Self { center, radius, toward, .. } = *self;
+        Window { center, radius, toward }
+    }
+}
+
+impl Ball {
+    /// Returns it in the numbers of figures.
+    pub fn shown(&self) -> Window {
+        Window {
+            center: self.center.to_f64().to_array(),
+            radius: f64::from(self.radius),
+            toward: self.toward.to_f64().to_array(),
+        }
+    }
+}
+
+/// Finds the ball around a sample that holds a `share` of them and has the largest mean of `difference`; `None` if there is
+/// nothing to compare.
+pub(super) fn worst_window(
+    samples: &[SurfaceSample],
+    share: f64,
+    difference: fn(&SurfaceSample) -> f32,
+) -> Option<Ball> {
     let known: Vec<(Vec3, Vec3, f32)> = samples
         .iter()
         .step_by(samples.len().div_ceil(MOST_SAMPLES).max(1))
@@ -93,7 +120,7 @@ fn worst_window(samples: &[SurfaceSample], difference: fn(&SurfaceSample) -> f32
     if known.is_empty() {
         return None;
     }
-    let (windows, held) = (WINDOWS.min(known.len()), ((known.len() as f64 * SHARE) as usize).max(1));
+    let (windows, held) = (WINDOWS.min(known.len()), ((known.len() as f64 * share) as usize).max(1));
     let window = |i: usize| {
         // Half of the windows lie around the worst samples of as many equal parts, half around their first.
         let part = i / 2 * known.len() / windows.div_ceil(2);
@@ -110,14 +137,14 @@ fn worst_window(samples: &[SurfaceSample], difference: fn(&SurfaceSample) -> f32
         squared.select_nth_unstable_by(held - 1, |a, b| a.0.total_cmp(&b.0));
         let radius = squared[held - 1].0.sqrt();
         let mean = squared[..held].iter().map(|(_, value)| f64::from(*value)).sum::<f64>() / held as f64;
-        Window { center, radius, toward, mean }
+        Ball { center, radius, toward, mean }
     };
     let all = parallel::tasks(windows, &window);
     all.into_iter().reduce(|worst, next| if next.mean > worst.mean { next } else { worst })
 }
 
 /// Returns what is seen at points spread evenly over the part of a surface that lies in a window.
-fn fresh_samples(viewer: Viewer<'_>, window: &Window, points: usize) -> Result<Vec<SurfaceSample>> {
+fn fresh_samples(viewer: Viewer<'_>, window: &Ball, points: usize) -> Result<Vec<SurfaceSample>> {
     let mesh = viewer.own().surface.mesh();
     let near: Vec<u32> = parallel::filter(mesh.triangles().len(), |t| touches(mesh, t, window))
         .into_iter()
@@ -143,7 +170,7 @@ fn fresh_samples(viewer: Viewer<'_>, window: &Window, points: usize) -> Result<V
 }
 
 /// Returns `true` if the ball around a triangle meets a window.
-fn touches(mesh: &Mesh, triangle: usize, window: &Window) -> bool {
+fn touches(mesh: &Mesh, triangle: usize, window: &Ball) -> bool {
     let [a, b, c] = mesh.corners(triangle);
     let middle = (a + b + c) * (1.0 / 3.0);
     let radius = [a, b, c].into_iter().map(|corner| (corner - middle).length()).fold(0.0, f32::max);

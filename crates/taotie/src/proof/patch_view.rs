@@ -2,7 +2,7 @@
 
 use super::footprint::Footprint;
 use super::pair::{Look, Sample};
-use super::patch::Patch;
+use super::window::Window;
 use crate::bake::{LookupPoint, Scan};
 use crate::compare::Field;
 use crate::error::Result;
@@ -43,17 +43,17 @@ pub struct PatchView {
 }
 
 impl PatchView {
-    /// Looks at a patch of an object with this diagonal, model units.
-    pub fn of(patch: &Patch, diagonal: f64) -> Self {
-        let toward = Vec3::from_array(patch.toward);
+    /// Looks at a window of an object with this diagonal, model units.
+    pub fn of(window: Window, diagonal: f64) -> Self {
+        let toward = Vec3::from_array(window.toward);
         // Up is that of the world, unless one looks along it.
         let world_up =
             if toward.y.abs() < 0.95 { Vec3::new(0.0, 1.0, 0.0) } else { Vec3::new(0.0, 0.0, -1.0) };
         let right = world_up.cross(toward).normalize();
-        let radius = patch.radius.max(diagonal * 1e-6);
+        let radius = window.radius.max(diagonal * 1e-6);
         let away = radius * AWAY;
         Self {
-            center: Vec3::from_array(patch.center),
+            center: Vec3::from_array(window.center),
             right,
             up: toward.cross(right),
             toward,
@@ -142,8 +142,8 @@ mod tests {
 
     #[test]
     fn the_picture_shows_where_the_difference_is() {
-        let patch = Patch { radius: 0.5, toward: [0.0, 0.0, 1.0], ..Patch::default() };
-        let view = PatchView::of(&patch, 2.0);
+        let window = Window { radius: 0.5, toward: [0.0, 0.0, 1.0], ..Window::default() };
+        let view = PatchView::of(window, 2.0);
         let field = view.differences([&bent(0.0), &bent(20.0)], PatchQuantity::Angle, 16).unwrap();
         let row = &field.values()[8 * 16..9 * 16];
         assert!(row[..7].iter().all(|angle| *angle < 1e-3), "the left half is the same: {row:?}");

@@ -3,6 +3,8 @@
 use super::close_up::{CloseUp, SurfaceSample, Viewer};
 use super::estimate::Estimate;
 use super::pair::Pair;
+use super::patch::{SHARE, worst_window};
+use super::window::Window;
 use crate::bake::{Triangles, sample_triangles};
 use crate::error::Result;
 use crate::math::Vec3;
@@ -29,6 +31,9 @@ pub struct Region {
     pub share: f64,
     /// A point in its middle, model units.
     pub center: [f64; 3],
+    /// Where it differs most: one per cent of the visible surface, or all of the region if that is less.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub worst: Window,
 }
 
 /// The worst of the regions that an asset is divided into, seen close up.
@@ -120,12 +125,14 @@ impl<'a> Regions<'a> {
         let values: Vec<f32> = found.iter().map(difference).collect();
         let Some(estimate) = Estimate::of(&values)? else { return Ok(None) };
         let share = self.samples.get(&label).map_or(0.0, |samples| samples.len() as f64 / self.all as f64);
+        let worst = worst_window(&found, (SHARE / share).min(1.0), difference);
         Ok(Some(Region {
             number: self.numbers.get(&label).copied().unwrap_or_default(),
             mean: estimate.summary.mean,
             interval: estimate.mean_interval,
             share,
             center: middle(&found).to_f64().to_array(),
+            worst: worst.map(|ball| ball.shown()).unwrap_or_default(),
         }))
     }
 }

@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 use taotie::Progress;
-use taotie::asset::{Limits, Proof, Requirement, Scan, VerifyOptions, verify};
+use taotie::asset::{Limits, PartKind, Proof, Requirement, Scan, VerifyOptions, verify};
 use taotie::math::Vec3;
 use taotie::mesh::{Mesh, MeshData};
+use taotie::proof::PatchQuantity;
 
 /// A unit plate of cells², with waves on its left half.
 fn wavy(cells: usize) -> MeshData {
@@ -54,7 +55,8 @@ fn proof() -> Proof {
     std::fs::write(&path, flat()).unwrap();
     std::fs::write(folder.path().join("low.mtl"), "newmtl left\nKd 1 1 1\nnewmtl right\nKd 1 1 1\n").unwrap();
     let scan = Scan::from_mesh(Mesh::new(wavy(96)).unwrap(), Progress::SILENT).unwrap();
-    let options = VerifyOptions { points: 4_000, map: 16, view: 16, ..VerifyOptions::default() };
+    let options =
+        VerifyOptions { points: 4_000, map: 16, view: 16, patch_view: 64, ..VerifyOptions::default() };
     verify(&path, scan, &options, Progress::SILENT).unwrap()
 }
 
@@ -72,8 +74,14 @@ fn the_worst_island_and_material_are_those_with_the_waves() {
         assert!(angle.mean > 1.5 * all && angle.mean > 5.0, "{} {all}", angle.mean);
         assert!((angle.share - 0.5).abs() < 0.05 && angle.center[0] < 0.5, "{angle:?}");
         assert!(angle.interval[0] < angle.mean && angle.mean < angle.interval[1], "{angle:?}");
+        let at = angle.worst;
+        assert!(at.center[0] < 0.5 && (0.02..0.3).contains(&at.radius) && at.toward[1] > 0.0, "{at:?}");
         assert!(worst.color.is_none(), "the scan states no colours");
     }
+    let flips: Vec<(PartKind, PatchQuantity)> =
+        proof.part_flips.iter().map(|found| (found.part, found.of)).collect();
+    assert_eq!(flips, [PartKind::Island, PartKind::Material].map(|part| (part, PatchQuantity::Angle)));
+    assert!(proof.part_flips.iter().all(|found| found.flip > 0.01), "{:?}", proof.part_flips);
     assert_eq!(parts.material_names[materials.angle.as_ref().unwrap().number], "left");
     // Half of the surface is beyond a small limit, none of it beyond a large one.
     let beyond = finest.beyond.angle.as_ref().unwrap();

@@ -1,0 +1,13 @@
+//! A part of a surface as it is looked at close up.
+
+/// A ball that holds a part of a surface, and the direction from which it is seen.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Window {
+    /// Its middle, model units.
+    pub center: [f64; 3],
+    /// Its radius, model units.
+    pub radius: f64,
+    /// The direction from which it is seen, unit.
+    pub toward: [f64; 3],
+}
