@@ -22,7 +22,7 @@ Examples:
   taotie bake scan.ply --low low.glb -o normal.png
   taotie bake scan.ply -o scan.glb --triangles 150000 --lods 50000,10000 --meshopt
   taotie bake scan.ply -o scan.glb --for web
-  taotie bake scan.ply -o scan.glb --error 2 --require standard,bytes=3MB
+  taotie bake scan.ply -o scan.glb --error 0.9 --require standard,bytes=3MB
 
 Without --low the scan is simplified and unwrapped. The asset is read back and measured against the scan: \
 OUT.report.html and OUT.report.json, beside OUT, hold its normal error in degrees, its shape error, and where they are.";

@@ -120,10 +120,7 @@ fn refusals() {
             "scan.obj -o out.glb --memory-limit much",
             "`much` is not an amount of memory; write it as 4G or 800M",
         ),
-        (
-            "low.obj -o out.glb --error 1",
-            "a mean normal error of 1°: the scan has 528 triangles, too few to be simplified; name the number",
-        ),
+        ("scan.obj -o out.glb --error 1 --webp", "the argument '--error <DEG>' cannot be used with '--webp'"),
         ("scan.obj -o out.glb --error 1 --space object", "--error needs a normal map in tangent space"),
         ("scan.obj -o out.glb --error 1 --maps ao", "--error needs a normal map in tangent space"),
         (

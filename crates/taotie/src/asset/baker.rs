@@ -3,7 +3,7 @@
 use super::given::GivenMesh;
 use super::inputs::Inputs;
 use super::judgement::{self, Pair};
-use super::low::{self, LowPoly};
+use super::low::{self, LowPoly, Relief};
 use super::made::{Asset, Made, Part};
 use super::map_side::{self, AUTO_SIZE};
 use super::maps::{Recipe, bake_maps};
@@ -109,8 +109,8 @@ impl Baker {
 
     /// Bakes a scan: simplifies and unwraps it, or takes the mesh that is given; bakes the maps; measures the result.
     ///
-    /// The listener hears the stages `read the low-poly mesh`, `inspect the scan`, `simplify`, `unwrap`, `tangents`, `sort
-    /// the scan` where no bake did that before, `measure the gap`, `bake`, `store` and `levels of detail`, and is asked
+    /// The listener hears the stages `read the low-poly mesh`, `inspect the scan`, `simplify`, `sort the scan` where no
+    /// bake did that before, `fit normals`, `unwrap`, `tangents`, `measure the gap`, `bake`, `store` and `levels of detail`, and is asked
     /// about every 20 ms whether to go on.
     ///
     /// # Errors
@@ -302,7 +302,7 @@ fn lightened(
         None => {
             progress.begin("simplify")?;
             let seen = low::seen(scan, warnings)?;
-            let simplified = low::simplified(&seen, options.triangles, progress)?;
+            let simplified = low::simplified(&seen, (options.triangles, Relief::Map), progress)?;
             drop(seen);
             low::note_simplified(&simplified, options.triangles, warnings);
             let simplified = low::fitted(scan, simplified, progress)?;

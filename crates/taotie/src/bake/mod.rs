@@ -26,6 +26,7 @@ mod mapped_normal;
 mod maps;
 mod material_sums;
 mod normal_source;
+mod normal_system;
 mod owner;
 mod projection;
 mod raster;

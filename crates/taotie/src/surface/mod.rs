@@ -16,6 +16,7 @@ mod maps;
 mod method;
 mod mikktspace;
 mod normals;
+mod parted;
 mod tangents;
 mod uv_islands;
 mod weld;
@@ -35,6 +36,7 @@ pub use maps::{
 pub use method::{SurfaceMethod, TangentMethod};
 pub use normals::{facet_normal, vertex_normals, with_normals};
 pub(crate) use normals::{mean_by_position, shared_by_position, with_normals_at};
+pub(crate) use parted::parted;
 pub(crate) use tangents::{NO_UV_AREA, tangent_bytes, with_frames_at};
 pub use tangents::{Tangented, with_frames, with_tangents};
 pub(crate) use uv_islands::uv_islands;

@@ -1,8 +1,9 @@
 //! Candidates whose relief is in their vertex normals alone.
 
 use super::curve::Curve;
-use super::goal::{Winner, remaining};
+use super::goal::remaining;
 use super::trial::Trial;
+use super::winner::Winner;
 use super::workshop::{Draft, Rounding, Shape, Workshop};
 use crate::error::Result;
 use crate::io::VertexBits;

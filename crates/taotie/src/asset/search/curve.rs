@@ -100,8 +100,12 @@ mod tests {
 
     #[test]
     fn the_first_number_within_a_limit_is_found() {
-        let found = power_law().first_within(0.5, [100.0, 1e6]).unwrap();
-        assert!((1e4..1.006e4).contains(&found), "{found}");
+        let found = power_law().first_within(0.3, [100.0, 1e6]).unwrap();
+        let wanted = (50.0 / 0.3) * (50.0 / 0.3);
+        assert!((wanted..wanted * 1.006).contains(&found), "{found}");
+        // Just beyond a point it is moved toward the next one.
+        let moved = power_law().first_within(0.499, [100.0, 1e6]).unwrap();
+        assert!((1.5e4..1.6e4).contains(&moved), "{moved}");
         assert_eq!(power_law().first_within(0.01, [100.0, 1e6]), None);
     }
 }

@@ -1,7 +1,6 @@
 //! What a candidate has to reach.
 
 use super::trial::Trial;
-use super::workshop::{Draft, Rounding};
 
 /// A candidate is near enough to the goal from below if it has at least this part of its angle.
 const CLOSE: f64 = 0.97;
@@ -13,13 +12,6 @@ pub(super) struct Goal {
     pub angle: f64,
     /// The mean difference of colours as seen, CIEDE2000.
     pub color: f64,
-}
-
-/// A candidate that reaches the goal.
-pub(super) struct Winner {
-    pub draft: Draft,
-    pub rounding: Rounding,
-    pub trial: Trial,
 }
 
 impl Goal {
@@ -36,15 +28,6 @@ impl Goal {
     /// Returns the angle to aim at, in the middle of those that hit the goal.
     pub fn aim(self) -> f64 {
         self.angle * 0.5 * (1.0 + CLOSE)
-    }
-}
-
-impl Winner {
-    /// Puts a candidate in the place of a larger one.
-    pub fn replace(best: &mut Option<Self>, new: Self) {
-        if best.as_ref().is_none_or(|best| new.trial.bytes < best.trial.bytes) {
-            *best = Some(new);
-        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Candidates with a normal map.
 
 use super::forecast::Forecast;
-use super::goal::Winner;
+use super::winner::Winner;
 use super::workshop::{Rounding, UNDER_MAP, Workshop};
 use crate::error::Result;
 use crate::progress::Progress;

@@ -11,6 +11,7 @@ mod map_size;
 mod mapped;
 mod smallest;
 mod trial;
+mod winner;
 mod workshop;
 
 pub(super) use smallest::smallest;

@@ -1,10 +1,11 @@
 //! The search as a whole.
 
 use super::bare::Bare;
-use super::goal::{Goal, Winner};
+use super::goal::Goal;
 use super::mapped;
 use super::trial::Trial;
-use super::workshop::{Draft, Rounding, Shape, Workshop};
+use super::winner::Winner;
+use super::workshop::{Draft, Rounding, Shape, Subject, Workshop};
 use crate::asset::low::{self, LowPoly};
 use crate::asset::maps::{Recipe, StoredMaps};
 use crate::asset::scan::Scan;
@@ -48,14 +49,15 @@ pub(in crate::asset) fn smallest(
     let mut warnings = Warnings::default();
     let seen = low::seen(scan, &mut warnings)?;
     let goal = Goal { angle: most, color: COLOR };
-    let mut workshop = Workshop::new(recipe, goal, (scan, &side), &seen);
+    let mut workshop = Workshop::new(recipe, goal, Subject { scan, seen: &seen, side: &side });
     let size = color_size(&mut workshop, progress)?;
     let quality = (size > 0).then_some(COLOR_QUALITY);
     let mut best = Bare::smallest(&mut workshop, (size, quality), progress)?;
     mapped::smallest(&mut workshop, size, &mut best, progress)?;
     let Some(Winner { draft, rounding, .. }) = best else { return Err(none_near_enough(most, workshop)) };
-    let Draft { shape: Shape { triangles, size, .. }, low, maps } = draft;
-    low::note_simplified(workshop.simplified(triangles, progress)?, triangles, &mut warnings);
+    let Draft { shape, low, maps } = draft;
+    let Shape { triangles, size, .. } = shape;
+    low::note_simplified(workshop.simplified(shape, progress)?, triangles, &mut warnings);
     let Workshop { trials, refused, .. } = workshop;
     refused.into_values().for_each(|error| warnings.note(format!("not considered: {error}"), 1));
     Ok(Found { low, maps, size, rounding, trials, warnings })

@@ -3,7 +3,7 @@
 use super::goal::Goal;
 use super::trial::Trial;
 use crate::asset::judgement::{Pair, refuse_astray};
-use crate::asset::low::{self, LowPoly};
+use crate::asset::low::{self, LowPoly, Relief};
 use crate::asset::maps::{Recipe, StoredMaps, bake_maps};
 use crate::asset::options::BakeOptions;
 use crate::asset::scan::Scan;
@@ -23,7 +23,7 @@ const PIXELS: usize = 20_000;
 pub(super) const UNDER_MAP: VertexBits = VertexBits { positions: 14, normals: 8 };
 
 /// The mesh and maps of a candidate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Shape {
     pub triangles: u32,
     /// Texels along a side of its maps; 0 if it has none.
@@ -46,23 +46,30 @@ pub(super) struct Draft {
     pub maps: StoredMaps,
 }
 
+/// A sorted scan.
+#[derive(Clone, Copy)]
+pub(super) struct Subject<'a> {
+    pub scan: &'a Scan,
+    /// Its triangles that meshes are made of.
+    pub seen: &'a Mesh,
+    /// How it is looked at.
+    pub side: &'a Side<'a>,
+}
+
 /// Makes candidates of a scan and measures them.
 pub(super) struct Workshop<'a> {
     recipe: Recipe<'a>,
     /// The same without a normal map.
     plain: BakeOptions,
-    scan: &'a Scan,
-    /// The triangles of the scan that meshes are made of.
-    seen: &'a Mesh,
-    side: &'a Side<'a>,
+    subject: Subject<'a>,
     /// `true` if colours are compared.
     has_material: bool,
     /// Maps of several sizes are tried on the same triangles.
-    known: BTreeMap<u32, Simplified>,
+    known: BTreeMap<(u32, Relief), Simplified>,
     pub goal: Goal,
     pub trials: Vec<Trial>,
-    /// Why meshes were refused that lost the scan's shape; no map of any size makes up for that.
-    pub refused: BTreeMap<u32, Error>,
+    /// Why candidates were refused: their mesh lost the scan's shape, or has more UV islands than its maps can hold.
+    pub refused: BTreeMap<Shape, Error>,
 }
 
 impl Rounding {
@@ -99,22 +106,15 @@ impl Draft {
 }
 
 impl<'a> Workshop<'a> {
-    /// Makes a workshop for a sorted scan, of which meshes are made of the triangles `seen`.
-    pub fn new(
-        recipe: Recipe<'a>,
-        goal: Goal,
-        (scan, side): (&'a Scan, &'a Side<'a>),
-        seen: &'a Mesh,
-    ) -> Self {
+    /// Makes a workshop.
+    pub fn new(recipe: Recipe<'a>, goal: Goal, subject: Subject<'a>) -> Self {
         let mut plain = recipe.options.clone();
         plain.maps.retain(|map| *map != MapKind::Normal);
         Self {
             recipe,
             plain,
-            scan,
-            seen,
-            side,
-            has_material: !scan.about.is_plain,
+            has_material: !subject.scan.about.is_plain,
+            subject,
             known: BTreeMap::new(),
             goal,
             trials: Vec::new(),
@@ -124,7 +124,7 @@ impl<'a> Workshop<'a> {
 
     /// Returns the number of triangles that meshes are made of.
     pub fn triangles(&self) -> u32 {
-        self.seen.triangles().len() as u32
+        self.subject.seen.triangles().len() as u32
     }
 
     /// Returns `true` if there are maps beside that of normals.
@@ -133,43 +133,46 @@ impl<'a> Workshop<'a> {
     }
 
     /// Returns the simplified mesh of a candidate.
-    pub fn simplified(&mut self, triangles: u32, progress: Progress<'_>) -> Result<&Simplified> {
-        match self.known.entry(triangles) {
+    pub fn simplified(&mut self, shape: Shape, progress: Progress<'_>) -> Result<&Simplified> {
+        let mesh = (shape.triangles, if shape.has_normal_map { Relief::Map } else { Relief::Vertices });
+        match self.known.entry(mesh) {
             Entry::Occupied(known) => Ok(known.into_mut()),
             Entry::Vacant(place) => {
-                let simplified = low::simplified(self.seen, triangles, progress)?;
-                Ok(place.insert(low::fitted(self.scan, simplified, progress)?))
+                let simplified = low::simplified(self.subject.seen, mesh, progress)?;
+                Ok(place.insert(low::fitted(self.subject.scan, simplified, progress)?))
             }
         }
     }
 
-    /// Makes a candidate; `None` if its mesh lost the scan's shape.
+    /// Makes a candidate; `None` if it is refused.
     pub fn draft(&mut self, shape: Shape, progress: Progress<'_>) -> Result<Option<Draft>> {
-        let Shape { triangles, size, has_normal_map } = shape;
-        if self.refused.contains_key(&triangles) {
-            return Ok(None);
+        match self.made(shape, progress) {
+            Ok(draft) => Ok(Some(draft)),
+            Err(error @ (Error::Invalid { .. } | Error::Limit { .. })) => {
+                self.refused.insert(shape, error);
+                Ok(None)
+            }
+            Err(error) => Err(error),
         }
-        let scan = self.scan;
-        let simplified = self.simplified(triangles, progress)?;
-        let low = match (size, has_normal_map) {
-            (0, _) => LowPoly::bare(scan, simplified),
-            (_, true) => LowPoly::made(scan, simplified, size, progress)?,
-            (_, false) => LowPoly::made(scan, simplified, size, progress)?.without_tangents()?,
+    }
+
+    fn made(&mut self, shape: Shape, progress: Progress<'_>) -> Result<Draft> {
+        let Shape { size, has_normal_map, .. } = shape;
+        let scan = self.subject.scan;
+        let simplified = self.simplified(shape, progress)?;
+        let low = match size {
+            0 => LowPoly::bare(scan, simplified),
+            _ => LowPoly::made(scan, simplified, size, progress)?,
         };
         let pair = Pair { scan, low: &low };
-        if let Err(error) = refuse_astray(pair) {
-            self.refused.insert(triangles, error);
-            return Ok(None);
-        }
-        let maps = match (size, has_normal_map) {
-            (0, _) => StoredMaps::none(pair),
-            (_, true) => bake_maps(self.recipe, [size; 2], pair, progress)?,
-            (_, false) => {
-                let plain = Recipe { options: &self.plain, rays: self.recipe.rays };
-                bake_maps(plain, [size; 2], pair, progress)?
-            }
+        refuse_astray(pair)?;
+        let options = if has_normal_map { self.recipe.options } else { &self.plain };
+        let maps = match size {
+            0 => StoredMaps::none(pair),
+            _ => bake_maps(Recipe { options, ..self.recipe }, [size; 2], pair, progress)?,
         };
-        Ok(Some(Draft { shape, low, maps }))
+        let low = if has_normal_map { low } else { low.without_tangents()? };
+        Ok(Draft { shape, low, maps })
     }
 
     /// Writes a candidate, reads it back and measures it.
@@ -196,10 +199,11 @@ impl<'a> Workshop<'a> {
 
     fn overview(&self, encoded: Vec<u8>) -> Result<Overview> {
         let scene = io::load_glb(encoded, &Limits::of_own_files())?.scene;
-        let surface = bake::Scan::of_asset(scene, self.side.surface)?;
+        let scan = self.subject.side;
+        let surface = bake::Scan::of_asset(scene, scan.surface)?;
         let asset = Side::of(&surface);
-        let diagonal = self.side.surface.mesh().diagonal() as f32;
-        let pair = proof::Pair { scan: self.side, asset: &asset, diagonal, has_material: self.has_material };
+        let diagonal = scan.surface.mesh().diagonal() as f32;
+        let pair = proof::Pair { scan, asset: &asset, diagonal, has_material: self.has_material };
         proof::overview(&pair, PIXELS)
     }
 }

@@ -6,14 +6,13 @@ pub struct SimplifyOptions {
     /// The wanted number of triangles, at least 1.
     pub triangles: usize,
     /// The weight of the turn of a vertex normal beside distances: 0 is nothing, 1 much. With more, creases and fine
-    /// waves keep their triangles and flat parts lose theirs. The default has the least angles as seen on five scans, with
-    /// normals that are fitted afterwards: 1 and 2 have the same within 3 %, 0 has 1.4 times as much.
+    /// waves keep their triangles and flat parts lose theirs.
     pub normal_weight: f32,
 }
 
 impl Default for SimplifyOptions {
     fn default() -> Self {
-        Self { triangles: 10_000, normal_weight: 0.5 }
+        Self { triangles: 10_000, normal_weight: 0.0 }
     }
 }
 
