@@ -475,7 +475,8 @@ def bake(
     triangles : int
         Triangles of the low-poly mesh.
     error : float, optional
-        Find the mesh and map of the fewest bytes whose mean normal error is at most so many degrees.
+        Find the asset of the fewest bytes whose mean normal error as seen is at most so many degrees, with a normal map or
+        without; packing options are not read.
     lods : sequence of int
         Triangles of further levels of detail.
     size : int, (width, height) or "auto"
@@ -488,7 +489,7 @@ def bake(
     samples : int
         Samples a texel, a square number.
     bits : {8, 16}
-        Bits per channel of normal maps; 8-bit maps are dithered.
+        Bits per channel of normal maps; 8-bit maps are dithered where they would show bands.
     dilation : int or "auto"
         Padding around UV islands, texels; auto fills the map.
     ao_rays : int

@@ -31,14 +31,15 @@ fn objects(count: usize) -> Vec<Vec<PathBuf>> {
 }
 
 /// Asserts that the proof finds the bake near its scan. Measured on five, at worst: a mean of 0.58° and a median of
-/// 0.16°, where the low-poly mesh alone has 13 times the mean; 1.8e-5 of the texels missed.
-fn assert_near(report: &Value, what: &str) {
+/// 0.16°, where the low-poly mesh alone has 13 times the mean, or `times` of it if its normals were fitted; 1.8e-5 of the
+/// texels missed.
+fn assert_near(report: &Value, what: &str, times: f64) {
     let [mean, median] =
         ["mean", "median"].map(|of| number(report, &format!("/proof/levels/0/surface_angles/{of}")));
     let plain = number(report, "/proof/levels/0/without_map/mean");
     println!("{what}: mean {mean:.4}°, median {median:.4}°, without the map {plain:.4}°");
     // Eight bits alone cost a sixth of a degree.
-    assert!(mean < 1.0 && median < 0.3 && mean < plain / 8.0, "{what}: {report}");
+    assert!(mean < 1.0 && median < 0.3 && mean < plain / times, "{what}: {report}");
     assert!(number(report, "/bake/missed_texels") < 1e-4, "{what}");
 }
 
@@ -48,7 +49,7 @@ fn pairs_are_baked_within_a_degree_and_nearly_without_a_miss() {
         let folder = tempfile::tempdir().unwrap();
         let [high, low] = [&pair[0], &pair[1]].map(|path| path.to_str().expect("a path of text"));
         let report = bake(&[high, "--low", low, "-o", "out.glb", "--size", "1024"], folder.path());
-        assert_near(&report, high);
+        assert_near(&report, high, 8.0);
         // That a scan came in facets is worth telling, and no fault of the pair. The koala's low-poly mesh, made by others,
         // lacks 0.1 % of its scan and is 12.1° off in its worst window.
         let known = ["smooth normals computed", "lacks parts of the scan", "in the worst 1 % of the surface"];
@@ -81,7 +82,7 @@ fn scans_alone_are_simplified_unwrapped_and_baked() {
         let folder = tempfile::tempdir().unwrap();
         let high = files[0].to_str().expect("a path of text");
         let report = bake(&[high, "-o", "out.glb", "--triangles", "4000", "--size", "1024"], folder.path());
-        assert_near(&report, high);
+        assert_near(&report, high, 6.5);
         // Measured at worst: 0.0029 of the diagonal, 0.679 of the map, all of the triangles.
         assert!(number(&report, "/proof/levels/0/hausdorff_of_diagonal/upper") < 0.006, "{high}");
         assert!(number(&report, "/bake/uv_use") > 0.6, "{high}");

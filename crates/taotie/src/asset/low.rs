@@ -113,6 +113,14 @@ impl LowPoly {
         }
     }
 
+    /// Returns the mesh that the scan is looked for from: without its normals if they were fitted, since those of a thin edge
+    /// lean to one of its sides.
+    pub fn shape(&self) -> Cow<'_, Mesh> {
+        let data = || MeshData { normals: Vec::new(), tangents: Vec::new(), ..self.mesh.clone().into_data() };
+        let bare = self.origin.simplified.is_some().then(|| Mesh::new(data()));
+        bare.and_then(Result::ok).map_or(Cow::Borrowed(&self.mesh), Cow::Owned)
+    }
+
     /// Leaves out the tangents, which only a normal map needs.
     pub fn without_tangents(self) -> Result<Self> {
         let mesh = Mesh::new(MeshData { tangents: Vec::new(), ..self.mesh.into_data() })?;

@@ -22,7 +22,7 @@ pub(super) struct StoredMaps {
 impl StoredMaps {
     /// Returns no maps, and the cage of a mesh that has none.
     pub fn none(Pair { scan, low }: Pair<'_>) -> Self {
-        let cage = Cage::automatic(&low.mesh, scan.sorted());
+        let cage = Cage::automatic(&low.shape(), scan.sorted());
         Self { textures: Textures::default(), counts: BakeCounts::default(), cage }
     }
 }
@@ -65,7 +65,7 @@ pub(super) fn bake_maps(
 
 fn cage(rays: &Rays, low: &LowPoly, scan: &Scan) -> Result<Cage> {
     match rays {
-        Rays::Auto => Ok(Cage::automatic(&low.mesh, scan.sorted())),
+        Rays::Auto => Ok(Cage::automatic(&low.shape(), scan.sorted())),
         Rays::Uniform(distance) => Cage::uniform(&low.mesh, *distance as f32),
         Rays::Cage(cage) => {
             let made = match &low.own {
