@@ -91,8 +91,8 @@ pub struct BakeOptions {
     pub low: Option<MeshSource>,
     /// Triangles of the low-poly mesh, at least 4; not read with `low` or `mean_error_deg`.
     pub triangles: u32,
-    /// Finds the mesh and map of the fewest bytes whose normals are off by at most so many degrees on average, in
-    /// (0, 180); then `triangles` and `size` are not read.
+    /// Finds the asset of the fewest bytes whose normals as seen are off by at most so many degrees on average, in (0, 180),
+    /// with a normal map or without; then neither `triangles` and `size` nor the packing are read.
     pub mean_error_deg: Option<f64>,
     /// Triangles of further levels of detail, each fewer than the one before.
     pub lods: Vec<u32>,
@@ -113,7 +113,7 @@ pub struct BakeOptions {
     pub space: NormalSpace,
     /// Samples a texel along each side, 1 to 8: 2 are four a texel.
     pub side: u32,
-    /// Bits a channel of normal maps, 8 or 16; those of 8 are dithered.
+    /// Bits a channel of normal maps, 8 or 16; those of 8 are dithered where they would show bands.
     pub bits: u8,
     /// The number of texels by which UV islands are grown beyond their borders, at most 16384; `None` fills the map.
     pub dilation: Option<u32>,

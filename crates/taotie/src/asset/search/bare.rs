@@ -21,7 +21,7 @@ const ANGLE_OF_8_BITS: f64 = 0.26;
 /// move an outline by 0.02 % of the longest side.
 const POSITION_BITS: [u8; 4] = [11, 12, 13, 14];
 /// Trials that close in on the goal.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 8;
 
 /// A search among candidates without a normal map.
 pub(super) struct Bare<'a, 'b> {

@@ -14,7 +14,6 @@ use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::proof::{self, Overview, Side};
 use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
 
 /// The number of pixels at which a trial is measured.
 const PIXELS: usize = 20_000;
@@ -135,13 +134,21 @@ impl<'a> Workshop<'a> {
     /// Returns the simplified mesh of a candidate.
     pub fn simplified(&mut self, shape: Shape, progress: Progress<'_>) -> Result<&Simplified> {
         let mesh = (shape.triangles, if shape.has_normal_map { Relief::Map } else { Relief::Vertices });
-        match self.known.entry(mesh) {
-            Entry::Occupied(known) => Ok(known.into_mut()),
-            Entry::Vacant(place) => {
-                let simplified = low::simplified(self.subject.seen, mesh, progress)?;
-                Ok(place.insert(low::fitted(self.subject.scan, simplified, progress)?))
-            }
+        if !self.known.contains_key(&mesh) {
+            let own = low::simplified(self.subject.seen, mesh, progress)?;
+            let fitted = low::fitted(self.subject.scan, own.clone(), progress)?;
+            let is_better = shape.has_normal_map || self.angle(&fitted)? <= self.angle(&own)?;
+            self.known.insert(mesh, if is_better { fitted } else { own });
         }
+        Ok(&self.known[&mesh])
+    }
+
+    /// Returns the mean angle as seen of a mesh with its vertex normals alone, degrees.
+    fn angle(&self, Simplified { mesh, .. }: &Simplified) -> Result<f64> {
+        let levels = [GltfLevel { mesh, coverage: None }];
+        let encoded =
+            io::encode_glb(&GltfAsset { levels: &levels, ..GltfAsset::default() }, &GltfFormat::default())?;
+        Ok(self.overview(encoded)?.angles.map_or(f64::INFINITY, |angles| angles.summary.mean))
     }
 
     /// Makes a candidate; `None` if it is refused.
