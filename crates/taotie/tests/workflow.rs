@@ -446,3 +446,21 @@ fn a_bake_of_a_million_triangles_is_cancelled_at_any_moment() {
     delays.sort();
     assert!(delays[3] < Duration::from_millis(100), "{delays:?}");
 }
+
+/// Where a search does without a map, levels of detail are those of the vertex normals.
+#[test]
+fn a_search_may_have_levels_of_detail_without_a_map() {
+    let wanted = BakeOptions { mean_error_deg: Some(3.0), lods: vec![400, 100], ..options() };
+    let found = Baker::new(wanted).bake(small(), Progress::SILENT).unwrap();
+    let counts: Vec<usize> = found.levels().map(|mesh| mesh.triangles().len()).collect();
+    assert!(found.size() == [0; 2] && counts.len() == 3, "{counts:?}, {:?}", found.size());
+    assert!(counts[1] <= 408 && counts[2] <= 102 && counts[0] > counts[1], "{counts:?}");
+    let folder = tempfile::tempdir().unwrap();
+    let written = found.write(folder.path().join("out.glb"), &Packing::default(), Progress::SILENT).unwrap();
+    assert!(written.warnings().is_empty(), "{:?}", written.warnings());
+    assert_eq!(taotie::io::load_levels(written.path()).unwrap().len(), 3);
+    let asked = Packing { images: taotie::io::GltfImages::Ktx2, ..Packing::default() };
+    let written = found.write(folder.path().join("ktx2.glb"), &asked, Progress::SILENT).unwrap();
+    let said: Vec<&str> = written.warnings().iter().map(|(what, _)| what).collect();
+    assert!(said.iter().any(|what| what.starts_with("the search chose the packing")), "{said:?}");
+}

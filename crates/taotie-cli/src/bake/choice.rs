@@ -1,24 +1,26 @@
 //! What a search chose, and what it beat, in one line.
 
-use taotie::asset::Trial;
+use taotie::asset::{Report, Trial};
 
-/// Returns a line about the smallest trial that is near enough, and the smallest one of the other kind; `None` without a
+/// Returns a line about the trial that was chosen, and the smallest one of the other kind that is near enough; `None` without a
 /// search.
-pub fn line(trials: &[Trial]) -> Option<String> {
-    let near = |has_map: Option<bool>| {
-        let of_kind = trials
-            .iter()
-            .filter(|trial| trial.is_near && has_map.is_none_or(|has| has == trial.has_normal_map));
+pub fn line(report: &Report) -> Option<String> {
+    let trials = &report.trials;
+    let is_chosen = |trial: &&Trial| {
+        trial.is_near && Some(&trial.triangles) == report.triangles.first() && trial.size == report.size[0]
+    };
+    let near = |has_map: bool| {
+        let of_kind = trials.iter().filter(|trial| trial.is_near && trial.has_normal_map == has_map);
         of_kind.min_by_key(|trial| trial.bytes)
     };
-    let chosen = near(None)?;
-    let other = match near(Some(!chosen.has_normal_map)) {
+    let chosen = trials.iter().filter(is_chosen).min_by_key(|trial| trial.bytes)?;
+    let other = match near(!chosen.has_normal_map) {
         Some(other) => format!("the smallest {} has {}", kind(other), kilobytes(other.bytes)),
         None => {
             let all = trials.iter().filter(|trial| trial.has_normal_map != chosen.has_normal_map);
             let nearest = all.min_by(|a, b| a.mean_angle.total_cmp(&b.mean_angle))?;
             format!(
-                "none {} is near enough or worth trying, the nearest has {:.2}°",
+                "no asset {} was near enough or worth trying; the nearest had {:.2}°",
                 kind(nearest),
                 nearest.mean_angle
             )

@@ -18,7 +18,7 @@ pub fn of(report: &Report) -> String {
         let _ = write!(text, ", maps of {}×{}", report.size[0], report.size[1]);
     }
     text.push('\n');
-    text.extend(choice::line(&report.trials).map(|line| line + "\n"));
+    text.extend(choice::line(report).map(|line| line + "\n"));
     let mut table = Table::untitled(&["", ""]);
     if !report.carried.is_empty() {
         table.row(["carried".into(), report.carried.join(", ")]);

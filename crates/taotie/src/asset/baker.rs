@@ -205,7 +205,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         lightened(recipe, subject, &mut warnings, progress)?;
     let is_searched = rounding.is_some();
     for part in &mut parts {
-        part.low.material.alpha = alpha(&options, scan, &part.low);
+        part.low.material.alpha = part.low.alpha(&options, scan);
     }
     let coarser = low::coarser(&parts[0].low, &options.lods, &mut warnings, progress)?;
     let alpha_modes = match options.bakes(&[MapKind::Alpha]) && has_several_modes(scan) {
@@ -253,14 +253,6 @@ fn judge(scan: &Scan, part: &Part, warnings: &mut Warnings) {
     match low.label() {
         "" => warnings.absorb(own),
         label => own.iter().for_each(|(what, count)| warnings.note(format!("{label}: {what}"), count)),
-    }
-}
-
-/// Returns the treatment of alpha: that of the scan where its alpha is baked, else the low-poly mesh's own.
-fn alpha(options: &BakeOptions, scan: &Scan, low: &LowPoly) -> AlphaMode {
-    match scan.surface().alpha_mode() {
-        mode if options.bakes(&[MapKind::Alpha]) && mode != AlphaMode::Opaque => mode,
-        _ => low.material.alpha,
     }
 }
 

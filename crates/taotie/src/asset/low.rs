@@ -5,11 +5,11 @@ use super::given::Taken;
 use super::kept_textures::KeptTextures;
 use super::options::{BakeOptions, NEEDS_UVS, SQUARE};
 use super::scan::Scan;
-use crate::bake::{self, Shells, Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions};
+use crate::bake::{self, MapKind, Shells, Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions};
 use crate::error::{Error, Result, Warnings};
 use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
-use crate::scene::Material;
+use crate::scene::{AlphaMode, Material};
 use crate::surface::with_frames;
 use std::borrow::Cow;
 
@@ -125,6 +125,14 @@ impl LowPoly {
     pub fn without_tangents(self) -> Result<Self> {
         let mesh = Mesh::new(MeshData { tangents: Vec::new(), ..self.mesh.into_data() })?;
         Ok(Self { mesh, ..self })
+    }
+
+    /// Returns the treatment of alpha: that of the scan where its alpha is baked, else its own.
+    pub fn alpha(&self, options: &BakeOptions, scan: &Scan) -> AlphaMode {
+        match scan.surface().alpha_mode() {
+            mode if options.bakes(&[MapKind::Alpha]) && mode != AlphaMode::Opaque => mode,
+            _ => self.material.alpha,
+        }
     }
 
     /// Returns a word that tells its material from others of the asset; empty where it is alone.

@@ -66,7 +66,7 @@ pub(super) fn bake_maps(
 fn cage(rays: &Rays, low: &LowPoly, scan: &Scan) -> Result<Cage> {
     match rays {
         Rays::Auto => Ok(Cage::automatic(&low.shape(), scan.sorted())),
-        Rays::Uniform(distance) => Cage::uniform(&low.mesh, *distance as f32),
+        Rays::Uniform(distance) => Cage::uniform(&low.shape(), *distance as f32),
         Rays::Cage(cage) => {
             let made = match &low.own {
                 Some(own) => Cage::from_mesh(&low.mesh, &cage.part(&own.triangles)?),

@@ -84,6 +84,7 @@ impl Asset {
     ) -> Result<Written> {
         let progress = progress.begin("write")?;
         set.protect(self.made.about.files.iter().chain(&self.made.low_files).chain(&packing.provenance))?;
+        let is_overruled = self.made.rounding.is_some() && packing.format() != Packing::default().format();
         let packing = self.made.packing(packing);
         let (asset, packed, path) = (self.clone(), packing.clone(), path.to_path_buf());
         let is_alone = maps_alone::is_alone(&path);
@@ -98,6 +99,10 @@ impl Asset {
             false => notes(&self.made, &packing, &files),
         };
         warnings.absorb(left_out);
+        warnings.note(
+            "the search chose the packing; the one that was asked for is not read",
+            usize::from(is_overruled),
+        );
         let files = files.into_iter().map(|file| file.path).collect();
         Ok(Written { asset: self.clone(), packing, files, set: set.clone(), warnings })
     }

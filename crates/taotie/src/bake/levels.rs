@@ -11,6 +11,8 @@ use meshopt::SimplifyOptions as Choices;
 /// The weight of a way on the map beside one on the surface: the map's side is as long as the mesh's longest, times
 /// this.
 const UV_WEIGHT: f32 = 3.0;
+/// The weight of the turn of a vertex normal beside a distance, where there is no map.
+const NORMAL_WEIGHT: f32 = 0.5;
 
 /// A level of detail.
 #[derive(Debug, Clone)]
@@ -30,25 +32,22 @@ pub struct DetailLevel {
 /// `counts`.
 ///
 /// Vertices are those of the mesh, so all levels share its maps; where UV islands meet both sides lose the same
-/// vertices, so no level has a crack. Uvs in the first set weigh as positions do.
+/// vertices, so no level has a crack. Uvs in the first set weigh as positions do; of a mesh without uvs, turns of normals weigh.
 ///
 /// # Errors
-/// [`Error::Cancelled`]; [`Error::Invalid`] where the mesh has no uvs or a count is 0.
+/// [`Error::Cancelled`]; [`Error::Invalid`] where a count is 0.
 pub fn levels(mesh: &Mesh, counts: &[usize], progress: Progress<'_>) -> Result<Vec<DetailLevel>> {
-    let Some(uvs) = mesh.uvs().first() else {
-        return Err(Error::invalid("a mesh for levels of detail", "it has no uvs; unwrap it first"));
-    };
     if counts.contains(&0) {
         return Err(Error::invalid("a level of 0 triangles", "ask for at least one"));
     }
     let cube = UnitCube::of(mesh.positions());
     let points: Vec<[f32; 3]> = mesh.positions().iter().map(|p| cube.scaled(*p)).collect();
-    let places: Vec<[f32; 2]> = uvs.iter().map(|uv| [uv.x, uv.y]).collect();
+    let attributes = Attributes::of(mesh);
     // Normals that face away on purpose, such as those of foliage, are the user's.
     let keeps_normals = mesh.normals().is_empty() || surface::has_turned_facets(mesh);
     let levels = parallel::try_tasks(counts.len(), &|i| {
         progress.at(i as f64 / counts.len() as f64)?;
-        let (triangles, error) = fewer(mesh, &points, &places, counts[i]);
+        let (triangles, error) = fewer(mesh, &points, &attributes, counts[i]);
         let reached = is_near(triangles.len(), counts[i]) || triangles.len() < counts[i];
         let level = with_triangles(mesh, triangles)?;
         let is_sound = keeps_normals || !surface::has_turned_facets(&level);
@@ -59,7 +58,30 @@ pub fn levels(mesh: &Mesh, counts: &[usize], progress: Progress<'_>) -> Result<V
     Ok(levels)
 }
 
-fn fewer(mesh: &Mesh, points: &[[f32; 3]], places: &[[f32; 2]], count: usize) -> (Vec<[u32; 3]>, f64) {
+/// What weighs beside positions, all numbers of a vertex together.
+struct Attributes {
+    values: Vec<f32>,
+    /// The weight of each number of a vertex.
+    weights: Vec<f32>,
+}
+
+impl Attributes {
+    fn of(mesh: &Mesh) -> Self {
+        match mesh.uvs().first() {
+            Some(uvs) => {
+                let values = uvs.iter().flat_map(|uv| [uv.x, uv.y]).collect();
+                Self { values, weights: vec![UV_WEIGHT; 2] }
+            }
+            None => {
+                let values: Vec<f32> = mesh.normals().iter().flat_map(|normal| normal.to_array()).collect();
+                let weights = vec![NORMAL_WEIGHT; if values.is_empty() { 0 } else { 3 }];
+                Self { values, weights }
+            }
+        }
+    }
+}
+
+fn fewer(mesh: &Mesh, points: &[[f32; 3]], attributes: &Attributes, count: usize) -> (Vec<[u32; 3]>, f64) {
     if mesh.triangles().len() <= count {
         return (mesh.triangles().to_vec(), 0.0);
     }
@@ -67,9 +89,9 @@ fn fewer(mesh: &Mesh, points: &[[f32; 3]], places: &[[f32; 2]], count: usize) ->
     let corners = meshopt::simplify_with_attributes_and_locks(
         mesh.triangles().as_flattened(),
         &adapter(points),
-        places.as_flattened(),
-        &[UV_WEIGHT; 2],
-        size_of::<[f32; 2]>(),
+        &attributes.values,
+        &attributes.weights,
+        size_of_val(attributes.weights.as_slice()),
         &unlocked,
         3 * count,
         f32::MAX,

@@ -45,8 +45,11 @@ impl<'a, 'b> Bare<'a, 'b> {
         let (errors, rates) = (Curve::default(), [0.0; NORMAL_BITS.len()]);
         let mut search = Self { workshop, maps, errors, rates, best: None };
         search.bracket(progress)?;
+        let mut tried = Vec::new();
         for _ in 0..ROUNDS {
-            let Some((triangles, normals)) = search.likely() else { break };
+            let likely = search.likely().filter(|likely| !tried.contains(likely));
+            let Some((triangles, normals)) = likely else { break };
+            tried.push((triangles, normals));
             let Some(draft) = search.draft(triangles, progress)? else { break };
             let bits = VertexBits { positions: position_bits(&draft), normals };
             let trial = search.add(draft, bits)?;

@@ -87,11 +87,13 @@ impl Forecast {
         Ok(())
     }
 
-    /// Returns `true` unless doubling half of this size helped hardly.
+    /// Returns `true` unless the step from half of this size to it hardly helped.
     fn is_worth_doubling(&self, size: u32) -> bool {
         let squared = |size: u32| self.sizes.iter().find(|of| of.size == size).map(|of| of.squared);
         match (squared(size / 2), squared(size)) {
             (Some(half), Some(own)) => own < WORTH_DOUBLING * WORTH_DOUBLING * half,
+            // It was not worth measuring.
+            (Some(_), None) => false,
             _ => true,
         }
     }

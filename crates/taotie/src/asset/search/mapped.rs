@@ -21,12 +21,16 @@ pub(super) fn smallest(
 ) -> Result<()> {
     let goal = workshop.goal;
     let Some(mut forecast) = Forecast::measured(workshop, least_size, progress)? else { return Ok(()) };
-    let mut aim = goal.aim();
+    let (mut aim, mut tried) = (goal.aim(), Vec::new());
     for _ in 0..ROUNDS {
         let Some(choice) = forecast.smallest(aim) else { break };
         if best.as_ref().is_some_and(|best| choice.bytes > WORTH * best.trial.bytes as f64) {
             break;
         }
+        if tried.contains(&(choice.shape, choice.quality)) {
+            break;
+        }
+        tried.push((choice.shape, choice.quality));
         let Some(draft) = workshop.draft(choice.shape, progress)? else { break };
         let rounding = Rounding { bits: UNDER_MAP, quality: choice.quality };
         let trial = workshop.trial(&draft, rounding)?;

@@ -167,10 +167,11 @@ impl<'a> Workshop<'a> {
         let Shape { size, has_normal_map, .. } = shape;
         let scan = self.subject.scan;
         let simplified = self.simplified(shape, progress)?;
-        let low = match size {
+        let mut low = match size {
             0 => LowPoly::bare(scan, simplified),
             _ => LowPoly::made(scan, simplified, size, progress)?,
         };
+        low.material.alpha = low.alpha(self.recipe.options, scan);
         let pair = Pair { scan, low: &low };
         refuse_astray(pair)?;
         let options = if has_normal_map { self.recipe.options } else { &self.plain };
