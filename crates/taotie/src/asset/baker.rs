@@ -110,8 +110,8 @@ impl Baker {
     /// Bakes a scan: simplifies and unwraps it, or takes the mesh that is given; bakes the maps; measures the result.
     ///
     /// The listener hears the stages `read the low-poly mesh`, `inspect the scan`, `simplify`, `sort the scan` where no
-    /// bake did that before, `fit normals`, `unwrap`, `tangents`, `measure the gap`, `bake`, `store` and `levels of detail`, and is asked
-    /// about every 20 ms whether to go on.
+    /// bake did that before, `fit normals`, `unwrap`, `tangents`, `measure the gap`, `bake`, `store` and `levels of
+    /// detail`, and is asked about every 20 ms whether to go on.
     ///
     /// # Errors
     /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`BakeOptions::check`] and of reading what the options
@@ -193,7 +193,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let materials = given.iter_mut().flat_map(GivenMesh::materials_mut);
     materials.for_each(|material| plan.fill(&about.carried, material));
     let document = given.as_mut().and_then(GivenMesh::take_document);
-    let BakePlan { options, carried, left, .. } = plan;
+    let BakePlan { mut options, carried, left, .. } = plan;
     let mut of_scan = Warnings::default();
     if options.inspect {
         // Before the scan is sorted for rays: both together would be the most that a bake takes.
@@ -203,7 +203,6 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let (subject, recipe) = (Subject { scan, given }, Recipe { options: &options, rays: &rays });
     let Lightened { mut parts, size, trials, rounding } =
         lightened(recipe, subject, &mut warnings, progress)?;
-    let is_searched = rounding.is_some();
     for part in &mut parts {
         part.low.material.alpha = part.low.alpha(&options, scan);
     }
@@ -222,11 +221,9 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let is_made = parts[0].low.origin.simplified.is_some();
     judgement::note_missing_parts(scan, whole, is_made, &mut warnings);
     warnings.absorb(of_scan);
-    let mut options = options;
-    // A search may have done without.
-    options
-        .maps
-        .retain(|map| *map != MapKind::Normal || !is_searched || parts[0].maps.textures.normal.is_some());
+    if rounding.is_some() && parts[0].maps.textures.normal.is_none() {
+        options.maps.retain(|map| *map != MapKind::Normal);
+    }
     let options = Arc::new(options);
     Ok(Asset::new(Made {
         options,

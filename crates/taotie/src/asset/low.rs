@@ -175,12 +175,11 @@ pub(super) enum Relief {
 }
 
 impl Relief {
-    /// Returns the weight of normals in simplification. That of vertices has the least angles as seen on five scans, with
-    /// normals that are fitted afterwards: 1 to 8 have the same within 7 %, 0 has 1.4 times as much.
+    /// Returns the weight of normals in simplification.
     fn normal_weight(self) -> f32 {
         match self {
             Self::Map => 0.0,
-            Self::Vertices => 0.5,
+            Self::Vertices => bake::RELIEF_OF_VERTICES,
         }
     }
 }

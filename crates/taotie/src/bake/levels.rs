@@ -1,6 +1,6 @@
 //! Levels of detail of an unwrapped mesh, which all show the same maps.
 
-use super::simplify::{UnitCube, adapter, compact, is_near, triples};
+use super::simplify::{RELIEF_OF_VERTICES, UnitCube, adapter, compact, is_near, triples};
 use crate::error::{Error, Result};
 use crate::mesh::{Mesh, MeshData};
 use crate::parallel;
@@ -11,8 +11,6 @@ use meshopt::SimplifyOptions as Choices;
 /// The weight of a way on the map beside one on the surface: the map's side is as long as the mesh's longest, times
 /// this.
 const UV_WEIGHT: f32 = 3.0;
-/// The weight of the turn of a vertex normal beside a distance, where there is no map.
-const NORMAL_WEIGHT: f32 = 0.5;
 
 /// A level of detail.
 #[derive(Debug, Clone)]
@@ -74,7 +72,7 @@ impl Attributes {
             }
             None => {
                 let values: Vec<f32> = mesh.normals().iter().flat_map(|normal| normal.to_array()).collect();
-                let weights = vec![NORMAL_WEIGHT; if values.is_empty() { 0 } else { 3 }];
+                let weights = vec![RELIEF_OF_VERTICES; if values.is_empty() { 0 } else { 3 }];
                 Self { values, weights }
             }
         }

@@ -1,7 +1,9 @@
 //! Bands: places where a gentle curve is stored as one code and shows steps in highlights.
 
+use crate::compare::angle_deg;
 use crate::math::Vec3;
 use crate::parallel;
+use crate::surface::encode_normal;
 
 /// A run of equal codes along a row or a column is seen as a band from so many texels on.
 const LEAST_RUN: usize = 8;
@@ -28,14 +30,16 @@ impl CoveredNormals<'_> {
     }
 
     fn is_banded(&self, texel: usize) -> bool {
+        if !(self.is_covered)(texel) {
+            return false;
+        }
         let [width, height] = self.size.map(|side| side as usize);
         let (column, row) = (texel % width, texel / width);
         let runs = [
             self.run(texel, 1, (column, width - 1 - column)),
             self.run(texel, width, (row, height - 1 - row)),
         ];
-        (self.is_covered)(texel)
-            && runs.iter().all(|[first, last, step]| (last - first) / step + 1 >= LEAST_RUN)
+        runs.iter().all(|[first, last, step]| (last - first) / step + 1 >= LEAST_RUN)
             && runs.iter().any(|[first, last, _]| self.turn(*first, *last) >= LEAST_TURN)
     }
 
@@ -50,13 +54,14 @@ impl CoveredNormals<'_> {
     }
 
     fn code(&self, texel: usize) -> [u8; 3] {
-        self.normals[texel].map(|v| ((v * 0.5 + 0.5) * 255.0 + 0.5) as u8)
+        let number = encode_normal(Vec3::from_array(self.normals[texel])).to_array();
+        number.map(|v| (v * 255.0 + 0.5) as u8)
     }
 
     /// Returns the angle between two vectors, degrees.
     fn turn(&self, a: usize, b: usize) -> f64 {
         let [a, b] = [a, b].map(|i| Vec3::from_array(self.normals[i]).to_f64());
-        crate::compare::angle_deg(a, b)
+        angle_deg(a, b)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The bends of a surface at its edges: which of them are meant to be hard, and normals that part there.
 
 use super::angles::unit;
-use super::creases::{Corner, Splitter, Spot};
+use super::creases::{Corner, Splitter, Spot, sorted_corners};
 use super::edges::{Edge, Edges};
 use super::normals::with_normals;
 use crate::error::Result;
@@ -231,16 +231,6 @@ impl<'a> Bends<'a> {
         hard.iter().for_each(|edge| {
             self.edges.ends(self.mesh, *edge).iter().for_each(|p| is_end[*p as usize] = true)
         });
-        let mut corners = Vec::new();
-        for (triangle, vertices) in (0u32..).zip(self.mesh.triangles()) {
-            for (number, vertex) in (0u8..).zip(vertices) {
-                let place = places.of[*vertex as usize];
-                if is_end[place as usize] {
-                    corners.push(Corner { place, triangle, number });
-                }
-            }
-        }
-        corners.sort_unstable();
-        corners
+        sorted_corners(self.mesh, &places.of, |place| is_end[place as usize])
     }
 }

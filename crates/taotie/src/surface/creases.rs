@@ -93,11 +93,16 @@ fn corners_at_creases(mesh: &Mesh, places: &[u32], turned: &[usize]) -> Vec<Corn
             is_crease[places[mesh.triangles()[*t][k] as usize] as usize] = true;
         }
     }
+    sorted_corners(mesh, places, |place| is_crease[place as usize])
+}
+
+/// Returns all corners at the places that are wanted, those at one place together. `places` says which place each vertex has.
+pub(super) fn sorted_corners(mesh: &Mesh, places: &[u32], is_wanted: impl Fn(u32) -> bool) -> Vec<Corner> {
     let mut corners = Vec::new();
     for (triangle, vertices) in (0u32..).zip(mesh.triangles()) {
         for (number, vertex) in (0u8..).zip(vertices) {
             let place = places[*vertex as usize];
-            if is_crease[place as usize] {
+            if is_wanted(place) {
                 corners.push(Corner { place, triangle, number });
             }
         }

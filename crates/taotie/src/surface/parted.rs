@@ -1,6 +1,6 @@
 //! Vertices split where the normals of neighbouring facets part.
 
-use super::creases::{Corner, Splitter, Spot};
+use super::creases::{Corner, Splitter, Spot, sorted_corners};
 use super::normals::facet_normal;
 use super::weld;
 use crate::error::Result;
@@ -21,7 +21,7 @@ const SAME_FACET: f32 = 0.906;
 /// If the mesh has no normals, or there are fewer corners than triangles.
 pub(crate) fn parted(mesh: &Mesh, corners: &[[Vec3; 3]]) -> Result<Mesh> {
     let places = weld::by_position(mesh.positions()).of;
-    let around = sorted_corners(mesh, &places);
+    let corners_around = sorted_corners(mesh, &places, |_| true);
     let normal = |corner: &Corner| corners[corner.triangle as usize][usize::from(corner.number)];
     let facet = |corner: &Corner| facet_normal(mesh.corners(corner.triangle as usize));
     let is_smooth = |a: &Corner, b: &Corner| {
@@ -29,7 +29,7 @@ pub(crate) fn parted(mesh: &Mesh, corners: &[[Vec3; 3]]) -> Result<Mesh> {
         bend > SAME_FACET || normal(a).dot(normal(b)) > SAME_NORMAL
     };
     let mut splitter = Splitter::new(mesh.clone().into_data());
-    for around in around.chunk_by(|a, b| a.place == b.place) {
+    for around in corners_around.chunk_by(|a, b| a.place == b.place) {
         let fans = Spot::new(mesh, &places, around).fans(|i, j| is_smooth(&around[i], &around[j]));
         if fans.iter().all(|fan| *fan == fans[0]) {
             continue;
@@ -43,21 +43,6 @@ pub(crate) fn parted(mesh: &Mesh, corners: &[[Vec3; 3]]) -> Result<Mesh> {
         }
     }
     splitter.into_mesh()
-}
-
-/// Returns all corners, those at one place together.
-fn sorted_corners(mesh: &Mesh, places: &[u32]) -> Vec<Corner> {
-    let numbered = (0u32..).zip(mesh.triangles()).flat_map(|(triangle, vertices)| {
-        (0u8..).zip(*vertices).map(move |(number, vertex)| (triangle, number, vertex))
-    });
-    let corner = |(triangle, number, vertex): (u32, u8, u32)| Corner {
-        place: places[vertex as usize],
-        triangle,
-        number,
-    };
-    let mut corners: Vec<Corner> = numbered.map(corner).collect();
-    corners.sort_unstable();
-    corners
 }
 
 #[cfg(test)]

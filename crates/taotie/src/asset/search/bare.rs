@@ -25,9 +25,9 @@ const ROUNDS: usize = 8;
 
 /// A search among candidates without a normal map.
 pub(super) struct Bare<'a, 'b> {
-    pub workshop: &'b mut Workshop<'a>,
+    workshop: &'b mut Workshop<'a>,
     /// Texels along a side of the other maps, 0 if there are none, and their quality.
-    pub maps: (u32, Option<u8>),
+    maps: (u32, Option<u8>),
     /// The error of meshes over their triangles, without that of rounding.
     errors: Curve,
     /// Bytes a triangle with each number of [`NORMAL_BITS`].
@@ -89,9 +89,9 @@ impl<'a, 'b> Bare<'a, 'b> {
         let trial = self.workshop.trial(&draft, rounding)?;
         let count = trial.triangles as f64;
         self.errors.add(count, remaining(trial.mean_angle, angle_of(bits.normals)));
+        let positions = position_bits(&draft);
         for (rate, normals) in self.rates.iter_mut().zip(NORMAL_BITS) {
-            let bits = VertexBits { positions: position_bits(&draft), normals };
-            *rate = draft.mesh_bytes(bits)? as f64 / count;
+            *rate = draft.mesh_bytes(VertexBits { positions, normals })? as f64 / count;
         }
         if trial.is_near {
             Winner::replace(&mut self.best, Winner { draft, rounding, trial });

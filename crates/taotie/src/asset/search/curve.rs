@@ -12,7 +12,7 @@ pub(super) struct Curve {
 
 /// The slope of a curve of one point: about that of the error of normals over triangles.
 const SLOPE_OF_ONE: f64 = -0.7;
-/// The least number that is told from 0.
+/// Smaller numbers count as this one, whose logarithm is finite.
 const LEAST: f64 = 1e-6;
 /// Between points whose logarithms differ by less, the chord is near enough.
 const LEAST_GAP: f64 = 0.1;

@@ -1,8 +1,8 @@
-//! What candidates with a normal map are foretold to have.
+//! The estimated bytes and errors of candidates with a normal map.
 
 use super::curve::Curve;
 use super::map_size::{Loss, MapSize};
-use super::workshop::{Draft, Shape, UNDER_MAP, Workshop};
+use super::workshop::{Draft, Shape, Workshop};
 use crate::error::Result;
 use crate::progress::Progress;
 
@@ -29,11 +29,11 @@ pub(super) struct Forecast {
     sizes: Vec<MapSize>,
     crossing: f64,
     most_triangles: f64,
-    /// The true bytes beside those that are foretold.
+    /// The ratio of true to estimated bytes.
     factor: f64,
 }
 
-/// A candidate that is foretold.
+/// A candidate and its estimated bytes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Choice {
     pub shape: Shape,
@@ -43,7 +43,7 @@ pub(super) struct Choice {
 }
 
 impl Forecast {
-    /// Measures meshes and maps, the latter of at least `least_size`; `None` if no mesh is like the scan.
+    /// Measures meshes and maps, the latter of at least `least_size`; `None` if the first mesh is refused.
     pub fn measured(
         workshop: &mut Workshop<'_>,
         least_size: u32,
@@ -61,12 +61,11 @@ impl Forecast {
             most_triangles: f64::from(all),
             factor: 1.0,
         };
-        forecast.add_mesh(&draft, crossing.squared)?;
+        forecast.add_mesh(&draft, &crossing);
         forecast.sizes.push(crossing);
         for triangles in TRIANGLES.into_iter().filter(|count| *count != on && *count < all) {
             if let Some(draft) = workshop.draft(mapped(triangles, size), progress)? {
-                let squared = MapSize::lossless(workshop, &draft)?.squared;
-                forecast.add_mesh(&draft, squared)?;
+                forecast.add_mesh(&draft, &MapSize::lossless(workshop, &draft)?);
             }
         }
         for size in SIZES.into_iter().filter(|other| *other != size && *other >= least_size) {
@@ -80,11 +79,11 @@ impl Forecast {
         Ok(Some(forecast))
     }
 
-    fn add_mesh(&mut self, draft: &Draft, squared: f64) -> Result<()> {
+    /// Adds a mesh by the maps that were measured on it.
+    fn add_mesh(&mut self, draft: &Draft, maps: &MapSize) {
         let count = draft.low.mesh.triangles().len() as f64;
-        self.squared.add(count, squared);
-        self.mesh_bytes.add(count, draft.mesh_bytes(UNDER_MAP)? as f64);
-        Ok(())
+        self.squared.add(count, maps.squared);
+        self.mesh_bytes.add(count, maps.mesh_bytes);
     }
 
     /// Returns `true` unless the step from half of this size to it hardly helped.
@@ -132,8 +131,8 @@ impl Forecast {
         Choice { shape, quality: loss.quality, bytes }
     }
 
-    /// Learns that bytes near the last choice are so many times those that were foretold.
-    pub fn mend(&mut self, factor: f64) {
+    /// Multiplies estimated bytes by the ratio of true to estimated bytes of the last choice.
+    pub fn correct(&mut self, factor: f64) {
         self.factor *= factor;
     }
 }

@@ -6,11 +6,11 @@ use crate::math::scalar::{exp, ln};
 
 /// Qualities of WebP that are measured, from the best down.
 const QUALITIES: [u8; 4] = [92, 75, 45, 15];
-/// An error that is so many times too large tells enough.
+/// Lower qualities are not measured once the error is this many times too large.
 const FAR: f64 = 1.5;
-/// Steps between two of them, and between two sizes.
+/// Steps between two qualities, and between two sizes.
 const STEPS: u32 = 4;
-/// The least number that is told from 0.
+/// Smaller numbers count as this one, whose logarithm is finite.
 const LEAST: f64 = 1e-9;
 
 /// Maps of a size.
@@ -20,7 +20,9 @@ pub(super) struct MapSize {
     pub size: u32,
     /// The square of the error with maps that lose nothing, degrees².
     pub squared: f64,
-    /// Their bytes.
+    /// The bytes of the mesh that they were measured on.
+    pub mesh_bytes: f64,
+    /// Their own bytes.
     bytes: f64,
     /// Lossy ones, from the best quality down.
     lossy: Vec<Loss>,
@@ -40,19 +42,23 @@ impl MapSize {
     /// Measures the maps of a draft that lose nothing.
     pub fn lossless(workshop: &mut Workshop<'_>, draft: &Draft) -> Result<Self> {
         let trial = workshop.trial(draft, Rounding { bits: UNDER_MAP, quality: None })?;
-        let bytes = trial.bytes as f64 - draft.mesh_bytes(UNDER_MAP)? as f64;
+        let mesh_bytes = draft.mesh_bytes(UNDER_MAP)? as f64;
         let squared = trial.mean_angle * trial.mean_angle;
-        Ok(Self { size: draft.shape.size, squared, bytes, lossy: Vec::new() })
+        let bytes = trial.bytes as f64 - mesh_bytes;
+        Ok(Self { size: draft.shape.size, squared, mesh_bytes, bytes, lossy: Vec::new() })
     }
 
     /// Measures the maps of a draft that lose nothing, and lossy ones until their error is far beyond the goal.
     pub fn measured(workshop: &mut Workshop<'_>, draft: &Draft) -> Result<Self> {
         let mut maps = Self::lossless(workshop, draft)?;
-        let mesh = draft.mesh_bytes(UNDER_MAP)? as f64;
         for quality in QUALITIES {
             let trial = workshop.trial(draft, Rounding { bits: UNDER_MAP, quality: Some(quality) })?;
             let squared = trial.mean_angle * trial.mean_angle - maps.squared;
-            maps.lossy.push(Loss { quality: Some(quality), squared, bytes: trial.bytes as f64 - mesh });
+            maps.lossy.push(Loss {
+                quality: Some(quality),
+                squared,
+                bytes: trial.bytes as f64 - maps.mesh_bytes,
+            });
             if trial.mean_angle > FAR * workshop.goal.angle {
                 break;
             }
@@ -76,6 +82,7 @@ impl MapSize {
                 size: (between(f64::from(self.size), f64::from(larger.size), part) as u32)
                     .next_multiple_of(4),
                 squared: between(self.squared, larger.squared, part),
+                mesh_bytes: self.mesh_bytes,
                 bytes: between(self.bytes, larger.bytes, part),
                 lossy,
             }

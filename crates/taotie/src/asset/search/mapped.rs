@@ -40,7 +40,7 @@ pub(super) fn smallest(
         if goal.is_hit(&trial) {
             break;
         }
-        forecast.mend(trial.bytes as f64 / choice.bytes);
+        forecast.correct(trial.bytes as f64 / choice.bytes);
         aim *= goal.aim() / trial.mean_angle.max(f64::MIN_POSITIVE);
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! The search for the asset of the fewest bytes whose normals are near enough.
 //!
 //! Errors of different sources, such as of the mesh, of texels and of what a codec loses, add up in squares. So each is
-//! measured by itself, and together they foretell which candidate is the smallest; that is made, read back and measured.
+//! measured by itself, and together they give an estimate of the smallest candidate; that is made, read back and measured.
 
 mod bare;
 mod curve;

@@ -96,11 +96,10 @@ impl Draft {
         io::encode_glb(&GltfAsset { levels: &levels, material, ..GltfAsset::default() }, &format)
     }
 
-    /// Returns the bytes of its mesh alone.
+    /// Returns the number of bytes of its mesh only.
     pub fn mesh_bytes(&self, bits: VertexBits) -> Result<u64> {
-        let levels = [GltfLevel { mesh: &self.low.mesh, coverage: None }];
         let format = Rounding { bits, quality: None }.format(false);
-        Ok(io::encode_glb(&GltfAsset { levels: &levels, ..GltfAsset::default() }, &format)?.len() as u64)
+        Ok(encoded_mesh(&self.low.mesh, &format)?.len() as u64)
     }
 }
 
@@ -145,10 +144,8 @@ impl<'a> Workshop<'a> {
 
     /// Returns the mean angle as seen of a mesh with its vertex normals alone, degrees.
     fn angle(&self, Simplified { mesh, .. }: &Simplified) -> Result<f64> {
-        let levels = [GltfLevel { mesh, coverage: None }];
-        let encoded =
-            io::encode_glb(&GltfAsset { levels: &levels, ..GltfAsset::default() }, &GltfFormat::default())?;
-        Ok(self.overview(encoded)?.angles.map_or(f64::INFINITY, |angles| angles.summary.mean))
+        let overview = self.overview(encoded_mesh(mesh, &GltfFormat::default())?)?;
+        Ok(mean_angle(&overview))
     }
 
     /// Makes a candidate; `None` if it is refused.
@@ -187,7 +184,7 @@ impl<'a> Workshop<'a> {
     pub fn trial(&mut self, draft: &Draft, rounding: Rounding) -> Result<Trial> {
         let encoded = draft.encoded(rounding)?;
         let bytes = encoded.len() as u64;
-        let Overview { angles, color, .. } = self.overview(encoded)?;
+        let overview = self.overview(encoded)?;
         let has_maps = draft.shape.size > 0;
         let mut trial = Trial {
             is_near: false,
@@ -196,8 +193,8 @@ impl<'a> Workshop<'a> {
             has_normal_map: draft.shape.has_normal_map && has_maps,
             quality: rounding.quality.filter(|_| has_maps),
             bits: rounding.bits,
-            mean_angle: angles.map_or(f64::INFINITY, |angles| angles.summary.mean),
-            mean_color: color.map(|color| color.summary.mean),
+            mean_angle: mean_angle(&overview),
+            mean_color: overview.color.map(|color| color.summary.mean),
             bytes,
         };
         trial.is_near = self.goal.is_met(&trial);
@@ -214,4 +211,15 @@ impl<'a> Workshop<'a> {
         let pair = proof::Pair { scan, asset: &asset, diagonal, has_material: self.has_material };
         proof::overview(&pair, PIXELS)
     }
+}
+
+/// Returns the bytes of a mesh without material as a GLB.
+fn encoded_mesh(mesh: &Mesh, format: &GltfFormat) -> Result<Vec<u8>> {
+    let levels = [GltfLevel { mesh, coverage: None }];
+    io::encode_glb(&GltfAsset { levels: &levels, ..GltfAsset::default() }, format)
+}
+
+/// Returns the mean angle between normals, degrees; infinite if nothing could be compared.
+fn mean_angle(overview: &Overview) -> f64 {
+    overview.angles.as_ref().map_or(f64::INFINITY, |angles| angles.summary.mean)
 }
