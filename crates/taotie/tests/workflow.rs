@@ -10,10 +10,15 @@ use taotie::asset::{
     Report, Requirement, Scan, ScanFile, VerifyOptions, Written,
 };
 use taotie::bake::MapKind;
-use taotie::io::{FileSet, GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, write_gltf};
-use taotie::math::{Vec3, scalar};
+use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+use taotie::io::{
+    FileSet, GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, load_model, write_gltf,
+};
+use taotie::math::{Mat4, Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{GreenChannel, NormalSpace};
+use taotie::scene::{
+    GreenChannel, Instance, Material, NormalSpace, Scene, SceneData, TextureRef, UvTransform,
+};
 use taotie::{Error, Progress, Result};
 
 #[allow(dead_code, reason = "its `main` is for the command line")]
@@ -57,6 +62,49 @@ fn names(folder: &Path) -> Vec<String> {
 
 fn said(asset: &Asset) -> String {
     asset.warnings().iter().map(|(what, count)| format!("{what}: {count}\n")).collect()
+}
+
+/// Two balls in a scene of two nodes, with a texture of soft waves.
+fn textured() -> Scan {
+    let wave = |v: u32| (100.0 + 80.0 * scalar::sin(f64::from(v) * 0.2)) as u8;
+    let waves = (0..128u32 * 128).map(|i| [wave(i % 128), wave(i / 128), 90, 255]);
+    let bitmap = Bitmap::new(128, 128, 3, Texels::U8(waves.collect())).unwrap();
+    let texture =
+        TextureRef { texture: 0, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
+    let material = Material { base_color_texture: Some(texture), ..Material::default() };
+    let place = |x: f64| Mat4::translation(Vec3::new(x, 0.0, 0.0));
+    let instance = |x: f64| Instance { mesh: 0, material: 0, world_from_object: place(x) };
+    let data = SceneData {
+        meshes: vec![Mesh::sphere(1.0, 48, 24)],
+        materials: vec![material],
+        textures: vec![Texture::new(bitmap, Encoding::Srgb)],
+        instances: vec![instance(-1.5), instance(1.5)],
+        ..SceneData::default()
+    };
+    Scan::from_scene(Scene::new(data).unwrap(), Progress::SILENT).unwrap()
+}
+
+#[cfg(feature = "webp")]
+#[test]
+fn a_scan_that_is_smallest_as_it_is_is_packed() {
+    let (scan, folder) = (textured(), tempfile::tempdir().unwrap());
+    let wanted = BakeOptions { mean_error_deg: Some(1.0), ..BakeOptions::default() };
+    let asset = Baker::new(wanted.clone()).bake(&scan, Progress::SILENT).unwrap();
+    let chosen = asset.trials().iter().find(|trial| trial.is_chosen).unwrap();
+    assert!(chosen.is_scan && asset.origin().is_scan && chosen.is_near, "{chosen:?}");
+    assert!(asset.trials().iter().all(|trial| !trial.is_near || trial.bytes >= chosen.bytes));
+    for name in ["scan.glb", "scan.gltf"] {
+        let written = asset.write(folder.path().join(name), &Packing::default(), Progress::SILENT).unwrap();
+        assert!(written.warnings().is_empty(), "{:?}", written.warnings());
+        let loaded = load_model(written.path()).unwrap();
+        assert_eq!((loaded.scene.instances().len(), loaded.scene.materials().len()), (2, 1));
+        let proof = written.verify(&scan, &VerifyOptions::default(), Progress::SILENT).unwrap();
+        let seen = &proof.figures.finest().unwrap().overview;
+        assert!(seen.angles.unwrap().summary.mean <= 1.02 && seen.color.unwrap().summary.mean <= 1.02);
+    }
+    // Without the scan's materials it is made anew.
+    let asset = Baker::new(BakeOptions { carry: false, ..wanted }).bake(&scan, Progress::SILENT).unwrap();
+    assert!(asset.trials().iter().all(|trial| !trial.is_scan));
 }
 
 #[test]

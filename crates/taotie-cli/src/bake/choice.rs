@@ -2,46 +2,44 @@
 
 use taotie::asset::{Report, Trial};
 
-/// Returns a line about the trial that was chosen, and the smallest one of the other kind that is near enough; `None` without a
-/// search.
+/// Returns a line about the trial that was chosen, and the smallest of each other kind; `None` without a search.
 pub fn line(report: &Report) -> Option<String> {
     let trials = &report.trials;
-    let is_chosen = |trial: &&Trial| {
-        trial.is_near && Some(&trial.triangles) == report.triangles.first() && trial.size == report.size[0]
-    };
-    let near = |has_map: bool| {
-        let of_kind = trials.iter().filter(|trial| trial.is_near && trial.has_normal_map == has_map);
-        of_kind.min_by_key(|trial| trial.bytes)
-    };
-    let chosen = trials.iter().filter(is_chosen).min_by_key(|trial| trial.bytes)?;
-    let other = match near(!chosen.has_normal_map) {
-        Some(other) => format!("the smallest {} has {}", kind(other), kilobytes(other.bytes)),
-        None => {
-            let all = trials.iter().filter(|trial| trial.has_normal_map != chosen.has_normal_map);
-            let nearest = all.min_by(|a, b| a.mean_angle.total_cmp(&b.mean_angle))?;
-            format!(
-                "no asset {} was near enough or worth trying; the nearest had {:.2}°",
-                kind(nearest),
-                nearest.mean_angle
-            )
-        }
-    };
-    let Trial { triangles, mean_angle, bytes, .. } = chosen;
-    let maps = match (chosen.size, chosen.quality) {
+    let chosen = trials.iter().find(|trial| trial.is_chosen)?;
+    let others = KINDS.into_iter().filter(|kind| *kind != kind_of(chosen)).filter_map(|kind| {
+        let of_kind = || trials.iter().filter(|trial| kind_of(trial) == kind);
+        let smallest = of_kind().filter(|trial| trial.is_near).min_by_key(|trial| trial.bytes);
+        let nearest = of_kind().min_by(|a, b| a.mean_angle.total_cmp(&b.mean_angle))?;
+        Some(match smallest {
+            Some(other) => format!("{kind}: {}", kilobytes(other.bytes)),
+            None => format!("{kind}: not near enough, {:.2}°", nearest.mean_angle),
+        })
+    });
+    let others: Vec<String> = others.collect();
+    let Trial { triangles, mean_angle, bytes, size, quality, .. } = *chosen;
+    let maps = match (size, quality) {
         (0, _) => String::new(),
-        (size, None) => format!(" and lossless maps of {size}×{size}"),
-        (size, Some(quality)) => format!(" and maps of {size}×{size} in quality {quality}"),
+        (size, None) => format!(", maps of {size}×{size}"),
+        (size, Some(quality)) => format!(", maps of {size}×{size} in quality {quality}"),
     };
+    let beaten = if others.is_empty() { String::new() } else { format!(" ({})", others.join("; ")) };
     Some(format!(
-        "chosen of {} trials: {triangles} triangles{maps} {}, {}, {mean_angle:.2}°; {other}",
+        "chosen of {} trials: {}, {triangles} triangles{maps}, {}, {mean_angle:.2}°{beaten}",
         trials.len(),
-        kind(chosen),
-        kilobytes(*bytes)
+        kind_of(chosen),
+        kilobytes(bytes)
     ))
 }
 
-fn kind(trial: &Trial) -> &'static str {
-    if trial.has_normal_map { "with a normal map" } else { "without a normal map" }
+/// The kinds of assets.
+const KINDS: [&str; 3] = ["a normal map", "no normal map", "the packed scan"];
+
+fn kind_of(trial: &Trial) -> &'static str {
+    match trial {
+        Trial { is_scan: true, .. } => KINDS[2],
+        Trial { has_normal_map: true, .. } => KINDS[0],
+        _ => KINDS[1],
+    }
 }
 
 fn kilobytes(bytes: u64) -> String {

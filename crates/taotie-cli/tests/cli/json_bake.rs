@@ -98,6 +98,7 @@ struct ScanOptions {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Origin {
+    is_scan: bool,
     simplified: Option<Simplified>,
     islands: Option<usize>,
 }
@@ -129,6 +130,7 @@ struct Parameters {
     images: String,
     webp_quality: Option<u8>,
     normal_quality: Option<u8>,
+    number_quality: Option<u8>,
     uastc_rdo: Option<u8>,
     jpeg: Option<u8>,
     meshopt: bool,
@@ -363,6 +365,8 @@ struct Met {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Trial {
+    is_scan: bool,
+    is_chosen: bool,
     triangles: usize,
     size: u32,
     has_normal_map: bool,
@@ -378,6 +382,7 @@ struct Trial {
 #[serde(deny_unknown_fields)]
 struct Bits {
     positions: u8,
+    uvs: u8,
     normals: u8,
 }
 
@@ -428,6 +433,7 @@ fn of_a_pair() {
         images: "png".into(),
         webp_quality: None,
         normal_quality: None,
+        number_quality: None,
         uastc_rdo: None,
         jpeg: None,
         meshopt: false,

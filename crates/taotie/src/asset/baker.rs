@@ -1,12 +1,13 @@
 //! From a scan to an asset.
 
+use super::document::Document;
 use super::given::GivenMesh;
 use super::inputs::Inputs;
 use super::judgement::{self, Pair};
 use super::low::{self, LowPoly, Relief};
 use super::made::{Asset, Made, Part};
 use super::map_side::{self, AUTO_SIZE};
-use super::maps::{Recipe, bake_maps};
+use super::maps::{Recipe, StoredMaps, bake_maps};
 use super::memory::Need;
 use super::notes;
 use super::options::BakeOptions;
@@ -14,9 +15,9 @@ use super::packing::Packing;
 use super::plan::BakePlan;
 use super::scan::Scan;
 use super::scan_size::ScanSize;
-use super::search::{Rounding, Trial, smallest};
+use super::search::{MadeAsset, Rounding, Smallest, Trial, smallest};
 use super::write::possible_files;
-use crate::bake::MapKind;
+use crate::bake::{self, MapKind};
 use crate::error::{Result, Warnings};
 use crate::io::{self, Bytes, FileSet, Limits};
 use crate::mesh::Mesh;
@@ -152,6 +153,8 @@ struct Lightened {
     trials: Vec<Trial>,
     /// What the file loses if a search chose it.
     rounding: Option<Rounding>,
+    /// The GLB of the packed scan if that is the asset.
+    packed: Option<Vec<u8>>,
 }
 
 /// All that a bake begins with, read.
@@ -189,11 +192,10 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let asked = &asked.sized(about.size);
     let plan = BakePlan::of(asked, &about.carried, &looks);
     notes::unread_options(&plan.options, &mut warnings);
-    plan.note(&mut warnings);
     let materials = given.iter_mut().flat_map(GivenMesh::materials_mut);
     materials.for_each(|material| plan.fill(&about.carried, material));
-    let document = given.as_mut().and_then(GivenMesh::take_document);
-    let BakePlan { mut options, carried, left, .. } = plan;
+    let mut document = given.as_mut().and_then(GivenMesh::take_document);
+    let mut options = plan.options.clone();
     let mut of_scan = Warnings::default();
     if options.inspect {
         // Before the scan is sorted for rays: both together would be the most that a bake takes.
@@ -201,8 +203,20 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         judgement::inspect(scan.mesh(), &mut of_scan);
     }
     let (subject, recipe) = (Subject { scan, given }, Recipe { options: &options, rays: &rays });
-    let Lightened { mut parts, size, trials, rounding } =
+    let Lightened { mut parts, size, trials, rounding, packed } =
         lightened(recipe, subject, &mut warnings, progress)?;
+    let (carried, left) = match packed {
+        Some(glb) => {
+            options.maps.clear();
+            warnings = notes::of_packed_scan(&warnings);
+            document = Some(Document::of_packed(glb, limits));
+            (about.carried.found.iter().map(|found| found.property).collect(), Vec::new())
+        }
+        None => {
+            plan.note(&mut warnings);
+            (plan.carried, plan.left)
+        }
+    };
     for part in &mut parts {
         part.low.material.alpha = part.low.alpha(&options, scan);
     }
@@ -216,10 +230,13 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         true => alpha_modes(scan, &parts[0], &coarser),
         false => Vec::new(),
     };
-    parts.iter().for_each(|part| judge(scan, part, &mut warnings));
+    let is_scan = parts[0].low.origin.is_scan;
+    parts.iter().filter(|_| !is_scan).for_each(|part| judge(scan, part, &mut warnings));
     let whole = document.as_ref().and_then(|document| document.whole.as_ref()).unwrap_or(&parts[0].low.mesh);
     let is_made = parts[0].low.origin.simplified.is_some();
-    judgement::note_missing_parts(scan, whole, is_made, &mut warnings);
+    if !is_scan {
+        judgement::note_missing_parts(scan, whole, is_made, &mut warnings);
+    }
     warnings.absorb(of_scan);
     if rounding.is_some() && parts[0].maps.textures.normal.is_none() {
         options.maps.retain(|map| *map != MapKind::Normal);
@@ -276,10 +293,7 @@ fn lightened(
     if let Some(most) = options.mean_error_deg {
         let found = smallest(recipe, scan, most, progress)?;
         warnings.absorb(found.warnings);
-        let size = [found.size; 2];
-        let parts = vec![Part { low: found.low, maps: found.maps }];
-        let (trials, rounding) = (found.trials, Some(found.rounding));
-        return Ok(Lightened { parts, size, trials, rounding });
+        return found_asset(scan, found.smallest, found.trials);
     }
     let lows = match given {
         Some(given) => {
@@ -308,5 +322,24 @@ fn lightened(
         Ok(Part { maps: maps?, low })
     };
     let parts = lows.into_iter().map(part).collect::<Result<Vec<_>>>()?;
-    Ok(Lightened { parts, size, trials: Vec::new(), rounding: None })
+    Ok(Lightened { parts, size, trials: Vec::new(), rounding: None, packed: None })
+}
+
+/// Returns what a search found.
+fn found_asset(scan: &Scan, found: Smallest, trials: Vec<Trial>) -> Result<Lightened> {
+    match found {
+        Smallest::Made(made) => {
+            let MadeAsset { low, maps, size, rounding } = *made;
+            let parts = vec![Part { low, maps }];
+            Ok(Lightened { parts, size: [size; 2], trials, rounding: Some(rounding), packed: None })
+        }
+        Smallest::Packed(glb, bits) => {
+            let scene = io::load_glb(glb.clone(), &Limits::of_own_files())?.scene;
+            let low = LowPoly::packed(bake::Scan::surface_of(scene)?.mesh().clone());
+            let maps = StoredMaps::none(Pair { scan, low: &low });
+            let (parts, rounding) =
+                (vec![Part { low, maps }], Some(Rounding { bits, ..Rounding::default() }));
+            Ok(Lightened { parts, size: [0; 2], trials, rounding, packed: Some(glb) })
+        }
+    }
 }

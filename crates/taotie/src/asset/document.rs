@@ -35,6 +35,13 @@ pub(super) enum Source {
     Made(Arc<Vec<u8>>),
 }
 
+impl Document {
+    /// Takes a packed scan, which is in the scan's unit.
+    pub fn of_packed(glb: Vec<u8>, limits: Limits) -> Self {
+        Self { source: Source::Made(Arc::new(glb)), whole: None, limits, is_in_metres: false }
+    }
+}
+
 impl Source {
     /// Returns it as a source of glTF.
     pub fn gltf(&self) -> GltfSource<'_> {

@@ -7,7 +7,7 @@ use super::options::{BakeOptions, NEEDS_UVS, SQUARE};
 use super::scan::Scan;
 use crate::bake::{self, MapKind, Shells, Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions};
 use crate::error::{Error, Result, Warnings};
-use crate::mesh::{Mesh, MeshData};
+use crate::mesh::{Mesh, MeshData, RELIEF_OF_VERTICES};
 use crate::progress::Progress;
 use crate::scene::{AlphaMode, Material};
 use crate::surface::with_frames;
@@ -33,6 +33,7 @@ pub(super) struct LowPoly {
 /// /// Returns a few words about a low-poly mesh.
 /// fn words(origin: &Origin) -> &'static str {
 ///     match (&origin.simplified, origin.islands) {
+///         _ if origin.is_scan => "the scan",
 ///         (Some(_), _) => "made of the scan",
 ///         (None, Some(_)) => "given, unwrapped",
 ///         (None, None) => "given with its uvs",
@@ -43,6 +44,8 @@ pub(super) struct LowPoly {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Origin {
+    /// `true` if it is the scan itself, packed.
+    pub is_scan: bool,
     /// The simplification of the scan; `None` where the mesh was given.
     pub simplified: Option<Simplification>,
     /// UV islands of the atlas, where uvs were made.
@@ -106,11 +109,17 @@ impl LowPoly {
         let simplification = Simplification { method, error: simplified.error };
         Self {
             mesh: simplified.mesh.clone(),
-            origin: Origin { simplified: Some(simplification), islands: None },
+            origin: Origin { simplified: Some(simplification), ..Origin::default() },
             material: scan.about.carried.material.clone(),
             kept: KeptTextures::default(),
             own: None,
         }
+    }
+
+    /// Takes the triangles of a packed scan.
+    pub fn packed(mesh: Mesh) -> Self {
+        let (origin, material) = (Origin { is_scan: true, ..Origin::default() }, Material::default());
+        Self { mesh, origin, material, kept: KeptTextures::default(), own: None }
     }
 
     /// Returns the mesh that the scan is looked for from: without its normals if they were fitted, since those of a thin edge
@@ -179,7 +188,7 @@ impl Relief {
     fn normal_weight(self) -> f32 {
         match self {
             Self::Map => 0.0,
-            Self::Vertices => bake::RELIEF_OF_VERTICES,
+            Self::Vertices => RELIEF_OF_VERTICES,
         }
     }
 }

@@ -53,7 +53,11 @@ impl Made {
     /// Returns the packing of its files: what a search chose goes before what is asked for.
     pub fn packing(&self, asked: &Packing) -> Packing {
         match self.rounding {
-            Some(rounding) => asked.clone().with_format(&rounding.format(self.size != [0; 2])),
+            // A packed scan may have textures.
+            Some(rounding) => {
+                let has_maps = self.size != [0; 2] || self.document.is_some();
+                asked.clone().with_format(&rounding.format(has_maps))
+            }
             None => asked.clone(),
         }
     }

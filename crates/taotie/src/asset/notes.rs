@@ -6,16 +6,26 @@ use crate::error::Warnings;
 use crate::io::Loaded;
 use crate::scene::{NormalSpace, TextureRef, UvTransform};
 
+/// What a scan's file may hold that no bake reads, but a packed scan keeps.
+const LEFT_OF_FILE: [&str; 3] = [
+    "XMP metadata of the scan beside that of the whole asset, left out",
+    "animations of the scan, which is baked at rest",
+    "sets of materials (variants) of the scan, left out: it is baked without any",
+];
+
 /// Notes what a scan's file holds that no bake reads.
 pub(super) fn left_of_scan_file(loaded: &mut Loaded) {
     let Loaded { warnings, xmp, rig, variants, .. } = loaded;
-    warnings.note(
-        "XMP metadata of the scan beside that of the whole asset, left out",
-        xmp.len().saturating_sub(1),
-    );
-    warnings.note("animations of the scan, which is baked at rest", usize::from(rig.is_some()));
-    let sets = variants.names().len();
-    warnings.note("sets of materials (variants) of the scan, left out: it is baked without any", sets);
+    let counts = [xmp.len().saturating_sub(1), usize::from(rig.is_some()), variants.names().len()];
+    LEFT_OF_FILE.into_iter().zip(counts).for_each(|(what, count)| warnings.note(what, count));
+}
+
+/// Returns warnings without notes of what a packed scan keeps.
+pub(super) fn of_packed_scan(warnings: &Warnings) -> Warnings {
+    let mut left = Warnings::default();
+    let others = warnings.iter().filter(|(what, _)| !LEFT_OF_FILE.contains(what));
+    others.for_each(|(what, count)| left.note(what, count));
+    left
 }
 
 /// Notes options that no map that is baked reads.

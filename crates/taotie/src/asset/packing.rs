@@ -28,6 +28,9 @@ pub struct Packing {
     pub webp_quality: Option<u8>,
     /// The quality of the normal map as lossy WebP, 1 to 100; `None` loses nothing. See [`GltfFormat::normal_quality`].
     pub normal_quality: Option<u8>,
+    /// The quality of roughness, metallic and occlusion as lossy WebP, 1 to 100; `None` loses nothing. See
+    /// [`GltfFormat::number_quality`].
+    pub number_quality: Option<u8>,
     /// The rate–distortion optimisation of KTX2, 1 to 64. See [`GltfFormat::uastc_rdo`].
     pub uastc_rdo: Option<u8>,
     /// The quality of the base colour as JPEG, 1 to 100; `None` packs it as `images` says.
@@ -59,8 +62,9 @@ impl Packing {
 
     /// Returns the packing with another format of the model's own file.
     pub(super) fn with_format(self, format: &GltfFormat) -> Self {
-        let GltfFormat { images, webp_quality, normal_quality, uastc_rdo, jpeg, meshopt, bits, .. } = *format;
-        Self { images, webp_quality, normal_quality, uastc_rdo, jpeg, meshopt, bits, ..self }
+        let GltfFormat { images, webp_quality, normal_quality, number_quality, uastc_rdo, .. } = *format;
+        let GltfFormat { jpeg, meshopt, bits, .. } = *format;
+        Self { images, webp_quality, normal_quality, number_quality, uastc_rdo, jpeg, meshopt, bits, ..self }
     }
 
     /// Returns the packing of the model's own file.
@@ -69,6 +73,7 @@ impl Packing {
             images: self.images,
             webp_quality: self.webp_quality,
             normal_quality: self.normal_quality,
+            number_quality: self.number_quality,
             quick_webp: false,
             uastc_rdo: self.uastc_rdo,
             jpeg: self.jpeg,

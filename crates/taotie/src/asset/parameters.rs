@@ -117,6 +117,7 @@ impl Parameters {
             },
             "webp_quality": packing.webp_quality,
             "normal_quality": packing.normal_quality,
+            "number_quality": packing.number_quality,
             "uastc_rdo": packing.uastc_rdo,
             "jpeg": packing.jpeg,
             "meshopt": packing.meshopt,

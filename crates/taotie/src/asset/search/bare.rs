@@ -4,7 +4,7 @@ use super::curve::Curve;
 use super::goal::remaining;
 use super::trial::Trial;
 use super::winner::Winner;
-use super::workshop::{Draft, Rounding, Shape, Workshop};
+use super::workshop::{Draft, Shape, Workshop, uv_bits};
 use crate::error::Result;
 use crate::io::VertexBits;
 use crate::progress::Progress;
@@ -51,7 +51,7 @@ impl<'a, 'b> Bare<'a, 'b> {
             let Some((triangles, normals)) = likely else { break };
             tried.push((triangles, normals));
             let Some(draft) = search.draft(triangles, progress)? else { break };
-            let bits = VertexBits { positions: position_bits(&draft), normals };
+            let bits = search.bits(&draft, normals);
             let trial = search.add(draft, bits)?;
             if search.workshop.goal.is_hit(&trial) {
                 break;
@@ -85,18 +85,21 @@ impl<'a, 'b> Bare<'a, 'b> {
 
     /// Tries a candidate, and learns from it.
     fn add(&mut self, draft: Draft, bits: VertexBits) -> Result<Trial> {
-        let rounding = Rounding { bits, quality: self.maps.1 };
+        let rounding = self.workshop.rounding(bits, self.maps.1);
         let trial = self.workshop.trial(&draft, rounding)?;
         let count = trial.triangles as f64;
         self.errors.add(count, remaining(trial.mean_angle, angle_of(bits.normals)));
-        let positions = position_bits(&draft);
-        for (rate, normals) in self.rates.iter_mut().zip(NORMAL_BITS) {
-            *rate = draft.mesh_bytes(VertexBits { positions, normals })? as f64 / count;
+        for (i, normals) in NORMAL_BITS.into_iter().enumerate() {
+            self.rates[i] = draft.mesh_bytes(self.bits(&draft, normals))? as f64 / count;
         }
         if trial.is_near {
-            Winner::replace(&mut self.best, Winner { draft, rounding, trial });
+            Winner::replace(&mut self.best, Winner::made(draft, rounding, trial));
         }
         Ok(trial)
+    }
+
+    fn bits(&self, draft: &Draft, normals: u8) -> VertexBits {
+        VertexBits { positions: position_bits(draft), normals, uvs: uv_bits(self.maps.0) }
     }
 
     /// Returns the number of triangles and the bits of normals that are likely to reach the goal with the fewest bytes.

@@ -43,16 +43,21 @@ pub(super) struct Choice {
 }
 
 impl Forecast {
-    /// Measures meshes and maps, the latter of at least `least_size`; `None` if the first mesh is refused.
+    /// Measures meshes and maps, the latter of at least `least_size`; `None` if the first mesh is refused, or its maps alone have
+    /// more than `most_bytes`. Maps of twice the size of such are not measured.
     pub fn measured(
         workshop: &mut Workshop<'_>,
         least_size: u32,
+        most_bytes: f64,
         progress: Progress<'_>,
     ) -> Result<Option<Self>> {
         let all = workshop.triangles();
         let (on, size) = (ON_TRIANGLES.min(all), ON_SIZE.max(least_size));
         let Some(draft) = workshop.draft(mapped(on, size), progress)? else { return Ok(None) };
         let crossing = MapSize::measured(workshop, &draft)?;
+        if size == least_size.max(SIZES[0]) && crossing.least_bytes() > most_bytes {
+            return Ok(None);
+        }
         let mut forecast = Self {
             squared: Curve::default(),
             mesh_bytes: Curve::default(),
@@ -68,8 +73,10 @@ impl Forecast {
                 forecast.add_mesh(&draft, &MapSize::lossless(workshop, &draft)?);
             }
         }
-        for size in SIZES.into_iter().filter(|other| *other != size && *other >= least_size) {
+        let range = least_size..=workshop.most_side();
+        for size in SIZES.into_iter().filter(|other| *other != size && range.contains(other)) {
             if forecast.is_worth_doubling(size / 2)
+                && forecast.sizes.iter().all(|known| known.size > size || known.least_bytes() <= most_bytes)
                 && let Some(draft) = workshop.draft(mapped(on, size), progress)?
             {
                 forecast.sizes.push(MapSize::measured(workshop, &draft)?);

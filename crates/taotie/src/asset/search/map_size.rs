@@ -1,6 +1,6 @@
 //! Maps of a size, as they were measured on one mesh.
 
-use super::workshop::{Draft, Rounding, UNDER_MAP, Workshop};
+use super::workshop::{Draft, Workshop, under_map};
 use crate::error::Result;
 use crate::math::scalar::{exp, ln};
 
@@ -41,8 +41,9 @@ pub(super) struct Loss {
 impl MapSize {
     /// Measures the maps of a draft that lose nothing.
     pub fn lossless(workshop: &mut Workshop<'_>, draft: &Draft) -> Result<Self> {
-        let trial = workshop.trial(draft, Rounding { bits: UNDER_MAP, quality: None })?;
-        let mesh_bytes = draft.mesh_bytes(UNDER_MAP)? as f64;
+        let bits = under_map(draft.shape.size);
+        let trial = workshop.trial(draft, workshop.rounding(bits, None))?;
+        let mesh_bytes = draft.mesh_bytes(bits)? as f64;
         let squared = trial.mean_angle * trial.mean_angle;
         let bytes = trial.bytes as f64 - mesh_bytes;
         Ok(Self { size: draft.shape.size, squared, mesh_bytes, bytes, lossy: Vec::new() })
@@ -52,7 +53,8 @@ impl MapSize {
     pub fn measured(workshop: &mut Workshop<'_>, draft: &Draft) -> Result<Self> {
         let mut maps = Self::lossless(workshop, draft)?;
         for quality in QUALITIES {
-            let trial = workshop.trial(draft, Rounding { bits: UNDER_MAP, quality: Some(quality) })?;
+            let rounding = workshop.rounding(under_map(draft.shape.size), Some(quality));
+            let trial = workshop.trial(draft, rounding)?;
             let squared = trial.mean_angle * trial.mean_angle - maps.squared;
             maps.lossy.push(Loss {
                 quality: Some(quality),
@@ -64,6 +66,11 @@ impl MapSize {
             }
         }
         Ok(maps)
+    }
+
+    /// Returns the fewest bytes of the maps that were measured.
+    pub fn least_bytes(&self) -> f64 {
+        self.losses().map(|loss| loss.bytes).fold(f64::INFINITY, f64::min)
     }
 
     /// Returns the losses that can be chosen: none, those of the qualities that were measured, and some in between.

@@ -2,7 +2,7 @@
 
 use super::forecast::Forecast;
 use super::winner::Winner;
-use super::workshop::{Rounding, UNDER_MAP, Workshop};
+use super::workshop::{Workshop, under_map};
 use crate::error::Result;
 use crate::progress::Progress;
 
@@ -20,7 +20,10 @@ pub(super) fn smallest(
     progress: Progress<'_>,
 ) -> Result<()> {
     let goal = workshop.goal;
-    let Some(mut forecast) = Forecast::measured(workshop, least_size, progress)? else { return Ok(()) };
+    let most_bytes = best.as_ref().map_or(f64::INFINITY, |best| best.trial.bytes as f64);
+    let Some(mut forecast) = Forecast::measured(workshop, least_size, most_bytes, progress)? else {
+        return Ok(());
+    };
     let (mut aim, mut tried) = (goal.aim(), Vec::new());
     for _ in 0..ROUNDS {
         let Some(choice) = forecast.smallest(aim) else { break };
@@ -32,10 +35,10 @@ pub(super) fn smallest(
         }
         tried.push((choice.shape, choice.quality));
         let Some(draft) = workshop.draft(choice.shape, progress)? else { break };
-        let rounding = Rounding { bits: UNDER_MAP, quality: choice.quality };
+        let rounding = workshop.rounding(under_map(choice.shape.size), choice.quality);
         let trial = workshop.trial(&draft, rounding)?;
         if trial.is_near {
-            Winner::replace(best, Winner { draft, rounding, trial });
+            Winner::replace(best, Winner::made(draft, rounding, trial));
         }
         if goal.is_hit(&trial) {
             break;

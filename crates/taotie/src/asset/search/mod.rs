@@ -9,11 +9,12 @@ mod forecast;
 mod goal;
 mod map_size;
 mod mapped;
+mod packed;
 mod smallest;
 mod trial;
 mod winner;
 mod workshop;
 
-pub(super) use smallest::smallest;
+pub(super) use smallest::{MadeAsset, Smallest, smallest};
 pub use trial::Trial;
 pub(super) use workshop::Rounding;

@@ -12,17 +12,22 @@ use crate::io::VertexBits;
 ///     asset.trials().iter().min_by(|a, b| a.mean_angle.total_cmp(&b.mean_angle))
 /// }
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Trial {
+    /// `true` if it is the scan itself, packed, with its nodes, materials, uvs and textures; else it was made from the scan.
+    pub is_scan: bool,
+    /// `true` for the one that the asset is.
+    pub is_chosen: bool,
     /// Triangles.
     pub triangles: usize,
-    /// Texels along a side of its maps; 0 if it has none.
+    /// Texels along a side of its maps, of a packed scan along the longest side of any; 0 if it has none.
     pub size: u32,
     /// `true` if it has a normal map.
     pub has_normal_map: bool,
-    /// The quality of its maps as lossy WebP; `None` if they lose nothing, or there are none.
+    /// The quality of its maps as lossy WebP, of a packed scan of its normal maps; `None` if they lose nothing, or there are
+    /// none.
     pub quality: Option<u8>,
     /// The bits of its vertices.
     pub bits: VertexBits,

@@ -4,6 +4,7 @@ use super::goal::Goal;
 use super::trial::Trial;
 use crate::asset::judgement::{Pair, refuse_astray};
 use crate::asset::low::{self, LowPoly, Relief};
+use crate::asset::map_side;
 use crate::asset::maps::{Recipe, StoredMaps, bake_maps};
 use crate::asset::options::BakeOptions;
 use crate::asset::scan::Scan;
@@ -15,11 +16,23 @@ use crate::progress::Progress;
 use crate::proof::{self, Overview, Side};
 use std::collections::BTreeMap;
 
+/// Qualities of lossy WebP, from the lowest up.
+pub(super) const QUALITIES: [u8; 5] = [30, 55, 75, 90, 97];
+/// The largest root mean square error of textures that are neither colours nor normals, of the largest number.
+pub(super) const MOST_ERROR: f64 = 0.04;
 /// The number of pixels at which a trial is measured.
 const PIXELS: usize = 20_000;
 
 /// Bits of vertices under a normal map, which makes up for the rounding of normals.
-pub(super) const UNDER_MAP: VertexBits = VertexBits { positions: 14, normals: 8 };
+pub(super) fn under_map(size: u32) -> VertexBits {
+    VertexBits { positions: 14, normals: 8, uvs: uv_bits(size) }
+}
+
+/// Returns the bits of uvs on textures of so many texels along a side: steps of a quarter of a texel at most.
+pub(super) fn uv_bits(size: u32) -> u8 {
+    const WITHIN_TEXEL: u32 = 2;
+    (size.max(1).next_power_of_two().ilog2() + WITHIN_TEXEL).clamp(8, 16) as u8
+}
 
 /// The mesh and maps of a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -36,6 +49,8 @@ pub(in crate::asset) struct Rounding {
     pub bits: VertexBits,
     /// The quality of its maps as lossy WebP; `None` loses nothing.
     pub quality: Option<u8>,
+    /// The same of roughness, metallic and occlusion.
+    pub numbers: Option<u8>,
 }
 
 /// A candidate that was made and not written yet.
@@ -66,9 +81,13 @@ pub(super) struct Workshop<'a> {
     /// Maps of several sizes are tried on the same triangles.
     known: BTreeMap<(u32, Relief), Simplified>,
     pub goal: Goal,
+    /// The quality of roughness, metallic and occlusion, once a draft had some.
+    numbers: Option<u8>,
     pub trials: Vec<Trial>,
     /// Why candidates were refused: their mesh lost the scan's shape, or has more UV islands than its maps can hold.
     pub refused: BTreeMap<Shape, Error>,
+    /// Why the scan itself is no candidate.
+    pub not_packed: Option<Error>,
 }
 
 impl Rounding {
@@ -80,6 +99,7 @@ impl Rounding {
             images: if is_webp { GltfImages::WebP } else { GltfImages::Png },
             webp_quality: quality,
             normal_quality: quality,
+            number_quality: self.numbers.filter(|_| is_webp),
             meshopt: true,
             bits: self.bits,
             ..GltfFormat::default()
@@ -98,7 +118,7 @@ impl Draft {
 
     /// Returns the number of bytes of its mesh only.
     pub fn mesh_bytes(&self, bits: VertexBits) -> Result<u64> {
-        let format = Rounding { bits, quality: None }.format(false);
+        let format = Rounding { bits, ..Rounding::default() }.format(false);
         Ok(encoded_mesh(&self.low.mesh, &format)?.len() as u64)
     }
 }
@@ -115,14 +135,34 @@ impl<'a> Workshop<'a> {
             subject,
             known: BTreeMap::new(),
             goal,
+            numbers: None,
             trials: Vec::new(),
             refused: BTreeMap::new(),
+            not_packed: None,
         }
     }
 
     /// Returns the number of triangles that meshes are made of.
     pub fn triangles(&self) -> u32 {
         self.subject.seen.triangles().len() as u32
+    }
+
+    /// Returns the most texels along a side that maps of a scan with textures are given: another atlas needs more than preserve
+    /// its detail, but not many times more.
+    pub fn most_side(&self) -> u32 {
+        const MARGIN: u32 = 4;
+        match self.has_other_maps() {
+            true => MARGIN * map_side::chosen(self.subject.scan.about.size.detail_side),
+            false => u32::MAX,
+        }
+    }
+
+    /// Returns `true` if the scan itself, packed, holds all that is wanted: no map that is baked, nor levels of detail.
+    pub fn may_pack(&self) -> bool {
+        let (options, about) = (self.recipe.options, &self.subject.scan.about);
+        let carried = about.carried.maps();
+        let is_own = |map: &MapKind| *map == MapKind::Normal || carried.has(*map);
+        self.has_material && options.carry && options.lods.is_empty() && options.maps.iter().all(is_own)
     }
 
     /// Returns `true` if there are maps beside that of normals.
@@ -144,7 +184,7 @@ impl<'a> Workshop<'a> {
 
     /// Returns the mean angle as seen of a mesh with its vertex normals alone, degrees.
     fn angle(&self, Simplified { mesh, .. }: &Simplified) -> Result<f64> {
-        let overview = self.overview(encoded_mesh(mesh, &GltfFormat::default())?)?;
+        let (_, overview) = self.overview(encoded_mesh(mesh, &GltfFormat::default())?)?;
         Ok(mean_angle(&overview))
     }
 
@@ -182,34 +222,63 @@ impl<'a> Workshop<'a> {
 
     /// Writes a candidate, reads it back and measures it.
     pub fn trial(&mut self, draft: &Draft, rounding: Rounding) -> Result<Trial> {
-        let encoded = draft.encoded(rounding)?;
-        let bytes = encoded.len() as u64;
-        let overview = self.overview(encoded)?;
         let has_maps = draft.shape.size > 0;
-        let mut trial = Trial {
-            is_near: false,
-            triangles: draft.low.mesh.triangles().len(),
+        let about = Trial {
             size: draft.shape.size,
             has_normal_map: draft.shape.has_normal_map && has_maps,
             quality: rounding.quality.filter(|_| has_maps),
             bits: rounding.bits,
-            mean_angle: mean_angle(&overview),
-            mean_color: overview.color.map(|color| color.summary.mean),
-            bytes,
+            ..Trial::default()
         };
+        self.measured(about, draft.encoded(rounding)?)
+    }
+
+    /// Reads a file back and measures it; `about` says what it is.
+    pub fn measured(&mut self, about: Trial, encoded: Vec<u8>) -> Result<Trial> {
+        let bytes = encoded.len() as u64;
+        let (triangles, overview) = self.overview(encoded)?;
+        let mean_color = overview.color.map(|color| color.summary.mean);
+        let mut trial = Trial { triangles, bytes, mean_angle: mean_angle(&overview), mean_color, ..about };
         trial.is_near = self.goal.is_met(&trial);
         self.trials.push(trial);
         Ok(trial)
     }
 
-    fn overview(&self, encoded: Vec<u8>) -> Result<Overview> {
+    /// Returns what a candidate loses, with roughness, metallic and occlusion as they were chosen.
+    pub fn rounding(&self, bits: VertexBits, quality: Option<u8>) -> Rounding {
+        Rounding { bits, quality, numbers: self.numbers }
+    }
+
+    /// Chooses the lowest quality of roughness, metallic and occlusion at which their own error is small enough.
+    pub fn choose_numbers(&mut self, draft: &Draft) -> Result<()> {
+        let Some(orm) = draft.maps.textures.orm.as_ref().filter(|_| cfg!(feature = "webp")) else {
+            return Ok(());
+        };
+        self.numbers = None;
+        for quality in QUALITIES {
+            if io::webp_error(orm, quality)? <= MOST_ERROR {
+                self.numbers = Some(quality);
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the scan.
+    pub fn scan(&self) -> &'a Scan {
+        self.subject.scan
+    }
+
+    /// Reads a file back, and returns its number of triangles and its differences.
+    fn overview(&self, encoded: Vec<u8>) -> Result<(usize, Overview)> {
         let scene = io::load_glb(encoded, &Limits::of_own_files())?.scene;
+        let triangles = scene.triangle_count();
         let scan = self.subject.side;
         let surface = bake::Scan::of_asset(scene, scan.surface)?;
         let asset = Side::of(&surface);
         let diagonal = scan.surface.mesh().diagonal() as f32;
         let pair = proof::Pair { scan, asset: &asset, diagonal, has_material: self.has_material };
-        proof::overview(&pair, PIXELS)
+        Ok((triangles, proof::overview(&pair, PIXELS)?))
     }
 }
 

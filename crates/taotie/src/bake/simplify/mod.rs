@@ -22,7 +22,7 @@ use crate::surface::{creased, has_turned_facets, with_normals};
 pub(super) use collapse::is_near;
 use components::{Components, Fate};
 pub(super) use morton::morton;
-pub use options::{RELIEF_OF_VERTICES, SimplifyMethod, SimplifyOptions};
+pub use options::{SimplifyMethod, SimplifyOptions};
 use part::Part;
 pub(super) use part::{UnitCube, adapter, compact, triples};
 pub(super) use weld::places;

@@ -141,6 +141,23 @@ impl<'a> Accessor<'a> {
         values
     }
 
+    /// Returns all elements as they are stored, without gaps.
+    pub fn stored(&self) -> Supplied {
+        let size = self.size();
+        let mut bytes = vec![0; self.count * size];
+        for (i, element) in bytes.chunks_exact_mut(size).enumerate() {
+            if let Some(stored) = self.element(i) {
+                element.copy_from_slice(stored);
+            }
+        }
+        Supplied { component: self.component, width: self.width, bytes }
+    }
+
+    /// Returns `true` if integers stand for numbers in [0, 1] or [−1, 1].
+    pub fn is_normalized(&self) -> bool {
+        self.normalized
+    }
+
     /// Says whether the components are unsigned integers.
     pub fn is_unsigned(&self) -> bool {
         matches!(self.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32)

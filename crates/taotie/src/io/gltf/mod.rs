@@ -7,6 +7,7 @@ mod accessor;
 mod animations;
 mod buffers;
 mod container;
+mod content;
 mod deforming;
 mod document;
 #[cfg(feature = "draco")]
@@ -37,12 +38,14 @@ mod uri;
 mod variants;
 mod vertices;
 
+pub(super) use content::{Content, StoredAttribute, StoredVertices};
 pub use extensions::SUPPORTED;
 pub(super) use extensions::{OF_TEXTURES, is_known};
 pub(super) use missing_tangents::missing_tangents;
 pub(super) use raw::RawGltf;
 pub use source::GltfSource;
 pub use stored_images::{StoredImage, StoredParts};
+pub(super) use stored_images::{image_bytes, uses};
 
 use super::json::Json;
 use super::limits::Limits;

@@ -56,15 +56,22 @@ fn file_of(raw: &RawGltf, item: &Value) -> Option<PathBuf> {
 }
 
 fn stored(raw: &RawGltf, number: usize, image: &Value) -> Result<StoredImage> {
-    let bytes = match image.get("uri").and_then(Value::as_str) {
-        Some(uri) => match uri::locate(uri, raw.reading()) {
-            Ok(ByteSource::Data { bytes, .. }) => Some(bytes),
-            _ => raw.file(uri)?,
-        },
-        None => image.get("bufferView").and_then(|view| view_bytes(raw, view)),
-    };
-    let bytes = bytes.map(|bytes| (bytes.len() as u64, sha256_of(&bytes)));
+    let bytes = image_bytes(raw, image)?.map(|bytes| (bytes.len() as u64, sha256_of(&bytes)));
     Ok(StoredImage { uses: uses(&raw.json, number), file: file_of(raw, image), bytes })
+}
+
+/// Returns the bytes of an image as they are stored; `None` if they are missing.
+///
+/// # Errors
+/// [`crate::Error::Io`] if a file is there and cannot be read, [`crate::Error::Limit`] if it does not fit the memory.
+pub(in crate::io) fn image_bytes(raw: &RawGltf, image: &Value) -> Result<Option<Vec<u8>>> {
+    match image.get("uri").and_then(Value::as_str) {
+        Some(uri) => match uri::locate(uri, raw.reading()) {
+            Ok(ByteSource::Data { bytes, .. }) => Ok(Some(bytes)),
+            _ => raw.file(uri),
+        },
+        None => Ok(image.get("bufferView").and_then(|view| view_bytes(raw, view))),
+    }
 }
 
 fn view_bytes(raw: &RawGltf, view: &Value) -> Option<Vec<u8>> {
@@ -75,8 +82,8 @@ fn view_bytes(raw: &RawGltf, view: &Value) -> Option<Vec<u8>> {
     buffer.get(start..start.checked_add(number("byteLength")?)?).map(<[u8]>::to_vec)
 }
 
-/// Returns what materials read of an image, in the order of the file, each once.
-fn uses(json: &Value, image: usize) -> Vec<String> {
+/// Returns what materials read of an image, such as `base color`, in the order of the file, each once.
+pub(in crate::io) fn uses(json: &Value, image: usize) -> Vec<String> {
     let textures: Vec<bool> = items(json, "textures").map(|texture| shows(texture, image)).collect();
     let mut found = Vec::new();
     for material in items(json, "materials") {

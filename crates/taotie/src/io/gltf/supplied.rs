@@ -5,7 +5,8 @@ use gltf::json::accessor::ComponentType;
 use std::collections::BTreeMap;
 
 /// The elements of an accessor, without gaps, in the type that they were packed in.
-pub(super) struct Supplied {
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::io) struct Supplied {
     /// The type of a component.
     pub component: ComponentType,
     /// The number of components of an element.

@@ -13,14 +13,12 @@ use std::path::Path;
 pub(super) const VERTICES: u32 = 34962;
 pub(super) const INDICES: u32 = 34963;
 
-const MESHOPT: &str = "EXT_meshopt_compression";
+pub(super) const MESHOPT: &str = "EXT_meshopt_compression";
 
 /// The type of an accessor's numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Component {
-    I8,
     U8,
-    I16,
     U16,
     U32,
     F32,
@@ -30,9 +28,7 @@ impl Component {
     /// Its number in glTF.
     fn code(self) -> u32 {
         match self {
-            Self::I8 => 5120,
             Self::U8 => 5121,
-            Self::I16 => 5122,
             Self::U16 => 5123,
             Self::U32 => 5125,
             Self::F32 => 5126,
@@ -41,8 +37,8 @@ impl Component {
 
     fn size(self) -> usize {
         match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
+            Self::U8 => 1,
+            Self::U16 => 2,
             Self::U32 | Self::F32 => 4,
         }
     }
@@ -61,6 +57,50 @@ pub(super) struct Packing {
     pub filter: Option<&'static str>,
     /// glTF's number for its use.
     pub target: u32,
+}
+
+impl Packing {
+    /// Returns the number of bytes, unpacked.
+    pub fn size(&self) -> usize {
+        self.count * self.stride
+    }
+
+    /// Returns the view of packed bytes that begin somewhere in buffer 0 and have some length. Unpacked they lie in another
+    /// buffer, from some byte on.
+    pub fn view(&self, [start, length]: [usize; 2], (buffer, unpacked): (usize, usize)) -> Value {
+        let Self { count, stride, mode, filter, target } = *self;
+        let mut packed = json!({
+            "buffer": 0, "byteOffset": start, "byteLength": length,
+            "byteStride": stride, "count": count, "mode": mode,
+        });
+        if let Some(filter) = filter {
+            packed["filter"] = filter.into();
+        }
+        let mut view = json!({
+            "buffer": buffer, "byteOffset": unpacked, "byteLength": self.size(), "target": target,
+            "extensions": { MESHOPT: packed },
+        });
+        if target == VERTICES {
+            view["byteStride"] = stride.into();
+        }
+        view
+    }
+}
+
+/// Returns glTF's name for so many components.
+pub(super) fn kind(width: usize) -> &'static str {
+    match width {
+        1 => "SCALAR",
+        2 => "VEC2",
+        3 => "VEC3",
+        4 => "VEC4",
+        _ => "MAT4",
+    }
+}
+
+/// Returns the buffer that packed views unpack to, which holds nothing, as the extension wants of files that require it.
+pub(super) fn unpacked_buffer(bytes: usize) -> Value {
+    json!({ "byteLength": bytes, "extensions": { MESHOPT: { "fallback": true } } })
 }
 
 /// A glTF document in the making: JSON, to which [`GltfDraft::put`] adds anything, and the numbers that it names by
@@ -140,13 +180,7 @@ impl GltfDraft {
         (component, width): (Component, usize),
         count: usize,
     ) -> Value {
-        let kind = match width {
-            1 => "SCALAR",
-            2 => "VEC2",
-            3 => "VEC3",
-            4 => "VEC4",
-            _ => "MAT4",
-        };
+        let kind = kind(width);
         json!({ "bufferView": view, "componentType": component.code(), "count": count, "type": kind })
     }
 
@@ -158,22 +192,8 @@ impl GltfDraft {
     /// Adds a view that meshoptimizer packed; returns its number. Unpacked it lies in a second buffer that holds
     /// nothing, as the extension wants of files that require it.
     pub(super) fn packed_view(&mut self, bytes: &[u8], packing: &Packing) -> usize {
-        let Packing { count, stride, mode, filter, target } = *packing;
-        let mut packed = json!({
-            "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len(),
-            "byteStride": stride, "count": count, "mode": mode,
-        });
-        if let Some(filter) = filter {
-            packed["filter"] = filter.into();
-        }
-        let mut view = json!({
-            "buffer": 1, "byteOffset": self.unpacked, "byteLength": count * stride, "target": target,
-            "extensions": { MESHOPT: packed },
-        });
-        if target == VERTICES {
-            view["byteStride"] = stride.into();
-        }
-        self.unpacked = (self.unpacked + count * stride).next_multiple_of(4);
+        let view = packing.view([self.bytes.len(), bytes.len()], (1, self.unpacked));
+        self.unpacked = (self.unpacked + packing.size()).next_multiple_of(4);
         self.append(bytes);
         self.views.push(view);
         self.views.len() - 1
@@ -228,8 +248,7 @@ impl GltfDraft {
         }
         let mut buffers = vec![buffer];
         if self.unpacked > 0 {
-            let fallback = json!({ MESHOPT: { "fallback": true } });
-            buffers.push(json!({ "byteLength": self.unpacked, "extensions": fallback }));
+            buffers.push(unpacked_buffer(self.unpacked));
         }
         json["buffers"] = json!(buffers);
         json["bufferViews"] = json!(self.views);

@@ -34,11 +34,14 @@ impl fmt::Display for GltfImages {
 pub struct GltfFormat {
     /// The packing of textures.
     pub images: GltfImages,
-    /// The quality, 1 to 100, of base colour and emission as lossy WebP; `None` loses nothing. Roughness, metallic,
-    /// occlusion and alpha always are lossless. For WebP only.
+    /// The quality, 1 to 100, of base colour and emission as lossy WebP; `None` loses nothing. Alpha always is
+    /// lossless. For WebP only.
     pub webp_quality: Option<u8>,
     /// The quality, 1 to 100, of the normal map as lossy WebP; `None` loses nothing. For WebP only.
     pub normal_quality: Option<u8>,
+    /// The quality, 1 to 100, of roughness, metallic and occlusion as lossy WebP, whose losses blur their channels together;
+    /// `None` loses nothing. For WebP only.
+    pub number_quality: Option<u8>,
     /// `true` where the search for repetitions in lossless WebP is shorter: it takes less than half the time, and the file
     /// about 3 % more bytes. For WebP only.
     pub quick_webp: bool,
@@ -62,28 +65,41 @@ pub struct GltfFormat {
 pub struct VertexBits {
     /// Bits of each coordinate of a position, 8 to 16: 2^bits − 1 steps along the longest side of the box around all levels.
     pub positions: u8,
-    /// Bits of each of the two octahedral coordinates of a normal or tangent, 6 to 12. 8 bits are within 0.95° and 0.24° on
-    /// average, 12 within 0.05°. Up to 8 a vertex takes half of the bytes before compression.
+    /// Bits of each of the two octahedral coordinates of a normal, 6 to 12. 8 bits are within 0.95° and 0.24° on average, 12
+    /// within 0.05°. Up to 8 a vertex takes half of the bytes before compression. Tangents have two bits less, at least 6: a
+    /// normal map turns normals by a small part of what a tangent is off.
     pub normals: u8,
+    /// Bits of each coordinate of a uv, 8 to 16: steps of 2^−bits of the texture, as floats under the exponential filter. With
+    /// 16, uvs in [0, 1] are integers and others stay as they are.
+    pub uvs: u8,
 }
 
 impl Default for VertexBits {
     fn default() -> Self {
-        Self { positions: 16, normals: 12 }
+        Self { positions: 16, normals: 12, uvs: 16 }
     }
 }
 
 impl VertexBits {
-    /// Checks that both numbers are in their ranges.
+    /// Returns the bits of tangents.
+    pub(super) fn tangents(self) -> u8 {
+        (self.normals - 2).max(6)
+    }
+
+    /// Checks that all numbers are in their ranges.
     ///
     /// # Errors
     /// [`Error::Invalid`], which names the number.
     pub fn check(self) -> Result<()> {
-        let Self { positions, normals } = self;
-        match (positions, normals) {
-            (8..=16, 6..=12) => Ok(()),
-            (8..=16, _) => Err(Error::invalid(format!("normals of {normals} bits"), "give 6 to 12")),
-            _ => Err(Error::invalid(format!("positions of {positions} bits"), "give 8 to 16")),
+        let Self { positions, normals, uvs } = self;
+        let numbers =
+            [("positions", positions, [8, 16]), ("normals", normals, [6, 12]), ("uvs", uvs, [8, 16])];
+        let wrong = numbers.into_iter().find(|(_, bits, [least, most])| !(*least..=*most).contains(bits));
+        match wrong {
+            Some((what, bits, [least, most])) => {
+                Err(Error::invalid(format!("{what} of {bits} bits"), format!("give {least} to {most}")))
+            }
+            None => Ok(()),
         }
     }
 }
@@ -105,6 +121,12 @@ impl GltfFormat {
             Number {
                 what: "a WebP quality of normals",
                 given: self.normal_quality,
+                most: 100,
+                of: Some(GltfImages::WebP),
+            },
+            Number {
+                what: "a WebP quality of numbers",
+                given: self.number_quality,
                 most: 100,
                 of: Some(GltfImages::WebP),
             },

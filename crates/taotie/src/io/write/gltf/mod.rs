@@ -14,19 +14,22 @@ mod material;
 mod material_json;
 mod mesh;
 mod number;
+mod pack;
 mod packed;
 mod parts;
 mod samplers;
 mod scene;
 mod slots;
+mod stream;
 mod uri;
 mod webp;
 
 pub use draft::GltfDraft;
 pub use format::{GltfFormat, GltfImages, VertexBits};
 pub use graft::{EncodedModel, GltfGraft, GraftedMaterial, encode_graft};
-pub use image_packing::{encode_jpeg_bitmap, encode_webp_bitmap};
+pub use image_packing::{encode_jpeg_bitmap, encode_webp_bitmap, webp_error};
 pub use material::GltfMaterial;
+pub use pack::{GltfPacker, PackedGeometry, PackedImage};
 pub use samplers::gltf_sampler;
 pub use scene::{WrittenScene, encode_scene, encode_scene_as, write_scene};
 pub use slots::GltfImage;
@@ -190,8 +193,7 @@ fn draft(
         let (mesh, parts) = (level.mesh, MeshPart::by_mode(level.mesh, each, &modes));
         let primitives = match &grid {
             Some(grid) => {
-                let normal_bits = format.bits.normals;
-                packed::add(&mut draft, PackedMesh { mesh, parts: &parts, grid, normal_bits })?
+                packed::add(&mut draft, PackedMesh { mesh, parts: &parts, grid, bits: format.bits })?
             }
             None => mesh::add(&mut draft, mesh, &parts),
         };

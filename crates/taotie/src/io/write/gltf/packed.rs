@@ -3,19 +3,20 @@
 //!
 //! The filter is ours, as it is where files are read: the library's bits would depend on the compiler.
 
-use super::draft::{Component, GltfDraft, INDICES, Packing, VERTICES};
-use super::mesh::{MOST_OF_U16, semantic};
+use super::draft::{Component, GltfDraft, MESHOPT};
+use super::format::VertexBits;
+use super::mesh::semantic;
 use super::parts::MeshPart;
-use crate::error::{Error, Result};
+use super::stream::{FLOAT, Octahedron, PowerOfTwo, Stream, packed_triangles};
+use crate::error::Result;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{Mesh, MeshData};
 use serde_json::{Value, json};
 
 /// The largest of 16 bits.
 const MOST: f64 = 65535.0;
-
-/// The most bits of a normal's coordinates that fit into bytes.
-const BITS_OF_BYTES: u8 = 8;
+/// glTF's number for them.
+const UNSIGNED_16: u32 = 5123;
 
 /// The cube of steps that positions are rounded to. It has one step for all axes, so that normals keep their directions.
 #[derive(Debug, Clone, Copy)]
@@ -62,8 +63,7 @@ pub(super) struct PackedMesh<'a> {
     pub mesh: &'a Mesh,
     pub parts: &'a [MeshPart<'a>],
     pub grid: &'a Grid,
-    /// Bits of normals and tangents, as in [`VertexBits`](super::VertexBits).
-    pub normal_bits: u8,
+    pub bits: VertexBits,
 }
 
 /// Adds a mesh and returns the primitive of each part; all share its vertices. Vertices, and the triangles of each part,
@@ -73,11 +73,12 @@ pub(super) struct PackedMesh<'a> {
 /// [`Error::Invalid`] where meshoptimizer refuses.
 pub(super) fn add(draft: &mut GltfDraft, packed: PackedMesh) -> Result<Vec<Value>> {
     draft.require("KHR_mesh_quantization");
-    draft.require("EXT_meshopt_compression");
-    let PackedMesh { mesh, parts, grid, normal_bits } = packed;
-    let (data, parts) = sorted(mesh, parts);
+    draft.require(MESHOPT);
+    let PackedMesh { mesh, parts, grid, bits } = packed;
+    let (order, parts) = sorted(parts, mesh.positions().len());
+    let data = in_order(mesh, &order);
     let mut attributes = json!({});
-    for stream in streams(&data, grid, Octahedron { bits: normal_bits }) {
+    for stream in streams(&data, grid, bits) {
         attributes[&stream.name] = add_stream(draft, &stream)?.into();
     }
     let primitive = |part: &MeshPart| -> Result<Value> {
@@ -87,14 +88,13 @@ pub(super) fn add(draft: &mut GltfDraft, packed: PackedMesh) -> Result<Vec<Value
     parts.iter().map(primitive).collect()
 }
 
-/// Returns the vertices in the order of their first use, and the parts with their triangles in an order in which
+/// Returns the vertices in the order of their first use, and the parts with their triangles on them, in an order in which
 /// neighbours follow one another.
-fn sorted(mesh: &Mesh, parts: &[MeshPart]) -> (MeshData, Vec<MeshPart<'static>>) {
-    let count = mesh.positions().len();
-    let mut place = vec![None; count];
-    let mut order = Vec::with_capacity(count);
+pub(super) fn sorted(parts: &[MeshPart], vertices: usize) -> (Vec<usize>, Vec<MeshPart<'static>>) {
+    let mut place = vec![None; vertices];
+    let mut order = Vec::with_capacity(vertices);
     let sort = |part: &MeshPart| {
-        let mut indices = meshopt::optimize_vertex_cache_strip(part.triangles.as_flattened(), count);
+        let mut indices = meshopt::optimize_vertex_cache_strip(part.triangles.as_flattened(), vertices);
         for index in &mut indices {
             let new = *place[*index as usize].get_or_insert_with(|| {
                 order.push(*index as usize);
@@ -105,65 +105,57 @@ fn sorted(mesh: &Mesh, parts: &[MeshPart]) -> (MeshData, Vec<MeshPart<'static>>)
         MeshPart { triangles: indices.as_chunks::<3>().0.to_vec().into(), material: part.material }
     };
     let parts = parts.iter().map(sort).collect();
-    let data = MeshData {
-        positions: taken(mesh.positions(), &order),
-        normals: taken(mesh.normals(), &order),
-        tangents: taken(mesh.tangents(), &order),
-        uvs: mesh.uvs().iter().map(|uvs| taken(uvs, &order)).collect(),
-        colors: taken(mesh.colors(), &order),
+    (order, parts)
+}
+
+/// Returns the vertices of a mesh in this order.
+fn in_order(mesh: &Mesh, order: &[usize]) -> MeshData {
+    MeshData {
+        positions: taken(mesh.positions(), order),
+        normals: taken(mesh.normals(), order),
+        tangents: taken(mesh.tangents(), order),
+        uvs: mesh.uvs().iter().map(|uvs| taken(uvs, order)).collect(),
+        colors: taken(mesh.colors(), order),
         triangles: Vec::new(),
-    };
-    (data, parts)
+    }
 }
 
 fn taken<T: Copy>(values: &[T], order: &[usize]) -> Vec<T> {
     if values.is_empty() { Vec::new() } else { order.iter().map(|i| values[*i]).collect() }
 }
 
-/// An attribute, each vertex of it in `stride` bytes.
-struct Stream {
-    name: String,
-    bytes: Vec<u8>,
-    stride: usize,
-    component: Component,
-    width: usize,
-    normalized: bool,
-    filter: Option<&'static str>,
-    bounds: Option<[[u16; 3]; 2]>,
-}
-
-fn streams(data: &MeshData, grid: &Grid, octahedron: Octahedron) -> Vec<Stream> {
+fn streams(data: &MeshData, grid: &Grid, bits: VertexBits) -> Vec<Stream> {
     let steps: Vec<[u16; 4]> = data.positions.iter().map(|p| grid.steps(*p)).collect();
     let extreme = |of: fn(u16, u16) -> u16| {
         [0, 1, 2].map(|axis| steps.iter().map(|v| v[axis]).reduce(of).unwrap_or_default())
     };
     let positions = Stream {
-        bounds: Some([extreme(u16::min), extreme(u16::max)]),
+        bounds: Some([extreme(u16::min), extreme(u16::max)].map(|all| all.map(Value::from).to_vec())),
         normalized: false,
         ..words("POSITION", &steps, 3)
     };
     let mut streams = vec![positions];
     if !data.normals.is_empty() {
-        let normals = data.normals.iter().map(|n| octahedron.codes(n.to_array(), 0.0));
-        streams.push(octahedron.stream("NORMAL", normals, 3));
+        let normals = data.normals.iter().map(|n| [n.x, n.y, n.z, 0.0]);
+        streams.push(Octahedron { bits: bits.normals }.stream("NORMAL", normals, 3));
         if !data.tangents.is_empty() {
-            let tangents = data.tangents.iter().map(|[x, y, z, handedness]| {
-                octahedron.codes([*x, *y, *z], if *handedness < 0.0 { -1.0 } else { 1.0 })
-            });
-            streams.push(octahedron.stream("TANGENT", tangents, 4));
+            let signed = |[x, y, z, sign]: [f32; 4]| [x, y, z, if sign < 0.0 { -1.0 } else { 1.0 }];
+            let tangents = data.tangents.iter().map(|tangent| signed(*tangent));
+            streams.push(Octahedron { bits: bits.tangents() }.stream("TANGENT", tangents, 4));
         }
     }
     let sets = data.uvs.iter().enumerate();
-    streams.extend(sets.map(|(set, uvs)| uv_stream(semantic("TEXCOORD", set), uvs)));
+    streams.extend(sets.map(|(set, uvs)| uv_stream(&semantic("TEXCOORD", set), uvs, bits.uvs)));
     if !data.colors.is_empty() {
         streams.push(fractions(semantic("COLOR", 0), &data.colors));
     }
     streams
 }
 
-fn uv_stream(name: String, uvs: &[Vec2]) -> Stream {
+fn uv_stream(name: &str, uvs: &[Vec2], bits: u8) -> Stream {
     let uvs: Vec<[f32; 2]> = uvs.iter().map(|uv| [uv.x, uv.y]).collect();
-    fractions(name, &uvs)
+    let few = PowerOfTwo::within(1.0, bits).stream(name, uvs.as_flattened(), 2).filter(|_| bits < 16);
+    few.unwrap_or_else(|| fractions(name.to_owned(), &uvs))
 }
 
 /// Numbers of [0, 1] in 16 bits; others stay floats.
@@ -174,91 +166,27 @@ fn fractions<const N: usize>(name: String, values: &[[f32; N]]) -> Stream {
         return words(&name, &small, N);
     }
     let bytes = values.as_flattened().iter().copied().flat_map(f32::to_le_bytes).collect();
-    let (component, stride) = (Component::F32, 4 * N);
+    let (component, stride) = (FLOAT, 4 * N);
     Stream { name, bytes, stride, component, width: N, normalized: false, filter: None, bounds: None }
 }
 
 /// Unsigned words that mean [0, 1], of which `width` count.
 fn words<const N: usize>(name: &str, values: &[[u16; N]], width: usize) -> Stream {
     let bytes = values.as_flattened().iter().copied().flat_map(u16::to_le_bytes).collect();
-    let (name, component) = (name.to_owned(), Component::U16);
+    let (name, component) = (name.to_owned(), UNSIGNED_16);
     Stream { name, bytes, stride: 2 * N, component, width, normalized: true, filter: None, bounds: None }
 }
 
-/// How the octahedral filter stores unit vectors. Source: EXT_meshopt_compression, Filter 1.
-#[derive(Debug, Clone, Copy)]
-struct Octahedron {
-    /// Bits of a coordinate, with sign.
-    bits: u8,
-}
-
-impl Octahedron {
-    fn is_of_bytes(self) -> bool {
-        self.bits <= BITS_OF_BYTES
-    }
-
-    /// Returns a direction on the octahedron whose lower half is folded over the corners of the upper, the one of it, and
-    /// a sign, which the filter keeps, as the largest number of its type.
-    fn codes(self, direction: [f32; 3], sign: f32) -> [i16; 4] {
-        let [x, y, z] = direction.map(f64::from);
-        let sum = x.abs() + y.abs() + z.abs();
-        let (x, y) = if sum > 0.0 { (x / sum, y / sum) } else { (0.0, 0.0) };
-        let (x, y) =
-            if z < 0.0 { ((1.0 - y.abs()).copysign(x), (1.0 - x.abs()).copysign(y)) } else { (x, y) };
-        let one = (1i16 << (self.bits - 1)) - 1;
-        let stored = |v: f64| (v * f64::from(one)).round() as i16;
-        let most = if self.is_of_bytes() { i16::from(i8::MAX) } else { i16::MAX };
-        [stored(x), stored(y), one, (f32::from(most) * sign) as i16]
-    }
-
-    fn stream(self, name: &str, codes: impl Iterator<Item = [i16; 4]>, width: usize) -> Stream {
-        let (bytes, component, stride) = match self.is_of_bytes() {
-            true => (codes.flatten().map(|code| code as i8 as u8).collect(), Component::I8, 4),
-            false => (codes.flatten().flat_map(i16::to_le_bytes).collect(), Component::I16, 8),
-        };
-        let (name, filter) = (name.to_owned(), Some("OCTAHEDRAL"));
-        Stream { name, bytes, stride, component, width, normalized: true, filter, bounds: None }
-    }
-}
-
+/// Adds an attribute; returns the number of its accessor.
 fn add_stream(draft: &mut GltfDraft, stream: &Stream) -> Result<usize> {
-    let count = stream.bytes.len() / stream.stride;
-    let packed = match stream.stride {
-        4 => encode::<4>(&stream.bytes),
-        8 => encode::<8>(&stream.bytes),
-        _ => encode::<16>(&stream.bytes),
-    }?;
-    let (stride, filter) = (stream.stride, stream.filter);
-    let packing = Packing { count, stride, mode: "ATTRIBUTES", filter, target: VERTICES };
-    let view = draft.packed_view(&packed, &packing);
-    let mut accessor = draft.accessor_json(view, (stream.component, stream.width), count);
-    if stream.normalized {
-        accessor["normalized"] = true.into();
-    }
-    if let Some([least, most]) = stream.bounds {
-        accessor["min"] = json!(least);
-        accessor["max"] = json!(most);
-    }
-    Ok(draft.push_accessor(accessor))
-}
-
-/// Encodes vertices as version 0, the only one that the extension knows.
-fn encode<const N: usize>(bytes: &[u8]) -> Result<Vec<u8>> {
-    meshopt::encode_vertex_buffer_level(bytes.as_chunks::<N>().0, 2, Some(0)).map_err(refused)
+    let view = draft.packed_view(&stream.packed()?, &stream.packing());
+    Ok(draft.push_accessor(stream.accessor(view)))
 }
 
 fn add_triangles(draft: &mut GltfDraft, triangles: &[[u32; 3]], vertices: usize) -> Result<usize> {
-    let indices = triangles.as_flattened();
-    let packed = meshopt::encode_index_buffer(indices, vertices).map_err(refused)?;
-    let small = vertices <= MOST_OF_U16;
-    let (component, stride) = if small { (Component::U16, 2) } else { (Component::U32, 4) };
-    let count = indices.len();
-    let packing = Packing { count, stride, mode: "TRIANGLES", filter: None, target: INDICES };
-    let view = draft.packed_view(&packed, &packing);
-    let accessor = draft.accessor_json(view, (component, 1), count);
+    let (bytes, packing) = packed_triangles(triangles, vertices)?;
+    let view = draft.packed_view(&bytes, &packing);
+    let component = if packing.stride == 2 { Component::U16 } else { Component::U32 };
+    let accessor = draft.accessor_json(view, (component, 1), packing.count);
     Ok(draft.push_accessor(accessor))
-}
-
-fn refused(error: meshopt::Error) -> Error {
-    Error::invalid("a mesh to be packed", format!("{error}; write it without"))
 }

@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// The storage of images.
 #[derive(Clone, Copy)]
-pub(super) enum Storage<'a> {
+pub(in super::super) enum Storage<'a> {
     /// In the document's buffer.
     Inside,
     /// In files beside this model.
@@ -61,7 +61,11 @@ fn labeled(first: &str, second: &str) -> String {
 ///
 /// # Errors
 /// [`crate::Error::Io`] where a file cannot be read.
-pub(super) fn take_along(raw: &mut RawGltf, count: usize, storage: Storage) -> Result<Vec<FileBytes>> {
+pub(in super::super) fn take_along(
+    raw: &mut RawGltf,
+    count: usize,
+    storage: Storage,
+) -> Result<Vec<FileBytes>> {
     let mut files = Vec::new();
     for i in 0..count {
         let name = edit::items(&raw.json, "images").get(i).and_then(|image| image.get("uri")?.as_str());
@@ -88,7 +92,7 @@ pub(super) fn take_along(raw: &mut RawGltf, count: usize, storage: Storage) -> R
 }
 
 /// Returns the media type and the extension of an image's bytes.
-fn kind(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
+pub(in super::super) fn kind(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => Some(("image/png", "png")),
         [0xff, 0xd8, 0xff, ..] => Some(("image/jpeg", "jpg")),

@@ -3,13 +3,13 @@
 //! get them, where that splits no vertex.
 
 mod factors;
-mod images;
+pub(super) mod images;
 mod primitives;
-mod prune;
+pub(super) mod prune;
 mod root;
 mod spans;
 mod tangents;
-mod views;
+pub(super) mod views;
 
 use super::Container;
 use super::container::{self, Head};

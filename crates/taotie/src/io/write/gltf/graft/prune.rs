@@ -38,10 +38,10 @@ fn drop_unused(json: &mut Value, holders: &str, name: &str) {
 }
 
 /// Visits all numbers of things of one kind that a document names.
-type Visit = fn(&mut Value, &mut dyn FnMut(&mut Value));
+pub(in super::super) type Visit = fn(&mut Value, &mut dyn FnMut(&mut Value));
 
 /// Drops the items of a list that nothing names, and renumbers the others; returns their old numbers.
-fn drop_unnamed(json: &mut Value, list: &str, each: Visit) -> Vec<u64> {
+pub(in super::super) fn drop_unnamed(json: &mut Value, list: &str, each: Visit) -> Vec<u64> {
     let mut named = BTreeSet::new();
     each(json, &mut |number| named.extend(number.as_u64()));
     let items = edit::taken(json, list);
@@ -78,7 +78,7 @@ fn each_image(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
 }
 
 /// Visits the views of accessors, images and all else.
-fn each_view(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+pub(in super::super) fn each_view(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
     let mut of = |members: &mut Map<String, Value>| {
         members.get_mut("bufferView").into_iter().for_each(&mut *visit);
     };

@@ -18,7 +18,7 @@ pub(super) fn add(raw: &mut RawGltf, bytes: Vec<u8>) -> usize {
 ///
 /// # Errors
 /// [`crate::Error::Parse`] where a view names bytes that are not there.
-pub(super) fn joined(raw: &mut RawGltf) -> Result<Vec<u8>> {
+pub(in super::super) fn joined(raw: &mut RawGltf) -> Result<Vec<u8>> {
     let mut views = edit::taken(&mut raw.json, "bufferViews");
     let mut ranges = Vec::new();
     for (i, view) in views.iter_mut().enumerate() {

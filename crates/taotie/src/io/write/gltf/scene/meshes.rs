@@ -78,7 +78,7 @@ impl Writer<'_> {
         let primitives = match &grid {
             Some(grid) => packed::add(
                 &mut self.draft,
-                PackedMesh { mesh, parts: &parts, grid, normal_bits: self.format.bits.normals },
+                PackedMesh { mesh, parts: &parts, grid, bits: self.format.bits },
             )?,
             None => mesh::add(&mut self.draft, mesh, &parts),
         };

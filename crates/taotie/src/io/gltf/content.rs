@@ -1,0 +1,254 @@
+//! The vertices, triangles and images of a file as it stores them, for programs that pack them anew.
+
+use super::accessor::Accessor;
+use super::document::Document;
+use super::images::read_image;
+use super::primitives::{bytes_of, most_elements};
+use super::raw::RawGltf;
+use super::reason::Reason;
+use super::source::GltfSource;
+use super::supplied::Supplied;
+use super::triangles::{compact, read_indices, triangulate};
+use crate::error::{Result, Warnings};
+use crate::image::Bitmap;
+use gltf::json::accessor::ComponentType;
+use gltf::json::mesh::{Mode, Primitive};
+use gltf::json::validation::Checked;
+use serde_json::Value;
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
+
+/// An attribute of vertices, or of a morph target.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::io) struct StoredAttribute {
+    /// Its name in the file.
+    pub name: String,
+    pub elements: Supplied,
+    /// `true` if integers stand for numbers in [0, 1] or [−1, 1].
+    pub is_normalized: bool,
+}
+
+/// Vertices that primitives share.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::io) struct StoredVertices {
+    /// At least POSITION, the first; all have one element a vertex.
+    pub attributes: Vec<StoredAttribute>,
+    /// The attributes of each morph target.
+    pub targets: Vec<Vec<StoredAttribute>>,
+    pub primitives: Vec<StoredPrimitive>,
+}
+
+/// A primitive on shared vertices.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::io) struct StoredPrimitive {
+    /// The number of its mesh in the file.
+    pub mesh: usize,
+    /// Its number in the mesh.
+    pub primitive: usize,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// What a file stores.
+#[derive(Debug, Clone, Default)]
+pub(in crate::io) struct Content {
+    /// Of the primitives of triangles that no extension packs and that can be read as a whole.
+    pub vertices: Vec<StoredVertices>,
+    /// The images in the order of the file; `None` for one that cannot be decoded.
+    pub images: Vec<Option<Bitmap>>,
+}
+
+const POSITION: &str = "POSITION";
+
+impl Content {
+    /// Reads what a file stores.
+    ///
+    /// # Errors
+    /// Those of reading the file; [`crate::Error::Limit`] if its content does not fit the memory.
+    pub fn read(source: GltfSource<'_>, raw: &RawGltf) -> Result<Self> {
+        let reading = raw.reading();
+        let bytes = source.bytes(reading)?.into_owned();
+        let document = Document::of(reading, bytes, &mut Warnings::default())?;
+        let vertices = Reader { document: &document, json: &raw.json }.vertices();
+        let images = (0..document.root.images.len()).map(|image| read_image(&document, image).ok()).collect();
+        reading.check()?;
+        Ok(Self { vertices, images })
+    }
+}
+
+/// Reads primitives, typed and as raw JSON, which alone has all names.
+struct Reader<'a> {
+    document: &'a Document,
+    json: &'a Value,
+}
+
+impl Reader<'_> {
+    fn vertices(&self) -> Vec<StoredVertices> {
+        let mut budget = most_elements(self.document);
+        let mut found: BTreeMap<String, StoredVertices> = BTreeMap::new();
+        for (mesh, typed) in self.document.root.meshes.iter().enumerate() {
+            for (primitive, typed) in typed.primitives.iter().enumerate() {
+                let json = &self.json["meshes"][mesh]["primitives"][primitive];
+                // One that cannot be read stays as it is.
+                let Ok(Some(triangles)) = self.triangles(typed, json, &mut budget) else { continue };
+                let key = format!("{} {}", json["attributes"], json["targets"]);
+                let primitive = StoredPrimitive { mesh, primitive, triangles };
+                match found.get_mut(&key) {
+                    Some(vertices) => vertices.primitives.push(primitive),
+                    None => {
+                        let Ok(read) = self.shared(json, &mut budget) else { continue };
+                        found.insert(key, StoredVertices { primitives: vec![primitive], ..read });
+                    }
+                }
+            }
+        }
+        let mut all: Vec<StoredVertices> =
+            found.into_values().filter_map(StoredVertices::compacted).collect();
+        all.sort_by_key(|vertices| vertices.primitives.first().map(|first| (first.mesh, first.primitive)));
+        all
+    }
+
+    /// Returns the triangles of a primitive; `None` if it has none, or is packed by an extension.
+    fn triangles(
+        &self,
+        typed: &Primitive,
+        json: &Value,
+        budget: &mut usize,
+    ) -> Reason<Option<Vec<[u32; 3]>>> {
+        let is_packed = |name: &String| name.contains("compression");
+        let extensions = json.get("extensions").and_then(Value::as_object);
+        let Checked::Valid(mode) = typed.mode else { return Ok(None) };
+        if extensions.is_some_and(|all| all.keys().any(is_packed)) {
+            return Ok(None);
+        }
+        let Some(position) = number(&json["attributes"], POSITION) else { return Ok(None) };
+        let count = Accessor::open(self.document, position)?.count;
+        let indices = typed.indices.map(|index| Accessor::open(self.document, index.value())).transpose()?;
+        spend(budget, indices.as_ref().map_or(count, |indices| indices.count))?;
+        if !self.document.reading.take(bytes_of(0, count)) {
+            return Err("it does not fit the memory".into());
+        }
+        let found = triangulate(mode, &read_indices(indices.as_ref(), count)?);
+        let is_whole = mode != Mode::Triangles || found.as_ref().is_some_and(|found| found.surplus == 0);
+        Ok(found.map(|found| found.list).filter(|list| is_whole && !list.is_empty()))
+    }
+
+    /// Reads the vertices of a primitive.
+    fn shared(&self, json: &Value, budget: &mut usize) -> Reason<StoredVertices> {
+        let mut attributes = self.attributes(&json["attributes"], budget)?;
+        let first =
+            attributes.iter().position(|attribute| attribute.name == POSITION).ok_or("no POSITION")?;
+        attributes.swap(0, first);
+        let count = attributes[0].elements.count();
+        let targets = json.get("targets").and_then(Value::as_array).into_iter().flatten();
+        let targets = targets.map(|target| self.attributes(target, budget)).collect::<Reason<Vec<_>>>()?;
+        let can_pack =
+            |attribute: &StoredAttribute| attribute.elements.count() == count && attribute.can_be_packed();
+        match attributes.iter().chain(targets.iter().flatten()).all(can_pack) {
+            true => Ok(StoredVertices { attributes, targets, primitives: Vec::new() }),
+            false => Err("its attributes have several lengths, or numbers that nothing packs".into()),
+        }
+    }
+
+    fn attributes(&self, json: &Value, budget: &mut usize) -> Reason<Vec<StoredAttribute>> {
+        let named = json.as_object().ok_or("no attributes")?.keys();
+        named
+            .map(|name| {
+                let index = number(json, name).ok_or("an attribute without accessor")?;
+                let accessor = Accessor::open(self.document, index)?;
+                spend(budget, accessor.count)?;
+                if !self.document.reading.take(bytes_of(accessor.count, 0)) {
+                    return Err("it does not fit the memory".into());
+                }
+                Ok(StoredAttribute {
+                    name: name.clone(),
+                    elements: accessor.stored(),
+                    is_normalized: accessor.is_normalized(),
+                })
+            })
+            .collect()
+    }
+}
+
+impl StoredVertices {
+    /// Leaves out vertices that no triangle has, and all but one of those that are the same in every attribute; `None` if
+    /// no triangle is left.
+    fn compacted(mut self) -> Option<Self> {
+        let count = self.attributes[0].elements.count();
+        let same = self.first_of_same(count);
+        let mut lengths = Vec::with_capacity(self.primitives.len());
+        let mut joined = Vec::new();
+        for primitive in &mut self.primitives {
+            let merged = primitive.triangles.iter().map(|triangle| triangle.map(|v| same[v as usize]));
+            let before = joined.len();
+            joined.extend(merged.filter(|[a, b, c]| a != b && b != c && c != a));
+            lengths.push(joined.len() - before);
+        }
+        let (used, joined) = compact(joined, count);
+        let mut rest = joined.as_slice();
+        for (primitive, length) in self.primitives.iter_mut().zip(lengths) {
+            let (own, others) = rest.split_at(length);
+            primitive.triangles = own.to_vec();
+            rest = others;
+        }
+        let mut pick = |attribute: &mut StoredAttribute| {
+            let bytes = used.iter().flat_map(|v| attribute.element(*v as usize)).copied().collect();
+            attribute.elements.bytes = bytes;
+        };
+        self.attributes.iter_mut().for_each(&mut pick);
+        self.targets.iter_mut().flatten().for_each(&mut pick);
+        // An empty primitive is nothing that glTF can say; it stays as it is.
+        self.primitives.retain(|primitive| !primitive.triangles.is_empty());
+        (!self.primitives.is_empty()).then_some(self)
+    }
+
+    /// Returns for each vertex the first one that is the same in every attribute.
+    fn first_of_same(&self, count: usize) -> Vec<u32> {
+        let all: Vec<&StoredAttribute> =
+            self.attributes.iter().chain(self.targets.iter().flatten()).collect();
+        let compare = |a: u32, b: u32| {
+            let each = all.iter().map(|of| of.element(a as usize).cmp(of.element(b as usize)));
+            each.fold(Ordering::Equal, Ordering::then)
+        };
+        let mut same: Vec<u32> = (0..count as u32).collect();
+        let mut sorted = same.clone();
+        sorted.sort_unstable_by(|a, b| compare(*a, *b).then(a.cmp(b)));
+        for pair in sorted.windows(2) {
+            if compare(pair[0], pair[1]) == Ordering::Equal {
+                same[pair[1] as usize] = same[pair[0] as usize];
+            }
+        }
+        same
+    }
+}
+
+impl StoredAttribute {
+    /// Returns `true` if it is as glTF defines it, of numbers that can be packed: positions are finite, and no element has more
+    /// than 16 bytes.
+    fn can_be_packed(&self) -> bool {
+        let Supplied { component, width, bytes } = &self.elements;
+        let is_float = *component == ComponentType::F32;
+        let is_finite = |word: &[u8; 4]| !is_float || f32::from_le_bytes(*word).is_finite();
+        let has_width = match self.name.as_str() {
+            POSITION => *width == 3 && bytes.as_chunks::<4>().0.iter().all(is_finite),
+            "NORMAL" => *width == 3,
+            "TANGENT" => matches!(width, 3 | 4),
+            _ => true,
+        };
+        has_width && width * component.size() <= 16
+    }
+
+    /// Returns the bytes of a vertex.
+    pub fn element(&self, vertex: usize) -> &[u8] {
+        let size = self.elements.width * self.elements.component.size();
+        &self.elements.bytes[vertex * size..][..size]
+    }
+}
+
+fn spend(budget: &mut usize, elements: usize) -> Reason<()> {
+    *budget = budget.checked_sub(elements).ok_or("its primitives share bytes too many times")?;
+    Ok(())
+}
+
+fn number(of: &Value, name: &str) -> Option<usize> {
+    usize::try_from(of.get(name)?.as_u64()?).ok()
+}

@@ -1,0 +1,232 @@
+//! The meshes of a file: fewer triangles, and vertices in fewer bits.
+
+use super::super::format::VertexBits;
+use super::super::packed::sorted;
+use super::super::parts::MeshPart;
+use super::super::stream::{FLOAT, Octahedron, PowerOfTwo, Stream};
+use crate::io::gltf::{StoredAttribute, StoredVertices};
+use crate::math::Vec3;
+use crate::mesh::RELIEF_OF_VERTICES;
+use meshopt::{SimplifyOptions, VertexDataAdapter};
+use serde_json::Value;
+use std::borrow::Cow;
+
+/// Vertices in a new order, and the triangles of each primitive on them.
+pub(super) struct Shaped {
+    pub order: Vec<usize>,
+    pub triangles: Vec<Vec<[u32; 3]>>,
+}
+
+impl Shaped {
+    /// Sorts the vertices that are left, and triangles.
+    pub fn new(vertices: &StoredVertices, triangles: Vec<Vec<[u32; 3]>>) -> Self {
+        let part = |triangles: Vec<[u32; 3]>| MeshPart { triangles: Cow::Owned(triangles), material: 0 };
+        let parts: Vec<MeshPart> = triangles.into_iter().map(part).collect();
+        let (order, parts) = sorted(&parts, vertices.attributes[0].elements.count());
+        Self { order, triangles: parts.into_iter().map(|part| part.triangles.into_owned()).collect() }
+    }
+}
+
+/// Returns the triangles of each primitive, simplified to a part of them. Borders of primitives stay unless it `is_alone`,
+/// since others may touch them; primitives with morph targets stay as they are.
+pub(super) fn simplified(vertices: &StoredVertices, kept: f64, is_alone: bool) -> Vec<Vec<[u32; 3]>> {
+    let own = || vertices.primitives.iter().map(|primitive| primitive.triangles.clone());
+    if kept >= 1.0 || !vertices.targets.is_empty() {
+        return own().collect();
+    }
+    let floats = |name: &str| vertices.attributes.iter().find(|a| a.name == name).map(floats);
+    let points: Vec<f32> = floats("POSITION").unwrap_or_default();
+    // Of unit length, in whatever type they are stored.
+    let unit = |n: &[f32; 3]| Vec3::from_array(*n).normalize_or(Vec3::splat(0.0)).to_array();
+    let normals: Vec<f32> = floats("NORMAL").unwrap_or_default();
+    let normals: Vec<f32> = normals.as_chunks::<3>().0.iter().flat_map(unit).collect();
+    let weights = vec![RELIEF_OF_VERTICES; if normals.is_empty() { 0 } else { 3 }];
+    let unlocked = vec![false; points.len() / 3];
+    let options = if is_alone { SimplifyOptions::empty() } else { SimplifyOptions::LockBorder };
+    let fewer = |triangles: Vec<[u32; 3]>| {
+        let corners = meshopt::simplify_with_attributes_and_locks(
+            triangles.as_flattened(),
+            &VertexDataAdapter::new(meshopt::typed_to_bytes(&points), size_of::<[f32; 3]>(), 0)
+                .expect("the stride divides the length, and no offset is given"),
+            &normals,
+            &weights,
+            size_of_val(weights.as_slice()),
+            &unlocked,
+            3 * (triangles.len() as f64 * kept).ceil() as usize,
+            f32::MAX,
+            options,
+            None,
+        );
+        let found = corners.as_chunks::<3>().0.to_vec();
+        if found.is_empty() { triangles } else { found }
+    };
+    own().map(fewer).collect()
+}
+
+/// Returns the longest side of the mesh of each group of vertices. Primitives of a mesh are rounded alike, so that they
+/// touch as before.
+pub(super) fn extents(all: &[StoredVertices]) -> Vec<f64> {
+    let mesh = |vertices: &StoredVertices| vertices.primitives.first().map(|primitive| primitive.mesh);
+    let own: Vec<[[f32; 3]; 2]> = all.iter().map(|vertices| bounds(&vertices.attributes[0])).collect();
+    let of_mesh = |one: &StoredVertices| {
+        let same = all.iter().zip(&own).filter(|(other, _)| mesh(other) == mesh(one));
+        let sides =
+            |[least, most]: &[[f32; 3]; 2]| [0, 1, 2].map(|k| f64::from(most[k]) - f64::from(least[k]));
+        same.flat_map(|(_, bounds)| sides(bounds)).fold(0.0, f64::max)
+    };
+    all.iter().map(of_mesh).collect()
+}
+
+fn bounds(positions: &StoredAttribute) -> [[f32; 3]; 2] {
+    let mut bounds = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+    for point in floats(positions).chunks_exact(3) {
+        for (k, v) in point.iter().enumerate() {
+            bounds[0][k] = bounds[0][k].min(*v);
+            bounds[1][k] = bounds[1][k].max(*v);
+        }
+    }
+    bounds
+}
+
+/// How vertices are rounded.
+pub(super) struct Precision {
+    pub bits: VertexBits,
+    /// The longest side of the mesh.
+    pub extent: f64,
+}
+
+impl Precision {
+    /// Returns the attributes of vertices in this order.
+    pub fn attributes(&self, attributes: &[StoredAttribute], order: &[usize]) -> Vec<Stream> {
+        /// Bits of colours.
+        const COLOR: u8 = 10;
+        let rounded = |attribute: &StoredAttribute| match kind(&attribute.name) {
+            "POSITION" => self.positions(attribute, order),
+            "NORMAL" | "TANGENT" => Some(self.directions(attribute, order)),
+            "TEXCOORD" => PowerOfTwo::within(1.0, self.bits.uvs).of(attribute, order),
+            "COLOR" => PowerOfTwo::within(1.0, COLOR).of(attribute, order),
+            _ => None,
+        };
+        self.streams(attributes, order, rounded)
+    }
+
+    /// Returns the attributes of a morph target.
+    pub fn target(&self, attributes: &[StoredAttribute], order: &[usize]) -> Vec<Stream> {
+        let rounded = |attribute: &StoredAttribute| match kind(&attribute.name) {
+            "POSITION" => self.positions(attribute, order),
+            "NORMAL" | "TANGENT" => PowerOfTwo::within(1.0, self.bits.normals).of(attribute, order),
+            _ => None,
+        };
+        self.streams(attributes, order, rounded)
+    }
+
+    fn streams(
+        &self,
+        attributes: &[StoredAttribute],
+        order: &[usize],
+        rounded: impl Fn(&StoredAttribute) -> Option<Stream>,
+    ) -> Vec<Stream> {
+        let stream = |attribute: &StoredAttribute| {
+            let is_float = attribute.elements.component.as_gl_enum() == FLOAT;
+            let mut stream =
+                is_float.then(|| rounded(attribute)).flatten().unwrap_or_else(|| stored(attribute, order));
+            if attribute.name == "POSITION" && stream.bounds.is_none() {
+                stream.bounds = Some(bounds_of_numbers(attribute, order));
+            }
+            stream
+        };
+        attributes.iter().map(stream).collect()
+    }
+
+    fn positions(&self, attribute: &StoredAttribute, order: &[usize]) -> Option<Stream> {
+        let step = PowerOfTwo::within(self.extent, self.bits.positions);
+        let mut stream = step.of(attribute, order)?;
+        let rounded = |v: f32| Value::from(step.rounded(v));
+        let values = in_order(attribute, order);
+        let extreme = |of: fn(f32, f32) -> f32| {
+            let of_axis = |k: usize| values.iter().skip(k).step_by(3).copied().reduce(of).unwrap_or_default();
+            [0, 1, 2].map(|k| rounded(of_axis(k))).to_vec()
+        };
+        stream.bounds = Some([extreme(f32::min), extreme(f32::max)]);
+        Some(stream)
+    }
+
+    fn directions(&self, attribute: &StoredAttribute, order: &[usize]) -> Stream {
+        let width = attribute.elements.width;
+        let values = in_order(attribute, order);
+        let vectors = values.chunks_exact(width).map(|v| match *v {
+            [x, y, z, sign] => [x, y, z, if sign < 0.0 { -1.0 } else { 1.0 }],
+            [x, y, z] => [x, y, z, 0.0],
+            _ => [0.0; 4],
+        });
+        let bits = if width == 4 { self.bits.tangents() } else { self.bits.normals };
+        Octahedron { bits }.stream(&attribute.name, vectors, width)
+    }
+}
+
+impl PowerOfTwo {
+    /// Returns an attribute of floats in this order; `None` if the filter cannot hold it.
+    fn of(self, attribute: &StoredAttribute, order: &[usize]) -> Option<Stream> {
+        self.stream(&attribute.name, &in_order(attribute, order), attribute.elements.width)
+    }
+}
+
+/// Returns the name of an attribute without the number of its set.
+fn kind(name: &str) -> &str {
+    name.split_once('_').filter(|(kind, _)| !kind.is_empty()).map_or(name, |(kind, _)| kind)
+}
+
+/// Returns an attribute as it is stored; elements begin at multiples of four bytes.
+fn stored(attribute: &StoredAttribute, order: &[usize]) -> Stream {
+    let elements = &attribute.elements;
+    let size = elements.width * elements.component.size();
+    let stride = size.next_multiple_of(4);
+    let mut bytes = Vec::with_capacity(stride * order.len());
+    for vertex in order {
+        bytes.extend_from_slice(attribute.element(*vertex));
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+    }
+    Stream {
+        name: attribute.name.clone(),
+        bytes,
+        stride,
+        component: elements.component.as_gl_enum(),
+        width: elements.width,
+        normalized: attribute.is_normalized,
+        filter: None,
+        bounds: None,
+    }
+}
+
+/// Returns the least and the greatest of each component as they are stored.
+fn bounds_of_numbers(attribute: &StoredAttribute, order: &[usize]) -> [Vec<Value>; 2] {
+    let (width, is_float) = (attribute.elements.width, attribute.elements.component.as_gl_enum() == FLOAT);
+    let values = in_order(attribute, order);
+    let number = |v: f32| if is_float { Value::from(v) } else { Value::from(v as i64) };
+    [f32::min, f32::max].map(|of: fn(f32, f32) -> f32| {
+        let of_axis = |k: usize| values.iter().skip(k).step_by(width).copied().reduce(of).unwrap_or_default();
+        (0..width).map(|k| number(of_axis(k))).collect()
+    })
+}
+
+/// Returns the components of all elements as numbers; integers stand for themselves.
+fn floats(attribute: &StoredAttribute) -> Vec<f32> {
+    let count = attribute.elements.count();
+    in_order(attribute, &(0..count).collect::<Vec<_>>())
+}
+
+fn in_order(attribute: &StoredAttribute, order: &[usize]) -> Vec<f32> {
+    let elements = &attribute.elements;
+    let code = elements.component.as_gl_enum();
+    let number = |bytes: &[u8]| match (bytes, code) {
+        ([a], 5120) => f32::from(*a as i8),
+        ([a], _) => f32::from(*a),
+        ([a, b], 5122) => f32::from(i16::from_le_bytes([*a, *b])),
+        ([a, b], _) => f32::from(u16::from_le_bytes([*a, *b])),
+        ([a, b, c, d], FLOAT) => f32::from_le_bytes([*a, *b, *c, *d]),
+        ([a, b, c, d], _) => u32::from_le_bytes([*a, *b, *c, *d]) as f32,
+        _ => 0.0,
+    };
+    let size = elements.component.size();
+    order.iter().flat_map(|vertex| attribute.element(*vertex).chunks_exact(size).map(number)).collect()
+}

@@ -1,0 +1,290 @@
+//! A glTF file packed as a whole: all of it stays — nodes, materials, uvs, skins, morph targets, animations, extensions —
+//! with vertices in fewer bits, triangles simplified, and images that are encoded anew.
+
+mod geometry;
+mod image;
+mod strip;
+
+use super::container::{self, Head};
+use super::draft::{MESHOPT, unpacked_buffer};
+use super::edit;
+use super::format::VertexBits;
+use super::stream::{Stream, packed_triangles};
+use crate::error::{Error, Result};
+use crate::image::{Bitmap, Encoding};
+use crate::io::gltf::{Content, GltfSource, RawGltf, StoredVertices};
+use crate::io::limits::Limits;
+use geometry::{Precision, Shaped};
+use image::OwnImage;
+use serde_json::{Value, json};
+use std::sync::Arc;
+
+/// A glTF file that can be packed in several ways. Tangents that no material reads are left out. Meshes that an extension
+/// packs are copied as they are; so are images that cannot be decoded, are KTX2, or have a use that nothing here draws.
+///
+/// ```
+/// use taotie::io::{self, GltfPacker, GltfSource, Limits, PackedGeometry};
+/// use taotie::mesh::Mesh;
+/// use taotie::scene::{Material, Scene};
+/// use taotie::Warnings;
+///
+/// let ball = Scene::of_mesh(Mesh::sphere(1.0, 64, 32), Material::default())?;
+/// let file = io::encode_scene(&ball, &[], &mut Warnings::default())?;
+/// let packer = GltfPacker::open(GltfSource::Glb(&file), &Limits::default())?;
+/// let packed = packer.encode(PackedGeometry { kept: 0.5, ..PackedGeometry::default() }, &[])?;
+/// assert!(packed.len() < file.len() / 5);
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct GltfPacker {
+    /// The document without what is packed.
+    json: Value,
+    /// The bytes of all that is not packed.
+    bytes: Vec<u8>,
+    vertices: Vec<StoredVertices>,
+    /// The longest side of the mesh of each of these.
+    extents: Vec<f64>,
+    /// `true` if there is but one primitive, shown once.
+    is_alone: bool,
+    images: Vec<Option<OwnImage>>,
+    longest_side: Option<u32>,
+}
+
+/// How the meshes of a file are packed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PackedGeometry {
+    /// The part of the triangles that is kept, (0, 1]; the others are simplified away, primitive by primitive.
+    pub kept: f64,
+    /// Bits of vertices. The longest side of a mesh has 2^bits steps of positions to twice as many.
+    pub bits: VertexBits,
+}
+
+impl Default for PackedGeometry {
+    fn default() -> Self {
+        Self { kept: 1.0, bits: VertexBits::default() }
+    }
+}
+
+/// An image of a file, encoded anew.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PackedImage {
+    /// Its number in the file.
+    pub number: usize,
+    /// The longer side, texels.
+    pub side: u32,
+    /// WebP.
+    pub bytes: Arc<Vec<u8>>,
+}
+
+impl GltfPacker {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`Error::Io`] and [`Error::Parse`] if it cannot be read, [`Error::Limit`] if that exceeds a limit.
+    pub fn open(source: GltfSource<'_>, limits: &Limits) -> Result<Self> {
+        let mut raw = RawGltf::read(source, limits)?;
+        strip::unread_tangents(&mut raw.json);
+        let Content { vertices, images } = Content::read(source, &raw)?;
+        let longest_side = longest_side(&raw.json, &images);
+        let images = image::taken(&mut raw, images)?;
+        let (is_alone, extents) = (is_alone(&raw.json), geometry::extents(&vertices));
+        strip::geometry(&mut raw.json, &vertices);
+        let bytes = strip::bytes(&mut raw)?;
+        Ok(Self { json: raw.json, bytes, vertices, extents, is_alone, images, longest_side })
+    }
+
+    /// Returns the number of images.
+    pub fn image_count(&self) -> usize {
+        self.images.len()
+    }
+
+    /// Returns the number of triangles of all meshes that can be packed.
+    pub fn triangle_count(&self) -> usize {
+        let primitives = self.vertices.iter().flat_map(|vertices| &vertices.primitives);
+        primitives.map(|primitive| primitive.triangles.len()).sum()
+    }
+
+    /// Returns the meaning of an image's texels, and the length of its longer side; `None` if it is copied as it is.
+    pub fn image(&self, number: usize) -> Option<(Encoding, u32)> {
+        self.images.get(number)?.as_ref().map(|own| (own.encoding(), own.side()))
+    }
+
+    /// Returns the longest side of any image, texels, 0 without one; `None` if one is unknown, or if a transform of uvs makes
+    /// texels finer.
+    pub fn longest_side(&self) -> Option<u32> {
+        self.longest_side
+    }
+
+    /// Encodes an image as WebP, with at most `side` texels along its longer side, in this quality, 1 to 100; `None` loses
+    /// nothing but texels. Returns `None` if it is copied as it is, or would not be smaller.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if libwebp refuses.
+    pub fn encode_image(&self, number: usize, side: u32, quality: Option<u8>) -> Result<Option<PackedImage>> {
+        let Some(own) = self.images.get(number).and_then(Option::as_ref) else { return Ok(None) };
+        let side = side.clamp(1, own.side());
+        let bytes = own.encoded(side, quality)?;
+        let is_smaller = bytes.len() < own.stored.len();
+        Ok(is_smaller.then(|| PackedImage { number, side, bytes: Arc::new(bytes) }))
+    }
+
+    /// Returns the root mean square difference of an image from what it becomes, in parts of the largest number, with at most
+    /// 1024 texels along a side: an object that fills a screen shows no more.
+    ///
+    /// # Errors
+    /// Those of decoding it.
+    pub fn image_error(&self, packed: &PackedImage) -> Result<f64> {
+        match self.images.get(packed.number).and_then(Option::as_ref) {
+            Some(own) => own.error(&packed.bytes),
+            None => Ok(0.0),
+        }
+    }
+
+    /// Returns the packed file as GLB, with these images in place of its own.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] for a GLB of 4 GiB or more; [`Error::Invalid`] for a number out of its range.
+    pub fn encode(&self, geometry: PackedGeometry, images: &[PackedImage]) -> Result<Vec<u8>> {
+        geometry.bits.check()?;
+        if !(geometry.kept > 0.0 && geometry.kept <= 1.0) {
+            return Err(Error::invalid(
+                format!("{} of the triangles", geometry.kept),
+                "keep more than 0, at most 1",
+            ));
+        }
+        let mut file = Packed::new(&self.json, self.bytes.clone());
+        for (vertices, extent) in self.vertices.iter().zip(&self.extents) {
+            let triangles = geometry::simplified(vertices, geometry.kept, self.is_alone);
+            let precision = Precision { bits: geometry.bits, extent: *extent };
+            file.add_vertices(vertices, &Shaped::new(vertices, triangles), &precision)?;
+        }
+        let own = self.images.iter().enumerate().filter_map(|(number, own)| Some((number, own.as_ref()?)));
+        for (number, own) in own {
+            file.add_image(number, own, images.iter().find(|image| image.number == number));
+        }
+        file.glb()
+    }
+}
+
+/// Returns the longest side of any image; `None` if one is unknown, or if uvs are transformed.
+fn longest_side(json: &Value, images: &[Option<Bitmap>]) -> Option<u32> {
+    let transform = Value::from("KHR_texture_transform");
+    if edit::items(json, "extensionsUsed").contains(&transform) {
+        return None;
+    }
+    let side = |image: &Option<Bitmap>| image.as_ref().map(|bitmap| bitmap.width().max(bitmap.height()));
+    images.iter().map(side).try_fold(0, |longest, side| Some(side?.max(longest)))
+}
+
+/// Returns `true` if a document has one primitive that one node shows, so that no other touches its border.
+fn is_alone(json: &Value) -> bool {
+    let primitives = edit::items(json, "meshes").iter().map(|mesh| edit::items(mesh, "primitives").len());
+    let shown = edit::items(json, "nodes").iter().filter(|node| node.get("mesh").is_some()).count();
+    primitives.sum::<usize>() == 1 && shown == 1
+}
+
+/// A packed file in the making.
+struct Packed {
+    json: Value,
+    bytes: Vec<u8>,
+    /// The buffer that packed views unpack to, behind those of the file, and its bytes.
+    fallback: usize,
+    unpacked: usize,
+}
+
+impl Packed {
+    fn new(json: &Value, bytes: Vec<u8>) -> Self {
+        let fallback = edit::items(json, "buffers").len().max(1);
+        Self { json: json.clone(), bytes, fallback, unpacked: 0 }
+    }
+
+    /// Appends bytes, from a multiple of four on; returns where they begin.
+    fn append(&mut self, bytes: &[u8]) -> usize {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        let start = self.bytes.len();
+        self.bytes.extend_from_slice(bytes);
+        start
+    }
+
+    fn packed_view(&mut self, bytes: &[u8], packing: &super::draft::Packing) -> usize {
+        let view = packing.view([self.append(bytes), bytes.len()], (self.fallback, self.unpacked));
+        self.unpacked = (self.unpacked + packing.size()).next_multiple_of(4);
+        edit::push(&mut self.json, "bufferViews", view)
+    }
+
+    /// Requires an extension.
+    fn require(&mut self, extension: &str) {
+        ["extensionsUsed", "extensionsRequired"]
+            .iter()
+            .for_each(|list| edit::name(&mut self.json, list, extension));
+    }
+
+    /// Adds vertices, and their primitives' triangles.
+    fn add_vertices(&mut self, from: &StoredVertices, shaped: &Shaped, precision: &Precision) -> Result<()> {
+        self.require(MESHOPT);
+        let mut named = |streams: Vec<Stream>| -> Result<Value> {
+            let mut attributes = json!({});
+            for stream in streams {
+                if matches!(stream.name.as_str(), "NORMAL" | "TANGENT") && stream.filter == Some("OCTAHEDRAL")
+                {
+                    self.require("KHR_mesh_quantization");
+                }
+                let view = self.packed_view(&stream.packed()?, &stream.packing());
+                let accessor = edit::push(&mut self.json, "accessors", stream.accessor(view));
+                attributes[&stream.name] = accessor.into();
+            }
+            Ok(attributes)
+        };
+        let attributes = named(precision.attributes(&from.attributes, &shaped.order))?;
+        let targets = from.targets.iter().map(|target| named(precision.target(target, &shaped.order)));
+        let targets = targets.collect::<Result<Vec<_>>>()?;
+        for (primitive, triangles) in from.primitives.iter().zip(&shaped.triangles) {
+            let (bytes, packing) = packed_triangles(triangles, shaped.order.len())?;
+            let view = self.packed_view(&bytes, &packing);
+            let component = if packing.stride == 2 { 5123 } else { 5125 };
+            let indices = json!({
+                "bufferView": view, "componentType": component, "count": packing.count, "type": "SCALAR"
+            });
+            let indices = edit::push(&mut self.json, "accessors", indices);
+            let json = &mut self.json["meshes"][primitive.mesh]["primitives"][primitive.primitive];
+            json["attributes"] = attributes.clone();
+            json["indices"] = indices.into();
+            if !targets.is_empty() {
+                json["targets"] = json!(targets);
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds an image, as it is stored or as it was packed.
+    fn add_image(&mut self, number: usize, own: &OwnImage, packed: Option<&PackedImage>) {
+        let bytes = packed.map_or(&own.stored, |packed| &packed.bytes);
+        let start = self.append(bytes);
+        let view = json!({ "buffer": 0, "byteOffset": start, "byteLength": bytes.len() });
+        let view = edit::push(&mut self.json, "bufferViews", view);
+        let json = &mut self.json["images"][number];
+        *edit::member(json, "bufferView") = view.into();
+        *edit::member(json, "mimeType") = if packed.is_some() { image::WEBP } else { own.mime_type }.into();
+        if packed.is_some() && own.mime_type != image::WEBP {
+            image::show_as_webp(&mut self.json, number);
+            self.require(image::EXTENSION);
+        }
+    }
+
+    fn glb(mut self) -> Result<Vec<u8>> {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        if !self.bytes.is_empty() {
+            let others = edit::taken(&mut self.json, "buffers").into_iter().skip(1);
+            let unpacked = (self.unpacked > 0).then(|| unpacked_buffer(self.unpacked));
+            let own = json!({ "byteLength": self.bytes.len() });
+            self.json["buffers"] = std::iter::once(own).chain(others).chain(unpacked).collect();
+        }
+        let text =
+            serde_json::to_vec(&self.json).map_err(|e| Error::invalid("glTF document", e.to_string()))?;
+        let head = Head::new(text, self.bytes.len())?;
+        let mut glb = Vec::with_capacity(self.bytes.len());
+        container::write(&mut glb, &head, &self.bytes)
+            .map_err(|e| Error::invalid("glTF document", e.to_string()))?;
+        Ok(glb)
+    }
+}

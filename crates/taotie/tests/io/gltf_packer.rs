@@ -1,0 +1,138 @@
+//! Files that are packed as a whole keep all that they hold.
+
+use crate::{common, files};
+use taotie::io::{GltfPacker, GltfSource, Limits, Loaded, PackedGeometry, PackedImage, load_model};
+use taotie::math::Vec3;
+
+/// Folders of test data with glTF files by others.
+const FOLDERS: [&str; 3] = ["khronos-gltf-sample-assets", "gltf-asset-generator", "polyhaven-models"];
+
+/// Every corner of what a file shows, in world space.
+fn corners(loaded: &Loaded) -> Vec<Vec3<f64>> {
+    let scene = &loaded.scene;
+    let of_instance = |instance: &taotie::scene::Instance| {
+        let mesh = &scene.meshes()[instance.mesh];
+        let corner =
+            |v: &u32| instance.world_from_object.transform_point(mesh.positions()[*v as usize].to_f64());
+        mesh.triangles().as_flattened().iter().map(corner).collect::<Vec<_>>()
+    };
+    scene.instances().iter().flat_map(of_instance).collect()
+}
+
+/// The mean, and the mean distance from it, of points.
+fn moments(points: &[Vec3<f64>]) -> (Vec3<f64>, f64) {
+    let count = points.len().max(1) as f64;
+    let mean = points.iter().fold(Vec3::splat(0.0), |sum, p| sum + *p) / count;
+    (mean, points.iter().map(|p| (*p - mean).length()).sum::<f64>() / count)
+}
+
+fn packed(packer: &GltfPacker, geometry: PackedGeometry, images: &[PackedImage]) -> (Vec<u8>, Loaded) {
+    let (bytes, folder) = (packer.encode(geometry, images).unwrap(), tempfile::tempdir().unwrap());
+    let path = folder.path().join("m.glb");
+    std::fs::write(&path, &bytes).unwrap();
+    (bytes, load_model(&path).unwrap())
+}
+
+fn every_file() -> impl Iterator<Item = (std::path::PathBuf, Loaded)> {
+    let all = FOLDERS.into_iter().flat_map(|folder| files::data_files(folder, &["gltf", "glb"]));
+    // Some are made to be refused.
+    all.filter_map(|path| load_model(&path).ok().map(|loaded| (path, loaded)))
+}
+
+#[test]
+fn all_stays_but_rounding() {
+    let mut count = 0;
+    for (path, own) in every_file() {
+        let packer = GltfPacker::open(GltfSource::File(&path), &Limits::default()).unwrap();
+        let (_, loaded) = packed(&packer, PackedGeometry::default(), &[]);
+        let name = path.display();
+        assert_eq!(own.scene.materials(), loaded.scene.materials(), "{name}");
+        assert_eq!(own.scene.instances().len(), loaded.scene.instances().len(), "{name}");
+        assert_eq!(own.scene.textures().len(), loaded.scene.textures().len(), "{name}");
+        let shape = |loaded: &Loaded| loaded.structure.as_ref().map(|s| (s.nodes, s.meshes, s.materials));
+        assert_eq!(shape(&own), shape(&loaded), "{name}");
+        assert_eq!((own.rig.is_some(), own.moving), (loaded.rig.is_some(), loaded.moving), "{name}");
+        let (points, others) = (corners(&own), corners(&loaded));
+        let ((mean, size), (other, other_size)) = (moments(&points), moments(&others));
+        assert_eq!(points.len(), others.len(), "{name}");
+        assert!((mean - other).length() <= 1e-4 * size, "{name}: {mean:?} {other:?} {size}");
+        assert!((size - other_size).abs() <= 1e-4 * size, "{name}: {size} {other_size}");
+        count += 1;
+    }
+    assert!(count > 60 || common::data_folder(FOLDERS[0]).is_none(), "{count}");
+}
+
+#[test]
+fn fewer_triangles_stay_on_the_surface() {
+    let mut count = 0;
+    for (path, own) in every_file().filter(|(_, own)| own.scene.triangle_count() > 1000) {
+        let packer = GltfPacker::open(GltfSource::File(&path), &Limits::default()).unwrap();
+        let (_, loaded) = packed(&packer, PackedGeometry { kept: 0.5, ..PackedGeometry::default() }, &[]);
+        let (triangles, all) = (loaded.scene.triangle_count(), own.scene.triangle_count());
+        let name = path.display();
+        assert!(triangles <= all && 2 * triangles + 100 >= all, "{name}: {triangles} of {all}");
+        let [bounds, other] = [&own, &loaded].map(|loaded| loaded.scene.bounds().unwrap().diagonal());
+        assert!((bounds / other - 1.0).abs() < 0.01, "{name}: {bounds} {other}");
+        count += usize::from(10 * triangles <= 6 * all);
+    }
+    assert!(count > 3 || common::data_folder(FOLDERS[0]).is_none(), "{count}");
+}
+
+#[cfg(feature = "webp")]
+#[test]
+fn smaller_images_are_near_the_own_ones() {
+    let mut count = 0;
+    for (path, _) in every_file() {
+        let packer = GltfPacker::open(GltfSource::File(&path), &Limits::default()).unwrap();
+        for number in 0..packer.image_count() {
+            let Some((_, side)) = packer.image(number).filter(|(_, side)| *side <= 512) else { continue };
+            let encoded = |side: u32, quality| packer.encode_image(number, side, quality).unwrap();
+            // Some are smaller as they are.
+            let (Some(lossless), Some(lossy)) = (encoded(side, None), encoded(side, Some(97))) else {
+                continue;
+            };
+            let Some(half) = encoded(side.div_ceil(2), Some(90)) else { continue };
+            let [exact, near] = [&lossless, &lossy].map(|image| packer.image_error(image).unwrap());
+            // 16 bits a channel are rounded to 8.
+            assert!(exact < 0.002, "{}, image {number}: {exact}", path.display());
+            assert!(near < 0.25, "{}, image {number}: {near}", path.display());
+            assert_eq!([lossless.side, half.side], [side, side.div_ceil(2)]);
+            let (bytes, loaded) = packed(&packer, PackedGeometry::default(), &[half]);
+            assert!(loaded.scene.textures().len() == packer_textures(&path) && !bytes.is_empty());
+            count += 1;
+        }
+    }
+    assert!(count > 10 || common::data_folder(FOLDERS[0]).is_none(), "{count}");
+}
+
+#[cfg(feature = "webp")]
+fn packer_textures(path: &std::path::Path) -> usize {
+    load_model(path).unwrap().scene.textures().len()
+}
+
+/// What is valid stays so.
+#[cfg(feature = "webp")]
+#[test]
+fn packed_files_are_valid() {
+    use crate::validator::assert_valid;
+    let folder = tempfile::tempdir().unwrap();
+    for path in files::data_files(FOLDERS[0], &["gltf", "glb"]) {
+        let sound = std::panic::catch_unwind(|| assert_valid(&path));
+        let Ok(Some(known)) = sound else { continue };
+        let packer = GltfPacker::open(GltfSource::File(&path), &Limits::default()).unwrap();
+        let images = (0..packer.image_count())
+            .filter_map(|number| packer.encode_image(number, 256, Some(75)).unwrap());
+        let images: Vec<PackedImage> = images.collect();
+        let out = folder.path().join("m.glb");
+        std::fs::write(&out, packer.encode(PackedGeometry::default(), &images).unwrap()).unwrap();
+        let infos = assert_valid(&out).unwrap_or_default();
+        let code = |info: &String| info.split(' ').next().unwrap_or_default().to_owned();
+        let known: Vec<String> = known.iter().map(code).collect();
+        let of_packing = ["UNSUPPORTED_EXTENSION", "UNUSED_OBJECT"];
+        let new = infos
+            .iter()
+            .filter(|info| !known.contains(&code(info)) && !of_packing.contains(&code(info).as_str()));
+        let new: Vec<&String> = new.collect();
+        assert!(new.is_empty(), "{}: {new:#?}", path.display());
+    }
+}
