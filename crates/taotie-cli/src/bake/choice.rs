@@ -19,6 +19,10 @@ pub fn line(report: &Report) -> Option<String> {
     let Trial { triangles, mean_angle, bytes, size, quality, .. } = *chosen;
     let maps = match (size, quality) {
         (0, _) => String::new(),
+        (size, None) if chosen.is_scan => format!(", textures of at most {size} texels a side"),
+        (size, Some(quality)) if chosen.is_scan => {
+            format!(", textures of at most {size} texels a side, normals in quality {quality}")
+        }
         (size, None) => format!(", maps of {size}×{size}"),
         (size, Some(quality)) => format!(", maps of {size}×{size} in quality {quality}"),
     };

@@ -66,14 +66,14 @@ pub(in crate::asset) fn smallest(
     let mut workshop = Workshop::new(recipe, goal, Subject { scan, seen: &seen, side: &side });
     let mut best = None;
     packed::smallest(&mut workshop, &mut best, progress)?;
-    if !best.as_ref().is_some_and(Winner::is_mostly_textures)
-        && let Some(size) = color_size(&mut workshop, &best, progress)?
-    {
+    if let Some(size) = color_size(&mut workshop, &best, progress)? {
         let quality = (size > 0).then_some(COLOR_QUALITY);
         if let Some(bare) = Bare::smallest(&mut workshop, (size, quality), progress)? {
             Winner::replace(&mut best, bare);
         }
-        mapped::smallest(&mut workshop, size, &mut best, progress)?;
+        if !best.as_ref().is_some_and(Winner::is_mostly_textures) {
+            mapped::smallest(&mut workshop, size, &mut best, progress)?;
+        }
     }
     let Some(Winner { candidate, trial }) = best else { return Err(none_near_enough(most, workshop)) };
     let smallest = match candidate {

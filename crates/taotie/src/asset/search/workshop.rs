@@ -131,7 +131,9 @@ impl<'a> Workshop<'a> {
         Self {
             recipe,
             plain,
-            has_material: !subject.scan.about.is_plain,
+            // An asset that is to have no colours is not asked for them.
+            has_material: !subject.scan.about.is_plain
+                && (recipe.options.carry || recipe.options.bakes(&[MapKind::Albedo])),
             subject,
             known: BTreeMap::new(),
             goal,

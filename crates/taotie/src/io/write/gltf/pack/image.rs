@@ -88,7 +88,7 @@ impl OwnImage {
     /// packed image, [0, 1].
     pub fn error(&self, bytes: &[u8]) -> Result<f64> {
         /// The longer side from which on texels are finer than pixels.
-        const OF_SCREEN: u32 = 1024;
+        const OF_SCREEN: u32 = 512;
         let own = self.texture.resized(OF_SCREEN);
         let other = decode_bitmap(bytes, "a packed image", Path::new(""))?;
         Ok(difference(&own, &other))

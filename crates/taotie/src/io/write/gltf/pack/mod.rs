@@ -129,7 +129,7 @@ impl GltfPacker {
     }
 
     /// Returns the root mean square difference of an image from what it becomes, in parts of the largest number, with at most
-    /// 1024 texels along a side: an object that fills a screen shows no more.
+    /// 512 texels along a side: an object that fills the overview of a proof shows no more.
     ///
     /// # Errors
     /// Those of decoding it.
