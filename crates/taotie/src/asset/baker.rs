@@ -230,12 +230,11 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         true => alpha_modes(scan, &parts[0], &coarser),
         false => Vec::new(),
     };
-    let is_scan = parts[0].low.origin.is_scan;
-    parts.iter().filter(|_| !is_scan).for_each(|part| judge(scan, part, &mut warnings));
     let whole = document.as_ref().and_then(|document| document.whole.as_ref()).unwrap_or(&parts[0].low.mesh);
-    let is_made = parts[0].low.origin.simplified.is_some();
-    if !is_scan {
-        judgement::note_missing_parts(scan, whole, is_made, &mut warnings);
+    let origin = &parts[0].low.origin;
+    if !origin.is_scan {
+        parts.iter().for_each(|part| judge(scan, part, &mut warnings));
+        judgement::note_missing_parts(scan, whole, origin.simplified.is_some(), &mut warnings);
     }
     warnings.absorb(of_scan);
     if rounding.is_some() && parts[0].maps.textures.normal.is_none() {

@@ -11,6 +11,7 @@ use crate::image::Encoding;
 use crate::io::{self, GltfPacker, GltfSource, PackedGeometry, PackedImage, VertexBits};
 use crate::parallel;
 use crate::progress::Progress;
+use std::ops::Range;
 
 /// Textures begin with at most so many texels along the longer side, and are doubled until they are near enough.
 const LEAST_SIDE: u32 = 128;
@@ -209,49 +210,45 @@ impl PackedScan<'_, '_> {
     fn choose_colors(&mut self) -> Result<()> {
         let numbers: Vec<usize> = self.of_encoding(Encoding::Srgb).collect();
         let sides = self.sides(&numbers);
-        let Some(finest) = sides.last().copied() else { return Ok(()) };
-        for side in sides {
-            let highest = if side == finest { QUALITIES.len() } else { MIDDLING + 1 };
-            let near = (MIDDLING..highest).map(|quality| (side, quality));
-            let Some(enough) = self.first_near(&numbers, near)? else { continue };
-            let lower = (0..enough.1).filter(|_| enough.1 == MIDDLING).map(|quality| (side, quality));
-            let lowest = self.first_near(&numbers, lower)?;
-            return self.set_colors(lowest.unwrap_or(enough));
+        for side in &sides {
+            let highest = if Some(side) == sides.last() { QUALITIES.len() } else { MIDDLING + 1 };
+            for quality in MIDDLING..highest {
+                let Some(enough) = self.near_colors(&numbers, *side, quality)? else { continue };
+                let lower = if quality == MIDDLING { 0..MIDDLING } else { 0..0 };
+                self.images = self.first_near(&numbers, *side, lower)?.unwrap_or(enough);
+                return Ok(());
+            }
         }
         Ok(())
     }
 
-    /// Returns the first of these sides and numbers of qualities at which colours are near enough.
+    /// Returns colours in the first of some qualities, by their numbers, in which they are near enough.
     fn first_near(
         &mut self,
         numbers: &[usize],
-        all: impl Iterator<Item = (u32, usize)>,
-    ) -> Result<Option<(u32, usize)>> {
-        for colors in all {
-            if self.are_colors_near(numbers, colors)? {
-                return Ok(Some(colors));
+        side: u32,
+        qualities: Range<usize>,
+    ) -> Result<Option<Vec<PackedImage>>> {
+        for quality in qualities {
+            if let Some(images) = self.near_colors(numbers, side, quality)? {
+                return Ok(Some(images));
             }
         }
         Ok(None)
     }
 
-    /// Sets the side of colours, and the number of their quality.
-    fn set_colors(&mut self, colors: (u32, usize)) -> Result<()> {
-        let numbers: Vec<usize> = self.of_encoding(Encoding::Srgb).collect();
-        let images = self.encoded(&numbers, colors.0, Some(QUALITIES[colors.1]))?;
-        self.images.retain(|image| !numbers.contains(&image.number));
-        self.images.extend(images);
-        Ok(())
-    }
-
-    /// Returns `true` if colours of a side and of the number of a quality leave something for fewer triangles.
-    fn are_colors_near(&mut self, numbers: &[usize], (side, quality): (u32, usize)) -> Result<bool> {
-        let images = self.encoded(numbers, side, Some(QUALITIES[quality]))?;
-        let before = std::mem::replace(&mut self.images, images);
-        let trial = self.trial(WHOLE, None, &mut None);
-        self.images = before;
+    /// Returns colours of a side and of the number of a quality if they leave something for fewer triangles.
+    fn near_colors(
+        &mut self,
+        numbers: &[usize],
+        side: u32,
+        quality: usize,
+    ) -> Result<Option<Vec<PackedImage>>> {
+        self.images = self.encoded(numbers, side, Some(QUALITIES[quality]))?;
+        let trial = self.trial(WHOLE, None, &mut None)?;
+        let images = std::mem::take(&mut self.images);
         let most = COLOR_SHARE * self.workshop.goal.color;
-        Ok(trial?.mean_color.is_none_or(|color| color <= most))
+        Ok(trial.mean_color.is_none_or(|color| color <= most).then_some(images))
     }
 
     /// Chooses the smallest of other textures whose own error is small enough, each by itself.

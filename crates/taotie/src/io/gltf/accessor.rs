@@ -211,7 +211,7 @@ fn strided(document: &Document, view: usize, offset: u64, elements: Elements) ->
     Ok(Strided { bytes: &bytes[offset as usize..], stride })
 }
 
-fn float(bytes: &[u8], component: ComponentType, normalized: bool) -> f32 {
+pub(super) fn float(bytes: &[u8], component: ComponentType, normalized: bool) -> f32 {
     let (value, one) = match (component, bytes) {
         (ComponentType::I8, [a, ..]) => (f64::from(*a as i8), 127.0),
         (ComponentType::U8, [a, ..]) => (f64::from(*a), 255.0),

@@ -1,6 +1,6 @@
 //! The vertices, triangles and images of a file as it stores them, for programs that pack them anew.
 
-use super::accessor::Accessor;
+use super::accessor::{Accessor, float};
 use super::document::Document;
 use super::images::read_image;
 use super::primitives::{bytes_of, most_elements};
@@ -226,8 +226,7 @@ impl StoredAttribute {
     /// than 16 bytes.
     fn can_be_packed(&self) -> bool {
         let Supplied { component, width, bytes } = &self.elements;
-        let is_float = *component == ComponentType::F32;
-        let is_finite = |word: &[u8; 4]| !is_float || f32::from_le_bytes(*word).is_finite();
+        let is_finite = |word: &[u8; 4]| !self.is_float() || f32::from_le_bytes(*word).is_finite();
         let has_width = match self.name.as_str() {
             POSITION => *width == 3 && bytes.as_chunks::<4>().0.iter().all(is_finite),
             "NORMAL" => *width == 3,
@@ -235,6 +234,17 @@ impl StoredAttribute {
             _ => true,
         };
         has_width && width * component.size() <= 16
+    }
+
+    /// Returns `true` if it holds floats.
+    pub fn is_float(&self) -> bool {
+        self.elements.component == ComponentType::F32
+    }
+
+    /// Returns the components of a vertex as numbers; integers stand for themselves.
+    pub fn numbers(&self, vertex: usize) -> impl Iterator<Item = f32> {
+        let component = self.elements.component;
+        self.element(vertex).chunks_exact(component.size()).map(move |bytes| float(bytes, component, false))
     }
 
     /// Returns the bytes of a vertex.

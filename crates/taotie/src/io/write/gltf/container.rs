@@ -18,6 +18,17 @@ pub(super) fn write(out: &mut dyn Write, head: &Head, binary: &[u8]) -> io::Resu
     Ok(())
 }
 
+/// Returns the container of JSON and binary data, whose length is a multiple of four.
+///
+/// # Errors
+/// [`Error::Limit`] where it would have 4 GiB or more.
+pub(super) fn encoded(json: Vec<u8>, binary: &[u8]) -> Result<Vec<u8>> {
+    let head = Head::new(json, binary.len())?;
+    let mut bytes = Vec::with_capacity(head.length as usize);
+    write(&mut bytes, &head, binary).map_err(|e| Error::invalid("glTF document", e.to_string()))?;
+    Ok(bytes)
+}
+
 /// The JSON chunk's data and the length of the whole file, which is known to fit.
 #[derive(Debug)]
 pub(super) struct Head {

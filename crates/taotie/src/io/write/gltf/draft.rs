@@ -5,6 +5,7 @@ use super::uri::uri;
 use crate::error::{Error, Result};
 use crate::io::json::Json;
 use crate::io::write::{FileBytes, FileSet};
+use gltf::json::accessor::ComponentType;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -18,7 +19,9 @@ pub(super) const MESHOPT: &str = "EXT_meshopt_compression";
 /// The type of an accessor's numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Component {
+    I8,
     U8,
+    I16,
     U16,
     U32,
     F32,
@@ -28,7 +31,9 @@ impl Component {
     /// Its number in glTF.
     fn code(self) -> u32 {
         match self {
+            Self::I8 => 5120,
             Self::U8 => 5121,
+            Self::I16 => 5122,
             Self::U16 => 5123,
             Self::U32 => 5125,
             Self::F32 => 5126,
@@ -37,11 +42,36 @@ impl Component {
 
     fn size(self) -> usize {
         match self {
-            Self::U8 => 1,
-            Self::U16 => 2,
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
             Self::U32 | Self::F32 => 4,
         }
     }
+}
+
+impl From<ComponentType> for Component {
+    fn from(of: ComponentType) -> Self {
+        match of {
+            ComponentType::I8 => Self::I8,
+            ComponentType::U8 => Self::U8,
+            ComponentType::I16 => Self::I16,
+            ComponentType::U16 => Self::U16,
+            ComponentType::U32 => Self::U32,
+            ComponentType::F32 => Self::F32,
+        }
+    }
+}
+
+/// Returns an accessor of `count` elements of `width` numbers from the start of a view on.
+pub(super) fn accessor(view: usize, (component, width): (Component, usize), count: usize) -> Value {
+    let kind = match width {
+        1 => "SCALAR",
+        2 => "VEC2",
+        3 => "VEC3",
+        4 => "VEC4",
+        _ => "MAT4",
+    };
+    json!({ "bufferView": view, "componentType": component.code(), "count": count, "type": kind })
 }
 
 /// The packing of a compressed view, and its use.
@@ -84,17 +114,6 @@ impl Packing {
             view["byteStride"] = stride.into();
         }
         view
-    }
-}
-
-/// Returns glTF's name for so many components.
-pub(super) fn kind(width: usize) -> &'static str {
-    match width {
-        1 => "SCALAR",
-        2 => "VEC2",
-        3 => "VEC3",
-        4 => "VEC4",
-        _ => "MAT4",
     }
 }
 
@@ -169,19 +188,8 @@ impl GltfDraft {
     /// Adds elements of `width` numbers as they lie in memory; returns the accessor's number.
     pub(super) fn elements(&mut self, bytes: &[u8], component: Component, width: usize) -> usize {
         let view = self.view(bytes);
-        let json = self.accessor_json(view, (component, width), bytes.len() / (width * component.size()));
+        let json = accessor(view, (component, width), bytes.len() / (width * component.size()));
         self.push_accessor(json)
-    }
-
-    /// Returns an accessor of `count` elements of `width` numbers from the start of a view on.
-    pub(super) fn accessor_json(
-        &self,
-        view: usize,
-        (component, width): (Component, usize),
-        count: usize,
-    ) -> Value {
-        let kind = kind(width);
-        json!({ "bufferView": view, "componentType": component.code(), "count": count, "type": kind })
     }
 
     pub(super) fn push_accessor(&mut self, json: Value) -> usize {
@@ -285,11 +293,7 @@ impl GltfDraft {
     /// # Errors
     /// [`Error::Limit`] where it would have 4 GiB or more.
     pub fn encode_glb(&self) -> Result<Vec<u8>> {
-        let head = Head::new(self.text(None)?, self.bytes.len())?;
-        let mut bytes = Vec::new();
-        container::write(&mut bytes, &head, &self.bytes)
-            .map_err(|e| Error::invalid("glTF document", e.to_string()))?;
-        Ok(bytes)
+        container::encoded(self.text(None)?, &self.bytes)
     }
 
     /// Returns the document as JSON, and its numbers and images as files beside it; the JSON first.

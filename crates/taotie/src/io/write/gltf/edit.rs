@@ -1,5 +1,6 @@
 //! Edits of JSON that make what is not there, and never fail.
 
+use crate::error::{Error, Result};
 use serde_json::{Map, Value, json};
 
 /// Returns a member of an object, null where it had none. What is no object becomes one.
@@ -25,6 +26,19 @@ pub(super) fn name(of: &mut Value, list: &str, name: &str) {
     if !items(of, list).iter().any(|known| known == name) {
         push(of, list, name.into());
     }
+}
+
+/// Marks an extension as required: no program without it can read the document.
+pub(super) fn require(of: &mut Value, extension: &str) {
+    ["extensionsUsed", "extensionsRequired"].iter().for_each(|list| name(of, list, extension));
+}
+
+/// Returns the text of a document.
+///
+/// # Errors
+/// [`Error::Invalid`] for what JSON cannot express.
+pub(super) fn text(json: &Value) -> Result<Vec<u8>> {
+    serde_json::to_vec(json).map_err(|e| Error::invalid("glTF document", e.to_string()))
 }
 
 /// Removes a member.

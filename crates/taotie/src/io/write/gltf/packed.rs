@@ -7,7 +7,7 @@ use super::draft::{Component, GltfDraft, MESHOPT};
 use super::format::VertexBits;
 use super::mesh::semantic;
 use super::parts::MeshPart;
-use super::stream::{FLOAT, Octahedron, PowerOfTwo, Stream, packed_triangles};
+use super::stream::{Octahedron, PackedTriangles, PowerOfTwo, Stream};
 use crate::error::Result;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{Mesh, MeshData};
@@ -15,8 +15,6 @@ use serde_json::{Value, json};
 
 /// The largest of 16 bits.
 const MOST: f64 = 65535.0;
-/// glTF's number for them.
-const UNSIGNED_16: u32 = 5123;
 
 /// The cube of steps that positions are rounded to. It has one step for all axes, so that normals keep their directions.
 #[derive(Debug, Clone, Copy)]
@@ -75,26 +73,27 @@ pub(super) fn add(draft: &mut GltfDraft, packed: PackedMesh) -> Result<Vec<Value
     draft.require("KHR_mesh_quantization");
     draft.require(MESHOPT);
     let PackedMesh { mesh, parts, grid, bits } = packed;
-    let (order, parts) = sorted(parts, mesh.positions().len());
+    let lists: Vec<&[[u32; 3]]> = parts.iter().map(|part| &*part.triangles).collect();
+    let (order, lists) = sorted(&lists, mesh.positions().len());
     let data = in_order(mesh, &order);
     let mut attributes = json!({});
     for stream in streams(&data, grid, bits) {
         attributes[&stream.name] = add_stream(draft, &stream)?.into();
     }
-    let primitive = |part: &MeshPart| -> Result<Value> {
-        let indices = add_triangles(draft, &part.triangles, data.positions.len())?;
+    let primitive = |(part, triangles): (&MeshPart, Vec<[u32; 3]>)| -> Result<Value> {
+        let indices = add_triangles(draft, &triangles, data.positions.len())?;
         Ok(json!({ "attributes": attributes, "indices": indices, "material": part.material }))
     };
-    parts.iter().map(primitive).collect()
+    parts.iter().zip(lists).map(primitive).collect()
 }
 
-/// Returns the vertices in the order of their first use, and the parts with their triangles on them, in an order in which
-/// neighbours follow one another.
-pub(super) fn sorted(parts: &[MeshPart], vertices: usize) -> (Vec<usize>, Vec<MeshPart<'static>>) {
+/// Returns the vertices in the order of their first use, and lists of triangles on them, each in an order in which neighbours
+/// follow one another.
+pub(super) fn sorted(lists: &[&[[u32; 3]]], vertices: usize) -> (Vec<usize>, Vec<Vec<[u32; 3]>>) {
     let mut place = vec![None; vertices];
     let mut order = Vec::with_capacity(vertices);
-    let sort = |part: &MeshPart| {
-        let mut indices = meshopt::optimize_vertex_cache_strip(part.triangles.as_flattened(), vertices);
+    let sort = |triangles: &&[[u32; 3]]| {
+        let mut indices = meshopt::optimize_vertex_cache_strip(triangles.as_flattened(), vertices);
         for index in &mut indices {
             let new = *place[*index as usize].get_or_insert_with(|| {
                 order.push(*index as usize);
@@ -102,10 +101,10 @@ pub(super) fn sorted(parts: &[MeshPart], vertices: usize) -> (Vec<usize>, Vec<Me
             });
             *index = new;
         }
-        MeshPart { triangles: indices.as_chunks::<3>().0.to_vec().into(), material: part.material }
+        indices.as_chunks::<3>().0.to_vec()
     };
-    let parts = parts.iter().map(sort).collect();
-    (order, parts)
+    let lists = lists.iter().map(sort).collect();
+    (order, lists)
 }
 
 /// Returns the vertices of a mesh in this order.
@@ -166,14 +165,14 @@ fn fractions<const N: usize>(name: String, values: &[[f32; N]]) -> Stream {
         return words(&name, &small, N);
     }
     let bytes = values.as_flattened().iter().copied().flat_map(f32::to_le_bytes).collect();
-    let (component, stride) = (FLOAT, 4 * N);
+    let (component, stride) = (Component::F32, 4 * N);
     Stream { name, bytes, stride, component, width: N, normalized: false, filter: None, bounds: None }
 }
 
 /// Unsigned words that mean [0, 1], of which `width` count.
 fn words<const N: usize>(name: &str, values: &[[u16; N]], width: usize) -> Stream {
     let bytes = values.as_flattened().iter().copied().flat_map(u16::to_le_bytes).collect();
-    let (name, component) = (name.to_owned(), UNSIGNED_16);
+    let (name, component) = (name.to_owned(), Component::U16);
     Stream { name, bytes, stride: 2 * N, component, width, normalized: true, filter: None, bounds: None }
 }
 
@@ -184,9 +183,7 @@ fn add_stream(draft: &mut GltfDraft, stream: &Stream) -> Result<usize> {
 }
 
 fn add_triangles(draft: &mut GltfDraft, triangles: &[[u32; 3]], vertices: usize) -> Result<usize> {
-    let (bytes, packing) = packed_triangles(triangles, vertices)?;
-    let view = draft.packed_view(&bytes, &packing);
-    let component = if packing.stride == 2 { Component::U16 } else { Component::U32 };
-    let accessor = draft.accessor_json(view, (component, 1), packing.count);
-    Ok(draft.push_accessor(accessor))
+    let packed = PackedTriangles::new(triangles, vertices)?;
+    let view = draft.packed_view(&packed.bytes, &packed.packing);
+    Ok(draft.push_accessor(packed.accessor(view)))
 }

@@ -1,20 +1,16 @@
 //! A vertex attribute as meshoptimizer packs it.
 
-use super::draft::{INDICES, Packing, VERTICES, kind};
+use super::draft::{Component, INDICES, Packing, VERTICES, accessor};
 use super::mesh::MOST_OF_U16;
 use crate::error::{Error, Result};
 use serde_json::{Value, json};
-
-/// glTF's number for floats.
-pub(super) const FLOAT: u32 = 5126;
 
 /// An attribute, each vertex of it in `stride` bytes.
 pub(super) struct Stream {
     pub name: String,
     pub bytes: Vec<u8>,
     pub stride: usize,
-    /// glTF's number for the type of its components.
-    pub component: u32,
+    pub component: Component,
     pub width: usize,
     pub normalized: bool,
     pub filter: Option<&'static str>,
@@ -49,10 +45,7 @@ impl Stream {
 
     /// Returns the accessor of a view that holds it.
     pub fn accessor(&self, view: usize) -> Value {
-        let kind = kind(self.width);
-        let (component, count) = (self.component, self.count());
-        let mut accessor =
-            json!({ "bufferView": view, "componentType": component, "count": count, "type": kind });
+        let mut accessor = accessor(view, (self.component, self.width), self.count());
         if self.normalized {
             accessor["normalized"] = true.into();
         }
@@ -64,16 +57,32 @@ impl Stream {
     }
 }
 
-/// Returns the packed corners of triangles, and how they are packed.
-///
-/// # Errors
-/// [`Error::Invalid`] if meshoptimizer refuses.
-pub(super) fn packed_triangles(triangles: &[[u32; 3]], vertices: usize) -> Result<(Vec<u8>, Packing)> {
-    let indices = triangles.as_flattened();
-    let bytes = meshopt::encode_index_buffer(indices, vertices).map_err(refused)?;
-    let stride = if vertices <= MOST_OF_U16 { 2 } else { 4 };
-    let (count, target) = (indices.len(), INDICES);
-    Ok((bytes, Packing { count, stride, mode: "TRIANGLES", filter: None, target }))
+/// Corners of triangles as meshoptimizer packs them.
+pub(super) struct PackedTriangles {
+    pub bytes: Vec<u8>,
+    pub packing: Packing,
+    component: Component,
+}
+
+impl PackedTriangles {
+    /// Packs triangles on so many vertices.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if meshoptimizer refuses.
+    pub fn new(triangles: &[[u32; 3]], vertices: usize) -> Result<Self> {
+        let indices = triangles.as_flattened();
+        let bytes = meshopt::encode_index_buffer(indices, vertices).map_err(refused)?;
+        let is_small = vertices <= MOST_OF_U16;
+        let (component, stride) = if is_small { (Component::U16, 2) } else { (Component::U32, 4) };
+        let (count, target) = (indices.len(), INDICES);
+        let packing = Packing { count, stride, mode: "TRIANGLES", filter: None, target };
+        Ok(Self { bytes, packing, component })
+    }
+
+    /// Returns the accessor of a view that holds them.
+    pub fn accessor(&self, view: usize) -> Value {
+        accessor(view, (self.component, 1), self.packing.count)
+    }
 }
 
 fn encode<const N: usize>(bytes: &[u8]) -> Result<Vec<u8>> {
@@ -115,12 +124,10 @@ impl Octahedron {
 
     /// Returns normals, whose sign is 0, or tangents, whose sign is −1 or 1.
     pub fn stream(self, name: &str, vectors: impl Iterator<Item = [f32; 4]>, width: usize) -> Stream {
-        /// glTF's numbers for signed integers of 8 and 16 bits.
-        const SIGNED: [u32; 2] = [5120, 5122];
         let codes = vectors.map(|vector| self.codes(vector));
         let (bytes, component, stride) = match self.is_of_bytes() {
-            true => (codes.flatten().map(|code| code as i8 as u8).collect(), SIGNED[0], 4),
-            false => (codes.flatten().flat_map(i16::to_le_bytes).collect(), SIGNED[1], 8),
+            true => (codes.flatten().map(|code| code as i8 as u8).collect(), Component::I8, 4),
+            false => (codes.flatten().flat_map(i16::to_le_bytes).collect(), Component::I16, 8),
         };
         let (name, filter) = (name.to_owned(), Some("OCTAHEDRAL"));
         Stream { name, bytes, stride, component, width, normalized: true, filter, bounds: None }
@@ -157,7 +164,7 @@ impl PowerOfTwo {
         let word = |v: &f32| (i32::from(self.exponent) << 24) | (steps(*v) as i32 & 0x00ff_ffff);
         let bytes = values.iter().flat_map(|v| word(v).to_le_bytes()).collect();
         let (name, filter) = (name.to_owned(), Some("EXPONENTIAL"));
-        let (component, stride, normalized) = (FLOAT, 4 * width, false);
+        let (component, stride, normalized) = (Component::F32, 4 * width, false);
         Some(Stream { name, bytes, stride, component, width, normalized, filter, bounds: None })
     }
 

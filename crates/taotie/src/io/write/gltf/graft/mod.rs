@@ -12,7 +12,7 @@ mod tangents;
 pub(super) mod views;
 
 use super::Container;
-use super::container::{self, Head};
+use super::container;
 use super::edit;
 use super::format::GltfFormat;
 use super::images::encode;
@@ -20,7 +20,7 @@ use super::material::GltfMaterial;
 use super::material_json::put_texture;
 use super::samplers;
 use super::uri::uri;
-use crate::error::{Error, Result, Warnings};
+use crate::error::{Result, Warnings};
 use crate::image::Sampler;
 use crate::io::gltf::{GltfSource, RawGltf};
 use crate::io::json::Json;
@@ -89,7 +89,8 @@ impl From<Vec<FileBytes>> for EncodedModel {
 /// material loses KHR_materials_pbrSpecularGlossiness where what is grafted would be hidden by it, which is counted.
 ///
 /// # Errors
-/// [`Error::Io`] and [`Error::Parse`] where the source cannot be read, [`Error::Limit`] where that exceeds a limit; else as
+/// [`crate::Error::Io`] and [`crate::Error::Parse`] where the source cannot be read, [`crate::Error::Limit`] where that exceeds a
+/// limit; else as
 /// [`encode_gltf`](crate::io::encode_gltf).
 pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Result<EncodedModel> {
     let storage = match Container::of(path)? {
@@ -117,7 +118,10 @@ pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Resu
     beside.extend(images::take_along(&mut raw, own_images, storage)?);
     let bytes = views::joined(&mut raw)?;
     let mut files = match storage {
-        Storage::Inside => vec![FileBytes { path: path.to_path_buf(), bytes: glb(&raw.json, &bytes)? }],
+        Storage::Inside => vec![FileBytes {
+            path: path.to_path_buf(),
+            bytes: container::encoded(edit::text(&raw.json)?, &bytes)?,
+        }],
         Storage::Beside(_) => gltf(path, raw.json, bytes)?,
     };
     files.extend(beside);
@@ -146,8 +150,7 @@ fn graft_material(
         let texture = images::add(raw, image, &Textured { storage, label, sampler });
         image.slots().iter().for_each(|slot| put_texture(&mut json, *slot, texture, material));
         if let Some(name) = image.extension() {
-            edit::name(&mut raw.json, "extensionsUsed", name);
-            edit::name(&mut raw.json, "extensionsRequired", name);
+            edit::require(&mut raw.json, name);
         }
     }
     factors::uncover(&mut json, &core);
@@ -191,25 +194,13 @@ fn say_about(json: &mut Value, graft: &GltfGraft) {
     }
 }
 
-fn text(json: &Value) -> Result<Vec<u8>> {
-    serde_json::to_vec(json).map_err(|e| Error::invalid("glTF document", e.to_string()))
-}
-
-fn glb(json: &Value, binary: &[u8]) -> Result<Vec<u8>> {
-    let head = Head::new(text(json)?, binary.len())?;
-    let mut bytes = Vec::new();
-    container::write(&mut bytes, &head, binary)
-        .map_err(|e| Error::invalid("glTF document", e.to_string()))?;
-    Ok(bytes)
-}
-
 /// Returns the document, and its buffer beside it.
 fn gltf(path: &Path, mut json: Value, bytes: Vec<u8>) -> Result<Vec<FileBytes>> {
     let name = format!("{}.bin", images::stem(path, ""));
     for buffer in edit::items_mut(&mut json, "buffers").take(1) {
         *edit::member(buffer, "uri") = uri(&name).into();
     }
-    let document = FileBytes { path: path.to_path_buf(), bytes: text(&json)? };
+    let document = FileBytes { path: path.to_path_buf(), bytes: edit::text(&json)? };
     let numbers = FileBytes { path: path.with_file_name(name), bytes };
     Ok(std::iter::once(document).chain((!numbers.bytes.is_empty()).then_some(numbers)).collect())
 }

@@ -2,14 +2,13 @@
 
 use super::super::format::VertexBits;
 use super::super::packed::sorted;
-use super::super::parts::MeshPart;
-use super::super::stream::{FLOAT, Octahedron, PowerOfTwo, Stream};
+use super::super::stream::{Octahedron, PowerOfTwo, Stream};
 use crate::io::gltf::{StoredAttribute, StoredVertices};
 use crate::math::Vec3;
 use crate::mesh::RELIEF_OF_VERTICES;
 use meshopt::{SimplifyOptions, VertexDataAdapter};
 use serde_json::Value;
-use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 /// Vertices in a new order, and the triangles of each primitive on them.
 pub(super) struct Shaped {
@@ -19,11 +18,10 @@ pub(super) struct Shaped {
 
 impl Shaped {
     /// Sorts the vertices that are left, and triangles.
-    pub fn new(vertices: &StoredVertices, triangles: Vec<Vec<[u32; 3]>>) -> Self {
-        let part = |triangles: Vec<[u32; 3]>| MeshPart { triangles: Cow::Owned(triangles), material: 0 };
-        let parts: Vec<MeshPart> = triangles.into_iter().map(part).collect();
-        let (order, parts) = sorted(&parts, vertices.attributes[0].elements.count());
-        Self { order, triangles: parts.into_iter().map(|part| part.triangles.into_owned()).collect() }
+    pub fn new(vertices: &StoredVertices, triangles: &[Vec<[u32; 3]>]) -> Self {
+        let lists: Vec<&[[u32; 3]]> = triangles.iter().map(Vec::as_slice).collect();
+        let (order, triangles) = sorted(&lists, vertices.attributes[0].elements.count());
+        Self { order, triangles }
     }
 }
 
@@ -67,14 +65,14 @@ pub(super) fn simplified(vertices: &StoredVertices, kept: f64, is_alone: bool) -
 /// touch as before.
 pub(super) fn extents(all: &[StoredVertices]) -> Vec<f64> {
     let mesh = |vertices: &StoredVertices| vertices.primitives.first().map(|primitive| primitive.mesh);
-    let own: Vec<[[f32; 3]; 2]> = all.iter().map(|vertices| bounds(&vertices.attributes[0])).collect();
-    let of_mesh = |one: &StoredVertices| {
-        let same = all.iter().zip(&own).filter(|(other, _)| mesh(other) == mesh(one));
-        let sides =
-            |[least, most]: &[[f32; 3]; 2]| [0, 1, 2].map(|k| f64::from(most[k]) - f64::from(least[k]));
-        same.flat_map(|(_, bounds)| sides(bounds)).fold(0.0, f64::max)
-    };
-    all.iter().map(of_mesh).collect()
+    let mut sides: BTreeMap<Option<usize>, f64> = BTreeMap::new();
+    for vertices in all {
+        let [least, most] = bounds(&vertices.attributes[0]);
+        let longest = (0..3).map(|k| f64::from(most[k]) - f64::from(least[k])).fold(0.0, f64::max);
+        let of_mesh = sides.entry(mesh(vertices)).or_default();
+        *of_mesh = of_mesh.max(longest);
+    }
+    all.iter().map(|vertices| sides[&mesh(vertices)]).collect()
 }
 
 fn bounds(positions: &StoredAttribute) -> [[f32; 3]; 2] {
@@ -127,9 +125,11 @@ impl Precision {
         rounded: impl Fn(&StoredAttribute) -> Option<Stream>,
     ) -> Vec<Stream> {
         let stream = |attribute: &StoredAttribute| {
-            let is_float = attribute.elements.component.as_gl_enum() == FLOAT;
-            let mut stream =
-                is_float.then(|| rounded(attribute)).flatten().unwrap_or_else(|| stored(attribute, order));
+            let mut stream = attribute
+                .is_float()
+                .then(|| rounded(attribute))
+                .flatten()
+                .unwrap_or_else(|| stored(attribute, order));
             if attribute.name == "POSITION" && stream.bounds.is_none() {
                 stream.bounds = Some(bounds_of_numbers(attribute, order));
             }
@@ -190,7 +190,7 @@ fn stored(attribute: &StoredAttribute, order: &[usize]) -> Stream {
         name: attribute.name.clone(),
         bytes,
         stride,
-        component: elements.component.as_gl_enum(),
+        component: elements.component.into(),
         width: elements.width,
         normalized: attribute.is_normalized,
         filter: None,
@@ -200,7 +200,7 @@ fn stored(attribute: &StoredAttribute, order: &[usize]) -> Stream {
 
 /// Returns the least and the greatest of each component as they are stored.
 fn bounds_of_numbers(attribute: &StoredAttribute, order: &[usize]) -> [Vec<Value>; 2] {
-    let (width, is_float) = (attribute.elements.width, attribute.elements.component.as_gl_enum() == FLOAT);
+    let (width, is_float) = (attribute.elements.width, attribute.is_float());
     let values = in_order(attribute, order);
     let number = |v: f32| if is_float { Value::from(v) } else { Value::from(v as i64) };
     [f32::min, f32::max].map(|of: fn(f32, f32) -> f32| {
@@ -211,22 +211,9 @@ fn bounds_of_numbers(attribute: &StoredAttribute, order: &[usize]) -> [Vec<Value
 
 /// Returns the components of all elements as numbers; integers stand for themselves.
 fn floats(attribute: &StoredAttribute) -> Vec<f32> {
-    let count = attribute.elements.count();
-    in_order(attribute, &(0..count).collect::<Vec<_>>())
+    (0..attribute.elements.count()).flat_map(|vertex| attribute.numbers(vertex)).collect()
 }
 
 fn in_order(attribute: &StoredAttribute, order: &[usize]) -> Vec<f32> {
-    let elements = &attribute.elements;
-    let code = elements.component.as_gl_enum();
-    let number = |bytes: &[u8]| match (bytes, code) {
-        ([a], 5120) => f32::from(*a as i8),
-        ([a], _) => f32::from(*a),
-        ([a, b], 5122) => f32::from(i16::from_le_bytes([*a, *b])),
-        ([a, b], _) => f32::from(u16::from_le_bytes([*a, *b])),
-        ([a, b, c, d], FLOAT) => f32::from_le_bytes([*a, *b, *c, *d]),
-        ([a, b, c, d], _) => u32::from_le_bytes([*a, *b, *c, *d]) as f32,
-        _ => 0.0,
-    };
-    let size = elements.component.size();
-    order.iter().flat_map(|vertex| attribute.element(*vertex).chunks_exact(size).map(number)).collect()
+    order.iter().flat_map(|vertex| attribute.numbers(*vertex)).collect()
 }

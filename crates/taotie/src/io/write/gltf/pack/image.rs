@@ -12,9 +12,8 @@ use crate::math::Vec3;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// The media type of WebP, and the extension of textures that show it.
-pub(super) const WEBP: &str = "image/webp";
-pub(super) const EXTENSION: &str = "EXT_texture_webp";
+/// The format of images that are encoded anew.
+pub(super) const WEBP: ImagePacking = ImagePacking::WebP(WebPLoss::Lossless);
 
 /// An image that can be encoded anew.
 #[derive(Debug)]
@@ -107,12 +106,12 @@ fn normals(level: &Bitmap) -> Result<Bitmap> {
     Bitmap::new(level.width(), level.height(), 3, Texels::U8(texels))
 }
 
-/// Lets textures show an image as WebP alone.
-pub(super) fn show_as_webp(json: &mut Value, number: usize) {
+/// Lets textures show an image by an extension alone.
+pub(super) fn show_by(extension: &str, json: &mut Value, number: usize) {
     for texture in edit::items_mut(json, "textures") {
         if edit::number(texture, "source") == Some(number) {
             edit::remove(texture, "source");
-            *edit::member(edit::member(texture, "extensions"), EXTENSION) = json!({ "source": number });
+            *edit::member(edit::member(texture, "extensions"), extension) = json!({ "source": number });
         }
     }
 }

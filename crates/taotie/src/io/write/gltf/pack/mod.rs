@@ -5,11 +5,11 @@ mod geometry;
 mod image;
 mod strip;
 
-use super::container::{self, Head};
+use super::container;
 use super::draft::{MESHOPT, unpacked_buffer};
 use super::edit;
 use super::format::VertexBits;
-use super::stream::{Stream, packed_triangles};
+use super::stream::{PackedTriangles, Stream};
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Encoding};
 use crate::io::gltf::{Content, GltfSource, RawGltf, StoredVertices};
@@ -98,12 +98,6 @@ impl GltfPacker {
         self.images.len()
     }
 
-    /// Returns the number of triangles of all meshes that can be packed.
-    pub fn triangle_count(&self) -> usize {
-        let primitives = self.vertices.iter().flat_map(|vertices| &vertices.primitives);
-        primitives.map(|primitive| primitive.triangles.len()).sum()
-    }
-
     /// Returns the meaning of an image's texels, and the length of its longer side; `None` if it is copied as it is.
     pub fn image(&self, number: usize) -> Option<(Encoding, u32)> {
         self.images.get(number)?.as_ref().map(|own| (own.encoding(), own.side()))
@@ -156,7 +150,7 @@ impl GltfPacker {
         for (vertices, extent) in self.vertices.iter().zip(&self.extents) {
             let triangles = geometry::simplified(vertices, geometry.kept, self.is_alone);
             let precision = Precision { bits: geometry.bits, extent: *extent };
-            file.add_vertices(vertices, &Shaped::new(vertices, triangles), &precision)?;
+            file.add_vertices(vertices, &Shaped::new(vertices, &triangles), &precision)?;
         }
         let own = self.images.iter().enumerate().filter_map(|(number, own)| Some((number, own.as_ref()?)));
         for (number, own) in own {
@@ -212,22 +206,15 @@ impl Packed {
         edit::push(&mut self.json, "bufferViews", view)
     }
 
-    /// Requires an extension.
-    fn require(&mut self, extension: &str) {
-        ["extensionsUsed", "extensionsRequired"]
-            .iter()
-            .for_each(|list| edit::name(&mut self.json, list, extension));
-    }
-
     /// Adds vertices, and their primitives' triangles.
     fn add_vertices(&mut self, from: &StoredVertices, shaped: &Shaped, precision: &Precision) -> Result<()> {
-        self.require(MESHOPT);
+        edit::require(&mut self.json, MESHOPT);
         let mut named = |streams: Vec<Stream>| -> Result<Value> {
             let mut attributes = json!({});
             for stream in streams {
                 if matches!(stream.name.as_str(), "NORMAL" | "TANGENT") && stream.filter == Some("OCTAHEDRAL")
                 {
-                    self.require("KHR_mesh_quantization");
+                    edit::require(&mut self.json, "KHR_mesh_quantization");
                 }
                 let view = self.packed_view(&stream.packed()?, &stream.packing());
                 let accessor = edit::push(&mut self.json, "accessors", stream.accessor(view));
@@ -239,13 +226,9 @@ impl Packed {
         let targets = from.targets.iter().map(|target| named(precision.target(target, &shaped.order)));
         let targets = targets.collect::<Result<Vec<_>>>()?;
         for (primitive, triangles) in from.primitives.iter().zip(&shaped.triangles) {
-            let (bytes, packing) = packed_triangles(triangles, shaped.order.len())?;
-            let view = self.packed_view(&bytes, &packing);
-            let component = if packing.stride == 2 { 5123 } else { 5125 };
-            let indices = json!({
-                "bufferView": view, "componentType": component, "count": packing.count, "type": "SCALAR"
-            });
-            let indices = edit::push(&mut self.json, "accessors", indices);
+            let packed = PackedTriangles::new(triangles, shaped.order.len())?;
+            let view = self.packed_view(&packed.bytes, &packed.packing);
+            let indices = edit::push(&mut self.json, "accessors", packed.accessor(view));
             let json = &mut self.json["meshes"][primitive.mesh]["primitives"][primitive.primitive];
             json["attributes"] = attributes.clone();
             json["indices"] = indices.into();
@@ -264,10 +247,12 @@ impl Packed {
         let view = edit::push(&mut self.json, "bufferViews", view);
         let json = &mut self.json["images"][number];
         *edit::member(json, "bufferView") = view.into();
-        *edit::member(json, "mimeType") = if packed.is_some() { image::WEBP } else { own.mime_type }.into();
-        if packed.is_some() && own.mime_type != image::WEBP {
-            image::show_as_webp(&mut self.json, number);
-            self.require(image::EXTENSION);
+        let webp = image::WEBP.mime_type();
+        *edit::member(json, "mimeType") = if packed.is_some() { webp } else { own.mime_type }.into();
+        let is_new = packed.is_some() && own.mime_type != webp;
+        if let Some(extension) = image::WEBP.extension().filter(|_| is_new) {
+            image::show_by(extension, &mut self.json, number);
+            edit::require(&mut self.json, extension);
         }
     }
 
@@ -279,12 +264,6 @@ impl Packed {
             let own = json!({ "byteLength": self.bytes.len() });
             self.json["buffers"] = std::iter::once(own).chain(others).chain(unpacked).collect();
         }
-        let text =
-            serde_json::to_vec(&self.json).map_err(|e| Error::invalid("glTF document", e.to_string()))?;
-        let head = Head::new(text, self.bytes.len())?;
-        let mut glb = Vec::with_capacity(self.bytes.len());
-        container::write(&mut glb, &head, &self.bytes)
-            .map_err(|e| Error::invalid("glTF document", e.to_string()))?;
-        Ok(glb)
+        container::encoded(edit::text(&self.json)?, &self.bytes)
     }
 }
