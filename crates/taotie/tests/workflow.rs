@@ -88,7 +88,7 @@ fn textured() -> Scan {
 #[test]
 fn a_scan_that_is_smallest_as_it_is_is_packed() {
     let (scan, folder) = (textured(), tempfile::tempdir().unwrap());
-    let wanted = BakeOptions { mean_error_deg: Some(1.0), ..BakeOptions::default() };
+    let wanted = BakeOptions { goal: Some(vec![Requirement::mean_angle_deg(1.0)]), ..BakeOptions::default() };
     let asset = Baker::new(wanted.clone()).bake(&scan, Progress::SILENT).unwrap();
     let chosen = asset.trials().iter().find(|trial| trial.is_chosen).unwrap();
     assert!(chosen.is_scan && asset.origin().is_scan && chosen.is_near, "{chosen:?}");
@@ -276,7 +276,7 @@ fn a_mesh_that_lost_the_shape_of_its_scan_is_an_error() {
 #[test]
 fn a_search_passes_over_meshes_that_lost_the_shape() {
     let search = |scan: Scan| {
-        let wanted = BakeOptions { mean_error_deg: Some(60.0), ..options() };
+        let wanted = BakeOptions { goal: Some(vec![Requirement::mean_angle_deg(60.0)]), ..options() };
         Baker::new(wanted).bake(scan, Progress::SILENT)
     };
     let found = search(in_pieces(wavy(100, 50), 0.9)).unwrap();
@@ -498,7 +498,8 @@ fn a_bake_of_a_million_triangles_is_cancelled_at_any_moment() {
 /// Where a search does without a map, levels of detail are those of the vertex normals.
 #[test]
 fn a_search_may_have_levels_of_detail_without_a_map() {
-    let wanted = BakeOptions { mean_error_deg: Some(3.0), lods: vec![400, 100], ..options() };
+    let wanted =
+        BakeOptions { goal: Some(vec![Requirement::mean_angle_deg(3.0)]), lods: vec![400, 100], ..options() };
     let found = Baker::new(wanted).bake(small(), Progress::SILENT).unwrap();
     let counts: Vec<usize> = found.levels().map(|mesh| mesh.triangles().len()).collect();
     assert!(found.size() == [0; 2] && counts.len() == 3, "{counts:?}, {:?}", found.size());

@@ -48,11 +48,13 @@ pub struct BakeArgs {
     #[command(flatten)]
     pub scan: ScanArgs,
 
-    /// Triangles of the low-poly mesh; 50000 if not given
+    /// Triangles of the low-poly mesh; nothing is searched for then. 50000 if only the size or the packing is given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..), help_heading = "Low-poly mesh", conflicts_with = "low")]
     pub triangles: Option<u32>,
-    /// Find the smallest asset with a mean normal error, as seen, of at most DEG degrees: triangles, bits of vertices, normal
-    /// map or none, its size and quality are chosen by what they cost. Files need EXT_meshopt_compression, and with maps WebP
+    /// Find the smallest asset with a mean normal error, as seen, of at most DEG degrees: one that is made of the scan, or the
+    /// scan itself, packed. Triangles, bits of vertices, normal map or none, sizes and qualities are chosen by what they cost.
+    /// Files need EXT_meshopt_compression, and with maps WebP. Without it, and unless triangles, size or packing are chosen,
+    /// the smallest one that meets --require is found; without that, one that meets `visually-lossless`
     #[arg(long, value_name = "DEG", value_parser = degrees, help_heading = "Low-poly mesh", conflicts_with_all = ["low", "triangles", "size", "purpose", "bits", "ktx2", "webp", "jpeg", "meshopt"])]
     pub error: Option<f64>,
     /// Further levels of detail in the same file (MSFT_lod): the triangles of each, separated by commas
@@ -205,7 +207,7 @@ impl BakeArgs {
             let (output, input) = (self.output.display(), input.display());
             bail!("{output}: it would be written over {input}, which is read; give another name or folder");
         }
-        let made = (self.low.is_none() && self.error.is_none()).then_some(self.triangles());
+        let made = (self.low.is_none() && self.goal().is_none()).then_some(self.triangles());
         let levels: Vec<u32> = made.into_iter().chain(self.lods()).collect();
         if let Some(pair) = levels.windows(2).find(|pair| pair[0] <= pair[1]) {
             bail!(
@@ -223,11 +225,7 @@ impl BakeArgs {
             let other = if self.ktx2 { "leave out --ktx2" } else { "take another --for" };
             bail!("--size {size}: KTX2 needs a multiple of 4; choose another size, or {other}");
         }
-        if self.error.is_some() && (self.space == Space::Object || !self.maps().contains(&MapKind::Normal)) {
-            bail!(
-                "--error needs a normal map in tangent space: add normal to --maps, leave out --space object"
-            );
-        }
+        self.check_search()?;
         self.check_levels()?;
         if self.green == Green::Down && (self.space == Space::Object || !self.bakes_normals()) {
             bail!("--green down: no normal or bent map in tangent space is baked; bake one, or leave it out");
@@ -238,7 +236,7 @@ impl BakeArgs {
     }
 
     /// Says whether maps are written without a model.
-    fn is_alone(&self) -> bool {
+    pub(super) fn is_alone(&self) -> bool {
         ["png", "webp", "exr"].into_iter().any(|extension| self.has_extension(extension))
     }
 
@@ -391,7 +389,7 @@ impl BakeArgs {
         BakeOptions {
             low: self.low.clone().map(MeshSource::File),
             triangles: self.triangles(),
-            mean_error_deg: self.error,
+            goal: self.goal(),
             lods: self.lods(),
             keep_uvs: self.is_alone(),
             size: self.size()[0],
@@ -416,7 +414,7 @@ impl BakeArgs {
     }
 
     /// Returns the maps that are asked for by name; `auto` asks for normals at least.
-    fn maps(&self) -> Vec<MapKind> {
+    pub(super) fn maps(&self) -> Vec<MapKind> {
         let named = self.maps.iter().filter_map(|map| map.given());
         let normal = self.carries().then_some(MapKind::Normal);
         normal.into_iter().chain(named).collect()
@@ -452,7 +450,7 @@ impl BakeArgs {
     /// Returns what `--for` comes to with all other options, in words.
     pub fn chosen(&self) -> Option<String> {
         let name = self.purpose?.to_possible_value()?.get_name().to_owned();
-        let made = self.low.is_none() && self.error.is_none();
+        let made = self.low.is_none() && self.goal().is_none();
         let levels: Vec<String> =
             made.then_some(self.triangles()).into_iter().chain(self.lods()).map(|n| n.to_string()).collect();
         let [width, height] = self.size();
@@ -482,7 +480,7 @@ impl BakeArgs {
 
     /// Returns the levels asked for, else those for the use that are coarser than the mesh that is made.
     fn lods(&self) -> Vec<u32> {
-        let made = self.low.is_none() && self.error.is_none();
+        let made = self.low.is_none() && self.goal().is_none();
         match (self.lods.is_empty(), made) {
             (false, _) => self.lods.clone(),
             (true, false) => Vec::new(),

@@ -9,29 +9,31 @@ pub fn line(report: &Report) -> Option<String> {
     let others = KINDS.into_iter().filter(|kind| *kind != kind_of(chosen)).filter_map(|kind| {
         let of_kind = || trials.iter().filter(|trial| kind_of(trial) == kind);
         let smallest = of_kind().filter(|trial| trial.is_near).min_by_key(|trial| trial.bytes);
-        let nearest = of_kind().min_by(|a, b| a.mean_angle.total_cmp(&b.mean_angle))?;
+        let ratio = |trial: &Trial| trial.angle_ratio.max(trial.color_ratio.unwrap_or_default());
+        let nearest = of_kind().min_by(|a, b| ratio(a).total_cmp(&ratio(b)))?;
         Some(match smallest {
             Some(other) => format!("{kind}: {}", kilobytes(other.bytes)),
-            None => format!("{kind}: not near enough, {:.2}°", nearest.mean_angle),
+            None => format!("{kind}: not near enough, {}", differences(nearest)),
         })
     });
     let others: Vec<String> = others.collect();
-    let Trial { triangles, mean_angle, bytes, size, quality, .. } = *chosen;
-    let maps = match (size, quality) {
+    let Trial { triangles, bytes, size, normals, .. } = *chosen;
+    let maps = match (size, normals) {
         (0, _) => String::new(),
         (size, None) if chosen.is_scan => format!(", textures of at most {size} texels a side"),
-        (size, Some(quality)) if chosen.is_scan => {
-            format!(", textures of at most {size} texels a side, normals in quality {quality}")
+        (size, Some(lossy)) if chosen.is_scan => {
+            format!(", textures of at most {size} texels a side, normals as {lossy}")
         }
         (size, None) => format!(", maps of {size}×{size}"),
-        (size, Some(quality)) => format!(", maps of {size}×{size} in quality {quality}"),
+        (size, Some(lossy)) => format!(", maps of {size}×{size}, normals as {lossy}"),
     };
     let beaten = if others.is_empty() { String::new() } else { format!(" ({})", others.join("; ")) };
     Some(format!(
-        "chosen of {} trials: {}, {triangles} triangles{maps}, {}, {mean_angle:.2}°{beaten}",
+        "chosen of {} trials: {}, {triangles} triangles{maps}, {}, {}{beaten}",
         trials.len(),
         kind_of(chosen),
-        kilobytes(bytes)
+        kilobytes(bytes),
+        differences(chosen)
     ))
 }
 
@@ -44,6 +46,12 @@ fn kind_of(trial: &Trial) -> &'static str {
         Trial { has_normal_map: true, .. } => KINDS[0],
         _ => KINDS[1],
     }
+}
+
+/// Returns what is seen of differences on average.
+fn differences(trial: &Trial) -> String {
+    let color = trial.mean_color.map_or_else(String::new, |color| format!(" and ΔE {color:.2}"));
+    format!("{:.2}°{color}", trial.mean_angle)
 }
 
 fn kilobytes(bytes: u64) -> String {

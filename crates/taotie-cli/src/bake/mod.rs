@@ -6,6 +6,7 @@ pub mod clock;
 mod purpose;
 mod scan_args;
 mod schedule;
+mod search;
 pub mod text;
 mod worst;
 

@@ -30,7 +30,7 @@ struct Work<'a> {
 impl Schedule {
     /// Makes the schedule of all that follows reading the scan; `None` for a search, whose number of trials nobody knows.
     pub fn of(options: &BakeOptions, scan: ScanSize, is_packed: bool) -> Option<Self> {
-        if options.mean_error_deg.is_some() {
+        if options.goal.is_some() {
             return None;
         }
         let options = &options.sized(scan);
@@ -155,7 +155,7 @@ mod tests {
         let second = Duration::from_secs(1);
         assert_eq!(schedule.left(second, "join the scan", 0.0), None);
         assert_eq!(schedule.left(second, "read the scan", 1.0), None);
-        let search = BakeOptions { mean_error_deg: Some(1.0), ..BakeOptions::default() };
+        let search = BakeOptions { goal: Some(Vec::new()), ..BakeOptions::default() };
         assert_eq!(Schedule::of(&search, scan(1000), false), None);
     }
 

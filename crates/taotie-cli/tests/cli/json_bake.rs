@@ -8,6 +8,7 @@ use super::json::Spread;
 use super::place::Place;
 use serde::Deserialize;
 use serde_json::Value;
+use std::collections::BTreeMap;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -114,7 +115,7 @@ struct Simplified {
 #[serde(deny_unknown_fields)]
 struct Parameters {
     triangles: Option<u32>,
-    error_deg: Option<f64>,
+    goal: Option<String>,
     lods: Vec<u32>,
     size: Option<u32>,
     maps: Vec<String>,
@@ -129,8 +130,8 @@ struct Parameters {
     cage: Option<String>,
     images: String,
     webp_quality: Option<u8>,
-    normal_quality: Option<u8>,
-    number_quality: Option<u8>,
+    normals: Option<String>,
+    numbers: Option<String>,
     uastc_rdo: Option<u8>,
     jpeg: Option<u8>,
     meshopt: bool,
@@ -370,10 +371,14 @@ struct Trial {
     triangles: usize,
     size: u32,
     has_normal_map: bool,
-    quality: Option<u8>,
+    normals: Option<BTreeMap<String, u8>>,
     bits: Bits,
     mean_angle: f64,
+    p95_angle: f64,
     mean_color: Option<f64>,
+    p95_color: Option<f64>,
+    angle_ratio: f64,
+    color_ratio: Option<f64>,
     is_near: bool,
     bytes: u64,
 }
@@ -417,7 +422,7 @@ fn of_a_pair() {
     let auto = || AutoOr::Auto("auto".into());
     let parameters = Parameters {
         triangles: None,
-        error_deg: None,
+        goal: None,
         lods: vec![],
         size: Some(64),
         maps: vec!["normal".into(), "height".into()],
@@ -432,8 +437,8 @@ fn of_a_pair() {
         cage: None,
         images: "png".into(),
         webp_quality: None,
-        normal_quality: None,
-        number_quality: None,
+        normals: None,
+        numbers: None,
         uastc_rdo: None,
         jpeg: None,
         meshopt: false,

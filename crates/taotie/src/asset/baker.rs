@@ -289,8 +289,8 @@ fn lightened(
     progress: Progress<'_>,
 ) -> Result<Lightened> {
     let options = recipe.options;
-    if let Some(most) = options.mean_error_deg {
-        let found = smallest(recipe, scan, most, progress)?;
+    if let Some(goal) = &options.goal {
+        let found = smallest(recipe, scan, goal, progress)?;
         warnings.absorb(found.warnings);
         return found_asset(scan, found.smallest, found.trials);
     }

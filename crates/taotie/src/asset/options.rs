@@ -1,6 +1,8 @@
 //! The options of a bake.
 
 use super::map_side::{self, AUTO_SIZE};
+use super::requirement::Requirement;
+use super::requirement_text;
 use super::scan_size::ScanSize;
 use crate::bake::MapKind;
 use crate::error::{Error, Result};
@@ -89,11 +91,13 @@ pub struct BakeOptions {
     /// The low-poly mesh; `None` simplifies the scan. A file of several materials, or a glTF file of several meshes or one
     /// that moves, stays as it is, and each of its materials gets maps of its own.
     pub low: Option<MeshSource>,
-    /// Triangles of the low-poly mesh, at least 4; not read with `low` or `mean_error_deg`.
+    /// Triangles of the low-poly mesh, at least 4; not read with `low` or `goal`.
     pub triangles: u32,
-    /// Finds the asset of the fewest bytes whose normals as seen are off by at most so many degrees on average, in (0, 180),
-    /// with a normal map or without; then neither `triangles` and `size` nor the packing are read.
-    pub mean_error_deg: Option<f64>,
+    /// Finds the asset of the fewest bytes that meets these requirements, as far as they are about angles and colours as seen;
+    /// what is said of neither stays as [`Requirement::visually_lossless`] has it. It may have a normal map or none, or be the
+    /// scan itself, packed. Then neither `triangles` and `size` nor the packing are read.
+    #[cfg_attr(feature = "serde", serde(with = "requirement_text::optional"))]
+    pub goal: Option<Vec<Requirement>>,
     /// Triangles of further levels of detail, each fewer than the one before.
     pub lods: Vec<u32>,
     /// `true` where no uvs may be made, since no file will hold them: `low` is needed then, with uvs. For maps alone.
@@ -135,7 +139,7 @@ impl Default for BakeOptions {
         Self {
             low: None,
             triangles: 50_000,
-            mean_error_deg: None,
+            goal: None,
             lods: Vec::new(),
             keep_uvs: false,
             size: 2048,
@@ -219,7 +223,7 @@ impl BakeOptions {
     }
 
     fn check_levels(&self) -> Result<()> {
-        let made = (self.low.is_none() && self.mean_error_deg.is_none()).then_some(self.triangles);
+        let made = (self.low.is_none() && self.goal.is_none()).then_some(self.triangles);
         let levels: Vec<u32> = made.into_iter().chain(self.lods.iter().copied()).collect();
         match levels.windows(2).find(|pair| pair[0] <= pair[1]) {
             Some(pair) => Err(Error::invalid(
@@ -231,11 +235,8 @@ impl BakeOptions {
     }
 
     fn check_goal(&self) -> Result<()> {
-        let Some(most) = self.mean_error_deg else { return Ok(()) };
-        let what = format!("a mean normal error of {most}°");
-        if !(most > 0.0 && most < 180.0) {
-            return Err(Error::invalid(what, "give degrees above 0 and below 180"));
-        }
+        let Some(goal) = &self.goal else { return Ok(()) };
+        let what = requirement_text::argument(goal);
         if self.low.is_some() {
             return Err(Error::invalid(
                 what,
@@ -303,12 +304,8 @@ mod tests {
             (BakeOptions { ao_distance: Some(f64::NAN), ..base() }, "above 0"),
             (BakeOptions { roughness: Some(1.5), ..base() }, "[0, 1]"),
             (BakeOptions { lods: vec![50_000], ..base() }, "after one of 50000"),
-            (BakeOptions { mean_error_deg: Some(0.0), ..base() }, "above 0 and below 180"),
-            (BakeOptions { mean_error_deg: Some(1.0), low, ..base() }, "leave one out"),
-            (
-                BakeOptions { mean_error_deg: Some(1.0), space: NormalSpace::Object, ..base() },
-                "tangent space",
-            ),
+            (BakeOptions { goal: Some(Vec::new()), low, ..base() }, "leave one out"),
+            (BakeOptions { goal: Some(Vec::new()), space: NormalSpace::Object, ..base() }, "tangent space"),
         ];
         for (options, why) in cases {
             let error = options.check().unwrap_err().to_string();

@@ -1,7 +1,7 @@
 //! The packing of an asset into files.
 
 use crate::error::Result;
-use crate::io::{GltfFormat, GltfImages, VertexBits, XmpProperties};
+use crate::io::{GltfFormat, GltfImages, Lossy, VertexBits, XmpProperties};
 use crate::scene::GreenChannel;
 use std::path::PathBuf;
 
@@ -26,11 +26,10 @@ pub struct Packing {
     /// The quality of base colour and emission as lossy WebP, 1 to 100; `None` loses nothing. See
     /// [`GltfFormat::webp_quality`].
     pub webp_quality: Option<u8>,
-    /// The quality of the normal map as lossy WebP, 1 to 100; `None` loses nothing. See [`GltfFormat::normal_quality`].
-    pub normal_quality: Option<u8>,
-    /// The quality of roughness, metallic and occlusion as lossy WebP, 1 to 100; `None` loses nothing. See
-    /// [`GltfFormat::number_quality`].
-    pub number_quality: Option<u8>,
+    /// What the normal map may lose. See [`GltfFormat::normals`].
+    pub normals: Option<Lossy>,
+    /// What roughness, metallic and occlusion may lose. See [`GltfFormat::numbers`].
+    pub numbers: Option<Lossy>,
     /// The rate–distortion optimisation of KTX2, 1 to 64. See [`GltfFormat::uastc_rdo`].
     pub uastc_rdo: Option<u8>,
     /// The quality of the base colour as JPEG, 1 to 100; `None` packs it as `images` says.
@@ -62,9 +61,9 @@ impl Packing {
 
     /// Returns the packing with another format of the model's own file.
     pub(super) fn with_format(self, format: &GltfFormat) -> Self {
-        let GltfFormat { images, webp_quality, normal_quality, number_quality, uastc_rdo, .. } = *format;
+        let GltfFormat { images, webp_quality, normals, numbers, uastc_rdo, .. } = *format;
         let GltfFormat { jpeg, meshopt, bits, .. } = *format;
-        Self { images, webp_quality, normal_quality, number_quality, uastc_rdo, jpeg, meshopt, bits, ..self }
+        Self { images, webp_quality, normals, numbers, uastc_rdo, jpeg, meshopt, bits, ..self }
     }
 
     /// Returns the packing of the model's own file.
@@ -72,8 +71,8 @@ impl Packing {
         GltfFormat {
             images: self.images,
             webp_quality: self.webp_quality,
-            normal_quality: self.normal_quality,
-            number_quality: self.number_quality,
+            normals: self.normals,
+            numbers: self.numbers,
             quick_webp: false,
             uastc_rdo: self.uastc_rdo,
             jpeg: self.jpeg,

@@ -2,6 +2,7 @@
 
 use super::options::{BakeOptions, MeshSource, RayDistance};
 use super::packing::Packing;
+use super::requirement_text;
 use super::scan::is_gltf;
 use super::scan_options::ScanOptions;
 use crate::error::Result;
@@ -86,7 +87,7 @@ impl Parameters {
             GreenChannel::Down => "down",
         };
         let auto = |value: Option<f64>| value.map_or(json!("auto"), |value| json!(value));
-        let searched = options.mean_error_deg.is_some();
+        let searched = options.goal.is_some();
         let (distance, cage) = match &options.ray_distance {
             RayDistance::Auto => (None, None),
             RayDistance::Uniform(distance) => (Some(*distance), None),
@@ -94,7 +95,7 @@ impl Parameters {
         };
         Self(json!({
             "triangles": (options.low.is_none() && !searched).then_some(options.triangles),
-            "error_deg": options.mean_error_deg,
+            "goal": options.goal.as_deref().map(requirement_text::argument),
             "lods": options.lods,
             "size": match options.is_square() {
                 true => json!((!searched).then_some(options.size)),
@@ -116,8 +117,8 @@ impl Parameters {
                 GltfImages::Ktx2 => "ktx2",
             },
             "webp_quality": packing.webp_quality,
-            "normal_quality": packing.normal_quality,
-            "number_quality": packing.number_quality,
+            "normals": packing.normals.map(|lossy| lossy.to_string()),
+            "numbers": packing.numbers.map(|lossy| lossy.to_string()),
             "uastc_rdo": packing.uastc_rdo,
             "jpeg": packing.jpeg,
             "meshopt": packing.meshopt,

@@ -19,19 +19,33 @@ impl fmt::Display for Requirement {
     }
 }
 
-/// Returns requirements as one argument of `--require`; those of [`Requirement::standard`] by that name.
+/// Returns requirements as one argument of `--require`; lists that have a name by that.
 pub(super) fn argument(requirements: &[Requirement]) -> String {
-    let standard = Requirement::standard();
-    let at = requirements.windows(standard.len()).position(|window| window == standard);
-    let texts = |of: &[Requirement]| of.iter().map(ToString::to_string).collect::<Vec<_>>();
-    let all = match at {
-        None => texts(requirements),
-        Some(at) => {
-            let (before, rest) = requirements.split_at(at);
-            [texts(before), vec!["standard".into()], texts(&rest[standard.len()..])].concat()
-        }
-    };
-    all.join(",")
+    let named = Requirement::named();
+    let (mut texts, mut rest) = (Vec::new(), requirements);
+    while let [first, others @ ..] = rest {
+        (rest, _) = match named.iter().find(|(_, several)| rest.starts_with(several)) {
+            Some((name, several)) => (&rest[several.len()..], texts.push((*name).to_owned())),
+            None => (others, texts.push(first.to_string())),
+        };
+    }
+    texts.join(",")
+}
+
+/// Requirements as serde says them: as one argument of `--require`, or not at all.
+#[cfg(feature = "serde")]
+pub(super) mod optional {
+    use super::{Requirement, argument};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+    pub fn serialize<S: Serializer>(goal: &Option<Vec<Requirement>>, to: S) -> Result<S::Ok, S::Error> {
+        goal.as_deref().map(argument).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<Requirement>>, D::Error> {
+        let text = Option::<String>::deserialize(from)?;
+        text.map(|text| Requirement::read(&text).map_err(D::Error::custom)).transpose()
+    }
 }
 
 #[cfg(test)]
@@ -43,15 +57,15 @@ mod tests {
         let lists = [
             "standard",
             "bytes=3000000,standard,flip=0.02",
+            "standard,visually-lossless",
             "hausdorff=0.2mm,texel=50um,silhouette=15mm",
             "within-5deg=99%,within-3.1234567dE=99.9%,within-0.3%@1=95%",
             "mean-angle=2,p95-angle@1=5.5,missed=0.1%,completeness=99.95%,hausdorff=0.3%,silhouette=2,ssim=0.97",
         ];
         for list in lists {
-            let read = |text: &str| text.split(',').flat_map(|one| Requirement::read(one).unwrap()).collect();
-            let requirements: Vec<Requirement> = read(list);
+            let requirements = Requirement::read(list).unwrap();
             assert_eq!(argument(&requirements), list);
-            assert_eq!(read(&argument(&requirements)), requirements);
+            assert_eq!(Requirement::read(&argument(&requirements)).unwrap(), requirements);
         }
     }
 }

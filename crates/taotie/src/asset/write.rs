@@ -115,7 +115,7 @@ pub(super) fn possible_files(path: &Path, options: &BakeOptions, packing: &Packi
         return maps_alone::possible_files(path);
     }
     let beside = options.maps.iter().map(|map| path.with_extension(format!("{}.png", map.name())));
-    let format = match options.mean_error_deg {
+    let format = match options.goal {
         Some(_) => Rounding::default().format(true),
         None => packing.format(),
     };

@@ -8,6 +8,7 @@ use super::mapped_normal::MappedNormal;
 use super::normal_source::NormalSource;
 use super::texture_lookup::LookupPoint;
 use crate::error::Result;
+use crate::image::Texture;
 use crate::math::{Mat4, Vec2, Vec3};
 use crate::mesh::{Mesh, MeshData, Point};
 use crate::scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef};
@@ -145,6 +146,24 @@ impl TexturedMesh {
         let Appearance { parts, materials, .. } = &self.appearance;
         let leads: Vec<Option<TextureRef>> = map_places::leading(parts, materials).collect();
         map_places::places(&self.mesh, parts, &leads)
+    }
+
+    /// Returns the textures of its materials.
+    pub(crate) fn textures(&self) -> &[Texture] {
+        &self.appearance.textures
+    }
+
+    /// Says of each material whether it shows one of some textures.
+    pub(crate) fn materials_with(&self, textures: &[usize]) -> Vec<bool> {
+        let shows = |used: &TextureRef| textures.contains(&used.texture);
+        self.appearance.materials.iter().map(|material| material.textures().iter().any(shows)).collect()
+    }
+
+    /// Returns its materials with a texture in the place of others.
+    pub(super) fn retextured(&self, textures: &[usize], with: &Texture) -> Result<Appearance> {
+        let mut appearance = self.appearance.clone();
+        textures.iter().for_each(|texture| appearance.textures[*texture] = with.clone());
+        appearance.with_visible_means()
     }
 
     /// Returns what the material is at a point.

@@ -38,22 +38,72 @@ pub struct Overview {
 /// # Errors
 /// As [`Estimate::of`].
 pub fn overview(pair: &Pair<'_>, count: usize) -> Result<Overview> {
-    let directions = sphere_directions(VIEWS);
-    let eyes: Vec<Eye> = match pair.scan.visibility.places() {
-        [] => parallel::tasks(VIEWS, &|i| Eye::Outside(View::fitting(pair, directions[i]))),
-        places => places.iter().map(|place| Eye::Within(*place)).collect(),
-    };
-    let numbers = Sequence::new(11);
-    let far = pair.diagonal * 4.0;
-    let probe = |i: usize| {
-        let round = (i / eyes.len()) as u32;
-        let set = 1 + (i % eyes.len()) as u32 + round / Sequence::MOST * eyes.len() as u32;
-        let [x, y, ..] = numbers.four(round % Sequence::MOST, set);
-        difference(pair, &eyes[i % eyes.len()].pixel([x, y], far))
-    };
-    let found: Vec<Option<(f32, f32)>> = parallel::collect(count, probe);
-    let (angles, colors): (Vec<f32>, Vec<f32>) = found.into_iter().flatten().unzip();
+    let PixelDifferences { angles, colors } = pixel_differences(pair, count);
     Ok(Overview { angles: Estimate::of(&angles)?, color: Estimate::of(&colors)?, pixels: angles.len() })
+}
+
+/// Differences at the same pixels.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct PixelDifferences {
+    /// Degrees between the mean normals.
+    pub angles: Vec<f32>,
+    /// CIEDE2000 between the mean base colours, of the pixels that have any; empty if colours are not compared.
+    pub colors: Vec<f32>,
+}
+
+impl PixelDifferences {
+    /// Returns the same in rising order.
+    pub fn sorted(mut self) -> Self {
+        for differences in [&mut self.angles, &mut self.colors] {
+            differences.sort_unstable_by(f32::total_cmp);
+        }
+        self
+    }
+}
+
+/// Compares `count` random pixels as [`overview`] does.
+pub(crate) fn pixel_differences(pair: &Pair<'_>, count: usize) -> PixelDifferences {
+    let pixels = Pixels::of(pair);
+    let probe = |i: usize| difference(pair, &pixels.number(i));
+    let found: Vec<Option<(f32, f32)>> = parallel::collect(count, probe);
+    let (angles, mut colors): (Vec<f32>, Vec<f32>) = found.into_iter().flatten().unzip();
+    colors.retain(|difference| !difference.is_nan());
+    PixelDifferences { angles, colors }
+}
+
+/// Returns the samples of those of `count` random pixels all of which see a surface, away from outlines.
+pub(super) fn overview_samples(side: &Side<'_>, count: usize) -> Vec<Vec<Sample>> {
+    let diagonal = side.surface.mesh().diagonal() as f32;
+    let pair = Pair { scan: side, asset: side, diagonal, has_material: false };
+    let pixels = Pixels::of(&pair);
+    parallel::collect(count, |i| pixels.number(i).samples(side)).into_iter().flatten().collect()
+}
+
+/// The random pixels of an overview.
+struct Pixels {
+    eyes: Vec<Eye>,
+    numbers: Sequence,
+    /// Surfaces are seen as far as this.
+    far: f32,
+}
+
+impl Pixels {
+    fn of(pair: &Pair<'_>) -> Self {
+        let directions = sphere_directions(VIEWS);
+        let eyes = match pair.scan.visibility.places() {
+            [] => parallel::tasks(VIEWS, &|i| Eye::Outside(View::fitting(pair, directions[i]))),
+            places => places.iter().map(|place| Eye::Within(*place)).collect(),
+        };
+        Self { eyes, numbers: Sequence::new(11), far: pair.diagonal * 4.0 }
+    }
+
+    fn number(&self, i: usize) -> Pixel {
+        let eyes = self.eyes.len();
+        let round = (i / eyes) as u32;
+        let set = 1 + (i % eyes) as u32 + round / Sequence::MOST * eyes as u32;
+        let [x, y, ..] = self.numbers.four(round % Sequence::MOST, set);
+        self.eyes[i % eyes].pixel([x, y], self.far)
+    }
 }
 
 /// Returns the differences of angle and colour at a pixel; `None` unless all of its samples see both surfaces, away from
@@ -125,6 +175,13 @@ impl Pixel {
     /// Returns what the pixel shows of a surface; `None` if a sample sees nothing, or if it shows an outline.
     fn look(&self, side: &Side<'_>, reads_material: bool) -> Option<Look> {
         let mut look = Look::default();
+        self.samples(side)?.into_iter().for_each(|sample| look.add(side.surface, sample, reads_material));
+        Some(look)
+    }
+
+    /// Returns the places that its samples see; `None` if one sees nothing, or if the pixel shows an outline.
+    fn samples(&self, side: &Side<'_>) -> Option<Vec<Sample>> {
+        let mut samples = Vec::with_capacity((SAMPLES * SAMPLES) as usize);
         let [mut nearest, mut farthest] = [f32::INFINITY, f32::NEG_INFINITY];
         for i in 0..SAMPLES * SAMPLES {
             let [x, y] = [i % SAMPLES, i / SAMPLES].map(|k| (k as f32 + 0.5) / SAMPLES as f32);
@@ -136,9 +193,9 @@ impl Pixel {
             let hit = side.surface.first_seen(&ray, self.limit)?;
             (nearest, farthest) = (nearest.min(hit.distance), farthest.max(hit.distance));
             let at = LookupPoint { point: hit.point(), width: self.size_at(hit.distance) / SAMPLES as f32 };
-            look.add(side.surface, Sample { at, toward: -ray.direction() }, reads_material);
+            samples.push(Sample { at, toward: -ray.direction() });
         }
-        (farthest - nearest <= STEEPEST * self.size_at(nearest)).then_some(look)
+        (farthest - nearest <= STEEPEST * self.size_at(nearest)).then_some(samples)
     }
 
     fn size_at(&self, distance: f32) -> f32 {

@@ -1,7 +1,13 @@
 //! Files that are packed as a whole keep all that they hold.
 
 use crate::{common, files};
+#[cfg(feature = "webp")]
+use std::sync::Arc;
+#[cfg(feature = "webp")]
+use taotie::image::Bitmap;
 use taotie::io::{GltfPacker, GltfSource, Limits, Loaded, PackedGeometry, PackedImage, load_model};
+#[cfg(feature = "webp")]
+use taotie::io::{Lossy, decode_bitmap};
 use taotie::math::Vec3;
 
 /// Folders of test data with glTF files by others.
@@ -85,24 +91,44 @@ fn smaller_images_are_near_the_own_ones() {
     for (path, _) in every_file() {
         let packer = GltfPacker::open(GltfSource::File(&path), &Limits::default()).unwrap();
         for number in 0..packer.image_count() {
-            let Some((_, side)) = packer.image(number).filter(|(_, side)| *side <= 512) else { continue };
-            let encoded = |side: u32, quality| packer.encode_image(number, side, quality).unwrap();
-            // Some are smaller as they are.
-            let (Some(lossless), Some(lossy)) = (encoded(side, None), encoded(side, Some(97))) else {
-                continue;
-            };
-            let Some(half) = encoded(side.div_ceil(2), Some(90)) else { continue };
-            let [exact, near] = [&lossless, &lossy].map(|image| packer.image_error(image).unwrap());
-            // 16 bits a channel are rounded to 8.
-            assert!(exact < 0.002, "{}, image {number}: {exact}", path.display());
-            assert!(near < 0.25, "{}, image {number}: {near}", path.display());
-            assert_eq!([lossless.side, half.side], [side, side.div_ceil(2)]);
+            let Some(image) = packer.image(number).filter(|image| image.side() <= 512) else { continue };
+            let encoded = |side: u32, loss| encode(&packer, number, (side, loss));
+            let side = image.side();
+            let own = image.bitmap();
+            let jpeg = image.may_be_jpeg().then_some(Lossy::Jpeg(97));
+            let losses = [(None, 0.002), (Some(Lossy::WebP(97)), 0.25), (jpeg, 0.25)];
+            for (loss, most) in losses.into_iter().filter(|(loss, most)| loss.is_some() || *most < 0.01) {
+                let error = difference(own, &encoded(side, loss));
+                // 16 bits a channel are rounded to 8.
+                assert!(error < most, "{}, image {number}, {loss:?}: {error}", path.display());
+            }
+            let half = encoded(side.div_ceil(2), jpeg.or(Some(Lossy::WebP(90))));
+            assert_eq!(half.side, side.div_ceil(2));
             let (bytes, loaded) = packed(&packer, PackedGeometry::default(), &[half]);
             assert!(loaded.scene.textures().len() == packer_textures(&path) && !bytes.is_empty());
             count += 1;
         }
     }
     assert!(count > 10 || common::data_folder(FOLDERS[0]).is_none(), "{count}");
+}
+
+/// Encodes an image with so many texels along its longer side.
+#[cfg(feature = "webp")]
+fn encode(packer: &GltfPacker, number: usize, (side, loss): (u32, Option<Lossy>)) -> PackedImage {
+    let bytes = packer.image(number).unwrap().encoded(side, loss).unwrap();
+    PackedImage { number, side, bytes: Arc::new(bytes) }
+}
+
+/// Returns the root mean square difference of texels, [0, 1].
+#[cfg(feature = "webp")]
+fn difference(own: &Bitmap, packed: &PackedImage) -> f32 {
+    let other = decode_bitmap(&packed.bytes, "a packed image", std::path::Path::new("")).unwrap();
+    let count = own.texels().len();
+    let squared = |i: usize| {
+        let [a, b] = [own.stored(i), other.stored(i)];
+        (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum::<f32>() / 3.0
+    };
+    ((0..count).map(squared).sum::<f32>() / count as f32).sqrt()
 }
 
 #[cfg(feature = "webp")]
@@ -120,9 +146,12 @@ fn packed_files_are_valid() {
         let sound = std::panic::catch_unwind(|| assert_valid(&path));
         let Ok(Some(known)) = sound else { continue };
         let packer = GltfPacker::open(GltfSource::File(&path), &Limits::default()).unwrap();
-        let images = (0..packer.image_count())
-            .filter_map(|number| packer.encode_image(number, 256, Some(75)).unwrap());
-        let images: Vec<PackedImage> = images.collect();
+        let loss = |number: usize| match packer.image(number)?.may_be_jpeg() && number % 2 == 0 {
+            true => Some(Lossy::Jpeg(75)),
+            false => Some(Lossy::WebP(75)),
+        };
+        let of = |number: usize| Some(encode(&packer, number, (256, Some(loss(number)?))));
+        let images: Vec<PackedImage> = (0..packer.image_count()).filter_map(of).collect();
         let out = folder.path().join("m.glb");
         std::fs::write(&out, packer.encode(PackedGeometry::default(), &images).unwrap()).unwrap();
         let infos = assert_valid(&out).unwrap_or_default();

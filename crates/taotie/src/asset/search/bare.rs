@@ -1,10 +1,10 @@
 //! Candidates whose relief is in their vertex normals alone.
 
 use super::curve::Curve;
-use super::goal::remaining;
+use super::goal::{AIM, is_hit, remaining};
 use super::trial::Trial;
-use super::winner::Winner;
-use super::workshop::{Draft, Shape, Workshop, uv_bits};
+use super::winner::{Best, Candidate};
+use super::workshop::{Draft, Shape, Workshop, angle_of, uv_bits};
 use crate::error::Result;
 use crate::io::VertexBits;
 use crate::progress::Progress;
@@ -15,8 +15,6 @@ const LEAST: u32 = 100;
 const START: u32 = 16_000;
 /// Bits of normals that are tried.
 const NORMAL_BITS: [u8; 5] = [7, 8, 9, 10, 12];
-/// The mean angle that rounding normals to 8 bits costs, degrees; each bit more halves it.
-const ANGLE_OF_8_BITS: f64 = 0.26;
 /// Positions are rounded to as few of these bits as have steps of at most half of the simplification's own error. The fewest
 /// move an outline by 0.02 % of the longest side.
 const POSITION_BITS: [u8; 4] = [11, 12, 13, 14];
@@ -26,25 +24,25 @@ const ROUNDS: usize = 8;
 /// A search among candidates without a normal map.
 pub(super) struct Bare<'a, 'b> {
     workshop: &'b mut Workshop<'a>,
-    /// Texels along a side of the other maps, 0 if there are none, and their quality.
-    maps: (u32, Option<u8>),
-    /// The error of meshes over their triangles, without that of rounding.
+    /// Texels along a side of maps, 0 if there are none.
+    size: u32,
+    /// The ratio of angles of meshes over their triangles, without that of rounding.
     errors: Curve,
     /// Bytes a triangle with each number of [`NORMAL_BITS`].
     rates: [f64; NORMAL_BITS.len()],
-    best: Option<Winner>,
 }
 
 impl<'a, 'b> Bare<'a, 'b> {
-    /// Returns the smallest candidate that reaches the goal.
+    /// Puts the smallest candidate that reaches the goal in the place of a larger one.
     pub fn smallest(
         workshop: &'b mut Workshop<'a>,
-        maps: (u32, Option<u8>),
+        size: u32,
+        best: &mut Best,
         progress: Progress<'_>,
-    ) -> Result<Option<Winner>> {
+    ) -> Result<()> {
         let (errors, rates) = (Curve::default(), [0.0; NORMAL_BITS.len()]);
-        let mut search = Self { workshop, maps, errors, rates, best: None };
-        search.bracket(progress)?;
+        let mut search = Self { workshop, size, errors, rates };
+        search.bracket(best, progress)?;
         let mut tried = Vec::new();
         for _ in 0..ROUNDS {
             let likely = search.likely().filter(|likely| !tried.contains(likely));
@@ -52,22 +50,22 @@ impl<'a, 'b> Bare<'a, 'b> {
             tried.push((triangles, normals));
             let Some(draft) = search.draft(triangles, progress)? else { break };
             let bits = search.bits(&draft, normals);
-            let trial = search.add(draft, bits)?;
-            if search.workshop.goal.is_hit(&trial) {
+            let trial = search.add(draft, bits, best)?;
+            if is_hit(&trial) {
                 break;
             }
         }
-        Ok(search.best)
+        Ok(())
     }
 
     /// Measures a quarter or four times the triangles until the goal lies in between.
-    fn bracket(&mut self, progress: Progress<'_>) -> Result<()> {
+    fn bracket(&mut self, best: &mut Best, progress: Progress<'_>) -> Result<()> {
         let rungs = rungs(self.workshop.triangles());
         let mut at = rungs.partition_point(|count| *count <= START).saturating_sub(1);
         let mut before = None;
         loop {
             let is_met = match self.draft(rungs[at], progress)? {
-                Some(draft) => self.add(draft, VertexBits::default())?.is_near,
+                Some(draft) => self.add(draft, VertexBits::default(), best)?.is_near,
                 None => false,
             };
             let last = if is_met { 0 } else { rungs.len() - 1 };
@@ -80,33 +78,36 @@ impl<'a, 'b> Bare<'a, 'b> {
     }
 
     fn draft(&mut self, triangles: u32, progress: Progress<'_>) -> Result<Option<Draft>> {
-        self.workshop.draft(Shape { triangles, size: self.maps.0, has_normal_map: false }, progress)
+        self.workshop.draft(Shape { triangles, size: self.size, has_normal_map: false }, progress)
     }
 
     /// Tries a candidate, and learns from it.
-    fn add(&mut self, draft: Draft, bits: VertexBits) -> Result<Trial> {
-        let rounding = self.workshop.rounding(bits, self.maps.1);
+    fn add(&mut self, draft: Draft, bits: VertexBits, best: &mut Best) -> Result<Trial> {
+        let rounding = self.workshop.rounding(bits, None);
         let trial = self.workshop.trial(&draft, rounding)?;
         let count = trial.triangles as f64;
-        self.errors.add(count, remaining(trial.mean_angle, angle_of(bits.normals)));
+        self.errors.add(count, remaining(trial.angle_ratio, self.rounding(bits.normals)));
         for (i, normals) in NORMAL_BITS.into_iter().enumerate() {
             self.rates[i] = draft.mesh_bytes(self.bits(&draft, normals))? as f64 / count;
         }
-        if trial.is_near {
-            Winner::replace(&mut self.best, Winner::made(draft, rounding, trial));
-        }
+        best.offer(Candidate::made(draft, rounding), trial);
         Ok(trial)
     }
 
+    /// Returns what rounding normals to so many bits adds to the ratio of angles.
+    fn rounding(&self, bits: u8) -> f64 {
+        self.workshop.goal.ratio_of_mean(angle_of(bits))
+    }
+
     fn bits(&self, draft: &Draft, normals: u8) -> VertexBits {
-        VertexBits { positions: position_bits(draft), normals, uvs: uv_bits(self.maps.0) }
+        VertexBits { positions: position_bits(draft), normals, uvs: uv_bits(self.size) }
     }
 
     /// Returns the number of triangles and the bits of normals that are likely to reach the goal with the fewest bytes.
     fn likely(&self) -> Option<(u32, u8)> {
         let all = f64::from(self.workshop.triangles());
         let choices = NORMAL_BITS.into_iter().zip(self.rates).filter_map(|(bits, rate)| {
-            let angle = remaining(self.workshop.goal.aim(), angle_of(bits));
+            let angle = remaining(AIM, self.rounding(bits));
             let triangles = self.errors.first_within(angle, [f64::from(LEAST).min(all), all])?;
             Some((triangles, bits, triangles * rate))
         });
@@ -121,11 +122,6 @@ fn rungs(all: u32) -> Vec<u32> {
     let mut rungs: Vec<u32> = quarters.take_while(|count| *count >= LEAST.min(all)).collect();
     rungs.reverse();
     rungs
-}
-
-/// Returns the mean angle that rounding normals to so many bits costs, degrees.
-fn angle_of(bits: u8) -> f64 {
-    ANGLE_OF_8_BITS * f64::from(1u32 << 8) / f64::from(1u32 << bits)
 }
 
 fn position_bits(draft: &Draft) -> u8 {

@@ -4,6 +4,7 @@ use super::curve::Curve;
 use super::map_size::{Loss, MapSize};
 use super::workshop::{Draft, Shape, Workshop};
 use crate::error::Result;
+use crate::io::Lossy;
 use crate::progress::Progress;
 
 /// Triangles of the meshes that are measured, and of the one on which map sizes are.
@@ -37,8 +38,8 @@ pub(super) struct Forecast {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Choice {
     pub shape: Shape,
-    /// As lossy WebP; `None` loses nothing.
-    pub quality: Option<u8>,
+    /// What the normal map loses; `None` is nothing.
+    pub normals: Option<Lossy>,
     pub bytes: f64,
 }
 
@@ -55,6 +56,7 @@ impl Forecast {
         let (on, size) = (ON_TRIANGLES.min(all), ON_SIZE.max(least_size));
         let Some(draft) = workshop.draft(mapped(on, size), progress)? else { return Ok(None) };
         let crossing = MapSize::measured(workshop, &draft)?;
+        let least = crossing.least();
         if size == least_size.max(SIZES[0]) && crossing.least_bytes() > most_bytes {
             return Ok(None);
         }
@@ -70,7 +72,7 @@ impl Forecast {
         forecast.sizes.push(crossing);
         for triangles in TRIANGLES.into_iter().filter(|count| *count != on && *count < all) {
             if let Some(draft) = workshop.draft(mapped(triangles, size), progress)? {
-                forecast.add_mesh(&draft, &MapSize::lossless(workshop, &draft)?);
+                forecast.add_mesh(&draft, &MapSize::with(workshop, &draft, least)?);
             }
         }
         let range = least_size..=workshop.most_side();
@@ -104,8 +106,8 @@ impl Forecast {
         }
     }
 
-    /// Returns the smallest candidate with at most this mean angle, degrees.
-    pub fn smallest(&self, angle: f64) -> Option<Choice> {
+    /// Returns the smallest candidate with at most this ratio of angles.
+    pub fn smallest(&self, ratio: f64) -> Option<Choice> {
         let steps = std::iter::successors(Some(LEAST.min(self.most_triangles)), |count| Some(count * RATIO));
         let counts: Vec<f64> = steps.take_while(|count| *count <= self.most_triangles).collect();
         let pairs = self.sizes.windows(2).flat_map(|pair| pair[0].up_to(&pair[1]));
@@ -114,7 +116,7 @@ impl Forecast {
         for triangles in counts {
             for size in &sizes {
                 let squared = self.lossless(triangles, size);
-                let enough = size.losses().filter(|loss| squared + loss.squared <= angle * angle);
+                let enough = size.losses().filter(|loss| squared + loss.squared <= ratio * ratio);
                 for loss in enough {
                     let choice = self.choice(triangles, size, loss);
                     if best.is_none_or(|best| choice.bytes < best.bytes) {
@@ -135,7 +137,7 @@ impl Forecast {
     fn choice(&self, triangles: f64, size: &MapSize, loss: Loss) -> Choice {
         let shape = mapped(triangles as u32, size.size);
         let bytes = (self.mesh_bytes.at(triangles) + loss.bytes) * self.factor;
-        Choice { shape, quality: loss.quality, bytes }
+        Choice { shape, normals: loss.normals, bytes }
     }
 
     /// Multiplies estimated bytes by the ratio of true to estimated bytes of the last choice.

@@ -1,37 +1,194 @@
 //! What a candidate has to reach.
 
 use super::trial::Trial;
+use crate::asset::figure::Figure;
+use crate::asset::requirement::Requirement;
+use crate::image::Encoding;
+use crate::proof::PixelDifferences;
 
-/// A candidate is near enough to the goal from below if it has at least this part of its angle.
+/// A candidate is near enough to the goal from below if its angles have at least this part of what they may have.
 const CLOSE: f64 = 0.97;
+/// The part of the surface that is worst in figures of patches.
+const PATCH: f64 = 0.01;
+/// About how many times the mean angle p95 is, and the mean of the worst patch.
+const P95_OF_MEAN: f64 = 2.5;
+const PATCH_OF_MEAN: f64 = 6.0;
+
+/// Limits of roughness, metallic and the like, in parts of the largest number.
+const NUMBERS: [Limit; 2] = [
+    Limit { statistic: Statistic::Mean, most: 0.02 },
+    Limit { statistic: Statistic::Worst(PATCH), most: 0.12 },
+];
 
 /// The largest differences that a candidate may have.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Goal {
-    /// The mean angle as seen, degrees.
-    pub angle: f64,
-    /// The mean difference of colours as seen, CIEDE2000.
-    pub color: f64,
+    angles: Vec<Limit>,
+    colors: Vec<Limit>,
+}
+
+/// A limit of a statistic of differences.
+#[derive(Debug, Clone, Copy)]
+struct Limit {
+    statistic: Statistic,
+    most: f64,
+}
+
+/// A statistic of differences.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Statistic {
+    Mean,
+    /// The difference that this part of the pixels keeps to.
+    Quantile(f64),
+    /// The mean of this part of the pixels, the worst ones. No patch of as much surface has a larger mean.
+    Worst(f64),
 }
 
 impl Goal {
-    /// Returns `true` if a trial is near enough to the scan.
-    pub fn is_met(self, trial: &Trial) -> bool {
-        trial.mean_angle <= self.angle && trial.mean_color.is_none_or(|color| color <= self.color)
+    /// Makes the goal of the requirements that pixels decide. Angles or colours without any keep to those of
+    /// [`Requirement::visually_lossless`].
+    pub fn of(requirements: &[Requirement]) -> Self {
+        let limits = |figures: &[Figure]| -> Vec<Limit> {
+            let of = |from: &[Requirement]| {
+                let finest = from.iter().filter(|required| required.level.is_none_or(|level| level == 0));
+                finest.filter(|required| figures.contains(&required.figure)).filter_map(Limit::of).collect()
+            };
+            let required: Vec<Limit> = of(requirements);
+            if required.is_empty() { of(&Requirement::visually_lossless()) } else { required }
+        };
+        Self {
+            angles: limits(&[Figure::MeanAngle, Figure::P95Angle, Figure::PatchAngle, Figure::WithinAngle]),
+            colors: limits(&[Figure::MeanColor, Figure::P95Color, Figure::PatchColor, Figure::WithinColor]),
+        }
     }
 
-    /// Returns `true` if a trial reaches the goal and another one would hardly be smaller.
-    pub fn is_hit(self, trial: &Trial) -> bool {
-        self.is_met(trial) && trial.mean_angle >= CLOSE * self.angle
+    /// Returns how many times the limits of angles and of colours differences in rising order are, the worst of each; `None`
+    /// for colours that are not compared. Without angles to compare the first is infinite.
+    pub fn ratios(&self, seen: &PixelDifferences) -> (f64, Option<f64>) {
+        let worst = |limits: &[Limit], differences: &[f32]| {
+            limits.iter().map(|limit| limit.ratio(differences)).fold(0.0, f64::max)
+        };
+        let color = (!seen.colors.is_empty()).then(|| worst(&self.colors, &seen.colors));
+        (worst(&self.angles, &seen.angles), color)
     }
 
-    /// Returns the angle to aim at, in the middle of those that hit the goal.
-    pub fn aim(self) -> f64 {
-        self.angle * 0.5 * (1.0 + CLOSE)
+    /// Returns how many times their limit the differences of an image as seen are, in rising order; infinite if no pixel shows it. Those
+    /// of numbers that are neither colours nor normals have limits of their own.
+    pub fn image_ratio(&self, encoding: Encoding, differences: &[f32]) -> f64 {
+        let limits: &[Limit] = match encoding {
+            Encoding::Normal => &self.angles,
+            Encoding::Srgb => &self.colors,
+            Encoding::Linear => &NUMBERS,
+        };
+        limits.iter().map(|limit| limit.ratio(differences)).fold(0.0, f64::max)
+    }
+
+    /// Returns the ratio that a mean angle comes to, about, degrees.
+    pub fn ratio_of_mean(&self, mean: f64) -> f64 {
+        mean / self.angles.iter().map(Limit::mean).fold(f64::INFINITY, f64::min)
     }
 }
+
+/// Returns `true` if a trial is near enough to the scan.
+pub(super) fn is_met(trial: &Trial) -> bool {
+    trial.angle_ratio <= 1.0 && trial.color_ratio.is_none_or(|ratio| ratio <= 1.0)
+}
+
+/// Returns `true` if a trial reaches the goal and another one would hardly be smaller.
+pub(super) fn is_hit(trial: &Trial) -> bool {
+    trial.is_near && trial.angle_ratio >= CLOSE
+}
+
+/// The ratio of angles to aim at, in the middle of those that hit the goal.
+pub(super) const AIM: f64 = 0.5 * (1.0 + CLOSE);
 
 /// Returns what is left of an error without one of its sources; they add up in squares.
 pub(super) fn remaining(error: f64, source: f64) -> f64 {
     (error * error - source * source).max(0.0).sqrt()
+}
+
+impl Limit {
+    /// Returns the limit that a requirement sets; `None` if pixels do not decide it.
+    fn of(required: &Requirement) -> Option<Self> {
+        let most = required.most;
+        let (statistic, most) = match required.figure {
+            Figure::MeanAngle | Figure::MeanColor => (Statistic::Mean, most),
+            Figure::P95Angle | Figure::P95Color => (Statistic::Quantile(0.95), most),
+            Figure::PatchAngle | Figure::PatchColor => (Statistic::Worst(PATCH), most),
+            Figure::WithinAngle | Figure::WithinColor => (Statistic::Quantile(most), required.within?),
+            _ => return None,
+        };
+        Some(Self { statistic, most })
+    }
+
+    /// Returns how many times the limit the statistic is of some differences in rising order.
+    fn ratio(&self, differences: &[f32]) -> f64 {
+        match self.statistic.of(differences) {
+            // Even by a limit of 0.
+            Some(0.0) => 0.0,
+            Some(value) => value / self.most,
+            None => f64::INFINITY,
+        }
+    }
+
+    /// Returns about the mean difference at which it is reached.
+    fn mean(&self) -> f64 {
+        match self.statistic {
+            Statistic::Mean => self.most,
+            Statistic::Quantile(_) => self.most / P95_OF_MEAN,
+            Statistic::Worst(_) => self.most / PATCH_OF_MEAN,
+        }
+    }
+}
+
+impl Statistic {
+    /// Returns the statistic of differences in rising order; `None` if there are none.
+    pub fn of(self, differences: &[f32]) -> Option<f64> {
+        let count = differences.len();
+        let at = |part: f64| ((count as f64 * part) as usize).min(count.saturating_sub(1));
+        let mean = |of: &[f32]| of.iter().map(|v| f64::from(*v)).sum::<f64>() / of.len() as f64;
+        (count > 0).then(|| match self {
+            Self::Mean => mean(differences),
+            Self::Quantile(part) => f64::from(differences[at(part)]),
+            Self::Worst(part) => mean(&differences[at(1.0 - part)..]),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn goal(texts: &[&str]) -> Goal {
+        Goal::of(&texts.iter().map(|text| text.parse().unwrap()).collect::<Vec<_>>())
+    }
+
+    /// A hundred pixels, of which the last is far off.
+    fn seen() -> PixelDifferences {
+        let mut angles: Vec<f32> = (1..100).map(|i| i as f32 * 0.01).collect();
+        angles.push(20.0);
+        PixelDifferences { colors: angles.iter().map(|v| v * 2.0).collect(), angles }
+    }
+
+    #[test]
+    fn the_worst_limit_decides() {
+        let (angle, color) = goal(&["mean-angle=1", "mean-color=2"]).ratios(&seen());
+        assert!((angle - 0.695).abs() < 1e-6 && (color.unwrap() - 0.695).abs() < 1e-6, "{angle} {color:?}");
+        assert!((goal(&["mean-angle=1", "p95-angle=0.48"]).ratios(&seen()).0 - 2.0).abs() < 1e-6);
+        assert!((goal(&["patch-angle=5"]).ratios(&seen()).0 - 4.0).abs() < 1e-6);
+        let (_, color) = goal(&["within-1dE=50%"]).ratios(&seen());
+        assert!((color.unwrap() - 1.02).abs() < 1e-6, "{color:?}");
+    }
+
+    #[test]
+    fn what_is_not_required_stays_visually_lossless() {
+        let (lossless, wanted) = (Goal::of(&[]), goal(&["mean-angle@0=4", "flip=0.1", "mean-angle@1=0.1"]));
+        assert_eq!(wanted.ratios(&seen()).1, lossless.ratios(&seen()).1);
+        assert!((wanted.ratio_of_mean(1.0) - 0.25).abs() < 1e-9, "of level 0 alone");
+    }
+
+    #[test]
+    fn nothing_to_compare_is_not_near() {
+        assert_eq!(Goal::of(&[]).ratios(&PixelDifferences::default()), (f64::INFINITY, None));
+    }
 }

@@ -1,14 +1,16 @@
 //! Maps of a size, as they were measured on one mesh.
 
-use super::workshop::{Draft, Workshop, under_map};
+use super::encodings::{Encodings, first_of};
+use super::workshop::{Draft, PIXELS, Workshop, under_map};
 use crate::error::Result;
+use crate::image::Encoding;
+use crate::io::{Lossy, LossyTexture};
 use crate::math::scalar::{exp, ln};
+use crate::proof::{Relook, Side};
 
-/// Qualities of WebP that are measured, from the best down.
-const QUALITIES: [u8; 4] = [92, 75, 45, 15];
-/// Lower qualities are not measured once the error is this many times too large.
-const FAR: f64 = 1.5;
-/// Steps between two qualities, and between two sizes.
+/// Ratios of angles for which lossy maps are made.
+const RATIOS: [f64; 7] = [0.2, 0.35, 0.5, 0.65, 0.78, 0.88, 0.96];
+/// Steps between two sizes.
 const STEPS: u32 = 4;
 /// Smaller numbers count as this one, whose logarithm is finite.
 const LEAST: f64 = 1e-9;
@@ -18,54 +20,53 @@ const LEAST: f64 = 1e-9;
 pub(super) struct MapSize {
     /// Texels along a side.
     pub size: u32,
-    /// The square of the error with maps that lose nothing, degrees².
+    /// The square of the ratio of angles with maps that lose nothing.
     pub squared: f64,
     /// The bytes of the mesh that they were measured on.
     pub mesh_bytes: f64,
-    /// Their own bytes.
+    /// The bytes of all maps as they were measured.
     bytes: f64,
-    /// Lossy ones, from the best quality down.
+    /// What that of normals may lose, from the least up, and the bytes of all maps then.
     lossy: Vec<Loss>,
 }
 
-/// What a quality costs.
+/// What lossy normal maps cost.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Loss {
     /// `None` loses nothing.
-    pub quality: Option<u8>,
-    /// What it adds to the square of the error, degrees².
+    pub normals: Option<Lossy>,
+    /// What it adds to that square.
     pub squared: f64,
     pub bytes: f64,
 }
 
 impl MapSize {
-    /// Measures the maps of a draft that lose nothing.
-    pub fn lossless(workshop: &mut Workshop<'_>, draft: &Draft) -> Result<Self> {
-        let bits = under_map(draft.shape.size);
-        let trial = workshop.trial(draft, workshop.rounding(bits, None))?;
-        let mesh_bytes = draft.mesh_bytes(bits)? as f64;
-        let squared = trial.mean_angle * trial.mean_angle;
-        let bytes = trial.bytes as f64 - mesh_bytes;
-        Ok(Self { size: draft.shape.size, squared, mesh_bytes, bytes, lossy: Vec::new() })
+    /// Measures the maps of a draft.
+    pub fn measured(workshop: &mut Workshop<'_>, draft: &Draft) -> Result<Self> {
+        let mut lossy = losses(workshop, draft)?;
+        if lossy.is_empty() {
+            lossy.push(Loss { normals: None, squared: 0.0, bytes: 0.0 });
+        }
+        let least = lossy[0];
+        let mut maps = Self::with(workshop, draft, least)?;
+        let others = maps.bytes - least.bytes;
+        maps.lossy = lossy.into_iter().map(|loss| Loss { bytes: loss.bytes + others, ..loss }).collect();
+        Ok(maps)
     }
 
-    /// Measures the maps of a draft that lose nothing, and lossy ones until their error is far beyond the goal.
-    pub fn measured(workshop: &mut Workshop<'_>, draft: &Draft) -> Result<Self> {
-        let mut maps = Self::lossless(workshop, draft)?;
-        for quality in QUALITIES {
-            let rounding = workshop.rounding(under_map(draft.shape.size), Some(quality));
-            let trial = workshop.trial(draft, rounding)?;
-            let squared = trial.mean_angle * trial.mean_angle - maps.squared;
-            maps.lossy.push(Loss {
-                quality: Some(quality),
-                squared,
-                bytes: trial.bytes as f64 - maps.mesh_bytes,
-            });
-            if trial.mean_angle > FAR * workshop.goal.angle {
-                break;
-            }
-        }
-        Ok(maps)
+    /// Measures the maps of a draft with one loss.
+    pub fn with(workshop: &mut Workshop<'_>, draft: &Draft, loss: Loss) -> Result<Self> {
+        let bits = under_map(draft.shape.size);
+        let trial = workshop.trial(draft, workshop.rounding(bits, loss.normals))?;
+        let mesh_bytes = draft.mesh_bytes(bits)? as f64;
+        let squared = (trial.angle_ratio * trial.angle_ratio - loss.squared).max(0.0);
+        let bytes = trial.bytes as f64 - mesh_bytes;
+        Ok(Self { size: draft.shape.size, squared, mesh_bytes, bytes, lossy: vec![loss] })
+    }
+
+    /// Returns the loss that is least.
+    pub fn least(&self) -> Loss {
+        self.lossy[0]
     }
 
     /// Returns the fewest bytes of the maps that were measured.
@@ -73,12 +74,9 @@ impl MapSize {
         self.losses().map(|loss| loss.bytes).fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns the losses that can be chosen: none, those of the qualities that were measured, and some in between.
+    /// Returns the losses that can be chosen.
     pub fn losses(&self) -> impl Iterator<Item = Loss> {
-        let none = Loss { quality: None, squared: 0.0, bytes: self.bytes };
-        let between =
-            self.lossy.windows(2).flat_map(|pair| steps().map(|part| pair[0].toward(pair[1], part)));
-        std::iter::once(none).chain(between).chain(self.lossy.last().copied())
+        self.lossy.iter().copied()
     }
 
     /// Returns this size and some on the way to a larger one.
@@ -99,13 +97,30 @@ impl MapSize {
 
 impl Loss {
     fn toward(self, other: Self, part: f64) -> Self {
-        let quality = |of: Self| f64::from(of.quality.unwrap_or(100));
         Self {
-            quality: Some((quality(self) * (1.0 - part) + quality(other) * part + 0.5) as u8),
             squared: between(self.squared, other.squared, part),
             bytes: between(self.bytes, other.bytes, part),
+            ..self
         }
     }
+}
+
+/// Returns what the normal map of a draft may lose, from the least up, each with the bytes of that map.
+fn losses(workshop: &Workshop<'_>, draft: &Draft) -> Result<Vec<Loss>> {
+    let Some(normals) = &draft.maps.textures.normal else { return Ok(Vec::new()) };
+    let (texture, size) = (LossyTexture::new(normals.clone(), Encoding::Normal), draft.shape.size);
+    let surface = workshop.surface(draft)?;
+    let Some(shown) = first_of(&surface, Encoding::Normal) else { return Ok(Vec::new()) };
+    let side = Side::of(&surface);
+    let look = Relook::new(&side, PIXELS);
+    let encodings = Encodings::new(&texture, look.at(shown)?, &workshop.goal);
+    let mut losses: Vec<Loss> = Vec::with_capacity(RATIOS.len());
+    for ratio in RATIOS {
+        let Some(encoded) = encodings.smallest_of(size, ratio)? else { continue };
+        let (squared, bytes) = (encoded.ratio * encoded.ratio, encoded.bytes.len() as f64);
+        losses.push(Loss { normals: encoded.loss, squared, bytes });
+    }
+    Ok(losses)
 }
 
 /// Returns the parts of the way from one measured thing to the next, without its end.

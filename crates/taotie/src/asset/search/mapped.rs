@@ -1,7 +1,8 @@
 //! Candidates with a normal map.
 
 use super::forecast::Forecast;
-use super::winner::Winner;
+use super::goal::{AIM, is_hit};
+use super::winner::{Best, Candidate};
 use super::workshop::{Workshop, under_map};
 use crate::error::Result;
 use crate::progress::Progress;
@@ -16,35 +17,31 @@ const WORTH: f64 = 0.99;
 pub(super) fn smallest(
     workshop: &mut Workshop<'_>,
     least_size: u32,
-    best: &mut Option<Winner>,
+    best: &mut Best,
     progress: Progress<'_>,
 ) -> Result<()> {
-    let goal = workshop.goal;
-    let most_bytes = best.as_ref().map_or(f64::INFINITY, |best| best.trial.bytes as f64);
-    let Some(mut forecast) = Forecast::measured(workshop, least_size, most_bytes, progress)? else {
+    let Some(mut forecast) = Forecast::measured(workshop, least_size, best.bytes(), progress)? else {
         return Ok(());
     };
-    let (mut aim, mut tried) = (goal.aim(), Vec::new());
+    let (mut aim, mut tried) = (AIM, Vec::new());
     for _ in 0..ROUNDS {
         let Some(choice) = forecast.smallest(aim) else { break };
-        if best.as_ref().is_some_and(|best| choice.bytes > WORTH * best.trial.bytes as f64) {
+        if choice.bytes > WORTH * best.bytes() {
             break;
         }
-        if tried.contains(&(choice.shape, choice.quality)) {
+        if tried.contains(&(choice.shape, choice.normals)) {
             break;
         }
-        tried.push((choice.shape, choice.quality));
+        tried.push((choice.shape, choice.normals));
         let Some(draft) = workshop.draft(choice.shape, progress)? else { break };
-        let rounding = workshop.rounding(under_map(choice.shape.size), choice.quality);
+        let rounding = workshop.rounding(under_map(choice.shape.size), choice.normals);
         let trial = workshop.trial(&draft, rounding)?;
-        if trial.is_near {
-            Winner::replace(best, Winner::made(draft, rounding, trial));
-        }
-        if goal.is_hit(&trial) {
+        best.offer(Candidate::made(draft, rounding), trial);
+        if is_hit(&trial) {
             break;
         }
         forecast.correct(trial.bytes as f64 / choice.bytes);
-        aim *= goal.aim() / trial.mean_angle.max(f64::MIN_POSITIVE);
+        aim *= AIM / trial.angle_ratio.max(f64::MIN_POSITIVE);
     }
     Ok(())
 }

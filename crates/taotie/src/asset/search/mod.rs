@@ -5,10 +5,12 @@
 
 mod bare;
 mod curve;
+mod encodings;
 mod forecast;
 mod goal;
 mod map_size;
 mod mapped;
+mod other_maps;
 mod packed;
 mod smallest;
 mod trial;

@@ -1,6 +1,6 @@
 //! What a search has tried.
 
-use crate::io::VertexBits;
+use crate::io::{Lossy, VertexBits};
 
 /// A file that a search made, and what it measured of it.
 ///
@@ -26,17 +26,31 @@ pub struct Trial {
     pub size: u32,
     /// `true` if it has a normal map.
     pub has_normal_map: bool,
-    /// The quality of its maps as lossy WebP, of a packed scan of its normal maps; `None` if they lose nothing, or there are
-    /// none.
-    pub quality: Option<u8>,
+    /// What its normal map loses, of a packed scan with several the first one; `None` if that is nothing, or there is none.
+    pub normals: Option<Lossy>,
     /// The bits of its vertices.
     pub bits: VertexBits,
     /// The mean angle between its normals and the scan's as seen, degrees.
     pub mean_angle: f64,
+    /// The 95th percentile of these angles, degrees.
+    pub p95_angle: f64,
     /// The mean difference of base colours as seen, CIEDE2000; `None` if the scan has no colours.
     pub mean_color: Option<f64>,
+    /// The 95th percentile of these differences.
+    pub p95_color: Option<f64>,
+    /// How many times the limit a figure of its angles is, the worst one if several are limited.
+    pub angle_ratio: f64,
+    /// The same of colours.
+    pub color_ratio: Option<f64>,
     /// `true` if it is near enough to the scan.
     pub is_near: bool,
     /// Its bytes as a GLB of one level of detail, without metadata.
     pub bytes: u64,
+}
+
+impl Trial {
+    /// Returns how many times the limits its differences are, at worst.
+    pub(super) fn ratio(&self) -> f64 {
+        self.angle_ratio.max(self.color_ratio.unwrap_or_default())
+    }
 }

@@ -1,9 +1,9 @@
-//! The smallest candidate that reaches the goal.
+//! The best candidate so far.
 
 use super::trial::Trial;
 use super::workshop::{Draft, Rounding};
 
-/// A candidate that reaches the goal.
+/// A candidate and what was measured of it.
 pub(super) struct Winner {
     pub candidate: Candidate,
     pub trial: Trial,
@@ -21,25 +21,52 @@ pub(super) enum Candidate {
     },
 }
 
-impl Winner {
-    /// Returns a candidate that was made from the scan.
-    pub fn made(draft: Draft, rounding: Rounding, trial: Trial) -> Self {
-        Self { candidate: Candidate::Made(Box::new(draft), rounding), trial }
+/// The smallest candidate that reaches the goal; until there is one, the one that comes nearest.
+#[derive(Default)]
+pub(super) struct Best {
+    so_far: Option<Winner>,
+}
+
+impl Best {
+    /// Takes a candidate if it is better.
+    pub fn offer(&mut self, candidate: Candidate, trial: Trial) {
+        let is_better = |than: &Trial| match (trial.is_near, than.is_near) {
+            (true, true) => trial.bytes < than.bytes,
+            (false, false) => trial.ratio() < than.ratio(),
+            (is_near, _) => is_near,
+        };
+        if self.so_far.as_ref().is_none_or(|winner| is_better(&winner.trial)) {
+            self.so_far = Some(Winner { candidate, trial });
+        }
+    }
+
+    /// Returns the fewest bytes with which the goal is reached; infinite if it is not yet.
+    pub fn bytes(&self) -> f64 {
+        self.near().map_or(f64::INFINITY, |winner| winner.trial.bytes as f64)
     }
 
     /// Returns `true` if most of its bytes are textures of the scan: what is made from the scan needs them, too, and has more
     /// vertices at UV islands of its own.
     pub fn is_mostly_textures(&self) -> bool {
-        match self.candidate {
-            Candidate::Packed { of_images, .. } => 2 * of_images > self.trial.bytes,
+        self.near().is_some_and(|winner| match winner.candidate {
+            Candidate::Packed { of_images, .. } => 2 * of_images > winner.trial.bytes,
             Candidate::Made(..) => false,
-        }
+        })
     }
 
-    /// Puts a candidate in the place of a larger one.
-    pub fn replace(best: &mut Option<Self>, new: Self) {
-        if best.as_ref().is_none_or(|best| new.trial.bytes < best.trial.bytes) {
-            *best = Some(new);
-        }
+    /// Returns the best candidate.
+    pub fn into_winner(self) -> Option<Winner> {
+        self.so_far
+    }
+
+    fn near(&self) -> Option<&Winner> {
+        self.so_far.as_ref().filter(|winner| winner.trial.is_near)
+    }
+}
+
+impl Candidate {
+    /// Returns a candidate that was made from the scan.
+    pub fn made(draft: Draft, rounding: Rounding) -> Self {
+        Self::Made(Box::new(draft), rounding)
     }
 }

@@ -1,6 +1,6 @@
 //! Candidates of a search, made as they would be written, read back and measured.
 
-use super::goal::Goal;
+use super::goal::{Goal, Statistic, is_met};
 use super::trial::Trial;
 use crate::asset::judgement::{Pair, refuse_astray};
 use crate::asset::low::{self, LowPoly, Relief};
@@ -10,18 +10,17 @@ use crate::asset::options::BakeOptions;
 use crate::asset::scan::Scan;
 use crate::bake::{self, MapKind, Simplified};
 use crate::error::{Error, Result};
-use crate::io::{self, GltfAsset, GltfFormat, GltfImages, GltfLevel, Limits, VertexBits};
+use crate::io::{self, GltfAsset, GltfFormat, GltfImages, GltfLevel, Limits, Lossy, VertexBits};
 use crate::mesh::Mesh;
 use crate::progress::Progress;
-use crate::proof::{self, Overview, Side};
+use crate::proof::{self, PixelDifferences, Side};
 use std::collections::BTreeMap;
 
-/// Qualities of lossy WebP, from the lowest up.
-pub(super) const QUALITIES: [u8; 5] = [30, 55, 75, 90, 97];
-/// The largest root mean square error of textures that are neither colours nor normals, of the largest number.
-pub(super) const MOST_ERROR: f64 = 0.04;
 /// The number of pixels at which a trial is measured.
-const PIXELS: usize = 20_000;
+pub(super) const PIXELS: usize = 20_000;
+
+/// The mean angle that rounding normals to 8 bits costs, degrees; each bit more halves it.
+const ANGLE_OF_8_BITS: f64 = 0.26;
 
 /// Bits of vertices under a normal map, which makes up for the rounding of normals.
 pub(super) fn under_map(size: u32) -> VertexBits {
@@ -32,6 +31,11 @@ pub(super) fn under_map(size: u32) -> VertexBits {
 pub(super) fn uv_bits(size: u32) -> u8 {
     const WITHIN_TEXEL: u32 = 2;
     (size.max(1).next_power_of_two().ilog2() + WITHIN_TEXEL).clamp(8, 16) as u8
+}
+
+/// Returns the mean angle that rounding normals to so many bits costs, degrees.
+pub(super) fn angle_of(bits: u8) -> f64 {
+    ANGLE_OF_8_BITS * f64::from(1u32 << 8) / f64::from(1u32 << bits)
 }
 
 /// The mesh and maps of a candidate.
@@ -47,10 +51,17 @@ pub(super) struct Shape {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(in crate::asset) struct Rounding {
     pub bits: VertexBits,
-    /// The quality of its maps as lossy WebP; `None` loses nothing.
-    pub quality: Option<u8>,
-    /// The same of roughness, metallic and occlusion.
-    pub numbers: Option<u8>,
+    pub losses: Losses,
+}
+
+/// What maps lose.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(in crate::asset) struct Losses {
+    pub normals: Option<Lossy>,
+    /// Of base colour and emission.
+    pub colors: Option<Lossy>,
+    /// Of roughness, metallic and occlusion.
+    pub numbers: Option<Lossy>,
 }
 
 /// A candidate that was made and not written yet.
@@ -81,8 +92,8 @@ pub(super) struct Workshop<'a> {
     /// Maps of several sizes are tried on the same triangles.
     known: BTreeMap<(u32, Relief), Simplified>,
     pub goal: Goal,
-    /// The quality of roughness, metallic and occlusion, once a draft had some.
-    numbers: Option<u8>,
+    /// What maps lose that are not of normals.
+    pub losses: Losses,
     pub trials: Vec<Trial>,
     /// Why candidates were refused: their mesh lost the scan's shape, or has more UV islands than its maps can hold.
     pub refused: BTreeMap<Shape, Error>,
@@ -94,12 +105,17 @@ impl Rounding {
     /// Returns the format of a file that loses so much. Without the feature `webp` maps are PNG.
     pub fn format(self, has_maps: bool) -> GltfFormat {
         let is_webp = has_maps && cfg!(feature = "webp");
-        let quality = self.quality.filter(|_| is_webp);
+        let Losses { normals, colors, numbers } = if is_webp { self.losses } else { Losses::default() };
         GltfFormat {
             images: if is_webp { GltfImages::WebP } else { GltfImages::Png },
-            webp_quality: quality,
-            normal_quality: quality,
-            number_quality: self.numbers.filter(|_| is_webp),
+            // Of emission in any case.
+            webp_quality: colors.map(Lossy::quality),
+            jpeg: colors.and_then(|lossy| match lossy {
+                Lossy::Jpeg(quality) => Some(quality),
+                Lossy::WebP(_) => None,
+            }),
+            normals,
+            numbers,
             meshopt: true,
             bits: self.bits,
             ..GltfFormat::default()
@@ -110,10 +126,13 @@ impl Rounding {
 impl Draft {
     /// Returns the bytes of the candidate as a GLB of one level of detail without metadata.
     fn encoded(&self, rounding: Rounding) -> Result<Vec<u8>> {
+        self.encoded_as(&rounding.format(self.shape.size > 0))
+    }
+
+    fn encoded_as(&self, format: &GltfFormat) -> Result<Vec<u8>> {
         let material = self.maps.textures.material(&self.low.material, &self.low.kept);
         let levels = [GltfLevel { mesh: &self.low.mesh, coverage: None }];
-        let format = rounding.format(self.shape.size > 0);
-        io::encode_glb(&GltfAsset { levels: &levels, material, ..GltfAsset::default() }, &format)
+        io::encode_glb(&GltfAsset { levels: &levels, material, ..GltfAsset::default() }, format)
     }
 
     /// Returns the number of bytes of its mesh only.
@@ -137,7 +156,7 @@ impl<'a> Workshop<'a> {
             subject,
             known: BTreeMap::new(),
             goal,
-            numbers: None,
+            losses: Losses::default(),
             trials: Vec::new(),
             refused: BTreeMap::new(),
             not_packed: None,
@@ -186,8 +205,8 @@ impl<'a> Workshop<'a> {
 
     /// Returns the mean angle as seen of a mesh with its vertex normals alone, degrees.
     fn angle(&self, Simplified { mesh, .. }: &Simplified) -> Result<f64> {
-        let (_, overview) = self.overview(encoded_mesh(mesh, &GltfFormat::default())?)?;
-        Ok(mean_angle(&overview))
+        let (_, seen) = self.seen(encoded_mesh(mesh, &GltfFormat::default())?)?;
+        Ok(Statistic::Mean.of(&seen.angles).unwrap_or(f64::INFINITY))
     }
 
     /// Makes a candidate; `None` if it is refused.
@@ -228,7 +247,7 @@ impl<'a> Workshop<'a> {
         let about = Trial {
             size: draft.shape.size,
             has_normal_map: draft.shape.has_normal_map && has_maps,
-            quality: rounding.quality.filter(|_| has_maps),
+            normals: rounding.losses.normals.filter(|_| has_maps),
             bits: rounding.bits,
             ..Trial::default()
         };
@@ -238,32 +257,40 @@ impl<'a> Workshop<'a> {
     /// Reads a file back and measures it; `about` says what it is.
     pub fn measured(&mut self, about: Trial, encoded: Vec<u8>) -> Result<Trial> {
         let bytes = encoded.len() as u64;
-        let (triangles, overview) = self.overview(encoded)?;
-        let mean_color = overview.color.map(|color| color.summary.mean);
-        let mut trial = Trial { triangles, bytes, mean_angle: mean_angle(&overview), mean_color, ..about };
-        trial.is_near = self.goal.is_met(&trial);
+        let (triangles, seen) = self.seen(encoded)?;
+        let [mean, p95] = [Statistic::Mean, Statistic::Quantile(0.95)];
+        let (angle_ratio, color_ratio) = self.goal.ratios(&seen);
+        let mut trial = Trial {
+            triangles,
+            bytes,
+            mean_angle: mean.of(&seen.angles).unwrap_or(f64::INFINITY),
+            p95_angle: p95.of(&seen.angles).unwrap_or(f64::INFINITY),
+            mean_color: mean.of(&seen.colors),
+            p95_color: p95.of(&seen.colors),
+            angle_ratio,
+            color_ratio,
+            ..about
+        };
+        trial.is_near = is_met(&trial);
         self.trials.push(trial);
         Ok(trial)
     }
 
-    /// Returns what a candidate loses, with roughness, metallic and occlusion as they were chosen.
-    pub fn rounding(&self, bits: VertexBits, quality: Option<u8>) -> Rounding {
-        Rounding { bits, quality, numbers: self.numbers }
+    /// Returns what a candidate loses whose other maps lose what was chosen for them.
+    pub fn rounding(&self, bits: VertexBits, normals: Option<Lossy>) -> Rounding {
+        Rounding { bits, losses: Losses { normals, ..self.losses } }
     }
 
-    /// Chooses the lowest quality of roughness, metallic and occlusion at which their own error is small enough.
-    pub fn choose_numbers(&mut self, draft: &Draft) -> Result<()> {
-        let Some(orm) = draft.maps.textures.orm.as_ref().filter(|_| cfg!(feature = "webp")) else {
-            return Ok(());
-        };
-        self.numbers = None;
-        for quality in QUALITIES {
-            if io::webp_error(orm, quality)? <= MOST_ERROR {
-                self.numbers = Some(quality);
-                break;
-            }
-        }
-        Ok(())
+    /// Returns the scan as it is looked at.
+    pub fn side(&self) -> &'a Side<'a> {
+        self.subject.side
+    }
+
+    /// Returns a candidate that loses nothing.
+    pub fn surface(&self, draft: &Draft) -> Result<bake::Scan> {
+        let format = GltfFormat::default();
+        let scene = io::load_glb(draft.encoded_as(&format)?, &Limits::of_own_files())?.scene;
+        bake::Scan::of_asset(scene, self.subject.side.surface)
     }
 
     /// Returns the scan.
@@ -271,8 +298,8 @@ impl<'a> Workshop<'a> {
         self.subject.scan
     }
 
-    /// Reads a file back, and returns its number of triangles and its differences.
-    fn overview(&self, encoded: Vec<u8>) -> Result<(usize, Overview)> {
+    /// Reads a file back, and returns its number of triangles and its differences, in rising order.
+    fn seen(&self, encoded: Vec<u8>) -> Result<(usize, PixelDifferences)> {
         let scene = io::load_glb(encoded, &Limits::of_own_files())?.scene;
         let triangles = scene.triangle_count();
         let scan = self.subject.side;
@@ -280,7 +307,7 @@ impl<'a> Workshop<'a> {
         let asset = Side::of(&surface);
         let diagonal = scan.surface.mesh().diagonal() as f32;
         let pair = proof::Pair { scan, asset: &asset, diagonal, has_material: self.has_material };
-        Ok((triangles, proof::overview(&pair, PIXELS)?))
+        Ok((triangles, proof::pixel_differences(&pair, PIXELS).sorted()))
     }
 }
 
@@ -288,9 +315,4 @@ impl<'a> Workshop<'a> {
 fn encoded_mesh(mesh: &Mesh, format: &GltfFormat) -> Result<Vec<u8>> {
     let levels = [GltfLevel { mesh, coverage: None }];
     io::encode_glb(&GltfAsset { levels: &levels, ..GltfAsset::default() }, format)
-}
-
-/// Returns the mean angle between normals, degrees; infinite if nothing could be compared.
-fn mean_angle(overview: &Overview) -> f64 {
-    overview.angles.as_ref().map_or(f64::INFINITY, |angles| angles.summary.mean)
 }

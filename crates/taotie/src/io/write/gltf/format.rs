@@ -29,6 +29,34 @@ impl fmt::Display for GltfImages {
     }
 }
 
+/// A lossy format of images and its quality, 1 to 100.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum Lossy {
+    /// WebP, smaller; its hues have half of the texels, and alpha loses nothing.
+    WebP(u8),
+    /// JPEG 4:4:4, nearer in high qualities; it holds no alpha.
+    Jpeg(u8),
+}
+
+impl Lossy {
+    /// Returns the quality.
+    pub fn quality(self) -> u8 {
+        match self {
+            Self::WebP(quality) | Self::Jpeg(quality) => quality,
+        }
+    }
+}
+
+impl fmt::Display for Lossy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::WebP(quality) => write!(f, "WebP {quality}"),
+            Self::Jpeg(quality) => write!(f, "JPEG {quality}"),
+        }
+    }
+}
+
 /// The options for writing a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct GltfFormat {
@@ -37,11 +65,10 @@ pub struct GltfFormat {
     /// The quality, 1 to 100, of base colour and emission as lossy WebP; `None` loses nothing. Alpha always is
     /// lossless. For WebP only.
     pub webp_quality: Option<u8>,
-    /// The quality, 1 to 100, of the normal map as lossy WebP; `None` loses nothing. For WebP only.
-    pub normal_quality: Option<u8>,
-    /// The quality, 1 to 100, of roughness, metallic and occlusion as lossy WebP, whose losses blur their channels together;
-    /// `None` loses nothing. For WebP only.
-    pub number_quality: Option<u8>,
+    /// What the normal map may lose. For WebP only.
+    pub normals: Option<Lossy>,
+    /// What roughness, metallic and occlusion may lose, whose channels blur together. For WebP only.
+    pub numbers: Option<Lossy>,
     /// `true` where the search for repetitions in lossless WebP is shorter: it takes less than half the time, and the file
     /// about 3 % more bytes. For WebP only.
     pub quick_webp: bool,
@@ -119,14 +146,14 @@ impl GltfFormat {
                 of: Some(GltfImages::WebP),
             },
             Number {
-                what: "a WebP quality of normals",
-                given: self.normal_quality,
+                what: "a quality of normals",
+                given: self.normals.map(Lossy::quality),
                 most: 100,
                 of: Some(GltfImages::WebP),
             },
             Number {
-                what: "a WebP quality of numbers",
-                given: self.number_quality,
+                what: "a quality of numbers",
+                given: self.numbers.map(Lossy::quality),
                 most: 100,
                 of: Some(GltfImages::WebP),
             },

@@ -1,6 +1,6 @@
 //! The formats of a texture's image, and its bytes in each.
 
-use super::format::{GltfFormat, GltfImages};
+use super::format::{GltfFormat, GltfImages, Lossy};
 use super::ktx::{self, KtxImage};
 use super::webp::WebPLoss;
 #[cfg(feature = "webp")]
@@ -8,10 +8,9 @@ use super::webp::{self, WebPImage};
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Encoding, Texels};
 use crate::io::write::png::interleaved;
-use crate::io::{PngColor, PngImage, PngSamples, decode_bitmap, encode_png};
-use image::{ExtendedColorType, codecs::jpeg::JpegEncoder};
+use crate::io::{PngColor, PngImage, PngSamples, encode_png};
+use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 use std::borrow::Cow;
-use std::path::Path;
 
 /// The format of an image, and what it may lose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,13 +36,16 @@ impl ImagePacking {
 
     /// Returns the packing of an image of some meaning, each of which may lose what is asked for.
     pub fn new(format: &GltfFormat, encoding: Encoding) -> Self {
-        let webp = |lossless, quality: Option<u8>| Self::WebP(quality.map_or(lossless, WebPLoss::Quality));
-        match (Self::losing_least(format), encoding) {
-            (Self::WebP(lossless), Encoding::Srgb) => webp(lossless, format.webp_quality),
-            (Self::WebP(lossless), Encoding::Normal) => webp(lossless, format.normal_quality),
-            (Self::WebP(lossless), Encoding::Linear) => webp(lossless, format.number_quality),
+        let least = Self::losing_least(format);
+        let lossy = match encoding {
+            Encoding::Srgb => format.webp_quality.map(Lossy::WebP),
+            Encoding::Normal => format.normals,
+            Encoding::Linear => format.numbers,
+        };
+        match (least, encoding) {
+            (Self::WebP(_), _) => lossy.map_or(least, Self::from),
             (Self::Ktx2(_), Encoding::Srgb | Encoding::Linear) => Self::Ktx2(format.uastc_rdo.unwrap_or(0)),
-            (packing, _) => packing,
+            _ => least,
         }
     }
 
@@ -71,6 +73,15 @@ impl ImagePacking {
             Self::Png | Self::Jpeg(_) => None,
             Self::WebP(_) => Some("EXT_texture_webp"),
             Self::Ktx2(_) => Some("KHR_texture_basisu"),
+        }
+    }
+}
+
+impl From<Lossy> for ImagePacking {
+    fn from(lossy: Lossy) -> Self {
+        match lossy {
+            Lossy::WebP(quality) => Self::WebP(WebPLoss::Quality(quality)),
+            Lossy::Jpeg(quality) => Self::Jpeg(quality),
         }
     }
 }
@@ -115,14 +126,21 @@ fn png(bitmap: &Bitmap, stored: Stored) -> Result<Vec<u8>> {
     }
 }
 
-/// Returns the bytes of a JPEG, which holds 8 bits and no alpha.
+/// Returns the bytes of a progressive JPEG with as many texels of hues as of lightness; it holds 8 bits and no alpha.
 fn jpeg(bitmap: &Bitmap, stored: Stored, quality: u8) -> Result<Vec<u8>> {
-    let wrong = |e: image::ImageError| Error::invalid("a texture as JPEG", e.to_string());
+    let wrong = |why: String| Error::invalid("a texture as JPEG", why);
+    let side = |texels: u32| {
+        u16::try_from(texels).map_err(|_| wrong(format!("{texels} texels are too long a side")))
+    };
+    let (width, height) = (side(bitmap.width())?, side(bitmap.height())?);
     let mut bytes = Vec::new();
+    let mut encoder = Encoder::new(&mut bytes, quality);
+    encoder.set_sampling_factor(SamplingFactor::F_1_1);
+    encoder.set_progressive(true);
+    encoder.set_optimized_huffman_tables(true);
     let texels = eight_bits(bitmap, stored)?;
-    JpegEncoder::new_with_quality(&mut bytes, quality)
-        .encode(&interleaved(&texels, 3), bitmap.width(), bitmap.height(), ExtendedColorType::Rgb8)
-        .map_err(wrong)?;
+    let encoded = encoder.encode(&interleaved(&texels, 3), width, height, ColorType::Rgb);
+    encoded.map_err(|e| wrong(e.to_string()))?;
     Ok(bytes)
 }
 
@@ -159,41 +177,6 @@ pub fn encode_webp_bitmap(bitmap: &Bitmap) -> Result<Vec<u8>> {
             Err(Error::unsupported(format!("a WebP of {bits} bits a channel"), "it holds 8; write a .png"))
         }
     }
-}
-
-/// Returns the root mean square error of a bitmap of numbers as lossy WebP of this quality, 1 to 100, in parts of the largest
-/// number.
-///
-/// # Errors
-/// [`Error::Unsupported`] for texels of floats, and without the feature `webp`.
-pub fn webp_error(bitmap: &Bitmap, quality: u8) -> Result<f64> {
-    let stored = Stored { encoding: Encoding::Linear, alpha: false };
-    let bytes = webp(bitmap, stored, WebPLoss::Quality(quality))?;
-    Ok(difference(bitmap, &decode_bitmap(&bytes, "a texture as WebP", Path::new(""))?))
-}
-
-/// Returns the root mean square difference of the texels of a bitmap from those of another one at the same places, [0, 1].
-pub(super) fn difference(bitmap: &Bitmap, other: &Bitmap) -> f64 {
-    let (width, height) = (bitmap.width() as usize, bitmap.height() as usize);
-    let squared = |i: usize| {
-        let [u, v] = [(i % width, width), (i / width, height)].map(|(at, of)| (at as f64 + 0.5) / of as f64);
-        let [a, b] = [bitmap.stored(i), between_texels(other, [u, v])];
-        (0..4).map(|k| f64::from(a[k] - b[k])).map(|d| d * d).sum::<f64>() / 3.0
-    };
-    ((0..width * height).map(squared).sum::<f64>() / (width * height) as f64).sqrt()
-}
-
-/// Returns what is stored at a place of [0, 1]², between the four nearest texels.
-fn between_texels(bitmap: &Bitmap, [u, v]: [f64; 2]) -> [f32; 4] {
-    let along = |at: f64, count: u32| {
-        let place = (at * f64::from(count) - 0.5).clamp(0.0, f64::from(count - 1));
-        let first = place.floor() as u32;
-        ([first, (first + 1).min(count - 1)], (place - f64::from(first)) as f32)
-    };
-    let ((x, across), (y, down)) = (along(u, bitmap.width()), along(v, bitmap.height()));
-    let texel = |i: usize, j: usize| bitmap.stored((y[j] * bitmap.width() + x[i]) as usize);
-    let mix = |a: [f32; 4], b: [f32; 4], part: f32| [0, 1, 2, 3].map(|k| a[k] + (b[k] - a[k]) * part);
-    mix(mix(texel(0, 0), texel(1, 0), across), mix(texel(0, 1), texel(1, 1), across), down)
 }
 
 /// Returns the texels rounded to 8 bits.

@@ -44,8 +44,8 @@ pub(super) fn encode(image: &WebPImage<'_>, loss: WebPLoss) -> Result<Vec<u8>> {
 /// Returns libwebp's options. Colours under clear texels stay, since lookups between texels read them.
 #[cfg(feature = "webp")]
 fn config(loss: WebPLoss) -> webpx::EncoderConfig {
-    /// The search that takes longest.
-    const SEARCH: u8 = 6;
+    /// The effort of 6. Measured on colours of 2048²: 6 takes twice the time, and its file 2 % fewer bytes.
+    const SEARCH: u8 = 4;
     /// The effort of the shorter search, of 100. Measured on a normal map of 2048²: it takes 0.70 s, and its file 3.4 %
     /// more bytes, where the usual effort of 75 takes 1.76 s.
     const QUICK_EFFORT: f32 = 20.0;

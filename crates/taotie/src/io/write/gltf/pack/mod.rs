@@ -9,9 +9,11 @@ use super::container;
 use super::draft::{MESHOPT, unpacked_buffer};
 use super::edit;
 use super::format::VertexBits;
+use super::graft::images::kind;
+use super::lossy_texture::LossyTexture;
 use super::stream::{PackedTriangles, Stream};
 use crate::error::{Error, Result};
-use crate::image::{Bitmap, Encoding};
+use crate::image::Bitmap;
 use crate::io::gltf::{Content, GltfSource, RawGltf, StoredVertices};
 use crate::io::limits::Limits;
 use geometry::{Precision, Shaped};
@@ -72,7 +74,7 @@ pub struct PackedImage {
     pub number: usize,
     /// The longer side, texels.
     pub side: u32,
-    /// WebP.
+    /// WebP or JPEG.
     pub bytes: Arc<Vec<u8>>,
 }
 
@@ -98,40 +100,20 @@ impl GltfPacker {
         self.images.len()
     }
 
-    /// Returns the meaning of an image's texels, and the length of its longer side; `None` if it is copied as it is.
-    pub fn image(&self, number: usize) -> Option<(Encoding, u32)> {
-        self.images.get(number)?.as_ref().map(|own| (own.encoding(), own.side()))
+    /// Returns an image that can be encoded anew; `None` if it is copied as it is.
+    pub fn image(&self, number: usize) -> Option<&LossyTexture> {
+        self.images.get(number)?.as_ref().map(|own| &own.texture)
+    }
+
+    /// Returns the bytes of an image as it is stored; 0 if it is copied as it is.
+    pub fn stored_bytes(&self, number: usize) -> usize {
+        self.images.get(number).and_then(Option::as_ref).map_or(0, |own| own.stored.len())
     }
 
     /// Returns the longest side of any image, texels, 0 without one; `None` if one is unknown, or if a transform of uvs makes
     /// texels finer.
     pub fn longest_side(&self) -> Option<u32> {
         self.longest_side
-    }
-
-    /// Encodes an image as WebP, with at most `side` texels along its longer side, in this quality, 1 to 100; `None` loses
-    /// nothing but texels. Returns `None` if it is copied as it is, or would not be smaller.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] if libwebp refuses.
-    pub fn encode_image(&self, number: usize, side: u32, quality: Option<u8>) -> Result<Option<PackedImage>> {
-        let Some(own) = self.images.get(number).and_then(Option::as_ref) else { return Ok(None) };
-        let side = side.clamp(1, own.side());
-        let bytes = own.encoded(side, quality)?;
-        let is_smaller = bytes.len() < own.stored.len();
-        Ok(is_smaller.then(|| PackedImage { number, side, bytes: Arc::new(bytes) }))
-    }
-
-    /// Returns the root mean square difference of an image from what it becomes, in parts of the largest number, with at most
-    /// 512 texels along a side: an object that fills the overview of a proof shows no more.
-    ///
-    /// # Errors
-    /// Those of decoding it.
-    pub fn image_error(&self, packed: &PackedImage) -> Result<f64> {
-        match self.images.get(packed.number).and_then(Option::as_ref) {
-            Some(own) => own.error(&packed.bytes),
-            None => Ok(0.0),
-        }
     }
 
     /// Returns the packed file as GLB, with these images in place of its own.
@@ -247,12 +229,10 @@ impl Packed {
         let view = edit::push(&mut self.json, "bufferViews", view);
         let json = &mut self.json["images"][number];
         *edit::member(json, "bufferView") = view.into();
-        let webp = image::WEBP.mime_type();
-        *edit::member(json, "mimeType") = if packed.is_some() { webp } else { own.mime_type }.into();
-        let is_new = packed.is_some() && own.mime_type != webp;
-        if let Some(extension) = image::WEBP.extension().filter(|_| is_new) {
-            image::show_by(extension, &mut self.json, number);
-            edit::require(&mut self.json, extension);
+        let mime_type = kind(bytes).map_or(own.mime_type, |(mime_type, _)| mime_type);
+        *edit::member(json, "mimeType") = mime_type.into();
+        if mime_type != own.mime_type {
+            image::show_anew(mime_type, &mut self.json, number);
         }
     }
 

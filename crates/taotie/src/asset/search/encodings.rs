@@ -1,0 +1,215 @@
+//! The smallest encodings of a texture that lose no more than they may.
+
+use super::goal::Goal;
+use crate::bake::Scan;
+use crate::error::Result;
+use crate::image::{Bitmap, Encoding, Texture};
+use crate::io::{Lossy, LossyTexture, decode_bitmap};
+use crate::proof::{ImageLook, Shown};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The least side that is tried, texels.
+const LEAST_SIDE: u32 = 32;
+/// Qualities that are tried, from the lowest up.
+const WEBP: [u8; 9] = [20, 35, 50, 65, 75, 82, 88, 93, 97];
+const JPEG: [u8; 9] = [40, 55, 70, 80, 86, 90, 94, 96, 98];
+/// Up to this side a texture that loses nothing is tried, too: those of few colours are small.
+const LOSSLESS_SIDE: u32 = 1024;
+/// Sides are tried until so many in a row took more bytes.
+const WORSE: usize = 2;
+
+/// A texture in one encoding.
+#[derive(Debug, Clone)]
+pub(super) struct EncodedTexture {
+    /// The longer side, texels.
+    pub side: u32,
+    /// `None` loses nothing but texels.
+    pub loss: Option<Lossy>,
+    pub bytes: Arc<Vec<u8>>,
+    /// How many times its limit a difference is, the worst one.
+    pub ratio: f64,
+}
+
+/// The encodings of a texture, each made once.
+pub(super) struct Encodings<'a> {
+    texture: &'a LossyTexture,
+    goal: Goal,
+    look: ImageLook<'a>,
+    known: Mutex<BTreeMap<(u32, Option<Lossy>), EncodedTexture>>,
+    /// The ratio of each size.
+    sizes: Mutex<BTreeMap<u32, f64>>,
+}
+
+impl<'a> Encodings<'a> {
+    /// Takes a texture that a surface shows, whose differences have the limits of a goal.
+    pub fn new(texture: &'a LossyTexture, look: ImageLook<'a>, goal: &Goal) -> Self {
+        Self { texture, goal: goal.clone(), look, known: Mutex::default(), sizes: Mutex::default() }
+    }
+
+    /// Returns the meaning of its texels.
+    pub fn encoding(&self) -> Encoding {
+        self.texture.encoding()
+    }
+
+    /// Returns the smallest encoding of any size whose ratio is at most `most`; `None` if none is so near.
+    pub fn smallest(&self, most: f64) -> Result<Option<EncodedTexture>> {
+        let (mut best, mut worse): (Option<EncodedTexture>, usize) = (None, 0);
+        for side in sides(self.texture.side()) {
+            let Some(of_side) = self.smallest_of(side, most)? else { continue };
+            if best.as_ref().is_some_and(|best| best.bytes.len() <= of_side.bytes.len()) {
+                worse += 1;
+                if worse == WORSE {
+                    break;
+                }
+            } else {
+                (best, worse) = (Some(of_side), 0);
+            }
+        }
+        Ok(best)
+    }
+
+    /// Returns the smallest encoding of a size whose ratio is at most `most`.
+    pub fn smallest_of(&self, side: u32, most: f64) -> Result<Option<EncodedTexture>> {
+        if self.resized(side)? > most {
+            return Ok(None);
+        }
+        let is_webp = cfg!(feature = "webp");
+        let (webp, jpeg) = (WEBP.map(Lossy::WebP), JPEG.map(Lossy::Jpeg));
+        let formats = [(self.texture.may_be_jpeg(), jpeg), (is_webp, webp)];
+        let mut found = Vec::new();
+        for (_, qualities) in formats.into_iter().filter(|(is_possible, _)| *is_possible) {
+            found.extend(self.lowest(side, &qualities, most)?);
+        }
+        let is_last = found.is_empty() && side == self.texture.side();
+        if is_webp && (side <= LOSSLESS_SIDE || is_last) {
+            found.push(self.encoded(side, None)?);
+        }
+        let near = found.into_iter().filter(|encoded| encoded.ratio <= most);
+        Ok(near.min_by_key(|encoded| encoded.bytes.len()))
+    }
+
+    /// Returns the lowest of rising qualities whose ratio is at most `most`.
+    fn lowest(&self, side: u32, qualities: &[Lossy], most: f64) -> Result<Option<EncodedTexture>> {
+        let Some(highest) = qualities.last() else { return Ok(None) };
+        let mut lowest = self.encoded(side, Some(*highest))?;
+        if lowest.ratio > most {
+            return Ok(None);
+        }
+        let (mut low, mut high) = (0, qualities.len() - 1);
+        while low < high {
+            let middle = (low + high) / 2;
+            let encoded = self.encoded(side, Some(qualities[middle]))?;
+            if encoded.ratio <= most {
+                (lowest, high) = (encoded, middle);
+            } else {
+                low = middle + 1;
+            }
+        }
+        Ok(Some(lowest))
+    }
+
+    /// Returns the ratio of a size whose texels lose nothing.
+    fn resized(&self, side: u32) -> Result<f64> {
+        let known = || self.sizes.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(ratio) = known().get(&side) {
+            return Ok(*ratio);
+        }
+        let ratio = match side < self.texture.side() {
+            true => self.ratio(self.texture.resized(side)?.into_owned())?,
+            false => 0.0,
+        };
+        known().insert(side, ratio);
+        Ok(ratio)
+    }
+
+    fn ratio(&self, bitmap: Bitmap) -> Result<f64> {
+        let differences = self.look.differences(&Texture::new(bitmap, self.encoding()))?;
+        Ok(self.goal.image_ratio(self.encoding(), &differences))
+    }
+
+    fn encoded(&self, side: u32, loss: Option<Lossy>) -> Result<EncodedTexture> {
+        let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(encoded) = known().get(&(side, loss)) {
+            return Ok(encoded.clone());
+        }
+        let bytes = Arc::new(self.texture.encoded(side, loss)?);
+        let ratio = self.ratio(decode_bitmap(&bytes, "a packed image", Path::new(""))?)?;
+        let encoded = EncodedTexture { side, loss, bytes, ratio };
+        known().insert((side, loss), encoded.clone());
+        Ok(encoded)
+    }
+}
+
+/// Returns the first texture of a surface whose texels have a meaning.
+pub(super) fn first_of(surface: &Scan, encoding: Encoding) -> Option<Shown> {
+    let number = surface.surface().textures().iter().position(|texture| texture.encoding() == encoding)?;
+    Some(Shown { textures: vec![number], encoding })
+}
+
+/// Returns the sides to try for a texture, from the shortest up to its own: powers of two, and halfway between them.
+fn sides(own: u32) -> impl Iterator<Item = u32> {
+    let powers = std::iter::successors(Some(LEAST_SIDE), |side| side.checked_mul(2));
+    let all = powers.flat_map(|side| [side, side / 2 * 3]);
+    all.take_while(move |side| *side < own).chain(std::iter::once(own))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::{Sampler, Texels};
+    use crate::math::Mat4;
+    use crate::mesh::Mesh;
+    use crate::proof::{Relook, Side};
+    use crate::scene::{Instance, Material, Scene, SceneData, TextureRef, UvTransform};
+
+    const SIDE: u32 = 256;
+
+    /// Smooth waves of colour.
+    fn waves() -> Bitmap {
+        let code = |v: f32| (v * 127.0 + 128.0) as u8;
+        let texel = |i: u32| {
+            let [x, y] = [i % SIDE, i / SIDE].map(|k| k as f32 * 0.1);
+            [code(x.sin()), code((x + y).cos()), code(y.sin()), 255]
+        };
+        let texels = (0..SIDE * SIDE).map(texel).collect();
+        Bitmap::new(SIDE, SIDE, 3, Texels::U8(texels)).unwrap()
+    }
+
+    /// A ball that shows them.
+    fn ball() -> Scan {
+        let (sampler, transform) = (Sampler::default(), UvTransform::default());
+        let waves_on_it = TextureRef { texture: 0, uv_set: 0, sampler, transform };
+        let material = Material { base_color_texture: Some(waves_on_it), ..Material::default() };
+        let scene = SceneData {
+            meshes: vec![Mesh::sphere(1.0, 48, 24)],
+            materials: vec![material],
+            textures: vec![Texture::new(waves(), Encoding::Srgb)],
+            instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
+            ..SceneData::default()
+        };
+        Scan::new(Scene::new(scene).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn less_may_be_lost_for_more_bytes() {
+        let (ball, texture, goal) = (ball(), LossyTexture::new(waves(), Encoding::Srgb), Goal::of(&[]));
+        let side = Side::of(&ball);
+        let look = Relook::new(&side, 2_000);
+        let of_waves = look.at(first_of(&ball, Encoding::Srgb).unwrap()).unwrap();
+        let encodings = Encodings::new(&texture, of_waves, &goal);
+        let found = [0.3, 1.0, 4.0].map(|most| encodings.smallest(most).unwrap().unwrap());
+        assert!(found.windows(2).all(|pair| pair[0].bytes.len() > pair[1].bytes.len()), "{found:?}");
+        assert!(found.iter().zip([0.3, 1.0, 4.0]).all(|(found, most)| found.ratio <= most));
+        let whole = encodings.encoded(SIDE, None).unwrap();
+        assert_eq!(whole.ratio, 0.0, "what loses nothing looks the same");
+        assert!(first_of(&ball, Encoding::Normal).is_none());
+    }
+
+    #[test]
+    fn sides_lead_to_the_own_one() {
+        assert_eq!(sides(200).collect::<Vec<_>>(), [32, 48, 64, 96, 128, 192, 200]);
+        assert_eq!(sides(16).collect::<Vec<_>>(), [16]);
+    }
+}
