@@ -443,10 +443,11 @@ def bake(
     scan: Any,
     *,
     low: Any = None,
-    triangles: int = 50_000,
+    triangles: int | None = None,
     error: float | None = None,
+    goal: Sequence[str] = (),
     lods: Sequence[int] = (),
-    size: int | tuple[int, int] | Literal["auto"] = 2048,
+    size: int | tuple[int, int] | Literal["auto"] | None = None,
     maps: Sequence[Map | Literal["auto"]] = ("auto",),
     space: Literal["tangent", "object"] = "tangent",
     samples: Literal[1, 4, 9, 16, 25, 36, 49, 64] = 4,
@@ -472,15 +473,20 @@ def bake(
         The high-poly scan.
     low : path, Model, or a mesh of another package, optional
         The low-poly mesh; its uvs and triangles stay. Made from the scan if not given.
-    triangles : int
-        Triangles of the low-poly mesh.
+    triangles : int, optional
+        Triangles of the low-poly mesh; nothing is searched for then. 50,000 if only `size` is given, or if nothing can be
+        searched for.
     error : float, optional
-        Find the asset of the fewest bytes whose mean normal error as seen is at most so many degrees, with a normal map or
-        without; packing options are not read.
+        Find the asset of the fewest bytes whose mean normal error as seen is at most so many degrees: made of the scan, with
+        a normal map or without, or the scan itself, packed. Packing options are not read.
+    goal : sequence of str, optional
+        Find the asset of the fewest bytes that meets these requirements, such as ``["p95-angle=2", "mean-color=0.5"]``. If
+        none of `triangles`, `size`, `error` and `goal` is given, it is one that is ``visually-lossless``, unless `low`,
+        `lods`, or maps are asked for that a search cannot judge.
     lods : sequence of int
         Triangles of further levels of detail.
-    size : int, (width, height) or "auto"
-        Texels of the maps; auto is the smallest power of two, 256 to 8192, that preserves the scan's detail.
+    size : int, (width, height) or "auto", optional
+        Texels of the maps; nothing is searched for then. 2048 if only `triangles` is given. Auto is the smallest power of two, 256 to 8192, that preserves the scan's detail.
     maps : sequence of str
         Maps to bake: auto (normal, and whatever varies in the scan's materials), normal, ao, albedo, height, bent,
         curvature, roughness, metallic-roughness, emission, alpha, occlusion.
@@ -527,15 +533,23 @@ def bake(
     """
     if isinstance(maps, str):
         raise invalid(f"maps {maps!r}", "give a sequence of names, such as ['normal', 'ao']")
-    width, height = (size, size) if isinstance(size, int | str) else size
+    side: int | tuple[int, int] | str = 2048 if size is None else size
+    width, height = (side, side) if isinstance(side, int | str) else side
+    wanted = list(goal) if error is None else [f"mean-angle={error}", *goal]
+    is_by_hand = triangles is not None or size is not None
+    if wanted and is_by_hand:
+        raise invalid("goal", "triangles and size are what a search finds; leave one of them out")
+    may_drop_goal = not wanted
+    if not wanted and not is_by_hand:
+        wanted = ["visually-lossless"]
     low_file, low_mesh = _source(low)
     cage_file, cage_mesh = _source(cage)
     if cage is not None and ray_distance != "auto":
         raise invalid("cage", "it says how far rays reach; leave out ray_distance")
     options = {
         "low": low_file,
-        "triangles": triangles,
-        "mean_error_deg": error,
+        "triangles": 50_000 if triangles is None else triangles,
+        "goal": ",".join(wanted) if wanted else None,
         "lods": list(lods),
         "size": width,
         "height": None if width == height else height,
@@ -551,7 +565,13 @@ def bake(
         "ray_distance": _distance(ray_distance, cage_file),
         "inspect": True,
     }
-    request = {"options": options, "low": low_mesh, "cage": cage_mesh, "memory_limit": memory_limit}
+    request = {
+        "options": options,
+        "low": low_mesh,
+        "cage": cage_mesh,
+        "may_drop_goal": may_drop_goal,
+        "memory_limit": memory_limit,
+    }
     high = a_model(scan)._native
     if crease_angle is not None or scan_green != "auto" or unit is not None:
         high = high.as_scan(scan_options(crease_angle, scan_green, unit))

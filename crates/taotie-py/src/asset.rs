@@ -28,6 +28,8 @@ pub struct BakeRequest {
     low: Option<Py<Model>>,
     /// A cage in memory.
     cage: Option<Py<Model>>,
+    /// `true` if the goal is nothing that was asked for: it is dropped if no search can meet it.
+    may_drop_goal: bool,
     memory_limit: Option<String>,
 }
 
@@ -40,6 +42,9 @@ impl BakeRequest {
         }
         if let Some(cage) = self.cage.as_ref() {
             options.ray_distance = RayDistance::Cage(in_memory(cage)?);
+        }
+        if self.may_drop_goal && !options.may_search() {
+            options.goal = None;
         }
         Ok((options, self.memory_limit))
     }

@@ -386,11 +386,15 @@ impl BakeArgs {
 
     /// Returns the options of the bake.
     pub fn options(&self) -> BakeOptions {
+        BakeOptions { goal: self.goal(), lods: self.lods(), ..self.unsearched() }
+    }
+
+    /// Returns the options of a bake that searches for nothing, without the levels of detail of a use.
+    pub(super) fn unsearched(&self) -> BakeOptions {
         BakeOptions {
             low: self.low.clone().map(MeshSource::File),
             triangles: self.triangles(),
-            goal: self.goal(),
-            lods: self.lods(),
+            lods: self.lods.clone(),
             keep_uvs: self.is_alone(),
             size: self.size()[0],
             height: (self.size()[1] != self.size()[0]).then_some(self.size()[1]),
@@ -405,6 +409,7 @@ impl BakeArgs {
             roughness: self.roughness,
             ray_distance: self.ray_distance(),
             inspect: !self.no_verify,
+            ..BakeOptions::default()
         }
     }
 

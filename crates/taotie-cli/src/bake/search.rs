@@ -6,16 +6,6 @@ use anyhow::{Result, bail};
 use taotie::asset::Requirement;
 use taotie::bake::MapKind;
 
-/// Maps whose errors a search measures, or that are the scan's own.
-const MEASURED: [MapKind; 6] = [
-    MapKind::Normal,
-    MapKind::Albedo,
-    MapKind::MetallicRoughness,
-    MapKind::Emission,
-    MapKind::Alpha,
-    MapKind::OcclusionMap,
-];
-
 impl BakeArgs {
     /// Returns what the smallest asset is searched for that meets it; `None` if nothing is searched.
     pub(super) fn goal(&self) -> Option<Vec<Requirement>> {
@@ -38,16 +28,10 @@ impl BakeArgs {
         Ok(())
     }
 
-    /// Says whether triangles, size or packing are chosen by hand, or maps are asked for that no search can judge.
+    /// Says whether triangles, size or packing are chosen by hand, or something is asked for that no search can judge.
     fn is_by_hand(&self) -> bool {
-        let maps = self.maps();
-        let of_mesh = self.low.is_some() || self.triangles.is_some() || !self.lods.is_empty();
-        let of_maps = self.size.is_some()
-            || self.space == Space::Object
-            || self.green == Green::Down
-            || !maps.contains(&MapKind::Normal)
-            || !maps.iter().all(|map| MEASURED.contains(map));
-        of_mesh || of_maps || self.is_alone() || self.purpose.is_some() || self.packs_by_hand()
+        let is_chosen = self.triangles.is_some() || self.size.is_some() || self.purpose.is_some();
+        is_chosen || self.packs_by_hand() || self.green == Green::Down || !self.unsearched().may_search()
     }
 
     fn packs_by_hand(&self) -> bool {

@@ -251,6 +251,22 @@ impl BakeOptions {
         Ok(())
     }
 
+    /// Returns `true` if a search can find the smallest asset: no mesh is given, nor levels of detail, and it can judge each map:
+    /// those of normals in tangent space, and of what the scan has.
+    pub fn may_search(&self) -> bool {
+        const JUDGED: [MapKind; 6] = [
+            MapKind::Normal,
+            MapKind::Albedo,
+            MapKind::MetallicRoughness,
+            MapKind::Emission,
+            MapKind::Alpha,
+            MapKind::OcclusionMap,
+        ];
+        let is_made = self.low.is_none() && self.lods.is_empty() && !self.keep_uvs;
+        let is_judged = self.bakes(&[MapKind::Normal]) && self.maps.iter().all(|map| JUDGED.contains(map));
+        is_made && is_judged && self.space == NormalSpace::Tangent
+    }
+
     /// Returns the options with the number of texels that is chosen for a scan of this size in place of [`AUTO_SIZE`].
     pub fn sized(&self, scan: ScanSize) -> Self {
         let size = if self.size == AUTO_SIZE { map_side::chosen(scan.detail_side) } else { self.size };

@@ -38,6 +38,8 @@ pub(super) struct About {
     pub carried: Carried,
     /// `true` where it says nothing of its colour and material.
     pub is_plain: bool,
+    /// `true` if its file has animations, skins, morph targets or sets of materials, which nothing that is baked has.
+    pub is_rigged: bool,
     /// The way in which it is read; the unit is the metre for glTF unless the caller states another one.
     pub options: ScanOptions,
 }
@@ -141,7 +143,9 @@ impl ScanFile {
         let bytes = files.iter().map(|file| io::file_size(file)).sum::<Result<u64>>()?;
         check_extent(&loaded.scene, &path.display().to_string())?;
         notes::left_of_scan_file(&mut loaded);
+        let is_rigged = loaded.rig.is_some() || !loaded.variants.names().is_empty();
         let about = About {
+            is_rigged,
             hash: Some(hash),
             files,
             bytes,
@@ -348,6 +352,7 @@ impl About {
             size,
             carried,
             is_plain: look::is_plain(scene),
+            is_rigged: false,
             options: ScanOptions::default(),
         }
     }

@@ -34,9 +34,6 @@ const WORTH: f64 = 0.99;
 
 /// Puts the smallest packed scan that reaches the goal in the place of a larger candidate.
 pub(super) fn smallest(workshop: &mut Workshop<'_>, best: &mut Best, progress: Progress<'_>) -> Result<()> {
-    if !workshop.may_pack() {
-        return Ok(());
-    }
     progress.begin("pack the scan")?;
     match searched(workshop, best, progress) {
         Err(error) if !matches!(error, Error::Cancelled) => {
@@ -56,7 +53,15 @@ fn searched(workshop: &mut Workshop<'_>, best: &mut Best, progress: Progress<'_>
         Some(look.at(shown).map(|look| (number, Encodings::new(texture, look, &workshop.goal))))
     };
     let encodings = (0..packer.image_count()).filter_map(of_image).collect::<Result<_>>()?;
-    let mut search = PackedScan { workshop, packer, encodings, images: Vec::new(), floor: 0.0, progress };
+    let mut search = PackedScan {
+        workshop,
+        packer,
+        encodings,
+        images: Vec::new(),
+        keeps_uvs: false,
+        floor: 0.0,
+        progress,
+    };
     search.measure(best)
 }
 
@@ -93,6 +98,8 @@ struct PackedScan<'a, 'b> {
     encodings: Vec<(usize, Encodings<'b>)>,
     /// Colours and other numbers as they were chosen.
     images: Vec<PackedImage>,
+    /// `true` if uvs keep all their bits, since colours need them.
+    keeps_uvs: bool,
     /// The square of the ratio of all triangles with normal maps as they are.
     floor: f64,
     progress: Progress<'b>,
@@ -128,15 +135,16 @@ impl PackedScan<'_, '_> {
     fn measure(&mut self, best: &mut Best) -> Result<()> {
         self.images = self.chosen(Encoding::Linear, 1.0)?.images;
         self.images.extend(self.chosen(Encoding::Srgb, COLOR_SHARE)?.images);
-        let (maps, bits) = (self.normal_maps()?, self.bits()?);
+        let maps = self.normal_maps()?;
         let base = &maps[MIDDLING.min(maps.len() - 1)];
+        let whole = self.with_near_colors(&base.of, best)?;
+        self.floor = (whole.angle_ratio * whole.angle_ratio - base.squared).max(0.0);
+        let bits = self.bits()?;
         let (mut errors, mut bytes, mut colors) = (Curve::default(), Curve::default(), Curve::default());
         let (mut kept, mut before) = (1.0, usize::MAX);
         loop {
-            let trial = self.trial(PackedGeometry { kept, ..WHOLE }, &base.of, best)?;
-            if kept == 1.0 {
-                self.floor = (trial.angle_ratio * trial.angle_ratio - base.squared).max(0.0);
-            }
+            let fewer = PackedGeometry { kept, ..WHOLE };
+            let trial = if kept < 1.0 { self.trial(fewer, &base.of, best)? } else { whole };
             let squared = trial.angle_ratio * trial.angle_ratio - base.squared;
             errors.add(kept, squared.max(self.floor).sqrt());
             bytes.add(kept, trial.bytes as f64 - base.bytes);
@@ -149,6 +157,22 @@ impl PackedScan<'_, '_> {
             kept *= 0.5;
         }
         self.close_in(Forecast { maps, bits, errors, bytes, colors, floor: self.floor }, best)
+    }
+
+    /// Measures all triangles. If colours are too far off uvs keep their bits, and if they still are, colours stay as they are.
+    fn with_near_colors(&mut self, maps: &Images, best: &mut Best) -> Result<Trial> {
+        let mut trial = self.trial(WHOLE, maps, best)?;
+        let is_far = |trial: &Trial| trial.color_ratio.is_some_and(|ratio| ratio > 1.0);
+        if is_far(&trial) {
+            self.keeps_uvs = true;
+            trial = self.trial(WHOLE, maps, best)?;
+        }
+        if is_far(&trial) {
+            let colors: Vec<usize> = self.of_encoding(Encoding::Srgb).map(|(number, _)| *number).collect();
+            self.images.retain(|image| !colors.contains(&image.number));
+            trial = self.trial(WHOLE, maps, best)?;
+        }
+        Ok(trial)
     }
 
     /// Makes, writes and measures a candidate.
@@ -188,7 +212,7 @@ impl PackedScan<'_, '_> {
         let sides = (0..self.packer.image_count()).map(side);
         let longest = sides.chain([self.packer.longest_side().map(|_| 0)]);
         let size = longest.into_iter().try_fold(0, |longest, side| Some(side?.max(longest)));
-        let uvs = size.map_or(geometry.bits.uvs, uv_bits);
+        let uvs = size.filter(|_| !self.keeps_uvs).map_or(geometry.bits.uvs, uv_bits);
         (size, PackedGeometry { bits: VertexBits { uvs, ..geometry.bits }, ..geometry })
     }
 

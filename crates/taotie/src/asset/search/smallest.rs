@@ -58,12 +58,19 @@ pub(in crate::asset) fn smallest(
     let seen = low::seen(scan, &mut warnings)?;
     let mut workshop = Workshop::new(recipe, Goal::of(required), Subject { scan, seen: &seen, side: &side });
     let mut best = Best::default();
-    packed::smallest(&mut workshop, &mut best, progress)?;
-    if !best.is_mostly_textures()
-        && let Some(size) = other_maps::chosen(&mut workshop, &best, progress)?
-    {
+    if workshop.packs_first() {
+        packed::smallest(&mut workshop, &mut best, progress)?;
+    }
+    // What is made of a scan moves no more.
+    let is_packed = best.is_mostly_textures() || (scan.about.is_rigged && best.bytes().is_finite());
+    if !is_packed && let Some(size) = other_maps::chosen(&mut workshop, &best, progress)? {
         Bare::smallest(&mut workshop, size, &mut best, progress)?;
         mapped::smallest(&mut workshop, size, &mut best, progress)?;
+    }
+    // Nothing is larger than the scan, nor farther from it than need be.
+    let is_enough = best.bytes() <= bytes_of(scan);
+    if !is_enough && workshop.may_pack() && !workshop.packs_first() {
+        packed::smallest(&mut workshop, &mut best, progress)?;
     }
     let Some(Winner { candidate, trial }) = best.into_winner() else { return Err(none_at_all(workshop)) };
     let smallest = match candidate {
@@ -88,6 +95,11 @@ pub(in crate::asset) fn smallest(
         .for_each(|error| warnings.note(format!("not considered: the packed scan: {error}"), 1));
     refused.into_values().for_each(|error| warnings.note(format!("not considered: {error}"), 1));
     Ok(Found { smallest, trials, warnings })
+}
+
+/// Returns the bytes of a scan's files; infinite in memory.
+fn bytes_of(scan: &Scan) -> f64 {
+    if scan.about.bytes > 0 { scan.about.bytes as f64 } else { f64::INFINITY }
 }
 
 /// Says what is nearest if nothing is near enough.

@@ -183,7 +183,13 @@ impl<'a> Workshop<'a> {
         let (options, about) = (self.recipe.options, &self.subject.scan.about);
         let carried = about.carried.maps();
         let is_own = |map: &MapKind| *map == MapKind::Normal || carried.has(*map);
-        self.has_material && options.carry && options.lods.is_empty() && options.maps.iter().all(is_own)
+        options.carry && options.lods.is_empty() && options.maps.iter().all(is_own)
+    }
+
+    /// Returns `true` if the packed scan is likely to be the smallest, or is all that keeps what the scan's file has. A mesh with
+    /// fitted normals is smaller than a scan without materials.
+    pub fn packs_first(&self) -> bool {
+        self.may_pack() && (self.has_material || self.subject.scan.about.is_rigged)
     }
 
     /// Returns `true` if there are maps beside that of normals.
