@@ -114,7 +114,7 @@ impl Settings {
 
     /// Says whether an error of less than all that is possible is searched for, which takes many bakes.
     pub fn searches(&self) -> bool {
-        self.asset.bake.goal.is_some()
+        self.asset.bake.searches()
     }
 }
 

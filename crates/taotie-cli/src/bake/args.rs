@@ -10,7 +10,8 @@ use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
-use taotie::asset::{AUTO_SIZE, BakeOptions, Baker, Limits, MeshSource, Packing, RayDistance};
+use taotie::Error;
+use taotie::asset::{AUTO_SIZE, BakeOptions, Baker, Limits, MeshSource, Packing, RayDistance, Requirement};
 use taotie::bake::MapKind;
 use taotie::io::{FileSet, GltfImages};
 use taotie::names::Named;
@@ -57,6 +58,10 @@ pub struct BakeArgs {
     /// the smallest one that meets --require is found; without that, one that meets `visually-lossless`
     #[arg(long, value_name = "DEG", value_parser = degrees, help_heading = "Low-poly mesh", conflicts_with_all = ["low", "triangles", "size", "purpose", "bits", "ktx2", "webp", "jpeg", "meshopt"])]
     pub error: Option<f64>,
+    /// Find the asset nearest to the scan with at most so many bytes, such as 500kB. With --error or --require, one that meets
+    /// them is enough. Exit with 1 if none is so small
+    #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Low-poly mesh", conflicts_with_all = ["low", "triangles", "size", "purpose", "bits", "ktx2", "webp", "jpeg", "meshopt"])]
+    pub bytes: Option<u64>,
     /// Further levels of detail in the same file (MSFT_lod): the triangles of each, separated by commas
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = options::triangles, help_heading = "Low-poly mesh")]
     pub lods: Vec<u32>,
@@ -173,6 +178,11 @@ fn distance(text: &str) -> Result<Auto<f64>, String> {
     }
 }
 
+fn bytes(text: &str) -> Result<u64, String> {
+    let required: Requirement = format!("bytes={text}").parse().map_err(|error: Error| error.to_string())?;
+    Ok(required.most as u64)
+}
+
 fn degrees(text: &str) -> Result<f64, String> {
     let number = positive(text)?;
     if number < 180.0 { Ok(number) } else { Err(format!("{text} is not below 180")) }
@@ -207,7 +217,7 @@ impl BakeArgs {
             let (output, input) = (self.output.display(), input.display());
             bail!("{output}: it would be written over {input}, which is read; give another name or folder");
         }
-        let made = (self.low.is_none() && self.goal().is_none()).then_some(self.triangles());
+        let made = (self.low.is_none() && !self.searches()).then_some(self.triangles());
         let levels: Vec<u32> = made.into_iter().chain(self.lods()).collect();
         if let Some(pair) = levels.windows(2).find(|pair| pair[0] <= pair[1]) {
             bail!(
@@ -255,6 +265,7 @@ impl BakeArgs {
             ("--provenance", self.provenance.is_some()),
             ("--for", self.purpose.is_some()),
             ("--error", self.error.is_some()),
+            ("--bytes", self.bytes.is_some()),
             ("--triangles", self.triangles.is_some()),
         ];
         let output = self.output.display();
@@ -386,7 +397,7 @@ impl BakeArgs {
 
     /// Returns the options of the bake.
     pub fn options(&self) -> BakeOptions {
-        BakeOptions { goal: self.goal(), lods: self.lods(), ..self.unsearched() }
+        BakeOptions { goal: self.goal(), bytes: self.most_bytes(), lods: self.lods(), ..self.unsearched() }
     }
 
     /// Returns the options of a bake that searches for nothing, without the levels of detail of a use.
@@ -455,13 +466,13 @@ impl BakeArgs {
     /// Returns what `--for` comes to with all other options, in words.
     pub fn chosen(&self) -> Option<String> {
         let name = self.purpose?.to_possible_value()?.get_name().to_owned();
-        let made = self.low.is_none() && self.goal().is_none();
+        let made = self.low.is_none() && !self.searches();
         let levels: Vec<String> =
             made.then_some(self.triangles()).into_iter().chain(self.lods()).map(|n| n.to_string()).collect();
         let [width, height] = self.size();
         let parts = [
             (!levels.is_empty()).then(|| format!("{} triangles", levels.join(", "))),
-            self.error.is_none().then(|| match width {
+            (!self.searches()).then(|| match width {
                 AUTO_SIZE => "maps of automatic size".into(),
                 _ => format!("maps of {width}×{height}"),
             }),
@@ -485,7 +496,7 @@ impl BakeArgs {
 
     /// Returns the levels asked for, else those for the use that are coarser than the mesh that is made.
     fn lods(&self) -> Vec<u32> {
-        let made = self.low.is_none() && self.goal().is_none();
+        let made = self.low.is_none() && !self.searches();
         match (self.lods.is_empty(), made) {
             (false, _) => self.lods.clone(),
             (true, false) => Vec::new(),

@@ -65,7 +65,7 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
     let mut report = Report::of(&written)?;
     let proved = match args.no_verify {
         true => None,
-        false => Some(written.verify(scan, &args.proof.options_of_page(true), progress)),
+        false => Some(written.verify(scan, &bake_page::options(args.proof_options(), true), progress)),
     };
     report.stages = clock.done();
     if let Some(proof) = proved {
@@ -103,7 +103,7 @@ fn check_memory(args: &BakeArgs, baked: &Need, limits: Limits) -> Result<()> {
 
 /// Puts what was measured into the report.
 fn tell(args: &BakeArgs, report: &mut Report, (written, proof): (&Written, &Proof)) -> Result<()> {
-    let (options, signature) = (args.proof.options(), args.proof.signature());
+    let (options, signature) = (args.proof_options(), args.proof.signature());
     console::say_warnings(&proof.warnings);
     report.warnings.extend(Warning::list(&proof.warnings));
     report.proof = Some(proof.figures.clone());

@@ -30,7 +30,7 @@ struct Work<'a> {
 impl Schedule {
     /// Makes the schedule of all that follows reading the scan; `None` for a search, whose number of trials nobody knows.
     pub fn of(options: &BakeOptions, scan: ScanSize, is_packed: bool) -> Option<Self> {
-        if options.goal.is_some() {
+        if options.searches() {
             return None;
         }
         let options = &options.sized(scan);

@@ -289,8 +289,8 @@ fn lightened(
     progress: Progress<'_>,
 ) -> Result<Lightened> {
     let options = recipe.options;
-    if let Some(goal) = &options.goal {
-        let found = smallest(recipe, scan, goal, progress)?;
+    if options.searches() {
+        let found = smallest(recipe, scan, progress)?;
         warnings.absorb(found.warnings);
         return found_asset(scan, found.smallest, found.trials);
     }

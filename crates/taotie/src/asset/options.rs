@@ -91,13 +91,16 @@ pub struct BakeOptions {
     /// The low-poly mesh; `None` simplifies the scan. A file of several materials, or a glTF file of several meshes or one
     /// that moves, stays as it is, and each of its materials gets maps of its own.
     pub low: Option<MeshSource>,
-    /// Triangles of the low-poly mesh, at least 4; not read with `low` or `goal`.
+    /// Triangles of the low-poly mesh, at least 4; not read with `low`, `goal` or `bytes`.
     pub triangles: u32,
     /// Finds the asset of the fewest bytes that meets these requirements, as far as they are about angles and colours as seen;
     /// what is said of neither stays as [`Requirement::visually_lossless`] has it. It may have a normal map or none, or be the
     /// scan itself, packed. Then neither `triangles` and `size` nor the packing are read.
     #[cfg_attr(feature = "serde", serde(with = "requirement_text::optional"))]
     pub goal: Option<Vec<Requirement>>,
+    /// Finds the asset that is nearest to the scan, by the limits of `goal`, among those of at most so many bytes, metadata
+    /// included. With `goal` one that meets it is enough.
+    pub bytes: Option<u64>,
     /// Triangles of further levels of detail, each fewer than the one before.
     pub lods: Vec<u32>,
     /// `true` where no uvs may be made, since no file will hold them: `low` is needed then, with uvs. For maps alone.
@@ -140,6 +143,7 @@ impl Default for BakeOptions {
             low: None,
             triangles: 50_000,
             goal: None,
+            bytes: None,
             lods: Vec::new(),
             keep_uvs: false,
             size: 2048,
@@ -223,7 +227,7 @@ impl BakeOptions {
     }
 
     fn check_levels(&self) -> Result<()> {
-        let made = (self.low.is_none() && self.goal.is_none()).then_some(self.triangles);
+        let made = (self.low.is_none() && !self.searches()).then_some(self.triangles);
         let levels: Vec<u32> = made.into_iter().chain(self.lods.iter().copied()).collect();
         match levels.windows(2).find(|pair| pair[0] <= pair[1]) {
             Some(pair) => Err(Error::invalid(
@@ -235,8 +239,12 @@ impl BakeOptions {
     }
 
     fn check_goal(&self) -> Result<()> {
-        let Some(goal) = &self.goal else { return Ok(()) };
-        let what = requirement_text::argument(goal);
+        if !self.searches() {
+            return Ok(());
+        }
+        let bytes = self.bytes.map(|bytes| format!("bytes={bytes}"));
+        let goal = self.goal.as_deref().map(requirement_text::argument);
+        let what = goal.into_iter().chain(bytes).collect::<Vec<_>>().join(",");
         if self.low.is_some() {
             return Err(Error::invalid(
                 what,
@@ -249,6 +257,11 @@ impl BakeOptions {
             return Err(Error::invalid(what, why));
         }
         Ok(())
+    }
+
+    /// Returns `true` if the asset is searched for.
+    pub fn searches(&self) -> bool {
+        self.goal.is_some() || self.bytes.is_some()
     }
 
     /// Returns `true` if a search can find the smallest asset: no mesh is given, nor levels of detail, and it can judge each map:

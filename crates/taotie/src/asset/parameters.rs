@@ -87,7 +87,7 @@ impl Parameters {
             GreenChannel::Down => "down",
         };
         let auto = |value: Option<f64>| value.map_or(json!("auto"), |value| json!(value));
-        let searched = options.goal.is_some();
+        let searched = options.searches();
         let (distance, cage) = match &options.ray_distance {
             RayDistance::Auto => (None, None),
             RayDistance::Uniform(distance) => (Some(*distance), None),
@@ -96,6 +96,7 @@ impl Parameters {
         Self(json!({
             "triangles": (options.low.is_none() && !searched).then_some(options.triangles),
             "goal": options.goal.as_deref().map(requirement_text::argument),
+            "bytes": options.bytes,
             "lods": options.lods,
             "size": match options.is_square() {
                 true => json!((!searched).then_some(options.size)),

@@ -242,7 +242,7 @@ fn stored(options: &BakeOptions) -> Maps {
 fn is_dithered(maps: &BakedMaps, normals: &[[f32; 3]], options: &BakeOptions) -> bool {
     let is_covered = |i: usize| maps.texels[i] != TexelStatus::Free;
     let map = CoveredNormals { size: maps.size(), normals, is_covered: &is_covered };
-    options.bits == 8 && options.goal.is_none() && map.banded_share() > MOST_BANDED
+    options.bits == 8 && !options.searches() && map.banded_share() > MOST_BANDED
 }
 
 fn color(maps: &BakedMaps) -> Result<Bitmap> {

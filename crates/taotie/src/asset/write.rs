@@ -115,9 +115,10 @@ pub(super) fn possible_files(path: &Path, options: &BakeOptions, packing: &Packi
         return maps_alone::possible_files(path);
     }
     let beside = options.maps.iter().map(|map| path.with_extension(format!("{}.png", map.name())));
-    let format = match options.goal {
-        Some(_) => Rounding::default().format(true),
-        None => packing.format(),
+    let format = match options.searches() {
+        // A search may choose JPEG for any map.
+        true => GltfFormat { jpeg: Some(100), ..Rounding::default().format(true) },
+        false => packing.format(),
     };
     io::gltf_files(path, &format).into_iter().chain(beside).collect()
 }

@@ -25,6 +25,8 @@ const NUMBERS: [Limit; 2] = [
 pub(super) struct Goal {
     angles: Vec<Limit>,
     colors: Vec<Limit>,
+    /// Of roughness, metallic and the like.
+    numbers: Vec<Limit>,
 }
 
 /// A limit of a statistic of differences.
@@ -59,7 +61,16 @@ impl Goal {
         Self {
             angles: limits(&[Figure::MeanAngle, Figure::P95Angle, Figure::PatchAngle, Figure::WithinAngle]),
             colors: limits(&[Figure::MeanColor, Figure::P95Color, Figure::PatchColor, Figure::WithinColor]),
+            numbers: NUMBERS.to_vec(),
         }
+    }
+
+    /// Returns the goal with all limits so many times as large.
+    pub fn times(&self, factor: f64) -> Self {
+        let times = |limits: &[Limit]| {
+            limits.iter().map(|limit| Limit { most: limit.most * factor, ..*limit }).collect()
+        };
+        Self { angles: times(&self.angles), colors: times(&self.colors), numbers: times(&self.numbers) }
     }
 
     /// Returns how many times the limits of angles and of colours differences in rising order are, the worst of each; `None`
@@ -72,13 +83,13 @@ impl Goal {
         (worst(&self.angles, &seen.angles), color)
     }
 
-    /// Returns how many times their limit the differences of an image as seen are, in rising order; infinite if no pixel shows it. Those
-    /// of numbers that are neither colours nor normals have limits of their own.
+    /// Returns how many times their limit the differences of an image as seen are, in rising order; infinite if no pixel shows
+    /// it. Those of numbers that are neither colours nor normals have limits of their own.
     pub fn image_ratio(&self, encoding: Encoding, differences: &[f32]) -> f64 {
         let limits: &[Limit] = match encoding {
             Encoding::Normal => &self.angles,
             Encoding::Srgb => &self.colors,
-            Encoding::Linear => &NUMBERS,
+            Encoding::Linear => &self.numbers,
         };
         limits.iter().map(|limit| limit.ratio(differences)).fold(0.0, f64::max)
     }
@@ -87,11 +98,6 @@ impl Goal {
     pub fn ratio_of_mean(&self, mean: f64) -> f64 {
         mean / self.angles.iter().map(Limit::mean).fold(f64::INFINITY, f64::min)
     }
-}
-
-/// Returns `true` if a trial is near enough to the scan.
-pub(super) fn is_met(trial: &Trial) -> bool {
-    trial.angle_ratio <= 1.0 && trial.color_ratio.is_none_or(|ratio| ratio <= 1.0)
 }
 
 /// Returns `true` if a trial reaches the goal and another one would hardly be smaller.

@@ -4,6 +4,7 @@
 //! measured by itself, and together they give an estimate of the smallest candidate; that is made, read back and measured.
 
 mod bare;
+mod budget;
 mod curve;
 mod encodings;
 mod forecast;

@@ -5,7 +5,7 @@ use super::goal::Goal;
 use super::trial::Trial;
 use super::winner::{Best, Candidate, Winner};
 use super::workshop::{Draft, Rounding, Subject, Workshop};
-use super::{mapped, other_maps, packed};
+use super::{budget, mapped, other_maps, packed};
 use crate::asset::low::{self, LowPoly};
 use crate::asset::maps::{Recipe, StoredMaps};
 use crate::asset::requirement::Requirement;
@@ -42,36 +42,23 @@ pub(in crate::asset) struct MadeAsset {
     pub rounding: Rounding,
 }
 
-/// Finds the asset of the fewest bytes that meets requirements; the one that comes nearest if none does, with a warning.
+/// Finds the asset of the fewest bytes that meets the goal of a bake, or the nearest one within its budget of bytes; the one
+/// that comes nearest if none does, with a warning.
 ///
 /// # Errors
 /// Those of making candidates if none can be made.
-pub(in crate::asset) fn smallest(
-    recipe: Recipe<'_>,
-    scan: &Scan,
-    required: &[Requirement],
-    progress: Progress<'_>,
-) -> Result<Found> {
+pub(in crate::asset) fn smallest(recipe: Recipe<'_>, scan: &Scan, progress: Progress<'_>) -> Result<Found> {
     scan.sort(progress)?;
     let side = Side::of(scan.sorted());
     let mut warnings = Warnings::default();
     let seen = low::seen(scan, &mut warnings)?;
-    let mut workshop = Workshop::new(recipe, Goal::of(required), Subject { scan, seen: &seen, side: &side });
-    let mut best = Best::default();
-    if workshop.packs_first() {
-        packed::smallest(&mut workshop, &mut best, progress)?;
-    }
-    // What is made of a scan moves no more.
-    let is_packed = best.is_mostly_textures() || (scan.about.is_rigged && best.bytes().is_finite());
-    if !is_packed && let Some(size) = other_maps::chosen(&mut workshop, &best, progress)? {
-        Bare::smallest(&mut workshop, size, &mut best, progress)?;
-        mapped::smallest(&mut workshop, size, &mut best, progress)?;
-    }
-    // Nothing is larger than the scan, nor farther from it than need be.
-    let is_enough = best.bytes() <= bytes_of(scan);
-    if !is_enough && workshop.may_pack() && !workshop.packs_first() {
-        packed::smallest(&mut workshop, &mut best, progress)?;
-    }
+    let required = recipe.options.goal.clone().unwrap_or_else(Requirement::visually_lossless);
+    let goal = Goal::of(&required);
+    let mut workshop = Workshop::new(recipe, goal.clone(), Subject { scan, seen: &seen, side: &side });
+    let best = match recipe.options.bytes {
+        Some(most) => budget::within(&mut workshop, &goal, most, progress)?,
+        None => round(&mut workshop, progress)?,
+    };
     let Some(Winner { candidate, trial }) = best.into_winner() else { return Err(none_at_all(workshop)) };
     let smallest = match candidate {
         Candidate::Packed { glb, .. } => {
@@ -85,8 +72,17 @@ pub(in crate::asset) fn smallest(
             Smallest::Made(Box::new(MadeAsset { low, maps, size: shape.size, rounding }))
         }
     };
-    if !trial.is_near {
-        warnings.note(none_near_enough(required, &trial), 1);
+    if !trial.is_near && workshop.has_goal() {
+        warnings.note(none_near_enough(&required, &trial), 1);
+    }
+    if let Some(most) = recipe.options.bytes.filter(|most| trial.bytes > *most) {
+        warnings.note(
+            format!(
+                "no asset that was tried has at most {most} bytes; this is the smallest, {}",
+                trial.bytes
+            ),
+            1,
+        );
     }
     let Workshop { mut trials, refused, not_packed, .. } = workshop;
     trials.iter_mut().filter(|own| **own == trial).take(1).for_each(|own| own.is_chosen = true);
@@ -95,6 +91,26 @@ pub(in crate::asset) fn smallest(
         .for_each(|error| warnings.note(format!("not considered: the packed scan: {error}"), 1));
     refused.into_values().for_each(|error| warnings.note(format!("not considered: {error}"), 1));
     Ok(Found { smallest, trials, warnings })
+}
+
+/// Returns the smallest candidate that meets the goal of a workshop, or the nearest one.
+pub(super) fn round(workshop: &mut Workshop<'_>, progress: Progress<'_>) -> Result<Best> {
+    let (mut best, scan) = (Best::default(), workshop.scan());
+    if workshop.packs_first() {
+        packed::smallest(workshop, &mut best, progress)?;
+    }
+    // What is made of a scan moves no more.
+    let is_packed = best.is_mostly_textures() || (scan.about.is_rigged && best.bytes().is_finite());
+    if !is_packed && let Some(size) = other_maps::chosen(workshop, &best, progress)? {
+        Bare::smallest(workshop, size, &mut best, progress)?;
+        mapped::smallest(workshop, size, &mut best, progress)?;
+    }
+    // Nothing is larger than the scan, nor farther from it than need be.
+    let is_enough = best.bytes() <= bytes_of(scan);
+    if !is_enough && workshop.may_pack() && !workshop.packs_first() {
+        packed::smallest(workshop, &mut best, progress)?;
+    }
+    Ok(best)
 }
 
 /// Returns the bytes of a scan's files; infinite in memory.

@@ -49,6 +49,13 @@ pub struct Trial {
 }
 
 impl Trial {
+    /// Takes ratios to limits that are so many times as large for those to the limits themselves.
+    pub(super) fn scale(&mut self, factor: f64) {
+        self.angle_ratio *= factor;
+        self.color_ratio = self.color_ratio.map(|ratio| ratio * factor);
+        self.is_near = self.ratio() <= 1.0;
+    }
+
     /// Returns how many times the limits its differences are, at worst.
     pub(super) fn ratio(&self) -> f64 {
         self.angle_ratio.max(self.color_ratio.unwrap_or_default())

@@ -45,6 +45,18 @@ impl Best {
         self.near().map_or(f64::INFINITY, |winner| winner.trial.bytes as f64)
     }
 
+    /// Does what [`Trial::scale`] does.
+    pub fn scale(&mut self, factor: f64) {
+        if let Some(winner) = &mut self.so_far {
+            winner.trial.scale(factor);
+        }
+    }
+
+    /// Returns the bytes of the best candidate; infinite if there is none.
+    pub fn least_bytes(&self) -> f64 {
+        self.so_far.as_ref().map_or(f64::INFINITY, |winner| winner.trial.bytes as f64)
+    }
+
     /// Returns `true` if most of its bytes are textures of the scan: what is made from the scan needs them, too, and has more
     /// vertices at UV islands of its own.
     pub fn is_mostly_textures(&self) -> bool {

@@ -1,6 +1,6 @@
 //! Candidates of a search, made as they would be written, read back and measured.
 
-use super::goal::{Goal, Statistic, is_met};
+use super::goal::{Goal, Statistic};
 use super::trial::Trial;
 use crate::asset::judgement::{Pair, refuse_astray};
 use crate::asset::low::{self, LowPoly, Relief};
@@ -192,6 +192,11 @@ impl<'a> Workshop<'a> {
         self.may_pack() && (self.has_material || self.subject.scan.about.is_rigged)
     }
 
+    /// Returns `true` if it was asked for a goal, not for a number of bytes alone.
+    pub fn has_goal(&self) -> bool {
+        self.recipe.options.goal.is_some()
+    }
+
     /// Returns `true` if there are maps beside that of normals.
     pub fn has_other_maps(&self) -> bool {
         !self.plain.maps.is_empty()
@@ -277,7 +282,7 @@ impl<'a> Workshop<'a> {
             color_ratio,
             ..about
         };
-        trial.is_near = is_met(&trial);
+        trial.is_near = trial.ratio() <= 1.0;
         self.trials.push(trial);
         Ok(trial)
     }

@@ -1,0 +1,73 @@
+//! The best asset within a number of bytes.
+
+use super::goal::Goal;
+use super::smallest::round;
+use super::winner::Best;
+use super::workshop::Workshop;
+use crate::error::Result;
+use crate::math::scalar::{exp, ln};
+use crate::progress::Progress;
+
+/// Searches at most, each for a goal that is nearer to the budget.
+const ROUNDS: usize = 5;
+/// The part of the budget that is enough.
+const ENOUGH: f64 = 0.93;
+/// Differences grow about with this power of the bytes that are saved, until two rounds say with which, and the range of it.
+const POWER: f64 = 0.8;
+const LEAST_POWER: f64 = 0.2;
+const MOST_POWER: f64 = 3.0;
+/// The farthest goals, as factors of the limits.
+const RANGE: [f64; 2] = [0.05, 100.0];
+/// Bytes of metadata that every asset has.
+const METADATA: f64 = 1_500.0;
+
+/// Returns the candidate that is nearest to the scan among those with at most `most` bytes. If a goal is asked for, one that
+/// meets it and is smaller is enough. The smallest that was found if all are larger.
+pub(super) fn within(
+    workshop: &mut Workshop<'_>,
+    goal: &Goal,
+    most: u64,
+    progress: Progress<'_>,
+) -> Result<Best> {
+    let scan = workshop.scan();
+    let xmp = scan.about.xmp.as_ref().map_or(0, |xmp| xmp.to_string().len());
+    let most = (most as f64 - METADATA - xmp as f64).max(0.0);
+    let is_goal_enough = workshop.has_goal();
+    let (mut found, mut factor): (Option<Best>, f64) = (None, 1.0);
+    // The largest factor with too many bytes, and the smallest with few enough.
+    let [mut low, mut high] = [0.0, f64::INFINITY];
+    let mut rounds = Vec::with_capacity(ROUNDS);
+    for _ in 0..ROUNDS {
+        workshop.goal = goal.times(factor);
+        let before = workshop.trials.len();
+        let mut best = round(workshop, progress)?;
+        workshop.trials[before..].iter_mut().for_each(|trial| trial.scale(factor));
+        best.scale(factor);
+        let bytes = best.least_bytes();
+        let is_smaller = found.as_ref().is_none_or(|known| bytes < known.least_bytes());
+        if bytes <= most {
+            high = factor;
+            found = Some(best);
+        } else {
+            low = factor;
+            if found.as_ref().is_none_or(|known| known.least_bytes() > most) && is_smaller {
+                found = Some(best);
+            }
+        }
+        let is_done = bytes <= most && (bytes >= ENOUGH * most || (is_goal_enough && factor == 1.0));
+        if is_done || factor == RANGE[usize::from(bytes > most)] {
+            break;
+        }
+        let power = rounds.last().map_or(POWER, |[known, of_known]: &[f64; 2]| {
+            (ln(factor / known) / ln(of_known / bytes)).clamp(LEAST_POWER, MOST_POWER)
+        });
+        rounds.push([factor, bytes]);
+        let next = (factor * exp(ln(bytes / most.max(1.0)) * power)).clamp(RANGE[0], RANGE[1]);
+        factor = match (low > 0.0, high.is_finite()) {
+            (true, true) if next <= low || next >= high => (low * high).sqrt(),
+            _ => next,
+        };
+    }
+    workshop.goal = goal.clone();
+    Ok(found.unwrap_or_default())
+}
