@@ -22,6 +22,9 @@ use taotie::scene::{
 use taotie::{Error, Progress, Result};
 
 #[allow(dead_code, reason = "its `main` is for the command line")]
+mod common;
+#[path = "common/files.rs"]
+mod files;
 #[path = "../examples/scan_to_asset.rs"]
 mod scan_to_asset;
 
@@ -105,6 +108,27 @@ fn a_scan_that_is_smallest_as_it_is_is_packed() {
     // Without the scan's materials it is made anew.
     let asset = Baker::new(BakeOptions { carry: false, ..wanted }).bake(&scan, Progress::SILENT).unwrap();
     assert!(asset.trials().iter().all(|trial| !trial.is_scan));
+}
+
+/// Nothing that is baked moves.
+#[test]
+fn a_scan_that_moves_is_packed_as_a_whole() {
+    let moving =
+        files::data_files("khronos-gltf-sample-assets", &["gltf", "glb"]).into_iter().filter(|path| {
+            load_model(path).is_ok_and(|loaded| loaded.rig.is_some() && loaded.scene.triangle_count() < 5_000)
+        });
+    for path in moving {
+        let scan = Scan::read(&path, &Limits::default(), Progress::SILENT).unwrap();
+        let goal = Some(Requirement::visually_lossless());
+        let wanted = BakeOptions { goal, ..BakeOptions::default() };
+        let asset = Baker::new(wanted).bake(&scan, Progress::SILENT).unwrap();
+        let out = tempfile::tempdir().unwrap();
+        let written = asset.write(out.path().join("m.glb"), &Packing::default(), Progress::SILENT).unwrap();
+        let own = load_model(&path).unwrap();
+        let packed = load_model(written.path()).unwrap();
+        assert!(asset.origin().is_scan && packed.rig.is_some(), "{}", path.display());
+        assert_eq!(own.moving, packed.moving, "{}", path.display());
+    }
 }
 
 #[test]

@@ -482,6 +482,33 @@ fn the_smallest_that_is_near_enough() {
 }
 
 #[test]
+fn without_options_the_smallest_that_looks_the_same_is_found() {
+    let place = Place::with("scan.obj", SCAN.obj());
+    let report = place.json("bake scan.obj -o out.glb --json --require visually-lossless");
+    assert_eq!(report["certificate"]["verdict"], "met");
+    let chosen = |report: &Value| -> Value {
+        let trials = report["trials"].as_array().unwrap();
+        trials.iter().find(|trial| trial["is_chosen"] == true).expect("one is chosen").clone()
+    };
+    let lossless = chosen(&report);
+    assert!(number(&report, "/proof/bytes_out") < number(&report, "/proof/bytes_in") / 5.0);
+    let alone = place.json("bake scan.obj -o alone.glb --json --no-verify");
+    assert_eq!(chosen(&alone), lossless, "it is the goal of a bake without one");
+    // Half of the bytes are as near as they can be.
+    let half = number(&report, "/proof/bytes_out") * 0.5;
+    let line = format!("bake scan.obj -o half.glb --json --bytes {half:.0}B");
+    let report = place.json(&line);
+    assert!((0.8 * half..=half).contains(&number(&report, "/proof/bytes_out")), "{half}");
+    let ratio = number(&chosen(&report), "/angle_ratio");
+    assert!(ratio > 1.2 && chosen(&report)["is_near"] == false, "{ratio}");
+    let few = place.taotie("bake scan.obj -o few.glb --bytes 1kB").assert().code(1);
+    assert!(
+        String::from_utf8_lossy(&few.get_output().stderr)
+            .contains("no asset that was tried has at most 1000")
+    );
+}
+
+#[test]
 fn without_a_proof_there_is_no_report() {
     let place = pair();
     place

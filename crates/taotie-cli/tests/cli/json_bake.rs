@@ -116,6 +116,7 @@ struct Simplified {
 struct Parameters {
     triangles: Option<u32>,
     goal: Option<String>,
+    bytes: Option<u64>,
     lods: Vec<u32>,
     size: Option<u32>,
     maps: Vec<String>,
@@ -423,6 +424,7 @@ fn of_a_pair() {
     let parameters = Parameters {
         triangles: None,
         goal: None,
+        bytes: None,
         lods: vec![],
         size: Some(64),
         maps: vec!["normal".into(), "height".into()],

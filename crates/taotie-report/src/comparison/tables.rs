@@ -85,8 +85,17 @@ fn row(names: [&str; 4], figures: &PictureFigures) -> [String; 11] {
 
 /// Returns a row for each sample point and method.
 fn points(report: &Document) -> Csv<9> {
-    let columns =
-        ["point", "x_px", "y_px", "method", "normal_x", "normal_y", "normal_z", "angle_to_first_deg", "goal"];
+    let columns = [
+        "point",
+        "x_px",
+        "y_px",
+        "method",
+        "normal_x",
+        "normal_y",
+        "normal_z",
+        "angle_to_first_deg",
+        "error_deg",
+    ];
     let mut csv = Csv::new(columns);
     for (i, point) in report.points.iter().enumerate() {
         for normal in &point.normals {

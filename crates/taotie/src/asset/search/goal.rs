@@ -14,6 +14,11 @@ const PATCH: f64 = 0.01;
 const P95_OF_MEAN: f64 = 2.5;
 const PATCH_OF_MEAN: f64 = 6.0;
 
+/// The figures that limit angles, and those that limit colours.
+const ANGLES: [Figure; 4] = [Figure::MeanAngle, Figure::P95Angle, Figure::PatchAngle, Figure::WithinAngle];
+const COLORS: [Figure; 4] = [Figure::MeanColor, Figure::P95Color, Figure::PatchColor, Figure::WithinColor];
+/// The most times the limits of colours, and of other numbers, that are visually lossless are, where none is asked for.
+const MOST_FACTORS: [f64; 2] = [2.0, 4.0];
 /// Limits of roughness, metallic and the like, in parts of the largest number.
 const NUMBERS: [Limit; 2] = [
     Limit { statistic: Statistic::Mean, most: 0.02 },
@@ -36,6 +41,11 @@ struct Limit {
     most: f64,
 }
 
+/// Returns limits so many times as large.
+fn times(limits: &[Limit], factor: f64) -> Vec<Limit> {
+    limits.iter().map(|limit| Limit { most: limit.most * factor, ..*limit }).collect()
+}
+
 /// A statistic of differences.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Statistic {
@@ -47,30 +57,29 @@ pub(super) enum Statistic {
 }
 
 impl Goal {
-    /// Makes the goal of the requirements that pixels decide. Angles or colours without any keep to those of
-    /// [`Requirement::visually_lossless`].
+    /// Makes the goal of the requirements that pixels decide. Angles without any keep to those of
+    /// [`Requirement::visually_lossless`]. So do colours, but where normals may be farther off, so may colours: up to twice.
     pub fn of(requirements: &[Requirement]) -> Self {
-        let limits = |figures: &[Figure]| -> Vec<Limit> {
-            let of = |from: &[Requirement]| {
-                let finest = from.iter().filter(|required| required.level.is_none_or(|level| level == 0));
-                finest.filter(|required| figures.contains(&required.figure)).filter_map(Limit::of).collect()
-            };
-            let required: Vec<Limit> = of(requirements);
-            if required.is_empty() { of(&Requirement::visually_lossless()) } else { required }
+        let lossless = Requirement::visually_lossless();
+        let of = |from: &[Requirement], figures: &[Figure]| -> Vec<Limit> {
+            let finest = from.iter().filter(|required| required.level.is_none_or(|level| level == 0));
+            finest.filter(|required| figures.contains(&required.figure)).filter_map(Limit::of).collect()
         };
-        Self {
-            angles: limits(&[Figure::MeanAngle, Figure::P95Angle, Figure::PatchAngle, Figure::WithinAngle]),
-            colors: limits(&[Figure::MeanColor, Figure::P95Color, Figure::PatchColor, Figure::WithinColor]),
-            numbers: NUMBERS.to_vec(),
-        }
+        let required = |figures: &[Figure], factor: f64| {
+            let required = of(requirements, figures);
+            if required.is_empty() { times(&of(&lossless, figures), factor) } else { required }
+        };
+        let least = |limits: &[Limit]| limits.iter().map(Limit::mean).fold(f64::INFINITY, f64::min);
+        let angles = required(&ANGLES, 1.0);
+        let factor = (least(&angles) / least(&of(&lossless, &ANGLES))).max(1.0);
+        let [colors, numbers] = MOST_FACTORS.map(|most| factor.min(most));
+        Self { angles, colors: required(&COLORS, colors), numbers: times(&NUMBERS, numbers) }
     }
 
     /// Returns the goal with all limits so many times as large.
     pub fn times(&self, factor: f64) -> Self {
-        let times = |limits: &[Limit]| {
-            limits.iter().map(|limit| Limit { most: limit.most * factor, ..*limit }).collect()
-        };
-        Self { angles: times(&self.angles), colors: times(&self.colors), numbers: times(&self.numbers) }
+        let Self { angles, colors, numbers } = self;
+        Self { angles: times(angles, factor), colors: times(colors, factor), numbers: times(numbers, factor) }
     }
 
     /// Returns how many times the limits of angles and of colours differences in rising order are, the worst of each; `None`
@@ -189,7 +198,8 @@ mod tests {
     #[test]
     fn what_is_not_required_stays_visually_lossless() {
         let (lossless, wanted) = (Goal::of(&[]), goal(&["mean-angle@0=4", "flip=0.1", "mean-angle@1=0.1"]));
-        assert_eq!(wanted.ratios(&seen()).1, lossless.ratios(&seen()).1);
+        assert_eq!(wanted.ratios(&seen()).1.map(|ratio| ratio * 2.0), lossless.ratios(&seen()).1);
+        assert_eq!(goal(&["mean-angle=0.1"]).ratios(&seen()).1, lossless.ratios(&seen()).1);
         assert!((wanted.ratio_of_mean(1.0) - 0.25).abs() < 1e-9, "of level 0 alone");
     }
 
