@@ -21,10 +21,10 @@ use taotie::scene::{
 };
 use taotie::{Error, Progress, Result};
 
-#[allow(dead_code, reason = "its `main` is for the command line")]
 mod common;
 #[path = "common/files.rs"]
 mod files;
+#[allow(dead_code, reason = "its `main` is for the command line")]
 #[path = "../examples/scan_to_asset.rs"]
 mod scan_to_asset;
 

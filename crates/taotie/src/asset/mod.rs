@@ -58,6 +58,7 @@ mod memory;
 mod met;
 mod metalness;
 mod misses;
+mod named_requirements;
 mod notes;
 mod options;
 mod packing;

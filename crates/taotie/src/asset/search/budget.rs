@@ -1,7 +1,7 @@
 //! The best asset within a number of bytes.
 
 use super::goal::Goal;
-use super::smallest::round;
+use super::round::round;
 use super::winner::Best;
 use super::workshop::Workshop;
 use crate::error::Result;

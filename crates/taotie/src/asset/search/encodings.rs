@@ -159,7 +159,7 @@ fn sides(own: u32) -> impl Iterator<Item = u32> {
 mod tests {
     use super::*;
     use crate::image::{Sampler, Texels};
-    use crate::math::Mat4;
+    use crate::math::{Mat4, scalar::sin};
     use crate::mesh::Mesh;
     use crate::proof::{Relook, Side};
     use crate::scene::{Instance, Material, Scene, SceneData, TextureRef, UvTransform};
@@ -168,10 +168,10 @@ mod tests {
 
     /// Smooth waves of colour.
     fn waves() -> Bitmap {
-        let code = |v: f32| (v * 127.0 + 128.0) as u8;
+        let code = |v: f64| (sin(v) * 127.0 + 128.0) as u8;
         let texel = |i: u32| {
-            let [x, y] = [i % SIDE, i / SIDE].map(|k| k as f32 * 0.1);
-            [code(x.sin()), code((x + y).cos()), code(y.sin()), 255]
+            let [x, y] = [i % SIDE, i / SIDE].map(|k| f64::from(k) * 0.1);
+            [code(x), code(x + y), code(y), 255]
         };
         let texels = (0..SIDE * SIDE).map(texel).collect();
         Bitmap::new(SIDE, SIDE, 3, Texels::U8(texels)).unwrap()

@@ -13,6 +13,7 @@ mod map_size;
 mod mapped;
 mod other_maps;
 mod packed;
+mod round;
 mod smallest;
 mod trial;
 mod winner;

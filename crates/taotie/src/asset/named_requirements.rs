@@ -1,0 +1,55 @@
+//! Requirements that have a name together.
+
+use super::figure::Figure;
+use super::requirement::Requirement;
+use crate::error::Result;
+
+impl Requirement {
+    /// Returns what `--require standard` demands: a mean angle of at most 1° and p95 of 5° as seen, no window of 1 % of the
+    /// surface with more than 10° or ΔE 3 on average, at most 0.1 % missed, a Hausdorff distance of at most 1 % of the
+    /// diagonal, and a mean colour difference of at most ΔE 1. Limits of colours hold only if colours are compared.
+    pub fn standard() -> Vec<Self> {
+        vec![
+            Self::mean_angle_deg(1.0),
+            Self::of(Figure::P95Angle, 5.0),
+            Self::of(Figure::PatchAngle, 10.0),
+            Self::missed(0.001),
+            Self::hausdorff(0.01),
+            Self { if_compared: true, ..Self::mean_color(1.0) },
+            Self { if_compared: true, ..Self::of(Figure::PatchColor, 3.0) },
+        ]
+    }
+
+    /// Returns what `--require visually-lossless` demands, and what a bake aims at if nothing else is asked for: a mean angle of
+    /// at most 0.5° and p95 of 2° as seen, a mean colour difference of at most ΔE 0.5 and p95 of 1.5, and no window of 1 % of
+    /// the surface with more than ΔE 3 on average. Limits of colours hold only if colours are compared.
+    pub fn visually_lossless() -> Vec<Self> {
+        let of_color = |figure, most| Self { if_compared: true, ..Self::of(figure, most) };
+        vec![
+            Self::mean_angle_deg(0.5),
+            Self::of(Figure::P95Angle, 2.0),
+            of_color(Figure::MeanColor, 0.5),
+            of_color(Figure::P95Color, 1.5),
+            of_color(Figure::PatchColor, 3.0),
+        ]
+    }
+
+    /// Returns the requirements that have a name together, each list with its name.
+    pub(super) fn named() -> [(&'static str, Vec<Self>); 2] {
+        [("standard", Self::standard()), ("visually-lossless", Self::visually_lossless())]
+    }
+
+    /// Reads requirements, such as `mean-angle=2`, or the name of several: `standard` for [`Requirement::standard`],
+    /// `visually-lossless` for [`Requirement::visually_lossless`]. They are separated by commas.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if one is neither.
+    pub fn read(text: &str) -> Result<Vec<Self>> {
+        let named = Self::named();
+        let one = |text: &str| match named.iter().find(|(name, _)| *name == text.trim()) {
+            Some((_, several)) => Ok(several.clone()),
+            None => Ok(vec![text.parse()?]),
+        };
+        Ok(text.split(',').map(one).collect::<Result<Vec<_>>>()?.concat())
+    }
+}
