@@ -480,8 +480,8 @@ def bake(
         Find the asset of the fewest bytes whose mean normal error as seen is at most so many degrees: made of the scan, with
         a normal map or without, or the scan itself, packed. Packing options are not read.
     goal : sequence of str, optional
-        Find the asset of the fewest bytes that meets these requirements, such as ``["p95-angle=2", "mean-color=0.5"]``. If
-        none of `triangles`, `size`, `error` and `goal` is given, it is one that is ``visually-lossless``, unless `low`,
+        Find the asset of the fewest bytes that meets these requirements, such as ``["p95-angle=2", "mean-color=0.5"]``, as
+        far as they are about angles and colours as seen; with ``"bytes=500kB"`` the nearest that is so small. If none of `triangles`, `size`, `error` and `goal` is given, it is one that is ``visually-lossless``, unless `low`,
         `lods`, or maps are asked for that a search cannot judge.
     lods : sequence of int
         Triangles of further levels of detail.
@@ -535,10 +535,14 @@ def bake(
         raise invalid(f"maps {maps!r}", "give a sequence of names, such as ['normal', 'ao']")
     side: int | tuple[int, int] | str = 2048 if size is None else size
     width, height = (side, side) if isinstance(side, int | str) else side
+    if isinstance(goal, str):
+        raise invalid(f"goal {goal!r}", "give a sequence of requirements, such as ['mean-angle=1']")
+    if error is not None and not 0 < error < 180:
+        raise invalid(f"an error of {error}", "give degrees above 0 and below 180")
     wanted = list(goal) if error is None else [f"mean-angle={error}", *goal]
-    is_by_hand = triangles is not None or size is not None
+    is_by_hand = triangles is not None or size is not None or bits != 8
     if wanted and is_by_hand:
-        raise invalid("goal", "triangles and size are what a search finds; leave one of them out")
+        raise invalid("goal", "a search chooses triangles, size and bits; leave them out")
     may_drop_goal = not wanted
     if not wanted and not is_by_hand:
         wanted = ["visually-lossless"]

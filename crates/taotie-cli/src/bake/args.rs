@@ -25,7 +25,7 @@ Examples:
   taotie bake scan.ply -o scan.glb --for web
   taotie bake scan.ply -o scan.glb --error 0.9 --require standard,bytes=3MB
 
-Without --low the scan is simplified and unwrapped. The asset is read back and measured against the scan: \
+Without --low the smallest asset is found that looks like the scan: made of it, or the scan itself, packed. The asset is read back and measured against the scan: \
 OUT.report.html and OUT.report.json, beside OUT, hold its normal error in degrees, its shape error, and where they are.";
 
 /// Bakes a high-poly scan to a low-poly glTF asset with a normal map, and measures the error.
@@ -55,12 +55,13 @@ pub struct BakeArgs {
     /// Find the smallest asset with a mean normal error, as seen, of at most DEG degrees: one that is made of the scan, or the
     /// scan itself, packed. Triangles, bits of vertices, normal map or none, sizes and qualities are chosen by what they cost.
     /// Files need EXT_meshopt_compression, and with maps WebP. Without it, and unless triangles, size or packing are chosen,
-    /// the smallest one that meets --require is found; without that, one that meets `visually-lossless`
+    /// the smallest one that meets what --require says of angles and colours as seen is found; without that, one that meets
+    /// `visually-lossless`
     #[arg(long, value_name = "DEG", value_parser = degrees, help_heading = "Low-poly mesh", conflicts_with_all = ["low", "triangles", "size", "purpose", "bits", "ktx2", "webp", "jpeg", "meshopt"])]
     pub error: Option<f64>,
     /// Find the asset nearest to the scan with at most so many bytes, such as 500kB. With --error or --require, one that meets
     /// them is enough. Exit with 1 if none is so small
-    #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Low-poly mesh", conflicts_with_all = ["low", "triangles", "size", "purpose", "bits", "ktx2", "webp", "jpeg", "meshopt"])]
+    #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Low-poly mesh", conflicts_with_all = ["low", "triangles", "size", "lods", "purpose", "bits", "ktx2", "webp", "jpeg", "meshopt", "no_verify"])]
     pub bytes: Option<u64>,
     /// Further levels of detail in the same file (MSFT_lod): the triangles of each, separated by commas
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = options::triangles, help_heading = "Low-poly mesh")]
@@ -397,7 +398,7 @@ impl BakeArgs {
 
     /// Returns the options of the bake.
     pub fn options(&self) -> BakeOptions {
-        BakeOptions { goal: self.goal(), bytes: self.most_bytes(), lods: self.lods(), ..self.unsearched() }
+        BakeOptions { goal: self.goal(), bytes: self.bytes, lods: self.lods(), ..self.unsearched() }
     }
 
     /// Returns the options of a bake that searches for nothing, without the levels of detail of a use.

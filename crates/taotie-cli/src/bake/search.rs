@@ -3,7 +3,7 @@
 use super::BakeArgs;
 use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
-use taotie::asset::{Figure, Requirement, VerifyOptions};
+use taotie::asset::{Requirement, VerifyOptions};
 use taotie::bake::MapKind;
 
 impl BakeArgs {
@@ -12,19 +12,11 @@ impl BakeArgs {
         let required = self.proof.requirements();
         match self.error {
             Some(most) => Some([vec![Requirement::mean_angle_deg(most)], required].concat()),
-            None if self.is_by_hand() => None,
+            None if self.bytes.is_none() && self.is_by_hand() => None,
             None if required.is_empty() && self.bytes.is_some() => None,
             None if required.is_empty() => Some(Requirement::visually_lossless()),
             None => Some(required),
         }
-    }
-
-    /// Returns the most bytes of the asset that is searched for; `None` if there is no limit, or nothing is searched.
-    pub(super) fn most_bytes(&self) -> Option<u64> {
-        let required = self.proof.requirements();
-        let of_bytes = required.iter().filter(|required| required.figure == Figure::Bytes);
-        let least = of_bytes.map(|required| required.most as u64).chain(self.bytes).min();
-        least.filter(|_| self.error.is_some() || self.bytes.is_some() || !self.is_by_hand())
     }
 
     /// Returns the options of the proof, which judges the number of bytes, too.
@@ -36,10 +28,11 @@ impl BakeArgs {
 
     /// Refuses a search that could not find anything.
     pub(super) fn check_search(&self) -> Result<()> {
+        let option = if self.error.is_some() { "--error" } else { "--bytes" };
         let is_asked = self.error.is_some() || self.bytes.is_some();
         if is_asked && (self.space == Space::Object || !self.maps().contains(&MapKind::Normal)) {
             bail!(
-                "--error needs a normal map in tangent space: add normal to --maps, leave out --space object"
+                "{option} needs a normal map in tangent space: add normal to --maps, leave out --space object"
             );
         }
         Ok(())
@@ -47,7 +40,7 @@ impl BakeArgs {
 
     /// Says whether an asset is searched for.
     pub(super) fn searches(&self) -> bool {
-        self.goal().is_some() || self.most_bytes().is_some()
+        self.goal().is_some() || self.bytes.is_some()
     }
 
     /// Says whether triangles, size or packing are chosen by hand, or something is asked for that no search can judge.

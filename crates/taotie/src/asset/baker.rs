@@ -117,8 +117,8 @@ impl Baker {
     /// # Errors
     /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`BakeOptions::check`] and of reading what the options
     /// name; [`Error::Limit`](crate::Error::Limit) where the memory does not suffice;
-    /// [`Error::Invalid`](crate::Error::Invalid) if simplification lost the scan's shape, no ray met the scan, or no mesh
-    /// and map come as near as is wanted.
+    /// [`Error::Invalid`](crate::Error::Invalid) if simplification lost the scan's shape, no ray met the scan, or a search
+    /// could make nothing at all. If it finds nothing that is near enough the asset is the nearest, with a warning.
     pub fn bake(&self, scan: impl Into<Scan>, progress: Progress<'_>) -> Result<Asset> {
         let (options, mut scan) = (Arc::clone(&self.options), scan.into());
         scan.limits.allow_outside |= self.limits.allow_outside;

@@ -43,7 +43,7 @@ impl Requirement {
     /// `visually-lossless` for [`Requirement::visually_lossless`]. They are separated by commas.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if one is neither.
+    /// [`Error::Invalid`](crate::Error::Invalid) if one is neither.
     pub fn read(text: &str) -> Result<Vec<Self>> {
         let named = Self::named();
         let one = |text: &str| match named.iter().find(|(name, _)| *name == text.trim()) {

@@ -98,6 +98,16 @@ impl Appearance {
         Ok(Self { premultiplied: read.map(of).collect::<Result<_>>()?, ..self })
     }
 
+    /// Does the same again for some textures that were replaced.
+    pub fn renew_visible_means(&mut self, textures: &[usize]) -> Result<()> {
+        for texture in textures {
+            if let Some(Some(known)) = self.premultiplied.get_mut(*texture) {
+                *known = premultiplied(&self.textures[*texture])?;
+            }
+        }
+        Ok(())
+    }
+
     /// Returns the material of a triangle.
     pub fn material(&self, triangle: u32) -> &Material {
         &self.materials[self.material_number(triangle)]

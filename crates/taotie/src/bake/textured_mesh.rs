@@ -163,7 +163,8 @@ impl TexturedMesh {
     pub(super) fn retextured(&self, textures: &[usize], with: &Texture) -> Result<Appearance> {
         let mut appearance = self.appearance.clone();
         textures.iter().for_each(|texture| appearance.textures[*texture] = with.clone());
-        appearance.with_visible_means()
+        appearance.renew_visible_means(textures)?;
+        Ok(appearance)
     }
 
     /// Returns what the material is at a point.

@@ -29,6 +29,8 @@ struct Seen {
     sum: Vec3,
     /// The sum of emission, or of metallic, roughness and occlusion.
     other: Vec3,
+    /// The sum of what is opaque, for colours.
+    alpha: f32,
 }
 
 impl<'a> Relook<'a> {
@@ -94,6 +96,7 @@ impl Seen {
             if encoding == Encoding::Srgb {
                 seen.sum += material.color;
                 seen.other += material.emission;
+                seen.alpha += material.alpha;
             } else {
                 seen.other += Vec3::new(material.metallic, material.roughness, material.occlusion);
             }
@@ -106,7 +109,11 @@ impl Seen {
         let [a, b] = [self, other].map(|seen| [mean(seen.sum), mean(seen.other)]);
         match encoding {
             Encoding::Normal => angle_deg(self.sum.to_f64(), other.sum.to_f64()) as f32,
-            Encoding::Srgb => color_difference(a[0], b[0]).max(color_difference(a[1], b[1])) as f32,
+            Encoding::Srgb => {
+                // From black to white as from clear to opaque.
+                let alpha = (self.alpha - other.alpha).abs() / samples as f32 * 100.0;
+                color_difference(a[0], b[0]).max(color_difference(a[1], b[1])).max(alpha.into()) as f32
+            }
             Encoding::Linear => a[1].iter().zip(b[1]).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max),
         }
     }

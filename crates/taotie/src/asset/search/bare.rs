@@ -28,6 +28,8 @@ pub(super) struct Bare<'a, 'b> {
     size: u32,
     /// The ratio of angles of meshes over their triangles, without that of rounding.
     errors: Curve,
+    /// The ratio of colours over the triangles.
+    colors: Curve,
     /// Bytes a triangle with each number of [`NORMAL_BITS`].
     rates: [f64; NORMAL_BITS.len()],
 }
@@ -41,7 +43,7 @@ impl<'a, 'b> Bare<'a, 'b> {
         progress: Progress<'_>,
     ) -> Result<()> {
         let (errors, rates) = (Curve::default(), [0.0; NORMAL_BITS.len()]);
-        let mut search = Self { workshop, size, errors, rates };
+        let mut search = Self { workshop, size, errors, colors: Curve::default(), rates };
         search.bracket(best, progress)?;
         let mut tried = Vec::new();
         for _ in 0..ROUNDS {
@@ -87,11 +89,22 @@ impl<'a, 'b> Bare<'a, 'b> {
         let trial = self.workshop.trial(&draft, rounding)?;
         let count = trial.triangles as f64;
         self.errors.add(count, remaining(trial.angle_ratio, self.rounding(bits.normals)));
+        if let Some(ratio) = trial.color_ratio {
+            self.colors.add(count, ratio);
+        }
         for (i, normals) in NORMAL_BITS.into_iter().enumerate() {
             self.rates[i] = draft.mesh_bytes(self.bits(&draft, normals))? as f64 / count;
         }
         best.offer(Candidate::made(draft, rounding), trial);
         Ok(trial)
+    }
+
+    /// Returns the least number of triangles within a range whose colours are near enough, its end if none are.
+    fn least_of_colors(&self, range: [f64; 2]) -> f64 {
+        match self.colors == Curve::default() {
+            true => range[0],
+            false => self.colors.first_within(1.0, range).unwrap_or(range[1]),
+        }
     }
 
     /// Returns what rounding normals to so many bits adds to the ratio of angles.
@@ -108,7 +121,8 @@ impl<'a, 'b> Bare<'a, 'b> {
         let all = f64::from(self.workshop.triangles());
         let choices = NORMAL_BITS.into_iter().zip(self.rates).filter_map(|(bits, rate)| {
             let angle = remaining(AIM, self.rounding(bits));
-            let triangles = self.errors.first_within(angle, [f64::from(LEAST).min(all), all])?;
+            let range = [f64::from(LEAST).min(all), all];
+            let triangles = self.errors.first_within(angle, range)?.max(self.least_of_colors(range));
             Some((triangles, bits, triangles * rate))
         });
         let (triangles, bits, _) = choices.min_by(|a, b| a.2.total_cmp(&b.2))?;

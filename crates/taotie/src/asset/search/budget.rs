@@ -32,6 +32,7 @@ pub(super) fn within(
     let scan = workshop.scan();
     let xmp = scan.about.xmp.as_ref().map_or(0, |xmp| xmp.to_string().len());
     let most = (most as f64 - METADATA - xmp as f64).max(0.0);
+    let aim = 0.5 * (1.0 + ENOUGH) * most.max(1.0);
     let is_goal_enough = workshop.has_goal();
     let (mut found, mut factor): (Option<Best>, f64) = (None, 1.0);
     // The largest factor with too many bytes, and the smallest with few enough.
@@ -62,7 +63,7 @@ pub(super) fn within(
             (ln(factor / known) / ln(of_known / bytes)).clamp(LEAST_POWER, MOST_POWER)
         });
         rounds.push([factor, bytes]);
-        let next = (factor * exp(ln(bytes / most.max(1.0)) * power)).clamp(RANGE[0], RANGE[1]);
+        let next = (factor * exp(ln(bytes / aim) * power)).clamp(RANGE[0], RANGE[1]);
         factor = match (low > 0.0, high.is_finite()) {
             (true, true) if next <= low || next >= high => (low * high).sqrt(),
             _ => next,

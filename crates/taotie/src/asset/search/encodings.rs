@@ -77,7 +77,8 @@ impl<'a> Encodings<'a> {
         }
         let is_webp = cfg!(feature = "webp");
         let (webp, jpeg) = (WEBP.map(Lossy::WebP), JPEG.map(Lossy::Jpeg));
-        let formats = [(self.texture.may_be_jpeg(), jpeg), (is_webp, webp)];
+        // Without WebP nothing that is made is lossy.
+        let formats = [(is_webp && self.texture.may_be_jpeg(), jpeg), (is_webp, webp)];
         let mut found = Vec::new();
         for (_, qualities) in formats.into_iter().filter(|(is_possible, _)| *is_possible) {
             found.extend(self.lowest(side, &qualities, most)?);
@@ -192,6 +193,7 @@ mod tests {
         Scan::new(Scene::new(scene).unwrap()).unwrap()
     }
 
+    #[cfg(feature = "webp")]
     #[test]
     fn less_may_be_lost_for_more_bytes() {
         let (ball, texture, goal) = (ball(), LossyTexture::new(waves(), Encoding::Srgb), Goal::of(&[]));

@@ -14,6 +14,8 @@ const PATCH: f64 = 0.01;
 const P95_OF_MEAN: f64 = 2.5;
 const PATCH_OF_MEAN: f64 = 6.0;
 
+/// Smaller limits count as this one, by which one can divide.
+const LEAST: f64 = 1e-6;
 /// The figures that limit angles, and those that limit colours.
 const ANGLES: [Figure; 4] = [Figure::MeanAngle, Figure::P95Angle, Figure::PatchAngle, Figure::WithinAngle];
 const COLORS: [Figure; 4] = [Figure::MeanColor, Figure::P95Color, Figure::PatchColor, Figure::WithinColor];
@@ -76,6 +78,13 @@ impl Goal {
         Self { angles, colors: required(&COLORS, colors), numbers: times(&NUMBERS, numbers) }
     }
 
+    /// Returns the requirements that pixels decide; those of [`Requirement::visually_lossless`] if there are none.
+    pub fn decided(requirements: &[Requirement]) -> Vec<Requirement> {
+        let decided = requirements.iter().filter(|required| Limit::of(required).is_some());
+        let decided: Vec<Requirement> = decided.copied().collect();
+        if decided.is_empty() { Requirement::visually_lossless() } else { decided }
+    }
+
     /// Returns the goal with all limits so many times as large.
     pub fn times(&self, factor: f64) -> Self {
         let Self { angles, colors, numbers } = self;
@@ -133,16 +142,14 @@ impl Limit {
             Figure::WithinAngle | Figure::WithinColor => (Statistic::Quantile(most), required.within?),
             _ => return None,
         };
-        Some(Self { statistic, most })
+        Some(Self { statistic, most: most.max(LEAST) })
     }
 
     /// Returns how many times the limit the statistic is of some differences in rising order.
     fn ratio(&self, differences: &[f32]) -> f64 {
         match self.statistic.of(differences) {
-            // Even by a limit of 0.
-            Some(0.0) => 0.0,
-            Some(value) => value / self.most,
-            None => f64::INFINITY,
+            Some(value) if value.is_finite() => value / self.most,
+            _ => f64::INFINITY,
         }
     }
 

@@ -41,7 +41,7 @@ pub(super) fn smallest(
             break;
         }
         forecast.correct(trial.bytes as f64 / choice.bytes);
-        aim *= AIM / trial.angle_ratio.max(f64::MIN_POSITIVE);
+        aim *= AIM / trial.ratio().max(f64::MIN_POSITIVE);
     }
     Ok(())
 }

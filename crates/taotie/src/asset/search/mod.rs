@@ -1,4 +1,4 @@
-//! The search for the asset of the fewest bytes whose normals are near enough.
+//! The search for the asset of the fewest bytes that is near enough to its scan.
 //!
 //! Errors of different sources, such as of the mesh, of texels and of what a codec loses, add up in squares. So each is
 //! measured by itself, and together they give an estimate of the smallest candidate; that is made, read back and measured.

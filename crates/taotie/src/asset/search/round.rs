@@ -21,7 +21,7 @@ pub(super) fn round(workshop: &mut Workshop<'_>, progress: Progress<'_>) -> Resu
         mapped::smallest(workshop, size, &mut best, progress)?;
     }
     // Nothing is larger than the scan, nor farther from it than need be.
-    let is_enough = best.bytes() <= bytes_of(scan);
+    let is_enough = best.bytes().is_finite() && best.bytes() <= bytes_of(scan);
     if !is_enough && workshop.may_pack() && !workshop.packs_first() {
         packed::smallest(workshop, &mut best, progress)?;
     }

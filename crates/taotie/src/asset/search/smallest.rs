@@ -6,6 +6,7 @@ use super::round::round;
 use super::trial::Trial;
 use super::winner::{Candidate, Winner};
 use super::workshop::{Draft, Rounding, Subject, Workshop};
+use crate::asset::figure::Figure;
 use crate::asset::low::{self, LowPoly};
 use crate::asset::maps::{Recipe, StoredMaps};
 use crate::asset::requirement::Requirement;
@@ -52,10 +53,15 @@ pub(in crate::asset) fn smallest(recipe: Recipe<'_>, scan: &Scan, progress: Prog
     let side = Side::of(scan.sorted());
     let mut warnings = Warnings::default();
     let seen = low::seen(scan, &mut warnings)?;
+    if seen.triangles().is_empty() {
+        return Err(Error::invalid("the search for an asset", "the scan has no triangles that can be seen"));
+    }
     let required = recipe.options.goal.clone().unwrap_or_else(Requirement::visually_lossless);
     let goal = Goal::of(&required);
     let mut workshop = Workshop::new(recipe, goal.clone(), Subject { scan, seen: &seen, side: &side });
-    let best = match recipe.options.bytes {
+    let of_goal = required.iter().filter(|required| required.figure == Figure::Bytes);
+    let most = of_goal.map(|required| required.most as u64).chain(recipe.options.bytes).min();
+    let best = match most {
         Some(most) => budget::within(&mut workshop, &goal, most, progress)?,
         None => round(&mut workshop, progress)?,
     };
@@ -75,7 +81,7 @@ pub(in crate::asset) fn smallest(recipe: Recipe<'_>, scan: &Scan, progress: Prog
     if !trial.is_near && workshop.has_goal() {
         warnings.note(none_near_enough(&required, &trial), 1);
     }
-    if let Some(most) = recipe.options.bytes.filter(|most| trial.bytes > *most) {
+    if let Some(most) = most.filter(|most| trial.bytes > *most) {
         warnings.note(
             format!(
                 "no asset that was tried has at most {most} bytes; this is the smallest, {}",
@@ -101,7 +107,7 @@ fn none_near_enough(required: &[Requirement], nearest: &Trial) -> String {
     format!(
         "no asset that was tried meets {}; this is the nearest, {triangles} triangles with a mean angle of {mean_angle:.3}° and \
          p95 {p95_angle:.3}°{colors}",
-        requirement_text::argument(required)
+        requirement_text::argument(&Goal::decided(required))
     )
 }
 

@@ -76,7 +76,7 @@ pub struct GltfFormat {
     /// enough. The mean square error of a block rises by its square at most, of 255². Normals are left out. For KTX2 only.
     pub uastc_rdo: Option<u8>,
     /// The quality, 1 to 100, of the base colour as JPEG, which is lossy and which every program reads; `None` packs it
-    /// as `images` says. All other textures are numbers, and never JPEG.
+    /// as `images` says. Normals and other numbers are JPEG if `normals` and `numbers` say so.
     pub jpeg: Option<u8>,
     /// Packs meshes by EXT_meshopt_compression: positions, normals and tangents in the bits of [`GltfFormat::bits`]; uvs
     /// and colours in 16 bits where they lie in [0, 1]. Vertices and triangles are sorted anew. Programs that do not know

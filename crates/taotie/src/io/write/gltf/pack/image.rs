@@ -28,7 +28,8 @@ pub(super) fn taken(raw: &mut RawGltf, bitmaps: Vec<Option<Bitmap>>) -> Result<V
         let stored = image_bytes(raw, raw.json.pointer(&format!("/images/{number}"))?).ok()??;
         let (mime_type, _) = kind(&stored).filter(|(mime_type, _)| *mime_type != "image/ktx2")?;
         // The longest side of WebP.
-        let fits = |bitmap: &Bitmap| bitmap.bits() <= 16 && bitmap.width().max(bitmap.height()) <= 16_383;
+        let bits = if encoding == Encoding::Srgb { 8 } else { 16 };
+        let fits = |bitmap: &Bitmap| bitmap.bits() <= bits && bitmap.width().max(bitmap.height()) <= 16_383;
         let bitmap = bitmap.filter(|bitmap| cfg!(feature = "webp") && fits(bitmap))?;
         let texture = LossyTexture::new(bitmap, encoding);
         let json = raw.json.pointer_mut(&format!("/images/{number}"))?;
@@ -38,13 +39,13 @@ pub(super) fn taken(raw: &mut RawGltf, bitmaps: Vec<Option<Bitmap>>) -> Result<V
     Ok(own.collect())
 }
 
-/// Returns the meaning of an image's texels by what materials read of it; `None` if it has several, none, or one that is not
-/// drawn here.
+/// Returns the meaning of an image's texels by what materials read of it; `None` if it has several, none, or one whose loss
+/// nothing here measures.
 fn encoding(uses: &[String]) -> Option<Encoding> {
     let of = |role: &String| match role.as_str() {
-        "normal" | "clearcoat normal" => Some(Encoding::Normal),
+        "normal" => Some(Encoding::Normal),
         "base color" | "emissive" => Some(Encoding::Srgb),
-        "metallic roughness" | "occlusion" | "clearcoat" | "clearcoat roughness" => Some(Encoding::Linear),
+        "metallic roughness" | "occlusion" => Some(Encoding::Linear),
         _ => None,
     };
     let first = of(uses.first()?)?;
