@@ -481,12 +481,14 @@ def bake(
         a normal map or without, or the scan itself, packed. Packing options are not read.
     goal : sequence of str, optional
         Find the asset of the fewest bytes that meets these requirements, such as ``["p95-angle=2", "mean-color=0.5"]``, as
-        far as they are about angles and colours as seen; with ``"bytes=500kB"`` the nearest that is so small. If none of `triangles`, `size`, `error` and `goal` is given, it is one that is ``visually-lossless``, unless `low`,
-        `lods`, or maps are asked for that a search cannot judge.
+        far as they are about angles and colours as seen; with ``"bytes=500kB"`` the nearest that is so small. If none of
+        `triangles`, `size`, `error` and `goal` is given, it is one that is ``visually-lossless``, unless `low`, `lods`, or
+        maps are asked for that a search cannot judge.
     lods : sequence of int
         Triangles of further levels of detail.
     size : int, (width, height) or "auto", optional
-        Texels of the maps; nothing is searched for then. 2048 if only `triangles` is given. Auto is the smallest power of two, 256 to 8192, that preserves the scan's detail.
+        Texels of the maps; nothing is searched for then. 2048 if only `triangles` is given. Auto is the smallest power of
+        two, 256 to 8192, that preserves the scan's detail.
     maps : sequence of str
         Maps to bake: auto (normal, and whatever varies in the scan's materials), normal, ao, albedo, height, bent,
         curvature, roughness, metallic-roughness, emission, alpha, occlusion.
