@@ -25,10 +25,11 @@ Examples:
   taotie bake scan.ply -o scan.glb --for web
   taotie bake scan.ply -o scan.glb --error 0.9 --require standard,bytes=3MB
 
-Without --low the smallest asset is found that looks like the scan: made of it, or the scan itself, packed. The asset is read back and measured against the scan: \
+Without --low the smallest asset that looks like the scan is found: made from it, or the scan itself, packed. \
+The asset is read back and measured against the scan: \
 OUT.report.html and OUT.report.json, beside OUT, hold its normal error in degrees, its shape error, and where they are.";
 
-/// Bakes a high-poly scan to a low-poly glTF asset with a normal map, and measures the error.
+/// Bakes a high-poly scan to the smallest glTF asset that looks the same, and measures the error.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct BakeArgs {
@@ -247,7 +248,7 @@ impl BakeArgs {
     }
 
     /// Says whether maps are written without a model.
-    pub(super) fn is_alone(&self) -> bool {
+    fn is_alone(&self) -> bool {
         ["png", "webp", "exr"].into_iter().any(|extension| self.has_extension(extension))
     }
 

@@ -9,8 +9,7 @@ pub fn line(report: &Report) -> Option<String> {
     let others = KINDS.into_iter().filter(|kind| *kind != kind_of(chosen)).filter_map(|kind| {
         let of_kind = || trials.iter().filter(|trial| kind_of(trial) == kind);
         let smallest = of_kind().filter(|trial| trial.is_near).min_by_key(|trial| trial.bytes);
-        let ratio = |trial: &Trial| trial.angle_ratio.max(trial.color_ratio.unwrap_or_default());
-        let nearest = of_kind().min_by(|a, b| ratio(a).total_cmp(&ratio(b)))?;
+        let nearest = of_kind().min_by(|a, b| a.ratio().total_cmp(&b.ratio()))?;
         Some(match smallest {
             Some(other) => format!("{kind}: {}", kilobytes(other.bytes)),
             None => format!("{kind}: not near enough, {}", differences(nearest)),

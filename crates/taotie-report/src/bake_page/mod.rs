@@ -72,9 +72,11 @@ fn of(report: &Report, proof: &Proof, (asset, judge): (Option<&Asset>, Judge)) -
     let mut sections = sections::sections(report, (&proof.figures, &proof.part_flips));
     sections.extend(report.certificate.as_ref().and_then(certificate::further_files));
     sections.extend(notices::section(report, proof));
+    let is_packed = report.trials.iter().any(|trial| trial.is_chosen && trial.is_scan);
     Ok(Page {
         title: report.high.clone(),
         subtitle: match report.bake {
+            Some(_) if is_packed => "The scan, and the same packed into a smaller file".into(),
             Some(_) => "The scan, and the low-poly asset made from it".into(),
             None => "The scan, and an asset that stands for it".into(),
         },

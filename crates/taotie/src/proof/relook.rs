@@ -39,6 +39,16 @@ impl<'a> Relook<'a> {
         Self { side, pixels: overview_samples(side, count) }
     }
 
+    /// Looks at the pixels that see the first texture whose texels have a meaning; `None` if there is none.
+    ///
+    /// # Errors
+    /// Those of [`Retextured::new`].
+    pub fn first(&'a self, encoding: Encoding) -> Result<Option<ImageLook<'a>>> {
+        let textures = self.side.surface.surface().textures();
+        let number = textures.iter().position(|texture| texture.encoding() == encoding);
+        number.map(|number| self.at(Shown { textures: vec![number], encoding })).transpose()
+    }
+
     /// Looks at the pixels that see an image.
     ///
     /// # Errors

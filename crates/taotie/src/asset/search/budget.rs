@@ -45,18 +45,17 @@ pub(super) fn within(
         workshop.trials[before..].iter_mut().for_each(|trial| trial.scale(factor));
         best.scale(factor);
         let bytes = best.least_bytes();
-        let is_smaller = found.as_ref().is_none_or(|known| bytes < known.least_bytes());
-        if bytes <= most {
-            high = factor;
-            found = Some(best);
+        let is_within = bytes <= most;
+        if is_within {
+            high = factor
         } else {
-            low = factor;
-            if found.as_ref().is_none_or(|known| known.least_bytes() > most) && is_smaller {
-                found = Some(best);
-            }
+            low = factor
         }
-        let is_done = bytes <= most && (bytes >= ENOUGH * most || (is_goal_enough && factor == 1.0));
-        if is_done || factor == RANGE[usize::from(bytes > most)] {
+        if is_within || found.as_ref().is_none_or(|known| bytes < known.least_bytes()) {
+            found = Some(best);
+        }
+        let is_done = is_within && (bytes >= ENOUGH * most || (is_goal_enough && factor == 1.0));
+        if is_done || factor == RANGE[usize::from(!is_within)] {
             break;
         }
         let power = rounds.last().map_or(POWER, |[known, of_known]: &[f64; 2]| {

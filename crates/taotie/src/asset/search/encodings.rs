@@ -1,11 +1,10 @@
 //! The smallest encodings of a texture that lose no more than they may.
 
 use super::goal::Goal;
-use crate::bake::Scan;
 use crate::error::Result;
 use crate::image::{Bitmap, Encoding, Texture};
 use crate::io::{Lossy, LossyTexture, decode_bitmap};
-use crate::proof::{ImageLook, Shown};
+use crate::proof::ImageLook;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -17,6 +16,8 @@ const WEBP: [u8; 9] = [20, 35, 50, 65, 75, 82, 88, 93, 97];
 const JPEG: [u8; 9] = [40, 55, 70, 80, 86, 90, 94, 96, 98];
 /// Up to this side a texture that loses nothing is tried, too: those of few colours are small.
 const LOSSLESS_SIDE: u32 = 1024;
+/// Ratios of angles for which normal maps are made.
+pub(super) const NORMAL_RATIOS: [f64; 7] = [0.2, 0.35, 0.5, 0.65, 0.78, 0.88, 0.96];
 /// Sides are tried until so many in a row took more bytes.
 const WORSE: usize = 2;
 
@@ -143,12 +144,6 @@ impl<'a> Encodings<'a> {
     }
 }
 
-/// Returns the first texture of a surface whose texels have a meaning.
-pub(super) fn first_of(surface: &Scan, encoding: Encoding) -> Option<Shown> {
-    let number = surface.surface().textures().iter().position(|texture| texture.encoding() == encoding)?;
-    Some(Shown { textures: vec![number], encoding })
-}
-
 /// Returns the sides to try for a texture, from the shortest up to its own: powers of two, and halfway between them.
 fn sides(own: u32) -> impl Iterator<Item = u32> {
     let powers = std::iter::successors(Some(LEAST_SIDE), |side| side.checked_mul(2));
@@ -159,6 +154,7 @@ fn sides(own: u32) -> impl Iterator<Item = u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bake::Scan;
     use crate::image::{Sampler, Texels};
     use crate::math::{Mat4, scalar::sin};
     use crate::mesh::Mesh;
@@ -199,14 +195,14 @@ mod tests {
         let (ball, texture, goal) = (ball(), LossyTexture::new(waves(), Encoding::Srgb), Goal::of(&[]));
         let side = Side::of(&ball);
         let look = Relook::new(&side, 2_000);
-        let of_waves = look.at(first_of(&ball, Encoding::Srgb).unwrap()).unwrap();
+        let of_waves = look.first(Encoding::Srgb).unwrap().unwrap();
         let encodings = Encodings::new(&texture, of_waves, &goal);
         let found = [0.3, 1.0, 4.0].map(|most| encodings.smallest(most).unwrap().unwrap());
         assert!(found.windows(2).all(|pair| pair[0].bytes.len() > pair[1].bytes.len()), "{found:?}");
         assert!(found.iter().zip([0.3, 1.0, 4.0]).all(|(found, most)| found.ratio <= most));
         let whole = encodings.encoded(SIDE, None).unwrap();
         assert_eq!(whole.ratio, 0.0, "what loses nothing looks the same");
-        assert!(first_of(&ball, Encoding::Normal).is_none());
+        assert!(look.first(Encoding::Normal).unwrap().is_none());
     }
 
     #[test]

@@ -48,6 +48,16 @@ fn times(limits: &[Limit], factor: f64) -> Vec<Limit> {
     limits.iter().map(|limit| Limit { most: limit.most * factor, ..*limit }).collect()
 }
 
+/// Returns how many times the limits differences in rising order are, the worst one.
+fn worst(limits: &[Limit], differences: &[f32]) -> f64 {
+    limits.iter().map(|limit| limit.ratio(differences)).fold(0.0, f64::max)
+}
+
+/// Returns about the mean difference at which one of the limits is reached.
+fn least_mean(limits: &[Limit]) -> f64 {
+    limits.iter().map(Limit::mean).fold(f64::INFINITY, f64::min)
+}
+
 /// A statistic of differences.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Statistic {
@@ -71,9 +81,8 @@ impl Goal {
             let required = of(requirements, figures);
             if required.is_empty() { times(&of(&lossless, figures), factor) } else { required }
         };
-        let least = |limits: &[Limit]| limits.iter().map(Limit::mean).fold(f64::INFINITY, f64::min);
         let angles = required(&ANGLES, 1.0);
-        let factor = (least(&angles) / least(&of(&lossless, &ANGLES))).max(1.0);
+        let factor = (least_mean(&angles) / least_mean(&of(&lossless, &ANGLES))).max(1.0);
         let [colors, numbers] = MOST_FACTORS.map(|most| factor.min(most));
         Self { angles, colors: required(&COLORS, colors), numbers: times(&NUMBERS, numbers) }
     }
@@ -94,9 +103,6 @@ impl Goal {
     /// Returns how many times the limits of angles and of colours differences in rising order are, the worst of each; `None`
     /// for colours that are not compared. Without angles to compare the first is infinite.
     pub fn ratios(&self, seen: &PixelDifferences) -> (f64, Option<f64>) {
-        let worst = |limits: &[Limit], differences: &[f32]| {
-            limits.iter().map(|limit| limit.ratio(differences)).fold(0.0, f64::max)
-        };
         let color = (!seen.colors.is_empty()).then(|| worst(&self.colors, &seen.colors));
         (worst(&self.angles, &seen.angles), color)
     }
@@ -109,12 +115,12 @@ impl Goal {
             Encoding::Srgb => &self.colors,
             Encoding::Linear => &self.numbers,
         };
-        limits.iter().map(|limit| limit.ratio(differences)).fold(0.0, f64::max)
+        worst(limits, differences)
     }
 
     /// Returns the ratio that a mean angle comes to, about, degrees.
     pub fn ratio_of_mean(&self, mean: f64) -> f64 {
-        mean / self.angles.iter().map(Limit::mean).fold(f64::INFINITY, f64::min)
+        mean / least_mean(&self.angles)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Maps of a size, as they were measured on one mesh.
 
-use super::encodings::{Encodings, first_of};
+use super::encodings::{Encodings, NORMAL_RATIOS};
 use super::workshop::{Draft, PIXELS, Workshop, under_map};
 use crate::error::Result;
 use crate::image::Encoding;
@@ -8,8 +8,6 @@ use crate::io::{Lossy, LossyTexture};
 use crate::math::scalar::{exp, ln};
 use crate::proof::{Relook, Side};
 
-/// Ratios of angles for which lossy maps are made.
-const RATIOS: [f64; 7] = [0.2, 0.35, 0.5, 0.65, 0.78, 0.88, 0.96];
 /// Steps between two sizes.
 const STEPS: u32 = 4;
 /// Smaller numbers count as this one, whose logarithm is finite.
@@ -110,12 +108,12 @@ fn losses(workshop: &Workshop<'_>, draft: &Draft) -> Result<Vec<Loss>> {
     let Some(normals) = &draft.maps.textures.normal else { return Ok(Vec::new()) };
     let (texture, size) = (LossyTexture::new(normals.clone(), Encoding::Normal), draft.shape.size);
     let surface = workshop.surface(draft)?;
-    let Some(shown) = first_of(&surface, Encoding::Normal) else { return Ok(Vec::new()) };
     let side = Side::of(&surface);
     let look = Relook::new(&side, PIXELS);
-    let encodings = Encodings::new(&texture, look.at(shown)?, &workshop.goal);
-    let mut losses: Vec<Loss> = Vec::with_capacity(RATIOS.len());
-    for ratio in RATIOS {
+    let Some(look) = look.first(Encoding::Normal)? else { return Ok(Vec::new()) };
+    let encodings = Encodings::new(&texture, look, &workshop.goal);
+    let mut losses: Vec<Loss> = Vec::with_capacity(NORMAL_RATIOS.len());
+    for ratio in NORMAL_RATIOS {
         let Some(encoded) = encodings.smallest_of(size, ratio)? else { continue };
         let (squared, bytes) = (encoded.ratio * encoded.ratio, encoded.bytes.len() as f64);
         losses.push(Loss { normals: encoded.loss, squared, bytes });

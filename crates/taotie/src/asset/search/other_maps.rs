@@ -1,6 +1,7 @@
 //! The size and the losses of maps that are not of normals.
 
-use super::encodings::{Encodings, first_of};
+use super::encodings::Encodings;
+use super::goal::Goal;
 use super::trial::Trial;
 use super::winner::Best;
 use super::workshop::{Draft, Losses, PIXELS, Shape, Workshop};
@@ -47,35 +48,45 @@ pub(super) fn chosen(
 
 /// Chooses what the maps of a draft lose, and returns the trial with it.
 fn choose_losses(workshop: &mut Workshop<'_>, draft: &Draft) -> Result<Trial> {
-    let (textures, goal) = (&draft.maps.textures, workshop.goal.clone());
     let surface = workshop.surface(draft)?;
     let side = Side::of(&surface);
     let look = Relook::new(&side, PIXELS);
-    let loss = |bitmap: &Option<Bitmap>, encoding: Encoding, most: f64| -> Result<Option<Lossy>> {
-        let (Some(bitmap), Some(shown)) = (bitmap, first_of(&surface, encoding)) else { return Ok(None) };
-        let texture = LossyTexture::new(bitmap.clone(), encoding);
-        let found = Encodings::new(&texture, look.at(shown)?, &goal).smallest_of(draft.shape.size, most)?;
-        Ok(found.and_then(|found| found.loss))
+    let texture = |bitmap: &Option<Bitmap>, encoding: Encoding| {
+        bitmap.as_ref().map(|bitmap| LossyTexture::new(bitmap.clone(), encoding))
     };
-    let numbers = loss(&textures.orm, Encoding::Linear, 1.0)?;
-    let colors = |most: f64| loss(&textures.color, Encoding::Srgb, most);
-    let (near, normals) = (colors(LEAST_LOSS)?, None);
-    let with = |colors: Option<Lossy>| Losses { normals, colors, numbers };
-    let remaining = |trial: &Trial| {
-        let of_size = trial.color_ratio.unwrap_or_default();
-        (MOST * MOST - of_size * of_size).max(0.0).sqrt()
+    let textures = &draft.maps.textures;
+    let (colors, numbers) =
+        (texture(&textures.color, Encoding::Srgb), texture(&textures.orm, Encoding::Linear));
+    let colors = encodings(colors.as_ref(), &look, &workshop.goal)?;
+    let numbers = encodings(numbers.as_ref(), &look, &workshop.goal)?;
+    let loss = |of: &Option<Encodings<'_>>, most: f64| -> Result<Option<Lossy>> {
+        let found = of.as_ref().map(|of| of.smallest_of(draft.shape.size, most)).transpose()?;
+        Ok(found.flatten().and_then(|found| found.loss))
     };
-    workshop.losses = with(near);
-    let exact = workshop.trial(draft, workshop.rounding(VertexBits::default(), None))?;
-    let far = colors(remaining(&exact).max(LEAST_LOSS))?;
-    if exact.color_ratio.is_none_or(|ratio| ratio > MOST) || far == near {
+    let (near, numbers) = (loss(&colors, LEAST_LOSS)?, loss(&numbers, 1.0)?);
+    workshop.losses = Losses { normals: None, colors: near, numbers };
+    let bits = VertexBits::default();
+    let exact = workshop.trial(draft, workshop.rounding(bits, None))?;
+    let Some(of_size) = exact.color_ratio.filter(|ratio| *ratio <= MOST) else { return Ok(exact) };
+    let far = loss(&colors, (MOST * MOST - of_size * of_size).sqrt().max(LEAST_LOSS))?;
+    if far == near {
         return Ok(exact);
     }
-    workshop.losses = with(far);
-    let lossy = workshop.trial(draft, workshop.rounding(VertexBits::default(), None))?;
-    if !lossy.color_ratio.is_none_or(|ratio| ratio <= 1.0) {
-        workshop.losses = with(near);
-        return Ok(exact);
+    workshop.losses.colors = far;
+    let lossy = workshop.trial(draft, workshop.rounding(bits, None))?;
+    if lossy.color_ratio.is_none_or(|ratio| ratio <= 1.0) {
+        return Ok(lossy);
     }
-    Ok(lossy)
+    workshop.losses.colors = near;
+    Ok(exact)
+}
+
+/// Returns the encodings of a texture of the surface that is looked at; `None` if there is none.
+fn encodings<'a>(
+    texture: Option<&'a LossyTexture>,
+    look: &'a Relook<'a>,
+    goal: &Goal,
+) -> Result<Option<Encodings<'a>>> {
+    let Some(texture) = texture else { return Ok(None) };
+    Ok(look.first(texture.encoding())?.map(|look| Encodings::new(texture, look, goal)))
 }

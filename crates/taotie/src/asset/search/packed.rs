@@ -2,7 +2,7 @@
 //! textures that are smaller or lossy.
 
 use super::curve::Curve;
-use super::encodings::Encodings;
+use super::encodings::{Encodings, NORMAL_RATIOS};
 use super::goal::{AIM, is_hit};
 use super::trial::Trial;
 use super::winner::{Best, Candidate};
@@ -17,8 +17,7 @@ use crate::proof::{Relook, Shown};
 
 /// The part of their limits that colours may use up; the rest is for fewer triangles.
 const COLOR_SHARE: f64 = 0.9;
-/// Ratios of angles for which normal maps are made, and the number of the one with which triangles are measured.
-const NORMAL_RATIOS: [f64; 7] = [0.2, 0.35, 0.5, 0.65, 0.78, 0.88, 0.96];
+/// The number of the ratio of [`NORMAL_RATIOS`] with which triangles are measured.
 const MIDDLING: usize = 2;
 /// Bits of positions and normals, from the fewest up.
 const BITS: [[u8; 2]; 4] = [[12, 8], [13, 9], [14, 10], [15, 12]];
@@ -53,15 +52,8 @@ fn searched(workshop: &mut Workshop<'_>, best: &mut Best, progress: Progress<'_>
         Some(look.at(shown).map(|look| (number, Encodings::new(texture, look, &workshop.goal))))
     };
     let encodings = (0..packer.image_count()).filter_map(of_image).collect::<Result<_>>()?;
-    let mut search = PackedScan {
-        workshop,
-        packer,
-        encodings,
-        images: Vec::new(),
-        keeps_uvs: false,
-        floor: 0.0,
-        progress,
-    };
+    let mut search =
+        PackedScan { workshop, packer, encodings, images: Vec::new(), keeps_uvs: false, progress };
     search.measure(best)
 }
 
@@ -100,8 +92,6 @@ struct PackedScan<'a, 'b> {
     images: Vec<PackedImage>,
     /// `true` if uvs keep all their bits, since colours need them.
     keeps_uvs: bool,
-    /// The square of the ratio of all triangles with normal maps as they are.
-    floor: f64,
     progress: Progress<'b>,
 }
 
@@ -118,7 +108,7 @@ struct Images {
     images: Vec<PackedImage>,
     /// The largest ratio of any.
     ratio: f64,
-    /// What they lose, of the first that is larger than any other.
+    /// What the first of them that is lossy loses.
     loss: Option<Lossy>,
     /// Their bytes less those of what they stand in for.
     bytes: f64,
@@ -138,7 +128,7 @@ impl PackedScan<'_, '_> {
         let maps = self.normal_maps()?;
         let base = &maps[MIDDLING.min(maps.len() - 1)];
         let whole = self.with_near_colors(&base.of, best)?;
-        self.floor = (whole.angle_ratio * whole.angle_ratio - base.squared).max(0.0);
+        let floor = (whole.angle_ratio * whole.angle_ratio - base.squared).max(0.0);
         let bits = self.bits()?;
         let (mut errors, mut bytes, mut colors) = (Curve::default(), Curve::default(), Curve::default());
         let (mut kept, mut before) = (1.0, usize::MAX);
@@ -146,7 +136,7 @@ impl PackedScan<'_, '_> {
             let fewer = PackedGeometry { kept, ..WHOLE };
             let trial = if kept < 1.0 { self.trial(fewer, &base.of, best)? } else { whole };
             let squared = trial.angle_ratio * trial.angle_ratio - base.squared;
-            errors.add(kept, squared.max(self.floor).sqrt());
+            errors.add(kept, squared.max(floor).sqrt());
             bytes.add(kept, trial.bytes as f64 - base.bytes);
             colors.add(kept, trial.color_ratio.unwrap_or_default());
             let is_far = trial.angle_ratio > FAR || kept <= LEAST_KEPT;
@@ -156,7 +146,7 @@ impl PackedScan<'_, '_> {
             before = trial.triangles;
             kept *= 0.5;
         }
-        self.close_in(Forecast { maps, bits, errors, bytes, colors, floor: self.floor }, best)
+        self.close_in(Forecast { maps, bits, errors, bytes, colors, floor }, best)
     }
 
     /// Measures all triangles. If colours are too far off uvs keep their bits, and if they still are, colours stay as they are.
@@ -251,20 +241,20 @@ impl PackedScan<'_, '_> {
 
     /// Returns what fewer bits of vertices cost.
     fn bits(&self) -> Result<Vec<Choice<VertexBits>>> {
-        let bytes = |bits: VertexBits| -> Result<f64> {
-            let (_, geometry) = self.with_uv_bits(PackedGeometry { bits, ..WHOLE }, &self.images);
-            Ok(self.packer.encode(geometry, &self.images)?.len() as f64)
-        };
-        let whole = bytes(WHOLE.bits)?;
         let choice = |bits: VertexBits| -> Result<Choice<VertexBits>> {
-            let added = |bits: VertexBits| {
-                let ratio = self.workshop.goal.ratio_of_mean(angle_of(bits.normals));
-                ratio * ratio
-            };
-            let squared = added(bits) - added(WHOLE.bits);
-            Ok(Choice { of: bits, squared, bytes: bytes(bits)? - whole })
+            let (_, geometry) = self.with_uv_bits(PackedGeometry { bits, ..WHOLE }, &self.images);
+            let bytes = self.packer.encode(geometry, &self.images)?.len() as f64;
+            let ratio = self.workshop.goal.ratio_of_mean(angle_of(bits.normals));
+            Ok(Choice { of: bits, squared: ratio * ratio, bytes })
         };
-        BITS.into_iter().map(vertex_bits).map(choice).collect()
+        let mut choices = BITS.into_iter().map(vertex_bits).map(choice).collect::<Result<Vec<_>>>()?;
+        // The last are those of the whole.
+        let Choice { squared, bytes, .. } = choices[BITS.len() - 1];
+        for choice in &mut choices {
+            choice.squared -= squared;
+            choice.bytes -= bytes;
+        }
+        Ok(choices)
     }
 
     /// Tries what is likely to be the smallest, and learns from it.

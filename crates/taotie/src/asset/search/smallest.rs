@@ -54,7 +54,7 @@ pub(in crate::asset) fn smallest(recipe: Recipe<'_>, scan: &Scan, progress: Prog
     let mut warnings = Warnings::default();
     let seen = low::seen(scan, &mut warnings)?;
     if seen.triangles().is_empty() {
-        return Err(Error::invalid("the search for an asset", "the scan has no triangles that can be seen"));
+        return Err(no_triangles());
     }
     let required = recipe.options.goal.clone().unwrap_or_else(Requirement::visually_lossless);
     let goal = Goal::of(&required);
@@ -111,8 +111,11 @@ fn none_near_enough(required: &[Requirement], nearest: &Trial) -> String {
     )
 }
 
+fn no_triangles() -> Error {
+    Error::invalid("the search for an asset", "the scan has no triangles that can be seen")
+}
+
 /// Returns why no candidate could be made.
 fn none_at_all(mut workshop: Workshop<'_>) -> Error {
-    let no_triangles = || Error::invalid("the search for an asset", "the scan has no triangles");
     workshop.refused.pop_first().map_or_else(no_triangles, |(_, error)| error)
 }

@@ -56,8 +56,8 @@ impl Trial {
         self.is_near = self.ratio() <= 1.0;
     }
 
-    /// Returns how many times the limits its differences are, at worst.
-    pub(super) fn ratio(&self) -> f64 {
+    /// Returns how many times the limits its differences are, at worst; at most 1 is near enough.
+    pub fn ratio(&self) -> f64 {
         self.angle_ratio.max(self.color_ratio.unwrap_or_default())
     }
 }

@@ -300,8 +300,7 @@ impl<'a> Workshop<'a> {
     /// Returns a candidate that loses nothing.
     pub fn surface(&self, draft: &Draft) -> Result<bake::Scan> {
         let format = GltfFormat::default();
-        let scene = io::load_glb(draft.encoded_as(&format)?, &Limits::of_own_files())?.scene;
-        bake::Scan::of_asset(scene, self.subject.side.surface)
+        Ok(self.read_back(draft.encoded_as(&format)?)?.1)
     }
 
     /// Returns the scan.
@@ -309,12 +308,16 @@ impl<'a> Workshop<'a> {
         self.subject.scan
     }
 
-    /// Reads a file back, and returns its number of triangles and its differences, in rising order.
-    fn seen(&self, encoded: Vec<u8>) -> Result<(usize, PixelDifferences)> {
+    /// Reads a file back. Returns its number of triangles and its surface.
+    fn read_back(&self, encoded: Vec<u8>) -> Result<(usize, bake::Scan)> {
         let scene = io::load_glb(encoded, &Limits::of_own_files())?.scene;
-        let triangles = scene.triangle_count();
+        Ok((scene.triangle_count(), bake::Scan::of_asset(scene, self.subject.side.surface)?))
+    }
+
+    /// Reads a file back. Returns its number of triangles and its differences, in rising order.
+    fn seen(&self, encoded: Vec<u8>) -> Result<(usize, PixelDifferences)> {
+        let (triangles, surface) = self.read_back(encoded)?;
         let scan = self.subject.side;
-        let surface = bake::Scan::of_asset(scene, scan.surface)?;
         let asset = Side::of(&surface);
         let diagonal = scan.surface.mesh().diagonal() as f32;
         let pair = proof::Pair { scan, asset: &asset, diagonal, has_material: self.has_material };

@@ -2,7 +2,9 @@
 
 use super::super::edit;
 use super::super::graft::images::{Storage, kind, take_along};
+use super::super::image_packing::ImagePacking;
 use super::super::lossy_texture::LossyTexture;
+use super::super::webp::WebPLoss;
 use crate::error::Result;
 use crate::image::{Bitmap, Encoding};
 use crate::io::gltf::{OF_TEXTURES, RawGltf, image_bytes, uses};
@@ -54,19 +56,20 @@ fn encoding(uses: &[String]) -> Option<Encoding> {
 
 /// Lets textures show an image as its new media type demands: WebP by an extension alone, others by none.
 pub(super) fn show_anew(mime_type: &str, json: &mut Value, number: usize) {
-    const WEBP: &str = "EXT_texture_webp";
-    let is_webp = mime_type == "image/webp";
+    let webp = ImagePacking::WebP(WebPLoss::Lossless);
+    let Some(extension) = webp.extension() else { return };
+    let is_webp = mime_type == webp.mime_type();
     for texture in edit::items_mut(json, "textures") {
-        let pointer = format!("/extensions/{WEBP}/source");
+        let pointer = format!("/extensions/{extension}/source");
         let shown = texture.pointer(&pointer).or(texture.get("source")).and_then(Value::as_u64);
         if shown != Some(number as u64) {
             continue;
         }
         if is_webp {
             edit::remove(texture, "source");
-            *edit::member(edit::member(texture, "extensions"), WEBP) = json!({ "source": number });
+            *edit::member(edit::member(texture, "extensions"), extension) = json!({ "source": number });
         } else {
-            edit::remove(edit::member(texture, "extensions"), WEBP);
+            edit::remove(edit::member(texture, "extensions"), extension);
             if edit::member(texture, "extensions").as_object().is_none_or(|all| all.is_empty()) {
                 edit::remove(texture, "extensions");
             }
@@ -74,7 +77,7 @@ pub(super) fn show_anew(mime_type: &str, json: &mut Value, number: usize) {
         }
     }
     if is_webp {
-        edit::require(json, WEBP);
+        edit::require(json, extension);
     }
 }
 
