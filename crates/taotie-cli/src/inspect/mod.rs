@@ -3,6 +3,7 @@
 //! The library's [`Inspection`] is made once; the text and the JSON are two ways to print it.
 
 mod audit;
+mod sizes;
 mod text;
 mod words;
 
@@ -18,7 +19,7 @@ use taotie::render::{framing_bytes, scene_bytes};
 use taotie::scene::Scene;
 
 /// Version of the JSON that `--json` prints.
-const SCHEMA: u32 = 4;
+const SCHEMA: u32 = 5;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -1,6 +1,6 @@
 //! The report for people: sections of aligned lines.
 
-use super::{Report, words};
+use super::{Report, sizes, words};
 use crate::console;
 use std::collections::BTreeSet;
 use taotie::inspection::{
@@ -23,6 +23,7 @@ pub fn of(told: &Report) -> String {
     let sections = [
         ("", head(&told.model, report)),
         ("Counts", counts(&report.counts)),
+        ("Bytes", report.sizes.as_ref().map(sizes::lines).unwrap_or_default()),
         ("Meshes", meshes(&report.meshes)),
         ("Uv sets", uv_sets(&report.meshes)),
         ("Tangents of the file", tangents(&report.meshes)),
@@ -318,7 +319,7 @@ pub fn clean(text: &str) -> String {
 }
 
 /// At most [`NAME`] characters.
-fn short(name: &str) -> String {
+pub(super) fn short(name: &str) -> String {
     cut(name, NAME)
 }
 
@@ -335,7 +336,7 @@ fn yes_or_no(there: bool) -> String {
 }
 
 /// Digits in groups of three.
-fn thousands(count: usize) -> String {
+pub(super) fn thousands(count: impl ToString) -> String {
     let digits = count.to_string();
     let start = digits.len() % 3;
     let (first, rest) = digits.split_at(start);

@@ -143,6 +143,7 @@ struct InspectReport {
     sources: Vec<String>,
     history: Vec<HistoryEvent>,
     counts: Counts,
+    sizes: Option<Sizes>,
     bounds: Option<Extent>,
     meshes: Vec<Mesh>,
     materials: Vec<Material>,
@@ -179,6 +180,37 @@ struct Counts {
     lights: usize,
     cameras: usize,
     animations: usize,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Sizes {
+    json: u64,
+    attributes: Vec<ContentSize>,
+    indices: ContentSize,
+    images: Vec<ImageSize>,
+    animations: u64,
+    other: u64,
+    gpu_bytes: u64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ContentSize {
+    name: String,
+    bytes: u64,
+    gpu_bytes: u64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ImageSize {
+    name: String,
+    media_type: String,
+    width: u32,
+    height: u32,
+    bytes: u64,
+    gpu_bytes: u64,
 }
 
 #[derive(Deserialize)]

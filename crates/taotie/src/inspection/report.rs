@@ -4,7 +4,7 @@ use super::hints::{self, Hint};
 use super::material::{MaterialReport, Materials};
 use super::mesh::{self, MeshReport};
 use crate::error::Warnings;
-use crate::io::{Loaded, XmpEvent, xmp_history, xmp_rights, xmp_sources};
+use crate::io::{GltfSizes, Loaded, XmpEvent, xmp_history, xmp_rights, xmp_sources};
 use crate::render::{SurfaceSettings, foreseen_warnings};
 use crate::scene::animation::Animation;
 use crate::scene::{Camera, Light, LightKind, Projection, Scene};
@@ -37,6 +37,8 @@ pub struct Inspection {
     pub history: Vec<XmpEvent>,
     /// The number of each kind of thing.
     pub counts: Counts,
+    /// The bytes of the file by content, and what it takes on a graphics card; `None` unless the format is glTF.
+    pub sizes: Option<GltfSizes>,
     /// World space; `None` where nothing is drawn.
     pub bounds: Option<Extent>,
     /// In the order of the file.
@@ -206,6 +208,7 @@ impl Inspection {
             sources: packet.map(xmp_sources).unwrap_or_default(),
             history: packet.map(xmp_history).unwrap_or_default(),
             counts: Counts::new(loaded),
+            sizes: loaded.structure.as_ref().map(|structure| structure.sizes.clone()),
             bounds: Extent::of(scene),
             meshes: mesh::reports(loaded),
             materials: Materials::new(loaded).reports(),

@@ -2,12 +2,15 @@
 
 #[cfg(feature = "exr")]
 mod exr;
+mod header;
 mod jpeg;
 #[cfg(feature = "basis")]
 mod ktx;
 mod limits;
 mod png;
 mod widen;
+
+pub(super) use header::{ImageHeader, KTX2_TYPE};
 
 use super::limits::Limits;
 use super::reading::Reading;

@@ -91,8 +91,8 @@ fn hexadecimal(hash: Sha256) -> String {
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Opens a regular file. Devices and pipes are refused before opening, since both can block for ever.
-fn open(path: &Path) -> Result<(File, u64)> {
+/// Opens a regular file and returns it with its length. Devices and pipes are refused before opening, since both can block for ever.
+pub(super) fn open(path: &Path) -> Result<(File, u64)> {
     let about = std::fs::metadata(path).map_err(|e| Error::io(path, e))?;
     if !about.is_file() {
         return Err(Error::io(path, io::Error::new(io::ErrorKind::InvalidInput, "it is not a regular file")));

@@ -24,6 +24,8 @@ pub(super) struct Document {
     pub reading: Arc<Reading>,
     /// Its JSON; nothing in it is checked beyond its types.
     pub root: Root,
+    /// Bytes of its JSON.
+    pub json_bytes: u64,
     /// `GLB` or `glTF`.
     pub format: &'static str,
     /// The animations' JSON, whose types are checked channel by channel.
@@ -50,6 +52,7 @@ impl Document {
         }
         let format = if blob.is_some() { "GLB" } else { "glTF" };
         let Parsed { root, animations, xmp } = parse(path, &text)?;
+        let json_bytes = text.len() as u64;
         // Its place is counted for what data URIs hold.
         drop(text);
         check_extensions(path, &root, warnings)?;
@@ -64,6 +67,7 @@ impl Document {
             path: reading.path().to_path_buf(),
             reading,
             root,
+            json_bytes,
             format,
             animations,
             xmp,

@@ -28,6 +28,7 @@ mod primitives;
 mod raw;
 mod reason;
 mod samplers;
+mod sizes;
 mod source;
 mod stored_images;
 mod structure;

@@ -1,0 +1,119 @@
+//! The bytes of a glTF file by content, and the memory that the content takes on a graphics card.
+
+/// The bytes of a glTF file by content.
+///
+/// ```
+/// use taotie::io::{self, Limits};
+/// use taotie::mesh::Mesh;
+/// use taotie::scene::{Material, Scene};
+/// use taotie::Warnings;
+///
+/// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
+/// let vertices = ball.meshes()[0].positions().len() as u64;
+/// let file = io::encode_scene(&ball, &[], &mut Warnings::default())?;
+/// let sizes = io::load_glb(file, &Limits::default())?.structure.expect("glTF").sizes;
+/// let positions = sizes.attributes.iter().find(|size| size.name == "POSITION").expect("every mesh has positions");
+/// assert_eq!((positions.bytes, positions.gpu_bytes), (vertices * 12, vertices * 12));
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct GltfSizes {
+    /// Bytes of the JSON, without the content of data URIs.
+    pub json: u64,
+    /// Vertex attributes by name, in alphabetical order. Morph targets are one entry, `morph targets`; so are primitives
+    /// compressed by Draco, `Draco`.
+    pub attributes: Vec<ContentSize>,
+    /// Index buffers.
+    pub indices: ContentSize,
+    /// Images, in the order of the file.
+    pub images: Vec<ImageSize>,
+    /// Bytes of animations and skins.
+    pub animations: u64,
+    /// Bytes of buffers that hold none of these: instance transforms, unused data, padding.
+    pub other: u64,
+    /// Bytes that vertices, indices and textures take on a graphics card. A viewer may hold more, such as copies of textures
+    /// with other samplers.
+    pub gpu_bytes: u64,
+}
+
+/// The size of one kind of content.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ContentSize {
+    /// The name of a vertex attribute, such as `POSITION`, or `indices`.
+    pub name: String,
+    /// Bytes in the file, as compressed.
+    pub bytes: u64,
+    /// Bytes on a graphics card: uncompressed, each element a multiple of four bytes.
+    pub gpu_bytes: u64,
+}
+
+/// The size of an image.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ImageSize {
+    /// Its file, else its name, else its number.
+    pub name: String,
+    /// The media type found in its content, such as `image/png`; empty if unknown.
+    pub media_type: String,
+    /// Texels across; 0 if unknown.
+    pub width: u32,
+    /// Texels down; 0 if unknown.
+    pub height: u32,
+    /// Bytes in the file.
+    pub bytes: u64,
+    /// Bytes on a graphics card with all mip levels: four per texel, one per texel of KTX2 (BC7, ASTC 4×4); 0 if no texture
+    /// shows it.
+    pub gpu_bytes: u64,
+}
+
+impl GltfSizes {
+    /// Returns it with the sum of what its parts take on a graphics card.
+    pub(super) fn summed(self) -> Self {
+        let vertices = self.attributes.iter().chain([&self.indices]).map(|size| size.gpu_bytes);
+        let all = vertices.chain(self.images.iter().map(|image| image.gpu_bytes));
+        Self { gpu_bytes: all.fold(0, u64::saturating_add), ..self }
+    }
+
+    /// Returns the sum of the bytes of all content.
+    pub fn bytes(&self) -> u64 {
+        let vertices = self.attributes.iter().chain([&self.indices]).map(|size| size.bytes);
+        let all = vertices.chain(self.images.iter().map(|image| image.bytes));
+        all.chain([self.json, self.animations, self.other]).fold(0, u64::saturating_add)
+    }
+}
+
+impl ImageSize {
+    /// Returns the bytes that an image of this size takes on a graphics card, with all mip levels.
+    pub fn on_gpu(size: [u32; 2], is_block_compressed: bool) -> u64 {
+        let [mut width, mut height] = size.map(u64::from);
+        let mut bytes = 0;
+        while width > 0 && height > 0 {
+            bytes += match is_block_compressed {
+                // 16 bytes per block of 4×4 texels.
+                true => width.div_ceil(4) * height.div_ceil(4) * 16,
+                false => width * height * 4,
+            };
+            if width == 1 && height == 1 {
+                break;
+            }
+            [width, height] = [width, height].map(|side| (side / 2).max(1));
+        }
+        bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mip_levels_count() {
+        assert_eq!(ImageSize::on_gpu([4, 2], false), (8 + 2 + 1) * 4);
+        assert_eq!(ImageSize::on_gpu([1024, 1024], false), 5_592_404);
+        assert_eq!(ImageSize::on_gpu([8, 8], true), (4 + 1 + 1 + 1) * 16);
+        assert_eq!(ImageSize::on_gpu([0, 8], false), 0);
+    }
+}
