@@ -117,10 +117,11 @@ bench-store: ## Builds the latest tag, or BASE=REV, for make bench-check
 	cp $(CHECK)/build/release/taotie $(CHECK)/build/release/examples/frames $(CHECK)/base
 	git worktree remove --force $(CHECK)/source
 
-# The others come from npm. TAOTIE=/path/to/taotie takes that program instead of building one; the models are those of the
-# tests, ../shared/data or TAOTIE_DATA; `make bench-sizes BENCH=--help` lists the options.
+# The other tools come from npm. TAOTIE=/path/to/taotie uses that program instead of building one; the models are those of the
+# tests, ../shared/data or TAOTIE_DATA. Takes hours, and continues if it was interrupted; BENCH=--check takes minutes and fails
+# if assets of Taotie are too large. `make bench-sizes BENCH=--help` lists the options.
 SIZES = target/bench-sizes
-bench-sizes: $(SIZES)/ready ## Bytes, degrees and ΔE of six models by Taotie, gltf-transform and gltfpack, for docs/sizes.md
+bench-sizes: $(SIZES)/ready ## Compares bytes, degrees and ΔE of assets by Taotie, gltf-transform and gltfpack, for docs/sizes.md
 	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
 	PYTHONPATH=benches/common $(SIZES)/venv/bin/python benches/sizes/bench.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
 

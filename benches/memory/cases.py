@@ -185,8 +185,8 @@ def work_cases():
     lines += ["compare ball.obj --method facet,smooth --shading ggx,phong,lambert --size 1024 -o out"]
     lines += [f"bake ball.obj -o out.glb --triangles 500 --size {size}" for size in (1024, 2048, 4096)]
     lines += ["bake ball.obj -o out.glb --triangles 500 --size 2048 --maps normal,ao,bent,curvature --ao-rays 4"]
-    lines += ["bake ball.obj -o out.glb --triangles 500 --size 2048 --ktx2"]
-    lines += ["bake ball.obj -o out.glb --triangles 500 --size 2048 --webp"]
+    lines += ["bake ball.obj -o out.glb --triangles 500 --size 2048 --images ktx2"]
+    lines += ["bake ball.obj -o out.glb --triangles 500 --size 2048 --images webp"]
     lines += ["bake ball.obj -o out.glb --triangles 5000 --size 1024 --meshopt --lods 2000,500"]
     for i, line in enumerate(lines):
         yield Case(f"ball-{i}", [line])

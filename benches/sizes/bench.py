@@ -1,26 +1,34 @@
-"""Makes small assets of six models by Taotie and by others, and measures all alike: `make bench-sizes`."""
+"""Compares the sizes and errors of assets by Taotie and by other tools, each over its settings: `make bench-sizes`."""
 
+import dataclasses
 import os
 
+import check
 import command
-import inspected
-import judge
+import compare
+import grids
 import machine
 import measure
+import packs
 import page
+import plot
+import search
 import section
+import store
 import subjects
 import tools
-from command import say
 
 TARGET = "bench-sizes"
+PICTURE = os.path.join(command.ROOT, "docs/images/sizes.svg")
 
 
 def arguments():
     parser = command.models_parser(__doc__, TARGET)
     parser.set_defaults(page=os.path.join(command.ROOT, "docs/sizes.md"))
-    parser.add_argument("--gltfpack", help="a build of gltfpack that packs textures; npm's cannot")
-    parser.add_argument("--only", nargs="+", choices=subjects.PATHS, help="these models; prints and leaves the page alone")
+    parser.add_argument("--picture", help="the picture to draw, .svg or .png [default: docs/images/sizes.svg]")
+    parser.add_argument("--only", nargs="+", choices=subjects.PATHS, help="these models; prints the section only")
+    parser.add_argument("--errors", nargs="+", type=float, metavar="DEG", help="values of Taotie's --error")
+    parser.add_argument("--check", action="store_true", help=check.__doc__)
     args = parser.parse_args()
     command.check_program(parser, args.taotie)
     return args
@@ -28,45 +36,48 @@ def arguments():
 
 def main():
     args = arguments()
-    if not args.only:
-        page.around(args.page, TARGET)  # fails now rather than after minutes
+    is_page_written = not (args.check or args.only)
+    if is_page_written:
+        page.around(args.page, TARGET)  # fails now rather than after hours
     os.makedirs(args.folder, exist_ok=True)
-    found = subjects.subjects(args.data, args.folder, args.only)
-    if not found:
-        raise measure.Failed(f"{args.data} holds none of the models; name their folder by --data")
-    others = [tools.gltf_transform(args.node), tools.gltfpack(args.node, args.gltfpack)]
-    results = [judged(subject, [tools.taotie(args.taotie), *others], args) for subject in found]
-    text = section.text(machine.described(args.taotie), versions(args), results, judge)
+    models = subjects.models(args.taotie, args.data, args.folder, subjects.QUICK if args.check else args.only)
+    if not models:
+        raise measure.Failed(f"{args.data} holds none of the models; name their folder with --data")
+    found = [explored(model, args) for model in models]
+    if args.check:
+        check.run(found)
+    else:
+        publish(found, args, is_page_written)
+
+
+def publish(found, args, is_page_written):
+    """Prints the section, writes it to the page if so wanted, and draws the picture."""
+    text = section.text(machine.described(args.taotie), tools.versions(args.node), found)
     print(text)
-    if not args.only:
+    picture = args.picture
+    if is_page_written:
         page.write(args.page, TARGET, text)
+        picture = picture or PICTURE
+    if picture:
+        plot.save(found, picture)
 
 
-def judged(subject, some, args):
-    """The model, its triangles, and each tool's name with its outcome."""
-    eye = judge.Judge(args.taotie, args.folder, subject.path)
-    return subject, eye.triangles, [(tool.name, outcome(tool, subject, eye)) for tool in some]
+def explored(model, args):
+    """The measured assets of all tools for a model."""
+    installed, grid = tools.installed(args.taotie, args.node), wanted(args)
+    point = store.Store(args.folder, args.taotie, model).point
+    return compare.Frontiers(
+        name=model.name,
+        gltfpack=packs.Search(installed, model.side, point).run(grid),
+        gltf_transform=search.gltf_transform(installed.gltf_transform, grid, model.side, point),
+        taotie=search.taotie(installed.taotie, grid, point),
+    )
 
 
-def outcome(tool, subject, eye):
-    out = os.path.join(eye.folder, f"{subject.name}-{tool.name.split()[0]}.glb")
-    job = tools.Job(subject.path, eye.triangles, out)
-    try:
-        for line in tool.commands(job):
-            measure.run(line)
-        made = {"triangles": inspected.triangles(eye.program, out), "bytes": os.path.getsize(out)}
-        made["verdict"] = eye.verdict(out)
-    except measure.Failed as failed:
-        made = {"failed": str(failed).strip().splitlines()[-1]}
-    say(f"{subject.name:12} {tool.name:24} {made}")
-    return made
-
-
-def versions(args):
-    """Of the others, by their own words."""
-    own = args.gltfpack or args.node.program("gltfpack")
-    transform = measure.run([args.node.program("gltf-transform"), "--version"]).output.strip()
-    return f"gltf-transform {transform}; {measure.run([own, '-v']).output.strip()}"
+def wanted(args):
+    """The settings to try."""
+    grid = grids.QUICK if args.check else grids.FULL
+    return dataclasses.replace(grid, errors=(*args.errors, None)) if args.errors else grid
 
 
 if __name__ == "__main__":

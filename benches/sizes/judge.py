@@ -2,14 +2,16 @@
 
 Taotie renders model and asset from eight sides by the same cameras, under the same light: the normals that are shaded,
 maps and all, the base colours, and the image. Pixels whose surroundings both show are compared, so silhouettes are not.
-The angles are computed here, CIEDE2000 by scikit-image.
+The angles are computed here, CIEDE2000 by scikit-image. What an asset lacks altogether has no angle: it is counted.
 """
 
+import concurrent.futures
 import dataclasses
 import math
 import os
 
 import inspected
+import machine
 import measure
 import numpy as np
 import OpenEXR
@@ -37,12 +39,17 @@ class View:
 
 @dataclasses.dataclass(frozen=True)
 class Verdict:
-    """Means over all pixels of all views, and the 95 % quantile of the angles; degrees and CIEDE2000."""
+    """Means and 95 % quantiles over all pixels of all views: degrees, and CIEDE2000 of base colour and image.
+
+    `missed` is the share of the model's pixels, without its silhouette, at which the asset shows nothing.
+    """
 
     degrees: float
-    p95: float
+    degrees_p95: float
     albedo: float
+    albedo_p95: float
     image: float
+    missed: float
 
 
 class Judge:
@@ -57,15 +64,22 @@ class Judge:
         self.distance = radius / math.sin(math.radians(FOV / 2))
         self.triangles = about["counts"]["triangles_drawn"]
         self.model = self.views(model)
+        self.inner = [shrunk(view.covered) for view in self.model]
 
     def verdict(self, asset):
-        """What is apart between the model and an asset."""
-        pairs = [self.apart(*pair) for pair in zip(self.model, self.views(asset), strict=True)]
+        """The difference between the model and an asset."""
+        views = self.views(asset)
+        pairs = at_once(self.apart, self.model, views)
         angles, albedo, image = (np.concatenate(parts) for parts in zip(*pairs, strict=True))
         if not len(angles):
             raise measure.Failed(f"{asset}: no pixel shows it where its model is")
-        figures = (angles.mean(), np.percentile(angles, 95), albedo.mean(), image.mean())
-        return Verdict(*map(float, figures))
+        figures = [angles.mean(), np.percentile(angles, 95), albedo.mean(), np.percentile(albedo, 95), image.mean()]
+        return Verdict(*map(float, [*figures, self.missed(views)]))
+
+    def missed(self, views):
+        """The share of the model's inner pixels that the views of an asset do not cover."""
+        lost = [inner & ~view.covered for inner, view in zip(self.inner, views, strict=True)]
+        return np.sum(lost) / np.sum(self.inner)
 
     def apart(self, model, asset):
         """Angles and differences of colour at the pixels that count."""
@@ -78,10 +92,11 @@ class Judge:
         return (model.albedo, asset.albedo), (model.image, asset.image)
 
     def views(self, path):
-        return [self.view(path, azimuth, ELEVATIONS[i % 2]) for i, azimuth in enumerate(AZIMUTHS)]
+        elevations = [ELEVATIONS[i % 2] for i in range(len(AZIMUTHS))]
+        return at_once(lambda *angles: self.view(path, *angles), AZIMUTHS, elevations)
 
     def view(self, path, azimuth, elevation):
-        out = os.path.join(self.folder, "view")
+        out = os.path.join(self.folder, f"view-{azimuth}")
         camera = [f"--orbit={azimuth},{elevation},{self.distance:.9g}", f"--fov-deg={FOV}"]
         camera.append("--target=" + ",".join(f"{x:.9g}" for x in self.target))
         look = ["--size", str(PIXELS), "--env", "studio", "--tone", "linear", "--background", "transparent"]
@@ -93,6 +108,12 @@ class Judge:
         return View(normals.astype(np.float64), albedo[..., :3], image[..., :3], covered)
 
 
+def at_once(work, *arguments):
+    """Calls `work` for each set of arguments, on all cores; returns a list in their order."""
+    with concurrent.futures.ThreadPoolExecutor(machine.cores()) as pool:
+        return list(pool.map(work, *arguments))
+
+
 def picture(path):
     """RGBA in [0, 1], encoded as sRGB."""
     return np.asarray(Image.open(path).convert("RGBA")) / 255
@@ -101,8 +122,10 @@ def picture(path):
 def shrunk(mask):
     """Without the pixels that have another in their surroundings, or lie at the image's edge."""
     side = 2 * MARGIN + 1
-    windows = np.lib.stride_tricks.sliding_window_view(np.pad(mask, MARGIN), (side, side))
-    return windows.all((-2, -1))
+    padded = np.pad(mask, MARGIN)
+    for axis in (0, 1):
+        padded = np.lib.stride_tricks.sliding_window_view(padded, side, axis).all(-1)
+    return padded
 
 
 def angles(a, b):

@@ -1,11 +1,14 @@
 """The models that are made small."""
 
+import dataclasses
 import os
 
+import hashes
+import inspected
 import subject
 
 SAMPLES, HAVEN = "khronos-gltf-sample-assets", "polyhaven-models"
-# glTF by others, and a scan of a museum's statue, which comes as OBJ.
+# Modelled and scanned objects with textures, a shape without any, and the scan of a museum's bust, which comes as OBJ.
 PATHS = {
     "WaterBottle": f"{SAMPLES}/WaterBottle/glTF/WaterBottle.gltf",
     "Suzanne": f"{SAMPLES}/Suzanne/glTF/Suzanne.gltf",
@@ -14,10 +17,29 @@ PATHS = {
     "shaderball": "materialx/shaderball.glb",
     "nefertiti": "odedstein-meshes/nefertiti/nefertiti-lowres.obj",
 }
+# Both are small and measured in a few minutes.
+QUICK = ("Suzanne", "WaterBottle")
 
 
-def subjects(data, folder, only):
-    """Those that the folder of data holds, by the names wanted, or all; OBJ is written anew into `folder`."""
-    wanted = {name: path for name, path in PATHS.items() if not only or name in only}
-    found = {name: os.path.join(data, path) for name, path in wanted.items()}
-    return [subject.of(name, path, folder) for name, path in found.items() if os.path.exists(path)]
+@dataclasses.dataclass(frozen=True)
+class Model:
+    """A model as glTF; `side` is the width or height of its largest texture in texels, 0 without textures."""
+
+    name: str
+    path: str
+    bytes: int
+    side: int
+    content: str
+
+
+def models(program, data, folder, only):
+    """The named models, or all, as far as the folder of data holds them; OBJ is converted into `folder`."""
+    wanted = {name: os.path.join(data, path) for name, path in PATHS.items() if not only or name in only}
+    return [model(program, subject.of(name, path, folder)) for name, path in wanted.items() if os.path.exists(path)]
+
+
+def model(program, found):
+    about = inspected.of(program, found.path)
+    sides = [max(t["width"], t["height"]) for m in about["materials"] for t in m["textures"]]
+    content = hashes.of_files(*subject.parts(found.path))
+    return Model(found.name, found.path, found.bytes, max(sides, default=0), content)

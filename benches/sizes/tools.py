@@ -1,63 +1,85 @@
-"""The tools, each as the commands that make an asset of a model."""
+"""The programs that make assets, and settings: the ways to call them."""
 
 import dataclasses
-from collections.abc import Callable
+import os
 
-# Triangles of the asset by those of the model, and texels along a side of its textures.
-RATIO = 0.1
-TEXELS = 1024
+import hashes
+import measure
 
-
-@dataclasses.dataclass(frozen=True)
-class Job:
-    """What is made of what: the model, its triangles, the asset."""
-
-    source: str
-    triangles: int
-    out: str
+# Placeholders in the words of a command.
+SOURCE, OUT = "MODEL", "OUT.glb"
+HERE = os.path.dirname(os.path.abspath(__file__))
 
 
 @dataclasses.dataclass(frozen=True)
 class Tool:
-    """A tool by its name; `commands` of a job are run one after the other."""
+    """A program; `identity` changes with its version, and `words` are its command without options."""
 
     name: str
-    commands: Callable[[Job], list]
+    identity: str
+    words: tuple[str, ...]
 
 
-def taotie(program):
-    def commands(job):
-        wanted = str(max(4, int(job.triangles * RATIO)))
-        options = ["--for", "web", "--triangles", wanted, "--size", str(TEXELS), "--no-verify"]
-        return [[program, "bake", job.source, "-o", job.out, *options]]
+@dataclasses.dataclass(frozen=True)
+class Setting:
+    """One way to make an asset: a tool with options, applied to the result of `before` or else to the model."""
 
-    return Tool("taotie bake --for web", commands)
+    tool: Tool
+    options: tuple[str, ...] = ()
+    before: "Setting | None" = None
 
+    def command(self, source, out):
+        """The command line that makes `out` of `source`."""
+        return [{SOURCE: source, OUT: out}.get(word, word) for word in self.tool.words] + list(self.options)
 
-def gltf_transform(node):
-    def commands(job):
-        simplify = ["--simplify-ratio", str(RATIO), "--simplify-error", "1"]
-        textures = ["--texture-compress", "webp", "--texture-size", str(TEXELS)]
-        return [[node.program("gltf-transform"), "optimize", job.source, job.out, *simplify, *textures]]
+    def label(self):
+        """For people: `-si 0.5 after WebP 512 75`."""
+        own = " ".join(self.options) or "no options"
+        return own if self.before is None else f"{own} after {self.before.tool.name} {self.before.label()}"
 
-    return Tool("gltf-transform optimize", commands)
-
-
-def gltfpack(node, native):
-    """With `native`, a build that packs textures, KTX2; npm's cannot: gltf-transform packs them as WebP before it."""
-    if native:
-        return Tool("gltfpack -si -tc", lambda job: [[*pack(native, job.source, job), "-tc", "-tl", str(TEXELS)]])
-    transform = node.program("gltf-transform")
-    side = ["--width", str(TEXELS), "--height", str(TEXELS)]
-
-    def commands(job):
-        between = f"{job.out}.textures.glb"
-        resize, webp = [transform, "resize", job.source, between, *side], [transform, "webp", between, between]
-        return [resize, webp, pack(node.program("gltfpack"), between, job)]
-
-    return Tool("gltfpack -si, WebP", commands)
+    def identity(self):
+        """Equal for equal assets of one model, wherever the programs are installed."""
+        before = self.before and self.before.identity()
+        return hashes.of_value([self.tool.name, self.tool.identity, self.options, before])
 
 
-def pack(gltfpack, source, job):
-    """The error is not limited, so that the ratio is reached; geometry is compressed as far as it can be."""
-    return [gltfpack, "-i", source, "-o", job.out, "-si", str(RATIO), "-se", "1", "-cc"]
+@dataclasses.dataclass(frozen=True)
+class Tools:
+    """The tools that are compared; `webp` only prepares textures."""
+
+    taotie: Tool
+    gltfpack: Tool
+    gltf_transform: Tool
+    webp: Tool
+
+
+def installed(taotie, node):
+    """With `taotie` at this path, and the others from the folder of npm."""
+    return Tools(baker(taotie), packer(node), transformer(node), texture_encoder(node))
+
+
+def baker(program):
+    return Tool("taotie", hashes.of_files(program), (program, "bake", SOURCE, "-o", OUT, "--no-verify"))
+
+
+def packer(node):
+    """Meshopt compression as high as it goes, of the extension that all viewers support."""
+    return Tool("gltfpack", node.version("gltfpack"), (node.program("gltfpack"), "-i", SOURCE, "-o", OUT, "-cc"))
+
+
+def transformer(node):
+    words = (node.program("gltf-transform"), "optimize", SOURCE, OUT, "--texture-compress", "webp")
+    return Tool("gltf-transform", node.identity(), words)
+
+
+def texture_encoder(node):
+    """Its options are the largest side in texels, or 0, and the quality."""
+    script = os.path.join(HERE, "textures.mjs")
+    identity = hashes.of_value([node.identity(), hashes.of_files(script)])
+    return Tool("WebP", identity, ("node", script, node.path, SOURCE, OUT))
+
+
+def versions(node):
+    """Of the programs from npm, as they state them."""
+    transform = measure.run([node.program("gltf-transform"), "--version"]).output.strip()
+    return f"{measure.run([node.program('gltfpack'), '-v']).output.strip()}; gltf-transform {transform}"

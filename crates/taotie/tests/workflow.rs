@@ -12,7 +12,7 @@ use taotie::asset::{
 use taotie::bake::MapKind;
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
 use taotie::io::{
-    FileSet, GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, load_model, write_gltf,
+    FileSet, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, load_model, write_gltf,
 };
 use taotie::math::{Mat4, Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
@@ -219,21 +219,21 @@ fn every_level_is_measured_and_gated() {
 fn the_floor_is_told_where_it_holds() {
     let folder = tempfile::tempdir().unwrap();
     let scan = small();
-    let floor = |options: BakeOptions, images: GltfImages| {
+    let floor = |options: BakeOptions, images: ImageCodec| {
         let asset = Baker::new(BakeOptions { size: 32, ..options }).bake(&scan, Progress::SILENT).unwrap();
-        let packing = Packing { images, ..Packing::default() };
+        let packing = Packing { images: images.into(), ..Packing::default() };
         let written = asset.write(folder.path().join("a.glb"), &packing, Progress::SILENT).unwrap();
         Report::of(&written).unwrap().bake.unwrap().floor_8_bit
     };
     let sixteen = || BakeOptions { bits: 16, ..options() };
     let beside = || BakeOptions { space: NormalSpace::Object, ..options() };
-    assert_eq!(floor(options(), GltfImages::Png), Some(FLOOR_8_BIT));
-    assert_eq!(floor(sixteen(), GltfImages::Png), None);
+    assert_eq!(floor(options(), ImageCodec::Png), Some(FLOOR_8_BIT));
+    assert_eq!(floor(sixteen(), ImageCodec::Png), None);
     if cfg!(feature = "basis") {
-        assert_eq!(floor(options(), GltfImages::Ktx2), None, "it costs more");
+        assert_eq!(floor(options(), ImageCodec::Ktx2(0)), None, "it costs more");
     }
-    assert_eq!(floor(beside(), GltfImages::Ktx2), Some(FLOOR_8_BIT), "beside the asset it is a PNG");
-    assert_eq!(floor(BakeOptions { maps: vec![MapKind::Height], ..options() }, GltfImages::Png), None);
+    assert_eq!(floor(beside(), ImageCodec::Ktx2(0)), Some(FLOOR_8_BIT), "beside the asset it is a PNG");
+    assert_eq!(floor(BakeOptions { maps: vec![MapKind::Height], ..options() }, ImageCodec::Png), None);
 }
 
 #[test]
@@ -373,8 +373,8 @@ fn every_file_that_is_written_was_foreseen() {
     let baker = Baker::new(BakeOptions { maps, triangles: 200, size: 32, ..options() });
     let asset = baker.bake(small(), Progress::SILENT).unwrap();
     let packings = [
-        Packing { jpeg: Some(90), ..Packing::default() },
-        Packing { images: GltfImages::Ktx2, green: GreenChannel::Down, ..Packing::default() },
+        Packing { images: ImageCodec::Jpeg(90).into(), ..Packing::default() },
+        Packing { images: ImageCodec::Ktx2(0).into(), green: GreenChannel::Down, ..Packing::default() },
     ];
     for packing in packings {
         let written = asset.write(&path, &packing, Progress::SILENT).unwrap();
@@ -439,7 +439,7 @@ fn job(mesh: &Mesh, options: &BakeOptions, folder: &Path, progress: Progress<'_>
     let asset = Baker::new(options.clone()).bake(scan, progress)?;
     asset.write(
         folder.join("out.gltf"),
-        &Packing { images: GltfImages::Ktx2, ..Packing::default() },
+        &Packing { images: ImageCodec::Ktx2(0).into(), ..Packing::default() },
         progress,
     )
 }
@@ -532,7 +532,7 @@ fn a_search_may_have_levels_of_detail_without_a_map() {
     let written = found.write(folder.path().join("out.glb"), &Packing::default(), Progress::SILENT).unwrap();
     assert!(written.warnings().is_empty(), "{:?}", written.warnings());
     assert_eq!(taotie::io::load_levels(written.path()).unwrap().len(), 3);
-    let asked = Packing { images: taotie::io::GltfImages::Ktx2, ..Packing::default() };
+    let asked = Packing { images: ImageCodec::Ktx2(0).into(), ..Packing::default() };
     let written = found.write(folder.path().join("ktx2.glb"), &asked, Progress::SILENT).unwrap();
     let said: Vec<&str> = written.warnings().iter().map(|(what, _)| what).collect();
     assert!(said.iter().any(|what| what.starts_with("the search chose the packing")), "{said:?}");

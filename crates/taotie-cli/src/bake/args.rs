@@ -1,6 +1,6 @@
 //! The options of `taotie bake`.
 
-use super::purpose::{Defaults, Purpose};
+use super::images::Images;
 use super::scan_args::ScanArgs;
 use crate::limits::LimitArgs;
 use crate::options::{self, fraction, positive};
@@ -8,13 +8,16 @@ use crate::proof_args::ProofArgs;
 use crate::running::RunArgs;
 use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use std::path::{Path, PathBuf};
 use taotie::Error;
-use taotie::asset::{AUTO_SIZE, BakeOptions, Baker, Limits, MeshSource, Packing, RayDistance, Requirement};
+use taotie::asset::{BakeOptions, Baker, Limits, MeshSource, Packing, Preset, RayDistance, Requirement};
 use taotie::bake::MapKind;
-use taotie::io::{FileSet, GltfImages};
+use taotie::io::{CodecKind, FileSet, TextureCodecs};
 use taotie::names::Named;
+
+/// Options that choose what a search would.
+const BY_HAND: [&str; 5] = ["low", "triangles", "size", "bits", "meshopt"];
 
 const EXAMPLES: &str = "\
 Examples:
@@ -22,7 +25,7 @@ Examples:
   taotie bake scan.ply --low low.glb -o baked.glb --size 4096 --maps normal,ao
   taotie bake scan.ply --low low.glb -o normal.png
   taotie bake scan.ply -o scan.glb --triangles 150000 --lods 50000,10000 --meshopt
-  taotie bake scan.ply -o scan.glb --for web
+  taotie bake scan.ply -o scan.glb --preset web --max-gpu-memory 64MB
   taotie bake scan.ply -o scan.glb --error 0.9 --require standard,bytes=3MB
 
 Without --low the smallest asset that looks like the scan is found: made from it, or the scan itself, packed. \
@@ -43,27 +46,34 @@ pub struct BakeArgs {
     /// glTF: each material gets maps of its own. Made from the scan if not given
     #[arg(long, value_name = "LOW")]
     pub low: Option<PathBuf>,
-    /// Choose size and packing for a use; options that are given go before it
-    #[arg(long = "for", value_name = "USE", value_enum)]
-    pub purpose: Option<Purpose>,
-
     #[command(flatten)]
     pub scan: ScanArgs,
 
     /// Triangles of the low-poly mesh; nothing is searched for then. 50000 if only the size or the packing is given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..), help_heading = "Low-poly mesh", conflicts_with = "low")]
     pub triangles: Option<u32>,
-    /// Find the smallest asset with a mean normal error, as seen, of at most DEG degrees: one that is made of the scan, or the
-    /// scan itself, packed. Triangles, bits of vertices, normal map or none, sizes and qualities are chosen by what they cost.
-    /// Files need EXT_meshopt_compression, and with maps WebP. Without it, and unless triangles, size or packing are chosen,
-    /// the smallest one that meets what --require says of angles and colours as seen is found; without that, one that meets
-    /// `visually-lossless`
-    #[arg(long, value_name = "DEG", value_parser = degrees, help_heading = "Low-poly mesh", conflicts_with_all = ["low", "triangles", "size", "purpose", "bits", "ktx2", "webp", "jpeg", "meshopt"])]
+    /// Target and ceilings for a use: web (mean 1°, 100,000 triangles, 80 MB on the graphics card), archive (mean 0.1°, no
+    /// ceilings), or engine (mean 0.5°, 50,000 triangles, 32 MB, textures in KTX2). --error, --require, --images and ceilings
+    /// override them
+    #[arg(long, value_name = "web|archive|engine", value_parser = options::named::<Preset>, help_heading = "Search", conflicts_with_all = BY_HAND)]
+    pub preset: Option<Preset>,
+    /// Find the smallest asset with a mean normal error, as seen, of at most DEG degrees: made from the scan, or the scan itself,
+    /// packed. Triangles, bits of vertices, normal map or none, sizes, formats and qualities are chosen by what they cost.
+    /// Without it, and unless triangles, size or packing are given, the target is that of --preset, or what --require states of
+    /// angles and colours as seen, or `visually-lossless`
+    #[arg(long, value_name = "DEG", value_parser = degrees, help_heading = "Search", conflicts_with_all = BY_HAND)]
     pub error: Option<f64>,
-    /// Find the asset nearest to the scan with at most so many bytes, such as 500kB. With --error or --require, one that meets
-    /// them is enough. Exit with 1 if none is so small
-    #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Low-poly mesh", conflicts_with_all = ["low", "triangles", "size", "lods", "purpose", "bits", "ktx2", "webp", "jpeg", "meshopt", "no_verify"])]
+    /// Find the asset nearest to the scan with at most SIZE bytes, such as 500kB. With --error, --preset or --require, one that
+    /// meets them is enough. Exit with 1 if none is that small
+    #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Search", conflicts_with_all = ["low", "triangles", "size", "bits", "meshopt", "lods", "no_verify"])]
     pub bytes: Option<u64>,
+    /// The most triangles of an asset that is searched for. Exit with 1 if it has more
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..), help_heading = "Search", conflicts_with_all = BY_HAND)]
+    pub max_triangles: Option<u32>,
+    /// The most memory that it takes on a graphics card, such as 64MB: vertices, and textures with mip levels at four bytes per
+    /// texel, one of KTX2. Exit with 1 if it takes more
+    #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Search", conflicts_with_all = BY_HAND)]
+    pub max_gpu_memory: Option<u64>,
     /// Further levels of detail in the same file (MSFT_lod): the triangles of each, separated by commas
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = options::triangles, help_heading = "Low-poly mesh")]
     pub lods: Vec<u32>,
@@ -110,23 +120,12 @@ pub struct BakeArgs {
     #[arg(long, value_name = "FILE", requires = "low", help_heading = "Rays")]
     pub cage: Option<PathBuf>,
 
-    /// Write textures as KTX2 with UASTC under Zstandard instead of PNG
-    #[arg(long, conflicts_with = "webp", help_heading = "File")]
-    pub ktx2: bool,
-    /// Let blocks of KTX2 repeat earlier ones where that saves enough (rate–distortion optimisation): the mean square
-    /// error of a block rises by at most the square of this, 1 to 64, of 255². Normals are left out
-    #[arg(long, value_name = "LAMBDA", value_parser = clap::value_parser!(u8).range(1..=64), help_heading = "File")]
-    pub uastc_rdo: Option<u8>,
-    /// Write textures as WebP instead of PNG, lossless
-    #[arg(long, help_heading = "File")]
-    pub webp: bool,
-    /// Write base colour and emission as lossy WebP of this quality, 1 to 100. All other textures stay lossless, and
-    /// alpha too
-    #[arg(long, value_name = "QUALITY", value_parser = clap::value_parser!(u8).range(1..=100), help_heading = "File")]
-    pub webp_quality: Option<u8>,
-    /// Write the base colour as JPEG of this quality, 1 to 100. All other textures stay as they are: they are numbers
-    #[arg(long, value_name = "QUALITY", value_parser = clap::value_parser!(u8).range(1..=100), help_heading = "File")]
-    pub jpeg: Option<u8>,
+    /// Image formats of textures. In a search, those to choose from: names separated by commas, or auto for png,jpeg,webp. Else
+    /// one format: png, webp (lossless), ktx2 (UASTC under Zstandard), or with a quality: webp:85 and jpeg:85 (base colour and
+    /// emission; all else stays lossless), ktx2:2 (λ of rate–distortion optimisation, 1 to 64, of all but normals). Those of
+    /// colours, normals and numbers: jpeg:90/webp/webp:75. With a quality, nothing is searched
+    #[arg(long, value_name = "auto|FORMAT[:QUALITY],...", value_parser = super::images::images, default_value = "auto", help_heading = "File")]
+    pub images: Images,
     /// Compress geometry (EXT_meshopt_compression)
     #[arg(long, help_heading = "File")]
     pub meshopt: bool,
@@ -220,7 +219,7 @@ impl BakeArgs {
             bail!("{output}: it would be written over {input}, which is read; give another name or folder");
         }
         let made = (self.low.is_none() && !self.searches()).then_some(self.triangles());
-        let levels: Vec<u32> = made.into_iter().chain(self.lods()).collect();
+        let levels: Vec<u32> = made.into_iter().chain(self.lods.iter().copied()).collect();
         if let Some(pair) = levels.windows(2).find(|pair| pair[0] <= pair[1]) {
             bail!(
                 "--lods: a level of {} triangles follows one of {}; each must have fewer triangles than the one before",
@@ -233,11 +232,16 @@ impl BakeArgs {
         if width != height && self.low.is_none() {
             bail!("--size {size}: atlases that are made are square; give one number, or --low with UVs");
         }
-        if self.images() == GltfImages::Ktx2 && !self.size().iter().all(|side| side.is_multiple_of(4)) {
-            let other = if self.ktx2 { "leave out --ktx2" } else { "take another --for" };
-            bail!("--size {size}: KTX2 needs a multiple of 4; choose another size, or {other}");
-        }
         self.check_search()?;
+        let is_searched = self.searches();
+        if let Err(why) = self.images.codecs().map_err(|why| (!is_searched).then_some(why)) {
+            why.map_or(Ok(()), |why| bail!("--images: {why}"))?;
+        }
+        if self.codecs().has(CodecKind::Ktx2) && !self.size().iter().all(|side| side.is_multiple_of(4)) {
+            bail!(
+                "--size {size}: KTX2 needs a multiple of 4; choose another size or another format in --images"
+            );
+        }
         self.check_levels()?;
         if self.green == Green::Down && (self.space == Space::Object || !self.bakes_normals()) {
             bail!("--green down: no normal or bent map in tangent space is baked; bake one, or leave it out");
@@ -260,12 +264,12 @@ impl BakeArgs {
     fn check_alone(&self) -> Result<()> {
         let given = [
             ("--lods", !self.lods.is_empty()),
-            ("--ktx2", self.ktx2),
-            ("--webp", self.webp),
-            ("--jpeg", self.jpeg.is_some()),
+            ("--images", self.images != Images::Auto),
             ("--meshopt", self.meshopt),
             ("--provenance", self.provenance.is_some()),
-            ("--for", self.purpose.is_some()),
+            ("--preset", self.preset.is_some()),
+            ("--max-triangles", self.max_triangles.is_some()),
+            ("--max-gpu-memory", self.max_gpu_memory.is_some()),
             ("--error", self.error.is_some()),
             ("--bytes", self.bytes.is_some()),
             ("--triangles", self.triangles.is_some()),
@@ -308,41 +312,27 @@ impl BakeArgs {
         if let Some((option, _)) = of_sky.iter().find(|(_, given)| *given && !sky) {
             bail!("{option}: neither ao nor bent is baked; add one of them to --maps");
         }
-        let colors = bakes(MapKind::Albedo) || bakes(MapKind::Alpha) || carries;
-        if self.jpeg.is_some() && self.low.is_none() && !colors {
-            bail!("--jpeg: the asset has no base colour texture; add albedo to --maps");
-        }
-        if self.names_images()
-            && self.low.is_none()
-            && !maps.iter().any(|map| self.is_inside(*map))
-            && !carries
-        {
-            bail!("--webp, --ktx2: the asset holds no texture; leave them out, or add such a map to --maps");
+        let has_texture = self.low.is_some() || carries || maps.iter().any(|map| self.is_inside(*map));
+        if self.images != Images::Auto && !has_texture {
+            bail!("--images: the asset holds no texture; leave it out, or add such a map to --maps");
         }
         self.check_loss()?;
-        let packs = self.is_packed();
         let beside = self.space == Space::Object || self.green == Green::Down || bakes(MapKind::Bent);
-        if self.bits() == 16 && packs && bakes(MapKind::Normal) && !beside {
-            bail!("--bits 16: WebP and KTX2 hold 8 bits; write PNG, or take 8");
+        let kind = self.codecs().normals.kind();
+        if self.bits() == 16 && kind != CodecKind::Png && bakes(MapKind::Normal) && !beside {
+            bail!("--bits 16: {kind} holds 8 bits; write PNG, or take 8");
         }
         Ok(())
     }
 
-    /// Refuses a quality or an RDO that no texture has.
+    /// Refuses a loss that no texture has.
     fn check_loss(&self) -> Result<()> {
-        let given = [
-            ("--webp-quality", self.webp_quality, GltfImages::WebP, "--webp"),
-            ("--uastc-rdo", self.uastc_rdo, GltfImages::Ktx2, "--ktx2"),
-        ];
-        for (option, _, images, other) in given.into_iter().filter(|(_, given, ..)| given.is_some()) {
-            if self.images() != images {
-                bail!("{option}: textures are {}; add {other}, or leave it out", self.images());
-            }
-            if !self.may_lose() {
-                bail!(
-                    "{option}: the asset holds no texture but normals, which it leaves alone; leave it out"
-                );
-            }
+        let codecs = self.codecs();
+        if codecs.colors.number().is_some() && !self.may_lose() {
+            bail!(
+                "--images {codecs}: the asset holds no texture but normals, which its loss leaves alone; use {}",
+                codecs.normals
+            );
         }
         Ok(())
     }
@@ -385,7 +375,7 @@ impl BakeArgs {
 
     /// Refuses requirements of levels of detail that are not asked for.
     fn check_levels(&self) -> Result<()> {
-        let coarsest = self.lods().len();
+        let coarsest = self.lods.len();
         for requirement in self.proof.requirements() {
             if let Some(level) = requirement.level.filter(|level| *level > coarsest) {
                 bail!(
@@ -399,10 +389,10 @@ impl BakeArgs {
 
     /// Returns the options of the bake.
     pub fn options(&self) -> BakeOptions {
-        BakeOptions { goal: self.goal(), bytes: self.bytes, lods: self.lods(), ..self.unsearched() }
+        BakeOptions { goal: self.goal(), bytes: self.bytes, images: self.kinds(), ..self.unsearched() }
     }
 
-    /// Returns the options of a bake that searches for nothing, without the levels of detail of a use.
+    /// Returns the options of a bake that searches for nothing.
     pub(super) fn unsearched(&self) -> BakeOptions {
         BakeOptions {
             low: self.low.clone().map(MeshSource::File),
@@ -454,108 +444,49 @@ impl BakeArgs {
     /// Returns the packing of the asset.
     pub fn packing(&self) -> Packing {
         Packing {
-            images: self.images(),
-            webp_quality: self.webp_quality(),
-            uastc_rdo: self.uastc_rdo(),
-            jpeg: self.jpeg,
-            meshopt: self.is_compressed(),
+            images: self.codecs(),
+            meshopt: self.meshopt,
             provenance: self.provenance.clone(),
             green: self.green.into(),
             ..Packing::default()
         }
     }
 
-    /// Returns what `--for` comes to with all other options, in words.
-    pub fn chosen(&self) -> Option<String> {
-        let name = self.purpose?.to_possible_value()?.get_name().to_owned();
-        let made = self.low.is_none() && !self.searches();
-        let levels: Vec<String> =
-            made.then_some(self.triangles()).into_iter().chain(self.lods()).map(|n| n.to_string()).collect();
-        let [width, height] = self.size();
-        let parts = [
-            (!levels.is_empty()).then(|| format!("{} triangles", levels.join(", "))),
-            (!self.searches()).then(|| match width {
-                AUTO_SIZE => "maps of automatic size".into(),
-                _ => format!("maps of {width}×{height}"),
-            }),
-            self.bakes_normals().then(|| format!("normals in {} bits", self.bits())),
-            Some(self.images().to_string()),
-            self.webp_quality().map(|quality| format!("colours of quality {quality}")),
-            self.uastc_rdo().map(|rdo| format!("RDO of {rdo}")),
-            self.jpeg.map(|quality| format!("base colour as JPEG of quality {quality}")),
-            self.is_compressed().then(|| "meshopt".into()),
-        ];
-        Some(format!("--for {name}: {}", parts.into_iter().flatten().collect::<Vec<String>>().join("; ")))
-    }
-
-    fn defaults(&self) -> Defaults {
-        Defaults::of(self.purpose)
-    }
-
-    fn triangles(&self) -> u32 {
-        self.triangles.unwrap_or(self.defaults().triangles)
-    }
-
-    /// Returns the levels asked for, else those for the use that are coarser than the mesh that is made.
-    fn lods(&self) -> Vec<u32> {
-        let made = self.low.is_none() && !self.searches();
-        match (self.lods.is_empty(), made) {
-            (false, _) => self.lods.clone(),
-            (true, false) => Vec::new(),
-            (true, true) => {
-                self.defaults().lods.iter().copied().filter(|level| *level < self.triangles()).collect()
-            }
+    /// Returns the image formats that a search chooses from.
+    fn kinds(&self) -> Vec<CodecKind> {
+        match (&self.images, self.preset) {
+            (Images::Auto, Some(preset)) => preset.images(),
+            (images, _) => images.kinds(),
         }
     }
 
+    fn triangles(&self) -> u32 {
+        self.triangles.unwrap_or(BakeOptions::default().triangles)
+    }
+
     fn size(&self) -> [u32; 2] {
-        self.size.unwrap_or([self.defaults().size; 2])
+        self.size.unwrap_or([BakeOptions::default().size; 2])
     }
 
     fn bits(&self) -> u8 {
         match self.bits.as_deref() {
             Some("16") => 16,
             None if self.has_extension("exr") && self.bakes_normals() => 16,
-            None if self.images() == GltfImages::Png && self.bakes_normals() => self.defaults().bits,
-            _ => 8,
+            _ => BakeOptions::default().bits,
         }
     }
 
-    fn images(&self) -> GltfImages {
-        match (self.ktx2, self.webp) {
-            (true, _) => GltfImages::Ktx2,
-            (_, true) => GltfImages::WebP,
-            _ => self.defaults().images,
+    /// Returns the formats of textures if nothing is searched for; PNG if it is.
+    fn codecs(&self) -> TextureCodecs {
+        if self.searches() {
+            return TextureCodecs::default();
         }
+        self.images.codecs().unwrap_or_default()
     }
 
-    /// Says whether textures are packed as WebP or KTX2, which takes longer than PNG.
+    /// Returns `true` if textures are packed as WebP or KTX2, which takes longer than PNG.
     pub fn is_packed(&self) -> bool {
-        self.images() != GltfImages::Png
-    }
-
-    /// Returns the quality of lossy WebP; WebP that is asked for by name is lossless.
-    fn webp_quality(&self) -> Option<u8> {
-        self.webp_quality.or(self.defaults().webp_quality.filter(|_| self.chooses_losses()))
-    }
-
-    /// Returns the RDO of KTX2; KTX2 that is asked for by name has none.
-    fn uastc_rdo(&self) -> Option<u8> {
-        self.uastc_rdo.or(self.defaults().uastc_rdo.filter(|_| self.chooses_losses()))
-    }
-
-    /// Says whether `--for` chooses what textures may lose.
-    fn chooses_losses(&self) -> bool {
-        !self.names_images() && self.may_lose()
-    }
-
-    /// Says whether the packing of textures is asked for, and not chosen by `--for`.
-    fn names_images(&self) -> bool {
-        self.webp || self.ktx2
-    }
-
-    fn is_compressed(&self) -> bool {
-        self.meshopt || self.defaults().meshopt
+        self.codecs() != TextureCodecs::default()
     }
 
     /// Returns the limits of the bake.

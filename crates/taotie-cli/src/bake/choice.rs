@@ -9,10 +9,13 @@ pub fn line(report: &Report) -> Option<String> {
     let others = KINDS.into_iter().filter(|kind| *kind != kind_of(chosen)).filter_map(|kind| {
         let of_kind = || trials.iter().filter(|trial| kind_of(trial) == kind);
         let smallest = of_kind().filter(|trial| trial.is_near).min_by_key(|trial| trial.bytes);
-        let nearest = of_kind().min_by(|a, b| a.ratio().total_cmp(&b.ratio()))?;
-        Some(match smallest {
-            Some(other) => format!("{kind}: {}", kilobytes(other.bytes)),
-            None => format!("{kind}: not near enough, {}", differences(nearest)),
+        let within = of_kind().filter(|trial| trial.is_within());
+        let nearest = within.min_by(|a, b| a.ratio().total_cmp(&b.ratio()));
+        of_kind().next()?;
+        Some(match (smallest, nearest) {
+            (Some(other), _) => format!("{kind}: {}", kilobytes(other.bytes)),
+            (None, Some(nearest)) => format!("{kind}: not near enough, {}", differences(nearest)),
+            (None, None) => format!("{kind}: beyond a ceiling"),
         })
     });
     let others: Vec<String> = others.collect();

@@ -3,7 +3,7 @@
 mod args;
 mod choice;
 pub mod clock;
-mod purpose;
+mod images;
 mod scan_args;
 mod schedule;
 mod search;
@@ -29,9 +29,6 @@ pub fn run(args: &BakeArgs) -> Result<Outcome> {
     args.check()?;
     let files = stop::files();
     args.claim(&files)?;
-    if let Some(chosen) = args.chosen() {
-        console::say(&format!("taotie: {chosen}"));
-    }
     let report = args.run.in_pool(|| bake(args, &files))??;
     if args.run.json {
         console::result(&serde_json::to_string_pretty(&report)?)?;

@@ -1,57 +1,101 @@
-//! What a bake searches for, unless triangles, size or packing are chosen by hand.
+//! The target of a bake's search, unless triangles, size or packing are given.
 
 use super::BakeArgs;
+use super::images::Images;
 use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
-use taotie::asset::{Requirement, VerifyOptions};
+use taotie::asset::{Figure, Requirement, VerifyOptions};
 use taotie::bake::MapKind;
 
 impl BakeArgs {
-    /// Returns what the smallest asset is searched for that meets it; `None` if nothing is searched.
+    /// Returns the requirements that the smallest asset is searched for; `None` if nothing is, or only a number of bytes is given.
     pub(super) fn goal(&self) -> Option<Vec<Requirement>> {
-        let required = self.proof.requirements();
-        match self.error {
-            Some(most) => Some([vec![Requirement::mean_angle_deg(most)], required].concat()),
-            None if self.bytes.is_none() && self.is_by_hand() => None,
-            None if required.is_empty() && self.bytes.is_some() => None,
-            None if required.is_empty() => Some(Requirement::visually_lossless()),
-            None => Some(required),
+        let is_asked = self.asked().is_some();
+        if !is_asked && self.is_by_hand() {
+            return None;
+        }
+        let target = self.target();
+        let ceilings = self.ceilings();
+        match (target.is_empty(), self.bytes.is_some()) {
+            (true, true) => (!ceilings.is_empty()).then_some(ceilings),
+            (true, false) => Some([Requirement::visually_lossless(), ceilings].concat()),
+            (false, _) => Some([target, ceilings].concat()),
         }
     }
 
-    /// Returns the options of the proof, which judges the number of bytes, too.
+    /// Returns what is asked of the differences: by the preset, unless an option limits the same figure.
+    fn target(&self) -> Vec<Requirement> {
+        let asked = self.error.map(Requirement::mean_angle_deg).into_iter().chain(self.proof.requirements());
+        let asked: Vec<Requirement> = asked.collect();
+        let of_preset = self.of_preset().filter(|own| !is_ceiling(own));
+        let kept = of_preset.filter(|own| !asked.iter().any(|other| other.figure == own.figure));
+        kept.chain(asked.iter().copied()).collect()
+    }
+
+    /// Returns the ceilings of the options, else of the preset.
+    fn ceilings(&self) -> Vec<Requirement> {
+        let triangles = self.max_triangles.map(f64::from).map(|most| (Figure::Triangles, most));
+        let gpu_memory = self.max_gpu_memory.map(|most| (Figure::GpuMemory, most as f64));
+        let given =
+            triangles.into_iter().chain(gpu_memory).map(|(figure, most)| Requirement::of(figure, most));
+        let given: Vec<Requirement> = given.collect();
+        let of_preset = self.of_preset().filter(is_ceiling);
+        let kept = of_preset.filter(|own| !given.iter().any(|other| other.figure == own.figure));
+        kept.chain(given.iter().copied()).collect()
+    }
+
+    fn of_preset(&self) -> impl Iterator<Item = Requirement> {
+        self.preset.into_iter().flat_map(|preset| preset.requirements())
+    }
+
+    /// Returns the options of the proof, which judges ceilings and the number of bytes, too.
     pub(super) fn proof_options(&self) -> VerifyOptions {
         let mut options = self.proof.options();
+        options.requirements.extend(self.ceilings());
         options.requirements.extend(self.bytes.map(Requirement::bytes));
         options
     }
 
     /// Refuses a search that could not find anything.
     pub(super) fn check_search(&self) -> Result<()> {
-        let option = if self.error.is_some() { "--error" } else { "--bytes" };
-        let is_asked = self.error.is_some() || self.bytes.is_some();
-        if is_asked && (self.space == Space::Object || !self.maps().contains(&MapKind::Normal)) {
+        let Some(option) = self.asked() else { return Ok(()) };
+        if self.space == Space::Object || !self.maps().contains(&MapKind::Normal) {
             bail!(
                 "{option} needs a normal map in tangent space: add normal to --maps, leave out --space object"
             );
         }
+        if matches!(self.images, Images::Given(_)) {
+            bail!("{option} chooses the loss of images: leave out the quality in --images");
+        }
         Ok(())
     }
 
-    /// Says whether an asset is searched for.
+    /// Returns `true` if an asset is searched for.
     pub(super) fn searches(&self) -> bool {
         self.goal().is_some() || self.bytes.is_some()
     }
 
-    /// Says whether triangles, size or packing are chosen by hand, or something is asked for that no search can judge.
-    fn is_by_hand(&self) -> bool {
-        let is_chosen = self.triangles.is_some() || self.size.is_some() || self.purpose.is_some();
-        is_chosen || self.packs_by_hand() || self.green == Green::Down || !self.unsearched().may_search()
+    /// Returns the option that asks for a search.
+    fn asked(&self) -> Option<&'static str> {
+        let given = [
+            ("--error", self.error.is_some()),
+            ("--bytes", self.bytes.is_some()),
+            ("--preset", self.preset.is_some()),
+            ("--max-triangles", self.max_triangles.is_some()),
+            ("--max-gpu-memory", self.max_gpu_memory.is_some()),
+        ];
+        given.into_iter().find(|(_, given)| *given).map(|(option, _)| option)
     }
 
-    fn packs_by_hand(&self) -> bool {
-        let qualities = [self.webp_quality, self.uastc_rdo, self.jpeg];
-        let is_chosen = self.ktx2 || self.webp || self.meshopt || self.bits.is_some();
-        is_chosen || qualities.iter().any(Option::is_some)
+    /// Returns `true` if triangles, size or packing are given, or something is asked for that no search can judge.
+    fn is_by_hand(&self) -> bool {
+        let is_given = self.triangles.is_some() || self.size.is_some() || self.meshopt || self.bits.is_some();
+        let is_unsearched = self.green == Green::Down || !self.unsearched().may_search();
+        is_given || matches!(self.images, Images::Given(_)) || is_unsearched
     }
+}
+
+/// Returns `true` for a limit of what the asset takes, not of how it looks.
+fn is_ceiling(required: &Requirement) -> bool {
+    matches!(required.figure, Figure::Triangles | Figure::GpuMemory)
 }

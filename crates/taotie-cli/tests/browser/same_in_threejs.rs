@@ -10,7 +10,7 @@ use std::process::Command;
 use taotie::compare::{DisplayImage, PIXELS_PER_DEGREE, flip};
 use taotie::image::Encoding;
 use taotie::io::{
-    GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, PngColor, PngImage, PngSamples, load_model,
+    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, PngColor, PngImage, PngSamples, load_model,
     write_gltf, write_png,
 };
 use taotie::math::Vec3;
@@ -72,8 +72,8 @@ fn the_vessel_looks_the_same() {
     let mesh = with_tangents(&scene.meshes()[0], 0, TangentMethod::MikkTSpace).unwrap().mesh;
     let [clay, bronze] = materials(&scene);
     let plain = GltfFormat::default();
-    let webp = GltfFormat { images: GltfImages::WebP, ..plain };
-    let packed = GltfFormat { images: GltfImages::Ktx2, meshopt: true, ..plain };
+    let webp = GltfFormat { images: ImageCodec::WebP.into(), ..plain };
+    let packed = GltfFormat { images: ImageCodec::Ktx2(0).into(), meshopt: true, ..plain };
     let cases = [
         Case { name: "clay", material: clay, format: plain, measured: 0.0258 },
         Case { name: "bronze", material: bronze, format: plain, measured: 0.0444 },

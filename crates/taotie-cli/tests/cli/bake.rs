@@ -261,8 +261,8 @@ fn object_space_is_written_beside_and_proved() {
 fn packed_forms() {
     let place = pair();
     let cases = [
-        ("--ktx2 --meshopt", ["EXT_meshopt_compression", "KHR_texture_basisu"].as_slice()),
-        ("--webp", &["EXT_texture_webp"]),
+        ("--images ktx2 --meshopt", ["EXT_meshopt_compression", "KHR_texture_basisu"].as_slice()),
+        ("--images webp", &["EXT_texture_webp"]),
     ];
     let plain = place.json("bake scan.obj --low low.obj -o plain.glb --size 64 --json");
     for (options, extensions) in cases {
@@ -277,107 +277,58 @@ fn packed_forms() {
     }
 }
 
-/// Each use says what it chooses, and options that are given go before it.
+/// A preset is a target and ceilings, which other options override; what the proof finds beyond a ceiling is an error.
 #[test]
-fn uses_choose_what_is_not_asked_for() {
+fn presets_and_ceilings() {
     let place = pair();
-    let cases = [
-        ("web", "normals in 8 bits; WebP; colours of quality 85; meshopt", "webp", true, 8),
-        ("archive", "normals in 16 bits; PNG", "png", false, 16),
-        ("engine", "normals in 8 bits; KTX2; RDO of 2", "ktx2", false, 8),
-    ];
-    for (name, chosen, images, meshopt, bits) in cases {
-        let line =
-            format!("bake scan.obj --low low.obj -o out.glb --size 32 --no-verify --json --for {name}");
-        let assert = place.taotie(&line).assert().success();
-        let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
-        assert!(said.starts_with(&format!("taotie: --for {name}: maps of 32×32; {chosen}\n")), "{said}");
-        let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
-        let parameters = &report["parameters"];
-        assert_eq!(
-            (&parameters["images"], &parameters["meshopt"], &parameters["bits"]),
-            (&json!(images), &json!(meshopt), &json!(bits)),
-            "{name}"
-        );
-    }
-    let line = "bake scan.obj -o out.glb --size 256 --no-verify --for engine --triangles 6000 --webp";
-    let assert = place.taotie(line).assert().success();
-    let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
-    let chosen = "--for engine: 6000, 5000 triangles; maps of 256×256; normals in 8 bits; WebP\n";
-    assert!(said.contains(chosen), "{said}");
-}
-
-/// Packings that are asked for lose no more than they must, and bits are chosen for normals alone.
-#[test]
-fn uses_choose_nothing_that_does_not_fit() {
-    let place = pair();
-    let cases = [
-        ("web --ktx2", "normals in 8 bits; KTX2; meshopt", "ktx2"),
-        ("web --webp", "normals in 8 bits; WebP; meshopt", "webp"),
-        ("archive --maps albedo", "PNG", "png"),
-    ];
-    for (options, chosen, images) in cases {
-        let line =
-            format!("bake scan.obj --low low.obj -o out.glb --size 32 --no-verify --json --for {options}");
-        let assert = place.taotie(&line).assert().success();
-        let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
-        assert!(said.contains(&format!(": maps of 32×32; {chosen}\n")), "{said}");
-        assert!(!said.contains("16 bits"), "{said}");
-        let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
-        let parameters = &report["parameters"];
-        assert_eq!(
-            (&parameters["images"], &parameters["webp_quality"], &parameters["uastc_rdo"]),
-            (&json!(images), &Value::Null, &Value::Null),
-            "{options}"
-        );
-        assert_eq!(parameters["bits"], 8, "{options}");
-    }
-}
-
-/// Normals lose nothing, so that nothing is chosen for them.
-#[test]
-fn uses_choose_no_loss_for_normals() {
-    let place = pair();
-    let line = "bake scan.obj -o out.glb --triangles 800 --size 64 --no-verify --maps normal";
-    for (name, chosen) in [("web", "WebP; meshopt"), ("engine", "KTX2")] {
-        let assert = place.taotie(&format!("{line} --for {name}")).assert().success();
-        let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
-        let parts = "800 triangles; maps of 64×64; normals in 8 bits";
-        assert!(said.contains(&format!("--for {name}: {parts}; {chosen}\n")), "{said}");
-        assert!(!said.contains("not read"), "{said}");
-    }
+    let bake = |options: &str| place.json(&format!("bake scan.obj -o out.glb --json {options}"));
+    let goal = |report: &Value| report["parameters"]["goal"].as_str().unwrap().to_owned();
+    let engine = bake("--preset engine --max-triangles 1500 --error 2");
+    assert_eq!(
+        goal(&engine),
+        "p95-angle=2,mean-color=0.5,p95-color=1.5,patch-color=3,mean-angle=2,gpu-memory=32000000,triangles=1500"
+    );
+    assert_eq!(engine["parameters"]["image_formats"], json!(["ktx2"]));
+    assert!(engine["triangles"][0].as_u64() <= Some(1500), "{}", engine["triangles"]);
+    let met = engine["certificate"]["required"].as_array().unwrap();
+    let of = |figure: &str| met.iter().find(|met| met["figure"] == figure).unwrap();
+    assert_eq!((&of("triangles")["met"], &of("gpu-memory")["met"]), (&json!(true), &json!(true)), "{met:?}");
+    let small = bake("--max-gpu-memory 40kB --maps normal");
+    assert!(small["proof"]["gpu_bytes"].as_u64() <= Some(40_000), "{}", small["proof"]["gpu_bytes"]);
+    assert!(goal(&small).ends_with(",gpu-memory=40000"), "{}", goal(&small));
 }
 
 /// The losses that are asked for reach the files.
 #[test]
 fn lossy_textures() {
     let place = pair();
-    let bake = |options: &str| {
+    let bake = |images: &str| {
         let maps = "--maps normal,albedo,roughness";
         let line = format!("bake scan.obj --low low.obj -o out.gltf --size 64 {maps} --no-verify --json");
-        let report = place.json(&format!("{line} {options}"));
-        let parameters = report["parameters"].clone();
-        (parameters["webp_quality"].clone(), parameters["uastc_rdo"].clone())
+        let report = place.json(&format!("{line} --images {images}"));
+        assert_eq!(report["parameters"]["images"], images);
     };
-    assert_eq!(bake("--webp"), (Value::Null, Value::Null));
+    bake("webp");
     let names = ["out_color.webp", "out_normal.webp", "out_metallic_roughness.webp"];
     let whole = names.map(|name| place.read(name));
-    assert_eq!(bake("--webp --webp-quality 40"), (json!(40), Value::Null));
+    bake("webp:40");
     let lossy = names.map(|name| place.read(name));
     // RIFF's chunk for lossy pictures is `VP8 `, that for lossless ones `VP8L`.
     assert_eq!((&lossy[0][12..16], &whole[0][12..16]), (&b"VP8 "[..], &b"VP8L"[..]));
     assert!(lossy[1] == whole[1], "normals stay as they are");
     assert_eq!(&lossy[2][12..16], b"VP8L");
-    assert_eq!(bake("--ktx2 --uastc-rdo 4"), (Value::Null, json!(4)));
+    bake("ktx2:4");
+    bake("jpeg:80/webp:90/png");
+    assert_eq!(place.read("out_color.jpg")[..3], [0xff, 0xd8, 0xff]);
+    assert_eq!(&place.read("out_normal.webp")[12..16], b"VP8 ");
 }
 
 #[test]
 fn colours_as_jpeg() {
     let place = pair();
-    let line =
-        "bake scan.obj --low low.obj -o out.gltf --size 32 --maps normal,albedo --no-verify --jpeg 70 --json";
+    let line = "bake scan.obj --low low.obj -o out.gltf --size 32 --maps normal,albedo --no-verify --images jpeg:70 --json";
     let report = place.json(line);
-    assert_eq!(report["parameters"]["jpeg"], 70);
+    assert_eq!(report["parameters"]["images"], "jpeg:70");
     assert_eq!(report["files"], json!(["out.gltf", "out.bin", "out_color.jpg", "out_normal.png"]));
     assert_eq!(place.read("out_color.jpg")[..3], [0xff, 0xd8, 0xff]);
 }

@@ -143,7 +143,7 @@ fn masks_stay_masks_and_ktx2_leaves_their_alpha_to_png() {
     (data.materials, data.textures) = (vec![material], vec![Texture::new(bitmap, Encoding::Srgb)]);
     let scene = Scene::new(data).unwrap();
     write_scene(&place.path("scan.glb"), &scene, &GltfFormat::default()).unwrap();
-    let said = said(&place, "scan.glb --low low.obj --ktx2");
+    let said = said(&place, "scan.glb --low low.obj --images ktx2");
     assert!(
         said.contains("the base colour's texture has alpha, which KTX2 is not written with: it is PNG"),
         "{said}"

@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use taotie::Warnings;
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
-use taotie::io::{GltfFormat, GltfImages, encode_scene_as};
+use taotie::io::{GltfFormat, ImageCodec, encode_scene_as};
 use taotie::math::sequence;
 use taotie::mesh::Mesh;
 use taotie::scene::{Material, Scene, TextureRef, UvTransform};
@@ -248,7 +248,7 @@ fn noisy_ball() -> Vec<u8> {
     let map =
         TextureRef { texture, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
     scene.edit(|data| data.materials[0].base_color_texture = Some(map)).expect("it is sound");
-    let format = GltfFormat { images: GltfImages::WebP, webp_quality: Some(1), ..GltfFormat::default() };
+    let format = GltfFormat { images: ImageCodec::LossyWebP(1).into(), ..GltfFormat::default() };
     encode_scene_as(&scene, &["ball".into()], &format, &mut Warnings::default()).expect("it can be written")
 }
 

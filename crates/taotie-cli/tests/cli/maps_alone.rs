@@ -182,7 +182,7 @@ fn what_only_a_model_has_is_refused_before_the_work() {
     place.write("rights.json", "{}");
     let alone = "normal.png gets maps alone, without a model; leave it out, or write a .glb";
     let options =
-        ["--meshopt", "--lods 100", "--webp", "--ktx2", "--jpeg 80", "--provenance rights.json", "--for web"];
+        ["--meshopt", "--lods 100", "--images webp", "--images jpeg:80", "--provenance rights.json"];
     let before = place.files();
     let refused = |line: &str, words: &str| {
         let assert = place.taotie(line).assert().code(2).stdout_eq("");

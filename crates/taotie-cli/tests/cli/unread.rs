@@ -183,39 +183,37 @@ fn of_bake() {
             "scan.obj -o out.glb --ao-distance 1 --maps normal,height",
             "--ao-distance: neither ao nor bent is baked",
         ),
-        ("scan.obj -o out.glb --bits 16 --webp", "--bits 16: WebP and KTX2 hold 8 bits"),
-        ("scan.obj -o out.glb --bits 16 --ktx2", "--bits 16: WebP and KTX2 hold 8 bits"),
-        ("scan.obj -o out.glb --for web --ktx2 --size 1022", "choose another size, or leave out --ktx2"),
-        ("scan.obj -o out.glb --for engine --size 1022", "choose another size, or take another --for"),
-        ("scan.obj -o out.glb --maps height,bent --webp", "--webp, --ktx2: the asset holds no texture"),
+        ("scan.obj -o out.glb --bits 16 --images webp", "--bits 16: WebP holds 8 bits"),
+        ("scan.obj -o out.glb --bits 16 --images ktx2", "--bits 16: KTX2 holds 8 bits"),
+        ("scan.obj -o out.glb --images ktx2:2 --size 1022", "--size 1022: KTX2 needs a multiple of 4"),
         (
-            "scan.obj -o out.glb --maps normal --space object --ktx2",
-            "--webp, --ktx2: the asset holds no texture",
+            "scan.obj -o out.glb --size 64 --images webp,png",
+            "--images: nothing is searched for with these options",
+        ),
+        ("scan.obj -o out.glb --size 64 --images jpeg", "--images: specify a quality, such as jpeg:90"),
+        (
+            "scan.obj -o out.glb --size 64 --maps height,bent --images webp",
+            "--images: the asset holds no texture",
         ),
         (
-            "scan.obj -o out.glb --maps normal --jpeg 80",
-            "--jpeg: the asset has no base colour texture; add albedo to --maps",
-        ),
-        ("scan.obj -o out.glb --maps albedo --jpeg 0", "0 is not in 1..=100"),
-        (
-            "scan.obj -o out.glb --webp-quality 80",
-            "--webp-quality: textures are PNG; add --webp, or leave it out",
+            "scan.obj -o out.glb --maps normal --space object --images ktx2",
+            "--images: the asset holds no texture",
         ),
         (
-            "scan.obj -o out.glb --for engine --webp-quality 80",
-            "--webp-quality: textures are KTX2; add --webp",
+            "scan.obj -o out.glb --maps normal --images jpeg:80",
+            "--images jpeg:80: the asset holds no texture but normals",
         ),
-        ("scan.obj -o out.glb --webp --uastc-rdo 2", "--uastc-rdo: textures are WebP; add --ktx2"),
+        ("scan.obj -o out.glb --images jpeg:0", "image format jpeg:0: use 1 to 100"),
+        ("scan.obj -o out.glb --images webp:80 --maps normal", "which its loss leaves alone; use webp"),
+        ("scan.obj -o out.glb --images ktx2:2 --maps normal,height", "which its loss leaves alone; use ktx2"),
+        ("scan.obj -o out.glb --images ktx2:65", "image format ktx2:65: use 0 to 64"),
+        ("scan.obj -o out.glb --error 1 --images webp:80", "--error chooses the loss of images"),
+        ("scan.obj -o out.glb --preset web --size 64", "cannot be used with"),
         (
-            "scan.obj -o out.glb --webp --webp-quality 80 --maps normal",
-            "--webp-quality: the asset holds no texture but normals",
+            "scan.obj -o out.glb --preset games",
+            "there is none of this name; choose one of: web, archive, engine",
         ),
-        (
-            "scan.obj -o out.glb --ktx2 --uastc-rdo 2 --maps normal,height",
-            "--uastc-rdo: the asset holds no texture but normals",
-        ),
-        ("scan.obj -o out.glb --webp --webp-quality 0", "0 is not in 1..=100"),
-        ("scan.obj -o out.glb --ktx2 --uastc-rdo 65", "65 is not in 1..=64"),
+        ("scan.obj -o out.glb --max-triangles 100 --maps height", "--max-triangles needs a normal map"),
         ("scan.obj -o a.glb", "a.report.html: it is a folder"),
         ("scan.obj -o b.glb", "b.report.json: it is a folder"),
         ("scan.obj -o c.glb", "c.glb: it is a folder"),
@@ -229,16 +227,16 @@ fn of_bake() {
     ];
     let cases: Vec<(&str, &str)> = cases.iter().map(|(line, words)| (line.as_str(), *words)).collect();
     warned(&place, "bake", &cases);
-    let line = format!("bake {line} --space object --bits 16 --webp");
+    let line = format!("bake {line} --space object --bits 16 --images webp");
     let assert = place.taotie(&line).assert().success();
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     assert!(!said.contains("16 bits"), "the map beside the asset has them: {said}");
     place.taotie("bake scan.obj --low low.obj -o a.glb --size 32 --no-verify").assert().success();
     let line = "bake scan.obj -o out.glb --triangles 800 --size 64 --no-verify";
     for options in [
-        "--bits 16 --webp --maps normal,bent",
-        "--bits 16 --webp --green down",
-        "--maps normal,alpha --jpeg 85",
+        "--bits 16 --images webp --maps normal,bent",
+        "--bits 16 --images webp --green down",
+        "--maps normal,alpha --images jpeg:85",
     ] {
         place.taotie(&format!("{line} {options}")).assert().success();
     }

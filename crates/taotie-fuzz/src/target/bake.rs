@@ -6,7 +6,7 @@ use fastrand::Rng;
 use std::path::Path;
 use taotie::asset::{BakeOptions, Baker, MeshSource, Packing, RayDistance, Scan, VerifyOptions};
 use taotie::bake::MapKind;
-use taotie::io::{GltfImages, load_levels};
+use taotie::io::{ImageCodec, load_levels};
 use taotie::mesh::Mesh;
 use taotie::names::Named;
 use taotie::scene::NormalSpace;
@@ -80,14 +80,10 @@ fn maps(rng: &mut Rng) -> Vec<MapKind> {
 /// Chooses a packing; KTX2 seldom, since it takes longest.
 fn packing(rng: &mut Rng) -> Packing {
     let images = match rng.u8(..16) {
-        0 => GltfImages::Ktx2,
-        1..4 => GltfImages::WebP,
-        _ => GltfImages::Png,
+        0 => ImageCodec::Ktx2(0),
+        1..3 => ImageCodec::WebP,
+        3..5 => ImageCodec::Jpeg(80),
+        _ => ImageCodec::Png,
     };
-    Packing {
-        images,
-        jpeg: (rng.u8(..8) == 0).then_some(80),
-        meshopt: rng.u8(..4) == 0,
-        ..Packing::default()
-    }
+    Packing { images: images.into(), meshopt: rng.u8(..4) == 0, ..Packing::default() }
 }

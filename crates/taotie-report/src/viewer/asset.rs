@@ -1,7 +1,7 @@
 //! The model as the page loads it: a GLB of one mesh a surface, in world space, with the normals and tangents that the
 //! renderer has.
 
-use taotie::io::{GltfFormat, GltfImages, encode_scene_as};
+use taotie::io::{GltfFormat, ImageCodec, encode_scene_as};
 use taotie::math::Mat4;
 use taotie::mesh::{Mesh, MeshData};
 use taotie::render::{Prepared, Surface};
@@ -28,8 +28,12 @@ pub(super) fn glb(prepared: &Prepared, warnings: &mut Warnings) -> Result<Vec<u8
         ..SceneData::default()
     })?;
     // WebP loses nothing here, and every browser reads it.
-    let format =
-        GltfFormat { meshopt: true, images: GltfImages::WebP, quick_webp: true, ..GltfFormat::default() };
+    let format = GltfFormat {
+        meshopt: true,
+        images: ImageCodec::WebP.into(),
+        quick_webp: true,
+        ..GltfFormat::default()
+    };
     encode_scene_as(&written, &names, &format, warnings)
 }
 

@@ -332,13 +332,12 @@ fn found_asset(scan: &Scan, found: Smallest, trials: Vec<Trial>) -> Result<Light
             let parts = vec![Part { low, maps }];
             Ok(Lightened { parts, size: [size; 2], trials, rounding: Some(rounding), packed: None })
         }
-        Smallest::Packed(glb, bits) => {
+        Smallest::Packed(glb, rounding) => {
             let scene = io::load_glb(glb.clone(), &Limits::of_own_files())?.scene;
             let low = LowPoly::packed(bake::Scan::surface_of(scene)?.mesh().clone());
             let maps = StoredMaps::none(Pair { scan, low: &low });
-            let (parts, rounding) =
-                (vec![Part { low, maps }], Some(Rounding { bits, ..Rounding::default() }));
-            Ok(Lightened { parts, size: [0; 2], trials, rounding, packed: Some(glb) })
+            let parts = vec![Part { low, maps }];
+            Ok(Lightened { parts, size: [0; 2], trials, rounding: Some(rounding), packed: Some(glb) })
         }
     }
 }

@@ -61,6 +61,10 @@ pub enum Figure {
     WorstView,
     /// The least structural similarity (SSIM) of these images; of each level.
     Ssim,
+    /// Triangles; of each level of detail.
+    Triangles,
+    /// Bytes that vertices and textures of the asset take on a graphics card, with mip levels: four per texel, one of KTX2.
+    GpuMemory,
     /// Bytes of the asset with the files that it names.
     Bytes,
 }
@@ -89,6 +93,8 @@ impl Named for Figure {
         ("flip", Self::Flip),
         ("worst-view", Self::WorstView),
         ("ssim", Self::Ssim),
+        ("triangles", Self::Triangles),
+        ("gpu-memory", Self::GpuMemory),
         ("bytes", Self::Bytes),
     ];
 }
@@ -176,8 +182,8 @@ impl Figure {
             Self::WithinAngle | Self::WithinColor | Self::WithinDistance => PER_CENT,
             Self::Silhouette => PIXELS,
             Self::Texel => METRES,
-            Self::Flip | Self::WorstView | Self::Ssim => NUMBER,
-            Self::Bytes => BYTES,
+            Self::Flip | Self::WorstView | Self::Ssim | Self::Triangles => NUMBER,
+            Self::Bytes | Self::GpuMemory => BYTES,
         }
     }
 
@@ -193,7 +199,7 @@ impl Figure {
 
     /// Returns `true` where each level of detail has its own, `false` where the whole asset has one.
     pub fn is_of_level(self) -> bool {
-        self != Self::Bytes
+        !matches!(self, Self::Bytes | Self::GpuMemory)
     }
 
     /// Returns `true` if more is better, so that a limit is the least that is wanted.
@@ -213,7 +219,7 @@ impl Figure {
 }
 
 impl FigureUnit {
-    /// Returns a value in this unit, with five digits; bytes as a whole number.
+    /// Returns a value in this unit, with five digits; whole numbers with all of theirs.
     ///
     /// ```
     /// use taotie::asset::Figure;
@@ -249,8 +255,11 @@ impl FigureUnit {
     }
 }
 
-/// Returns a number with five digits and no zeros behind them.
+/// Returns a number with five digits, more of whole numbers, and no zeros behind them.
 fn five_digits(value: f64) -> String {
+    if value.abs() >= 1e4 {
+        return format!("{value:.0}");
+    }
     let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
     rounded.to_string()
 }

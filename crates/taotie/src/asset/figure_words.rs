@@ -68,6 +68,8 @@ impl Figure {
             Self::Flip => (Looking::Images, "visual difference (FLIP), mean"),
             Self::WorstView => (Looking::Images, "visual difference (FLIP), worst view"),
             Self::Ssim => (Looking::Images, "structural similarity (SSIM), worst view"),
+            Self::Triangles => (Looking::Files, "triangles"),
+            Self::GpuMemory => (Looking::Files, "memory on a graphics card"),
             Self::Bytes => (Looking::Files, "size of the asset"),
         }
     }

@@ -34,6 +34,8 @@ pub struct Figures {
     pub bytes_in: u64,
     /// Bytes of the asset, with the files that it names.
     pub bytes_out: u64,
+    /// Bytes that the asset takes on a graphics card; `None` unless it is glTF.
+    pub gpu_bytes: Option<u64>,
     /// Of each material of the asset, where it has several.
     pub parts: Vec<PartFigures>,
     /// What no figure and no image looks at.

@@ -51,7 +51,12 @@ pub(super) fn note(all: &Figures, requirements: &[Requirement], warnings: &mut W
             warnings.note(format!("{name} is off by {:.2} on average", found.mean), 1);
         }
     }
-    if let Some(resolution) = figures.resolution.filter(|resolution| resolution.share > COARSE) {
+}
+
+/// Notes texels that are coarser than the scan's detail.
+pub(super) fn note_texels(all: &Figures, warnings: &mut Warnings) {
+    let resolution = all.finest().and_then(|figures| figures.resolution);
+    if let Some(resolution) = resolution.filter(|resolution| resolution.share > COARSE) {
         let (times, share) = (resolution.coarser, percent(resolution.share));
         let texel = texel_text(resolution.texel, all.unit);
         let what = format!(

@@ -53,11 +53,7 @@ impl Made {
     /// Returns the packing of its files: what a search chose goes before what is asked for.
     pub fn packing(&self, asked: &Packing) -> Packing {
         match self.rounding {
-            // A packed scan may have textures.
-            Some(rounding) => {
-                let has_maps = self.size != [0; 2] || self.document.is_some();
-                asked.clone().with_format(&rounding.format(has_maps))
-            }
+            Some(rounding) => asked.clone().with_format(&rounding.format()),
             None => asked.clone(),
         }
     }

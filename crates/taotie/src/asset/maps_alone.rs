@@ -12,7 +12,7 @@ use super::unlit;
 use crate::bake::MapKind;
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Bitmap, Encoding, Sampler, Texture};
-use crate::io::{self, FileBytes, GltfImages, Limits, Loaded};
+use crate::io::{self, FileBytes, Limits, Loaded, TextureCodecs};
 use crate::names::Named;
 use crate::normal_map::green_turned;
 use crate::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
@@ -173,7 +173,7 @@ fn check(made: &Made, packing: &Packing) -> Result<()> {
         ),
         (!made.coarser.is_empty(), "levels of detail are lost with the model; leave them out"),
         (
-            packing.images != GltfImages::Png || packing.jpeg.is_some(),
+            packing.images != TextureCodecs::default(),
             "the name of their file says how they are packed; leave other packings out",
         ),
         (packing.meshopt, "there is no geometry to compress"),

@@ -5,7 +5,7 @@ use super::packing::Packing;
 use super::scan_size::ScanSize;
 use crate::bake::{MapKind, Maps, bytes_of_bands};
 use crate::error::{Error, Result};
-use crate::io::{Bytes, GltfImages, Limits};
+use crate::io::{Bytes, CodecKind, ImageCodec, Limits, TextureCodecs};
 
 /// The memory of a bake at its peak: the scan with its textures, sorted for rays, and maps; or, where that is more, the
 /// tangents that a scan with a normal map gets before, its inspection, simplification, the packing of textures, the
@@ -48,8 +48,8 @@ pub struct Need {
     pub materials: u64,
     /// Levels of detail, the finest among them.
     pub levels: u64,
-    /// The packing of its textures.
-    pub images: GltfImages,
+    /// The formats of its textures.
+    pub images: TextureCodecs,
     /// `true` where the asset is measured against the scan afterwards.
     pub is_proved: bool,
     /// Texels along a side, at most, of the textures of a page that shows the asset afterwards; `None` where no page does.
@@ -74,7 +74,7 @@ impl Need {
             maps,
             materials: 1,
             levels: 1 + options.lods.len() as u64,
-            images: GltfImages::default(),
+            images: TextureCodecs::default(),
             is_proved: false,
             shown_side: None,
         }
@@ -150,9 +150,9 @@ impl Need {
     }
 
     /// Returns the bytes while maps of so many texels become images, one for each thread at a time.
-    fn packing(&self, texels: u64, images: GltfImages) -> u64 {
+    fn packing(&self, texels: u64, images: TextureCodecs) -> u64 {
         let at_once = (self.maps * self.materials).min(rayon::current_num_threads() as u64);
-        (texels * of_images(images).packing).saturating_mul(at_once)
+        (texels * most(images, |coding| coding.packing)).saturating_mul(at_once)
     }
 
     /// Returns the bytes while the asset is read back and measured.
@@ -175,7 +175,7 @@ impl Need {
         const LOW_TRIANGLE: u64 = 550;
         const KEPT: u64 = 600;
         const MOST_KEPT: u64 = 64 << 20;
-        let packing = self.packing(self.texels.min(u64::from(side).pow(2)), GltfImages::WebP);
+        let packing = self.packing(self.texels.min(u64::from(side).pow(2)), ImageCodec::WebP.into());
         let proof = if self.is_proved { self.proof() } else { 0 };
         let low = self.low_triangles * LOW_TRIANGLE + (self.scan.triangles * KEPT).min(MOST_KEPT);
         [self.stored_of(self.materials), self.read_back(), packing, low]
@@ -187,7 +187,7 @@ impl Need {
     fn read_back(&self) -> u64 {
         const TEXTURE: u64 = 7;
         let maps = (self.maps * self.materials).saturating_mul(self.texels * TEXTURE);
-        maps.saturating_add(self.texels * of_images(self.images).unpacking)
+        maps.saturating_add(self.texels * most(self.images, |coding| coding.unpacking))
     }
 
     /// Returns the bytes of what a proof holds, and of how the report shows it.
@@ -232,12 +232,13 @@ struct Coding {
     unpacking: u64,
 }
 
-fn of_images(images: GltfImages) -> Coding {
-    match images {
-        GltfImages::Png => Coding { packing: 16, unpacking: 0 },
-        GltfImages::WebP => Coding { packing: 36, unpacking: 14 },
-        GltfImages::Ktx2 => Coding { packing: 24, unpacking: 5 },
-    }
+fn most(images: TextureCodecs, of: fn(Coding) -> u64) -> u64 {
+    let coding = |kind: CodecKind| match kind {
+        CodecKind::Png | CodecKind::Jpeg => Coding { packing: 16, unpacking: 0 },
+        CodecKind::WebP => Coding { packing: 36, unpacking: 14 },
+        CodecKind::Ktx2 => Coding { packing: 24, unpacking: 5 },
+    };
+    images.all().into_iter().map(|codec| of(coding(codec.kind()))).max().unwrap_or_default()
 }
 
 /// Bytes a texel over all maps: floats while they are baked, codes afterwards, and what filling takes.
@@ -280,7 +281,7 @@ mod tests {
             maps: 2,
             materials: 1,
             levels: 1,
-            images: GltfImages::Png,
+            images: TextureCodecs::default(),
             is_proved: false,
             shown_side: None,
         };
@@ -324,7 +325,7 @@ mod tests {
         let options = BakeOptions::default();
         let need =
             Need::of(&options, ScanSize { triangles: 20_000, vertices: 10_000, ..ScanSize::default() });
-        let webp = Packing { images: GltfImages::WebP, ..Packing::default() };
+        let webp = Packing { images: ImageCodec::WebP.into(), ..Packing::default() };
         assert!(need.with_packing(&webp).bytes() > need.bytes());
         assert!(need.with_packing(&webp).with_proof().bytes() > need.with_proof().bytes());
         assert!(need.with_proof().with_viewer(2048).bytes() > need.with_proof().bytes());

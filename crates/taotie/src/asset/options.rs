@@ -6,6 +6,7 @@ use super::requirement_text;
 use super::scan_size::ScanSize;
 use crate::bake::MapKind;
 use crate::error::{Error, Result};
+use crate::io::CodecKind;
 use crate::mesh::Mesh;
 use crate::scene::NormalSpace;
 use std::path::PathBuf;
@@ -101,6 +102,8 @@ pub struct BakeOptions {
     /// Finds the asset that is nearest to the scan, by the limits of `goal`, among those of at most so many bytes, metadata
     /// included. With `goal` one that meets it is enough.
     pub bytes: Option<u64>,
+    /// The image formats that a search for the smallest asset may choose from; PNG, JPEG and WebP if empty.
+    pub images: Vec<CodecKind>,
     /// Triangles of further levels of detail, each fewer than the one before.
     pub lods: Vec<u32>,
     /// `true` where no uvs may be made, since no file will hold them: `low` is needed then, with uvs. For maps alone.
@@ -144,6 +147,7 @@ impl Default for BakeOptions {
             triangles: 50_000,
             goal: None,
             bytes: None,
+            images: Vec::new(),
             lods: Vec::new(),
             keep_uvs: false,
             size: 2048,

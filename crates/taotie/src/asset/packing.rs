@@ -1,7 +1,7 @@
 //! The packing of an asset into files.
 
 use crate::error::Result;
-use crate::io::{GltfFormat, GltfImages, Lossy, VertexBits, XmpProperties};
+use crate::io::{GltfFormat, TextureCodecs, VertexBits, XmpProperties};
 use crate::scene::GreenChannel;
 use std::path::PathBuf;
 
@@ -9,31 +9,20 @@ use std::path::PathBuf;
 ///
 /// ```
 /// use taotie::asset::{Asset, Packing, Written};
-/// use taotie::io::GltfImages;
+/// use taotie::io::ImageCodec;
 /// use taotie::{Progress, Result};
 ///
 /// /// Writes a small file, for viewers that know the extensions of glTF.
 /// fn write_small(asset: &Asset) -> Result<Written> {
-///     let packing = Packing { images: GltfImages::WebP, meshopt: true, ..Packing::default() };
+///     let packing = Packing { images: ImageCodec::WebP.into(), meshopt: true, ..Packing::default() };
 ///     asset.write("small.glb", &packing, Progress::SILENT)
 /// }
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Packing {
-    /// The packing of textures; KTX2 needs maps whose sides are multiples of 4.
-    pub images: GltfImages,
-    /// The quality of base colour and emission as lossy WebP, 1 to 100; `None` loses nothing. See
-    /// [`GltfFormat::webp_quality`].
-    pub webp_quality: Option<u8>,
-    /// What the normal map may lose. See [`GltfFormat::normals`].
-    pub normals: Option<Lossy>,
-    /// What roughness, metallic and occlusion may lose. See [`GltfFormat::numbers`].
-    pub numbers: Option<Lossy>,
-    /// The rate–distortion optimisation of KTX2, 1 to 64. See [`GltfFormat::uastc_rdo`].
-    pub uastc_rdo: Option<u8>,
-    /// The quality of the base colour as JPEG, 1 to 100; `None` packs it as `images` says.
-    pub jpeg: Option<u8>,
+    /// The formats of textures; KTX2 needs maps whose sides are multiples of 4.
+    pub images: TextureCodecs,
     /// Compresses geometry (EXT_meshopt_compression), but not that of a low-poly file that stays as it is.
     pub meshopt: bool,
     /// The bits of compressed vertices. See [`GltfFormat::bits`].
@@ -61,23 +50,13 @@ impl Packing {
 
     /// Returns the packing with another format of the model's own file.
     pub(super) fn with_format(self, format: &GltfFormat) -> Self {
-        let GltfFormat { images, webp_quality, normals, numbers, uastc_rdo, .. } = *format;
-        let GltfFormat { jpeg, meshopt, bits, .. } = *format;
-        Self { images, webp_quality, normals, numbers, uastc_rdo, jpeg, meshopt, bits, ..self }
+        let GltfFormat { images, meshopt, bits, quick_webp: _ } = *format;
+        Self { images, meshopt, bits, ..self }
     }
 
     /// Returns the packing of the model's own file.
     pub(super) fn format(&self) -> GltfFormat {
-        GltfFormat {
-            images: self.images,
-            webp_quality: self.webp_quality,
-            normals: self.normals,
-            numbers: self.numbers,
-            quick_webp: false,
-            uastc_rdo: self.uastc_rdo,
-            jpeg: self.jpeg,
-            meshopt: self.meshopt,
-            bits: self.bits,
-        }
+        let Self { images, meshopt, bits, .. } = *self;
+        GltfFormat { images, quick_webp: false, meshopt, bits }
     }
 }

@@ -6,7 +6,7 @@ use super::requirement_text;
 use super::scan::is_gltf;
 use super::scan_options::ScanOptions;
 use crate::error::Result;
-use crate::io::{self, GltfImages, Json, Limits, Loaded};
+use crate::io::{self, Json, Limits, Loaded};
 use crate::length::Unit;
 use crate::names::Named;
 use crate::scene::{GreenChannel, NormalSpace};
@@ -112,16 +112,8 @@ impl Parameters {
             "roughness": options.roughness,
             "ray_distance": auto(distance),
             "cage": cage.and_then(MeshSource::name),
-            "images": match packing.images {
-                GltfImages::Png => "png",
-                GltfImages::WebP => "webp",
-                GltfImages::Ktx2 => "ktx2",
-            },
-            "webp_quality": packing.webp_quality,
-            "normals": packing.normals.map(|lossy| lossy.to_string()),
-            "numbers": packing.numbers.map(|lossy| lossy.to_string()),
-            "uastc_rdo": packing.uastc_rdo,
-            "jpeg": packing.jpeg,
+            "images": packing.images.to_string(),
+            "image_formats": options.images.iter().map(|kind| kind.name()).collect::<Vec<_>>(),
             "meshopt": packing.meshopt,
             "position_bits": packing.meshopt.then_some(packing.bits.positions),
             "normal_bits": packing.meshopt.then_some(packing.bits.normals),

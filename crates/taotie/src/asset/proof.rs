@@ -122,7 +122,13 @@ pub fn verify(
         }
         let files = levels.iter().flat_map(|level| &level.files).cloned().collect();
         let bytes_out = bytes_of(&path, files)?;
-        prove(Shown { levels, path, bytes_out, has_material: true, unit }, scan, &options, progress)
+        let gpu_bytes = gpu_bytes(&levels);
+        prove(
+            Shown { levels, path, bytes_out, gpu_bytes, is_searched: false, has_material: true, unit },
+            scan,
+            &options,
+            progress,
+        )
     })
 }
 
@@ -150,12 +156,21 @@ fn bytes_of(path: &Path, mut others: Vec<PathBuf>) -> Result<u64> {
     super::scan::all_files(path, &mut others).iter().map(|file| io::file_size(file)).sum()
 }
 
+/// Returns the bytes that all levels of a glTF file take on a graphics card.
+fn gpu_bytes(levels: &[Loaded]) -> Option<u64> {
+    levels.first()?.structure.as_ref().map(|structure| structure.sizes.gpu_bytes)
+}
+
 /// An asset as its files show it.
 struct Shown {
     /// Of each level of detail, the finest first; at least one.
     levels: Vec<Loaded>,
     path: PathBuf,
     bytes_out: u64,
+    /// Bytes on a graphics card; `None` unless it is glTF.
+    gpu_bytes: Option<u64>,
+    /// `true` if a search chose its texels by what they cost.
+    is_searched: bool,
     /// `true` if the files say what their material is.
     has_material: bool,
     /// The unit of the scan, in whose space the levels are.
@@ -163,7 +178,7 @@ struct Shown {
 }
 
 fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'_>) -> Result<Proof> {
-    let Shown { mut levels, path, bytes_out, has_material, unit } = shown;
+    let Shown { mut levels, path, bytes_out, gpu_bytes, is_searched, has_material, unit } = shown;
     let mut warnings = Warnings::default();
     for level in &mut levels {
         warnings.absorb(std::mem::take(&mut level.warnings));
@@ -180,6 +195,7 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
     findings::note_whole(&figures, &finest, &mut warnings);
     figures.bytes_in = scan.about.bytes;
     figures.bytes_out = bytes_out;
+    figures.gpu_bytes = gpu_bytes;
     let [error_map, color_map, detail_map] = match options.map {
         0 => [None, None, None],
         most => {
@@ -198,6 +214,9 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
     }
     let proof = Proof::new(figures, looks);
     findings::note(&proof.figures, &options.requirements, &mut warnings);
+    if !is_searched {
+        findings::note_texels(&proof.figures, &mut warnings);
+    }
     Ok(Proof { error_map, color_map, detail_map, warnings, ..proof })
 }
 
@@ -273,15 +292,18 @@ impl Written {
             let (bytes_out, has_material) = (files.sum::<Result<u64>>()?, maps_alone::has_material(made));
             let mut levels = vec![loaded];
             self.show_object_maps(&mut levels)?;
-            return Ok(Shown { levels, path, bytes_out, has_material, unit });
+            let (gpu_bytes, is_searched) = (None, false);
+            return Ok(Shown { levels, path, bytes_out, gpu_bytes, is_searched, has_material, unit });
         }
         let mut levels = io::load_levels_within(&self.current(), &limits)?;
         let files = levels.iter().flat_map(|level| &level.files).cloned().collect();
         let bytes_out = bytes_of(&self.current(), files)?;
+        let gpu_bytes = gpu_bytes(&levels);
         self.check_read_back(&levels)?;
         self.show_object_maps(&mut levels)?;
         into_scan_space(&mut levels, unit)?;
-        Ok(Shown { levels, path, bytes_out, has_material: true, unit })
+        let is_searched = made.rounding.is_some();
+        Ok(Shown { levels, path, bytes_out, gpu_bytes, is_searched, has_material: true, unit })
     }
 
     /// Returns the unit of the scan that it was baked from.

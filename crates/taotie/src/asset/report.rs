@@ -17,7 +17,7 @@ use super::unseen::unproved_maps;
 use super::write::Written;
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
-use crate::io::GltfImages;
+use crate::io::CodecKind;
 use std::path::{Path, PathBuf};
 
 /// The version of the report's layout.
@@ -137,9 +137,9 @@ fn stores_8_bits(written: &Written) -> bool {
     let Some(note) = written.maps().into_iter().find(|note| note.map == MapKind::Normal) else {
         return false;
     };
-    match (note.file.is_some(), written.packing.images) {
-        (false, GltfImages::Ktx2) => false,
-        (false, GltfImages::WebP) => true,
+    match (note.file.is_some(), written.packing.images.normals.kind()) {
+        (false, CodecKind::Ktx2) => false,
+        (false, CodecKind::WebP | CodecKind::Jpeg) => true,
         _ => note.bits == 8,
     }
 }

@@ -126,9 +126,13 @@ impl Requirement {
     /// Compares the requirement with what was measured, level by level.
     fn against(&self, figures: &Figures) -> Vec<Met> {
         if !self.figure.is_of_level() {
-            let bytes = figures.bytes_out as f64;
-            let bytes = self.level.is_none().then_some(Value { value: bytes, interval: [bytes; 2] });
-            return vec![self.outcome(self.level, bytes)];
+            let bytes = match self.figure {
+                Figure::GpuMemory => figures.gpu_bytes,
+                _ => Some(figures.bytes_out),
+            };
+            let bytes = bytes.filter(|_| self.level.is_none()).map(|bytes| bytes as f64);
+            let exactly = bytes.map(|value| Value { value, interval: [value; 2] });
+            return vec![self.outcome(self.level, exactly)];
         }
         let has_color = figures.finest().is_none_or(|finest| finest.overview.color.is_some());
         if self.if_compared && !has_color {
@@ -200,7 +204,8 @@ impl Requirement {
             Figure::Flip => exactly(mean_of(&level.views, |view| view.flip)),
             Figure::WorstView => exactly(level.views.iter().map(|view| view.flip).reduce(f64::max)),
             Figure::Ssim => exactly(level.views.iter().map(|view| view.ssim).reduce(f64::min)),
-            Figure::Texel | Figure::Bytes => None,
+            Figure::Triangles => exactly(Some(level.triangles as f64)),
+            Figure::Texel | Figure::Bytes | Figure::GpuMemory => None,
         }
     }
 

@@ -98,7 +98,7 @@ impl Fault {
             Figure::MeanColor | Figure::P95Color | Figure::PatchColor | Figure::WithinColor => {
                 Some(Self::Colors)
             }
-            Figure::Texel | Figure::Bytes => None,
+            Figure::Texel | Figure::Triangles | Figure::GpuMemory | Figure::Bytes => None,
             _ => Some(Self::Normals),
         }
     }

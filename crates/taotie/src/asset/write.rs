@@ -9,7 +9,7 @@ use super::maps_alone;
 use super::options::BakeOptions;
 use super::packing::Packing;
 use super::provenance;
-use super::search::Rounding;
+use super::search::PORTABLE;
 use super::space;
 use super::textures::{Beside, Textures, labeled};
 use super::unlit;
@@ -17,13 +17,14 @@ use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
 use crate::image::Encoding;
 use crate::io::{
-    self, EncodedModel, FileBytes, FileSet, GltfAsset, GltfFormat, GltfGraft, GltfImage, GltfImages,
-    GltfLevel, GltfMaterial, GraftedMaterial, Json,
+    self, CodecKind, EncodedModel, FileBytes, FileSet, GltfAsset, GltfFormat, GltfGraft, GltfImage,
+    GltfLevel, GltfMaterial, GraftedMaterial, ImageCodec, Json, TextureCodecs,
 };
 use crate::names::Named;
 use crate::progress::Progress;
 use crate::scene::{AlphaMode, GreenChannel};
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// An asset as it was written.
@@ -115,12 +116,17 @@ pub(super) fn possible_files(path: &Path, options: &BakeOptions, packing: &Packi
         return maps_alone::possible_files(path);
     }
     let beside = options.maps.iter().map(|map| path.with_extension(format!("{}.png", map.name())));
-    let format = match options.searches() {
-        // A search may choose JPEG for any map.
-        true => GltfFormat { jpeg: Some(100), ..Rounding::default().format(true) },
-        false => packing.format(),
+    let kinds = if options.images.is_empty() { &PORTABLE[..] } else { &options.images };
+    let of_kind = |kind: &CodecKind| kind.least_lossy().unwrap_or(ImageCodec::Jpeg(100)).into();
+    let images: Vec<TextureCodecs> = match options.searches() {
+        true => kinds.iter().map(of_kind).collect(),
+        false => vec![packing.images],
     };
-    io::gltf_files(path, &format).into_iter().chain(beside).collect()
+    let files = images
+        .into_iter()
+        .flat_map(|images| io::gltf_files(path, &GltfFormat { images, ..GltfFormat::default() }));
+    let files: BTreeSet<PathBuf> = files.chain(beside).filter(|file| file != path).collect();
+    std::iter::once(path.to_path_buf()).chain(files).collect()
 }
 
 /// Returns all files, the model first.
@@ -253,16 +259,13 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
         "meshes are not compressed: the low-poly mesh's file stays as it is",
         usize::from(made.document.is_some() && made.rounding.is_none() && packing.meshopt),
     );
+    let colors = packing.images.colors;
     warnings.note(
-        "the base colour's texture has alpha, which KTX2 is not written with: it is PNG",
-        usize::from(has_alpha && packing.images == GltfImages::Ktx2),
-    );
-    warnings.note(
-        "the base colour's texture has alpha, which JPEG does not hold: it is not JPEG",
-        usize::from(has_alpha && packing.jpeg.is_some()),
+        format!("the base colour's texture has alpha, which {} does not support: it is PNG", colors.kind()),
+        usize::from(has_alpha && !colors.holds_alpha()),
     );
     if made.rounding.is_none() {
-        warnings.absorb(unpacked(&materials, packing));
+        warnings.absorb(unpacked(&materials, packing.images));
     }
     // What a search finds is larger by no more than that.
     let of_metadata = if made.rounding.is_some() { METADATA } else { 0 };
@@ -280,41 +283,33 @@ fn has_alpha(material: &GltfMaterial<'_>) -> bool {
     material.alpha != AlphaMode::Opaque && material.base_color_map.is_some_and(has)
 }
 
-/// Says whether there is a texture that may lose more: neither normals, nor a base colour that is packed otherwise.
-fn has_lossy(material: &GltfMaterial<'_>, packing: &Packing) -> bool {
-    let others = [material.metallic_roughness_map, material.occlusion_map, material.emissive_map];
-    let color_is_lossy = match has_alpha(material) {
-        true => packing.images == GltfImages::WebP,
-        false => packing.jpeg.is_none(),
-    };
-    (material.base_color_map.is_some() && color_is_lossy) || others.iter().any(Option::is_some)
+/// Returns `true` if the loss of some format has an effect: on colours, or on numbers whose format is lossy.
+fn is_lossy(material: &GltfMaterial<'_>, images: TextureCodecs) -> bool {
+    let GltfMaterial { base_color_map, emissive_map, metallic_roughness_map, occlusion_map, .. } = material;
+    let has_numbers = metallic_roughness_map.is_some() || occlusion_map.is_some();
+    let holds_color = images.colors.holds_alpha() || !has_alpha(material);
+    (base_color_map.is_some() && holds_color)
+        || emissive_map.is_some()
+        || (has_numbers && images.numbers.number().is_some())
 }
 
-/// Returns notes of a packing of textures that the asset does not have.
-fn unpacked(materials: &[GltfMaterial<'_>], packing: &Packing) -> Warnings {
+/// Returns notes of formats of textures that the asset does not have.
+fn unpacked(materials: &[GltfMaterial<'_>], images: TextureCodecs) -> Warnings {
     let mut warnings = Warnings::default();
-    let has_color = materials.iter().any(|material| material.base_color_map.is_some());
-    let has_other = |material: &GltfMaterial<'_>| {
-        let GltfMaterial { metallic_roughness_map, occlusion_map, normal_map, emissive_map, .. } = material;
-        [metallic_roughness_map, occlusion_map, normal_map, emissive_map].iter().any(|map| map.is_some())
+    let has_any = |material: &GltfMaterial<'_>| {
+        let GltfMaterial { metallic_roughness_map, occlusion_map, normal_map, .. } = material;
+        let others = [material.base_color_map, material.emissive_map];
+        others.iter().chain([metallic_roughness_map, occlusion_map, normal_map]).any(Option::is_some)
     };
-    let has_any = has_color || materials.iter().any(has_other);
+    let has_any = materials.iter().any(has_any);
     warnings.note(
-        "the asset has no base colour texture, which alone would be JPEG",
-        usize::from(packing.jpeg.is_some() && !has_color),
+        format!("the asset has no textures; the image format {images} has no effect"),
+        usize::from(images != TextureCodecs::default() && !has_any),
     );
+    let is_unread = has_any && !materials.iter().any(|material| is_lossy(material, images));
     warnings.note(
-        "the asset has no textures; its packing as WebP or KTX2 is not read",
-        usize::from(packing.images != GltfImages::Png && !has_any),
-    );
-    let unread = has_any && !materials.iter().any(|material| has_lossy(material, packing));
-    warnings.note(
-        "no texture of the asset is lossy WebP: normals are lossless; the quality is not read",
-        usize::from(packing.webp_quality.is_some() && unread),
-    );
-    warnings.note(
-        "no texture of the asset has RDO: normals are left out of it; it is not read",
-        usize::from(packing.uastc_rdo.is_some() && unread),
+        format!("the asset has no texture that the loss of {images} applies to: normals keep theirs"),
+        usize::from(images.colors.number().is_some() && is_unread),
     );
     warnings
 }
@@ -404,18 +399,15 @@ mod tests {
         let bare = GltfMaterial::default();
         let normal = GltfMaterial { normal_map: map(), ..GltfMaterial::default() };
         let color = GltfMaterial { base_color_map: map(), ..GltfMaterial::default() };
-        let small = Packing { images: GltfImages::WebP, jpeg: Some(85), ..Packing::default() };
-        let count =
-            |material: &GltfMaterial<'_>, packing: &Packing| unpacked(&[*material], packing).iter().count();
-        assert_eq!([&bare, &normal, &color].map(|material| count(material, &small)), [2, 1, 0]);
-        assert_eq!(count(&bare, &Packing::default()), 0);
+        let count = |material: &GltfMaterial<'_>, format: &str| {
+            unpacked(&[*material], format.parse().unwrap()).iter().count()
+        };
+        assert_eq!([&bare, &normal, &color].map(|material| count(material, "jpeg:85")), [1, 1, 0]);
+        assert_eq!(count(&bare, "png"), 0);
         let glowing = GltfMaterial { emissive_map: map(), ..GltfMaterial::default() };
-        let lossy = Packing { images: GltfImages::WebP, webp_quality: Some(80), ..Packing::default() };
-        let repeating = Packing { images: GltfImages::Ktx2, uastc_rdo: Some(2), ..Packing::default() };
-        for packing in [&lossy, &repeating] {
+        for format in ["webp:80", "ktx2:2"] {
             let materials = [&bare, &normal, &color, &glowing];
-            assert_eq!(materials.map(|material| count(material, packing)), [1, 1, 0, 0]);
+            assert_eq!(materials.map(|material| count(material, format)), [1, 1, 0, 0]);
         }
-        assert_eq!(count(&color, &Packing { jpeg: Some(85), ..lossy }), 1, "it is JPEG");
     }
 }

@@ -59,16 +59,27 @@ impl Texture {
     /// Returns the texture with `side` texels along its longer side, as mip levels are made: the next finer level where it has
     /// fewer than the finest one, else that. Normals are shorter than 1 where they differ.
     pub(crate) fn resized(&self, side: u32) -> Cow<'_, Bitmap> {
+        let (at, size) = self.resized_from(side);
+        let level = &self.levels[at];
+        match size == [level.width(), level.height()] {
+            true => Cow::Borrowed(level),
+            false => Cow::Owned(mips::shrunk(level, self.encoding, (size, at == 0))),
+        }
+    }
+
+    /// Returns the size of [`Texture::resized`].
+    pub(crate) fn resized_size(&self, side: u32) -> [u32; 2] {
+        self.resized_from(side).1
+    }
+
+    /// Returns the number of the next finer level, and the size to make of it.
+    fn resized_from(&self, side: u32) -> (usize, [u32; 2]) {
         let longer = |level: &Bitmap| level.width().max(level.height());
         let at = self.levels.iter().rposition(|level| longer(level) >= side).unwrap_or_default();
         let level = &self.levels[at];
-        if longer(level) <= side {
-            return Cow::Borrowed(level);
-        }
-        let scaled =
-            |own: u32| (u64::from(own) * u64::from(side)).div_ceil(u64::from(longer(level))).max(1) as u32;
-        let size = [level.width(), level.height()].map(scaled);
-        Cow::Owned(mips::shrunk(level, self.encoding, (size, at == 0)))
+        let (longer, side) = (u64::from(longer(level)), u64::from(side));
+        let scaled = |own: u32| (u64::from(own) * side.min(longer)).div_ceil(longer).max(1) as u32;
+        (at, [level.width(), level.height()].map(scaled))
     }
 
     /// The meaning of the stored numbers.

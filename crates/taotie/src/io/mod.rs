@@ -42,12 +42,13 @@ pub use structure::{GltfStructure, RootNode};
 pub use system::free_memory;
 pub use variants::Variants;
 pub use write::{
-    AnimatedImage, AnimationFormat, AnimationSpec, EncodedModel, FileBytes, FileSet, GltfAsset, GltfDraft,
-    GltfFormat, GltfGraft, GltfImage, GltfImages, GltfLevel, GltfMaterial, GltfPacker, GraftedMaterial,
-    ImageFormat, Lossy, LossyTexture, PackedGeometry, PackedImage, PngColor, PngImage, PngSamples, Stopper,
-    VertexBits, WrittenScene, encode_glb, encode_gltf, encode_graft, encode_jpeg_bitmap, encode_png,
-    encode_png_bitmap, encode_scene, encode_scene_as, encode_webp_bitmap, gltf_files, gltf_sampler,
-    write_bytes, write_gltf, write_image, write_png, write_png_bitmap, write_scene, write_text,
+    AnimatedImage, AnimationFormat, AnimationSpec, CodecKind, EncodedModel, FileBytes, FileSet, GltfAsset,
+    GltfDraft, GltfFormat, GltfGraft, GltfImage, GltfLevel, GltfMaterial, GltfPacker, GraftedMaterial,
+    ImageCodec, ImageFormat, LossyTexture, PackedGeometry, PackedImage, PngColor, PngImage, PngSamples,
+    Stopper, TextureCodecs, VertexBits, WrittenScene, encode_glb, encode_gltf, encode_graft,
+    encode_jpeg_bitmap, encode_png, encode_png_bitmap, encode_scene, encode_scene_as, encode_webp_bitmap,
+    gltf_files, gltf_sampler, write_bytes, write_gltf, write_image, write_png, write_png_bitmap, write_scene,
+    write_text,
 };
 #[cfg(feature = "exr")]
 pub use write::{ExrLayer, encode_exr, write_exr};

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use taotie::image::Bitmap;
 use taotie::io::{GltfPacker, GltfSource, Limits, Loaded, PackedGeometry, PackedImage, load_model};
 #[cfg(feature = "webp")]
-use taotie::io::{Lossy, decode_bitmap};
+use taotie::io::{ImageCodec, decode_bitmap};
 use taotie::math::Vec3;
 
 /// Folders of test data with glTF files by others.
@@ -92,17 +92,23 @@ fn smaller_images_are_near_the_own_ones() {
         let packer = GltfPacker::open(GltfSource::File(&path), &Limits::default()).unwrap();
         for number in 0..packer.image_count() {
             let Some(image) = packer.image(number).filter(|image| image.side() <= 512) else { continue };
-            let encoded = |side: u32, loss| encode(&packer, number, (side, loss));
+            let encoded = |side: u32, codec| encode(&packer, number, (side, codec));
             let side = image.side();
             let own = image.bitmap();
-            let jpeg = image.may_be_jpeg().then_some(Lossy::Jpeg(97));
-            let losses = [(None, 0.002), (Some(Lossy::WebP(97)), 0.25), (jpeg, 0.25)];
-            for (loss, most) in losses.into_iter().filter(|(loss, most)| loss.is_some() || *most < 0.01) {
-                let error = difference(own, &encoded(side, loss));
+            let losses = [
+                (ImageCodec::WebP, 0.002),
+                (ImageCodec::LossyWebP(97), 0.25),
+                (ImageCodec::Jpeg(97), 0.25),
+                (ImageCodec::Ktx2(0), 0.25),
+            ];
+            for (codec, most) in losses.into_iter().filter(|(codec, _)| image.fits(*codec, side)) {
+                let error = difference(own, &encoded(side, codec));
                 // 16 bits a channel are rounded to 8.
-                assert!(error < most, "{}, image {number}, {loss:?}: {error}", path.display());
+                assert!(error < most, "{}, image {number}, {codec}: {error}", path.display());
             }
-            let half = encoded(side.div_ceil(2), jpeg.or(Some(Lossy::WebP(90))));
+            let of_half = [ImageCodec::Ktx2(2), ImageCodec::Jpeg(97), ImageCodec::WebP];
+            let fitting = of_half.into_iter().find(|codec| image.fits(*codec, side.div_ceil(2))).unwrap();
+            let half = encoded(side.div_ceil(2), fitting);
             assert_eq!(half.side, side.div_ceil(2));
             let (bytes, loaded) = packed(&packer, PackedGeometry::default(), &[half]);
             assert!(loaded.scene.textures().len() == packer_textures(&path) && !bytes.is_empty());
@@ -114,8 +120,8 @@ fn smaller_images_are_near_the_own_ones() {
 
 /// Encodes an image with so many texels along its longer side.
 #[cfg(feature = "webp")]
-fn encode(packer: &GltfPacker, number: usize, (side, loss): (u32, Option<Lossy>)) -> PackedImage {
-    let bytes = packer.image(number).unwrap().encoded(side, loss).unwrap();
+fn encode(packer: &GltfPacker, number: usize, (side, codec): (u32, ImageCodec)) -> PackedImage {
+    let bytes = packer.image(number).unwrap().encoded(side, codec).unwrap();
     PackedImage { number, side, bytes: Arc::new(bytes) }
 }
 
@@ -146,11 +152,13 @@ fn packed_files_are_valid() {
         let sound = std::panic::catch_unwind(|| assert_valid(&path));
         let Ok(Some(known)) = sound else { continue };
         let packer = GltfPacker::open(GltfSource::File(&path), &Limits::default()).unwrap();
-        let loss = |number: usize| match packer.image(number)?.may_be_jpeg() && number.is_multiple_of(2) {
-            true => Some(Lossy::Jpeg(75)),
-            false => Some(Lossy::WebP(75)),
+        let codecs = [ImageCodec::Jpeg(75), ImageCodec::LossyWebP(75), ImageCodec::Ktx2(2)];
+        let of = |number: usize| {
+            let image = packer.image(number)?;
+            let mut by_turns = codecs.into_iter().cycle().skip(number % codecs.len());
+            let codec = by_turns.find(|codec| image.fits(*codec, 256)).unwrap();
+            Some(encode(&packer, number, (256, codec)))
         };
-        let of = |number: usize| Some(encode(&packer, number, (256, Some(loss(number)?))));
         let images: Vec<PackedImage> = (0..packer.image_count()).filter_map(of).collect();
         let out = folder.path().join("m.glb");
         std::fs::write(&out, packer.encode(PackedGeometry::default(), &images).unwrap()).unwrap();

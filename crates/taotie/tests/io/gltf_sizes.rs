@@ -3,7 +3,7 @@
 use crate::bumpy;
 use image::ImageReader;
 use taotie::image::{Bitmap, Texels};
-use taotie::io::{GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, encode_gltf, load_model};
+use taotie::io::{GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, encode_gltf, load_model};
 use taotie::scene::AlphaMode;
 use tempfile::TempDir;
 
@@ -74,18 +74,18 @@ fn ramp(values: u32) -> Bitmap {
 }
 
 fn webp(quality: u8) -> GltfFormat {
-    GltfFormat { images: GltfImages::WebP, webp_quality: Some(quality), ..GltfFormat::default() }
+    GltfFormat { images: ImageCodec::LossyWebP(quality).into(), ..GltfFormat::default() }
 }
 
-fn ktx2(uastc_rdo: Option<u8>) -> GltfFormat {
-    GltfFormat { images: GltfImages::Ktx2, uastc_rdo, ..GltfFormat::default() }
+fn ktx2(lambda: u8) -> GltfFormat {
+    GltfFormat { images: ImageCodec::Ktx2(lambda).into(), ..GltfFormat::default() }
 }
 
 /// The bytes of a lossy WebP fall with its quality, its error rises, and another decoder sees what our reader sees.
 #[test]
 fn webp_of_a_quality() {
     let color = ramp(9);
-    let lossless = GltfFormat { images: GltfImages::WebP, ..GltfFormat::default() };
+    let lossless = GltfFormat { images: ImageCodec::WebP.into(), ..GltfFormat::default() };
     let whole = Files::new(colored(&color), &lossless);
     assert_eq!(whole.color(), color);
     let written = [30, 90].map(|quality| {
@@ -127,7 +127,7 @@ fn numbers_are_lossless() {
     };
     let raw =
         |bitmap: &Bitmap| codes(bitmap).iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect::<Vec<u8>>();
-    let lossless = GltfFormat { images: GltfImages::WebP, ..GltfFormat::default() };
+    let lossless = GltfFormat { images: ImageCodec::WebP.into(), ..GltfFormat::default() };
     let (exact, lossy) = (Files::new(material, &lossless), Files::new(material, &webp(50)));
     let [exact_numbers, same_numbers] =
         [&exact, &lossy].map(|files| read(files, "m_metallic_roughness.webp"));
@@ -163,7 +163,7 @@ fn levels(bytes: &[u8]) -> Vec<(&[u8], usize)> {
 /// Each level is a frame of its own for Zstandard's reference decoder.
 #[test]
 fn levels_are_under_zstandard() {
-    let bytes = Files::new(colored(&ramp(3)), &ktx2(None)).bytes("m_color.ktx2");
+    let bytes = Files::new(colored(&ramp(3)), &ktx2(0)).bytes("m_color.ktx2");
     let levels = levels(&bytes);
     assert_eq!(levels.len(), 9);
     for (level, (packed, unpacked)) in levels.iter().enumerate() {
@@ -181,11 +181,11 @@ fn levels_are_under_zstandard() {
 #[test]
 fn rdo_saves_within_its_bound() {
     let color = ramp(3);
-    let written = |rdo: Option<u8>| {
+    let written = |rdo: u8| {
         let files = Files::new(colored(&color), &ktx2(rdo));
         (files.size("m_color.ktx2"), mean_square(&files.color(), &color))
     };
-    let (plain, two, eight) = (written(None), written(Some(2)), written(Some(8)));
+    let (plain, two, eight) = (written(0), written(2), written(8));
     println!("none {plain:?}, 2 {two:?}, 8 {eight:?}");
     // A column of blocks differs by its noise alone, a mean square of 4/3 where 4 are allowed: most blocks repeat.
     assert!(10 * two.0 < 6 * plain.0);
@@ -198,28 +198,20 @@ fn rdo_leaves_normals_alone() {
     let normal = bumpy::normals(128, 8);
     let color = bumpy::colors(16);
     let material = GltfMaterial { normal_map: Some((&normal).into()), ..colored(&color) };
-    let [plain, much] = [None, Some(64)].map(|rdo| Files::new(material, &ktx2(rdo)).bytes("m_normal.ktx2"));
+    let [plain, much] = [0, 64].map(|rdo| Files::new(material, &ktx2(rdo)).bytes("m_normal.ktx2"));
     assert!(plain == much);
 }
 
 #[test]
 fn numbers_that_are_not_read_are_refused() {
     let color = bumpy::colors(16);
-    let (mesh, default) = (bumpy::sphere(8, 4), GltfFormat::default());
+    let mesh = bumpy::sphere(8, 4);
     let levels = [GltfLevel { mesh: &mesh, coverage: None }];
     let asset = GltfAsset { levels: &levels, material: colored(&color), ..GltfAsset::default() };
     for (format, said) in [
-        (webp(0), "a WebP quality of 0: give 1 to 100"),
-        (webp(101), "a WebP quality of 101: give 1 to 100"),
-        (
-            GltfFormat { webp_quality: Some(80), ..default },
-            "a WebP quality of 80: textures are PNG; choose WebP, or leave it out",
-        ),
-        (ktx2(Some(65)), "an RDO of UASTC of 65: give 1 to 64"),
-        (
-            GltfFormat { uastc_rdo: Some(2), ..webp(80) },
-            "an RDO of UASTC of 2: textures are WebP; choose KTX2, or leave it out",
-        ),
+        (webp(0), "image format webp:0: use 1 to 100"),
+        (webp(101), "image format webp:101: use 1 to 100"),
+        (ktx2(65), "image format ktx2:65: use 0 to 64"),
     ] {
         let error = encode_gltf("m.glb".as_ref(), &asset, &format).unwrap_err().to_string();
         assert_eq!(error, said);

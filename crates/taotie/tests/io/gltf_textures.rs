@@ -5,12 +5,12 @@ use basisu::{DecodeFlags, TargetFormat, Transcoder};
 use taotie::compare::angle_deg;
 use taotie::image::{Bitmap, Texels};
 use taotie::io::{
-    GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, encode_glb, load_model, write_gltf,
+    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, encode_glb, load_model, write_gltf,
 };
 use taotie::math::Vec3;
 
 /// The textures of a GLB with these maps, in the order colour, normals.
-fn read_back(color: &Bitmap, normal: &Bitmap, images: GltfImages) -> Vec<Bitmap> {
+fn read_back(color: &Bitmap, normal: &Bitmap, images: ImageCodec) -> Vec<Bitmap> {
     let mesh = bumpy::sphere(8, 4);
     let material = GltfMaterial {
         base_color_map: Some(color.into()),
@@ -19,7 +19,7 @@ fn read_back(color: &Bitmap, normal: &Bitmap, images: GltfImages) -> Vec<Bitmap>
     };
     let levels = [GltfLevel { mesh: &mesh, coverage: None }];
     let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
-    let bytes = encode_glb(&asset, &GltfFormat { images, ..GltfFormat::default() }).unwrap();
+    let bytes = encode_glb(&asset, &GltfFormat { images: images.into(), ..GltfFormat::default() }).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("m.glb");
     std::fs::write(&path, bytes).unwrap();
@@ -53,13 +53,13 @@ fn rmse(a: &Bitmap, b: &Bitmap) -> f64 {
 #[test]
 fn lossless_packings_lose_nothing() {
     let (color, normal) = (bumpy::colors(32), bumpy::normals(32, 4));
-    for images in [GltfImages::Png, GltfImages::WebP] {
+    for images in [ImageCodec::Png, ImageCodec::WebP] {
         assert_eq!(read_back(&color, &normal, images), [color.clone(), normal.clone()], "{images:?}");
     }
     let deep = bumpy::deep_normals(32, 4);
-    assert_eq!(read_back(&color, &deep, GltfImages::Png)[1], deep);
+    assert_eq!(read_back(&color, &deep, ImageCodec::Png)[1], deep);
     // WebP rounds it to what 8 bits hold.
-    assert_eq!(read_back(&color, &deep, GltfImages::WebP)[1], normal);
+    assert_eq!(read_back(&color, &deep, ImageCodec::WebP)[1], normal);
 }
 
 #[test]
@@ -67,7 +67,7 @@ fn alpha_is_left_out() {
     let Texels::U8(texels) = bumpy::colors(8).texels().clone() else { panic!("8 bits") };
     let clear = texels.iter().map(|[r, g, b, _]| [*r, *g, *b, 7]).collect();
     let color = Bitmap::new(8, 8, 4, Texels::U8(clear)).unwrap();
-    for images in [GltfImages::Png, GltfImages::WebP, GltfImages::Ktx2] {
+    for images in [ImageCodec::Png, ImageCodec::WebP, ImageCodec::Ktx2(0)] {
         assert_eq!(read_back(&color, &bumpy::normals(8, 2), images)[0].channels(), 3, "{images:?}");
     }
 }
@@ -77,13 +77,13 @@ fn blocks_come_near() {
     // Bumps of 64, 16 and 8 texels, of which the last change much within a block.
     for (across, mean_limit, max_limit) in [(4, 0.4, 2.5), (16, 1.1, 4.0), (32, 2.0, 10.0)] {
         let normal = bumpy::normals(256, across);
-        let back = read_back(&bumpy::colors(16), &normal, GltfImages::Ktx2);
+        let back = read_back(&bumpy::colors(16), &normal, ImageCodec::Ktx2(0));
         let [mean, max] = angles(&normal, &back[1]);
         println!("{across} bumps across 256 texels: {mean:.3}° mean, {max:.3}° max");
         assert!(mean < mean_limit && max < max_limit);
     }
     let waves = waves();
-    let [mean, max] = angles(&waves, &read_back(&bumpy::colors(16), &waves, GltfImages::Ktx2)[1]);
+    let [mean, max] = angles(&waves, &read_back(&bumpy::colors(16), &waves, ImageCodec::Ktx2(0))[1]);
     println!("waves: {mean:.3}° mean, {max:.3}° max");
     // Basis Universal 1.16 gives 0.515° and 2.6° at its quality levels 0 and 2.
     assert!(mean < 0.6 && max < 3.5);
@@ -92,12 +92,12 @@ fn blocks_come_near() {
             (x.wrapping_mul(2_654_435_761) ^ y.wrapping_mul(2_246_822_519)).wrapping_mul(3_266_489_917);
         [(hash >> 24) as u8 / 4 + 90, (hash >> 16) as u8 / 4 + 60, (x * 3) as u8]
     });
-    let back = read_back(&noisy, &bumpy::normals(16, 2), GltfImages::Ktx2);
+    let back = read_back(&noisy, &bumpy::normals(16, 2), ImageCodec::Ktx2(0));
     let error = rmse(&noisy, &back[0]);
     println!("noise of ±32 in two channels: {error:.2} of 255");
     assert!(error < 8.0, "{error}");
     let plain = bumpy::bitmap(16, |x, _| if x < 8 { [200, 13, 77] } else { [201, 12, 0] });
-    let back = read_back(&plain, &bumpy::normals(16, 2), GltfImages::Ktx2);
+    let back = read_back(&plain, &bumpy::normals(16, 2), ImageCodec::Ktx2(0));
     assert_eq!(back[0], plain, "single colours are exact");
 }
 
@@ -119,7 +119,7 @@ fn first_image(color: &Bitmap) -> Vec<u8> {
     let material = GltfMaterial { base_color_map: Some(color.into()), ..GltfMaterial::default() };
     let asset =
         GltfAsset { levels: &[GltfLevel { mesh: &mesh, coverage: None }], material, ..GltfAsset::default() };
-    let format = GltfFormat { images: GltfImages::Ktx2, ..GltfFormat::default() };
+    let format = GltfFormat { images: ImageCodec::Ktx2(0).into(), ..GltfFormat::default() };
     let bytes = encode_glb(&asset, &format).unwrap();
     let at = bytes.windows(8).position(|w| w == b"\xabKTX 20\xbb").expect("there is a KTX2 file");
     bytes[at..].to_vec()
@@ -147,7 +147,7 @@ fn sides_that_the_extension_forbids_are_named() {
     let material = GltfMaterial { base_color_map: Some((&color).into()), ..GltfMaterial::default() };
     let asset =
         GltfAsset { levels: &[GltfLevel { mesh: &mesh, coverage: None }], material, ..GltfAsset::default() };
-    let format = GltfFormat { images: GltfImages::Ktx2, ..GltfFormat::default() };
+    let format = GltfFormat { images: ImageCodec::Ktx2(0).into(), ..GltfFormat::default() };
     let error = encode_glb(&asset, &format).unwrap_err().to_string();
     assert!(error.contains("18×18") && error.contains("multiples of 4"), "{error}");
 }
@@ -165,7 +165,10 @@ fn jpeg_is_for_colours_alone() {
     let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
     let path = folder.path().join("m.gltf");
     let written = |quality: u8| {
-        let format = GltfFormat { images: GltfImages::WebP, jpeg: Some(quality), ..GltfFormat::default() };
+        let format = GltfFormat {
+            images: format!("jpeg:{quality}/webp/webp").parse().unwrap(),
+            ..GltfFormat::default()
+        };
         write_gltf(&path, &asset, &format).unwrap();
         let bytes = std::fs::metadata(folder.path().join("m_color.jpg")).unwrap().len();
         let scene = load_model(&path).unwrap().scene;
@@ -179,9 +182,9 @@ fn jpeg_is_for_colours_alone() {
     let json = std::fs::read_to_string(&path).unwrap();
     assert!(json.contains("m_color.jpg") && json.contains("m_normal.webp"), "{json}");
     for quality in [0, 101] {
-        let format = GltfFormat { jpeg: Some(quality), ..GltfFormat::default() };
+        let format = GltfFormat { images: ImageCodec::Jpeg(quality).into(), ..GltfFormat::default() };
         let error = encode_glb(&asset, &format).unwrap_err().to_string();
-        assert_eq!(error, format!("a JPEG quality of {quality}: give 1 to 100"));
+        assert_eq!(error, format!("image format jpeg:{quality}: use 1 to 100"));
     }
 }
 
@@ -197,11 +200,11 @@ fn threads_change_no_byte() {
     let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
     let plain = GltfFormat { meshopt: true, ..GltfFormat::default() };
     let formats = [
-        GltfFormat { jpeg: Some(80), ..plain },
-        GltfFormat { images: GltfImages::WebP, ..plain },
-        GltfFormat { images: GltfImages::WebP, webp_quality: Some(80), ..plain },
-        GltfFormat { images: GltfImages::Ktx2, ..plain },
-        GltfFormat { images: GltfImages::Ktx2, uastc_rdo: Some(2), ..plain },
+        GltfFormat { images: ImageCodec::Jpeg(80).into(), ..plain },
+        GltfFormat { images: ImageCodec::WebP.into(), ..plain },
+        GltfFormat { images: ImageCodec::LossyWebP(80).into(), ..plain },
+        GltfFormat { images: ImageCodec::Ktx2(0).into(), ..plain },
+        GltfFormat { images: ImageCodec::Ktx2(2).into(), ..plain },
     ];
     for format in formats {
         let [one, four] = [1, 4].map(|threads| {

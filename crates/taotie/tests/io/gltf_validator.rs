@@ -2,7 +2,7 @@
 
 use crate::{bumpy, rich, validator};
 use taotie::io::{
-    GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, Provenance, write_gltf, write_scene,
+    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, Provenance, write_gltf, write_scene,
 };
 use taotie::mesh::Mesh;
 use taotie::scene::{AlphaMode, Clearcoat, Material};
@@ -73,10 +73,10 @@ fn every_kind_of_file_is_valid() {
         let default = GltfFormat::default();
         for format in [
             default,
-            GltfFormat { meshopt: true, jpeg: Some(80), ..default },
-            GltfFormat { images: GltfImages::WebP, ..default },
-            GltfFormat { images: GltfImages::WebP, webp_quality: Some(80), ..default },
-            GltfFormat { images: GltfImages::Ktx2, meshopt: true, uastc_rdo: Some(2), ..default },
+            GltfFormat { meshopt: true, images: ImageCodec::Jpeg(80).into(), ..default },
+            GltfFormat { images: ImageCodec::WebP.into(), ..default },
+            GltfFormat { images: ImageCodec::LossyWebP(80).into(), ..default },
+            GltfFormat { images: ImageCodec::Ktx2(2).into(), meshopt: true, ..default },
         ] {
             let asset = GltfAsset {
                 name: "ball",

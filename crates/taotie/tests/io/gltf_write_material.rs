@@ -4,19 +4,19 @@ use crate::bumpy;
 use crate::gltf::triangle;
 use taotie::image::{Bitmap, Encoding, Texels, Wrap};
 use taotie::io::{
-    GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, Loaded, encode_glb, load_model,
+    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, Loaded, encode_glb, load_model,
 };
 use taotie::mesh::{Mesh, MeshData};
 use taotie::scene::{AlphaMode, Clearcoat, Material, Sheen, Specular};
 
-fn encoded(mesh: &Mesh, material: GltfMaterial, images: GltfImages) -> taotie::Result<Vec<u8>> {
+fn encoded(mesh: &Mesh, material: GltfMaterial, images: ImageCodec) -> taotie::Result<Vec<u8>> {
     let levels = [GltfLevel { mesh, coverage: None }];
     let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
-    encode_glb(&asset, &GltfFormat { images, ..GltfFormat::default() })
+    encode_glb(&asset, &GltfFormat { images: images.into(), ..GltfFormat::default() })
 }
 
 /// Writes a mesh with a material and reads it back.
-fn again(mesh: &Mesh, material: GltfMaterial, images: GltfImages) -> Loaded {
+fn again(mesh: &Mesh, material: GltfMaterial, images: ImageCodec) -> Loaded {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("m.glb");
     std::fs::write(&path, encoded(mesh, material, images).unwrap()).unwrap();
@@ -42,7 +42,7 @@ fn emission_has_its_texture_and_strength() {
             emissive_map: Some((&glow).into()),
             ..GltfMaterial::default()
         };
-        let loaded = again(&mesh, material, GltfImages::Png);
+        let loaded = again(&mesh, material, ImageCodec::Png);
         let material = &loaded.scene.materials()[0];
         assert_eq!(material.emissive, radiance);
         let texture = &loaded.scene.textures()[material.emissive_texture.expect("a texture").texture];
@@ -59,7 +59,7 @@ fn alpha_is_written_where_it_is_read() {
         let base_color = [1.0, 1.0, 1.0, 0.75];
         let material =
             GltfMaterial { base_color, base_color_map: Some((&leaf).into()), alpha, ..Default::default() };
-        let loaded = again(&mesh, material, GltfImages::Png);
+        let loaded = again(&mesh, material, ImageCodec::Png);
         let material = &loaded.scene.materials()[0];
         assert_eq!((material.alpha, material.base_color), (alpha, base_color));
         let bitmap = loaded.scene.textures()[0].bitmap();
@@ -80,14 +80,14 @@ fn packed_images_keep_alpha_and_ktx2_leaves_them_to_png() {
         alpha: AlphaMode::Blend,
         ..GltfMaterial::default()
     };
-    for images in [GltfImages::WebP, GltfImages::Ktx2] {
+    for images in [ImageCodec::WebP, ImageCodec::Ktx2(0)] {
         let loaded = again(&mesh, material, images);
         let color = loaded.scene.materials()[0].base_color_texture.expect("a texture");
         let read = loaded.scene.textures()[color.texture].bitmap();
         let alphas = |bitmap: &Bitmap| (0..256).map(|i| bitmap.stored(i)[3]).collect::<Vec<_>>();
         assert_eq!(alphas(read), alphas(&leaf), "{images:?}");
     }
-    let bytes = encoded(&mesh, material, GltfImages::Ktx2).unwrap();
+    let bytes = encoded(&mesh, material, ImageCodec::Ktx2(0)).unwrap();
     let count = |mark: &[u8]| bytes.windows(mark.len()).filter(|window| *window == mark).count();
     assert_eq!((count(b"\xabKTX 20\xbb"), count(b"\x89PNG\r\n\x1a\n")), (1, 1));
 }
@@ -115,7 +115,7 @@ fn layers_are_written_as_factors() {
     let mesh = bumpy::sphere(12, 6);
     let of = |layers: &Material| {
         let material = GltfMaterial { layers: Some(layers), ..GltfMaterial::default() };
-        let loaded = again(&mesh, material, GltfImages::Png);
+        let loaded = again(&mesh, material, ImageCodec::Png);
         (loaded.scene.materials()[0].clone(), loaded.extensions_used)
     };
     let (read, extensions) = of(&layered);
@@ -137,7 +137,7 @@ fn textures_repeat_where_uvs_leave_the_map() {
     let doubled = Mesh::new(MeshData { uvs, ..data }).unwrap();
     for (mesh, wrap) in [(&mesh, Wrap::Clamp), (&doubled, Wrap::Repeat)] {
         let material = GltfMaterial { base_color_map: Some((&color).into()), ..GltfMaterial::default() };
-        let loaded = again(mesh, material, GltfImages::Png);
+        let loaded = again(mesh, material, ImageCodec::Png);
         let sampler = loaded.scene.materials()[0].base_color_texture.expect("a texture").sampler;
         assert_eq!((sampler.wrap_u, sampler.wrap_v), (wrap, wrap));
     }
@@ -152,7 +152,7 @@ fn numbers_that_gltf_has_not_are_refused() {
         (GltfMaterial { alpha: AlphaMode::Mask(f32::NAN), ..Default::default() }, "alpha cutoff: NaN"),
     ];
     for (material, why) in cases {
-        let error = encoded(&mesh, material, GltfImages::Png).unwrap_err().to_string();
+        let error = encoded(&mesh, material, ImageCodec::Png).unwrap_err().to_string();
         assert!(error.contains(why), "{error}");
     }
 }

@@ -85,7 +85,7 @@ impl<'a, 'b> Bare<'a, 'b> {
 
     /// Tries a candidate, and learns from it.
     fn add(&mut self, draft: Draft, bits: VertexBits, best: &mut Best) -> Result<Trial> {
-        let rounding = self.workshop.rounding(bits, None);
+        let rounding = self.workshop.rounding(bits, self.workshop.codecs().least_lossy());
         let trial = self.workshop.trial(&draft, rounding)?;
         let count = trial.triangles as f64;
         self.errors.add(count, remaining(trial.angle_ratio, self.rounding(bits.normals)));

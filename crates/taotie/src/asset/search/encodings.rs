@@ -1,9 +1,10 @@
 //! The smallest encodings of a texture that lose no more than they may.
 
+use super::codecs::Codecs;
 use super::goal::Goal;
 use crate::error::Result;
 use crate::image::{Bitmap, Encoding, Texture};
-use crate::io::{Lossy, LossyTexture, decode_bitmap};
+use crate::io::{ImageCodec, LossyTexture, decode_bitmap};
 use crate::proof::ImageLook;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -11,9 +12,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// The least side that is tried, texels.
 const LEAST_SIDE: u32 = 32;
-/// Qualities that are tried, from the lowest up.
-const WEBP: [u8; 9] = [20, 35, 50, 65, 75, 82, 88, 93, 97];
-const JPEG: [u8; 9] = [40, 55, 70, 80, 86, 90, 94, 96, 98];
 /// Up to this side a texture that loses nothing is tried, too: those of few colours are small.
 const LOSSLESS_SIDE: u32 = 1024;
 /// Ratios of angles for which normal maps are made.
@@ -26,8 +24,7 @@ const WORSE: usize = 2;
 pub(super) struct EncodedTexture {
     /// The longer side, texels.
     pub side: u32,
-    /// `None` loses nothing but texels.
-    pub loss: Option<Lossy>,
+    pub codec: ImageCodec,
     pub bytes: Arc<Vec<u8>>,
     /// How many times its limit a difference is, the worst one.
     pub ratio: f64,
@@ -36,17 +33,42 @@ pub(super) struct EncodedTexture {
 /// The encodings of a texture, each made once.
 pub(super) struct Encodings<'a> {
     texture: &'a LossyTexture,
+    /// The longest side to try, texels.
+    most_side: u32,
+    codecs: Codecs,
     goal: Goal,
     look: ImageLook<'a>,
-    known: Mutex<BTreeMap<(u32, Option<Lossy>), EncodedTexture>>,
+    known: Mutex<BTreeMap<(u32, ImageCodec), EncodedTexture>>,
     /// The ratio of each size.
     sizes: Mutex<BTreeMap<u32, f64>>,
 }
 
 impl<'a> Encodings<'a> {
-    /// Takes a texture that a surface shows, whose differences have the limits of a goal.
-    pub fn new(texture: &'a LossyTexture, look: ImageLook<'a>, goal: &Goal) -> Self {
-        Self { texture, goal: goal.clone(), look, known: Mutex::default(), sizes: Mutex::default() }
+    /// Takes a texture that a surface shows, whose differences have the limits of a goal, and the formats it may have.
+    pub fn new(texture: &'a LossyTexture, look: ImageLook<'a>, (goal, codecs): (&Goal, &Codecs)) -> Self {
+        let (goal, codecs, most_side) = (goal.clone(), codecs.clone(), texture.side());
+        Self { texture, most_side, codecs, goal, look, known: Mutex::default(), sizes: Mutex::default() }
+    }
+
+    /// Limits the longer side to a part of the texture's own, (0, 1].
+    #[must_use]
+    pub fn within(self, part: f64) -> Self {
+        let most_side = (f64::from(self.texture.side()) * part) as u32;
+        let most_side = if part < 1.0 { (most_side & !3).max(4) } else { self.texture.side() };
+        Self { most_side: most_side.min(self.texture.side()), ..self }
+    }
+
+    /// Returns `true` if the texture itself has more texels than it may have.
+    pub fn must_shrink(&self) -> bool {
+        self.most_side < self.texture.side()
+    }
+
+    /// Returns the encoding that loses least; `None` if no format can hold it.
+    pub fn nearest(&self) -> Result<Option<EncodedTexture>> {
+        let ladders = self.codecs.ladders().filter_map(|ladder| ladder.last().copied());
+        let mut codecs = self.codecs.lossless().into_iter().chain(ladders);
+        let fitting = codecs.find(|codec| self.texture.fits(*codec, self.most_side));
+        fitting.map(|codec| self.encoded(self.most_side, codec)).transpose()
     }
 
     /// Returns the meaning of its texels.
@@ -57,7 +79,7 @@ impl<'a> Encodings<'a> {
     /// Returns the smallest encoding of any size whose ratio is at most `most`; `None` if none is so near.
     pub fn smallest(&self, most: f64) -> Result<Option<EncodedTexture>> {
         let (mut best, mut worse): (Option<EncodedTexture>, usize) = (None, 0);
-        for side in sides(self.texture.side()) {
+        for side in sides(self.most_side) {
             let Some(of_side) = self.smallest_of(side, most)? else { continue };
             if best.as_ref().is_some_and(|best| best.bytes.len() <= of_side.bytes.len()) {
                 worse += 1;
@@ -76,33 +98,29 @@ impl<'a> Encodings<'a> {
         if self.resized(side)? > most {
             return Ok(None);
         }
-        let is_webp = cfg!(feature = "webp");
-        let (webp, jpeg) = (WEBP.map(Lossy::WebP), JPEG.map(Lossy::Jpeg));
-        // Without WebP nothing that is made is lossy.
-        let formats = [(is_webp && self.texture.may_be_jpeg(), jpeg), (is_webp, webp)];
         let mut found = Vec::new();
-        for (_, qualities) in formats.into_iter().filter(|(is_possible, _)| *is_possible) {
-            found.extend(self.lowest(side, &qualities, most)?);
+        for ladder in self.codecs.ladders().filter(|ladder| self.texture.fits(ladder[0], side)) {
+            found.extend(self.lowest(side, &ladder, most)?);
         }
-        let is_last = found.is_empty() && side == self.texture.side();
-        if is_webp && (side <= LOSSLESS_SIDE || is_last) {
-            found.push(self.encoded(side, None)?);
+        let is_last = found.is_empty() && side == self.most_side;
+        if let Some(lossless) = self.codecs.lossless().filter(|_| side <= LOSSLESS_SIDE || is_last) {
+            found.push(self.encoded(side, lossless)?);
         }
         let near = found.into_iter().filter(|encoded| encoded.ratio <= most);
         Ok(near.min_by_key(|encoded| encoded.bytes.len()))
     }
 
-    /// Returns the lowest of rising qualities whose ratio is at most `most`.
-    fn lowest(&self, side: u32, qualities: &[Lossy], most: f64) -> Result<Option<EncodedTexture>> {
-        let Some(highest) = qualities.last() else { return Ok(None) };
-        let mut lowest = self.encoded(side, Some(*highest))?;
+    /// Returns the first of ever less lossy formats whose ratio is at most `most`.
+    fn lowest(&self, side: u32, ladder: &[ImageCodec], most: f64) -> Result<Option<EncodedTexture>> {
+        let Some(highest) = ladder.last() else { return Ok(None) };
+        let mut lowest = self.encoded(side, *highest)?;
         if lowest.ratio > most {
             return Ok(None);
         }
-        let (mut low, mut high) = (0, qualities.len() - 1);
+        let (mut low, mut high) = (0, ladder.len() - 1);
         while low < high {
             let middle = (low + high) / 2;
-            let encoded = self.encoded(side, Some(qualities[middle]))?;
+            let encoded = self.encoded(side, ladder[middle])?;
             if encoded.ratio <= most {
                 (lowest, high) = (encoded, middle);
             } else {
@@ -131,15 +149,15 @@ impl<'a> Encodings<'a> {
         Ok(self.goal.image_ratio(self.encoding(), &differences))
     }
 
-    fn encoded(&self, side: u32, loss: Option<Lossy>) -> Result<EncodedTexture> {
+    fn encoded(&self, side: u32, codec: ImageCodec) -> Result<EncodedTexture> {
         let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(encoded) = known().get(&(side, loss)) {
+        if let Some(encoded) = known().get(&(side, codec)) {
             return Ok(encoded.clone());
         }
-        let bytes = Arc::new(self.texture.encoded(side, loss)?);
+        let bytes = Arc::new(self.texture.encoded(side, codec)?);
         let ratio = self.ratio(decode_bitmap(&bytes, "a packed image", Path::new(""))?)?;
-        let encoded = EncodedTexture { side, loss, bytes, ratio };
-        known().insert((side, loss), encoded.clone());
+        let encoded = EncodedTexture { side, codec, bytes, ratio };
+        known().insert((side, codec), encoded.clone());
         Ok(encoded)
     }
 }
@@ -196,11 +214,11 @@ mod tests {
         let side = Side::of(&ball);
         let look = Relook::new(&side, 2_000);
         let of_waves = look.first(Encoding::Srgb).unwrap().unwrap();
-        let encodings = Encodings::new(&texture, of_waves, &goal);
+        let encodings = Encodings::new(&texture, of_waves, (&goal, &Codecs::new(&[])));
         let found = [0.3, 1.0, 4.0].map(|most| encodings.smallest(most).unwrap().unwrap());
         assert!(found.windows(2).all(|pair| pair[0].bytes.len() > pair[1].bytes.len()), "{found:?}");
         assert!(found.iter().zip([0.3, 1.0, 4.0]).all(|(found, most)| found.ratio <= most));
-        let whole = encodings.encoded(SIDE, None).unwrap();
+        let whole = encodings.encoded(SIDE, ImageCodec::WebP).unwrap();
         assert_eq!(whole.ratio, 0.0, "what loses nothing looks the same");
         assert!(look.first(Encoding::Normal).unwrap().is_none());
     }

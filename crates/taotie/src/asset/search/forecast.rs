@@ -4,7 +4,7 @@ use super::curve::Curve;
 use super::map_size::{Loss, MapSize};
 use super::workshop::{Draft, Shape, Workshop};
 use crate::error::Result;
-use crate::io::Lossy;
+use crate::io::ImageCodec;
 use crate::progress::Progress;
 
 /// Triangles of the meshes that are measured, and of the one on which map sizes are.
@@ -38,8 +38,8 @@ pub(super) struct Forecast {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Choice {
     pub shape: Shape,
-    /// What the normal map loses; `None` is nothing.
-    pub normals: Option<Lossy>,
+    /// The format of the normal map.
+    pub normals: ImageCodec,
     pub bytes: f64,
 }
 
@@ -53,7 +53,7 @@ impl Forecast {
         progress: Progress<'_>,
     ) -> Result<Option<Self>> {
         let all = workshop.triangles();
-        let (on, size) = (ON_TRIANGLES.min(all), ON_SIZE.max(least_size));
+        let (on, size) = (ON_TRIANGLES.min(all), ON_SIZE.max(least_size).min(workshop.most_side()));
         let Some(draft) = workshop.draft(mapped(on, size), progress)? else { return Ok(None) };
         let crossing = MapSize::measured(workshop, &draft)?;
         let least = crossing.least();
@@ -108,24 +108,29 @@ impl Forecast {
 
     /// Returns the smallest candidate with at most this ratio of angles.
     pub fn smallest(&self, ratio: f64) -> Option<Choice> {
+        let enough = self.choices().filter(|(_, squared)| *squared <= ratio * ratio);
+        enough.map(|(choice, _)| choice).min_by(|a, b| a.bytes.total_cmp(&b.bytes))
+    }
+
+    /// Returns the least ratio of angles of any candidate.
+    pub fn least_ratio(&self) -> f64 {
+        self.choices().map(|(_, squared)| squared).fold(f64::INFINITY, f64::min).sqrt()
+    }
+
+    /// Returns all candidates with the squares of their ratios.
+    fn choices(&self) -> impl Iterator<Item = (Choice, f64)> {
         let steps = std::iter::successors(Some(LEAST.min(self.most_triangles)), |count| Some(count * RATIO));
-        let counts: Vec<f64> = steps.take_while(|count| *count <= self.most_triangles).collect();
+        let counts = steps.take_while(|count| *count < self.most_triangles).chain([self.most_triangles]);
         let pairs = self.sizes.windows(2).flat_map(|pair| pair[0].up_to(&pair[1]));
         let sizes: Vec<MapSize> = pairs.chain(self.sizes.last().cloned()).collect();
-        let mut best: Option<Choice> = None;
-        for triangles in counts {
-            for size in &sizes {
+        counts.flat_map(move |triangles| {
+            let of_size = |size: &MapSize| {
                 let squared = self.lossless(triangles, size);
-                let enough = size.losses().filter(|loss| squared + loss.squared <= ratio * ratio);
-                for loss in enough {
-                    let choice = self.choice(triangles, size, loss);
-                    if best.is_none_or(|best| choice.bytes < best.bytes) {
-                        best = Some(choice);
-                    }
-                }
-            }
-        }
-        best
+                let choice = |loss: Loss| (self.choice(triangles, size, loss), squared + loss.squared);
+                size.losses().map(choice).collect::<Vec<_>>()
+            };
+            sizes.iter().flat_map(of_size).collect::<Vec<_>>()
+        })
     }
 
     /// Returns the square of the error with maps that lose nothing: those of mesh and map, less what both have.

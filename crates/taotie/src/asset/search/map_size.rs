@@ -4,7 +4,7 @@ use super::encodings::{Encodings, NORMAL_RATIOS};
 use super::workshop::{Draft, PIXELS, Workshop, under_map};
 use crate::error::Result;
 use crate::image::Encoding;
-use crate::io::{Lossy, LossyTexture};
+use crate::io::{ImageCodec, LossyTexture};
 use crate::math::scalar::{exp, ln};
 use crate::proof::{Relook, Side};
 
@@ -31,8 +31,7 @@ pub(super) struct MapSize {
 /// What lossy normal maps cost.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Loss {
-    /// `None` loses nothing.
-    pub normals: Option<Lossy>,
+    pub normals: ImageCodec,
     /// What it adds to that square.
     pub squared: f64,
     pub bytes: f64,
@@ -43,7 +42,7 @@ impl MapSize {
     pub fn measured(workshop: &mut Workshop<'_>, draft: &Draft) -> Result<Self> {
         let mut lossy = losses(workshop, draft)?;
         if lossy.is_empty() {
-            lossy.push(Loss { normals: None, squared: 0.0, bytes: 0.0 });
+            lossy.push(Loss { normals: workshop.codecs().least_lossy(), squared: 0.0, bytes: 0.0 });
         }
         let least = lossy[0];
         let mut maps = Self::with(workshop, draft, least)?;
@@ -111,12 +110,12 @@ fn losses(workshop: &Workshop<'_>, draft: &Draft) -> Result<Vec<Loss>> {
     let side = Side::of(&surface);
     let look = Relook::new(&side, PIXELS);
     let Some(look) = look.first(Encoding::Normal)? else { return Ok(Vec::new()) };
-    let encodings = Encodings::new(&texture, look, &workshop.goal);
+    let encodings = Encodings::new(&texture, look, (&workshop.goal, workshop.codecs()));
     let mut losses: Vec<Loss> = Vec::with_capacity(NORMAL_RATIOS.len());
     for ratio in NORMAL_RATIOS {
         let Some(encoded) = encodings.smallest_of(size, ratio)? else { continue };
         let (squared, bytes) = (encoded.ratio * encoded.ratio, encoded.bytes.len() as f64);
-        losses.push(Loss { normals: encoded.loss, squared, bytes });
+        losses.push(Loss { normals: encoded.codec, squared, bytes });
     }
     Ok(losses)
 }

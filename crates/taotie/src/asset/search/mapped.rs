@@ -11,6 +11,8 @@ use crate::progress::Progress;
 const ROUNDS: usize = 5;
 /// A candidate is made if its forecast has at most this part of the bytes of the smallest one so far.
 const WORTH: f64 = 0.99;
+/// If no candidate reaches the goal, those are sought whose ratio is at most so many times the least one.
+const NEARLY: f64 = 1.03;
 
 /// Puts the smallest candidate with a normal map that reaches the goal in the place of a larger one. Its maps have at least
 /// `least_size` texels along a side.
@@ -23,13 +25,12 @@ pub(super) fn smallest(
     let Some(mut forecast) = Forecast::measured(workshop, least_size, best.bytes(), progress)? else {
         return Ok(());
     };
-    let (mut aim, mut tried) = (AIM, Vec::new());
+    let is_out_of_reach = best.bytes().is_infinite() && forecast.smallest(AIM).is_none();
+    let target = if is_out_of_reach { NEARLY * forecast.least_ratio() } else { AIM };
+    let (mut aim, mut tried) = (target, Vec::new());
     for _ in 0..ROUNDS {
         let Some(choice) = forecast.smallest(aim) else { break };
-        if choice.bytes > WORTH * best.bytes() {
-            break;
-        }
-        if tried.contains(&(choice.shape, choice.normals)) {
+        if choice.bytes > WORTH * best.bytes() || tried.contains(&(choice.shape, choice.normals)) {
             break;
         }
         tried.push((choice.shape, choice.normals));
@@ -41,7 +42,7 @@ pub(super) fn smallest(
             break;
         }
         forecast.correct(trial.bytes as f64 / choice.bytes);
-        aim *= AIM / trial.ratio().max(f64::MIN_POSITIVE);
+        aim *= target / trial.ratio().max(f64::MIN_POSITIVE);
     }
     Ok(())
 }

@@ -5,6 +5,8 @@
 
 mod bare;
 mod budget;
+mod ceilings;
+mod codecs;
 mod curve;
 mod encodings;
 mod forecast;
@@ -19,6 +21,7 @@ mod trial;
 mod winner;
 mod workshop;
 
+pub(super) use codecs::PORTABLE;
 pub(super) use smallest::{MadeAsset, Smallest, smallest};
 pub use trial::Trial;
 pub(super) use workshop::Rounding;

@@ -1,26 +1,28 @@
 //! The size and the losses of maps that are not of normals.
 
 use super::encodings::Encodings;
-use super::goal::Goal;
 use super::trial::Trial;
 use super::winner::Best;
-use super::workshop::{Draft, Losses, PIXELS, Shape, Workshop};
+use super::workshop::{Draft, PIXELS, Shape, Workshop};
 use crate::error::Result;
 use crate::image::{Bitmap, Encoding};
-use crate::io::{Lossy, LossyTexture, VertexBits};
+use crate::io::{ImageCodec, LossyTexture, TextureCodecs, VertexBits};
 use crate::progress::Progress;
 use crate::proof::{Relook, Side};
 
 /// Sizes that are tried, on a mesh of so many triangles.
 const SIZES: [u32; 5] = [256, 512, 1024, 2048, 4096];
 const TRIANGLES: u32 = 8_000;
+/// A size whose colours have more than this part of the error of the size before is not worth its bytes: the mesh is at fault.
+const WORTH: f64 = 0.85;
 /// The ratio of colours that lose as good as nothing, and the largest one of those that are chosen: the rest is for fewer
 /// triangles.
 const LEAST_LOSS: f64 = 0.2;
 const MOST: f64 = 0.95;
 
 /// Chooses the least size at which colours are near enough, and what maps then lose. Returns that size, 0 if there are no maps
-/// but that of normals; `None` if such maps alone are larger than the best candidate.
+/// but that of normals; `None` if such maps alone are larger than the best candidate. If no size is near enough, it is the one
+/// beyond which colours hardly come nearer.
 pub(super) fn chosen(
     workshop: &mut Workshop<'_>,
     best: &Best,
@@ -31,6 +33,7 @@ pub(super) fn chosen(
     }
     let triangles = TRIANGLES.min(workshop.triangles());
     let most = workshop.most_side();
+    let mut before: Option<(u32, f64)> = None;
     for size in SIZES.into_iter().filter(|size| *size <= most) {
         let shape = Shape { triangles, size, has_normal_map: false };
         let Some(draft) = workshop.draft(shape, progress)? else { continue };
@@ -39,11 +42,14 @@ pub(super) fn chosen(
         if of_maps as f64 > best.bytes() {
             return Ok(None);
         }
-        if trial.color_ratio.is_none_or(|ratio| ratio <= 1.0) {
-            return Ok(Some(size));
+        let Some(ratio) = trial.color_ratio.filter(|ratio| *ratio > 1.0) else { return Ok(Some(size)) };
+        if before.is_some_and(|(_, known)| ratio > WORTH * known) {
+            break;
         }
+        before = Some((size, ratio));
     }
-    Ok(best.bytes().is_infinite().then_some(most.min(SIZES[SIZES.len() - 1])))
+    let size = before.map_or(most.min(SIZES[SIZES.len() - 1]), |(size, _)| size);
+    Ok(best.bytes().is_infinite().then_some(size))
 }
 
 /// Chooses what the maps of a draft lose, and returns the trial with it.
@@ -57,27 +63,28 @@ fn choose_losses(workshop: &mut Workshop<'_>, draft: &Draft) -> Result<Trial> {
     let textures = &draft.maps.textures;
     let (colors, numbers) =
         (texture(&textures.color, Encoding::Srgb), texture(&textures.orm, Encoding::Linear));
-    let colors = encodings(colors.as_ref(), &look, &workshop.goal)?;
-    let numbers = encodings(numbers.as_ref(), &look, &workshop.goal)?;
-    let loss = |of: &Option<Encodings<'_>>, most: f64| -> Result<Option<Lossy>> {
+    let colors = encodings(colors.as_ref(), &look, workshop)?;
+    let numbers = encodings(numbers.as_ref(), &look, workshop)?;
+    let least = workshop.codecs().least_lossy();
+    let codec = |of: &Option<Encodings<'_>>, most: f64| -> Result<ImageCodec> {
         let found = of.as_ref().map(|of| of.smallest_of(draft.shape.size, most)).transpose()?;
-        Ok(found.flatten().and_then(|found| found.loss))
+        Ok(found.flatten().map_or(least, |found| found.codec))
     };
-    let (near, numbers) = (loss(&colors, LEAST_LOSS)?, loss(&numbers, 1.0)?);
-    workshop.losses = Losses { normals: None, colors: near, numbers };
+    let (near, numbers) = (codec(&colors, LEAST_LOSS)?, codec(&numbers, 1.0)?);
+    workshop.images = TextureCodecs { colors: near, normals: least, numbers };
     let bits = VertexBits::default();
-    let exact = workshop.trial(draft, workshop.rounding(bits, None))?;
+    let exact = workshop.trial(draft, workshop.rounding(bits, least))?;
     let Some(of_size) = exact.color_ratio.filter(|ratio| *ratio <= MOST) else { return Ok(exact) };
-    let far = loss(&colors, (MOST * MOST - of_size * of_size).sqrt().max(LEAST_LOSS))?;
+    let far = codec(&colors, (MOST * MOST - of_size * of_size).sqrt().max(LEAST_LOSS))?;
     if far == near {
         return Ok(exact);
     }
-    workshop.losses.colors = far;
-    let lossy = workshop.trial(draft, workshop.rounding(bits, None))?;
+    workshop.images.colors = far;
+    let lossy = workshop.trial(draft, workshop.rounding(bits, least))?;
     if lossy.color_ratio.is_none_or(|ratio| ratio <= 1.0) {
         return Ok(lossy);
     }
-    workshop.losses.colors = near;
+    workshop.images.colors = near;
     Ok(exact)
 }
 
@@ -85,8 +92,9 @@ fn choose_losses(workshop: &mut Workshop<'_>, draft: &Draft) -> Result<Trial> {
 fn encodings<'a>(
     texture: Option<&'a LossyTexture>,
     look: &'a Relook<'a>,
-    goal: &Goal,
+    workshop: &Workshop<'_>,
 ) -> Result<Option<Encodings<'a>>> {
     let Some(texture) = texture else { return Ok(None) };
-    Ok(look.first(texture.encoding())?.map(|look| Encodings::new(texture, look, goal)))
+    let limits = (&workshop.goal, workshop.codecs());
+    Ok(look.first(texture.encoding())?.map(|look| Encodings::new(texture, look, limits)))
 }

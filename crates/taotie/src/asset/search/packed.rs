@@ -10,7 +10,10 @@ use super::workshop::{PIXELS, Workshop, angle_of, uv_bits};
 use crate::asset::scan::Scan;
 use crate::error::{Error, Result, Warnings};
 use crate::image::Encoding;
-use crate::io::{self, GltfPacker, GltfSource, Lossy, LossyTexture, PackedGeometry, PackedImage, VertexBits};
+use crate::io::{
+    self, CodecKind, GltfPacker, GltfSource, ImageCodec, LossyTexture, PackedGeometry, PackedImage,
+    VertexBits,
+};
 use crate::parallel;
 use crate::progress::Progress;
 use crate::proof::{Relook, Shown};
@@ -28,6 +31,8 @@ const LEAST_KEPT: f64 = 1.0 / 256.0;
 /// Trials that close in on the goal, and the part of the ratio that is aimed at after one that missed it.
 const ROUNDS: usize = 10;
 const AFTER_MISS: f64 = 0.985;
+/// The part of the triangles that are left is multiplied by this after a candidate that is beyond a ceiling.
+const LESS: f64 = 0.95;
 /// A candidate is tried if its forecast has at most this part of the bytes of the smallest one so far.
 const WORTH: f64 = 0.99;
 
@@ -49,12 +54,28 @@ fn searched(workshop: &mut Workshop<'_>, best: &mut Best, progress: Progress<'_>
     let of_image = |number: usize| {
         let texture = packer.image(number)?;
         let shown = shown(workshop.scan(), texture)?;
-        Some(look.at(shown).map(|look| (number, Encodings::new(texture, look, &workshop.goal))))
+        Some(
+            look.at(shown)
+                .map(|look| (number, Encodings::new(texture, look, (&workshop.goal, workshop.codecs())))),
+        )
     };
-    let encodings = (0..packer.image_count()).filter_map(of_image).collect::<Result<_>>()?;
+    let encodings = (0..packer.image_count()).filter_map(of_image).collect::<Result<Vec<_>>>()?;
+    let encodings = within_ceiling(encodings, packer, workshop);
     let mut search =
         PackedScan { workshop, packer, encodings, images: Vec::new(), keeps_uvs: false, progress };
     search.measure(best)
+}
+
+/// Limits images to the texels that fit the ceiling on memory of the graphics card, each by the same part.
+fn within_ceiling<'a>(
+    encodings: Vec<(usize, Encodings<'a>)>,
+    packer: &GltfPacker,
+    workshop: &Workshop<'_>,
+) -> Vec<(usize, Encodings<'a>)> {
+    let own = (0..packer.image_count()).filter_map(|number| packer.image(number)).map(LossyTexture::texels);
+    let part = workshop.ceilings.most_texels() / own.sum::<u64>() as f64;
+    let part = if part < 1.0 { part.sqrt() } else { 1.0 };
+    encodings.into_iter().map(|(number, encodings)| (number, encodings.within(part))).collect()
 }
 
 /// Returns the textures of a scan that show an image of its file; `None` if none does.
@@ -108,8 +129,8 @@ struct Images {
     images: Vec<PackedImage>,
     /// The largest ratio of any.
     ratio: f64,
-    /// What the first of them that is lossy loses.
-    loss: Option<Lossy>,
+    /// The format of the first of them.
+    codec: Option<ImageCodec>,
     /// Their bytes less those of what they stand in for.
     bytes: f64,
 }
@@ -146,7 +167,25 @@ impl PackedScan<'_, '_> {
             before = trial.triangles;
             kept *= 0.5;
         }
-        self.close_in(Forecast { maps, bits, errors, bytes, colors, floor }, best)
+        let has_textures = !self.encodings.is_empty();
+        let most_kept =
+            (self.workshop.ceilings.most_triangles(has_textures) / whole.triangles as f64).min(1.0);
+        let forecast = Forecast { maps, bits, errors, bytes, colors, floor, most_kept };
+        self.close_in(forecast, best)
+    }
+
+    /// Tries what is nearest to the scan within the ceilings, if nothing that was tried is within them.
+    fn fit_ceilings(&mut self, forecast: &Forecast, best: &mut Best) -> Result<()> {
+        let Some(maps) = forecast.maps.last() else { return Ok(()) };
+        let mut kept = forecast.most_kept;
+        for _ in 0..ROUNDS {
+            if best.is_within() || kept < LEAST_KEPT {
+                break;
+            }
+            let trial = self.trial(PackedGeometry { kept, ..WHOLE }, &maps.of, best)?;
+            kept *= LESS / trial.ceiling_ratio.max(1.0);
+        }
+        Ok(())
     }
 
     /// Measures all triangles. If colours are too far off uvs keep their bits, and if they still are, colours stay as they are.
@@ -160,6 +199,7 @@ impl PackedScan<'_, '_> {
         if is_far(&trial) {
             let colors: Vec<usize> = self.of_encoding(Encoding::Srgb).map(|(number, _)| *number).collect();
             self.images.retain(|image| !colors.contains(&image.number));
+            self.images.extend(self.replaced(Encoding::Srgb)?.images);
             trial = self.trial(WHOLE, maps, best)?;
         }
         Ok(trial)
@@ -175,7 +215,7 @@ impl PackedScan<'_, '_> {
             is_scan: true,
             size: size.unwrap_or_default(),
             has_normal_map: self.of_encoding(Encoding::Normal).next().is_some(),
-            normals: maps.loss,
+            normals: maps.codec,
             bits: geometry.bits,
             ..Trial::default()
         };
@@ -215,18 +255,28 @@ impl PackedScan<'_, '_> {
         let of: Vec<_> = self.of_encoding(wanted).collect();
         let found = parallel::try_tasks(of.len(), &|i| of[i].1.smallest(most))?;
         let mut chosen = Images::default();
-        for ((number, _), found) in of.into_iter().zip(found) {
-            let stored = self.packer.stored_bytes(*number);
-            let Some(found) = found.filter(|found| found.bytes.len() < stored) else { continue };
+        for ((number, encodings), found) in of.into_iter().zip(found) {
+            let (kind, stored) = self.packer.stored(*number).unwrap_or((CodecKind::Png, 0));
+            let may_stay = self.workshop.codecs().allows(kind) && !encodings.must_shrink();
+            let found = match may_stay {
+                true => found.filter(|found| found.bytes.len() < stored),
+                false => found.map_or_else(|| encodings.nearest(), |found| Ok(Some(found)))?,
+            };
+            let Some(found) = found else { continue };
             chosen.ratio = chosen.ratio.max(found.ratio);
-            chosen.loss = chosen.loss.or(found.loss);
+            chosen.codec = chosen.codec.or(Some(found.codec));
             chosen.bytes += found.bytes.len() as f64 - stored as f64;
             chosen.images.push(PackedImage { number: *number, side: found.side, bytes: found.bytes });
         }
         Ok(chosen)
     }
 
-    /// Makes normal maps for several ratios of angles; the last are those of the scan.
+    /// Returns the images of a meaning that cannot stay as they are, with the least loss.
+    fn replaced(&self, wanted: Encoding) -> Result<Images> {
+        self.chosen(wanted, f64::NEG_INFINITY)
+    }
+
+    /// Makes normal maps for several ratios of angles; the last are those of the scan, or as near to them as can be.
     fn normal_maps(&self) -> Result<Vec<Choice<Images>>> {
         let mut choices = Vec::with_capacity(NORMAL_RATIOS.len() + 1);
         if self.of_encoding(Encoding::Normal).next().is_some() {
@@ -235,7 +285,8 @@ impl PackedScan<'_, '_> {
                 choices.push(Choice { squared: of.ratio * of.ratio, bytes: of.bytes, of });
             }
         }
-        choices.push(Choice { of: Images::default(), squared: 0.0, bytes: 0.0 });
+        let own = self.replaced(Encoding::Normal)?;
+        choices.push(Choice { squared: own.ratio * own.ratio, bytes: own.bytes, of: own });
         Ok(choices)
     }
 
@@ -277,7 +328,7 @@ impl PackedScan<'_, '_> {
                 aim *= AFTER_MISS;
             }
         }
-        Ok(())
+        self.fit_ceilings(&forecast, best)
     }
 }
 
@@ -292,6 +343,8 @@ struct Forecast {
     floor: f64,
     /// The ratio of colours over the part of the triangles.
     colors: Curve,
+    /// The part of the triangles within the ceiling.
+    most_kept: f64,
 }
 
 /// A part of the triangles, and the numbers of the normal maps and bits among those that were measured.
@@ -335,7 +388,8 @@ impl Forecast {
         let range = [LEAST_KEPT, 1.0];
         let found = self.errors.first_within(squared.sqrt(), range).unwrap_or(1.0);
         let with_colors = self.colors.first_within(1.0, range).unwrap_or(1.0);
-        Some(found.max(with_colors).clamp(LEAST_KEPT, 1.0))
+        let kept = found.max(with_colors).clamp(LEAST_KEPT, 1.0);
+        (kept <= self.most_kept).then_some(kept)
     }
 
     /// Takes the error of the triangles that a trial had.

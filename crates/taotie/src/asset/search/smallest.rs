@@ -1,19 +1,18 @@
 //! The search as a whole.
 
 use super::budget;
+use super::ceilings::Ceilings;
 use super::goal::Goal;
 use super::round::round;
 use super::trial::Trial;
 use super::winner::{Candidate, Winner};
 use super::workshop::{Draft, Rounding, Subject, Workshop};
-use crate::asset::figure::Figure;
 use crate::asset::low::{self, LowPoly};
 use crate::asset::maps::{Recipe, StoredMaps};
 use crate::asset::requirement::Requirement;
 use crate::asset::requirement_text;
 use crate::asset::scan::Scan;
 use crate::error::{Error, Result, Warnings};
-use crate::io::VertexBits;
 use crate::progress::Progress;
 use crate::proof::Side;
 
@@ -29,8 +28,8 @@ pub(in crate::asset) struct Found {
 pub(in crate::asset) enum Smallest {
     /// A mesh and maps that were made from the scan.
     Made(Box<MadeAsset>),
-    /// The GLB of the packed scan, and the bits of its vertices.
-    Packed(Vec<u8>, VertexBits),
+    /// The GLB of the packed scan, and what it loses at least.
+    Packed(Vec<u8>, Rounding),
 }
 
 /// A mesh and maps.
@@ -57,10 +56,11 @@ pub(in crate::asset) fn smallest(recipe: Recipe<'_>, scan: &Scan, progress: Prog
         return Err(no_triangles());
     }
     let required = recipe.options.goal.clone().unwrap_or_else(Requirement::visually_lossless);
-    let goal = Goal::of(&required);
-    let mut workshop = Workshop::new(recipe, goal.clone(), Subject { scan, seen: &seen, side: &side });
-    let of_goal = required.iter().filter(|required| required.figure == Figure::Bytes);
-    let most = of_goal.map(|required| required.most as u64).chain(recipe.options.bytes).min();
+    let (goal, ceilings) = (Goal::of(&required), Ceilings::of(&required));
+    let subject = Subject { scan, seen: &seen, side: &side };
+    let mut workshop = Workshop::new(recipe, (goal.clone(), ceilings), subject);
+    let of_goal = ceilings.bytes.is_finite().then_some(ceilings.bytes as u64);
+    let most = of_goal.into_iter().chain(recipe.options.bytes).min();
     let best = match most {
         Some(most) => budget::within(&mut workshop, &goal, most, progress)?,
         None => round(&mut workshop, progress)?,
@@ -70,7 +70,8 @@ pub(in crate::asset) fn smallest(recipe: Recipe<'_>, scan: &Scan, progress: Prog
         Candidate::Packed { glb, .. } => {
             // Nothing was made without what cannot be seen.
             warnings = Warnings::default();
-            Smallest::Packed(glb, trial.bits)
+            let normals = trial.normals.unwrap_or(workshop.codecs().least_lossy());
+            Smallest::Packed(glb, workshop.rounding(trial.bits, normals))
         }
         Candidate::Made(draft, rounding) => {
             let Draft { shape, low, maps } = *draft;

@@ -1,6 +1,6 @@
 //! What a search has tried.
 
-use crate::io::{Lossy, VertexBits};
+use crate::io::{ImageCodec, VertexBits};
 
 /// A file that a search made, and what it measured of it.
 ///
@@ -26,8 +26,8 @@ pub struct Trial {
     pub size: u32,
     /// `true` if it has a normal map.
     pub has_normal_map: bool,
-    /// What its normal map loses, of a packed scan with several the first one; `None` if that is nothing, or there is none.
-    pub normals: Option<Lossy>,
+    /// The format of its normal map, of a packed scan with several the first that was encoded again; `None` if there is none.
+    pub normals: Option<ImageCodec>,
     /// The bits of its vertices.
     pub bits: VertexBits,
     /// The mean angle between its normals and the scan's as seen, degrees.
@@ -42,10 +42,14 @@ pub struct Trial {
     pub angle_ratio: f64,
     /// The same of colours.
     pub color_ratio: Option<f64>,
-    /// `true` if it is near enough to the scan.
+    /// How many times a ceiling on triangles or on memory of the graphics card it has, the worst one; 0 without ceilings.
+    pub ceiling_ratio: f64,
+    /// `true` if it is near enough to the scan, and within all ceilings.
     pub is_near: bool,
     /// Its bytes as a GLB of one level of detail, without metadata.
     pub bytes: u64,
+    /// Its bytes on a graphics card; see [`GltfSizes`](crate::io::GltfSizes).
+    pub gpu_bytes: u64,
 }
 
 impl Trial {
@@ -53,7 +57,17 @@ impl Trial {
     pub(super) fn scale(&mut self, factor: f64) {
         self.angle_ratio *= factor;
         self.color_ratio = self.color_ratio.map(|ratio| ratio * factor);
-        self.is_near = self.ratio() <= 1.0;
+        self.judge();
+    }
+
+    /// Decides whether it is near enough.
+    pub(super) fn judge(&mut self) {
+        self.is_near = self.ratio() <= 1.0 && self.is_within();
+    }
+
+    /// Returns `true` if it is within all ceilings.
+    pub fn is_within(&self) -> bool {
+        self.ceiling_ratio <= 1.0
     }
 
     /// Returns how many times the limits its differences are, at worst; at most 1 is near enough.

@@ -21,23 +21,48 @@ pub(super) enum Candidate {
     },
 }
 
-/// The smallest candidate that reaches the goal; until there is one, the one that comes nearest.
+/// The smallest candidate that reaches the goal; until there is one, the one that comes nearest, within the ceilings if there is
+/// one.
 #[derive(Default)]
 pub(super) struct Best {
     so_far: Option<Winner>,
+    /// The least ratio of any candidate within the ceilings.
+    least_ratio: Option<f64>,
 }
+
+/// Ratios that are at most so many times the least one count as equal; then bytes decide.
+const EQUAL: f64 = 1.05;
 
 impl Best {
     /// Takes a candidate if it is better.
     pub fn offer(&mut self, candidate: Candidate, trial: Trial) {
+        let known = self.least_ratio.unwrap_or(f64::INFINITY);
+        let least_ratio = if trial.is_within() { known.min(trial.ratio()) } else { known };
+        self.least_ratio = Some(least_ratio);
         let is_better = |than: &Trial| match (trial.is_near, than.is_near) {
             (true, true) => trial.bytes < than.bytes,
-            (false, false) => trial.ratio() < than.ratio(),
+            (false, false) => match (trial.is_within(), than.is_within()) {
+                (true, true) => {
+                    let is_equal = |ratio: f64| ratio <= EQUAL * least_ratio;
+                    match (is_equal(trial.ratio()), is_equal(than.ratio())) {
+                        (true, true) => trial.bytes < than.bytes,
+                        (false, false) => trial.ratio() < than.ratio(),
+                        (is_equal, _) => is_equal,
+                    }
+                }
+                (false, false) => trial.ceiling_ratio < than.ceiling_ratio,
+                (is_within, _) => is_within,
+            },
             (is_near, _) => is_near,
         };
         if self.so_far.as_ref().is_none_or(|winner| is_better(&winner.trial)) {
             self.so_far = Some(Winner { candidate, trial });
         }
+    }
+
+    /// Returns `true` if the best candidate is within all ceilings.
+    pub fn is_within(&self) -> bool {
+        self.so_far.as_ref().is_some_and(|winner| winner.trial.is_within())
     }
 
     /// Returns the fewest bytes with which the goal is reached; infinite if it is not yet.
@@ -47,6 +72,7 @@ impl Best {
 
     /// Does what [`Trial::scale`] does.
     pub fn scale(&mut self, factor: f64) {
+        self.least_ratio = self.least_ratio.map(|ratio| ratio * factor);
         if let Some(winner) = &mut self.so_far {
             winner.trial.scale(factor);
         }

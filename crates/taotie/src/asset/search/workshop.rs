@@ -1,16 +1,22 @@
 //! Candidates of a search, made as they would be written, read back and measured.
 
+use super::ceilings::Ceilings;
+use super::codecs::Codecs;
 use super::goal::{Goal, Statistic};
 use super::trial::Trial;
+use crate::asset::figure::Figure;
 use crate::asset::judgement::{Pair, refuse_astray};
 use crate::asset::low::{self, LowPoly, Relief};
 use crate::asset::map_side;
 use crate::asset::maps::{Recipe, StoredMaps, bake_maps};
 use crate::asset::options::BakeOptions;
+use crate::asset::requirement::Requirement;
 use crate::asset::scan::Scan;
 use crate::bake::{self, MapKind, Simplified};
 use crate::error::{Error, Result};
-use crate::io::{self, GltfAsset, GltfFormat, GltfImages, GltfLevel, Limits, Lossy, VertexBits};
+use crate::io::{
+    self, GltfAsset, GltfFormat, GltfLevel, ImageCodec, Limits, Loaded, TextureCodecs, VertexBits,
+};
 use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::proof::{self, PixelDifferences, Side};
@@ -51,17 +57,7 @@ pub(super) struct Shape {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(in crate::asset) struct Rounding {
     pub bits: VertexBits,
-    pub losses: Losses,
-}
-
-/// What maps lose.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(in crate::asset) struct Losses {
-    pub normals: Option<Lossy>,
-    /// Of base colour and emission.
-    pub colors: Option<Lossy>,
-    /// Of roughness, metallic and occlusion.
-    pub numbers: Option<Lossy>,
+    pub images: TextureCodecs,
 }
 
 /// A candidate that was made and not written yet.
@@ -69,6 +65,13 @@ pub(super) struct Draft {
     pub shape: Shape,
     pub low: LowPoly,
     pub maps: StoredMaps,
+}
+
+/// A candidate that was read back.
+struct Read {
+    triangles: usize,
+    gpu_bytes: u64,
+    surface: bake::Scan,
 }
 
 /// A sorted scan.
@@ -92,8 +95,10 @@ pub(super) struct Workshop<'a> {
     /// Maps of several sizes are tried on the same triangles.
     known: BTreeMap<(u32, Relief), Simplified>,
     pub goal: Goal,
-    /// What maps lose that are not of normals.
-    pub losses: Losses,
+    pub ceilings: Ceilings,
+    codecs: Codecs,
+    /// The formats of maps; that of normals is chosen for each candidate.
+    pub images: TextureCodecs,
     pub trials: Vec<Trial>,
     /// Why candidates were refused: their mesh lost the scan's shape, or has more UV islands than its maps can hold.
     pub refused: BTreeMap<Shape, Error>,
@@ -102,31 +107,16 @@ pub(super) struct Workshop<'a> {
 }
 
 impl Rounding {
-    /// Returns the format of a file that loses so much. Without the feature `webp` maps are PNG.
-    pub fn format(self, has_maps: bool) -> GltfFormat {
-        let is_webp = has_maps && cfg!(feature = "webp");
-        let Losses { normals, colors, numbers } = if is_webp { self.losses } else { Losses::default() };
-        GltfFormat {
-            images: if is_webp { GltfImages::WebP } else { GltfImages::Png },
-            // Of emission in any case.
-            webp_quality: colors.map(Lossy::quality),
-            jpeg: colors.and_then(|lossy| match lossy {
-                Lossy::Jpeg(quality) => Some(quality),
-                Lossy::WebP(_) => None,
-            }),
-            normals,
-            numbers,
-            meshopt: true,
-            bits: self.bits,
-            ..GltfFormat::default()
-        }
+    /// Returns the format of its file.
+    pub fn format(self) -> GltfFormat {
+        GltfFormat { images: self.images, meshopt: true, bits: self.bits, ..GltfFormat::default() }
     }
 }
 
 impl Draft {
     /// Returns the bytes of the candidate as a GLB of one level of detail without metadata.
     fn encoded(&self, rounding: Rounding) -> Result<Vec<u8>> {
-        self.encoded_as(&rounding.format(self.shape.size > 0))
+        self.encoded_as(&rounding.format())
     }
 
     fn encoded_as(&self, format: &GltfFormat) -> Result<Vec<u8>> {
@@ -137,14 +127,14 @@ impl Draft {
 
     /// Returns the number of bytes of its mesh only.
     pub fn mesh_bytes(&self, bits: VertexBits) -> Result<u64> {
-        let format = Rounding { bits, ..Rounding::default() }.format(false);
+        let format = Rounding { bits, ..Rounding::default() }.format();
         Ok(encoded_mesh(&self.low.mesh, &format)?.len() as u64)
     }
 }
 
 impl<'a> Workshop<'a> {
     /// Makes a workshop.
-    pub fn new(recipe: Recipe<'a>, goal: Goal, subject: Subject<'a>) -> Self {
+    pub fn new(recipe: Recipe<'a>, (goal, ceilings): (Goal, Ceilings), subject: Subject<'a>) -> Self {
         let mut plain = recipe.options.clone();
         plain.maps.retain(|map| *map != MapKind::Normal);
         Self {
@@ -156,26 +146,41 @@ impl<'a> Workshop<'a> {
             subject,
             known: BTreeMap::new(),
             goal,
-            losses: Losses::default(),
+            ceilings,
+            images: Codecs::new(&recipe.options.images).least_lossy().into(),
+            codecs: Codecs::new(&recipe.options.images),
             trials: Vec::new(),
             refused: BTreeMap::new(),
             not_packed: None,
         }
     }
 
-    /// Returns the number of triangles that meshes are made of.
+    /// Returns the most triangles that a mesh may have: those that it is made of, or the ceiling.
     pub fn triangles(&self) -> u32 {
-        self.subject.seen.triangles().len() as u32
+        let most = self.ceilings.most_triangles(self.has_other_maps());
+        most.min(self.subject.seen.triangles().len() as f64) as u32
     }
 
     /// Returns the most texels along a side that maps of a scan with textures are given: another atlas needs more than preserve
     /// its detail, but not many times more.
     pub fn most_side(&self) -> u32 {
         const MARGIN: u32 = 4;
+        let ceiling = ((self.ceilings.most_texels() / self.textures() as f64).sqrt() as u32 & !3).max(16);
         match self.has_other_maps() {
-            true => MARGIN * map_side::chosen(self.subject.scan.about.size.detail_side),
-            false => u32::MAX,
+            true => ceiling.min(MARGIN * map_side::chosen(self.subject.scan.about.size.detail_side)),
+            false => ceiling,
         }
+    }
+
+    /// Returns the number of textures of an asset that is made, at most: roughness, metallic and occlusion share one.
+    fn textures(&self) -> usize {
+        let carried = self.subject.scan.about.carried.maps();
+        let has = |map: MapKind| {
+            self.recipe.options.maps.contains(&map) || (self.recipe.options.carry && carried.has(map))
+        };
+        let numbers = [MapKind::MetallicRoughness, MapKind::OcclusionMap].into_iter().any(has);
+        let others = [MapKind::Albedo, MapKind::Emission].into_iter().filter(|map| has(*map)).count();
+        1 + others + usize::from(numbers)
     }
 
     /// Returns `true` if the scan itself, packed, holds all that is wanted: no map that is baked, nor levels of detail.
@@ -192,9 +197,12 @@ impl<'a> Workshop<'a> {
         self.may_pack() && (self.has_material || self.subject.scan.about.is_rigged)
     }
 
-    /// Returns `true` if it was asked for a goal, not for a number of bytes alone.
+    /// Returns `true` if it was asked for a goal of differences, not for ceilings only.
     pub fn has_goal(&self) -> bool {
-        self.recipe.options.goal.is_some()
+        let is_ceiling = |required: &Requirement| {
+            matches!(required.figure, Figure::Bytes | Figure::Triangles | Figure::GpuMemory)
+        };
+        self.recipe.options.goal.as_ref().is_some_and(|goal| goal.is_empty() || !goal.iter().all(is_ceiling))
     }
 
     /// Returns `true` if there are maps beside that of normals.
@@ -258,7 +266,7 @@ impl<'a> Workshop<'a> {
         let about = Trial {
             size: draft.shape.size,
             has_normal_map: draft.shape.has_normal_map && has_maps,
-            normals: rounding.losses.normals.filter(|_| has_maps),
+            normals: has_maps.then_some(rounding.images.normals),
             bits: rounding.bits,
             ..Trial::default()
         };
@@ -268,12 +276,14 @@ impl<'a> Workshop<'a> {
     /// Reads a file back and measures it; `about` says what it is.
     pub fn measured(&mut self, about: Trial, encoded: Vec<u8>) -> Result<Trial> {
         let bytes = encoded.len() as u64;
-        let (triangles, seen) = self.seen(encoded)?;
+        let (Read { triangles, gpu_bytes, .. }, seen) = self.seen(encoded)?;
         let [mean, p95] = [Statistic::Mean, Statistic::Quantile(0.95)];
         let (angle_ratio, color_ratio) = self.goal.ratios(&seen);
         let mut trial = Trial {
             triangles,
             bytes,
+            gpu_bytes,
+            ceiling_ratio: self.ceilings.ratio(triangles, gpu_bytes),
             mean_angle: mean.of(&seen.angles).unwrap_or(f64::INFINITY),
             p95_angle: p95.of(&seen.angles).unwrap_or(f64::INFINITY),
             mean_color: mean.of(&seen.colors),
@@ -282,14 +292,19 @@ impl<'a> Workshop<'a> {
             color_ratio,
             ..about
         };
-        trial.is_near = trial.ratio() <= 1.0;
+        trial.judge();
         self.trials.push(trial);
         Ok(trial)
     }
 
-    /// Returns what a candidate loses whose other maps lose what was chosen for them.
-    pub fn rounding(&self, bits: VertexBits, normals: Option<Lossy>) -> Rounding {
-        Rounding { bits, losses: Losses { normals, ..self.losses } }
+    /// Returns what a candidate loses whose normal map has this format, and other maps those that were chosen for them.
+    pub fn rounding(&self, bits: VertexBits, normals: ImageCodec) -> Rounding {
+        Rounding { bits, images: TextureCodecs { normals, ..self.images } }
+    }
+
+    /// Returns the image formats that may be chosen.
+    pub fn codecs(&self) -> &Codecs {
+        &self.codecs
     }
 
     /// Returns the scan as it is looked at.
@@ -300,7 +315,7 @@ impl<'a> Workshop<'a> {
     /// Returns a candidate that loses nothing.
     pub fn surface(&self, draft: &Draft) -> Result<bake::Scan> {
         let format = GltfFormat::default();
-        Ok(self.read_back(draft.encoded_as(&format)?)?.1)
+        Ok(self.read_back(draft.encoded_as(&format)?)?.surface)
     }
 
     /// Returns the scan.
@@ -308,20 +323,24 @@ impl<'a> Workshop<'a> {
         self.subject.scan
     }
 
-    /// Reads a file back. Returns its number of triangles and its surface.
-    fn read_back(&self, encoded: Vec<u8>) -> Result<(usize, bake::Scan)> {
-        let scene = io::load_glb(encoded, &Limits::of_own_files())?.scene;
-        Ok((scene.triangle_count(), bake::Scan::of_asset(scene, self.subject.side.surface)?))
+    fn read_back(&self, encoded: Vec<u8>) -> Result<Read> {
+        let Loaded { scene, structure, .. } = io::load_glb(encoded, &Limits::of_own_files())?;
+        Ok(Read {
+            triangles: scene.triangle_count(),
+            gpu_bytes: structure.map_or(0, |structure| structure.sizes.gpu_bytes),
+            surface: bake::Scan::of_asset(scene, self.subject.side.surface)?,
+        })
     }
 
-    /// Reads a file back. Returns its number of triangles and its differences, in rising order.
-    fn seen(&self, encoded: Vec<u8>) -> Result<(usize, PixelDifferences)> {
-        let (triangles, surface) = self.read_back(encoded)?;
+    /// Reads a file back. Returns it with its differences, in rising order.
+    fn seen(&self, encoded: Vec<u8>) -> Result<(Read, PixelDifferences)> {
+        let read = self.read_back(encoded)?;
         let scan = self.subject.side;
-        let asset = Side::of(&surface);
+        let asset = Side::of(&read.surface);
         let diagonal = scan.surface.mesh().diagonal() as f32;
         let pair = proof::Pair { scan, asset: &asset, diagonal, has_material: self.has_material };
-        Ok((triangles, proof::pixel_differences(&pair, PIXELS).sorted()))
+        let seen = proof::pixel_differences(&pair, PIXELS).sorted();
+        Ok((read, seen))
     }
 }
 

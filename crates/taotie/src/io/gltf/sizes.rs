@@ -96,7 +96,9 @@ fn accessors(document: &Document) -> BTreeMap<usize, Content> {
     }
     let skins = root.skins.iter().filter_map(|skin| skin.inverse_bind_matrices);
     skins.for_each(|index| add(index.value(), Content::Animation));
-    for sampler in document.animations.iter().filter_map(|animation| animation["samplers"].as_array()).flatten() {
+    for sampler in
+        document.animations.iter().filter_map(|animation| animation["samplers"].as_array()).flatten()
+    {
         let ends = ["input", "output"].into_iter().filter_map(|end| sampler[end].as_u64());
         ends.for_each(|index| add(usize::try_from(index).unwrap_or(usize::MAX), Content::Animation));
     }
@@ -126,7 +128,9 @@ fn stored_bytes(document: &Document, accessors: &BTreeMap<usize, Content>) -> BT
     }
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
     primitives.filter_map(draco_view).for_each(|view| share(view, &Content::Attribute(DRACO.into()), 1));
-    for (number, view) in root.images.iter().enumerate().filter_map(|(i, image)| Some((i, image.buffer_view?))) {
+    for (number, view) in
+        root.images.iter().enumerate().filter_map(|(i, image)| Some((i, image.buffer_view?)))
+    {
         share(view.value(), &Content::Image(number), 1);
     }
     let mut stored = BTreeMap::new();

@@ -1,6 +1,6 @@
-//! The formats of a texture's image, and its bytes in each.
+//! The bytes of a texture's image in each format.
 
-use super::format::{GltfFormat, GltfImages, Lossy};
+use super::codec::ImageCodec;
 use super::ktx::{self, KtxImage};
 use super::webp::WebPLoss;
 #[cfg(feature = "webp")]
@@ -12,98 +12,28 @@ use crate::io::{PngColor, PngImage, PngSamples, encode_png};
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 use std::borrow::Cow;
 
-/// The format of an image, and what it may lose.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum ImagePacking {
-    Png,
-    /// Of a quality, 1 to 100; holds no alpha.
-    Jpeg(u8),
-    WebP(WebPLoss),
-    /// With an RDO as in [`GltfFormat::uastc_rdo`], 0 for none; holds no alpha.
-    Ktx2(u8),
-}
-
-impl ImagePacking {
-    /// Returns the packing that loses least.
-    pub fn losing_least(format: &GltfFormat) -> Self {
-        match format.images {
-            GltfImages::Png => Self::Png,
-            GltfImages::WebP if format.quick_webp => Self::WebP(WebPLoss::LosslessQuick),
-            GltfImages::WebP => Self::WebP(WebPLoss::Lossless),
-            GltfImages::Ktx2 => Self::Ktx2(0),
-        }
-    }
-
-    /// Returns the packing of an image of some meaning, each of which may lose what is asked for.
-    pub fn new(format: &GltfFormat, encoding: Encoding) -> Self {
-        let least = Self::losing_least(format);
-        let lossy = match encoding {
-            Encoding::Srgb => format.webp_quality.map(Lossy::WebP),
-            Encoding::Normal => format.normals,
-            Encoding::Linear => format.numbers,
-        };
-        match (least, encoding) {
-            (Self::WebP(_), _) => lossy.map_or(least, Self::from),
-            (Self::Ktx2(_), Encoding::Srgb | Encoding::Linear) => Self::Ktx2(format.uastc_rdo.unwrap_or(0)),
-            _ => least,
-        }
-    }
-
-    pub fn file_extension(self) -> &'static str {
-        match self {
-            Self::Png => "png",
-            Self::Jpeg(_) => "jpg",
-            Self::WebP(_) => "webp",
-            Self::Ktx2(_) => "ktx2",
-        }
-    }
-
-    pub fn mime_type(self) -> &'static str {
-        match self {
-            Self::Png => "image/png",
-            Self::Jpeg(_) => "image/jpeg",
-            Self::WebP(_) => "image/webp",
-            Self::Ktx2(_) => "image/ktx2",
-        }
-    }
-
-    /// Returns the extension that a texture needs to show such an image.
-    pub fn extension(self) -> Option<&'static str> {
-        match self {
-            Self::Png | Self::Jpeg(_) => None,
-            Self::WebP(_) => Some("EXT_texture_webp"),
-            Self::Ktx2(_) => Some("KHR_texture_basisu"),
-        }
-    }
-}
-
-impl From<Lossy> for ImagePacking {
-    fn from(lossy: Lossy) -> Self {
-        match lossy {
-            Lossy::WebP(quality) => Self::WebP(WebPLoss::Quality(quality)),
-            Lossy::Jpeg(quality) => Self::Jpeg(quality),
-        }
-    }
-}
-
 /// The stored form of a bitmap, and its meaning.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stored {
     pub encoding: Encoding,
-    /// `true` where alpha is written; KTX2 and JPEG hold none.
+    /// `true` if alpha is written; KTX2 and JPEG hold none.
     pub alpha: bool,
+    /// As [`GltfFormat::quick_webp`](super::format::GltfFormat).
+    pub quick_webp: bool,
 }
 
 /// Returns the bytes of an image file.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for texels of floats; the errors of the format.
-pub(super) fn encode(bitmap: &Bitmap, stored: Stored, packing: ImagePacking) -> Result<Vec<u8>> {
-    match packing {
-        ImagePacking::Png => png(bitmap, stored),
-        ImagePacking::Jpeg(quality) => jpeg(bitmap, stored, quality),
-        ImagePacking::WebP(loss) => webp(bitmap, stored, loss),
-        ImagePacking::Ktx2(rdo) => {
+pub(super) fn encode(bitmap: &Bitmap, stored: Stored, codec: ImageCodec) -> Result<Vec<u8>> {
+    match codec {
+        ImageCodec::Png => png(bitmap, stored),
+        ImageCodec::Jpeg(quality) => jpeg(bitmap, stored, quality),
+        ImageCodec::WebP if stored.quick_webp => webp(bitmap, stored, WebPLoss::LosslessQuick),
+        ImageCodec::WebP => webp(bitmap, stored, WebPLoss::Lossless),
+        ImageCodec::LossyWebP(quality) => webp(bitmap, stored, WebPLoss::Quality(quality)),
+        ImageCodec::Ktx2(rdo) => {
             let size = [bitmap.width(), bitmap.height()];
             let texels = eight_bits(bitmap, stored)?.into_owned();
             ktx::encode(KtxImage { size, texels, encoding: stored.encoding, rdo })
@@ -162,7 +92,7 @@ fn webp(bitmap: &Bitmap, stored: Stored, loss: WebPLoss) -> Result<Vec<u8>> {
 /// # Errors
 /// [`Error::Unsupported`] for texels of floats; [`Error::Invalid`] for a side of more than 65,535.
 pub fn encode_jpeg_bitmap(bitmap: &Bitmap, quality: u8) -> Result<Vec<u8>> {
-    jpeg(bitmap, Stored { encoding: Encoding::Srgb, alpha: false }, quality)
+    jpeg(bitmap, Stored { encoding: Encoding::Srgb, alpha: false, quick_webp: false }, quality)
 }
 
 /// Returns the bytes of a lossless WebP of the texels of a bitmap, with alpha where it has some.
@@ -170,7 +100,8 @@ pub fn encode_jpeg_bitmap(bitmap: &Bitmap, quality: u8) -> Result<Vec<u8>> {
 /// # Errors
 /// [`Error::Unsupported`] for texels of more than 8 bits, and without the feature `webp`.
 pub fn encode_webp_bitmap(bitmap: &Bitmap) -> Result<Vec<u8>> {
-    let stored = Stored { encoding: Encoding::Linear, alpha: matches!(bitmap.channels(), 2 | 4) };
+    let alpha = matches!(bitmap.channels(), 2 | 4);
+    let stored = Stored { encoding: Encoding::Linear, alpha, quick_webp: false };
     match bitmap.bits() {
         8 => webp(bitmap, stored, WebPLoss::Lossless),
         bits => {

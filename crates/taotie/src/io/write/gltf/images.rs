@@ -1,8 +1,9 @@
 //! The textures of a material: each image encoded once, and its place in a document.
 
+use super::codec::ImageCodec;
 use super::draft::GltfDraft;
 use super::format::GltfFormat;
-use super::image_packing::{self, ImagePacking, Stored};
+use super::image_packing::{self, Stored};
 use super::material::GltfMaterial;
 use super::samplers;
 use super::slots::{GltfImage, Slot};
@@ -13,13 +14,14 @@ use crate::io::write::FileBytes;
 use crate::parallel;
 use crate::scene::AlphaMode;
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// An image as it is written, and the slots that show it.
 #[derive(Debug)]
 pub(super) struct Encoded<'a> {
     image: GltfImage<'a>,
-    packing: ImagePacking,
+    codec: ImageCodec,
     slots: Vec<Slot>,
     /// `true` where the material reads its alpha.
     alpha: bool,
@@ -31,27 +33,18 @@ impl<'a> Encoded<'a> {
     fn new(slot: Slot, image: GltfImage<'a>, alpha: AlphaMode) -> Self {
         let has_alpha = matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
         let alpha = has_alpha && slot == Slot::BaseColor && alpha != AlphaMode::Opaque;
-        Self { image, packing: ImagePacking::Png, slots: vec![slot], alpha, bytes: Vec::new() }
+        Self { image, codec: ImageCodec::Png, slots: vec![slot], alpha, bytes: Vec::new() }
     }
 
-    /// Chooses the format; KTX2 and JPEG hold no alpha, and JPEG is for base colours alone.
+    /// Chooses the format; images with alpha are PNG if the format of colours cannot hold it.
     fn packed(self, format: &GltfFormat) -> Self {
-        let jpeg = format.jpeg.filter(|_| self.serves(Slot::BaseColor) && !self.alpha);
-        let packing = match (jpeg, ImagePacking::new(format, self.encoding())) {
-            (Some(quality), _) => ImagePacking::Jpeg(quality),
-            (None, ImagePacking::Ktx2(_)) if self.alpha => ImagePacking::Png,
-            (None, packing) => packing,
-        };
-        Self { packing, ..self }
+        let wanted = format.images.of(self.encoding());
+        let codec = if self.alpha && !wanted.holds_alpha() { ImageCodec::Png } else { wanted };
+        Self { codec, ..self }
     }
 }
 
 impl Encoded<'_> {
-    /// Says whether a slot shows it.
-    pub fn serves(&self, slot: Slot) -> bool {
-        self.slots.contains(&slot)
-    }
-
     /// Returns the slots that show it.
     pub fn slots(&self) -> &[Slot] {
         &self.slots
@@ -78,13 +71,13 @@ impl Encoded<'_> {
     pub fn file_name(&self, stem: &str) -> String {
         match self.image {
             GltfImage::File(name) => name.to_owned(),
-            GltfImage::Bitmap(_) => format!("{stem}_{}.{}", self.role(), self.packing.file_extension()),
+            GltfImage::Bitmap(_) => format!("{stem}_{}.{}", self.role(), self.codec.kind().file_extension()),
         }
     }
 
     /// Returns its media type.
     pub fn mime_type(&self) -> &'static str {
-        self.packing.mime_type()
+        self.codec.kind().media_type()
     }
 
     /// Returns a word for what it shows.
@@ -109,7 +102,7 @@ impl Encoded<'_> {
 
     /// The extension of its texture; a file that is there already is shown as any program can.
     pub fn extension(&self) -> Option<&'static str> {
-        self.bytes().and(self.packing.extension())
+        self.bytes().and(self.codec.kind().extension())
     }
 }
 
@@ -118,10 +111,8 @@ const ROLES: [&str; 6] = ["orm", "color", "metallic_roughness", "occlusion", "em
 
 /// Returns the name of every file that an image may have beside a model in this format.
 pub(super) fn possible_names(stem: &str, format: &GltfFormat) -> Vec<String> {
-    let mut extensions =
-        vec![ImagePacking::Png.file_extension(), ImagePacking::losing_least(format).file_extension()];
-    extensions.dedup();
-    extensions.extend(format.jpeg.map(|_| "jpg"));
+    let codecs = [ImageCodec::Png].into_iter().chain(format.images.all());
+    let extensions: BTreeSet<&str> = codecs.map(|codec| codec.kind().file_extension()).collect();
     let named = |role: &str| -> Vec<String> {
         extensions.iter().map(|extension| format!("{stem}_{role}.{extension}")).collect()
     };
@@ -142,8 +133,9 @@ pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: &GltfFormat) -> Re
     }
     let bytes = parallel::tasks(images.len(), &|i| match images[i].image {
         GltfImage::Bitmap(bitmap) => {
-            let stored = Stored { encoding: images[i].encoding(), alpha: images[i].alpha };
-            image_packing::encode(bitmap, stored, images[i].packing)
+            let Encoded { alpha, codec, .. } = images[i];
+            let stored = Stored { encoding: images[i].encoding(), alpha, quick_webp: format.quick_webp };
+            image_packing::encode(bitmap, stored, codec)
         }
         GltfImage::File(_) => Ok(Vec::new()),
     });

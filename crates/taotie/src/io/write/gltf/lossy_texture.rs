@@ -1,8 +1,7 @@
 //! A texture that may be encoded in several ways.
 
-use super::format::Lossy;
-use super::image_packing::{ImagePacking, Stored, encode};
-use super::webp::WebPLoss;
+use super::codec::ImageCodec;
+use super::image_packing::{Stored, encode};
 use crate::error::Result;
 use crate::image::{Bitmap, Encoding, Texels, Texture};
 use crate::math::Vec3;
@@ -12,12 +11,12 @@ use std::borrow::Cow;
 ///
 /// ```
 /// use taotie::image::{Bitmap, Encoding, Texels};
-/// use taotie::io::{Lossy, LossyTexture};
+/// use taotie::io::{ImageCodec, LossyTexture};
 ///
 /// let texels = (0..64 * 64).map(|i| [i as u8, (i / 64 * 4) as u8, 0, 255]).collect();
 /// let texture = LossyTexture::new(Bitmap::new(64, 64, 3, Texels::U8(texels))?, Encoding::Srgb);
-/// let file = texture.encoded(64, Some(Lossy::Jpeg(90)))?;
-/// assert!(texture.may_be_jpeg() && file.starts_with(&[0xff, 0xd8]));
+/// let file = texture.encoded(64, ImageCodec::Jpeg(90))?;
+/// assert!(texture.fits(ImageCodec::Jpeg(90), 64) && file.starts_with(&[0xff, 0xd8]));
 /// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug)]
@@ -48,20 +47,25 @@ impl LossyTexture {
         self.texture.width().max(self.texture.height())
     }
 
-    /// Returns `true` if JPEG can hold it: each of its texels is opaque.
-    pub fn may_be_jpeg(&self) -> bool {
-        !self.has_alpha
+    /// Returns `true` if a format can hold it with `side` texels along the longer side: one without alpha if all texels are
+    /// opaque, KTX2 if both sides are multiples of 4.
+    pub fn fits(&self, codec: ImageCodec, side: u32) -> bool {
+        (codec.holds_alpha() || !self.has_alpha) && codec.holds_size(self.texture.resized_size(side))
     }
 
-    /// Returns its file with `side` texels along the longer side, at most its own: lossy, or lossless WebP.
+    /// Returns the number of its texels.
+    pub fn texels(&self) -> u64 {
+        self.bitmap().texels().len() as u64
+    }
+
+    /// Returns its file with `side` texels along the longer side, at most its own.
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] if the encoder refuses; [`crate::Error::Unsupported`] without the feature `webp`, or for
     /// texels of floats.
-    pub fn encoded(&self, side: u32, loss: Option<Lossy>) -> Result<Vec<u8>> {
-        let packing = loss.map_or(ImagePacking::WebP(WebPLoss::Lossless), ImagePacking::from);
-        let stored = Stored { encoding: self.encoding(), alpha: self.has_alpha };
-        encode(&*self.resized(side)?, stored, packing)
+    pub fn encoded(&self, side: u32, codec: ImageCodec) -> Result<Vec<u8>> {
+        let stored = Stored { encoding: self.encoding(), alpha: self.has_alpha, quick_webp: false };
+        encode(&*self.resized(side)?, stored, codec)
     }
 
     /// Returns it with `side` texels along the longer side, at most its own, as encoders get it.

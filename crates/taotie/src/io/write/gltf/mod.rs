@@ -1,6 +1,7 @@
 //! glTF 2.0, `.glb` and `.gltf`: one object with one material, which its triangles may show in several alpha modes, in
 //! one or more levels of detail.
 
+mod codec;
 mod container;
 mod draft;
 mod edit;
@@ -25,8 +26,9 @@ mod stream;
 mod uri;
 mod webp;
 
+pub use codec::{CodecKind, ImageCodec, TextureCodecs};
 pub use draft::GltfDraft;
-pub use format::{GltfFormat, GltfImages, Lossy, VertexBits};
+pub use format::{GltfFormat, VertexBits};
 pub use graft::{EncodedModel, GltfGraft, GraftedMaterial, encode_graft};
 pub use image_packing::{encode_jpeg_bitmap, encode_webp_bitmap};
 pub use lossy_texture::LossyTexture;

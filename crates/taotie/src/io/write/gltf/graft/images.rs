@@ -1,5 +1,6 @@
 //! The images of a document: new ones for what was baked, and its own into the new file or beside it.
 
+use super::super::codec::CodecKind;
 use super::super::edit;
 use super::super::images::Encoded;
 use super::super::uri::uri;
@@ -70,14 +71,14 @@ pub(in super::super) fn take_along(
     for i in 0..count {
         let name = edit::items(&raw.json, "images").get(i).and_then(|image| image.get("uri")?.as_str());
         let Some(bytes) = name.map(|name| raw.file(name)).transpose()?.flatten() else { continue };
-        let Some((mime_type, extension)) = kind(&bytes) else { continue };
+        let Some(kind) = CodecKind::detect(&bytes) else { continue };
         let said = match storage {
             Storage::Inside => {
                 let view = views::add(raw, bytes);
-                vec![("bufferView", json!(view)), ("mimeType", json!(mime_type))]
+                vec![("bufferView", json!(view)), ("mimeType", json!(kind.media_type()))]
             }
             Storage::Beside(path) => {
-                let name = format!("{}.{extension}", stem(path, &format!("image{i}")));
+                let name = format!("{}.{}", stem(path, &format!("image{i}")), kind.file_extension());
                 let said = json!(uri(&name));
                 files.push(FileBytes { path: path.with_file_name(name), bytes });
                 vec![("uri", said)]
@@ -89,15 +90,4 @@ pub(in super::super) fn take_along(
         }
     }
     Ok(files)
-}
-
-/// Returns the media type and the extension of an image's bytes.
-pub(in super::super) fn kind(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
-    match bytes {
-        [0x89, b'P', b'N', b'G', ..] => Some(("image/png", "png")),
-        [0xff, 0xd8, 0xff, ..] => Some(("image/jpeg", "jpg")),
-        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some(("image/webp", "webp")),
-        [0xab, b'K', b'T', b'X', b' ', b'2', b'0', ..] => Some(("image/ktx2", "ktx2")),
-        _ => None,
-    }
 }

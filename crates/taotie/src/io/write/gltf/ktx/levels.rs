@@ -15,7 +15,7 @@ pub(super) struct MipLevel<'a> {
 }
 
 impl MipLevel<'_> {
-    /// Returns the blocks, row by row. `rdo` is as in [`GltfFormat::uastc_rdo`](crate::io::GltfFormat), 0 for none.
+    /// Returns the blocks, row by row. `rdo` is as in [`ImageCodec::Ktx2`](crate::io::ImageCodec).
     pub fn blocks(&self, rdo: u8) -> Vec<u8> {
         let count = self.across() * self.texture.level_size(self.level).1.div_ceil(4) as usize;
         let nearest = |i: usize| {

@@ -41,7 +41,7 @@ pub(super) struct KtxImage {
     pub texels: Vec<[u8; 4]>,
     /// The meaning of the texels.
     pub encoding: Encoding,
-    /// As in [`GltfFormat::uastc_rdo`](crate::io::GltfFormat), 0 for none.
+    /// As in [`ImageCodec::Ktx2`](crate::io::ImageCodec).
     pub rdo: u8,
 }
 

@@ -1,10 +1,9 @@
 //! The images of a file: encoded anew, smaller and in another format.
 
+use super::super::codec::CodecKind;
 use super::super::edit;
-use super::super::graft::images::{Storage, kind, take_along};
-use super::super::image_packing::ImagePacking;
+use super::super::graft::images::{Storage, take_along};
 use super::super::lossy_texture::LossyTexture;
-use super::super::webp::WebPLoss;
 use crate::error::Result;
 use crate::image::{Bitmap, Encoding};
 use crate::io::gltf::{OF_TEXTURES, RawGltf, image_bytes, uses};
@@ -16,7 +15,7 @@ pub(super) struct OwnImage {
     pub texture: LossyTexture,
     /// The bytes of its file.
     pub stored: Vec<u8>,
-    pub mime_type: &'static str,
+    pub kind: CodecKind,
 }
 
 /// Takes the bytes of images out of a document; `None` for one that stays in it.
@@ -28,7 +27,7 @@ pub(super) fn taken(raw: &mut RawGltf, bitmaps: Vec<Option<Bitmap>>) -> Result<V
     let own = bitmaps.into_iter().enumerate().map(|(number, bitmap)| {
         let encoding = encoding(&uses(&raw.json, number)).filter(|_| !has_substitute(&raw.json, number))?;
         let stored = image_bytes(raw, raw.json.pointer(&format!("/images/{number}"))?).ok()??;
-        let (mime_type, _) = kind(&stored).filter(|(mime_type, _)| *mime_type != "image/ktx2")?;
+        let kind = CodecKind::detect(&stored).filter(|kind| *kind != CodecKind::Ktx2)?;
         // The longest side of WebP.
         let bits = if encoding == Encoding::Srgb { 8 } else { 16 };
         let fits = |bitmap: &Bitmap| bitmap.bits() <= bits && bitmap.width().max(bitmap.height()) <= 16_383;
@@ -36,7 +35,7 @@ pub(super) fn taken(raw: &mut RawGltf, bitmaps: Vec<Option<Bitmap>>) -> Result<V
         let texture = LossyTexture::new(bitmap, encoding);
         let json = raw.json.pointer_mut(&format!("/images/{number}"))?;
         ["bufferView", "uri", "mimeType"].iter().for_each(|name| edit::remove(json, name));
-        Some(OwnImage { texture, stored, mime_type })
+        Some(OwnImage { texture, stored, kind })
     });
     Ok(own.collect())
 }
@@ -54,30 +53,27 @@ fn encoding(uses: &[String]) -> Option<Encoding> {
     uses.iter().all(|role| of(role) == Some(first)).then_some(first)
 }
 
-/// Lets textures show an image as its new media type demands: WebP by an extension alone, others by none.
-pub(super) fn show_anew(mime_type: &str, json: &mut Value, number: usize) {
-    let webp = ImagePacking::WebP(WebPLoss::Lossless);
-    let Some(extension) = webp.extension() else { return };
-    let is_webp = mime_type == webp.mime_type();
+/// Lets textures show an image whose kind is another now: by an extension, or by none.
+pub(super) fn show_as(kind: CodecKind, json: &mut Value, number: usize) {
+    let pointer = |name: &str| format!("/extensions/{name}/source");
     for texture in edit::items_mut(json, "textures") {
-        let pointer = format!("/extensions/{extension}/source");
-        let shown = texture.pointer(&pointer).or(texture.get("source")).and_then(Value::as_u64);
-        if shown != Some(number as u64) {
+        let extended = OF_TEXTURES.iter().find_map(|name| texture.pointer(&pointer(name)));
+        if extended.or(texture.get("source")).and_then(Value::as_u64) != Some(number as u64) {
             continue;
         }
-        if is_webp {
-            edit::remove(texture, "source");
-            *edit::member(edit::member(texture, "extensions"), extension) = json!({ "source": number });
-        } else {
-            edit::remove(edit::member(texture, "extensions"), extension);
-            if edit::member(texture, "extensions").as_object().is_none_or(|all| all.is_empty()) {
-                edit::remove(texture, "extensions");
-            }
-            *edit::member(texture, "source") = number.into();
+        edit::remove(texture, "source");
+        let extensions = edit::member(texture, "extensions");
+        OF_TEXTURES.iter().for_each(|name| edit::remove(extensions, name));
+        match kind.extension() {
+            Some(name) => *edit::member(extensions, name) = json!({ "source": number }),
+            None => *edit::member(texture, "source") = number.into(),
+        }
+        if texture["extensions"].as_object().is_none_or(|all| all.is_empty()) {
+            edit::remove(texture, "extensions");
         }
     }
-    if is_webp {
-        edit::require(json, extension);
+    if let Some(name) = kind.extension() {
+        edit::require(json, name);
     }
 }
 

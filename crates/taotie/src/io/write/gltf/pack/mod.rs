@@ -5,11 +5,11 @@ mod geometry;
 mod image;
 mod strip;
 
+use super::codec::CodecKind;
 use super::container;
 use super::draft::{MESHOPT, unpacked_buffer};
 use super::edit;
 use super::format::VertexBits;
-use super::graft::images::kind;
 use super::lossy_texture::LossyTexture;
 use super::stream::{PackedTriangles, Stream};
 use crate::error::{Error, Result};
@@ -74,7 +74,7 @@ pub struct PackedImage {
     pub number: usize,
     /// The longer side, texels.
     pub side: u32,
-    /// WebP or JPEG.
+    /// Its file.
     pub bytes: Arc<Vec<u8>>,
 }
 
@@ -105,9 +105,9 @@ impl GltfPacker {
         self.images.get(number)?.as_ref().map(|own| &own.texture)
     }
 
-    /// Returns the bytes of an image as it is stored; 0 if it is copied as it is.
-    pub fn stored_bytes(&self, number: usize) -> usize {
-        self.images.get(number).and_then(Option::as_ref).map_or(0, |own| own.stored.len())
+    /// Returns the kind and the bytes of an image as it is stored; `None` if it is copied as it is.
+    pub fn stored(&self, number: usize) -> Option<(CodecKind, usize)> {
+        self.images.get(number)?.as_ref().map(|own| (own.kind, own.stored.len()))
     }
 
     /// Returns the longest side of any image, texels, 0 without one; `None` if one is unknown, or if a transform of uvs makes
@@ -229,10 +229,10 @@ impl Packed {
         let view = edit::push(&mut self.json, "bufferViews", view);
         let json = &mut self.json["images"][number];
         *edit::member(json, "bufferView") = view.into();
-        let mime_type = kind(bytes).map_or(own.mime_type, |(mime_type, _)| mime_type);
-        *edit::member(json, "mimeType") = mime_type.into();
-        if mime_type != own.mime_type {
-            image::show_anew(mime_type, &mut self.json, number);
+        let kind = CodecKind::detect(bytes).unwrap_or(own.kind);
+        *edit::member(json, "mimeType") = kind.media_type().into();
+        if kind != own.kind {
+            image::show_as(kind, &mut self.json, number);
         }
     }
 

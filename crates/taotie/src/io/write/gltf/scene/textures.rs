@@ -1,6 +1,8 @@
 //! Textures: each image encoded once, with the samplers and transforms of its uses.
 
-use super::super::image_packing::{self, ImagePacking, Stored};
+use super::super::codec::ImageCodec;
+use super::super::format::GltfFormat;
+use super::super::image_packing::{self, Stored};
 use super::super::number::short;
 use super::super::samplers;
 use super::super::uri::uri;
@@ -24,7 +26,7 @@ const SQUARE: f64 = 1e-5;
 /// An image as it is written.
 pub(super) struct Image {
     bytes: Vec<u8>,
-    packing: ImagePacking,
+    codec: ImageCodec,
     /// `true` where floats were rounded.
     rounded: bool,
     /// `true` where it was to be packed in another way.
@@ -42,7 +44,7 @@ pub(super) fn beside(images: Vec<Image>, path: &Path) -> Vec<FileBytes> {
 }
 
 fn file_name(stem: &str, index: usize, image: &Image) -> String {
-    format!("{stem}_{index}.{}", image.packing.file_extension())
+    format!("{stem}_{index}.{}", image.codec.kind().file_extension())
 }
 
 impl Writer<'_> {
@@ -66,21 +68,13 @@ impl Writer<'_> {
     /// Encodes every image that was asked for.
     pub(super) fn encoded_images(&mut self) -> Result<Vec<Image>> {
         self.format.check()?;
-        let (scene, packing) = (self.scene, ImagePacking::losing_least(&self.format));
+        let (scene, format) = (self.scene, self.format);
         let used = &self.textures.images;
-        let encode = |i: usize| encoded(&scene.textures()[used[i].texture], used[i].turned, packing);
+        let encode = |i: usize| encoded(&scene.textures()[used[i].texture], used[i].turned, &format);
         let images = parallel::tasks(used.len(), &encode);
         let images = images.into_iter().collect::<Result<Vec<Image>>>()?;
-        for (what, given) in [
-            ("JPEG quality", self.format.jpeg),
-            ("WebP quality", self.format.webp_quality),
-            ("RDO of UASTC", self.format.uastc_rdo),
-        ] {
-            let why = format!("the {what} is not read: scenes keep their colours");
-            self.note(&why, usize::from(given.is_some()));
-        }
         self.note("float textures rounded to 16 bits in [0, 1]", images.iter().filter(|i| i.rounded).count());
-        let what = "textures with alpha, or whose sides are no multiples of 4, are PNG and not KTX2";
+        let what = "textures that the chosen format cannot hold are PNG: alpha, or sides that KTX2 needs as multiples of 4";
         self.note(what, images.iter().filter(|i| i.refused).count());
         Ok(images)
     }
@@ -93,11 +87,13 @@ impl Writer<'_> {
         let draft = &mut self.draft;
         let entries = images.iter().enumerate().map(|(i, image)| match stem {
             Some(stem) => json!({ "uri": uri(&file_name(stem, i, image)) }),
-            None => json!({ "bufferView": draft.view(&image.bytes), "mimeType": image.packing.mime_type() }),
+            None => {
+                json!({ "bufferView": draft.view(&image.bytes), "mimeType": image.codec.kind().media_type() })
+            }
         });
         let entries: Value = entries.collect();
-        images.iter().filter_map(|image| image.packing.extension()).for_each(|name| draft.require(name));
-        let texture = |[sampler, source]: &[usize; 2]| match images[*source].packing.extension() {
+        images.iter().filter_map(|image| image.codec.kind().extension()).for_each(|name| draft.require(name));
+        let texture = |[sampler, source]: &[usize; 2]| match images[*source].codec.kind().extension() {
             None => json!({ "sampler": sampler, "source": source }),
             Some(name) => json!({ "sampler": sampler, "extensions": { name: { "source": source } } }),
         };
@@ -115,16 +111,17 @@ fn number<T: PartialEq>(list: &mut Vec<T>, value: T) -> usize {
     })
 }
 
-fn encoded(texture: &Texture, turned: bool, packing: ImagePacking) -> Result<Image> {
+fn encoded(texture: &Texture, turned: bool, format: &GltfFormat) -> Result<Image> {
     let (bitmap, rounded) = whole_numbers(texture)?;
     let bitmap = if turned { Cow::Owned(with_green_turned(&bitmap)?) } else { bitmap };
     let encoding = texture.encoding();
     let alpha = encoding != Encoding::Normal && matches!(bitmap.channels(), 2 | 4);
-    let refused = matches!(packing, ImagePacking::Ktx2(_))
-        && (alpha || !(bitmap.width() | bitmap.height()).is_multiple_of(4));
-    let packing = if refused { ImagePacking::Png } else { packing };
-    let bytes = image_packing::encode(&bitmap, Stored { encoding, alpha }, packing)?;
-    Ok(Image { bytes, packing, rounded, refused })
+    let wanted = format.images.of(encoding);
+    let refused = (alpha && !wanted.holds_alpha()) || !wanted.holds_size([bitmap.width(), bitmap.height()]);
+    let codec = if refused { ImageCodec::Png } else { wanted };
+    let stored = Stored { encoding, alpha, quick_webp: format.quick_webp };
+    let bytes = image_packing::encode(&bitmap, stored, codec)?;
+    Ok(Image { bytes, codec, rounded, refused })
 }
 
 /// Returns the finest level in 8 or 16 bits, and whether floats were rounded for it.

@@ -1,0 +1,65 @@
+"""An asset as it was measured, and the best of many."""
+
+import dataclasses
+
+# By so much, as a share, an asset may exceed a limit of degrees or bytes, whatever its tool.
+TOLERANCE = 0.02
+# A ΔE counts as no worse if it is higher by at most this, a tenth of what people just notice.
+COLOR_TOLERANCE = 0.1
+# Less than this, as a share of degrees and in ΔE, is not worth further measurements.
+MARGIN, COLOR_MARGIN = 0.05, 0.03
+
+
+@dataclasses.dataclass(frozen=True)
+class Point:
+    """An asset: its tool and options, bytes without metadata, the judge's figures, and the seconds it took to make."""
+
+    tool: str
+    label: str
+    bytes: int
+    triangles: int
+    degrees: float
+    degrees_p95: float
+    color: float
+    color_p95: float
+    image: float
+    missed: float
+    seconds: float
+
+    def is_within(self, degrees):
+        return self.degrees <= degrees * (1 + TOLERANCE)
+
+    def makes_needless(self, larger):
+        """Returns true if the larger asset is not much better in any way."""
+        return self.degrees <= larger.degrees * (1 + MARGIN) and self.color <= larger.color + COLOR_MARGIN
+
+    def is_no_worse_in_color(self, other):
+        return self.color <= other.color + COLOR_TOLERANCE
+
+
+def smallest(points):
+    """The fewest bytes, or None of no points."""
+    return min(points, key=lambda p: (p.bytes, p.degrees), default=None)
+
+
+def nearest(points):
+    """The fewest degrees, or None of no points."""
+    return min(points, key=lambda p: (p.degrees, p.bytes), default=None)
+
+
+def frontier(points):
+    """Those that no other undercuts in both bytes and degrees, in the order of bytes."""
+    kept = []
+    for point in sorted(points, key=lambda p: (p.bytes, p.degrees)):
+        if not kept or point.degrees < kept[-1].degrees:
+            kept.append(point)
+    return kept
+
+
+def promising(points):
+    """Those for which no other is smaller and, but for a small margin, at least as good in degrees and in ΔE."""
+    kept = []
+    for point in sorted(points, key=lambda p: (p.bytes, p.degrees)):
+        if not any(better.makes_needless(point) for better in kept):
+            kept.append(point)
+    return kept

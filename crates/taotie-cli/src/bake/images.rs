@@ -1,0 +1,75 @@
+//! `--images`: the formats of textures.
+
+use crate::options;
+use taotie::Error;
+use taotie::io::{CodecKind, TextureCodecs};
+
+/// The formats of textures: those to choose from, or one for each.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Images {
+    /// The program's choice.
+    Auto,
+    /// Of some kinds, with a loss that a search chooses.
+    Kinds(Vec<CodecKind>),
+    /// With a given loss.
+    Given(TextureCodecs),
+}
+
+impl Images {
+    /// Returns the kinds to choose from; empty for the program's own choice.
+    pub fn kinds(&self) -> Vec<CodecKind> {
+        match self {
+            Self::Kinds(kinds) => kinds.clone(),
+            Self::Auto | Self::Given(_) => Vec::new(),
+        }
+    }
+
+    /// Returns the formats of a bake that searches for nothing.
+    ///
+    /// # Errors
+    /// Several kinds, and JPEG without a quality.
+    pub fn codecs(&self) -> Result<TextureCodecs, String> {
+        match self {
+            Self::Auto => Ok(TextureCodecs::default()),
+            Self::Given(codecs) => Ok(*codecs),
+            Self::Kinds(kinds) => match kinds[..] {
+                [kind] => {
+                    let codec = kind.least_lossy().ok_or("specify a quality, such as jpeg:90")?;
+                    Ok(codec.into())
+                }
+                _ => Err("nothing is searched for with these options; specify one format".into()),
+            },
+        }
+    }
+}
+
+/// Reads `auto`, names of formats separated by commas, or formats with their loss.
+pub fn images(text: &str) -> Result<Images, String> {
+    if text == "auto" {
+        return Ok(Images::Auto);
+    }
+    if text.contains([':', '/']) {
+        return text.parse().map(Images::Given).map_err(|error: Error| error.to_string());
+    }
+    let mut kinds = text.split(',').map(options::named).collect::<Result<Vec<CodecKind>, _>>()?;
+    kinds.sort_unstable();
+    kinds.dedup();
+    Ok(Images::Kinds(kinds))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie::io::ImageCodec;
+
+    #[test]
+    fn sets_and_formats_are_told_apart() {
+        assert_eq!(images("auto"), Ok(Images::Auto));
+        assert_eq!(images("webp, png,webp"), Ok(Images::Kinds(vec![CodecKind::Png, CodecKind::WebP])));
+        assert_eq!(images("webp:85"), Ok(Images::Given(ImageCodec::LossyWebP(85).into())));
+        assert!(images("webp:85,png").is_err() && images("gif").is_err());
+        let codecs = |text: &str| images(text).unwrap().codecs();
+        assert_eq!(codecs("ktx2"), Ok(ImageCodec::Ktx2(0).into()));
+        assert!(codecs("jpeg").unwrap_err().contains("quality") && codecs("png,webp").is_err());
+    }
+}

@@ -1,0 +1,67 @@
+//! Targets and ceilings for common uses of an asset.
+
+use super::figure::Figure;
+use super::requirement::Requirement;
+use crate::io::CodecKind;
+use crate::names::Named;
+
+/// A use that an asset is made for: how near it has to come to its scan, and how much of a device it may take.
+///
+/// ```
+/// use taotie::asset::{BakeOptions, Preset};
+///
+/// let engine = Preset::Engine;
+/// let options = BakeOptions { goal: Some(engine.requirements()), images: engine.images(), ..BakeOptions::default() };
+/// assert!(options.check().is_ok());
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Preset {
+    /// Pages that load on a telephone: 1° on average, at most 100,000 triangles and 80 MB on the graphics card.
+    Web,
+    /// Access copies of a collection: 0.1° on average, without ceilings.
+    Archive,
+    /// Real-time engines: 0.5° on average, at most 50,000 triangles and 32 MB on the graphics card, textures in KTX2.
+    Engine,
+}
+
+impl Named for Preset {
+    const WHAT: &'static str = "preset";
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("web", Self::Web), ("archive", Self::Archive), ("engine", Self::Engine)];
+}
+
+impl Preset {
+    /// Returns the largest differences, and the ceilings.
+    pub fn requirements(self) -> Vec<Requirement> {
+        let limits = |[mean, p95]: [f64; 2], [mean_color, p95_color, patch_color]: [f64; 3]| {
+            let of_color = |figure, most| Requirement { if_compared: true, ..Requirement::of(figure, most) };
+            vec![
+                Requirement::mean_angle_deg(mean),
+                Requirement::of(Figure::P95Angle, p95),
+                of_color(Figure::MeanColor, mean_color),
+                of_color(Figure::P95Color, p95_color),
+                of_color(Figure::PatchColor, patch_color),
+            ]
+        };
+        let ceilings = |triangles: f64, megabytes: f64| {
+            let gpu_memory = Requirement::of(Figure::GpuMemory, megabytes * 1e6);
+            [Requirement::of(Figure::Triangles, triangles), gpu_memory]
+        };
+        match self {
+            Self::Web => [limits([1.0, 4.0], [1.0, 3.0, 6.0]), ceilings(100_000.0, 80.0).into()].concat(),
+            Self::Archive => limits([0.1, 0.4], [0.2, 0.5, 1.0]),
+            Self::Engine => {
+                let lossless = Requirement::visually_lossless();
+                lossless.into_iter().chain(ceilings(50_000.0, 32.0)).collect()
+            }
+        }
+    }
+
+    /// Returns the image formats to choose from; empty for those of a portable asset.
+    pub fn images(self) -> Vec<CodecKind> {
+        match self {
+            Self::Web | Self::Archive => Vec::new(),
+            Self::Engine => vec![CodecKind::Ktx2],
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! The most of a device that a candidate may take.
+
+use crate::asset::figure::Figure;
+use crate::asset::requirement::Requirement;
+
+/// The part of the memory of a graphics card that textures may take; the rest is for vertices.
+const FOR_TEXTURES: f64 = 0.8;
+/// Bytes per triangle on a graphics card: half a vertex of 28 bytes, some of them twice at seams, and three indices.
+const TRIANGLE: f64 = 36.0;
+/// Bytes per texel with its mip levels.
+const TEXEL: f64 = 4.0 * 4.0 / 3.0;
+
+/// The most triangles and bytes that a candidate may have; infinite without a ceiling.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ceilings {
+    pub triangles: f64,
+    pub gpu_bytes: f64,
+    /// Of the file.
+    pub bytes: f64,
+}
+
+impl Ceilings {
+    /// Takes the ceilings among requirements of the finest level of detail.
+    pub fn of(requirements: &[Requirement]) -> Self {
+        let least = |figure: Figure| {
+            let finest = requirements.iter().filter(|required| required.level.is_none_or(|level| level == 0));
+            let those = finest.filter(|required| required.figure == figure);
+            those.map(|required| required.most).fold(f64::INFINITY, f64::min)
+        };
+        Self {
+            triangles: least(Figure::Triangles),
+            gpu_bytes: least(Figure::GpuMemory),
+            bytes: least(Figure::Bytes),
+        }
+    }
+
+    /// Returns how many times a ceiling of the device a candidate has, the worst one; 0 without ceilings.
+    pub fn ratio(&self, triangles: usize, gpu_bytes: u64) -> f64 {
+        (triangles as f64 / self.triangles).max(gpu_bytes as f64 / self.gpu_bytes)
+    }
+
+    /// Returns the most triangles that a candidate may have, at least 4.
+    pub fn most_triangles(&self, has_textures: bool) -> f64 {
+        let share = if has_textures { 1.0 - FOR_TEXTURES } else { 1.0 };
+        self.triangles.min(self.gpu_bytes * share / TRIANGLE).floor().max(4.0)
+    }
+
+    /// Returns the most texels that all textures together may have.
+    pub fn most_texels(&self) -> f64 {
+        self.gpu_bytes * FOR_TEXTURES / TEXEL
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ceilings_are_those_of_the_finest_level() {
+        let required = Requirement::read("triangles@1=10,triangles=200,gpu-memory=1MB,mean-angle=1").unwrap();
+        let ceilings = Ceilings::of(&required);
+        assert_eq!(ceilings, Ceilings { triangles: 200.0, gpu_bytes: 1e6, bytes: f64::INFINITY });
+        assert_eq!((ceilings.ratio(100, 2_000_000), ceilings.most_triangles(true)), (2.0, 200.0));
+        assert_eq!(Ceilings::of(&[]).ratio(100, 100), 0.0);
+        assert_eq!(Ceilings::of(&[]).most_texels(), f64::INFINITY);
+    }
+}

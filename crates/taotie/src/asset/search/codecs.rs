@@ -1,0 +1,75 @@
+//! The image formats that a search may choose from.
+
+use crate::io::{CodecKind, ImageCodec};
+
+/// Qualities to try, from the lowest up.
+const WEBP: [u8; 9] = [20, 35, 50, 65, 75, 82, 88, 93, 97];
+const JPEG: [u8; 9] = [40, 55, 70, 80, 86, 90, 94, 96, 98];
+/// λ of KTX2, from the most lossy down.
+const KTX2: [u8; 5] = [12, 6, 3, 1, 0];
+
+/// The kinds of a search that was not given any: those of a portable asset.
+pub(in crate::asset) const PORTABLE: [CodecKind; 3] = [CodecKind::Png, CodecKind::Jpeg, CodecKind::WebP];
+
+/// The image formats that a search may choose from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Codecs {
+    kinds: Vec<CodecKind>,
+}
+
+impl Codecs {
+    /// Takes the kinds that are allowed, without those that this build cannot write; those of [`PORTABLE`] if none are given.
+    pub fn new(kinds: &[CodecKind]) -> Self {
+        let kinds = if kinds.is_empty() { &PORTABLE } else { kinds };
+        let can_write = |kind: &CodecKind| cfg!(feature = "webp") || *kind != CodecKind::WebP;
+        let mut kinds: Vec<CodecKind> = kinds.iter().copied().filter(can_write).collect();
+        if kinds.is_empty() {
+            kinds.push(CodecKind::Png);
+        }
+        Self { kinds }
+    }
+
+    /// Returns `true` if images of a kind may stay as they are.
+    pub fn allows(&self, kind: CodecKind) -> bool {
+        self.kinds.contains(&kind)
+    }
+
+    /// Returns the smallest lossless format; `None` if all are lossy.
+    pub fn lossless(&self) -> Option<ImageCodec> {
+        let both = [(CodecKind::WebP, ImageCodec::WebP), (CodecKind::Png, ImageCodec::Png)];
+        both.into_iter().find(|(kind, _)| self.kinds.contains(kind)).map(|(_, codec)| codec)
+    }
+
+    /// Returns the format that loses least.
+    pub fn least_lossy(&self) -> ImageCodec {
+        self.lossless()
+            .or_else(|| self.ladders().find_map(|ladder| ladder.last().copied()))
+            .unwrap_or_default()
+    }
+
+    /// Returns the lossy formats of each kind, from the most lossy up.
+    pub fn ladders(&self) -> impl Iterator<Item = Vec<ImageCodec>> {
+        let ladder = |kind: &CodecKind| match kind {
+            CodecKind::Png => Vec::new(),
+            CodecKind::Jpeg => JPEG.map(ImageCodec::Jpeg).into(),
+            CodecKind::WebP => WEBP.map(ImageCodec::LossyWebP).into(),
+            CodecKind::Ktx2 => KTX2.map(ImageCodec::Ktx2).into(),
+        };
+        self.kinds.iter().map(ladder).filter(|ladder| !ladder.is_empty())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_set_has_a_format_that_loses_least() {
+        let least = |kinds: &[CodecKind]| Codecs::new(kinds).least_lossy();
+        assert_eq!(least(&[CodecKind::Ktx2]), ImageCodec::Ktx2(0));
+        assert_eq!(least(&[CodecKind::Jpeg]), ImageCodec::Jpeg(98));
+        assert_eq!(least(&[CodecKind::Jpeg, CodecKind::Png]), ImageCodec::Png);
+        #[cfg(feature = "webp")]
+        assert_eq!(least(&[]), ImageCodec::WebP);
+    }
+}
