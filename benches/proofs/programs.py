@@ -115,9 +115,9 @@ def blender_version():
 def taotie(program):
     def commands(order, source, out):
         size = ["--triangles", str(order.triangles), "--size", str(order.side)]
-        return [[program, "bake", source, "-o", out, "--for", "web", *size, "--no-verify"]]
+        return [[program, "bake", source, "-o", out, *size, "--meshopt", "--images", "webp:85", "--no-verify"]]
 
-    return Program("taotie --for web", content_hash(program), commands, has_own_maps=True)
+    return Program("taotie, fixed size", content_hash(program), commands, has_own_maps=True)
 
 
 def content_hash(*paths):

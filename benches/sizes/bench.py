@@ -68,6 +68,7 @@ def explored(model, args):
     point = store.Store(args.folder, args.taotie, model).point
     return compare.Frontiers(
         name=model.name,
+        bytes=model.bytes,
         gltfpack=packs.Search(installed, model.side, point).run(grid),
         gltf_transform=search.gltf_transform(installed.gltf_transform, grid, model.side, point),
         taotie=search.taotie(installed.taotie, grid, point),

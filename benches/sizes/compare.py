@@ -10,9 +10,10 @@ LIMITS = (0.3, 0.5, 1, 2, 4)
 
 @dataclasses.dataclass(frozen=True)
 class Frontiers:
-    """All points of a model by tool."""
+    """All points of a model by tool; `bytes` are those of the model itself."""
 
     name: str
+    bytes: int
     taotie: list[Point]
     gltfpack: list[Point]
     gltf_transform: list[Point]

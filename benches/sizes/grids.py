@@ -34,7 +34,7 @@ class Grid:
 
     @property
     def most_degrees(self):
-        """Assets that are further off are not refined."""
+        """Assets of more degrees are not refined."""
         return max(precision.most for precision in self.precisions)
 
     def precisions_at(self, degrees):

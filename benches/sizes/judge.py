@@ -2,7 +2,7 @@
 
 Taotie renders model and asset from eight sides by the same cameras, under the same light: the normals that are shaded,
 maps and all, the base colours, and the image. Pixels whose surroundings both show are compared, so silhouettes are not.
-The angles are computed here, CIEDE2000 by scikit-image. What an asset lacks altogether has no angle: it is counted.
+The angles are computed here, CIEDE2000 by scikit-image. Pixels that an asset lacks altogether are counted.
 """
 
 import concurrent.futures
@@ -62,7 +62,6 @@ class Judge:
         radius = np.linalg.norm(high - low) / 2
         self.target = (low + high) / 2
         self.distance = radius / math.sin(math.radians(FOV / 2))
-        self.triangles = about["counts"]["triangles_drawn"]
         self.model = self.views(model)
         self.inner = [shrunk(view.covered) for view in self.model]
 

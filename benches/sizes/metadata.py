@@ -1,4 +1,4 @@
-"""The bytes of a GLB without those that describe its origin: `extras`, and XMP as KHR_xmp_json_ld."""
+"""The size of a GLB without its metadata: `extras`, and XMP in KHR_xmp_json_ld."""
 
 import json
 import os
@@ -8,7 +8,7 @@ XMP = "KHR_xmp_json_ld"
 
 
 def bytes_without(path):
-    """The file's size, less what its JSON would be shorter without metadata."""
+    """The file's size minus the bytes that metadata adds to its JSON."""
     gltf = read_json(path)
     return os.path.getsize(path) - (length(gltf) - length(stripped(gltf)))
 
@@ -24,7 +24,7 @@ def length(gltf):
 
 
 def stripped(value):
-    """The JSON without metadata; what is empty only because of this goes too."""
+    """The JSON without metadata, and without objects and lists that this makes empty."""
     if isinstance(value, list):
         return [stripped(item) for item in value if item != XMP]
     if not isinstance(value, dict):

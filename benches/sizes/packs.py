@@ -20,7 +20,7 @@ class Pack:
     precision: tuple[str, ...] = ()
 
     def setting(self, tool):
-        """Simplifies without a limit of the error, so that the ratio is reached, and moves vertices to fit (`-sv`)."""
+        """Simplifies without an error limit, so that the ratio is reached, and moves the remaining vertices (`-sv`)."""
         simplified = ("-si", f"{self.ratio:.3g}", "-se", "1", "-sv") if self.ratio < 1 else ()
         return Setting(tool, simplified + self.precision, self.before)
 

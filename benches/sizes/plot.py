@@ -13,6 +13,7 @@ from point import frontier  # noqa: E402
 COLORS = {"gltf-transform": "#009e73", "gltfpack": "#0072b2", "Taotie": "#d55e00"}
 INK, FAINT = "#333333", "#dddddd"
 COLUMNS = 3
+LEGEND_WIDTH = 7.6
 # The range of degrees that is shown, and its labels.
 RANGE = (0.2, 8)
 TICKS = (0.3, 0.5, 1, 2, 4, 8)
@@ -37,11 +38,11 @@ STYLE = {
 
 
 def save(found, path):
-    """A picture of all models, SVG or PNG by its name."""
+    """Writes a picture of all models; the extension decides between SVG and PNG."""
     plt.rcParams |= STYLE
     columns = min(COLUMNS, len(found))
     rows = -(-len(found) // columns)
-    size = (3.8 * columns, 3.1 * rows + 0.4)
+    size = (max(3.8 * columns, LEGEND_WIDTH), 3.1 * rows + 0.4)
     figure, grid = plt.subplots(rows, columns, figsize=size, squeeze=False, layout="constrained")
     cells = list(grid.ravel())
     for axes, one in zip(cells, found, strict=False):
@@ -70,7 +71,7 @@ def panel(axes, one):
 
 
 def draw(axes, name, points):
-    """All points faint, the frontier as a line; Taotie's few points are marked."""
+    """Draws all points faintly and the frontier as a line, for Taotie with markers."""
     is_marked = name == "Taotie"
     axes.scatter(*coordinates(points), s=7, color=COLORS[name], alpha=0.3, linewidths=0, rasterized=len(points) > 50)
     mark = {"marker": "o", "markersize": 4.5} if is_marked else {}
@@ -79,7 +80,7 @@ def draw(axes, name, points):
 
 
 def draw_same_color(axes, one):
-    """gltfpack's frontier again, of assets whose ΔE is no worse than the highest on Taotie's frontier."""
+    """Draws gltfpack's frontier of assets whose ΔE is no worse than the highest on Taotie's frontier."""
     worst = max(frontier(one.taotie), key=lambda p: p.color, default=None)
     same = [p for p in one.gltfpack if worst and p.is_no_worse_in_color(worst)]
     label = "gltfpack, ΔE no worse than Taotie's"
@@ -91,7 +92,7 @@ def coordinates(points):
 
 
 def scale(axes, points):
-    """The range of degrees that all panels have, and the bytes of frontiers in it; what is further off is not shown."""
+    """The same degrees for all panels, and the bytes of the frontiers there; points outside are not shown."""
     seen = [p.bytes / 1000 for p in points if RANGE[0] <= p.degrees <= RANGE[1]]
     axes.set_xlim(*RANGE)
     axes.set_xticks(TICKS, [f"{tick:g}" for tick in TICKS])

@@ -2,11 +2,11 @@
 
 import dataclasses
 
-# By so much, as a share, an asset may exceed a limit of degrees or bytes, whatever its tool.
+# The share by which an asset of any tool may exceed a limit of degrees or bytes.
 TOLERANCE = 0.02
-# A ΔE counts as no worse if it is higher by at most this, a tenth of what people just notice.
+# A ΔE counts as no worse if it is higher by at most this, about a tenth of a just noticeable difference.
 COLOR_TOLERANCE = 0.1
-# Less than this, as a share of degrees and in ΔE, is not worth further measurements.
+# Gains below this, as a share of degrees and in ΔE, are not worth further measurements.
 MARGIN, COLOR_MARGIN = 0.05, 0.03
 
 
@@ -38,17 +38,17 @@ class Point:
 
 
 def smallest(points):
-    """The fewest bytes, or None of no points."""
+    """The point of the fewest bytes, or None if there are no points."""
     return min(points, key=lambda p: (p.bytes, p.degrees), default=None)
 
 
 def nearest(points):
-    """The fewest degrees, or None of no points."""
+    """The point of the fewest degrees, or None if there are no points."""
     return min(points, key=lambda p: (p.degrees, p.bytes), default=None)
 
 
 def frontier(points):
-    """Those that no other undercuts in both bytes and degrees, in the order of bytes."""
+    """The points that no other beats in both bytes and degrees, from small to large."""
     kept = []
     for point in sorted(points, key=lambda p: (p.bytes, p.degrees)):
         if not kept or point.degrees < kept[-1].degrees:
@@ -57,7 +57,7 @@ def frontier(points):
 
 
 def promising(points):
-    """Those for which no other is smaller and, but for a small margin, at least as good in degrees and in ΔE."""
+    """The points for which no smaller one is about as good in degrees and in ΔE."""
     kept = []
     for point in sorted(points, key=lambda p: (p.bytes, p.degrees)):
         if not any(better.makes_needless(point) for better in kept):

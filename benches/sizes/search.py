@@ -20,5 +20,5 @@ def gltf_transform(tool, grid, side, measure):
 
 
 def points(settings, measure):
-    """Those of the settings that succeeded."""
+    """The points of the settings that succeeded."""
     return [point for setting in settings if (point := measure(setting)) is not None]

@@ -30,8 +30,8 @@ LOSSES = (
 
 def text(machine, versions, found):
     """The section's Markdown."""
-    at_limits = [(one.name, [compare.at_limit(one, degrees) for degrees in compare.LIMITS]) for one in found]
-    at_assets = [(one.name, [compare.at_asset(one, asset) for asset in one.taotie]) for one in found]
+    at_limits = [(titled(one), [compare.at_limit(one, degrees) for degrees in compare.LIMITS]) for one in found]
+    at_assets = [(titled(one), [compare.at_asset(one, asset) for asset in one.taotie]) for one in found]
     parts = [
         PICTURE,
         wrapped(f"Measured on: {machine}; {versions}. {counts(found)} {times(found)}"),
@@ -50,6 +50,11 @@ def text(machine, versions, found):
         losses(at_limits),
     ]
     return "\n\n".join(parts)
+
+
+def titled(one):
+    """The model with its own size."""
+    return f"{one.name}, {one.bytes / 1000:,.0f} kB"
 
 
 def table(head, matches, cells):
@@ -152,7 +157,7 @@ def losses(at_limits):
 
 
 def loss(degrees, matches):
-    some = [f"{name} {words}" for name, match in matches if (words := lost(match))]
+    some = [f"{name.partition(',')[0]} {words}" for name, match in matches if (words := lost(match))]
     return f"- {degrees:g}°: {'; '.join(some) or 'none'}."
 
 

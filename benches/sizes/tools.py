@@ -1,4 +1,4 @@
-"""The programs that make assets, and settings: the ways to call them."""
+"""The programs that make assets, and the settings they are called with."""
 
 import dataclasses
 import os
@@ -63,7 +63,7 @@ def baker(program):
 
 
 def packer(node):
-    """Meshopt compression as high as it goes, of the extension that all viewers support."""
+    """With the strongest compression of EXT_meshopt_compression, which Taotie also writes."""
     return Tool("gltfpack", node.version("gltfpack"), (node.program("gltfpack"), "-i", SOURCE, "-o", OUT, "-cc"))
 
 

@@ -184,6 +184,21 @@ pub enum Section {
         /// The counts, a panel each.
         series: Vec<Series>,
     },
+    /// Points on two logarithmic axes.
+    Plot {
+        /// Heading.
+        title: String,
+        /// Above the plot.
+        note: String,
+        /// To the right.
+        x: Axis,
+        /// Upwards.
+        y: Axis,
+        /// The points by kind.
+        series: Vec<PointSeries>,
+        /// Corners of a line of steps, by rising x.
+        frontier: Vec<[f64; 2]>,
+    },
     /// Lines that are worth a look.
     Notices {
         /// Heading.
@@ -266,6 +281,37 @@ pub enum Tone {
     Bad,
     /// Put right, or worth a look.
     Changed,
+}
+
+/// An axis of a plot; numbers are above 0 and spread logarithmically.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct Axis {
+    /// The quantity.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+}
+
+/// Points of one kind in a plot.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct PointSeries {
+    /// The kind.
+    pub label: String,
+    /// The points.
+    pub points: Vec<PlotPoint>,
+}
+
+/// A point of a plot.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct PlotPoint {
+    /// Place on both axes.
+    pub at: [f64; 2],
+    /// Description, shown when a pointer is over it.
+    pub text: String,
+    /// `true` if it is set off from the others.
+    pub is_chosen: bool,
+    /// `true` if it is drawn filled, `false` as a ring.
+    pub is_filled: bool,
 }
 
 /// Counts of a histogram.

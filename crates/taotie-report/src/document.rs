@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 const STYLE: &str = include_str!("page.css");
 
 /// The script in parts; the last one begins.
-const SCRIPT: [&str; 14] = [
+const SCRIPT: [&str; 15] = [
     "\"use strict\";\n",
     include_str!("page/dom.js"),
     include_str!("page/numbers.js"),
@@ -22,6 +22,7 @@ const SCRIPT: [&str; 14] = [
     include_str!("page/table.js"),
     include_str!("page/statement.js"),
     include_str!("page/histogram.js"),
+    include_str!("page/plot.js"),
     include_str!("page/main.js"),
 ];
 

@@ -36,6 +36,9 @@ pub mod swatches;
 pub mod table;
 pub mod viewer;
 
-pub use data::{Cell, Column, Fact, Legend, Notice, Page, Picture, Section, Series, Tone, View};
+pub use data::{
+    Axis, Cell, Column, Fact, Legend, Notice, Page, Picture, PlotPoint, PointSeries, Section, Series, Tone,
+    View,
+};
 pub use document::html;
 pub use statement::{PlainTable, Statement};

@@ -74,6 +74,9 @@ pub struct BakeArgs {
     /// texel, one of KTX2. Exit with 1 if it takes more
     #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Search", conflicts_with_all = BY_HAND)]
     pub max_gpu_memory: Option<u64>,
+    /// Write every trial of the search as CSV: bytes, memory on the graphics card, triangles, maps, degrees, ΔE
+    #[arg(long, value_name = "FILE.csv", help_heading = "Search", conflicts_with_all = BY_HAND)]
+    pub trials: Option<PathBuf>,
     /// Further levels of detail in the same file (MSFT_lod): the triangles of each, separated by commas
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = options::triangles, help_heading = "Low-poly mesh")]
     pub lods: Vec<u32>,
@@ -269,6 +272,7 @@ impl BakeArgs {
             ("--provenance", self.provenance.is_some()),
             ("--preset", self.preset.is_some()),
             ("--max-triangles", self.max_triangles.is_some()),
+            ("--trials", self.trials.is_some()),
             ("--max-gpu-memory", self.max_gpu_memory.is_some()),
             ("--error", self.error.is_some()),
             ("--bytes", self.bytes.is_some()),
@@ -358,6 +362,7 @@ impl BakeArgs {
         let asset = Baker::new(self.options()).may_write(&self.output, &self.packing());
         asset.iter().try_for_each(|path| files.reserve(path))?;
         files.claim(&self.output)?;
+        self.trials.iter().try_for_each(|path| files.claim(path))?;
         let reports = self.reports();
         let mut reports = reports.iter().filter(|_| !self.no_verify);
         Ok(reports.try_for_each(|path| files.claim(path))?)

@@ -6,8 +6,8 @@ use taotie::asset::{Report, Trial};
 pub fn line(report: &Report) -> Option<String> {
     let trials = &report.trials;
     let chosen = trials.iter().find(|trial| trial.is_chosen)?;
-    let others = KINDS.into_iter().filter(|kind| *kind != kind_of(chosen)).filter_map(|kind| {
-        let of_kind = || trials.iter().filter(|trial| kind_of(trial) == kind);
+    let others = Trial::KINDS.into_iter().filter(|kind| *kind != chosen.kind()).filter_map(|kind| {
+        let of_kind = || trials.iter().filter(|trial| trial.kind() == kind);
         let smallest = of_kind().filter(|trial| trial.is_near).min_by_key(|trial| trial.bytes);
         let within = of_kind().filter(|trial| trial.is_within());
         let nearest = within.min_by(|a, b| a.ratio().total_cmp(&b.ratio()));
@@ -33,21 +33,10 @@ pub fn line(report: &Report) -> Option<String> {
     Some(format!(
         "chosen of {} trials: {}, {triangles} triangles{maps}, {}, {}{beaten}",
         trials.len(),
-        kind_of(chosen),
+        chosen.kind(),
         kilobytes(bytes),
         differences(chosen)
     ))
-}
-
-/// The kinds of assets.
-const KINDS: [&str; 3] = ["a normal map", "no normal map", "the packed scan"];
-
-fn kind_of(trial: &Trial) -> &'static str {
-    match trial {
-        Trial { is_scan: true, .. } => KINDS[2],
-        Trial { has_normal_map: true, .. } => KINDS[0],
-        _ => KINDS[1],
-    }
 }
 
 /// Returns what is seen of differences on average.

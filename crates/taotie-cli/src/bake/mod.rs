@@ -64,6 +64,10 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
         true => None,
         false => Some(written.verify(scan, &bake_page::options(args.proof_options(), true), progress)),
     };
+    if let Some(path) = &args.trials {
+        files.write_text(path, &bake_page::trials_csv(&report.trials))?;
+        report.files.push(path.clone());
+    }
     report.stages = clock.done();
     if let Some(proof) = proved {
         let proof = proof?;

@@ -58,6 +58,9 @@ impl BakeArgs {
 
     /// Refuses a search that could not find anything.
     pub(super) fn check_search(&self) -> Result<()> {
+        if self.trials.is_some() && !self.searches() {
+            bail!("--trials: nothing is searched for with these options; leave it out");
+        }
         let Some(option) = self.asked() else { return Ok(()) };
         if self.space == Space::Object || !self.maps().contains(&MapKind::Normal) {
             bail!(

@@ -120,7 +120,10 @@ fn refusals() {
             "scan.obj -o out.glb --memory-limit much",
             "`much` is not an amount of memory; write it as 4G or 800M",
         ),
-        ("scan.obj -o out.glb --error 1 --webp", "the argument '--error <DEG>' cannot be used with '--webp'"),
+        (
+            "scan.obj -o out.glb --error 1 --meshopt",
+            "the argument '--error <DEG>' cannot be used with '--meshopt'",
+        ),
         ("scan.obj -o out.glb --error 1 --space object", "--error needs a normal map in tangent space"),
         ("scan.obj -o out.glb --error 1 --maps ao", "--error needs a normal map in tangent space"),
         (
@@ -154,11 +157,8 @@ fn refusals() {
             "scan.obj --low bare.obj -o out.glb --size 64x32",
             "maps of 64×32: atlases that are made are square; give one number, or a low-poly mesh with uvs",
         ),
-        (
-            "scan.obj -o out.glb --ktx2 --size 50",
-            "--size 50: KTX2 needs a multiple of 4; choose another size, or leave out",
-        ),
-        ("scan.obj -o out.glb --ktx2 --webp", "cannot be used with"),
+        ("scan.obj -o out.glb --images ktx2 --size 50", "--size 50: KTX2 needs a multiple of 4"),
+        ("scan.obj -o out.glb --size 50 --trials t.csv", "cannot be used with"),
         (
             "scan.obj -o out.glb --green down --maps ao",
             "--green down: no normal or bent map in tangent space",

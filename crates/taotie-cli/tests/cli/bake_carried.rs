@@ -145,7 +145,7 @@ fn masks_stay_masks_and_ktx2_leaves_their_alpha_to_png() {
     write_scene(&place.path("scan.glb"), &scene, &GltfFormat::default()).unwrap();
     let said = said(&place, "scan.glb --low low.obj --images ktx2");
     assert!(
-        said.contains("the base colour's texture has alpha, which KTX2 is not written with: it is PNG"),
+        said.contains("the base colour's texture has alpha, which KTX2 does not support: it is PNG"),
         "{said}"
     );
     let scene = load_model(&place.path("out.glb")).unwrap().scene;

@@ -371,7 +371,7 @@ struct NormalMap {
 #[test]
 fn of_inspect() {
     let report: InspectReport = parse("inspect a.gltf --json");
-    assert_eq!((report.schema, report.format.as_str()), (4, "glTF"));
+    assert_eq!((report.schema, report.format.as_str()), (5, "glTF"));
     assert_eq!((report.generator.as_deref(), report.copyright.as_deref()), (Some("by hand"), Some("nobody")));
     let counts = &report.counts;
     assert_eq!((counts.triangles, counts.triangles_drawn, counts.vertices), (2, 2, 4));

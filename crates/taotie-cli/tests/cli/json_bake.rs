@@ -177,6 +177,7 @@ struct Proof {
     fit: Option<Fit>,
     bytes_in: u64,
     bytes_out: u64,
+    gpu_bytes: Option<u64>,
     levels: Vec<Level>,
 }
 
@@ -368,7 +369,7 @@ struct Trial {
     triangles: usize,
     size: u32,
     has_normal_map: bool,
-    normals: Option<BTreeMap<String, u8>>,
+    normals: Option<String>,
     bits: Bits,
     mean_angle: f64,
     p95_angle: f64,
@@ -376,8 +377,10 @@ struct Trial {
     p95_color: Option<f64>,
     angle_ratio: f64,
     color_ratio: Option<f64>,
+    ceiling_ratio: f64,
     is_near: bool,
     bytes: u64,
+    gpu_bytes: u64,
 }
 
 #[derive(Deserialize)]
@@ -412,7 +415,7 @@ fn of_a_pair() {
     let written: serde_json::Value = serde_json::from_slice(&place.read("out.report.json")).unwrap();
     assert_eq!(printed, written);
     let report: BakeReport = serde_json::from_value(printed).expect("the document has this form");
-    assert_eq!((report.schema, report.version.as_str()), (4, env!("CARGO_PKG_VERSION")));
+    assert_eq!((report.schema, report.version.as_str()), (5, env!("CARGO_PKG_VERSION")));
     assert_eq!((report.high.as_str(), report.low.as_deref()), ("scan.obj", Some("low.obj")));
     assert_eq!((report.high_triangles, report.triangles, report.size), (9024, vec![528], [64; 2]));
     assert_eq!(report.high_sha256.len(), 64);

@@ -28,8 +28,11 @@ mod notices;
 mod parts;
 mod patches;
 mod sections;
+mod trials;
 mod views;
 mod worst;
+
+pub use trials::trials_csv;
 
 use crate::Page;
 use crate::viewer::{AssetSubject, MeasuredErrors};
@@ -70,6 +73,7 @@ pub fn page_of_collection(report: &Report, proof: &Proof, asset: Option<&Asset>)
 
 fn of(report: &Report, proof: &Proof, (asset, judge): (Option<&Asset>, Judge)) -> Result<Page> {
     let mut sections = sections::sections(report, (&proof.figures, &proof.part_flips));
+    sections.splice(0..0, trials::plot(report));
     sections.extend(report.certificate.as_ref().and_then(certificate::further_files));
     sections.extend(notices::section(report, proof));
     let is_packed = report.trials.iter().any(|trial| trial.is_chosen && trial.is_scan);

@@ -14,9 +14,15 @@
  * @typedef {{
  *   title: string, note: string, unit: string, bin_width: number, last_is_open: boolean, series: Series[]
  * }} Histogram
+ * @typedef {{ at: [number, number], text: string, is_chosen: boolean, is_filled: boolean }} PlotPoint
+ * @typedef {{ name: string, unit: string }} Axis
+ * @typedef {{
+ *   title: string, note: string, x: Axis, y: Axis, series: { label: string, points: PlotPoint[] }[],
+ *   frontier: [number, number][]
+ * }} Plot
  * @typedef {{ title: string, paragraphs: string[] }} Prose
  * @typedef {{ title: string, note: string, notices: Notice[] }} Notices
- * @typedef {{ text: Prose } | { table: Table } | { histogram: Histogram } | { notices: Notices }} Section
+ * @typedef {{ text: Prose } | { table: Table } | { histogram: Histogram } | { plot: Plot } | { notices: Notices }} Section
  * @typedef {{ title: string, note: string, columns: Column[], rows: Cell[][] }} PlainTable
  * @typedef {{
  *   title: string, verdict: Notice, facts: { name: string, value: string }[], tables: PlainTable[], command_note: string,
@@ -64,6 +70,7 @@ function noticeOf({ text, tone }) {
 function sectionOf(section) {
   if ("table" in section) return tableOf(section.table);
   if ("histogram" in section) return histogramOf(section.histogram);
+  if ("plot" in section) return plotOf(section.plot);
   if ("notices" in section) {
     const { title, note: about, notices } = section.notices;
     const list = el("ul", { class: "notices" }, ...notices.map(noticeOf));

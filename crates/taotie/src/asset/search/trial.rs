@@ -53,6 +53,18 @@ pub struct Trial {
 }
 
 impl Trial {
+    /// The kinds of assets: with a normal map, without one, and the packed scan.
+    pub const KINDS: [&'static str; 3] = ["a normal map", "no normal map", "the packed scan"];
+
+    /// Returns its kind, one of [`Trial::KINDS`].
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self { is_scan: true, .. } => Self::KINDS[2],
+            Self { has_normal_map: true, .. } => Self::KINDS[0],
+            _ => Self::KINDS[1],
+        }
+    }
+
     /// Takes ratios to limits that are so many times as large for those to the limits themselves.
     pub(super) fn scale(&mut self, factor: f64) {
         self.angle_ratio *= factor;

@@ -6,8 +6,9 @@ use super::super::stream::{Octahedron, PowerOfTwo, Stream};
 use crate::io::gltf::{StoredAttribute, StoredVertices};
 use crate::math::Vec3;
 use crate::mesh::RELIEF_OF_VERTICES;
-use meshopt::{SimplifyOptions, VertexDataAdapter};
+use meshopt::SimplifyOptions;
 use serde_json::Value;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Vertices in a new order, and the triangles of each primitive on them.
@@ -18,47 +19,132 @@ pub(super) struct Shaped {
 
 impl Shaped {
     /// Sorts the vertices that are left, and triangles.
-    pub fn new(vertices: &StoredVertices, triangles: &[Vec<[u32; 3]>]) -> Self {
-        let lists: Vec<&[[u32; 3]]> = triangles.iter().map(Vec::as_slice).collect();
-        let (order, triangles) = sorted(&lists, vertices.attributes[0].elements.count());
+    pub fn new(simplified: &Simplified<'_>) -> Self {
+        let lists: Vec<&[[u32; 3]]> = simplified.triangles.iter().map(Vec::as_slice).collect();
+        let (order, triangles) = sorted(&lists, simplified.vertices.attributes[0].elements.count());
         Self { order, triangles }
     }
 }
 
-/// Returns the triangles of each primitive, simplified to a part of them. Borders of primitives stay unless it `is_alone`,
-/// since others may touch them; primitives with morph targets stay as they are.
-pub(super) fn simplified(vertices: &StoredVertices, kept: f64, is_alone: bool) -> Vec<Vec<[u32; 3]>> {
-    let own = || vertices.primitives.iter().map(|primitive| primitive.triangles.clone());
-    if kept >= 1.0 || !vertices.targets.is_empty() {
-        return own().collect();
+/// The weight of uvs in the error of a simplification, against positions in a box of side 1.
+const WEIGHT_OF_UVS: f32 = 0.5;
+/// The weight of vertex colours.
+const WEIGHT_OF_COLORS: f32 = 0.5;
+
+/// Fewer triangles of each primitive, and their vertices, which moved.
+pub(super) struct Simplified<'a> {
+    pub vertices: Cow<'a, StoredVertices>,
+    pub triangles: Vec<Vec<[u32; 3]>>,
+}
+
+impl<'a> Simplified<'a> {
+    /// Simplifies primitives to a part of their triangles. Borders of primitives stay unless it `is_alone`, since others may
+    /// touch them; primitives with morph targets stay as they are.
+    pub fn new(vertices: &'a StoredVertices, kept: f64, is_alone: bool) -> Self {
+        let triangles = vertices.primitives.iter().map(|primitive| primitive.triangles.clone()).collect();
+        let own = Self { vertices: Cow::Borrowed(vertices), triangles };
+        if kept >= 1.0 || !vertices.targets.is_empty() {
+            return own;
+        }
+        let mut movable = Movable::of(vertices);
+        let options = if is_alone { SimplifyOptions::empty() } else { SimplifyOptions::LockBorder };
+        let triangles = own.triangles.into_iter().map(|triangles| {
+            let target = (triangles.len() as f64 * kept).ceil() as usize;
+            movable.simplified(triangles, target, options)
+        });
+        let triangles = triangles.collect();
+        Self { vertices: Cow::Owned(movable.into_vertices(vertices)), triangles }
     }
-    let floats = |name: &str| vertices.attributes.iter().find(|a| a.name == name).map(floats);
-    let points: Vec<f32> = floats("POSITION").unwrap_or_default();
-    // Of unit length, in whatever type they are stored.
-    let unit = |n: &[f32; 3]| Vec3::from_array(*n).normalize_or(Vec3::splat(0.0)).to_array();
-    let normals: Vec<f32> = floats("NORMAL").unwrap_or_default();
-    let normals: Vec<f32> = normals.as_chunks::<3>().0.iter().flat_map(unit).collect();
-    let weights = vec![RELIEF_OF_VERTICES; if normals.is_empty() { 0 } else { 3 }];
-    let unlocked = vec![false; points.len() / 3];
-    let options = if is_alone { SimplifyOptions::empty() } else { SimplifyOptions::LockBorder };
-    let fewer = |triangles: Vec<[u32; 3]>| {
-        let corners = meshopt::simplify_with_attributes_and_locks(
-            triangles.as_flattened(),
-            &VertexDataAdapter::new(meshopt::typed_to_bytes(&points), size_of::<[f32; 3]>(), 0)
-                .expect("the stride divides the length, and no offset is given"),
-            &normals,
-            &weights,
-            size_of_val(weights.as_slice()),
-            &unlocked,
-            3 * (triangles.len() as f64 * kept).ceil() as usize,
+}
+
+/// The positions and attributes of vertices that simplification moves.
+struct Movable {
+    positions: Vec<[f32; 3]>,
+    /// All attributes of a vertex, one vertex after the other.
+    attributes: Vec<f32>,
+    weights: Vec<f32>,
+    /// The number of each attribute among those of the file, and its place in `attributes`.
+    places: Vec<(usize, usize)>,
+}
+
+impl Movable {
+    fn of(vertices: &StoredVertices) -> Self {
+        let (mut places, mut weights) = (Vec::new(), Vec::new());
+        for (number, attribute) in vertices.attributes.iter().enumerate() {
+            let weight = match kind(&attribute.name) {
+                "NORMAL" => RELIEF_OF_VERTICES,
+                "TEXCOORD" => WEIGHT_OF_UVS,
+                "COLOR" => WEIGHT_OF_COLORS,
+                _ => continue,
+            };
+            places.push((number, weights.len()));
+            weights.resize(weights.len() + attribute.elements.width, weight);
+        }
+        let count = vertices.attributes[0].elements.count();
+        let mut attributes = vec![0.0; count * weights.len()];
+        for (number, place) in &places {
+            let attribute = &vertices.attributes[*number];
+            for (vertex, all) in attributes.chunks_exact_mut(weights.len()).enumerate() {
+                all[*place..].iter_mut().zip(unit_numbers(attribute, vertex)).for_each(|(to, v)| *to = v);
+            }
+        }
+        let positions = floats(&vertices.attributes[0]).as_chunks().0.to_vec();
+        Self { positions, attributes, weights, places }
+    }
+
+    fn simplified(
+        &mut self,
+        triangles: Vec<[u32; 3]>,
+        target: usize,
+        options: SimplifyOptions,
+    ) -> Vec<[u32; 3]> {
+        let mut corners = triangles.as_flattened().to_vec();
+        let found = meshopt::simplify_with_update(
+            &mut corners,
+            &mut self.positions,
+            &mut self.attributes,
+            &self.weights,
+            size_of_val(self.weights.as_slice()),
+            None,
+            3 * target,
             f32::MAX,
             options,
             None,
         );
-        let found = corners.as_chunks::<3>().0.to_vec();
+        let found = corners[..found].as_chunks::<3>().0.to_vec();
         if found.is_empty() { triangles } else { found }
-    };
-    own().map(fewer).collect()
+    }
+
+    /// Returns the vertices of the file with those of its attributes that are floats moved.
+    fn into_vertices(self, own: &StoredVertices) -> StoredVertices {
+        let mut vertices = own.clone();
+        let bytes = |floats: &mut dyn Iterator<Item = f32>| floats.flat_map(f32::to_le_bytes).collect();
+        let is_float = vertices.attributes[0].is_float();
+        if is_float {
+            vertices.attributes[0].elements.bytes = bytes(&mut self.positions.into_iter().flatten());
+        }
+        for (number, place) in self.places {
+            let attribute = &mut vertices.attributes[number];
+            if !is_float || !attribute.is_float() {
+                continue;
+            }
+            let width = attribute.elements.width;
+            let each = self.attributes.chunks_exact(self.weights.len());
+            attribute.elements.bytes = bytes(&mut each.flat_map(|all| all[place..][..width].iter().copied()));
+        }
+        vertices
+    }
+}
+
+/// Returns the numbers of a vertex; normals of unit length, in whatever type they are stored.
+fn unit_numbers(attribute: &StoredAttribute, vertex: usize) -> Vec<f32> {
+    let numbers: Vec<f32> = attribute.numbers(vertex).collect();
+    match numbers[..] {
+        [x, y, z] if attribute.name == "NORMAL" => {
+            Vec3::new(x, y, z).normalize_or(Vec3::splat(0.0)).to_array().into()
+        }
+        _ => numbers,
+    }
 }
 
 /// Returns the longest side of the mesh of each group of vertices. Primitives of a mesh are rounded alike, so that they

@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::image::Bitmap;
 use crate::io::gltf::{Content, GltfSource, RawGltf, StoredVertices};
 use crate::io::limits::Limits;
-use geometry::{Precision, Shaped};
+use geometry::{Precision, Shaped, Simplified};
 use image::OwnImage;
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -130,9 +130,9 @@ impl GltfPacker {
         }
         let mut file = Packed::new(&self.json, self.bytes.clone());
         for (vertices, extent) in self.vertices.iter().zip(&self.extents) {
-            let triangles = geometry::simplified(vertices, geometry.kept, self.is_alone);
+            let simplified = Simplified::new(vertices, geometry.kept, self.is_alone);
             let precision = Precision { bits: geometry.bits, extent: *extent };
-            file.add_vertices(vertices, &Shaped::new(vertices, &triangles), &precision)?;
+            file.add_vertices(&simplified.vertices, &Shaped::new(&simplified), &precision)?;
         }
         let own = self.images.iter().enumerate().filter_map(|(number, own)| Some((number, own.as_ref()?)));
         for (number, own) in own {
