@@ -14,7 +14,17 @@ fn main() -> taotie::Result<()> {
         let level = proof.figures.finest().unwrap();
         let angles = level.overview.angles.unwrap().summary;
         let color = level.overview.color.map(|c| c.summary);
-        println!("{kept} {} triangles {} bytes mean {:.3} p95 {:.3} color {:.3} {:.3} silhouette {:.2} rms {:.5}", level.triangles, glb.len(), angles.mean, angles.p95, color.map_or(0.0, |c| c.mean), color.map_or(0.0, |c| c.p95), level.silhouette.max_pixels, level.rms_of_diagonal * 100.0);
+        println!(
+            "{kept} {} triangles {} bytes mean {:.3} p95 {:.3} color {:.3} {:.3} silhouette {:.2} rms {:.5}",
+            level.triangles,
+            glb.len(),
+            angles.mean,
+            angles.p95,
+            color.map_or(0.0, |c| c.mean),
+            color.map_or(0.0, |c| c.p95),
+            level.silhouette.max_pixels,
+            level.rms_of_diagonal * 100.0
+        );
     }
     Ok(())
 }

@@ -41,15 +41,19 @@ pub(super) fn reduce(
     // The largest come last and make up for what others took beyond their shares.
     members.sort_by_key(|member| member.triangles.len());
     let method = if members.len() < components.len() { SimplifyMethod::Pruned } else { together.method };
-    let mut all = Reduced { triangles: Vec::new(), error: 0.0, method };
+    let mut all = Reduced { triangles: Vec::new(), ..Reduced::kept(part, method) };
     let mut purse = Purse { triangles: options.triangles, weight: members.iter().map(|m| m.weight).sum() };
     for member in &members {
-        let found = alone(part, member.triangles, purse.share(member), options);
+        let own = part.extract(member.triangles);
+        let found = alone(&own, purse.share(member), options);
         purse.triangles = purse.triangles.saturating_sub(found.triangles.len());
         purse.weight -= member.weight;
         all.error = all.error.max(found.error);
         all.method = all.method.max(found.method);
-        all.triangles.extend(found.triangles);
+        all.triangles
+            .extend(found.triangles.iter().map(|triangle| triangle.map(|v| own.sources[v as usize])));
+        let points = own.sources.iter().zip(found.points);
+        points.for_each(|(source, point)| all.points[*source as usize] = point);
     }
     all
 }
@@ -89,17 +93,15 @@ impl Purse {
 }
 
 /// Simplifies one component, with more triangles than its share where it is lost or torn.
-fn alone(part: &Part, triangles: &[[u32; 3]], share: Share, options: &SimplifyOptions) -> Reduced {
-    let own = part.extract(triangles);
+fn alone(own: &Part, share: Share, options: &SimplifyOptions) -> Reduced {
     let is_whole = |triangles: &[[u32; 3]]| components::is_connected(triangles, own.points.len());
     // Blocks may have torn it before, and then more triangles mend nothing.
     let most = if is_whole(&own.triangles) { share.most } else { share.triangles };
     let mut count = share.triangles;
     loop {
-        let found = to(&own, &SimplifyOptions { triangles: count, ..*options });
+        let found = to(own, &SimplifyOptions { triangles: count, ..*options });
         if count >= most || is_whole(&found.triangles) {
-            let in_part = |triangle: &[u32; 3]| triangle.map(|v| own.sources[v as usize]);
-            return Reduced { triangles: found.triangles.iter().map(in_part).collect(), ..found };
+            return found;
         }
         count = (2 * count).min(most);
     }
@@ -107,14 +109,14 @@ fn alone(part: &Part, triangles: &[[u32; 3]], share: Share, options: &SimplifyOp
 
 fn to(own: &Part, options: &SimplifyOptions) -> Reduced {
     if own.triangles.len() <= options.triangles {
-        return Reduced { triangles: own.triangles.clone(), error: 0.0, method: SimplifyMethod::Collapsed };
+        return Reduced::kept(own, SimplifyMethod::Collapsed);
     }
-    let first = collapsed(own, own.triangles.clone(), options, Choices::empty());
+    let first = collapsed(Reduced::kept(own, SimplifyMethod::Kept), options, Choices::empty());
     if !is_too_many(&first, options.triangles) {
         return first;
     }
     let earlier = first.error;
-    let freer = collapsed(own, first.triangles, options, Choices::Permissive);
+    let freer = collapsed(first, options, Choices::Permissive);
     Reduced { error: earlier + freer.error, method: SimplifyMethod::Pruned, ..freer }
 }
 
@@ -153,7 +155,7 @@ mod tests {
         let [speck, small, ball] = [order[0], order[1], order[2]];
         assert_eq!([speck, small, ball].map(|i| components.large[i]), [false, true, true]);
         let options = SimplifyOptions { triangles: 400, ..SimplifyOptions::default() };
-        let nothing = Reduced { triangles: Vec::new(), error: 0.0, method: SimplifyMethod::Collapsed };
+        let nothing = Reduced { triangles: Vec::new(), ..Reduced::kept(&part, SimplifyMethod::Collapsed) };
         let found = reduce(&part, &components, &nothing, &options);
         let counts = components.counts(&part, &found.triangles);
         assert_eq!((counts[speck], found.method), (0, SimplifyMethod::Pruned));
@@ -169,8 +171,7 @@ mod tests {
         let components = Components::of(&mut part);
         for triangles in [20, 60, 1000] {
             let options = SimplifyOptions { triangles, ..SimplifyOptions::default() };
-            let as_it_was =
-                Reduced { triangles: part.triangles.clone(), error: 0.0, method: SimplifyMethod::Collapsed };
+            let as_it_was = Reduced::kept(&part, SimplifyMethod::Collapsed);
             let found = reduce(&part, &components, &as_it_was, &options);
             for triangle in &found.triangles {
                 let [a, b, c] = triangle.map(|v| part.labels[v as usize]);

@@ -25,16 +25,16 @@ pub(super) fn clustered(part: &Part, options: &SimplifyOptions) -> Reduced {
 
 /// Returns the triangles that lie on the part.
 fn without_bars(part: &Part, joined: &Reduced) -> Vec<[u32; 3]> {
-    let surface = Bvh::of(part.triangles.len(), |t| corners(part, &part.triangles[t]));
+    let surface = Bvh::of(part.triangles.len(), |t| corners(&part.points, &part.triangles[t]));
     let far = (FAR * joined.error).max(LEAST_GAP);
     let is_near = |triangle: &&[u32; 3]| {
-        middles(corners(part, triangle)).into_iter().all(|p| surface.closest(p, far).is_some())
+        middles(corners(&joined.points, triangle)).into_iter().all(|p| surface.closest(p, far).is_some())
     };
     joined.triangles.iter().filter(is_near).copied().collect()
 }
 
-fn corners(part: &Part, triangle: &[u32; 3]) -> [Vec3; 3] {
-    triangle.map(|v| Vec3::from_array(part.points[v as usize]))
+fn corners(points: &[[f32; 3]], triangle: &[u32; 3]) -> [Vec3; 3] {
+    triangle.map(|v| Vec3::from_array(points[v as usize]))
 }
 
 /// Returns the middle of a triangle and those of its edges.
@@ -48,7 +48,7 @@ fn joined(part: &Part, options: &SimplifyOptions) -> Reduced {
     let plenty = wanted.saturating_mul(CLUSTERED_FOR_ONE).min(part.triangles.len());
     let rough = sloppy(part, plenty);
     let rough_error = rough.error;
-    let fine = collapsed(part, rough.triangles, options, Choices::Permissive);
+    let fine = collapsed(rough, options, Choices::Permissive);
     if fine.triangles.is_empty() || is_too_many(&fine, wanted) {
         return sloppy(part, wanted);
     }
@@ -64,7 +64,7 @@ fn sloppy(part: &Part, target: usize) -> Reduced {
         1.0,
         Some(&mut error),
     );
-    Reduced { triangles: triples(corners), error, method: SimplifyMethod::Clustered }
+    Reduced { triangles: triples(corners), error, ..Reduced::kept(part, SimplifyMethod::Clustered) }
 }
 
 #[cfg(test)]
@@ -86,7 +86,7 @@ mod tests {
         let part = Part { points, sources: Vec::new(), triangles, labels: Vec::new() };
         let joined = |error: f32| {
             let triangles = vec![[0, 2, 1], [1, 3, 2], [0, 4, 5]];
-            Reduced { triangles, error, method: SimplifyMethod::Clustered }
+            Reduced { triangles, error, ..Reduced::kept(&part, SimplifyMethod::Clustered) }
         };
         assert_eq!(without_bars(&part, &joined(1e-3)), [[0, 2, 1]]);
         assert_eq!(without_bars(&part, &joined(0.1)).len(), 3, "the error says how far vertices went");

@@ -1,7 +1,7 @@
 //! Edges collapsed, all triangles at once.
 
 use super::options::{SimplifyMethod, SimplifyOptions};
-use super::part::{Part, adapter, triples};
+use super::part::{Part, triples};
 use crate::math::Vec3;
 use meshopt::SimplifyOptions as Choices;
 
@@ -10,8 +10,10 @@ const NEAR: f64 = 0.02;
 /// The largest part that may be left out, as a part of the whole.
 const LARGEST_LEFT_OUT: f32 = 0.05;
 
-/// Fewer triangles of a part.
+/// Fewer triangles of a part, on points that moved.
 pub(super) struct Reduced {
+    /// As many as those of the part, in the unit cube.
+    pub points: Vec<[f32; 3]>,
     pub triangles: Vec<[u32; 3]>,
     /// In parts of the unit cube.
     pub error: f32,
@@ -28,12 +30,19 @@ pub(super) fn is_too_many(reduced: &Reduced, wanted: usize) -> bool {
     reduced.triangles.len() > wanted && !is_near(reduced.triangles.len(), wanted)
 }
 
+impl Reduced {
+    /// Returns a part as it is.
+    pub fn kept(part: &Part, method: SimplifyMethod) -> Self {
+        Self { points: part.points.clone(), triangles: part.triangles.clone(), error: 0.0, method }
+    }
+}
+
 /// Returns the collapsed part: where many triangles meet in an edge, a collapse takes more than was asked for; then it
 /// is asked for less.
 pub(super) fn collapsed_exactly(part: &Part, options: &SimplifyOptions) -> Reduced {
     let collapsed_to = |triangles: usize| {
         let options = SimplifyOptions { triangles, ..*options };
-        collapsed(part, part.triangles.clone(), &options, Choices::empty())
+        collapsed(Reduced::kept(part, SimplifyMethod::Kept), &options, Choices::empty())
     };
     let wanted = options.triangles;
     let first = collapsed_to(wanted);
@@ -45,52 +54,51 @@ pub(super) fn collapsed_exactly(part: &Part, options: &SimplifyOptions) -> Reduc
     if is_near(second.triangles.len(), wanted) { second } else { first }
 }
 
-/// Collapses edges of some triangles on the points of the part.
-pub(super) fn collapsed(
-    part: &Part,
-    triangles: Vec<[u32; 3]>,
-    options: &SimplifyOptions,
-    more: Choices,
-) -> Reduced {
+/// Collapses edges, and moves the points that are left to where they are nearest to the surface.
+pub(super) fn collapsed(from: Reduced, options: &SimplifyOptions, more: Choices) -> Reduced {
+    let Reduced { mut points, triangles, .. } = from;
     let pruning = more.contains(Choices::Prune);
     let limit = if pruning { LARGEST_LEFT_OUT } else { f32::MAX };
-    let normals: Vec<[f32; 3]> = match options.normal_weight > 0.0 {
-        true => normals(part, &triangles).into_iter().map(Vec3::to_array).collect(),
+    let mut normals: Vec<[f32; 3]> = match options.normal_weight > 0.0 {
+        true => normals(&points, &triangles).into_iter().map(Vec3::to_array).collect(),
         false => Vec::new(),
     };
     let weights = vec![options.normal_weight; if normals.is_empty() { 0 } else { 3 }];
-    let (mut error, unlocked) = (0.0, vec![false; part.points.len()]);
-    let corners = meshopt::simplify_with_attributes_and_locks(
-        triangles.as_flattened(),
-        &adapter(&part.points),
-        normals.as_flattened(),
+    let mut error = 0.0;
+    let mut corners = triangles.into_flattened();
+    let target = (3 * options.triangles).min(corners.len());
+    let count = meshopt::simplify_with_update(
+        &mut corners,
+        &mut points,
+        normals.as_flattened_mut(),
         &weights,
         size_of_val(weights.as_slice()),
-        &unlocked,
-        3 * options.triangles.min(triangles.len()),
+        None,
+        target,
         limit,
         more | Choices::ErrorAbsolute,
         Some(&mut error),
     );
-    Reduced { triangles: triples(corners), error, method: SimplifyMethod::Collapsed }
+    corners.truncate(count);
+    Reduced { points, triangles: triples(corners), error, method: SimplifyMethod::Collapsed }
 }
 
 /// Goes on from where collapses ended, across places where many triangles meet, and without the smallest parts.
-pub(super) fn pruned(part: &Part, from: Reduced, options: &SimplifyOptions) -> Reduced {
+pub(super) fn pruned(from: Reduced, options: &SimplifyOptions) -> Reduced {
     let earlier = from.error;
-    let free = collapsed(part, from.triangles, options, Choices::Permissive);
-    let Reduced { triangles, error, .. } = match is_too_many(&free, options.triangles) {
-        true => collapsed(part, free.triangles, options, Choices::Permissive | Choices::Prune),
+    let free = collapsed(from, options, Choices::Permissive);
+    let found = match is_too_many(&free, options.triangles) {
+        true => collapsed(free, options, Choices::Permissive | Choices::Prune),
         false => free,
     };
-    Reduced { triangles, error: earlier + error, method: SimplifyMethod::Pruned }
+    Reduced { error: earlier + found.error, method: SimplifyMethod::Pruned, ..found }
 }
 
 /// Returns one normal a point, 0 where triangles cancel, weighted by the triangles' areas.
-pub(super) fn normals(part: &Part, triangles: &[[u32; 3]]) -> Vec<Vec3> {
-    let mut sums = vec![Vec3::splat(0.0f32); part.points.len()];
+pub(super) fn normals(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<Vec3> {
+    let mut sums = vec![Vec3::splat(0.0f32); points.len()];
     for triangle in triangles {
-        let [a, b, c] = triangle.map(|v| Vec3::from_array(part.points[v as usize]));
+        let [a, b, c] = triangle.map(|v| Vec3::from_array(points[v as usize]));
         let doubled_area = (b - a).cross(c - a);
         triangle.iter().for_each(|v| sums[*v as usize] += doubled_area);
     }

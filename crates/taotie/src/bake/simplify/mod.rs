@@ -19,6 +19,7 @@ use crate::error::{Error, Result, Warnings};
 use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
 use crate::surface::{creased, has_turned_facets, with_normals};
+use collapse::Reduced;
 pub(super) use collapse::is_near;
 use components::{Components, Fate};
 pub(super) use morton::morton;
@@ -30,7 +31,7 @@ pub(super) use weld::places;
 /// A simplified surface.
 #[derive(Debug, Clone)]
 pub struct Simplified {
-    /// Positions (to the bit those of the high-poly surface), normals and triangles; neither uvs nor colours.
+    /// Positions, normals and triangles; neither uvs nor colours. Vertices moved to where they are nearest to the surface.
     pub mesh: Mesh,
     /// The distance of the low-poly surface from the high-poly one, model units: the estimate of meshoptimizer, of the
     /// size of the root mean square near the worst place, not a bound.
@@ -78,9 +79,9 @@ pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) 
     progress.at(0.7)?;
     let mut reduced = whole::reduce(&part, &components, options);
     if reduced.method != SimplifyMethod::Kept {
-        reduced.triangles = slivers::mended(&part.points, reduced.triangles);
-        let normals = collapse::normals(&part, &part.triangles);
-        reduced.triangles = folds::unfolded(&part.points, &normals, reduced.triangles);
+        reduced.triangles = slivers::mended(&reduced.points, reduced.triangles);
+        let normals = collapse::normals(&part.points, &part.triangles);
+        reduced.triangles = folds::unfolded(&reduced.points, &normals, reduced.triangles);
     }
     let found = reduced.triangles.len();
     if found == 0 {
@@ -94,7 +95,7 @@ pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) 
     if method != SimplifyMethod::Clustered {
         note_fate(components.fate(&part, &reduced.triangles), &mut notes);
     }
-    let mesh = finish(mesh, &part, reduced.triangles)?;
+    let mesh = finish(mesh, (&part, &cube), reduced)?;
     let reached = is_near(found, options.triangles) || method == SimplifyMethod::Kept;
     progress.at(1.0)?;
     Ok(Simplified { mesh, error, method, reached, notes })
@@ -124,11 +125,18 @@ fn check(options: &SimplifyOptions) -> Result<()> {
     Ok(())
 }
 
-/// Returns the triangles with the positions of the mesh that they came from, and normals that hardly a facet turns away
+/// Returns the triangles with positions in the space of the mesh, to the bit its own if they did not move, and normals that hardly a facet turns away
 /// from.
-fn finish(mesh: &Mesh, part: &Part, triangles: Vec<[u32; 3]>) -> Result<Mesh> {
-    let (triangles, used) = part::compact(triangles, part.points.len());
-    let positions = used.iter().map(|v| mesh.positions()[part.sources[*v as usize] as usize]).collect();
+fn finish(mesh: &Mesh, (part, cube): (&Part, &UnitCube), reduced: Reduced) -> Result<Mesh> {
+    let (triangles, used) = part::compact(reduced.triangles, part.points.len());
+    let position = |v: &u32| {
+        let v = *v as usize;
+        match reduced.points[v] == part.points[v] {
+            true => mesh.positions()[part.sources[v] as usize],
+            false => cube.placed(reduced.points[v]),
+        }
+    };
+    let positions = used.iter().map(position).collect();
     let mesh =
         with_normals(&Mesh::new(MeshData { positions, triangles, ..MeshData::default() })?)?.into_owned();
     // Few are folded facets of a surface that goes on, whose neighbours say better which way is out.

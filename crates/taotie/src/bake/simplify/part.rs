@@ -44,6 +44,11 @@ impl UnitCube {
         self.unit(position).to_f32().to_array()
     }
 
+    /// Returns the position of a point of the unit cube.
+    pub fn placed(&self, point: [f32; 3]) -> Vec3 {
+        (self.least + Vec3::from_array(point).to_f64() * self.extent).to_f32()
+    }
+
     /// Returns the same in double precision.
     pub fn unit(&self, position: Vec3) -> Vec3<f64> {
         (position.to_f64() - self.least) / self.extent

@@ -15,7 +15,7 @@ use super::part::Part;
 pub(super) fn reduce(part: &Part, components: &Components, options: &SimplifyOptions) -> Reduced {
     let wanted = options.triangles;
     if part.triangles.len() <= wanted {
-        return Reduced { triangles: part.triangles.clone(), error: 0.0, method: SimplifyMethod::Kept };
+        return Reduced::kept(part, SimplifyMethod::Kept);
     }
     let is_soup = components.is_soup;
     let is_whole = |reduced: &Reduced| {
@@ -26,7 +26,7 @@ pub(super) fn reduce(part: &Part, components: &Components, options: &SimplifyOpt
     if !is_too_many(&first, wanted) && is_whole(&first) {
         return first;
     }
-    let together = if is_too_many(&first, wanted) { pruned(part, first, options) } else { first };
+    let together = if is_too_many(&first, wanted) { pruned(first, options) } else { first };
     let is_reached = !is_too_many(&together, wanted);
     match () {
         () if is_reached && is_whole(&together) => together,
