@@ -355,12 +355,8 @@ class Asset:
         self,
         path: PathLike,
         *,
-        ktx2: bool = False,
-        webp: bool = False,
+        images: str = "png",
         meshopt: bool = False,
-        webp_quality: int | None = None,
-        uastc_rdo: int | None = None,
-        jpeg: int | None = None,
         provenance: PathLike | None = None,
         green: Literal["up", "down"] = "up",
         progress: Progress = None,
@@ -371,16 +367,12 @@ class Asset:
         ----------
         path : str or path
             ``.glb``, or ``.gltf`` with its files beside it; ``.png``, ``.webp`` or ``.exr`` for maps alone.
-        ktx2, webp : bool
-            Write textures so instead of PNG.
+        images : str
+            Format of textures: ``"png"``, ``"webp"`` (lossless), ``"ktx2"``, or with a loss of colours: ``"webp:85"``,
+            ``"jpeg:85"``, ``"ktx2:2"``; those of colours, normals and numbers: ``"jpeg:90/webp/webp:75"``. Not read if the
+            asset was searched for.
         meshopt : bool
             Compress geometry (EXT_meshopt_compression).
-        webp_quality : int, optional
-            Base colour and emission as lossy WebP of this quality, 1 to 100.
-        uastc_rdo : int, optional
-            Rate-distortion optimisation of KTX2, 1 to 64.
-        jpeg : int, optional
-            Base colour as JPEG of this quality, 1 to 100.
         provenance : path, optional
             XMP metadata (JSON-LD) to add to that of the scan.
         green : {"up", "down"}
@@ -390,13 +382,8 @@ class Asset:
         -------
         Written
         """
-        if ktx2 and webp:
-            raise invalid("ktx2 and webp", "textures are packed in one way; leave one of them out")
         packing = {
-            "images": "ktx2" if ktx2 else "webp" if webp else "png",
-            "webp_quality": webp_quality,
-            "uastc_rdo": uastc_rdo,
-            "jpeg": jpeg,
+            "images": images,
             "meshopt": meshopt,
             "provenance": None if provenance is None else os.fspath(provenance),
             "green": green,
@@ -446,6 +433,7 @@ def bake(
     triangles: int | None = None,
     error: float | None = None,
     goal: Sequence[str] = (),
+    images: Sequence[Literal["png", "jpeg", "webp", "ktx2"]] = (),
     lods: Sequence[int] = (),
     size: int | tuple[int, int] | Literal["auto"] | None = None,
     maps: Sequence[Map | Literal["auto"]] = ("auto",),
@@ -481,9 +469,12 @@ def bake(
         a normal map or without, or the scan itself, packed. Packing options are not read.
     goal : sequence of str, optional
         Find the asset of the fewest bytes that meets these requirements, such as ``["p95-angle=2", "mean-color=0.5"]``, as
-        far as they are about angles and colours as seen; with ``"bytes=500kB"`` the nearest that is so small. If none of
-        `triangles`, `size`, `error` and `goal` is given, it is one that is ``visually-lossless``, unless `low`, `lods`, or
-        maps are asked for that a search cannot judge.
+        far as they are about angles and colours as seen, within the ceilings among them, such as ``"triangles=50000"`` and
+        ``"gpu-memory=64MB"``; with ``"bytes=500kB"`` the nearest of at most that size. ``["web"]``, ``["archive"]`` and
+        ``["engine"]`` are those of ``--preset``. If none of `triangles`, `size`, `error` and `goal` is given, it is one that
+        is ``visually-lossless``, unless `low`, `lods`, or maps are asked for that a search cannot judge.
+    images : sequence of str
+        Image formats that a search may choose from; PNG, JPEG and WebP if empty.
     lods : sequence of int
         Triangles of further levels of detail.
     size : int, (width, height) or "auto", optional
@@ -556,6 +547,7 @@ def bake(
         "low": low_file,
         "triangles": 50_000 if triangles is None else triangles,
         "goal": ",".join(wanted) if wanted else None,
+        "images": list(images),
         "lods": list(lods),
         "size": width,
         "height": None if width == height else height,

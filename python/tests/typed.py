@@ -15,7 +15,7 @@ def bake_and_prove(path: str) -> float:
     asset = tt.bake(scan, triangles=50_000, size=2048, maps=["normal", "ao"])
     proof = asset.verify(scan)
     met: list[tt.Met] = proof.require(mean_angle=0.5)
-    files: list[str] = asset.save("scan.glb", ktx2=True).files
+    files: list[str] = asset.save("scan.glb", images="ktx2").files
     return proof.mean_deg if met and files else 0.0
 
 

@@ -1,8 +1,10 @@
 //! Requirements that have a name together.
 
 use super::figure::Figure;
+use super::preset::Preset;
 use super::requirement::Requirement;
 use crate::error::Result;
+use crate::names::Named;
 
 impl Requirement {
     /// Returns what `--require standard` demands: a mean angle of at most 1° and p95 of 5° as seen, no window of 1 % of the
@@ -34,13 +36,16 @@ impl Requirement {
         ]
     }
 
-    /// Returns the requirements that have a name together, each list with its name.
-    pub(super) fn named() -> [(&'static str, Vec<Self>); 2] {
-        [("standard", Self::standard()), ("visually-lossless", Self::visually_lossless())]
+    /// Returns the requirements that have a name together, each list with its name; one that begins with another stands before it.
+    pub(super) fn named() -> Vec<(&'static str, Vec<Self>)> {
+        let presets = Preset::NAMES.iter().map(|(name, preset)| (*name, preset.requirements()));
+        let own = [("standard", Self::standard()), ("visually-lossless", Self::visually_lossless())];
+        presets.chain(own).collect()
     }
 
     /// Reads requirements, such as `mean-angle=2`, or the name of several: `standard` for [`Requirement::standard`],
-    /// `visually-lossless` for [`Requirement::visually_lossless`]. They are separated by commas.
+    /// `visually-lossless` for [`Requirement::visually_lossless`], `web` and the like for those of a [`Preset`]. They are separated
+    /// by commas.
     ///
     /// # Errors
     /// [`Error::Invalid`](crate::Error::Invalid) if one is neither.

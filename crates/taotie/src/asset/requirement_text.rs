@@ -58,6 +58,8 @@ mod tests {
             "standard",
             "bytes=3000000,standard,flip=0.02",
             "standard,visually-lossless",
+            "web",
+            "engine,archive,triangles=10",
             "hausdorff=0.2mm,texel=50um,silhouette=15mm",
             "within-5deg=99%,within-3.1234567dE=99.9%,within-0.3%@1=95%",
             "mean-angle=2,p95-angle@1=5.5,missed=0.1%,completeness=99.95%,hausdorff=0.3%,silhouette=2,ssim=0.97",
