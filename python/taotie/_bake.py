@@ -471,7 +471,7 @@ def bake(
         Find the asset of the fewest bytes that meets these requirements, such as ``["p95-angle=2", "mean-color=0.5"]``, as
         far as they are about angles and colours as seen, within the ceilings among them, such as ``"triangles=50000"`` and
         ``"gpu-memory=64MB"``; with ``"bytes=500kB"`` the nearest of at most that size. ``["web"]``, ``["archive"]`` and
-        ``["engine"]`` are those of ``--preset``. If none of `triangles`, `size`, `error` and `goal` is given, it is one that
+        ``["engine"]`` are those of ``--preset``; give the last one ``images=["ktx2"]``, too. If none of `triangles`, `size`, `error` and `goal` is given, it is one that
         is ``visually-lossless``, unless `low`, `lods`, or maps are asked for that a search cannot judge.
     images : sequence of str
         Image formats that a search may choose from; PNG, JPEG and WebP if empty.
@@ -528,6 +528,8 @@ def bake(
         raise invalid(f"maps {maps!r}", "give a sequence of names, such as ['normal', 'ao']")
     side: int | tuple[int, int] | str = 2048 if size is None else size
     width, height = (side, side) if isinstance(side, int | str) else side
+    if isinstance(images, str):
+        raise invalid(f"images {images!r}", "give a sequence of formats, such as ['webp', 'png']")
     if isinstance(goal, str):
         raise invalid(f"goal {goal!r}", "give a sequence of requirements, such as ['mean-angle=1']")
     if error is not None and not 0 < error < 180:

@@ -12,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 use taotie::asset::{Limits, Scan, ScanFile, ScanOptions, into_metres};
 use taotie::bake::low_poly_mesh;
 use taotie::inspection::{Audit, AuditSchema, Inspection, ProductInfo};
-use taotie::io::{self, Loaded};
+use taotie::io::{self, GltfSizes, GltfSource, Loaded};
 use taotie::length::Unit;
 use taotie::mesh::Mesh;
 use taotie::scene::{Material, Scene};
@@ -197,7 +197,15 @@ impl Model {
 
     /// What the model holds and what is wrong with it, as JSON.
     fn inspection(&self, py: Python<'_>) -> PyResult<String> {
-        py.detach(|| serde_json::to_string(&Inspection::of(&self.loaded))).map_err(no_json)
+        let inspection = || {
+            let mut inspection = Inspection::of(&self.loaded);
+            let file = self.path.as_deref().filter(|_| self.loaded.structure.is_some());
+            inspection.sizes =
+                file.map(|path| GltfSizes::read(GltfSource::File(path), &self.limits)).transpose()?;
+            Ok::<_, Error>(inspection)
+        };
+        let inspection = py.detach(inspection).map_err(|error| exception(py, &error))?;
+        serde_json::to_string(&inspection).map_err(no_json)
     }
 
     /// The model checked against the schema of an auditor in a file, as JSON.

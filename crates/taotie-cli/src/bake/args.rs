@@ -54,8 +54,8 @@ pub struct BakeArgs {
     pub triangles: Option<u32>,
     /// Target and ceilings for a use: web (mean 1°, 100,000 triangles, 80 MB on the graphics card), archive (mean 0.1°, no
     /// ceilings), or engine (mean 0.5°, 50,000 triangles, 32 MB, textures in KTX2). --error, --require, --images and ceilings
-    /// override them
-    #[arg(long, value_name = "web|archive|engine", value_parser = options::named::<Preset>, help_heading = "Search", conflicts_with_all = BY_HAND)]
+    /// override them; --error stands for all limits of angles
+    #[arg(long, value_name = "web|archive|engine", value_parser = options::named::<Preset>, help_heading = "Search", conflicts_with_all = BY_HAND, conflicts_with = "lods")]
     pub preset: Option<Preset>,
     /// Find the smallest asset with a mean normal error, as seen, of at most DEG degrees: made from the scan, or the scan itself,
     /// packed. Triangles, bits of vertices, normal map or none, sizes, formats and qualities are chosen by what they cost.
@@ -70,9 +70,9 @@ pub struct BakeArgs {
     /// The most triangles of an asset that is searched for. Exit with 1 if it has more
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..), help_heading = "Search", conflicts_with_all = BY_HAND)]
     pub max_triangles: Option<u32>,
-    /// The most memory that it takes on a graphics card, such as 64MB: vertices, and textures with mip levels at four bytes per
+    /// Maximum memory of the asset on a graphics card, such as 64MB: vertices, and textures with mip levels at four bytes per
     /// texel, one of KTX2. Exit with 1 if it takes more
-    #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Search", conflicts_with_all = BY_HAND)]
+    #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Search", conflicts_with_all = BY_HAND, conflicts_with = "lods")]
     pub max_gpu_memory: Option<u64>,
     /// Write every trial of the search as CSV: bytes, memory on the graphics card, triangles, maps, degrees, ΔE
     #[arg(long, value_name = "FILE.csv", help_heading = "Search", conflicts_with_all = BY_HAND)]
@@ -362,8 +362,14 @@ impl BakeArgs {
         let asset = Baker::new(self.options()).may_write(&self.output, &self.packing());
         asset.iter().try_for_each(|path| files.reserve(path))?;
         files.claim(&self.output)?;
-        self.trials.iter().try_for_each(|path| files.claim(path))?;
         let reports = self.reports();
+        if let Some(path) = &self.trials {
+            let written = asset.iter().chain(&reports).find(|written| *written == path);
+            if written.is_some() || path.extension().is_none_or(|extension| extension != "csv") {
+                bail!("--trials {}: name another file, with the ending .csv", path.display());
+            }
+            files.claim(path)?;
+        }
         let mut reports = reports.iter().filter(|_| !self.no_verify);
         Ok(reports.try_for_each(|path| files.claim(path))?)
     }

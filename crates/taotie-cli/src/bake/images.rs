@@ -48,6 +48,12 @@ pub fn images(text: &str) -> Result<Images, String> {
     if text == "auto" {
         return Ok(Images::Auto);
     }
+    let is_no_name = |name: &str| name.trim() == "auto" || name.contains([':', '/']);
+    if text.contains(',') && text.split(',').any(is_no_name) {
+        return Err(
+            "a list holds names only: write webp,png, or one format with its loss, such as webp:85".into()
+        );
+    }
     if text.contains([':', '/']) {
         return text.parse().map(Images::Given).map_err(|error: Error| error.to_string());
     }

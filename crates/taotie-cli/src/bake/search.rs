@@ -28,7 +28,7 @@ impl BakeArgs {
         let asked = self.error.map(Requirement::mean_angle_deg).into_iter().chain(self.proof.requirements());
         let asked: Vec<Requirement> = asked.collect();
         let of_preset = self.of_preset().filter(|own| !is_ceiling(own));
-        let kept = of_preset.filter(|own| !asked.iter().any(|other| other.figure == own.figure));
+        let kept = of_preset.filter(|own| !self.overrides(own, &asked));
         kept.chain(asked.iter().copied()).collect()
     }
 
@@ -39,9 +39,19 @@ impl BakeArgs {
         let given =
             triangles.into_iter().chain(gpu_memory).map(|(figure, most)| Requirement::of(figure, most));
         let given: Vec<Requirement> = given.collect();
+        let required = self.proof.requirements();
         let of_preset = self.of_preset().filter(is_ceiling);
-        let kept = of_preset.filter(|own| !given.iter().any(|other| other.figure == own.figure));
+        let kept = of_preset.filter(|own| !self.overrides(own, &given) && !self.overrides(own, &required));
         kept.chain(given.iter().copied()).collect()
+    }
+
+    /// Returns `true` if one of these requirements limits the same figure of the finest level as that of a preset; `--error` stands
+    /// for all limits of angles.
+    fn overrides(&self, own: &Requirement, others: &[Requirement]) -> bool {
+        let is_finest = |other: &Requirement| other.level.is_none_or(|level| level == 0);
+        let is_angle = matches!(own.figure, Figure::MeanAngle | Figure::P95Angle);
+        (self.error.is_some() && is_angle)
+            || others.iter().any(|other| other.figure == own.figure && is_finest(other))
     }
 
     fn of_preset(&self) -> impl Iterator<Item = Requirement> {

@@ -15,6 +15,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 use taotie::asset::Bytes;
 use taotie::inspection::Inspection;
+use taotie::io::{GltfSizes, GltfSource};
 use taotie::render::{framing_bytes, scene_bytes};
 use taotie::scene::Scene;
 
@@ -80,7 +81,10 @@ fn inspect(args: &InspectArgs) -> Result<()> {
     let limits = args.limits.limits();
     let loaded = taotie::io::load_model_within(&args.model, &limits)?;
     limits.check(args.model.display().to_string(), Bytes(need(&loaded.scene)))?;
-    let inspection = Inspection::of(&loaded);
+    let mut inspection = Inspection::of(&loaded);
+    if loaded.structure.is_some() {
+        inspection.sizes = Some(GltfSizes::read(GltfSource::File(&args.model), &limits)?);
+    }
     let report = Report {
         schema: SCHEMA,
         version: env!("CARGO_PKG_VERSION"),

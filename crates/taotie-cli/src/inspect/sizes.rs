@@ -12,7 +12,8 @@ pub fn lines(sizes: &GltfSizes) -> String {
         table.row([short(name), cell(bytes), cell(gpu_bytes)]);
     };
     row("JSON", Some(sizes.json), None);
-    for size in sizes.attributes.iter().chain([&sizes.indices]).filter(|size| size.bytes + size.gpu_bytes > 0)
+    for size in
+        sizes.attributes.iter().chain([&sizes.indices]).filter(|size| size.bytes > 0 || size.gpu_bytes > 0)
     {
         row(&size.name, Some(size.bytes), Some(size.gpu_bytes));
     }

@@ -286,15 +286,25 @@ fn presets_and_ceilings() {
     let engine = bake("--preset engine --max-triangles 1500 --error 2");
     assert_eq!(
         goal(&engine),
-        "p95-angle=2,mean-color=0.5,p95-color=1.5,patch-color=3,mean-angle=2,gpu-memory=32000000,triangles=1500"
+        "mean-color=0.5,p95-color=1.5,patch-color=3,mean-angle=2,gpu-memory=32000000,triangles=1500"
     );
     assert_eq!(engine["parameters"]["image_formats"], json!(["ktx2"]));
-    assert!(engine["triangles"][0].as_u64() <= Some(1500), "{}", engine["triangles"]);
+    assert!(engine["triangles"][0].as_u64().unwrap() <= 1500, "{}", engine["triangles"]);
     let met = engine["certificate"]["required"].as_array().unwrap();
     let of = |figure: &str| met.iter().find(|met| met["figure"] == figure).unwrap();
     assert_eq!((&of("triangles")["met"], &of("gpu-memory")["met"]), (&json!(true), &json!(true)), "{met:?}");
     let small = bake("--max-gpu-memory 40kB --maps normal");
-    assert!(small["proof"]["gpu_bytes"].as_u64() <= Some(40_000), "{}", small["proof"]["gpu_bytes"]);
+    assert!(small["proof"]["gpu_bytes"].as_u64().unwrap() <= 40_000, "{}", small["proof"]["gpu_bytes"]);
+    let wider = bake("--preset web --require triangles=200000,mean-angle=3 --trials t.csv");
+    assert!(
+        goal(&wider).starts_with("p95-angle=4,") && goal(&wider).ends_with(",gpu-memory=80000000"),
+        "{}",
+        goal(&wider)
+    );
+    assert_eq!(
+        String::from_utf8(place.read("t.csv")).unwrap().lines().count() - 1,
+        wider["trials"].as_array().unwrap().len()
+    );
     assert!(goal(&small).ends_with(",gpu-memory=40000"), "{}", goal(&small));
 }
 

@@ -8,7 +8,6 @@ use super::json::Spread;
 use super::place::Place;
 use serde::Deserialize;
 use serde_json::Value;
-use std::collections::BTreeMap;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

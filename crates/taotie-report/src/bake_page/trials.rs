@@ -10,14 +10,16 @@ const LEAST_ANGLE: f64 = 0.001;
 
 /// Returns the plot of bytes against degrees; `None` if nothing was searched for.
 pub fn plot(report: &Report) -> Option<Section> {
-    if report.trials.is_empty() {
+    // Without a pixel to compare there is no angle.
+    let shown: Vec<Trial> =
+        report.trials.iter().filter(|trial| trial.mean_angle.is_finite()).copied().collect();
+    if shown.is_empty() {
         return None;
     }
     let of_kind = |kind: &'static str| PointSeries {
         label: kind.into(),
-        points: report.trials.iter().filter(|trial| trial.kind() == kind).map(point).collect(),
+        points: shown.iter().filter(|trial| trial.kind() == kind).map(point).collect(),
     };
-    let series = Trial::KINDS.into_iter().map(of_kind).filter(|series| !series.points.is_empty());
     Some(Section::Plot {
         title: "Bytes against degrees".into(),
         note: "Every file that the search made, read back and measured. Filled: within the limits of angles, colours and the \
@@ -25,8 +27,8 @@ pub fn plot(report: &Report) -> Option<Section> {
             .into(),
         x: Axis { name: "size".into(), unit: "kB".into() },
         y: Axis { name: "mean angle".into(), unit: "°".into() },
-        series: series.collect(),
-        frontier: frontier(&report.trials),
+        series: Trial::KINDS.into_iter().map(of_kind).collect(),
+        frontier: frontier(&shown),
     })
 }
 
@@ -99,6 +101,7 @@ pub fn trials_csv(trials: &[Trial]) -> String {
         "color_ratio",
         "ceiling_ratio",
     ]);
+    let number = |value: Option<f64>| number(value.filter(|value| value.is_finite()));
     for trial in trials {
         let VertexBits { positions, normals, uvs } = trial.bits;
         csv.row([
@@ -146,6 +149,7 @@ mod tests {
     fn every_trial_is_a_line() {
         let text = trials_csv(&[trial(4000, 0.5), trial(1000, 3.0)]);
         assert_eq!(text.lines().count(), 3);
+        assert!(!trials_csv(&[trial(1, f64::INFINITY)]).contains("inf"));
         assert!(text.contains("no normal map,false,false,4000,0,0,0,,16,12,16,0.5,0,,,0,,0\r\n"), "{text}");
     }
 }

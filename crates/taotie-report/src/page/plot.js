@@ -18,9 +18,10 @@ function plotOf(plot) {
   const line = plot.frontier.map(([x, y], i) => `${i ? "H" + axes.x(x) + "V" : "M" + axes.x(x) + " "}${axes.y(y)}`);
   picture.append(svg("path", { class: "frontier", d: line.join("") }));
   for (const [i, { points }] of plot.series.entries()) picture.append(...points.map((point) => pointOf(point, i, axes)));
-  const key = plot.series.map(({ label }, i) =>
-    el("span", { class: "key" }, svg("svg", { viewBox: "-6 -6 12 12" }, markOf(i, true)), label),
-  );
+  const key = plot.series.flatMap(({ label, points }, i) => {
+    const mark = svg("svg", { viewBox: "-6 -6 12 12" }, markOf(i, true));
+    return points.length ? [el("span", { class: "key" }, mark, label)] : [];
+  });
   const readout = el("span", { class: "readout" });
   picture.addEventListener("pointermove", (event) => {
     const mark = event.target instanceof Element ? event.target.closest("[data-text]") : null;
@@ -61,14 +62,15 @@ function logAxes({ series }) {
 }
 
 /**
- * Round numbers between two powers of ten: 1, 2 and 5 times each, or the powers alone if these are many.
+ * Round numbers between two powers of ten: the powers if these are many, else 1, 2 and 5 times each, or more of a short range.
  * @param {number} low
  * @param {number} high
  */
 function roundLogs(low, high) {
-  const factors = high - low > 2.5 ? [1] : [1, 2, 5];
+  const few = high - low > 0.8 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9];
+  const factors = high - low > 2.5 ? [1] : few;
   const powers = Array.from({ length: Math.ceil(high) - Math.floor(low) + 1 }, (_, i) => 10 ** (Math.floor(low) + i));
-  const all = powers.flatMap((power) => factors.map((factor) => Number((factor * power).toPrecision(1))));
+  const all = powers.flatMap((power) => factors.map((factor) => Number((factor * power).toPrecision(2))));
   return all.filter((value) => value >= 10 ** low && value <= 10 ** high);
 }
 

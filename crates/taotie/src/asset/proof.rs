@@ -22,7 +22,7 @@ use crate::bake::{self, TexelChecks};
 use crate::compare::Field;
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Encoding, Texture};
-use crate::io::{self, Limits, Loaded};
+use crate::io::{self, GltfSizes, GltfSource, Limits, Loaded};
 use crate::length::Unit;
 use crate::mesh::Point;
 use crate::progress::Progress;
@@ -122,7 +122,7 @@ pub fn verify(
         }
         let files = levels.iter().flat_map(|level| &level.files).cloned().collect();
         let bytes_out = bytes_of(&path, files)?;
-        let gpu_bytes = gpu_bytes(&levels);
+        let gpu_bytes = gpu_bytes(&path, &levels, &scan.limits)?;
         prove(
             Shown { levels, path, bytes_out, gpu_bytes, is_searched: false, has_material: true, unit },
             scan,
@@ -156,9 +156,11 @@ fn bytes_of(path: &Path, mut others: Vec<PathBuf>) -> Result<u64> {
     super::scan::all_files(path, &mut others).iter().map(|file| io::file_size(file)).sum()
 }
 
-/// Returns the bytes that all levels of a glTF file take on a graphics card.
-fn gpu_bytes(levels: &[Loaded]) -> Option<u64> {
-    levels.first()?.structure.as_ref().map(|structure| structure.sizes.gpu_bytes)
+/// Returns the bytes that all levels of a file take on a graphics card; `None` unless it is glTF.
+fn gpu_bytes(path: &Path, levels: &[Loaded], limits: &Limits) -> Result<Option<u64>> {
+    let is_gltf = levels.first().is_some_and(|finest| is_gltf(finest.format));
+    let sizes = is_gltf.then(|| GltfSizes::read(GltfSource::File(path), limits)).transpose()?;
+    Ok(sizes.map(|sizes| sizes.gpu_bytes))
 }
 
 /// An asset as its files show it.
@@ -298,7 +300,7 @@ impl Written {
         let mut levels = io::load_levels_within(&self.current(), &limits)?;
         let files = levels.iter().flat_map(|level| &level.files).cloned().collect();
         let bytes_out = bytes_of(&self.current(), files)?;
-        let gpu_bytes = gpu_bytes(&levels);
+        let gpu_bytes = gpu_bytes(&self.current(), &levels, &limits)?;
         self.check_read_back(&levels)?;
         self.show_object_maps(&mut levels)?;
         into_scan_space(&mut levels, unit)?;

@@ -37,7 +37,8 @@ pub struct Inspection {
     pub history: Vec<XmpEvent>,
     /// The number of each kind of thing.
     pub counts: Counts,
-    /// The bytes of the file by content, and what it takes on a graphics card; `None` unless the format is glTF.
+    /// The bytes of a glTF file by content, and what it takes on a graphics card: [`GltfSizes::read`]. `None` unless the caller
+    /// adds them, since the model's file may be gone.
     pub sizes: Option<GltfSizes>,
     /// World space; `None` where nothing is drawn.
     pub bounds: Option<Extent>,
@@ -208,7 +209,7 @@ impl Inspection {
             sources: packet.map(xmp_sources).unwrap_or_default(),
             history: packet.map(xmp_history).unwrap_or_default(),
             counts: Counts::new(loaded),
-            sizes: loaded.structure.as_ref().map(|structure| structure.sizes.clone()),
+            sizes: None,
             bounds: Extent::of(scene),
             meshes: mesh::reports(loaded),
             materials: Materials::new(loaded).reports(),

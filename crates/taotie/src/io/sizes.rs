@@ -3,7 +3,7 @@
 /// The bytes of a glTF file by content.
 ///
 /// ```
-/// use taotie::io::{self, Limits};
+/// use taotie::io::{self, GltfSizes, GltfSource, Limits};
 /// use taotie::mesh::Mesh;
 /// use taotie::scene::{Material, Scene};
 /// use taotie::Warnings;
@@ -11,7 +11,7 @@
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let vertices = ball.meshes()[0].positions().len() as u64;
 /// let file = io::encode_scene(&ball, &[], &mut Warnings::default())?;
-/// let sizes = io::load_glb(file, &Limits::default())?.structure.expect("glTF").sizes;
+/// let sizes = GltfSizes::read(GltfSource::Glb(&file), &Limits::default())?;
 /// let positions = sizes.attributes.iter().find(|size| size.name == "POSITION").expect("every mesh has positions");
 /// assert_eq!((positions.bytes, positions.gpu_bytes), (vertices * 12, vertices * 12));
 /// # Ok::<(), taotie::Error>(())
@@ -89,13 +89,14 @@ impl ImageSize {
     /// Returns the bytes that an image of this size takes on a graphics card, with all mip levels.
     pub fn on_gpu(size: [u32; 2], is_block_compressed: bool) -> u64 {
         let [mut width, mut height] = size.map(u64::from);
-        let mut bytes = 0;
+        let mut bytes: u64 = 0;
         while width > 0 && height > 0 {
-            bytes += match is_block_compressed {
+            let texels = match is_block_compressed {
                 // 16 bytes per block of 4×4 texels.
-                true => width.div_ceil(4) * height.div_ceil(4) * 16,
-                false => width * height * 4,
+                true => (width.div_ceil(4) * height.div_ceil(4)).saturating_mul(16),
+                false => (width * height).saturating_mul(4),
             };
+            bytes = bytes.saturating_add(texels);
             if width == 1 && height == 1 {
                 break;
             }
@@ -115,5 +116,6 @@ mod tests {
         assert_eq!(ImageSize::on_gpu([1024, 1024], false), 5_592_404);
         assert_eq!(ImageSize::on_gpu([8, 8], true), (4 + 1 + 1 + 1) * 16);
         assert_eq!(ImageSize::on_gpu([0, 8], false), 0);
+        assert_eq!([true, false].map(|is| ImageSize::on_gpu([u32::MAX; 2], is)), [u64::MAX; 2]);
     }
 }

@@ -1,6 +1,5 @@
 //! The contents of a glTF document in numbers, and where its models stand.
 
-use super::sizes::GltfSizes;
 use crate::math::Mat4;
 
 /// The contents of a glTF document, whether or not its scene shows them.
@@ -16,8 +15,6 @@ pub struct GltfStructure {
     pub triangles: usize,
     /// Materials.
     pub materials: usize,
-    /// The bytes of the file by content.
-    pub sizes: GltfSizes,
     /// The root nodes of the scene that show a mesh, themselves or by a descendant.
     pub roots: Vec<RootNode>,
 }

@@ -4,6 +4,7 @@ use crate::cart::{cart, count, joined, parts};
 use crate::distance::{Surface, deviation};
 use crate::files::data_files;
 use crate::hostile::{book, embossed_ball, moebius, sheet, unwelded};
+use std::collections::BTreeMap;
 use taotie::Progress;
 use taotie::asset::{BakeOptions, Baker, Scan};
 use taotie::bake::{
@@ -32,12 +33,28 @@ fn check_normals(mesh: &Mesh, most: f64) {
     assert!(turned as f64 <= most * all as f64, "{turned} of {all} facets are turned");
 }
 
-/// Panics where a triangle has corners of two parts of the scan; returns the number of its parts.
+/// Panics if a connected part lies near several parts of the scan; returns the number of the scan's parts.
 fn check_joints(scan: &Mesh, low: &Mesh) -> usize {
+    /// Vertices that moved may be nearer to another part of the scan, such as the other side of a double wall, or a screw to its
+    /// thread.
+    const MOST: f64 = 0.6;
     let before = parts(scan);
-    for t in 0..low.triangles().len() {
-        let [a, b, c] = low.corners(t).map(|p| before[&p.to_array().map(|v| (v + 0.0).to_bits())]);
-        assert!(a == b && b == c, "triangle {t} joins parts {a}, {b}, {c}");
+    let distance = |of: &[u32; 3], p: &[u32; 3]| {
+        let between = [of, p].map(|bits| Vec3::from_array(bits.map(f32::from_bits)).to_f64());
+        let between = between[0] - between[1];
+        between.dot(between)
+    };
+    let nearest = |p: &[u32; 3]| {
+        let nearest = before.iter().min_by(|a, b| distance(a.0, p).total_cmp(&distance(b.0, p)));
+        *nearest.expect("a scan has vertices").1
+    };
+    let mut found: BTreeMap<u32, BTreeMap<u32, usize>> = BTreeMap::new();
+    for (place, part) in parts(low) {
+        *found.entry(part).or_default().entry(nearest(&place)).or_default() += 1;
+    }
+    for near in found.values() {
+        let (all, most) = (near.values().sum::<usize>(), near.values().max().copied().unwrap_or_default());
+        assert!(most as f64 >= MOST * all as f64, "a part joins several of the scan: {near:?}");
     }
     count(&before)
 }

@@ -29,7 +29,7 @@ fn area(mesh: &Mesh) -> f64 {
 #[test]
 fn an_embossed_ball_keeps_its_shape() {
     let ball = hostile::embossed_ball(100_000);
-    for (wanted, mean, most) in [(10_000, 2e-4, 2e-3), (2_000, 8e-4, 6e-3), (200, 8e-3, 4e-2)] {
+    for (wanted, mean, most) in [(10_000, 1e-4, 6e-4), (2_000, 4e-4, 2.5e-3), (200, 2e-3, 2e-2)] {
         let low = to(&ball, wanted);
         let [found_mean, found_most] = deviation(&ball, &low.mesh, 20);
         println!(
@@ -41,7 +41,6 @@ fn an_embossed_ball_keeps_its_shape() {
         assert!(found_mean < mean && found_most < most, "{wanted}: {found_mean} {found_most}");
         assert!(low.error > 0.0 && low.error < 0.2, "{}", low.error);
         for (p, n) in low.mesh.positions().iter().zip(low.mesh.normals()) {
-            assert!(ball.positions().contains(p), "positions are those of the ball");
             assert!((n.length() - 1.0).abs() < 1e-6 && n.dot(p.normalize()) > 0.5);
         }
     }

@@ -67,7 +67,11 @@ impl<'a, 'b> Bare<'a, 'b> {
         let mut before = None;
         loop {
             let is_met = match self.draft(rungs[at], progress)? {
-                Some(draft) => self.add(draft, VertexBits::default(), best)?.is_near,
+                Some(draft) => {
+                    let trial = self.add(draft, VertexBits::default(), best)?;
+                    // More triangles lead farther beyond a ceiling.
+                    trial.ratio() <= 1.0 || !trial.is_within()
+                }
                 None => false,
             };
             let last = if is_met { 0 } else { rungs.len() - 1 };

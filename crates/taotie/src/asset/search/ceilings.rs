@@ -1,14 +1,15 @@
 //! The most of a device that a candidate may take.
 
+use super::codecs::Codecs;
 use crate::asset::figure::Figure;
 use crate::asset::requirement::Requirement;
 
 /// The part of the memory of a graphics card that textures may take; the rest is for vertices.
 const FOR_TEXTURES: f64 = 0.8;
-/// Bytes per triangle on a graphics card: half a vertex of 28 bytes, some of them twice at seams, and three indices.
-const TRIANGLE: f64 = 36.0;
-/// Bytes per texel with its mip levels.
-const TEXEL: f64 = 4.0 * 4.0 / 3.0;
+/// Bytes per triangle on a graphics card: half a vertex of 28 bytes, more at seams, and three indices.
+const TRIANGLE: f64 = 40.0;
+/// Texels with their mip levels are so many times those of the finest level.
+const WITH_MIPS: f64 = 4.0 / 3.0;
 
 /// The most triangles and bytes that a candidate may have; infinite without a ceiling.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,8 +47,8 @@ impl Ceilings {
     }
 
     /// Returns the most texels that all textures together may have.
-    pub fn most_texels(&self) -> f64 {
-        self.gpu_bytes * FOR_TEXTURES / TEXEL
+    pub fn most_texels(&self, codecs: &Codecs) -> f64 {
+        self.gpu_bytes * FOR_TEXTURES / (codecs.bytes_per_texel() * WITH_MIPS)
     }
 }
 
@@ -62,6 +63,6 @@ mod tests {
         assert_eq!(ceilings, Ceilings { triangles: 200.0, gpu_bytes: 1e6, bytes: f64::INFINITY });
         assert_eq!((ceilings.ratio(100, 2_000_000), ceilings.most_triangles(true)), (2.0, 200.0));
         assert_eq!(Ceilings::of(&[]).ratio(100, 100), 0.0);
-        assert_eq!(Ceilings::of(&[]).most_texels(), f64::INFINITY);
+        assert_eq!(Ceilings::of(&[]).most_texels(&Codecs::new(&[])), f64::INFINITY);
     }
 }

@@ -34,6 +34,11 @@ impl Codecs {
         self.kinds.contains(&kind)
     }
 
+    /// Returns the bytes that a texel takes on a graphics card, at most.
+    pub fn bytes_per_texel(&self) -> f64 {
+        if self.kinds == [CodecKind::Ktx2] { 1.0 } else { 4.0 }
+    }
+
     /// Returns the smallest lossless format; `None` if all are lossy.
     pub fn lossless(&self) -> Option<ImageCodec> {
         let both = [(CodecKind::WebP, ImageCodec::WebP), (CodecKind::Png, ImageCodec::Png)];

@@ -16,6 +16,8 @@ const LEAST_SIDE: u32 = 32;
 const LOSSLESS_SIDE: u32 = 1024;
 /// Ratios of angles for which normal maps are made.
 pub(super) const NORMAL_RATIOS: [f64; 7] = [0.2, 0.35, 0.5, 0.65, 0.78, 0.88, 0.96];
+/// Sides that are tried for a format that not all of them fit.
+const SIDES: usize = 256;
 /// Sides are tried until so many in a row took more bytes.
 const WORSE: usize = 2;
 
@@ -63,12 +65,17 @@ impl<'a> Encodings<'a> {
         self.most_side < self.texture.side()
     }
 
-    /// Returns the encoding that loses least; `None` if no format can hold it.
-    pub fn nearest(&self) -> Result<Option<EncodedTexture>> {
+    /// Returns the encoding that loses least, of a somewhat smaller size if a format demands that.
+    pub fn nearest(&self) -> Result<EncodedTexture> {
         let ladders = self.codecs.ladders().filter_map(|ladder| ladder.last().copied());
-        let mut codecs = self.codecs.lossless().into_iter().chain(ladders);
-        let fitting = codecs.find(|codec| self.texture.fits(*codec, self.most_side));
-        fitting.map(|codec| self.encoded(self.most_side, codec)).transpose()
+        let codecs: Vec<ImageCodec> = self.codecs.lossless().into_iter().chain(ladders).collect();
+        let sides =
+            std::iter::once(self.most_side).chain((1..=self.most_side & !3).rev().step_by(4).take(SIDES));
+        let fitting = sides.flat_map(|side| codecs.iter().map(move |codec| (side, *codec)));
+        let mut fitting = fitting.filter(|(side, codec)| self.texture.fits(*codec, *side));
+        // PNG holds everything.
+        let (side, codec) = fitting.next().unwrap_or((self.most_side, ImageCodec::Png));
+        self.encoded(side, codec)
     }
 
     /// Returns the meaning of its texels.

@@ -73,7 +73,7 @@ fn within_ceiling<'a>(
     workshop: &Workshop<'_>,
 ) -> Vec<(usize, Encodings<'a>)> {
     let own = (0..packer.image_count()).filter_map(|number| packer.image(number)).map(LossyTexture::texels);
-    let part = workshop.ceilings.most_texels() / own.sum::<u64>() as f64;
+    let part = workshop.ceilings.most_texels(workshop.codecs()) / own.sum::<u64>() as f64;
     let part = if part < 1.0 { part.sqrt() } else { 1.0 };
     encodings.into_iter().map(|(number, encodings)| (number, encodings.within(part))).collect()
 }
@@ -260,7 +260,7 @@ impl PackedScan<'_, '_> {
             let may_stay = self.workshop.codecs().allows(kind) && !encodings.must_shrink();
             let found = match may_stay {
                 true => found.filter(|found| found.bytes.len() < stored),
-                false => found.map_or_else(|| encodings.nearest(), |found| Ok(Some(found)))?,
+                false => Some(found.map_or_else(|| encodings.nearest(), Ok)?),
             };
             let Some(found) = found else { continue };
             chosen.ratio = chosen.ratio.max(found.ratio);

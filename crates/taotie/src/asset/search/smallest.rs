@@ -79,7 +79,14 @@ pub(in crate::asset) fn smallest(recipe: Recipe<'_>, scan: &Scan, progress: Prog
             Smallest::Made(Box::new(MadeAsset { low, maps, size: shape.size, rounding }))
         }
     };
-    if !trial.is_near && workshop.has_goal() {
+    if !trial.is_within() {
+        let Trial { triangles, gpu_bytes, .. } = trial;
+        let what = format!(
+            "no asset that was tried is within the ceilings; this is the nearest to them, {triangles} triangles and {gpu_bytes} \
+             bytes on the graphics card"
+        );
+        warnings.note(what, 1);
+    } else if !trial.is_near && workshop.has_goal() {
         warnings.note(none_near_enough(&required, &trial), 1);
     }
     if let Some(most) = most.filter(|most| trial.bytes > *most) {

@@ -15,7 +15,8 @@ use crate::asset::scan::Scan;
 use crate::bake::{self, MapKind, Simplified};
 use crate::error::{Error, Result};
 use crate::io::{
-    self, GltfAsset, GltfFormat, GltfLevel, ImageCodec, Limits, Loaded, TextureCodecs, VertexBits,
+    self, GltfAsset, GltfFormat, GltfLevel, GltfSizes, GltfSource, ImageCodec, Limits, TextureCodecs,
+    VertexBits,
 };
 use crate::mesh::Mesh;
 use crate::progress::Progress;
@@ -27,7 +28,7 @@ pub(super) const PIXELS: usize = 20_000;
 
 /// The number of pixels for trials whose ratio to a limit differs from 1 by less than [`NEAR_LIMIT`]: the proof, too, takes more
 /// pixels until it is certain.
-const FINE_PIXELS: usize = 100_000;
+const FINE_PIXELS: usize = 60_000;
 const NEAR_LIMIT: f64 = 0.04;
 
 /// The mean angle that rounding normals to 8 bits costs, degrees; each bit more halves it.
@@ -170,7 +171,8 @@ impl<'a> Workshop<'a> {
     /// its detail, but not many times more.
     pub fn most_side(&self) -> u32 {
         const MARGIN: u32 = 4;
-        let ceiling = ((self.ceilings.most_texels() / self.textures() as f64).sqrt() as u32 & !3).max(16);
+        let ceiling =
+            ((self.ceilings.most_texels(&self.codecs) / self.textures() as f64).sqrt() as u32 & !3).max(16);
         match self.has_other_maps() {
             true => ceiling.min(MARGIN * map_side::chosen(self.subject.scan.about.size.detail_side)),
             false => ceiling,
@@ -329,10 +331,12 @@ impl<'a> Workshop<'a> {
     }
 
     fn read_back(&self, encoded: Vec<u8>) -> Result<Read> {
-        let Loaded { scene, structure, .. } = io::load_glb(encoded, &Limits::of_own_files())?;
+        let limits = Limits::of_own_files();
+        let gpu_bytes = GltfSizes::read(GltfSource::Glb(&encoded), &limits)?.gpu_bytes;
+        let scene = io::load_glb(encoded, &limits)?.scene;
         Ok(Read {
             triangles: scene.triangle_count(),
-            gpu_bytes: structure.map_or(0, |structure| structure.sizes.gpu_bytes),
+            gpu_bytes,
             surface: bake::Scan::of_asset(scene, self.subject.side.surface)?,
         })
     }

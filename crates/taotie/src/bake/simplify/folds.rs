@@ -4,6 +4,7 @@
 //! facets face away and none gets thinner than a sliver. A fin, two facets back to back on an edge of the surface, is
 //! taken off.
 
+use super::collapse::Reduced;
 use super::fan::Fans;
 use super::slivers::THIN;
 use crate::math::Vec3;
@@ -31,6 +32,19 @@ pub(super) fn unfolded(points: &[[f32; 3]], normals: &[Vec3], mut triangles: Vec
         }
     }
     triangles
+}
+
+/// Moves points back to where they were on the high-poly surface if a facet faces away from its normals.
+pub(super) fn take_back(own: &[[f32; 3]], normals: &[Vec3], reduced: &mut Reduced) {
+    let point = |v: u32, points: &[[f32; 3]]| Vec3::from_array(points[v as usize]).to_f64();
+    let faces = |triangle: &[u32; 3], points: &[[f32; 3]]| {
+        let [a, b, c] = triangle.map(|v| point(v, points));
+        let facet = (b - a).cross(c - a).normalize_or(Vec3::splat(0.0));
+        triangle.iter().all(|v| facet.dot(normals[*v as usize].to_f64()) >= FACING)
+    };
+    let turned: Vec<[u32; 3]> =
+        reduced.triangles.iter().filter(|triangle| !faces(triangle, &reduced.points)).copied().collect();
+    turned.as_flattened().iter().for_each(|v| reduced.points[*v as usize] = own[*v as usize]);
 }
 
 /// The surface as folds are taken out one after the other.

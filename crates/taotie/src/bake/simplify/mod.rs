@@ -79,8 +79,9 @@ pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) 
     progress.at(0.7)?;
     let mut reduced = whole::reduce(&part, &components, options);
     if reduced.method != SimplifyMethod::Kept {
-        reduced.triangles = slivers::mended(&reduced.points, reduced.triangles);
         let normals = collapse::normals(&part.points, &part.triangles);
+        folds::take_back(&part.points, &normals, &mut reduced);
+        reduced.triangles = slivers::mended(&reduced.points, reduced.triangles);
         reduced.triangles = folds::unfolded(&reduced.points, &normals, reduced.triangles);
     }
     let found = reduced.triangles.len();

@@ -1,7 +1,6 @@
 //! The size and the format of an image, read from its header.
 
-use super::{KTX2, guess_format};
-use image::ImageReader;
+use imagesize::{ImageError, ImageSize, ImageType};
 use std::io::{BufRead, Seek};
 
 /// The size and the format of an image.
@@ -16,45 +15,49 @@ pub(in crate::io) struct ImageHeader {
 /// The media type of KTX2.
 pub(in crate::io) const KTX2_TYPE: &str = "image/ktx2";
 
-/// The fewest bytes that hold the size of KTX2; enough to recognise any format.
-const START: usize = 28;
-
 impl ImageHeader {
-    /// Reads the header of an image; `None` if the format is unknown or the header is damaged. The format of TGA, which has no
-    /// signature, follows from `name`.
-    pub fn read(mut image: impl BufRead + Seek, name: &str) -> Option<Self> {
-        let mut start = [0; START];
-        image.read_exact(&mut start).ok()?;
-        image.rewind().ok()?;
-        if start.starts_with(KTX2) {
-            // KTX 2.0, section 2: pixelWidth and pixelHeight follow vkFormat and typeSize.
-            let [.., width, height] = *start.as_chunks::<4>().0 else { return None };
-            let size = [width, height].map(u32::from_le_bytes);
-            return Some(Self { size, media_type: KTX2_TYPE });
-        }
-        let format = guess_format(&start, name)?;
-        let mut reader = ImageReader::with_format(image, format);
-        reader.no_limits();
-        let (width, height) = reader.into_dimensions().ok()?;
-        Some(Self { size: [width, height], media_type: format.to_mime_type() })
+    /// Reads the header of an image, and nothing but it; `None` if the format is unknown or the header is damaged.
+    pub fn read(image: impl BufRead + Seek) -> Option<Self> {
+        let found = |mut image| -> Result<(ImageType, ImageSize), ImageError> {
+            let kind = imagesize::reader_type(&mut image)?;
+            Ok((kind, kind.reader_size(&mut image)?))
+        };
+        let (kind, ImageSize { width, height }) = found(image).ok()?;
+        let media_type = match kind {
+            ImageType::Png => "image/png",
+            ImageType::Jpeg => "image/jpeg",
+            ImageType::Webp => "image/webp",
+            ImageType::Ktx2 => KTX2_TYPE,
+            ImageType::Tga => "image/x-tga",
+            ImageType::Hdr => "image/vnd.radiance",
+            ImageType::Exr => "image/x-exr",
+            _ => return None,
+        };
+        Some(Self { size: [u32::try_from(width).ok()?, u32::try_from(height).ok()?], media_type })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use image::ImageFormat;
     use std::io::Cursor;
+
+    fn encoded(format: ImageFormat) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        image::GrayImage::new(7, 5).write_to(&mut Cursor::new(&mut bytes), format).unwrap();
+        bytes
+    }
 
     #[test]
     fn sizes_come_from_headers() {
-        let mut png = Vec::new();
-        let pixels = image::GrayImage::new(7, 5);
-        pixels.write_to(&mut Cursor::new(&mut png), image::ImageFormat::Png).unwrap();
-        let header = ImageHeader::read(Cursor::new(&png), "a").unwrap();
-        assert_eq!(header, ImageHeader { size: [7, 5], media_type: "image/png" });
-        let ktx2 = [KTX2, &[0; 8], &[3, 1, 0, 0], &[9, 0, 0, 0], &[0; 9]].concat();
-        let header = ImageHeader::read(Cursor::new(&ktx2), "a").unwrap();
-        assert_eq!(header, ImageHeader { size: [259, 9], media_type: KTX2_TYPE });
-        assert_eq!(ImageHeader::read(Cursor::new(&png[..20]), "a"), None);
+        let read = |bytes: &[u8]| ImageHeader::read(Cursor::new(bytes));
+        let png = encoded(ImageFormat::Png);
+        assert_eq!(read(&png), Some(ImageHeader { size: [7, 5], media_type: "image/png" }));
+        let jpeg = encoded(ImageFormat::Jpeg);
+        assert_eq!(read(&jpeg), Some(ImageHeader { size: [7, 5], media_type: "image/jpeg" }));
+        let ktx2 = [super::super::KTX2, &[0; 8], &[3, 1, 0, 0], &[9, 0, 0, 0], &[0; 60]].concat();
+        assert_eq!(read(&ktx2), Some(ImageHeader { size: [259, 9], media_type: KTX2_TYPE }));
+        assert_eq!((read(&png[..20]), read(b"no image at all")), (None, None));
     }
 }

@@ -247,6 +247,13 @@ impl StoredAttribute {
         self.element(vertex).chunks_exact(component.size()).map(move |bytes| float(bytes, component, false))
     }
 
+    /// Returns the components of a vertex as numbers; normalised integers in [0, 1] or [−1, 1].
+    pub fn unit_numbers(&self, vertex: usize) -> impl Iterator<Item = f32> {
+        let component = self.elements.component;
+        let number = move |bytes: &[u8]| float(bytes, component, self.is_normalized);
+        self.element(vertex).chunks_exact(component.size()).map(number)
+    }
+
     /// Returns the bytes of a vertex.
     pub fn element(&self, vertex: usize) -> &[u8] {
         let size = self.elements.width * self.elements.component.size();

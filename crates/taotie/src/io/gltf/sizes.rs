@@ -3,9 +3,13 @@
 use super::document::Document;
 use super::images::{image_name, sources};
 use super::meshopt;
+use super::source::GltfSource;
 use super::uri::{self, ByteSource};
+use crate::error::{Result, Warnings};
 use crate::io::bitmap::{ImageHeader, KTX2_TYPE};
 use crate::io::file::open;
+use crate::io::limits::Limits;
+use crate::io::reading::Reading;
 use crate::io::sizes::{ContentSize, GltfSizes, ImageSize};
 use gltf::json::accessor::Accessor;
 use gltf::json::buffer::View;
@@ -14,6 +18,7 @@ use gltf::json::validation::Checked;
 use gltf::json::{Index, Value};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufReader, Cursor};
+use std::sync::Arc;
 
 /// The content of an accessor or a buffer view.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,8 +36,23 @@ const MORPH_TARGETS: &str = "morph targets";
 const DRACO: &str = "Draco";
 const DRACO_EXTENSION: &str = "KHR_draco_mesh_compression";
 
+impl GltfSizes {
+    /// Reads the sizes of a `.gltf` or `.glb` file. Images are not decoded.
+    ///
+    /// # Errors
+    /// [`Error::Io`](crate::Error::Io) and [`Error::Parse`](crate::Error::Parse) if it cannot be read,
+    /// [`Error::Limit`](crate::Error::Limit) if its buffers do not fit the memory.
+    pub fn read(source: GltfSource<'_>, limits: &Limits) -> Result<Self> {
+        let reading = Arc::new(Reading::new(source.path(), limits));
+        let content = source.bytes(&reading)?.into_owned();
+        let sizes = of(&Document::of(&reading, content, &mut Warnings::default())?);
+        reading.check()?;
+        Ok(sizes)
+    }
+}
+
 /// Returns the bytes of a document by content.
-pub(super) fn of(document: &Document) -> GltfSizes {
+fn of(document: &Document) -> GltfSizes {
     let accessors = accessors(document);
     let stored = stored_bytes(document, &accessors);
     let on_gpu = gpu_bytes(document, &accessors);
@@ -192,8 +212,8 @@ fn images(document: &Document, stored: &BTreeMap<Content, u64>) -> Vec<ImageSize
     let image = |number: usize| {
         let name = image_name(document, number);
         let (header, bytes) = match stored.get(&Content::Image(number)) {
-            Some(bytes) => (embedded(document, number, &name), *bytes),
-            None => external(document, number, &name),
+            Some(bytes) => (embedded(document, number), *bytes),
+            None => external(document, number),
         };
         let (size, media_type) = header.map_or(([0; 2], ""), |header| (header.size, header.media_type));
         let gpu_bytes = match shown.contains(&number) {
@@ -206,21 +226,21 @@ fn images(document: &Document, stored: &BTreeMap<Content, u64>) -> Vec<ImageSize
     (0..document.root.images.len()).map(image).collect()
 }
 
-fn embedded(document: &Document, number: usize, name: &str) -> Option<ImageHeader> {
+fn embedded(document: &Document, number: usize) -> Option<ImageHeader> {
     let (bytes, _) = document.view(document.root.images[number].buffer_view?.value()).ok()?;
-    ImageHeader::read(Cursor::new(bytes), name)
+    ImageHeader::read(Cursor::new(bytes))
 }
 
 /// Returns the header and the bytes of an image outside the buffers.
-fn external(document: &Document, number: usize, name: &str) -> (Option<ImageHeader>, u64) {
+fn external(document: &Document, number: usize) -> (Option<ImageHeader>, u64) {
     let uri = document.root.images[number].uri.as_deref();
     match uri.and_then(|uri| uri::locate(uri, &document.reading).ok()) {
         Some(ByteSource::Data { bytes, .. }) => {
             let length = bytes.len() as u64;
-            (ImageHeader::read(Cursor::new(bytes), name), length)
+            (ImageHeader::read(Cursor::new(bytes)), length)
         }
         Some(ByteSource::File(path)) => match open(&path) {
-            Ok((file, length)) => (ImageHeader::read(BufReader::new(file), name), length),
+            Ok((file, length)) => (ImageHeader::read(BufReader::new(file)), length),
             Err(_) => (None, 0),
         },
         None => (None, 0),

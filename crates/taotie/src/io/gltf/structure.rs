@@ -2,7 +2,6 @@
 
 use super::document::Document;
 use super::nodes::Nodes;
-use super::sizes;
 use crate::io::structure::{GltfStructure, RootNode};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
@@ -17,7 +16,6 @@ pub(super) fn of(document: &Document, nodes: &Nodes) -> GltfStructure {
         primitives: primitives().count(),
         triangles: primitives().fold(0, |sum, one| sum.saturating_add(triangles(document, one))),
         materials: root.materials.len(),
-        sizes: sizes::of(document),
         roots: roots(document, nodes),
     }
 }
