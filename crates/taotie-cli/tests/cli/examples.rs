@@ -124,10 +124,14 @@ fn small(line: &str) -> Vec<String> {
     let lacks = |option: &str| !small.iter().any(|word| word == option);
     let more: &[&str] = match small[0].as_str() {
         // A search chooses its sizes itself.
-        "bake" if ["--error", "--bytes", "--size", "--triangles", "--low"].into_iter().all(lacks) => {
+        "bake"
+            if ["--error", "--bytes", "--preset", "--size", "--triangles", "--low"]
+                .into_iter()
+                .all(lacks) =>
+        {
             &["--size", "64", "--triangles", "1500"]
         }
-        "bake" if lacks("--error") && lacks("--bytes") && lacks("--size") => &["--size", "64"],
+        "bake" if ["--error", "--bytes", "--preset", "--size"].into_iter().all(lacks) => &["--size", "64"],
         "render" | "compare" if lacks("--size") && lacks("--paper") => &["--size", "64x64"],
         _ => &[],
     };

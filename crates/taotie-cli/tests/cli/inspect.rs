@@ -34,6 +34,18 @@ Counts
   cameras          2
   animations       0
 
+Bytes
+                bytes  GPU bytes
+  JSON          1,730
+  NORMAL           48         48
+  POSITION         48         48
+  TANGENT          64         64
+  TEXCOORD_0       32         32
+  indices          12         12
+  normals.png  51,196    196,600
+  missing.png       0          0
+  all          53,130    196,804
+
 Meshes
   #  name    triangles  zero-area  vertices  uv sets  normals  tangents  colours  material
   0  square          2          0         4        1  flat     yes       no       0
