@@ -33,30 +33,30 @@ fn check_normals(mesh: &Mesh, most: f64) {
     assert!(turned as f64 <= most * all as f64, "{turned} of {all} facets are turned");
 }
 
-/// Panics if a connected part lies near several parts of the scan; returns the number of the scan's parts.
+/// Panics if a connected part is near no single part of the scan as a whole; returns the number of the scan's parts.
 fn check_joints(scan: &Mesh, low: &Mesh) -> usize {
-    /// Vertices that moved may be nearer to another part of the scan, such as the other side of a double wall, or a screw to its
-    /// thread.
-    const MOST: f64 = 0.6;
-    let before = parts(scan);
-    let distance = |of: &[u32; 3], p: &[u32; 3]| {
-        let between = [of, p].map(|bits| Vec3::from_array(bits.map(f32::from_bits)).to_f64());
-        let between = between[0] - between[1];
-        between.dot(between)
+    /// The distance to the nearest vertex, which has moved at most a little, in parts of the diagonal.
+    const MOST: f64 = 0.02;
+    let point = |bits: &[u32; 3]| Vec3::from_array(bits.map(f32::from_bits)).to_f64();
+    let by_part = |mesh: &Mesh| {
+        let mut found: BTreeMap<u32, Vec<Vec3<f64>>> = BTreeMap::new();
+        parts(mesh).iter().for_each(|(place, part)| found.entry(*part).or_default().push(point(place)));
+        found.into_values().collect::<Vec<_>>()
     };
-    let nearest = |p: &[u32; 3]| {
-        let nearest = before.iter().min_by(|a, b| distance(a.0, p).total_cmp(&distance(b.0, p)));
-        *nearest.expect("a scan has vertices").1
+    let nearest = |p: &Vec3<f64>, of: &[Vec3<f64>]| {
+        of.iter().map(|q| (*p - *q).dot(*p - *q)).fold(f64::INFINITY, f64::min)
     };
-    let mut found: BTreeMap<u32, BTreeMap<u32, usize>> = BTreeMap::new();
-    for (place, part) in parts(low) {
-        *found.entry(part).or_default().entry(nearest(&place)).or_default() += 1;
+    let (before, after) = (by_part(scan), by_part(low));
+    let most = MOST * scan.diagonal() * (MOST * scan.diagonal());
+    for part in &after {
+        let is_near = |own: &&Vec<Vec3<f64>>| part.iter().all(|p| nearest(p, own) <= most);
+        assert!(
+            before.iter().any(|own| is_near(&own)),
+            "a part of {} vertices joins several of the scan",
+            part.len()
+        );
     }
-    for near in found.values() {
-        let (all, most) = (near.values().sum::<usize>(), near.values().max().copied().unwrap_or_default());
-        assert!(most as f64 >= MOST * all as f64, "a part joins several of the scan: {near:?}");
-    }
-    count(&before)
+    before.len()
 }
 
 /// Panics where a triangle has corners of two parts of the scan, or a part is lost or in pieces.
