@@ -17,9 +17,9 @@ function plotOf(plot) {
   picture.append(...axisMarks(plot, axes));
   const line = plot.frontier.map(([x, y], i) => `${i ? "H" + axes.x(x) + "V" : "M" + axes.x(x) + " "}${axes.y(y)}`);
   picture.append(svg("path", { class: "frontier", d: line.join("") }));
-  for (const [i, { points }] of plot.series.entries()) picture.append(...points.map((point) => pointOf(point, i, axes)));
+  for (const [i, { points }] of plot.series.entries()) picture.append(...points.map((point) => plottedPoint(point, i, axes)));
   const key = plot.series.flatMap(({ label, points }, i) => {
-    const mark = svg("svg", { viewBox: "-6 -6 12 12" }, markOf(i, true));
+    const mark = svg("svg", { viewBox: "-6 -6 12 12" }, shapeOf(i, true));
     return points.length ? [el("span", { class: "key" }, mark, label)] : [];
   });
   const readout = el("span", { class: "readout" });
@@ -99,7 +99,7 @@ function axisMarks({ x, y }, axes) {
  * @param {number} kind
  * @param {boolean} isFilled
  */
-function markOf(kind, isFilled) {
+function shapeOf(kind, isFilled) {
   return svg("path", { class: `point kind${kind}${isFilled ? " filled" : ""}`, d: SHAPES[kind % SHAPES.length] });
 }
 
@@ -108,9 +108,9 @@ function markOf(kind, isFilled) {
  * @param {number} kind
  * @param {ReturnType<typeof logAxes>} axes
  */
-function pointOf({ at: [x, y], text, is_chosen, is_filled }, kind, axes) {
+function plottedPoint({ at: [x, y], text, is_chosen, is_filled }, kind, axes) {
   const place = `translate(${axes.x(x)} ${axes.y(y)})`;
-  const mark = svg("g", { transform: place, "data-text": text }, svg("title", {}, text), markOf(kind, is_filled));
+  const mark = svg("g", { transform: place, "data-text": text }, svg("title", {}, text), shapeOf(kind, is_filled));
   if (is_chosen) mark.append(svg("path", { class: "chosen", d: "M-11 0H-6M6 0H11M0 -11V-6M0 6V11" }));
   return mark;
 }
