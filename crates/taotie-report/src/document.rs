@@ -141,6 +141,20 @@ mod tests {
         Page { title: NASTY.into(), facts: vec![fact], views: vec![view], ..Page::default() }
     }
 
+    /// All parts share one scope, in which a second function of a name would replace the first one.
+    #[test]
+    fn names_of_functions_are_unique() {
+        let mut names: Vec<&str> = SCRIPT
+            .iter()
+            .flat_map(|part| part.lines())
+            .filter_map(|line| line.strip_prefix("function ")?.split('(').next())
+            .collect();
+        let all = names.len();
+        names.sort_unstable();
+        names.dedup();
+        assert!(all > 50 && names.len() == all, "{all} functions, {} names", names.len());
+    }
+
     #[test]
     fn no_text_breaks_out_of_its_place() {
         let document = html(&nasty());

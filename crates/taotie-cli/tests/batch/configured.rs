@@ -29,7 +29,11 @@ fn what_is_wrong_is_told_with_its_line() {
     assert_told(&format!("{source}[bake]\ntriangles = \"many\"\n"), 4, "invalid type");
     assert_told(&format!("{source}[bake]\nmaps = [\"norm\"]\n"), 4, "unknown variant `norm`");
     assert_told(&format!("{source}[bake]\nsize = 4\n"), 4, "give 16 to 16384 texels");
-    assert_told(&format!("{source}[packing]\nimages = \"gif\"\n"), 4, "image format `gif`: there is none of this name");
+    assert_told(
+        &format!("{source}[packing]\nimages = \"gif\"\n"),
+        4,
+        "image format `gif`: there is none of this name",
+    );
     assert_told(&format!("{source}[scan]\nunits = \"mm\"\n"), 4, "[scan] has no `units`; it has ");
     assert_told(&format!("{source}[scan]\nunit = \"ft\"\n"), 4, "unknown variant `ft`");
     assert_told(&format!("{source}[scan]\ncrease_angle_deg = 181\n"), 4, "between 0 and 180 degrees");
