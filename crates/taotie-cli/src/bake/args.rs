@@ -463,9 +463,10 @@ impl BakeArgs {
         }
     }
 
-    /// Returns the image formats that a search chooses from.
+    /// Returns the image formats that a search chooses from; none if nothing is searched for.
     fn kinds(&self) -> Vec<CodecKind> {
         match (&self.images, self.preset) {
+            _ if !self.searches() => Vec::new(),
             (Images::Auto, Some(preset)) => preset.images(),
             (images, _) => images.kinds(),
         }
