@@ -9,10 +9,10 @@ matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402
 import results  # noqa: E402
 from matplotlib.ticker import LogLocator, NullLocator  # noqa: E402
+from pictures import FAINT, INK, style  # noqa: E402
 
 # Colours that are told apart by everyone (Okabe and Ito).
 COLORS = {"cook-torrance": "#0072b2", "ggx": "#d55e00"}
-INK, FAINT = "#333333", "#dddddd"
 PANELS = {
     "triangles": "triangles",
     "pixels": "pixels of the picture",
@@ -24,23 +24,6 @@ PANELS = {
 POWERS = {"triangles": 1, "pixels": 1, "lights": 1, "threads": -1}
 SOLID = {"linewidth": 1.6, "marker": "o", "markersize": 4}
 DASHED = {"linewidth": 0.8, "linestyle": (0, (4, 3))}
-STYLE = {
-    "svg.fonttype": "none",
-    "svg.hashsalt": "scaling",
-    "font.family": "sans-serif",
-    "font.size": 10,
-    "text.color": INK,
-    "axes.labelcolor": INK,
-    "axes.edgecolor": INK,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.titlesize": 11,
-    "axes.titlelocation": "left",
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "xtick.minor.size": 0,
-    "ytick.minor.size": 0,
-}
 
 
 def panel(axes, name, lines):
@@ -73,7 +56,7 @@ def draw(axes, name, points, color, first):
 def draw_all(records):
     """A panel an axis; those of a row have the same height a millisecond. The legend takes the place after them."""
     found = drawn(records)
-    plt.rcParams |= STYLE
+    plt.rcParams |= style("scaling")
     columns = min(3, len(found) + 1)
     rows = -(-(len(found) + 1) // columns)
     size = (3.6 * columns, 2.9 * rows)

@@ -7,39 +7,22 @@ import matplotlib
 matplotlib.use("agg")
 import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator  # noqa: E402
+from pictures import FAINT, style  # noqa: E402
 from point import frontier  # noqa: E402
 
 # Colours that everyone can distinguish (Okabe and Ito).
 COLORS = {"gltf-transform": "#009e73", "gltfpack": "#0072b2", "Taotie": "#d55e00"}
-INK, FAINT = "#333333", "#dddddd"
 COLUMNS = 3
 LEGEND_WIDTH = 7.6
 # The range of degrees that is shown, and its labels.
 RANGE = (0.2, 8)
 TICKS = (0.3, 0.5, 1, 2, 4, 8)
 DASHED = {"linewidth": 1, "linestyle": (0, (4, 3))}
-STYLE = {
-    "svg.fonttype": "none",
-    "svg.hashsalt": "sizes",
-    "font.family": "sans-serif",
-    "font.size": 10,
-    "text.color": INK,
-    "axes.labelcolor": INK,
-    "axes.edgecolor": INK,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.titlesize": 11,
-    "axes.titlelocation": "left",
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "xtick.minor.size": 0,
-    "ytick.minor.size": 0,
-}
 
 
 def save(found, path):
     """Writes a picture of all models; the extension decides between SVG and PNG."""
-    plt.rcParams |= STYLE
+    plt.rcParams |= style("sizes")
     columns = min(COLUMNS, len(found))
     rows = -(-len(found) // columns)
     size = (max(3.8 * columns, LEGEND_WIDTH), 3.1 * rows + 0.4)

@@ -65,7 +65,7 @@ pub struct BakeArgs {
     pub error: Option<f64>,
     /// Find the asset nearest to the scan with at most SIZE bytes, such as 500kB. With --error, --preset or --require, one that
     /// meets them is enough. Exit with 1 if none is that small
-    #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Search", conflicts_with_all = ["low", "triangles", "size", "bits", "meshopt", "lods", "no_verify"])]
+    #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Search", conflicts_with_all = BY_HAND, conflicts_with_all = ["lods", "no_verify"])]
     pub bytes: Option<u64>,
     /// The most triangles of an asset that is searched for. Exit with 1 if it has more
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..), help_heading = "Search", conflicts_with_all = BY_HAND)]
@@ -236,9 +236,10 @@ impl BakeArgs {
             bail!("--size {size}: atlases that are made are square; give one number, or --low with UVs");
         }
         self.check_search()?;
-        let is_searched = self.searches();
-        if let Err(why) = self.images.codecs().map_err(|why| (!is_searched).then_some(why)) {
-            why.map_or(Ok(()), |why| bail!("--images: {why}"))?;
+        if !self.searches()
+            && let Err(why) = self.images.codecs()
+        {
+            bail!("--images: {why}");
         }
         if self.codecs().has(CodecKind::Ktx2) && !self.size().iter().all(|side| side.is_multiple_of(4)) {
             bail!(

@@ -4,7 +4,7 @@ use super::BakeArgs;
 use super::images::Images;
 use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
-use taotie::asset::{Figure, Requirement, VerifyOptions};
+use taotie::asset::{Figure, Looking, Requirement, VerifyOptions};
 use taotie::bake::MapKind;
 
 impl BakeArgs {
@@ -110,5 +110,5 @@ impl BakeArgs {
 
 /// Returns `true` for a limit of what the asset takes, not of how it looks.
 fn is_ceiling(required: &Requirement) -> bool {
-    matches!(required.figure, Figure::Triangles | Figure::GpuMemory)
+    required.figure.looking() == Looking::Files
 }

@@ -26,14 +26,16 @@ impl Requirement {
     /// at most 0.5° and p95 of 2° as seen, a mean colour difference of at most ΔE 0.5 and p95 of 1.5, and no window of 1 % of
     /// the surface with more than ΔE 3 on average. Limits of colours hold only if colours are compared.
     pub fn visually_lossless() -> Vec<Self> {
-        let of_color = |figure, most| Self { if_compared: true, ..Self::of(figure, most) };
-        vec![
-            Self::mean_angle_deg(0.5),
-            Self::of(Figure::P95Angle, 2.0),
-            of_color(Figure::MeanColor, 0.5),
-            of_color(Figure::P95Color, 1.5),
-            of_color(Figure::PatchColor, 3.0),
-        ]
+        Self::as_seen([0.5, 2.0], [0.5, 1.5, 3.0])
+    }
+
+    /// Returns limits of the mean and p95 of angles, degrees, and of the mean, p95 and worst patch of colours, CIEDE2000. Those of
+    /// colours hold only if colours are compared.
+    pub(super) fn as_seen([mean, p95]: [f64; 2], colors: [f64; 3]) -> Vec<Self> {
+        let angles = [Self::mean_angle_deg(mean), Self::of(Figure::P95Angle, p95)];
+        let figures = [Figure::MeanColor, Figure::P95Color, Figure::PatchColor];
+        let of_color = |(figure, most)| Self { if_compared: true, ..Self::of(figure, most) };
+        angles.into_iter().chain(figures.into_iter().zip(colors).map(of_color)).collect()
     }
 
     /// Returns the requirements that have a name together, each list with its name; one that begins with another stands before it.

@@ -33,27 +33,16 @@ impl Named for Preset {
 impl Preset {
     /// Returns the largest differences, and the ceilings.
     pub fn requirements(self) -> Vec<Requirement> {
-        let limits = |[mean, p95]: [f64; 2], [mean_color, p95_color, patch_color]: [f64; 3]| {
-            let of_color = |figure, most| Requirement { if_compared: true, ..Requirement::of(figure, most) };
-            vec![
-                Requirement::mean_angle_deg(mean),
-                Requirement::of(Figure::P95Angle, p95),
-                of_color(Figure::MeanColor, mean_color),
-                of_color(Figure::P95Color, p95_color),
-                of_color(Figure::PatchColor, patch_color),
-            ]
-        };
         let ceilings = |triangles: f64, megabytes: f64| {
             let gpu_memory = Requirement::of(Figure::GpuMemory, megabytes * 1e6);
-            [Requirement::of(Figure::Triangles, triangles), gpu_memory]
+            vec![Requirement::of(Figure::Triangles, triangles), gpu_memory]
         };
         match self {
-            Self::Web => [limits([1.0, 4.0], [1.0, 3.0, 6.0]), ceilings(100_000.0, 80.0).into()].concat(),
-            Self::Archive => limits([0.1, 0.4], [0.2, 0.5, 1.0]),
-            Self::Engine => {
-                let lossless = Requirement::visually_lossless();
-                lossless.into_iter().chain(ceilings(50_000.0, 32.0)).collect()
+            Self::Web => {
+                [Requirement::as_seen([1.0, 4.0], [1.0, 3.0, 6.0]), ceilings(100_000.0, 80.0)].concat()
             }
+            Self::Archive => Requirement::as_seen([0.1, 0.4], [0.2, 0.5, 1.0]),
+            Self::Engine => [Requirement::visually_lossless(), ceilings(50_000.0, 32.0)].concat(),
         }
     }
 

@@ -17,14 +17,13 @@ use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
 use crate::image::Encoding;
 use crate::io::{
-    self, CodecKind, EncodedModel, FileBytes, FileSet, GltfAsset, GltfFormat, GltfGraft, GltfImage,
-    GltfLevel, GltfMaterial, GraftedMaterial, ImageCodec, Json, TextureCodecs,
+    self, EncodedModel, FileBytes, FileSet, GltfAsset, GltfFormat, GltfGraft, GltfImage, GltfLevel,
+    GltfMaterial, GraftedMaterial, ImageCodec, Json, TextureCodecs,
 };
 use crate::names::Named;
 use crate::progress::Progress;
 use crate::scene::{AlphaMode, GreenChannel};
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// An asset as it was written.
@@ -116,17 +115,13 @@ pub(super) fn possible_files(path: &Path, options: &BakeOptions, packing: &Packi
         return maps_alone::possible_files(path);
     }
     let beside = options.maps.iter().map(|map| path.with_extension(format!("{}.png", map.name())));
-    let kinds = if options.images.is_empty() { &PORTABLE[..] } else { &options.images };
-    let of_kind = |kind: &CodecKind| kind.least_lossy().unwrap_or(ImageCodec::Jpeg(100)).into();
-    let images: Vec<TextureCodecs> = match options.searches() {
-        true => kinds.iter().map(of_kind).collect(),
-        false => vec![packing.images],
+    let given = packing.images.all().map(ImageCodec::kind);
+    let kinds = match options.searches() {
+        true if options.images.is_empty() => &PORTABLE[..],
+        true => &options.images,
+        false => &given,
     };
-    let files = images
-        .into_iter()
-        .flat_map(|images| io::gltf_files(path, &GltfFormat { images, ..GltfFormat::default() }));
-    let files: BTreeSet<PathBuf> = files.chain(beside).filter(|file| file != path).collect();
-    std::iter::once(path.to_path_buf()).chain(files).collect()
+    io::gltf_files(path, kinds).into_iter().chain(beside).collect()
 }
 
 /// Returns all files, the model first.

@@ -201,8 +201,9 @@ fn no_lit_relief_is_dark_in_the_asset() {
         eprintln!("{}", sums.row(pair.name));
         assert!(sums.lit > 10_000, "{}: the case shows nothing", pair.name);
         assert_eq!(sums.dark, 0, "{}", pair.name);
-        // Bending normals towards the viewer takes the asset no farther from its scan; of the plaque 0.32 %, which is a tie.
-        assert!(sums.apart[0] <= 1.004 * sums.apart[1], "{}: {:?}", pair.name, sums.apart);
+        // Bending normals towards the viewer takes the asset no farther from its scan; the plaque 0.32 %, which is a tie.
+        let most = if pair.name == "plaque" { 1.004 } else { 1.001 };
+        assert!(sums.apart[0] <= most * sums.apart[1], "{}: {:?}", pair.name, sums.apart);
     }
 }
 

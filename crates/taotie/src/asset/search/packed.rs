@@ -2,7 +2,7 @@
 //! textures that are smaller or lossy.
 
 use super::curve::Curve;
-use super::encodings::{Encodings, NORMAL_RATIOS};
+use super::encodings::{EncodedTexture, Encodings, NORMAL_RATIOS};
 use super::goal::{AIM, is_hit};
 use super::trial::Trial;
 use super::winner::{Best, Candidate};
@@ -11,8 +11,7 @@ use crate::asset::scan::Scan;
 use crate::error::{Error, Result, Warnings};
 use crate::image::Encoding;
 use crate::io::{
-    self, CodecKind, GltfPacker, GltfSource, ImageCodec, LossyTexture, PackedGeometry, PackedImage,
-    VertexBits,
+    self, GltfPacker, GltfSource, ImageCodec, LossyTexture, PackedGeometry, PackedImage, VertexBits,
 };
 use crate::parallel;
 use crate::progress::Progress;
@@ -255,25 +254,43 @@ impl PackedScan<'_, '_> {
         let of: Vec<_> = self.of_encoding(wanted).collect();
         let found = parallel::try_tasks(of.len(), &|i| of[i].1.smallest(most))?;
         let mut chosen = Images::default();
-        for ((number, encodings), found) in of.into_iter().zip(found) {
-            let (kind, stored) = self.packer.stored(*number).unwrap_or((CodecKind::Png, 0));
-            let may_stay = self.workshop.codecs().allows(kind) && !encodings.must_shrink();
-            let found = match may_stay {
-                true => found.filter(|found| found.bytes.len() < stored),
-                false => Some(found.map_or_else(|| encodings.nearest(), Ok)?),
-            };
-            let Some(found) = found else { continue };
-            chosen.ratio = chosen.ratio.max(found.ratio);
-            chosen.codec = chosen.codec.or(Some(found.codec));
-            chosen.bytes += found.bytes.len() as f64 - stored as f64;
-            chosen.images.push(PackedImage { number: *number, side: found.side, bytes: found.bytes });
+        for (image, found) in of.into_iter().zip(found) {
+            match found {
+                Some(found) => self.put(image, found, &mut chosen),
+                None if self.may_stay(image) => {}
+                None => self.put(image, image.1.nearest()?, &mut chosen),
+            }
         }
         Ok(chosen)
     }
 
     /// Returns the images of a meaning that cannot stay as they are, with the least loss.
     fn replaced(&self, wanted: Encoding) -> Result<Images> {
-        self.chosen(wanted, f64::NEG_INFINITY)
+        let mut replaced = Images::default();
+        for image in self.of_encoding(wanted).filter(|image| !self.may_stay(image)) {
+            self.put(image, image.1.nearest()?, &mut replaced);
+        }
+        Ok(replaced)
+    }
+
+    /// Returns `true` if an image may stay as it is stored: its format is among those to choose from, and its texels fit the
+    /// ceiling.
+    fn may_stay(&self, (number, encodings): &(usize, Encodings<'_>)) -> bool {
+        let is_allowed = |(kind, _)| self.workshop.codecs().allows(kind);
+        self.packer.stored(*number).is_some_and(is_allowed) && !encodings.must_shrink()
+    }
+
+    /// Puts an encoding in the place of an image, unless that may stay and is no larger.
+    fn put(&self, image: &(usize, Encodings<'_>), found: EncodedTexture, images: &mut Images) {
+        let number = image.0;
+        let stored = self.packer.stored(number).map_or(0, |(_, bytes)| bytes);
+        if self.may_stay(image) && found.bytes.len() >= stored {
+            return;
+        }
+        images.ratio = images.ratio.max(found.ratio);
+        images.codec = images.codec.or(Some(found.codec));
+        images.bytes += found.bytes.len() as f64 - stored as f64;
+        images.images.push(PackedImage { number, side: found.side, bytes: found.bytes });
     }
 
     /// Makes normal maps for several ratios of angles; the last are those of the scan, or as near to them as can be.

@@ -4,7 +4,7 @@ use super::ceilings::Ceilings;
 use super::codecs::Codecs;
 use super::goal::{Goal, Statistic};
 use super::trial::Trial;
-use crate::asset::figure::Figure;
+use crate::asset::figure_words::Looking;
 use crate::asset::judgement::{Pair, refuse_astray};
 use crate::asset::low::{self, LowPoly, Relief};
 use crate::asset::map_side;
@@ -141,6 +141,7 @@ impl Draft {
 impl<'a> Workshop<'a> {
     /// Makes a workshop.
     pub fn new(recipe: Recipe<'a>, (goal, ceilings): (Goal, Ceilings), subject: Subject<'a>) -> Self {
+        let codecs = Codecs::new(&recipe.options.images);
         let mut plain = recipe.options.clone();
         plain.maps.retain(|map| *map != MapKind::Normal);
         Self {
@@ -153,8 +154,8 @@ impl<'a> Workshop<'a> {
             known: BTreeMap::new(),
             goal,
             ceilings,
-            images: Codecs::new(&recipe.options.images).least_lossy().into(),
-            codecs: Codecs::new(&recipe.options.images),
+            images: codecs.least_lossy().into(),
+            codecs,
             trials: Vec::new(),
             refused: BTreeMap::new(),
             not_packed: None,
@@ -206,9 +207,7 @@ impl<'a> Workshop<'a> {
 
     /// Returns `true` if it was asked for a goal of differences, not for ceilings only.
     pub fn has_goal(&self) -> bool {
-        let is_ceiling = |required: &Requirement| {
-            matches!(required.figure, Figure::Bytes | Figure::Triangles | Figure::GpuMemory)
-        };
+        let is_ceiling = |required: &Requirement| required.figure.looking() == Looking::Files;
         self.recipe.options.goal.as_ref().is_some_and(|goal| goal.is_empty() || !goal.iter().all(is_ceiling))
     }
 

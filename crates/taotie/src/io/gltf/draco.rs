@@ -6,6 +6,7 @@
 use super::super::panics::caught;
 use super::super::reading::Reading;
 use super::buffers::Buffers;
+use super::extensions::{DRACO, extension};
 use super::reason::{Reason, no_such};
 use super::supplied::{Supplied, Supply};
 use crate::error::Warnings;
@@ -18,8 +19,6 @@ use gltf::json::validation::Checked;
 use gltf::json::{Root, Value};
 use std::collections::BTreeMap;
 
-const NAME: &str = "KHR_draco_mesh_compression";
-
 /// The most bytes that all packed primitives unpack to, in multiples of the bytes of the buffers, and that many more.
 const MAX_UNPACKED_PER_BYTE: u64 = 64;
 const MAX_UNPACKED_OF_SMALL: u64 = 1 << 28;
@@ -29,7 +28,7 @@ const TOO_MANY: &str = "the file unpacks to too many bytes";
 /// Unpacks every packed primitive of the file.
 pub(super) fn supply(root: &Root, buffers: &Buffers, reading: &Reading, warnings: &mut Warnings) -> Supply {
     let mut primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
-    if primitives.all(|primitive| super::extensions::extension(primitive, NAME).is_none()) {
+    if primitives.all(|primitive| extension(primitive, DRACO).is_none()) {
         return Supply::new();
     }
     let usual = MAX_UNPACKED_OF_SMALL + MAX_UNPACKED_PER_BYTE * buffers.total_bytes() as u64;
@@ -42,7 +41,7 @@ pub(super) fn supply(root: &Root, buffers: &Buffers, reading: &Reading, warnings
     };
     for (m, mesh) in root.meshes.iter().enumerate() {
         for (p, primitive) in mesh.primitives.iter().enumerate() {
-            let Some(json) = super::extensions::extension(primitive, NAME) else { continue };
+            let Some(json) = extension(primitive, DRACO) else { continue };
             if let Err(why) = unpacker.primitive(primitive, json) {
                 let why = format!("it is compressed by Draco: {why}");
                 if unpacker.refuse(primitive, &why) {

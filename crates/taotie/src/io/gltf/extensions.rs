@@ -5,6 +5,9 @@ use gltf::json::mesh::Primitive;
 use gltf::json::{Root, Value};
 use std::path::Path;
 
+/// The extension of primitives that Draco compresses.
+pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
+
 /// Extensions of glTF whose meaning is drawn.
 pub const SUPPORTED: [&str; 16] = [
     "KHR_lights_punctual",
@@ -22,7 +25,7 @@ pub const SUPPORTED: [&str; 16] = [
     "KHR_texture_basisu",
     "EXT_meshopt_compression",
     "KHR_meshopt_compression",
-    "KHR_draco_mesh_compression",
+    DRACO,
 ];
 
 /// Extensions that give a texture another image than its own, the one that is believed most first.
@@ -45,7 +48,7 @@ pub(super) fn extension<'a>(primitive: &'a Primitive, name: &str) -> Option<&'a 
 /// The extension and the feature that reads it, where this build lacks that.
 fn lacking(name: &str) -> Option<(&'static str, &'static str)> {
     let features = [
-        ("KHR_draco_mesh_compression", "draco", cfg!(feature = "draco")),
+        (DRACO, "draco", cfg!(feature = "draco")),
         ("KHR_texture_basisu", "basis", cfg!(feature = "basis")),
         ("EXT_texture_webp", "webp", cfg!(feature = "webp")),
     ];

@@ -2,7 +2,7 @@
 
 use super::accessor::Accessor;
 use super::document::Document;
-use super::extensions::extension;
+use super::extensions::{DRACO, extension};
 use super::primitives::{bytes_of, most_elements};
 use super::source::GltfSource;
 use super::triangles::{read_indices, triangulate};
@@ -82,9 +82,6 @@ fn tangents(document: &Document, primitive: &Primitive, budget: &mut usize) -> O
     repair(&mut data, &mut Warnings::default());
     one_a_vertex(&Mesh::new(data).ok()?)
 }
-
-/// The extension whose vertices have an order of their own.
-const DRACO: &str = "KHR_draco_mesh_compression";
 
 /// Returns the tangent of each vertex; `None` where one has several.
 fn one_a_vertex(mesh: &Mesh) -> Option<Vec<[f32; 4]>> {

@@ -1,6 +1,7 @@
 //! The bytes of a document by content.
 
 use super::document::Document;
+use super::extensions::{DRACO, extension};
 use super::images::{image_name, sources};
 use super::meshopt;
 use super::source::GltfSource;
@@ -33,8 +34,7 @@ enum Content {
 
 /// The name of the entry for morph targets, and for primitives compressed by Draco.
 const MORPH_TARGETS: &str = "morph targets";
-const DRACO: &str = "Draco";
-const DRACO_EXTENSION: &str = "KHR_draco_mesh_compression";
+const OF_DRACO: &str = "Draco";
 
 impl GltfSizes {
     /// Reads the sizes of a `.gltf` or `.glb` file. Images are not decoded.
@@ -147,7 +147,7 @@ fn stored_bytes(document: &Document, accessors: &BTreeMap<usize, Content>) -> BT
         views.for_each(|view| share(view.value(), content, 1));
     }
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
-    primitives.filter_map(draco_view).for_each(|view| share(view, &Content::Attribute(DRACO.into()), 1));
+    primitives.filter_map(draco_view).for_each(|view| share(view, &Content::Attribute(OF_DRACO.into()), 1));
     for (number, view) in
         root.images.iter().enumerate().filter_map(|(i, image)| Some((i, image.buffer_view?)))
     {
@@ -174,7 +174,7 @@ fn divide(bytes: u64, shares: &BTreeMap<Content, u64>, stored: &mut BTreeMap<Con
 }
 
 fn draco_view(primitive: &Primitive) -> Option<usize> {
-    let view = super::extensions::extension(primitive, DRACO_EXTENSION)?.get("bufferView")?.as_u64()?;
+    let view = extension(primitive, DRACO)?.get("bufferView")?.as_u64()?;
     usize::try_from(view).ok()
 }
 

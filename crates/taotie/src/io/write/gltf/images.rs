@@ -1,6 +1,6 @@
 //! The textures of a material: each image encoded once, and its place in a document.
 
-use super::codec::ImageCodec;
+use super::codec::{CodecKind, ImageCodec};
 use super::draft::GltfDraft;
 use super::format::GltfFormat;
 use super::image_packing::{self, Stored};
@@ -109,10 +109,10 @@ impl Encoded<'_> {
 /// The roles by which images are named beside a model.
 const ROLES: [&str; 6] = ["orm", "color", "metallic_roughness", "occlusion", "emissive", "normal"];
 
-/// Returns the name of every file that an image may have beside a model in this format.
-pub(super) fn possible_names(stem: &str, format: &GltfFormat) -> Vec<String> {
-    let codecs = [ImageCodec::Png].into_iter().chain(format.images.all());
-    let extensions: BTreeSet<&str> = codecs.map(|codec| codec.kind().file_extension()).collect();
+/// Returns the name of every file that an image of these kinds, or PNG in their place, may have beside a model.
+pub(super) fn possible_names(stem: &str, kinds: &[CodecKind]) -> Vec<String> {
+    let kinds = [CodecKind::Png].iter().chain(kinds);
+    let extensions: BTreeSet<&str> = kinds.map(|kind| kind.file_extension()).collect();
     let named = |role: &str| -> Vec<String> {
         extensions.iter().map(|extension| format!("{stem}_{role}.{extension}")).collect()
     };

@@ -3,6 +3,7 @@
 
 mod geometry;
 mod image;
+mod simplified;
 mod strip;
 
 use super::codec::CodecKind;
@@ -16,9 +17,11 @@ use crate::error::{Error, Result};
 use crate::image::Bitmap;
 use crate::io::gltf::{Content, GltfSource, RawGltf, StoredVertices};
 use crate::io::limits::Limits;
-use geometry::{Precision, Shaped, Simplified};
+use geometry::Precision;
 use image::OwnImage;
+use meshopt::SimplifyVertex;
 use serde_json::{Value, json};
+use simplified::{Shaped, Simplified};
 use std::sync::Arc;
 
 /// A glTF file that can be packed in several ways. Tangents that no material reads are left out. Meshes that an extension
@@ -46,8 +49,8 @@ pub struct GltfPacker {
     vertices: Vec<StoredVertices>,
     /// The longest side of the mesh of each of these.
     extents: Vec<f64>,
-    /// `true` if there is but one primitive, shown once.
-    is_alone: bool,
+    /// The locks of each of these; none if there is but one primitive, shown once.
+    locks: Vec<Vec<SimplifyVertex>>,
     images: Vec<Option<OwnImage>>,
     longest_side: Option<u32>,
 }
@@ -89,10 +92,13 @@ impl GltfPacker {
         let Content { vertices, images } = Content::read(source, &raw)?;
         let longest_side = longest_side(&raw.json, &images);
         let images = image::taken(&mut raw, images)?;
-        let (is_alone, extents) = (is_alone(&raw.json), geometry::extents(&vertices));
+        let extents = geometry::extents(&vertices);
+        let is_alone = is_alone(&raw.json);
+        let locks = |vertices| if is_alone { Vec::new() } else { simplified::locks(vertices) };
+        let locks = vertices.iter().map(locks).collect();
         strip::geometry(&mut raw.json, &vertices);
         let bytes = strip::bytes(&mut raw)?;
-        Ok(Self { json: raw.json, bytes, vertices, extents, is_alone, images, longest_side })
+        Ok(Self { json: raw.json, bytes, vertices, extents, locks, images, longest_side })
     }
 
     /// Returns the number of images.
@@ -129,8 +135,8 @@ impl GltfPacker {
             ));
         }
         let mut file = Packed::new(&self.json, self.bytes.clone());
-        for (vertices, extent) in self.vertices.iter().zip(&self.extents) {
-            let simplified = Simplified::new(vertices, geometry.kept, self.is_alone);
+        for ((vertices, extent), locks) in self.vertices.iter().zip(&self.extents).zip(&self.locks) {
+            let simplified = Simplified::new(vertices, locks, geometry.kept);
             let precision = Precision { bits: geometry.bits, extent: *extent };
             file.add_vertices(&simplified.vertices, &Shaped::new(&simplified), &precision)?;
         }
