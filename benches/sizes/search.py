@@ -4,12 +4,33 @@ Every search gets `measure`, which makes the asset of a setting and returns its 
 returns all points.
 """
 
+from point import TOLERANCE
 from tools import Setting
+
+# Assets that are made for each value of Taotie's `--error`, at most, and the part of it that an asset has to use up.
+TRIES = 3
+CLOSE = 0.97
 
 
 def taotie(tool, grid, measure):
-    options = [() if error is None else ("--error", f"{error:g}") for error in grid.errors]
-    return points([Setting(tool, own) for own in options], measure)
+    """The default options, and assets for each value of `--error`.
+
+    The judge's views are not those of Taotie's search, so it reads other angles. An asset that it finds beyond the limit is
+    made again with an error that is smaller in proportion, as a user with this judge would do; one far within, with a
+    larger one.
+    """
+    found = []
+    for error in grid.errors:
+        aim, before = error, None
+        for _ in range(TRIES if error else 1):
+            point = measure(Setting(tool, () if error is None else ("--error", f"{aim:.3g}")))
+            found.append(point)
+            is_final = point is None or error is None or CLOSE * error <= point.degrees <= error * (1 + TOLERANCE)
+            # Where colours decide, another error makes the same asset.
+            if is_final or before == (before := point.bytes):
+                break
+            aim *= error / point.degrees
+    return [point for point in found if point is not None]
 
 
 def gltf_transform(tool, grid, side, measure):

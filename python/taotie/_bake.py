@@ -434,7 +434,7 @@ def bake(
     error: float | None = None,
     goal: Sequence[str] = (),
     images: Sequence[Literal["png", "jpeg", "webp", "ktx2"]] = (),
-    lods: Sequence[int] = (),
+    lods: Sequence[int | str] = (),
     size: int | tuple[int, int] | Literal["auto"] | None = None,
     maps: Sequence[Map | Literal["auto"]] = ("auto",),
     space: Literal["tangent", "object"] = "tangent",
@@ -471,12 +471,14 @@ def bake(
         Find the asset of the fewest bytes that meets these requirements, such as ``["p95-angle=2", "mean-color=0.5"]``, as
         far as they are about angles and colours as seen, within the ceilings among them, such as ``"triangles=50000"`` and
         ``"gpu-memory=64MB"``; with ``"bytes=500kB"`` the nearest of at most that size. ``["web"]``, ``["archive"]`` and
-        ``["engine"]`` are those of ``--preset``; give the last one ``images=["ktx2"]``, too. If none of `triangles`, `size`, `error` and `goal` is given, it is one that
-        is ``visually-lossless``, unless `low`, `lods`, or maps are asked for that a search cannot judge.
+        ``["engine"]`` are those of ``--preset``; give the last one ``images=["ktx2"]`` and
+        ``lods=["256px", "128px", "64px"]``, too. If none of `triangles`, `size`, `error` and `goal` is given, it is one that
+        is ``visually-lossless``, unless `low`, or maps are asked for that a search cannot judge.
     images : sequence of str
         Image formats that a search may choose from; PNG, JPEG and WebP if empty.
-    lods : sequence of int
-        Triangles of further levels of detail.
+    lods : sequence of int or str
+        Coarser levels of detail. ``"128px"`` is the lightest one that meets the goal where the object fills 128² pixels, 32 to
+        511; a number is one of so many triangles, which is shown where it meets the goal.
     size : int, (width, height) or "auto", optional
         Texels of the maps; nothing is searched for then. 2048 if only `triangles` is given. Auto is the smallest power of
         two, 256 to 8192, that preserves the scan's detail.

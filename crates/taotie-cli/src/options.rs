@@ -18,12 +18,6 @@ pub fn word(value: &str) -> Result<String, String> {
     Ok(value.trim().to_owned())
 }
 
-/// A number of triangles, at least four.
-pub fn triangles(value: &str) -> Result<u32, String> {
-    let count = value.trim().parse::<u32>().map_err(|_| format!("`{value}` is not a number of triangles"))?;
-    if count >= 4 { Ok(count) } else { Err(format!("{count} is below 4")) }
-}
-
 /// `WIDTHxHEIGHT`, or one number for both.
 pub fn size(value: &str) -> Result<[u32; 2], String> {
     let wrong = || "write WIDTHxHEIGHT, such as 1920x1080, or one number for both".to_string();
@@ -144,8 +138,7 @@ mod tests {
     #[test]
     fn spaces_around_the_words_of_a_list_do_not_matter() {
         assert_eq!(named(" ggx "), Ok(taotie::shade::Shading::Ggx));
-        assert_eq!((word(" depth").as_deref(), triangles(" 500 ")), (Ok("depth"), Ok(500)));
-        assert!(triangles("3").is_err() && triangles("many").is_err());
+        assert_eq!(word(" depth").as_deref(), Ok("depth"));
     }
 
     #[test]

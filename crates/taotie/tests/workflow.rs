@@ -6,8 +6,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use taotie::asset::{
-    Asset, BakeOptions, Baker, Bytes, FLOOR_8_BIT, Figure, Limits, MeshSource, Packing, Proof, RayDistance,
-    Report, Requirement, Scan, ScanFile, VerifyOptions, Written,
+    Asset, BakeOptions, Baker, Bytes, FLOOR_8_BIT, Figure, Limits, Lod, MeshSource, Packing, Proof,
+    RayDistance, Report, Requirement, Scan, ScanFile, VerifyOptions, Written,
 };
 use taotie::bake::MapKind;
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
@@ -185,7 +185,11 @@ fn what_could_not_be_measured_is_not_met() {
 fn every_level_is_measured_and_gated() {
     let folder = tempfile::tempdir().unwrap();
     let scan = small();
-    let asset = Baker::new(BakeOptions { triangles: 2000, lods: vec![900, 200], ..options() });
+    let asset = Baker::new(BakeOptions {
+        triangles: 2000,
+        lods: vec![Lod::Triangles(900), Lod::Triangles(200)],
+        ..options()
+    });
     let asset = asset.bake(&scan, Progress::SILENT).unwrap();
     let packing = Packing { meshopt: true, ..Packing::default() };
     let written = asset.write(folder.path().join("levels.glb"), &packing, Progress::SILENT).unwrap();
@@ -358,7 +362,8 @@ fn what_is_asked_for_and_not_used_is_told() {
     {
         assert!(said.contains(part), "{part}: {said}");
     }
-    let error = Baker::new(BakeOptions { lods: vec![300], ..asked }).bake(colored(2), Progress::SILENT);
+    let error = Baker::new(BakeOptions { lods: vec![Lod::Triangles(300)], ..asked })
+        .bake(colored(2), Progress::SILENT);
     assert!(error.unwrap_err().to_string().contains("a level of 300 triangles after one of 200"));
     let limits = Limits { memory: Some(Bytes(1 << 20)), ..Limits::default() };
     let error = Baker::new(options()).with_limits(limits).bake(small(), Progress::SILENT).unwrap_err();
@@ -447,7 +452,7 @@ fn job(mesh: &Mesh, options: &BakeOptions, folder: &Path, progress: Progress<'_>
 #[test]
 fn a_cancel_in_any_stage_leaves_no_file() {
     let folder = tempfile::tempdir().unwrap();
-    let (mesh, options) = (wavy(128, 64), BakeOptions { lods: vec![500], ..options() });
+    let (mesh, options) = (wavy(128, 64), BakeOptions { lods: vec![Lod::Triangles(500)], ..options() });
     let heard = Mutex::new(Vec::new());
     let listener = |stage: &'static str, _: f64| {
         heard.lock().unwrap().push(stage);
@@ -522,8 +527,11 @@ fn a_bake_of_a_million_triangles_is_cancelled_at_any_moment() {
 /// Where a search does without a map, levels of detail are those of the vertex normals.
 #[test]
 fn a_search_may_have_levels_of_detail_without_a_map() {
-    let wanted =
-        BakeOptions { goal: Some(vec![Requirement::mean_angle_deg(3.0)]), lods: vec![200, 100], ..options() };
+    let wanted = BakeOptions {
+        goal: Some(vec![Requirement::mean_angle_deg(3.0)]),
+        lods: vec![Lod::Triangles(200), Lod::Triangles(100)],
+        ..options()
+    };
     let found = Baker::new(wanted).bake(small(), Progress::SILENT).unwrap();
     let counts: Vec<usize> = found.levels().map(|mesh| mesh.triangles().len()).collect();
     assert!(found.size() == [0; 2] && counts.len() == 3, "{counts:?}, {:?}", found.size());

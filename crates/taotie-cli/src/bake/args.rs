@@ -11,7 +11,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use taotie::Error;
-use taotie::asset::{BakeOptions, Baker, Limits, MeshSource, Packing, Preset, RayDistance, Requirement};
+use taotie::asset::{BakeOptions, Baker, Limits, Lod, MeshSource, Packing, Preset, RayDistance, Requirement};
 use taotie::bake::MapKind;
 use taotie::io::{CodecKind, FileSet, TextureCodecs};
 use taotie::names::Named;
@@ -54,8 +54,8 @@ pub struct BakeArgs {
     pub triangles: Option<u32>,
     /// Target and ceilings for a use: web (mean 1°, 100,000 triangles, 80 MB on the graphics card), archive (mean 0.1°, no
     /// ceilings), or engine (mean 0.5°, 50,000 triangles, 32 MB, textures in KTX2). --error, --require, --images and ceilings
-    /// override them; --error stands for all limits of angles
-    #[arg(long, value_name = "web|archive|engine", value_parser = options::named::<Preset>, help_heading = "Search", conflicts_with_all = BY_HAND, conflicts_with = "lods")]
+    /// override them, as --lods does the levels of detail of engine; --error stands for all limits of angles
+    #[arg(long, value_name = "web|archive|engine", value_parser = options::named::<Preset>, help_heading = "Search", conflicts_with_all = BY_HAND)]
     pub preset: Option<Preset>,
     /// Find the smallest asset with a mean normal error, as seen, of at most DEG degrees: made from the scan, or the scan itself,
     /// packed. Triangles, bits of vertices, normal map or none, sizes, formats and qualities are chosen by what they cost.
@@ -72,14 +72,16 @@ pub struct BakeArgs {
     pub max_triangles: Option<u32>,
     /// Maximum memory of the asset on a graphics card, such as 64MB: vertices, and textures with mip levels at four bytes per
     /// texel, one of KTX2. Exit with 1 if it takes more
-    #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Search", conflicts_with_all = BY_HAND, conflicts_with = "lods")]
+    #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Search", conflicts_with_all = BY_HAND)]
     pub max_gpu_memory: Option<u64>,
     /// Write every trial of the search as CSV: bytes, memory on the graphics card, triangles, maps, degrees, ΔE
     #[arg(long, value_name = "FILE.csv", help_heading = "Search", conflicts_with_all = BY_HAND)]
     pub trials: Option<PathBuf>,
-    /// Further levels of detail in the same file (MSFT_lod): the triangles of each, separated by commas
-    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = options::triangles, help_heading = "Low-poly mesh")]
-    pub lods: Vec<u32>,
+    /// Coarser levels of detail in the same file (MSFT_lod), separated by commas. 128px is the lightest one that meets the target
+    /// where the object fills 128² pixels, 32 to 511; 5000 has so many triangles, and is shown where it meets the target. With
+    /// --preset engine: 256px,128px,64px
+    #[arg(long, value_name = "Npx|N,...", value_delimiter = ',', help_heading = "Low-poly mesh")]
+    pub lods: Vec<Lod>,
 
     /// Width and height of the maps, texels: one number, two as in 2048x1024 for a --low with UVs, or auto: the smallest power
     /// of two, 256 to 8192, that preserves the scan's detail [default: 2048]
@@ -221,15 +223,6 @@ impl BakeArgs {
             let (output, input) = (self.output.display(), input.display());
             bail!("{output}: it would be written over {input}, which is read; give another name or folder");
         }
-        let made = (self.low.is_none() && !self.searches()).then_some(self.triangles());
-        let levels: Vec<u32> = made.into_iter().chain(self.lods.iter().copied()).collect();
-        if let Some(pair) = levels.windows(2).find(|pair| pair[0] <= pair[1]) {
-            bail!(
-                "--lods: a level of {} triangles follows one of {}; each must have fewer triangles than the one before",
-                pair[1],
-                pair[0]
-            );
-        }
         let [width, height] = self.size();
         let size = if width == height { width.to_string() } else { format!("{width}x{height}") };
         if width != height && self.low.is_none() {
@@ -252,6 +245,7 @@ impl BakeArgs {
         }
         self.check_unread()?;
         self.proof.signature().check()?;
+        self.options().check()?;
         Ok(self.packing().check()?)
     }
 
@@ -387,7 +381,7 @@ impl BakeArgs {
 
     /// Refuses requirements of levels of detail that are not asked for.
     fn check_levels(&self) -> Result<()> {
-        let coarsest = self.lods.len();
+        let coarsest = self.lods().len();
         for requirement in self.proof.requirements() {
             if let Some(level) = requirement.level.filter(|level| *level > coarsest) {
                 bail!(
@@ -409,7 +403,7 @@ impl BakeArgs {
         BakeOptions {
             low: self.low.clone().map(MeshSource::File),
             triangles: self.triangles(),
-            lods: self.lods.clone(),
+            lods: self.lods(),
             keep_uvs: self.is_alone(),
             size: self.size()[0],
             height: (self.size()[1] != self.size()[0]).then_some(self.size()[1]),
@@ -426,6 +420,12 @@ impl BakeArgs {
             inspect: !self.no_verify,
             ..BakeOptions::default()
         }
+    }
+
+    /// Returns the coarser levels of detail: those of the preset if none are named.
+    fn lods(&self) -> Vec<Lod> {
+        let of_preset = self.preset.filter(|_| self.lods.is_empty()).map(Preset::lods);
+        of_preset.unwrap_or_else(|| self.lods.clone())
     }
 
     /// Says whether the maps of the scan's own materials are baked beside those that are named.

@@ -189,9 +189,10 @@ fn of_level(figures: &LevelFigures) -> String {
     let seen = mean_and_p95(figures.overview.angles.as_ref().map(|angles| &angles.summary));
     let surface = mean_and_p95(figures.surface_angles.as_ref());
     format!(
-        "{} triangles: normal error as seen mean {seen}, on the surface mean {surface}; shape error at most {} of the \
+        "{} triangles, as seen where it fills {:.0}² pixels: normal error mean {seen}, on the surface mean {surface}; shape error at most {} of the \
          diagonal; {}",
         figures.triangles,
+        figures.overview.across,
         percent(figures.hausdorff_of_diagonal.upper),
         visual_difference(&figures.views)
     )

@@ -2,7 +2,7 @@
 
 use super::Seed;
 use anyhow::Result;
-use taotie::asset::BakeOptions;
+use taotie::asset::{BakeOptions, Lod};
 
 const MATERIAL: &str = "preset = 'bronze'\nbase_color = [0.5, 0.25, 0.125]\nalpha = 0.5\nmetallic = 0.75\n\
     roughness = 0.375\nemissive = [0.0, 1.0, 2.0]\nalpha_mode = 'mask'\nalpha_cutoff = 0.25\ndouble_sided = true\n\
@@ -20,7 +20,10 @@ const LIGHT: &str =
 /// # Errors
 /// Where options cannot be written as JSON.
 pub fn seeds() -> Result<Vec<Seed>> {
-    let options = serde_json::to_vec(&BakeOptions { lods: vec![100, 50], ..BakeOptions::default() })?;
+    let options = serde_json::to_vec(&BakeOptions {
+        lods: vec![Lod::Triangles(100), Lod::Triangles(50)],
+        ..BakeOptions::default()
+    })?;
     Ok(vec![
         Seed::alone("bronze.toml", MATERIAL),
         Seed::alone("classic.toml", CLASSIC),

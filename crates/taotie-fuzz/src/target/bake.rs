@@ -4,7 +4,7 @@ use super::Subject;
 use super::promises::{Held, error_is_told_well, is_consistent, limits};
 use fastrand::Rng;
 use std::path::Path;
-use taotie::asset::{BakeOptions, Baker, MeshSource, Packing, RayDistance, Scan, VerifyOptions};
+use taotie::asset::{BakeOptions, Baker, Lod, MeshSource, Packing, RayDistance, Scan, VerifyOptions};
 use taotie::bake::MapKind;
 use taotie::io::{ImageCodec, load_levels};
 use taotie::mesh::Mesh;
@@ -52,7 +52,7 @@ fn options(rng: &mut Rng, path: &Path) -> BakeOptions {
     BakeOptions {
         low: onto.then(|| MeshSource::File(path.to_path_buf())),
         triangles,
-        lods: if triangles > 60 && rng.bool() { vec![triangles / 2] } else { Vec::new() },
+        lods: if triangles > 60 && rng.bool() { vec![Lod::Triangles(triangles / 2)] } else { Vec::new() },
         keep_uvs: rng.u8(..4) == 0,
         size: 16 << rng.u32(..3),
         maps: maps(rng),

@@ -9,6 +9,7 @@ use taotie::asset::{LevelFigures, Proof, ViewFigures, Views};
 /// Makes the table of all levels; `None` where there is one alone.
 pub fn table(levels: &[LevelFigures]) -> Option<Section> {
     let further = [
+        Column::numbers("seen at", "pixels²"),
         Column::numbers("overview, mean", "°"),
         Column::numbers("close-up, worst 1 %", "°"),
         Column::numbers("shape error, at most", "% of the diagonal"),
@@ -18,8 +19,9 @@ pub fn table(levels: &[LevelFigures]) -> Option<Section> {
     ];
     (levels.len() > 1).then(|| Section::Table {
         title: "Levels of detail".into(),
-        note: "Each level as it was written and read back, against the scan. All show the maps that were baked for \
-               level 0, the finest. FLIP and SSIM are means of all grey views."
+        note: "Each level as it was written and read back, against the scan. A level takes over from the one \
+               before where the object fills so many pixels of a screen of 3840 × 2160, and is seen as large as that in the overview. FLIP and SSIM are means of all grey \
+               views."
             .into(),
         columns: columns(Column::numbers("level", "")).into_iter().chain(further).collect(),
         rows: levels.iter().enumerate().map(row).collect(),
@@ -29,6 +31,7 @@ pub fn table(levels: &[LevelFigures]) -> Option<Section> {
 fn row((level, figures): (usize, &LevelFigures)) -> Vec<Cell> {
     let mean_of = |estimate: &Option<taotie::proof::Estimate>| estimate.as_ref().map(|of| of.summary.mean);
     let further = [
+        Cell::number(f64::from(figures.overview.across), 0),
         Cell::Number { value: mean_of(&figures.overview.angles), digits: 3 },
         Cell::Number { value: figures.patches.angle.map(|patch| patch.mean), digits: 2 },
         Cell::number(figures.hausdorff_of_diagonal.upper * 100.0, 4),

@@ -15,12 +15,13 @@ use super::packing::Packing;
 use super::plan::BakePlan;
 use super::scan::Scan;
 use super::scan_size::ScanSize;
-use super::search::{MadeAsset, Rounding, Smallest, Trial, smallest};
+use super::search::{
+    Coarser, Finest, Level, MadeAsset, PackedAsset, Rounding, Shown, Smallest, Trial, coarser, smallest,
+};
 use super::write::possible_files;
 use crate::bake::{self, MapKind};
 use crate::error::{Result, Warnings};
 use crate::io::{self, Bytes, FileSet, Limits};
-use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::scene::AlphaMode;
 use std::path::{Path, PathBuf};
@@ -153,8 +154,8 @@ struct Lightened {
     trials: Vec<Trial>,
     /// What the file loses if a search chose it.
     rounding: Option<Rounding>,
-    /// The GLB of the packed scan if that is the asset.
-    packed: Option<Vec<u8>>,
+    /// The packed scan if that is the asset.
+    packed: Option<PackedAsset>,
 }
 
 /// All that a bake begins with, read.
@@ -196,6 +197,13 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     materials.for_each(|material| plan.fill(&about.carried, material));
     let mut document = given.as_mut().and_then(GivenMesh::take_document);
     let mut options = plan.options.clone();
+    if let Some(moving) = about.moving.filter(|_| options.searches() && !options.lods.is_empty()) {
+        warnings.note(
+            format!("levels of detail are left out: the scan has {moving}, which only one level can have"),
+            1,
+        );
+        options.lods.clear();
+    }
     let mut of_scan = Warnings::default();
     if options.inspect {
         // Before the scan is sorted for rays: both together would be the most that a bake takes.
@@ -203,13 +211,22 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         judgement::inspect(scan.mesh(), &mut of_scan);
     }
     let (subject, recipe) = (Subject { scan, given }, Recipe { options: &options, rays: &rays });
-    let Lightened { mut parts, size, trials, rounding, packed } =
+    let Lightened { mut parts, size, trials, rounding, mut packed } =
         lightened(recipe, subject, &mut warnings, progress)?;
-    let (carried, left) = match packed {
-        Some(glb) => {
+    let coarser = {
+        let Part { low, maps } = &parts[0];
+        let finest = packed.as_ref().map_or(Finest::Made { low, maps, rounding }, Finest::Packed);
+        let recipe = Recipe { options: &options, rays: &rays };
+        let mut of_levels = Warnings::default();
+        let coarser = coarser(recipe, (scan, finest), &mut of_levels, progress)?;
+        of_scan.absorb(of_levels);
+        coarser
+    };
+    let (carried, left) = match packed.take() {
+        Some(asset) => {
             options.maps.clear();
             warnings = notes::of_packed_scan(&warnings);
-            document = Some(Document::of_packed(glb, limits));
+            document = Some(Document::of_packed(asset.glb, limits));
             (about.carried.found.iter().map(|found| found.property).collect(), Vec::new())
         }
         None => {
@@ -220,7 +237,6 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     for part in &mut parts {
         part.low.material.alpha = part.low.alpha(&options, scan);
     }
-    let coarser = low::coarser(&parts[0].low, &options.lods, &mut warnings, progress)?;
     let alpha_modes = match options.bakes(&[MapKind::Alpha]) && has_several_modes(scan) {
         true if document.is_some() => {
             let is_blended = |part: &&Part| part.low.material.alpha == AlphaMode::Blend;
@@ -275,8 +291,11 @@ fn has_several_modes(scan: &Scan) -> bool {
 }
 
 /// Returns the alpha mode of each triangle of each level of the only part.
-fn alpha_modes(scan: &Scan, Part { low, maps }: &Part, coarser: &[Mesh]) -> Vec<Vec<AlphaMode>> {
-    let of_level = |mesh: &Mesh| scan.sorted().alpha_modes(mesh, &maps.cage.carried_over(&low.mesh, mesh));
+fn alpha_modes(scan: &Scan, Part { low, maps }: &Part, coarser: &[Coarser]) -> Vec<Vec<AlphaMode>> {
+    let of_level = |Coarser { mesh, shown, .. }: &Coarser| match shown {
+        Shown::Own(own) => scan.sorted().alpha_modes(mesh, &own.maps.cage),
+        _ => scan.sorted().alpha_modes(mesh, &maps.cage.carried_over(&low.mesh, mesh)),
+    };
     let finest = scan.sorted().alpha_modes(&low.mesh, &maps.cage);
     std::iter::once(finest).chain(coarser.iter().map(of_level)).collect()
 }
@@ -290,7 +309,7 @@ fn lightened(
 ) -> Result<Lightened> {
     let options = recipe.options;
     if options.searches() {
-        let found = smallest(recipe, scan, progress)?;
+        let found = smallest(recipe, (scan, Level::FINEST), progress)?;
         warnings.absorb(found.warnings);
         return found_asset(scan, found.smallest, found.trials);
     }
@@ -332,12 +351,13 @@ fn found_asset(scan: &Scan, found: Smallest, trials: Vec<Trial>) -> Result<Light
             let parts = vec![Part { low, maps }];
             Ok(Lightened { parts, size: [size; 2], trials, rounding: Some(rounding), packed: None })
         }
-        Smallest::Packed(glb, rounding) => {
-            let scene = io::load_glb(glb.clone(), &Limits::of_own_files())?.scene;
+        Smallest::Packed(asset) => {
+            let scene = io::load_glb(asset.glb.clone(), &Limits::of_own_files())?.scene;
             let low = LowPoly::packed(bake::Scan::surface_of(scene)?.mesh().clone());
             let maps = StoredMaps::none(Pair { scan, low: &low });
             let parts = vec![Part { low, maps }];
-            Ok(Lightened { parts, size: [0; 2], trials, rounding: Some(rounding), packed: Some(glb) })
+            let rounding = Some(asset.rounding);
+            Ok(Lightened { parts, size: [0; 2], trials, rounding, packed: Some(asset) })
         }
     }
 }

@@ -288,6 +288,7 @@ fn word(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::asset::lod::Lod;
     use crate::mesh::MeshData;
     use crate::scene::{Instance, SceneData};
 
@@ -318,8 +319,10 @@ mod tests {
 
     #[test]
     fn what_would_be_lost_is_refused() {
-        let (plain, lods) =
-            (BakeOptions::default(), BakeOptions { lods: vec![10], ..BakeOptions::default() });
+        let (plain, lods) = (
+            BakeOptions::default(),
+            BakeOptions { lods: vec![Lod::Triangles(10)], ..BakeOptions::default() },
+        );
         let object = BakeOptions { space: NormalSpace::Object, ..BakeOptions::default() };
         let alone = BakeOptions { keep_uvs: true, ..BakeOptions::default() };
         let (two, one) = (file(&["a", "b"], &[true, true]), file(&["a"], &[true]));

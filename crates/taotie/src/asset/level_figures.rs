@@ -50,7 +50,7 @@ pub const BIN_WIDTH: f64 = 0.2;
 pub struct LevelFigures {
     /// Triangles.
     pub triangles: usize,
-    /// As seen: differences at the same pixel, the object filling 512².
+    /// As seen: differences at the same pixel, the object filling 512²; of a coarser level as many as where it is first shown.
     pub overview: Overview,
     /// As seen close up: the worst windows of one per cent of the visible surface.
     pub patches: WorstPatches,

@@ -8,7 +8,7 @@ use super::packing::Packing;
 use super::plan::Left;
 use super::property::Property;
 use super::scan::About;
-use super::search::{Rounding, Trial};
+use super::search::{Coarser, Rounding, Trial};
 use super::textures::Textures;
 use crate::bake::BakeCounts;
 use crate::error::Warnings;
@@ -29,7 +29,7 @@ pub(super) struct Made {
     /// The triangles of each material with their maps, at least one.
     pub parts: Vec<Part>,
     /// The levels of detail after the first.
-    pub coarser: Vec<Mesh>,
+    pub coarser: Vec<Coarser>,
     /// The alpha mode of each triangle of each level, the finest first; empty where all have their material's.
     pub alpha_modes: Vec<Vec<AlphaMode>>,
     /// Texels across and down.
@@ -56,6 +56,11 @@ impl Made {
             Some(rounding) => asked.clone().with_format(&rounding.format()),
             None => asked.clone(),
         }
+    }
+
+    /// Returns the meshes of all levels, the finest first.
+    pub fn levels(&self) -> impl Iterator<Item = &Mesh> {
+        std::iter::once(self.mesh()).chain(self.coarser.iter().map(|level| &level.mesh))
     }
 
     /// Returns all triangles of the finest level.
@@ -89,7 +94,7 @@ impl Asset {
 
     /// Returns the levels of detail, the finest first: with uvs, normals and tangents, all materials joined.
     pub fn levels(&self) -> impl Iterator<Item = &Mesh> {
-        std::iter::once(self.made.mesh()).chain(&self.made.coarser)
+        self.made.levels()
     }
 
     /// Returns the maps as they are stored; those of the first material where there are several.

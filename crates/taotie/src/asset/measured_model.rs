@@ -47,7 +47,7 @@ pub fn measure(
         judgement::refuse_misfit(&fit, cause, &mut warnings)?;
     }
     let (mut figures, parts) =
-        Measurement { scan, unit: scan.unit(), options }.all(&finest, &[], &level, progress)?;
+        Measurement { scan, unit: scan.unit(), options, across: &[] }.all(&finest, &[], &level, progress)?;
     figures.parts = parts;
     findings::note_whole(&figures, &finest, &mut warnings);
     findings::note(&figures, &[], &mut warnings);

@@ -19,6 +19,8 @@ pub(super) struct Measurement<'a> {
     pub scan: &'a Scan,
     pub unit: Option<Unit>,
     pub options: &'a VerifyOptions,
+    /// The pixels across the object at which each level is first shown; `None` of the finest, and of files that do not say.
+    pub across: &'a [Option<f32>],
 }
 
 impl<'a> Measurement<'a> {
@@ -31,7 +33,7 @@ impl<'a> Measurement<'a> {
         level: &dyn Fn(&Scene) -> Result<ShownLevel<'a>>,
         progress: Progress<'_>,
     ) -> Result<(Figures, Vec<PartFigures>)> {
-        let Self { scan, unit, options } = *self;
+        let Self { scan, unit, options, .. } = *self;
         let side = Side::of(scan.sorted());
         let diagonal = scan.mesh().diagonal();
         let fit = finest.whole().fit((options.points / 2).max(1), diagonal).map(FitFigures::from);
@@ -61,7 +63,8 @@ impl<'a> Measurement<'a> {
         let diagonal = self.scan.mesh().diagonal() as f32;
         let pair = Pair { scan, asset: &asset, diagonal, has_material: level.has_material() };
         let asked = requirement::asked_limits(&self.options.requirements);
-        let mut seen = Seen::of(&pair, counts)?;
+        let across = self.across.get(number).copied().flatten();
+        let mut seen = Seen::of(&pair, (across, counts))?;
         loop {
             figures.levels.push(on_surface.clone().with_seen(&pair, &seen, &asked)?);
             let met = figures.require(&self.options.requirements);

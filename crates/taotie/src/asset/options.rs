@@ -1,5 +1,6 @@
 //! The options of a bake.
 
+use super::lod::Lod;
 use super::map_side::{self, AUTO_SIZE};
 use super::requirement::Requirement;
 use super::requirement_text;
@@ -78,13 +79,14 @@ pub enum RayDistance {
 /// The options of a bake. Built by `Default` and struct update.
 ///
 /// ```
-/// use taotie::asset::BakeOptions;
+/// use taotie::asset::{BakeOptions, Lod};
 /// use taotie::bake::MapKind;
 ///
 /// let maps = vec![MapKind::Normal, MapKind::Occlusion];
-/// let options = BakeOptions { triangles: 20_000, lods: vec![5_000, 1_000], maps, ..BakeOptions::default() };
+/// let lods = vec![Lod::Triangles(5_000), Lod::Pixels(64)];
+/// let options = BakeOptions { triangles: 20_000, lods, maps, ..BakeOptions::default() };
 /// assert!(options.check().is_ok());
-/// assert!(BakeOptions { lods: vec![30_000], ..options }.check().is_err(), "more than 20,000");
+/// assert!(BakeOptions { triangles: 4_000, ..options }.check().is_err(), "fewer than 5,000");
 /// ```
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
@@ -104,8 +106,8 @@ pub struct BakeOptions {
     pub bytes: Option<u64>,
     /// The image formats that a search for the smallest asset may choose from; PNG, JPEG and WebP if empty.
     pub images: Vec<CodecKind>,
-    /// Triangles of further levels of detail, each fewer than the one before.
-    pub lods: Vec<u32>,
+    /// Further levels of detail, each coarser than the one before.
+    pub lods: Vec<Lod>,
     /// `true` where no uvs may be made, since no file will hold them: `low` is needed then, with uvs. For maps alone.
     pub keep_uvs: bool,
     /// Texels across the maps, 16 to 16384, or [`AUTO_SIZE`].
@@ -232,14 +234,7 @@ impl BakeOptions {
 
     fn check_levels(&self) -> Result<()> {
         let made = (self.low.is_none() && !self.searches()).then_some(self.triangles);
-        let levels: Vec<u32> = made.into_iter().chain(self.lods.iter().copied()).collect();
-        match levels.windows(2).find(|pair| pair[0] <= pair[1]) {
-            Some(pair) => Err(Error::invalid(
-                format!("a level of {} triangles after one of {}", pair[1], pair[0]),
-                "each must have fewer than the one before",
-            )),
-            None => Ok(()),
-        }
+        Lod::check(&self.lods, made)
     }
 
     fn check_goal(&self) -> Result<()> {
@@ -268,7 +263,7 @@ impl BakeOptions {
         self.goal.is_some() || self.bytes.is_some()
     }
 
-    /// Returns `true` if a search can find the smallest asset: no mesh is given, nor levels of detail, and it can judge each map:
+    /// Returns `true` if a search can find the smallest asset: no mesh is given, and it can judge each map:
     /// those of normals in tangent space, and of what the scan has.
     pub fn may_search(&self) -> bool {
         const JUDGED: [MapKind; 6] = [
@@ -279,7 +274,7 @@ impl BakeOptions {
             MapKind::Alpha,
             MapKind::OcclusionMap,
         ];
-        let is_made = self.low.is_none() && self.lods.is_empty() && !self.keep_uvs;
+        let is_made = self.low.is_none() && !self.keep_uvs;
         let is_judged = self.bakes(&[MapKind::Normal]) && self.maps.iter().all(|map| JUDGED.contains(map));
         is_made && is_judged && self.space == NormalSpace::Tangent
     }
@@ -336,7 +331,7 @@ mod tests {
             (BakeOptions { ao_rays: 0, ..base() }, "1 to 4096"),
             (BakeOptions { ao_distance: Some(f64::NAN), ..base() }, "above 0"),
             (BakeOptions { roughness: Some(1.5), ..base() }, "[0, 1]"),
-            (BakeOptions { lods: vec![50_000], ..base() }, "after one of 50000"),
+            (BakeOptions { lods: vec![Lod::Triangles(50_000)], ..base() }, "the level of detail 50000"),
             (BakeOptions { goal: Some(Vec::new()), low, ..base() }, "leave one out"),
             (BakeOptions { goal: Some(Vec::new()), space: NormalSpace::Object, ..base() }, "tangent space"),
         ];

@@ -97,7 +97,7 @@ impl Parameters {
             "triangles": (options.low.is_none() && !searched).then_some(options.triangles),
             "goal": options.goal.as_deref().map(requirement_text::argument),
             "bytes": options.bytes,
-            "lods": options.lods,
+            "lods": options.lods.iter().map(|level| level.json()).collect::<Vec<_>>(),
             "size": match options.is_square() {
                 true => json!((!searched).then_some(options.size)),
                 false => json!(options.map_size()),

@@ -1,6 +1,7 @@
 //! Targets and ceilings for common uses of an asset.
 
 use super::figure::Figure;
+use super::lod::Lod;
 use super::requirement::Requirement;
 use crate::io::CodecKind;
 use crate::names::Named;
@@ -11,7 +12,8 @@ use crate::names::Named;
 /// use taotie::asset::{BakeOptions, Preset};
 ///
 /// let engine = Preset::Engine;
-/// let options = BakeOptions { goal: Some(engine.requirements()), images: engine.images(), ..BakeOptions::default() };
+/// let (goal, images, lods) = (Some(engine.requirements()), engine.images(), engine.lods());
+/// let options = BakeOptions { goal, images, lods, ..BakeOptions::default() };
 /// assert!(options.check().is_ok());
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,7 +22,8 @@ pub enum Preset {
     Web,
     /// Access copies of a collection: 0.1° on average, without ceilings.
     Archive,
-    /// Real-time engines: 0.5° on average, at most 50,000 triangles and 32 MB on the graphics card, textures in KTX2.
+    /// Real-time engines: 0.5° on average, at most 50,000 triangles and 32 MB on the graphics card, textures in KTX2, levels of
+    /// detail for 256, 128 and 64 pixels across.
     Engine,
 }
 
@@ -43,6 +46,14 @@ impl Preset {
             }
             Self::Archive => Requirement::as_seen([0.1, 0.4], [0.2, 0.5, 1.0]),
             Self::Engine => [Requirement::visually_lossless(), ceilings(50_000.0, 32.0)].concat(),
+        }
+    }
+
+    /// Returns the coarser levels of detail.
+    pub fn lods(self) -> Vec<Lod> {
+        match self {
+            Self::Web | Self::Archive => Vec::new(),
+            Self::Engine => [256, 128, 64].map(Lod::Pixels).to_vec(),
         }
     }
 

@@ -12,6 +12,7 @@ use super::part_flip::{PartFlip, PartView};
 use super::patch_pictures::{MeasuredPatch, PatchPictures};
 use super::requirement::Requirement;
 use super::scan::{Scan, is_gltf};
+use super::screen;
 use super::shown::ShownLevel;
 use super::space;
 use super::unseen::unseen;
@@ -186,13 +187,18 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
         warnings.absorb(std::mem::take(&mut level.warnings));
     }
     let poses = levels.iter().any(|level| level.rig.is_some());
+    let across: Vec<Option<f32>> = levels.iter().map(|level| level.coverage.map(screen::across)).collect();
     let scenes: Vec<Scene> = levels.into_iter().map(|level| level.scene).collect();
     scan.sort(progress)?;
     progress.begin("measure normals")?;
     let level = |scene: &Scene| ShownLevel::of(scene, &scan, (&path, has_material));
     let finest = level(&scenes[0])?;
-    let (mut figures, parts) =
-        Measurement { scan: &scan, unit, options }.all(&finest, &scenes[1..], &level, progress)?;
+    let (mut figures, parts) = Measurement { scan: &scan, unit, options, across: &across }.all(
+        &finest,
+        &scenes[1..],
+        &level,
+        progress,
+    )?;
     figures.parts = parts;
     findings::note_whole(&figures, &finest, &mut warnings);
     figures.bytes_in = scan.about.bytes;
@@ -317,7 +323,7 @@ impl Written {
     fn check_read_back(&self, levels: &[Loaded]) -> Result<()> {
         let (made, name) = (&self.asset.made, self.path().display().to_string());
         let wanted = self.asset.levels().count();
-        if made.document.is_none() && levels.len() != wanted {
+        if (made.document.is_none() || wanted > 1) && levels.len() != wanted {
             let why = format!("read back, it has {} levels of detail instead of {wanted}", levels.len());
             return Err(Error::invalid(name, why));
         }
@@ -344,6 +350,7 @@ impl Written {
             };
             let Some(file) = notes.iter().find(is_it).and_then(|note| note.file.as_ref()) else { continue };
             let texture = self.read_normals(file)?;
+            let coarser = coarser.iter().map(|level| &level.mesh);
             let sampler = io::gltf_sampler(std::iter::once(&part.low.mesh).chain(coarser));
             let own = part.low.own.as_ref().map(|own| own.number);
             levels

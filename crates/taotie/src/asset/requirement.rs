@@ -2,8 +2,10 @@
 
 use super::beyond::AskedLimits;
 use super::figure::{Figure, FigureUnit, split};
+use super::figure_words::Looking;
 use super::figures::Figures;
 use super::level_figures::LevelFigures;
+use super::lod::Lod;
 use super::met::{Met, length_unit, shown_unit};
 use super::view_figures::ViewFigures;
 use super::within;
@@ -140,7 +142,7 @@ impl Requirement {
         }
         let levels = match self.level {
             Some(level) => vec![level],
-            None => (0..figures.levels.len().max(1)).collect(),
+            None => self.levels_of(figures),
         };
         let value = |level: &LevelFigures| match self.is_length {
             true => self.length_of(level, figures.unit?),
@@ -148,6 +150,17 @@ impl Requirement {
         };
         let outcome = |level| self.outcome(Some(level), figures.levels.get(level).and_then(value));
         levels.into_iter().map(outcome).collect()
+    }
+
+    /// Returns the levels at which it counts: those that are shown where the figure looks. Levels for small objects are never
+    /// seen from nearby.
+    fn levels_of(&self, figures: &Figures) -> Vec<usize> {
+        let is_anywhere = matches!(self.figure.looking(), Looking::Overview | Looking::Files);
+        let is_whole = |level: &LevelFigures| level.overview.across >= Lod::FINEST as f32;
+        let counts =
+            |(number, level): &(usize, &LevelFigures)| *number == 0 || is_anywhere || is_whole(level);
+        let levels = figures.levels.iter().enumerate().filter(counts).map(|(number, _)| number);
+        if figures.levels.is_empty() { vec![0] } else { levels.collect() }
     }
 
     /// Returns the outcome for a figure and the interval in which it lies.

@@ -40,6 +40,8 @@ pub(super) struct About {
     pub is_plain: bool,
     /// `true` if its file has animations, skins, morph targets or sets of materials, which nothing that is baked has.
     pub is_rigged: bool,
+    /// The way in which its file's model moves; `None` if it does not.
+    pub moving: Option<&'static str>,
     /// The way in which it is read; the unit is the metre for glTF unless the caller states another one.
     pub options: ScanOptions,
 }
@@ -146,6 +148,7 @@ impl ScanFile {
         let is_rigged = loaded.rig.is_some() || !loaded.variants.names().is_empty();
         let about = About {
             is_rigged,
+            moving: loaded.moving,
             hash: Some(hash),
             files,
             bytes,
@@ -353,6 +356,7 @@ impl About {
             carried,
             is_plain: look::is_plain(scene),
             is_rigged: false,
+            moving: None,
             options: ScanOptions::default(),
         }
     }

@@ -4,8 +4,8 @@ use super::figure::Sampling;
 use super::met::Met;
 use crate::error::Result;
 use crate::proof::{
-    CloseUp, DistanceBounds, Overview, Pair, Patch, SilhouetteFigures, SurfaceSample, hausdorff, overview,
-    silhouettes, worst_patch,
+    CloseUp, DistanceBounds, Overview, Pair, Patch, Picture, SilhouetteFigures, SurfaceSample, hausdorff,
+    overview, silhouettes, worst_patch,
 };
 
 /// Points at most, when samples are added to decide a requirement.
@@ -19,6 +19,8 @@ const MARGIN: f64 = 1.5;
 /// A level of detail as a viewer sees it.
 pub(super) struct Seen {
     counts: Counts,
+    /// Pixels across the object where it is first shown; `None` if it is seen as a whole.
+    across: Option<f32>,
     pub overview: Overview,
     pub silhouette: SilhouetteFigures,
     /// Of the scan and of the asset.
@@ -44,16 +46,17 @@ pub(super) struct Counts {
 }
 
 impl Seen {
-    /// Looks at a level.
+    /// Looks at a level, whose overview has so many pixels across.
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] if a surface has no area.
-    pub fn of(pair: &Pair<'_>, counts: Counts) -> Result<Self> {
+    pub fn of(pair: &Pair<'_>, (across, counts): (Option<f32>, Counts)) -> Result<Self> {
         let close_ups = close_ups(pair, counts.close_up)?;
         Ok(Self {
             counts,
+            across,
             sought: sought(pair, counts)?,
-            overview: overview(pair, counts.overview)?,
+            overview: overview(pair, picture(across, counts))?,
             silhouette: silhouettes(pair),
             hausdorff: hausdorff(pair, [&close_ups[0], &close_ups[1]], counts.distance),
             close_ups,
@@ -90,7 +93,7 @@ impl Seen {
     pub fn refine(&mut self, pair: &Pair<'_>, counts: Counts) -> Result<()> {
         let before = std::mem::replace(&mut self.counts, counts);
         if counts.overview != before.overview {
-            self.overview = overview(pair, counts.overview)?;
+            self.overview = overview(pair, picture(self.across, counts))?;
         }
         if counts.close_up != before.close_up {
             let few = std::mem::replace(&mut self.close_ups, close_ups(pair, counts.close_up)?);
@@ -110,6 +113,10 @@ fn close_ups(pair: &Pair<'_>, points: usize) -> Result<[CloseUp; 2]> {
 
 fn sought(pair: &Pair<'_>, counts: Counts) -> Result<Option<[CloseUp; 2]>> {
     (counts.sought != counts.close_up).then(|| close_ups(pair, counts.sought)).transpose()
+}
+
+fn picture(across: Option<f32>, counts: Counts) -> Picture {
+    across.map_or(Picture::whole(counts.overview), |across| Picture::of(across, counts.overview))
 }
 
 impl Counts {

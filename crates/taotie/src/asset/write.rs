@@ -9,7 +9,8 @@ use super::maps_alone;
 use super::options::BakeOptions;
 use super::packing::Packing;
 use super::provenance;
-use super::search::PORTABLE;
+use super::screen;
+use super::search::{Coarser, PORTABLE, Shown};
 use super::space;
 use super::textures::{Beside, Textures, labeled};
 use super::unlit;
@@ -18,12 +19,13 @@ use crate::error::{Result, Warnings};
 use crate::image::Encoding;
 use crate::io::{
     self, EncodedModel, FileBytes, FileSet, GltfAsset, GltfFormat, GltfGraft, GltfImage, GltfLevel,
-    GltfMaterial, GraftedMaterial, ImageCodec, Json, TextureCodecs,
+    GltfMaterial, GltfSource, GraftedMaterial, ImageCodec, Json, Limits, TextureCodecs,
 };
 use crate::names::Named;
 use crate::progress::Progress;
 use crate::scene::{AlphaMode, GreenChannel};
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// An asset as it was written.
@@ -131,15 +133,17 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<EncodedModel> 
     let sets = made.parts.iter().map(|part| BesideMaps::of(made, part, packing));
     let sets = sets.collect::<Result<Vec<_>>>()?;
     let extras = extras(&sets, path);
+    let name = name(made);
     let about = About {
+        name: &name,
         copyright: made.about.copyright.as_deref().or(rights.as_deref()),
         xmp: &xmp,
         extras: extras.as_ref(),
     };
     let target = Target { path, format: &packing.format() };
-    let mut model = match &made.document {
-        Some(document) => grafted(made, document, &about, target)?,
-        None => anew(made, &about, target)?.into(),
+    let mut model = match made.coarser.iter().all(|level| matches!(level.shown, Shown::Shared)) {
+        true => one(made, &about, target)?,
+        false => joined(made, &about, target)?,
     };
     for set in &sets {
         for beside in set.all() {
@@ -150,28 +154,106 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<EncodedModel> 
     Ok(model)
 }
 
-/// Returns the files of an asset of one mesh and one material, the model first.
-fn anew(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<Vec<FileBytes>> {
+/// Returns the files of an asset whose levels all show the same materials, the model first.
+fn one(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<EncodedModel> {
+    match &made.document {
+        Some(document) => grafted(made, document, about, target),
+        None => {
+            let coverages = coverages(made);
+            let levels = made.levels().zip(coverages);
+            let levels: Vec<_> =
+                levels.map(|(mesh, coverage)| GltfLevel { mesh, coverage: Some(coverage) }).collect();
+            let of_asset = anew(made, about);
+            let model = GltfAsset { levels: &levels, alpha_modes: &made.alpha_modes, ..of_asset };
+            io::encode_gltf(target.path, &model, target.format).map(EncodedModel::from)
+        }
+    }
+}
+
+/// Returns the files of an asset whose levels are files of their own, which are joined, the model first.
+fn joined(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<EncodedModel> {
+    let glb = Target { path: Path::new("level.glb"), ..target };
+    let finest = finest(made, about, glb)?;
+    let coarser = (0..made.coarser.len()).map(|i| coarser(made, i, glb)).collect::<Result<Vec<_>>>()?;
+    let coarser: Vec<&[u8]> = coarser.iter().map(Vec::as_slice).collect();
+    let bytes = io::join_levels(&model_of(finest.files), &coarser, &coverages(made))?;
+    let is_glb = target.path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
+    if is_glb {
+        let file = FileBytes { path: target.path.to_path_buf(), bytes };
+        return Ok(EncodedModel { files: vec![file], warnings: finest.warnings });
+    }
+    let apart = io::encode_graft(target.path, &graft(GltfSource::Glb(&bytes)), target.format)?;
+    Ok(EncodedModel { warnings: finest.warnings, ..apart })
+}
+
+/// Returns the GLB of the finest level alone.
+fn finest(made: &Made, about: &About<'_>, glb: Target<'_>) -> Result<EncodedModel> {
+    match &made.document {
+        Some(document) => grafted(made, document, about, glb),
+        None => {
+            let levels = [GltfLevel { mesh: &made.parts[0].low.mesh, coverage: None }];
+            let alpha_modes = made.alpha_modes.get(..1).unwrap_or_default();
+            let model = GltfAsset { levels: &levels, alpha_modes, ..anew(made, about) };
+            io::encode_gltf(glb.path, &model, glb.format).map(EncodedModel::from)
+        }
+    }
+}
+
+/// Returns the GLB of one of the coarser levels.
+fn coarser(made: &Made, number: usize, glb: Target<'_>) -> Result<Vec<u8>> {
+    let Coarser { mesh, shown, .. } = &made.coarser[number];
     let Part { low, maps } = &made.parts[0];
-    let meshes: Vec<_> = std::iter::once(&low.mesh).chain(&made.coarser).collect();
-    let levels: Vec<GltfLevel> = meshes
-        .iter()
-        .zip(coverages(meshes.len()))
-        .map(|(mesh, coverage)| GltfLevel { mesh, coverage: Some(coverage) })
-        .collect();
-    // Not that of the file that is written: the same asset has the same bytes under any name.
-    let name = made.about.path.file_stem().map_or("asset".into(), |stem| stem.to_string_lossy());
-    let model = GltfAsset {
-        name: &name,
-        levels: &levels,
+    let (material, format) = match shown {
+        Shown::Packed(packed) => {
+            let scaled = GltfGraft { root_scale: scale_of(made), ..graft(GltfSource::Glb(packed)) };
+            return io::encode_graft(glb.path, &scaled, glb.format).map(|model| model_of(model.files));
+        }
+        Shown::Shared => (maps.textures.material(&low.material, &low.kept), *glb.format),
+        Shown::Rebaked(own) => {
+            let normal_map = own.textures.normal.as_ref().map(GltfImage::from);
+            (GltfMaterial { normal_map, ..maps.textures.material(&low.material, &low.kept) }, *glb.format)
+        }
+        Shown::Own(own) => {
+            (own.maps.textures.material(&own.low.material, &own.low.kept), own.rounding.format())
+        }
+    };
+    let alpha_modes = made.alpha_modes.get(number + 1..number + 2).unwrap_or_default();
+    let name = name(made);
+    let levels = [GltfLevel { mesh, coverage: None }];
+    let root_scale = space::root_scale(made.about.unit());
+    let model =
+        GltfAsset { name: &name, levels: &levels, root_scale, material, alpha_modes, ..GltfAsset::default() };
+    io::encode_glb(&model, &format)
+}
+
+/// Returns a file as it is, to be written anew.
+fn graft(source: GltfSource<'_>) -> GltfGraft<'_> {
+    let (root_scale, materials, limits) = (None, &[][..], Limits::of_own_files());
+    GltfGraft { source, limits, root_scale, materials, copyright: None, xmp: None, extras: None }
+}
+
+/// Returns the bytes of the model, which is the first of its files.
+fn model_of(files: Vec<FileBytes>) -> Vec<u8> {
+    files.into_iter().next().map(|file| file.bytes).unwrap_or_default()
+}
+
+/// Returns the name of nodes and meshes: not that of the file that is written, since the same asset has the same bytes under any.
+fn name(made: &Made) -> Cow<'_, str> {
+    made.about.path.file_stem().map_or("asset".into(), |stem| stem.to_string_lossy())
+}
+
+/// Returns what is written of an asset of one mesh and one material, without its levels.
+fn anew<'a>(made: &'a Made, about: &About<'a>) -> GltfAsset<'a> {
+    let Part { low, maps } = &made.parts[0];
+    GltfAsset {
+        name: about.name,
         root_scale: space::root_scale(made.about.unit()),
         material: maps.textures.material(&low.material, &low.kept),
-        alpha_modes: &made.alpha_modes,
         copyright: about.copyright,
         xmp: Some(about.xmp),
         extras: about.extras,
-    };
-    io::encode_gltf(target.path, &model, target.format)
+        ..GltfAsset::default()
+    }
 }
 
 /// Returns the files of the low-poly file `document` with what was baked for its materials, the model first.
@@ -193,13 +275,19 @@ fn grafted(made: &Made, document: &Document, about: &About<'_>, target: Target<'
     let graft = GltfGraft {
         source: document.source.gltf(),
         limits: document.limits,
-        root_scale: space::root_scale(made.about.unit()).filter(|_| !document.is_in_metres),
+        root_scale: scale_of(made),
         materials: &materials,
         copyright: about.copyright,
         xmp: Some(about.xmp),
         extras: about.extras,
     };
     io::encode_graft(target.path, &graft, target.format)
+}
+
+/// Returns the metres by which a file that is kept is scaled; `None` if it is in metres.
+fn scale_of(made: &Made) -> Option<f32> {
+    let is_in_metres = made.document.as_ref().is_some_and(|document| document.is_in_metres);
+    space::root_scale(made.about.unit()).filter(|_| !is_in_metres)
 }
 
 /// A model's file, and how it is packed.
@@ -211,6 +299,7 @@ struct Target<'a> {
 
 /// The statements of an asset about itself.
 struct About<'a> {
+    name: &'a str,
     copyright: Option<&'a str>,
     xmp: &'a Json,
     extras: Option<&'a Json>,
@@ -309,11 +398,10 @@ fn unpacked(materials: &[GltfMaterial<'_>], images: TextureCodecs) -> Warnings {
     warnings
 }
 
-/// Returns the least part of the screen that the object covers while each level is shown: half as wide and half as high
-/// from level to level.
-fn coverages(count: usize) -> Vec<f32> {
-    let quarters = std::iter::successors(Some(0.25f32), |part| Some(part * 0.25));
-    quarters.take(count.saturating_sub(1)).chain([0.0]).collect()
+/// Returns the least part of the screen that the object covers while each level is shown: where the next keeps the limits it
+/// takes over.
+fn coverages(made: &Made) -> Vec<f32> {
+    made.coarser.iter().map(|level| screen::coverage(level.across)).chain([0.0]).collect()
 }
 
 /// Returns the asset's notes on the files beside it; `None` where there are none.

@@ -48,6 +48,9 @@ pub struct Loaded {
     pub variants: Variants,
     /// How many levels of detail the file has; [`super::load_levels`] reads all. 1 where the format knows of none.
     pub levels: usize,
+    /// The part of the screen that the object covers where this level of detail is first shown, as the file says; `None` of the
+    /// finest.
+    pub coverage: Option<f32>,
 }
 
 impl Loaded {

@@ -47,8 +47,8 @@ pub use write::{
     ImageCodec, ImageFormat, LossyTexture, PackedGeometry, PackedImage, PngColor, PngImage, PngSamples,
     Stopper, TextureCodecs, VertexBits, WrittenScene, encode_glb, encode_gltf, encode_graft,
     encode_jpeg_bitmap, encode_png, encode_png_bitmap, encode_scene, encode_scene_as, encode_webp_bitmap,
-    gltf_files, gltf_sampler, write_bytes, write_gltf, write_image, write_png, write_png_bitmap, write_scene,
-    write_text,
+    gltf_files, gltf_sampler, join_levels, write_bytes, write_gltf, write_image, write_png, write_png_bitmap,
+    write_scene, write_text,
 };
 #[cfg(feature = "exr")]
 pub use write::{ExrLayer, encode_exr, write_exr};

@@ -28,7 +28,7 @@ pub use exceedance::{Exceedance, Share};
 pub use footprint::Footprint;
 pub(crate) use footprint::edges;
 pub(crate) use mismatch::Mismatch;
-pub use overview::{Overview, overview};
+pub use overview::{Overview, Picture, overview};
 pub(crate) use overview::{PixelDifferences, pixel_differences};
 pub use pair::{Pair, Side};
 pub use patch::{Patch, most_missing, worst_patch};

@@ -10,10 +10,12 @@ use crate::trace::Ray;
 
 /// Fixed directions from which the object is seen.
 pub(super) const VIEWS: usize = 32;
-/// Pixels across the object.
+/// Pixels across an object that is seen as a whole.
 pub(super) const SIDE: usize = 512;
-/// Samples along each side of a pixel.
-const SAMPLES: u32 = 4;
+/// Samples along each side of a pixel of an object that is seen as a whole. Larger pixels have more of them, as close to one
+/// another, up to a number.
+const SAMPLES: f32 = 4.0;
+const MOST_SAMPLES: f32 = 16.0;
 /// Depths within a pixel that differ by more than so many pixels belong to an outline, or to a surface that slants by more
 /// than 76°.
 const STEEPEST: f32 = 4.0;
@@ -29,17 +31,47 @@ pub struct Overview {
     pub color: Option<Estimate>,
     /// Pixels that were compared.
     pub pixels: usize,
+    /// Pixels across the object: 512, or fewer of a level of detail that is only shown where it is that small.
+    pub across: f32,
 }
 
-/// Compares `count` random pixels, 16 samples each: of 32 fixed views in which the object fills 512² pixels; of an interior,
-/// of views in all directions from places in its free space, 512 pixels to a right angle. Textures are read as finely as the
+/// The pixels that an overview compares.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Picture {
+    /// Pixels across the object.
+    pub across: f32,
+    /// The number of random pixels.
+    pub count: usize,
+}
+
+impl Picture {
+    /// Returns the picture of an object that fills 512² pixels.
+    pub fn whole(count: usize) -> Self {
+        Self { across: SIDE as f32, count }
+    }
+
+    /// Returns the picture of an object that fills fewer pixels across, with about as many samples as so many pixels of the
+    /// whole have.
+    pub fn of(across: f32, whole: usize) -> Self {
+        Self { across, count: (whole as f32 * across / SIDE as f32).ceil() as usize }
+    }
+
+    /// Returns the number of samples along each side of a pixel.
+    fn samples(self) -> u32 {
+        (SAMPLES * SIDE as f32 / self.across).round().clamp(SAMPLES, MOST_SAMPLES) as u32
+    }
+}
+
+/// Compares random pixels, 16 samples each, or 256 of smaller pictures: of 32 fixed views in which the object just fills the picture; of an interior, of
+/// views in all directions from places in its free space, as many pixels to a right angle. Textures are read as finely as the
 /// samples lie apart.
 ///
 /// # Errors
 /// As [`Estimate::of`].
-pub fn overview(pair: &Pair<'_>, count: usize) -> Result<Overview> {
-    let PixelDifferences { angles, colors } = pixel_differences(pair, count);
-    Ok(Overview { angles: Estimate::of(&angles)?, color: Estimate::of(&colors)?, pixels: angles.len() })
+pub fn overview(pair: &Pair<'_>, picture: Picture) -> Result<Overview> {
+    let PixelDifferences { angles, colors } = pixel_differences(pair, picture);
+    let (pixels, across) = (angles.len(), picture.across);
+    Ok(Overview { angles: Estimate::of(&angles)?, color: Estimate::of(&colors)?, pixels, across })
 }
 
 /// Differences at the same pixels.
@@ -61,22 +93,22 @@ impl PixelDifferences {
     }
 }
 
-/// Compares `count` random pixels as [`overview`] does.
-pub(crate) fn pixel_differences(pair: &Pair<'_>, count: usize) -> PixelDifferences {
-    let pixels = Pixels::of(pair);
+/// Compares random pixels as [`overview`] does.
+pub(crate) fn pixel_differences(pair: &Pair<'_>, picture: Picture) -> PixelDifferences {
+    let pixels = Pixels::of(pair, picture);
     let probe = |i: usize| difference(pair, &pixels.number(i));
-    let found: Vec<Option<(f32, f32)>> = parallel::collect(count, probe);
+    let found: Vec<Option<(f32, f32)>> = parallel::collect(picture.count, probe);
     let (angles, mut colors): (Vec<f32>, Vec<f32>) = found.into_iter().flatten().unzip();
     colors.retain(|difference| !difference.is_nan());
     PixelDifferences { angles, colors }
 }
 
-/// Returns the samples of those of `count` random pixels all of which see a surface, away from outlines.
-pub(super) fn overview_samples(side: &Side<'_>, count: usize) -> Vec<Vec<Sample>> {
+/// Returns the samples of those random pixels all of which see a surface, away from outlines.
+pub(super) fn overview_samples(side: &Side<'_>, picture: Picture) -> Vec<Vec<Sample>> {
     let diagonal = side.surface.mesh().diagonal() as f32;
     let pair = Pair { scan: side, asset: side, diagonal, has_material: false };
-    let pixels = Pixels::of(&pair);
-    parallel::collect(count, |i| pixels.number(i).samples(side)).into_iter().flatten().collect()
+    let pixels = Pixels::of(&pair, picture);
+    parallel::collect(picture.count, |i| pixels.number(i).samples(side)).into_iter().flatten().collect()
 }
 
 /// The random pixels of an overview.
@@ -85,16 +117,19 @@ struct Pixels {
     numbers: Sequence,
     /// Surfaces are seen as far as this.
     far: f32,
+    picture: Picture,
 }
 
 impl Pixels {
-    fn of(pair: &Pair<'_>) -> Self {
+    fn of(pair: &Pair<'_>, picture: Picture) -> Self {
         let directions = sphere_directions(VIEWS);
         let eyes = match pair.scan.visibility.places() {
-            [] => parallel::tasks(VIEWS, &|i| Eye::Outside(View::fitting(pair, directions[i]))),
+            [] => parallel::tasks(VIEWS, &|i| {
+                Eye::Outside(View::fitting(pair, (directions[i], picture.across)))
+            }),
             places => places.iter().map(|place| Eye::Within(*place)).collect(),
         };
-        Self { eyes, numbers: Sequence::new(11), far: pair.diagonal * 4.0 }
+        Self { eyes, numbers: Sequence::new(11), far: pair.diagonal * 4.0, picture }
     }
 
     fn number(&self, i: usize) -> Pixel {
@@ -102,7 +137,7 @@ impl Pixels {
         let round = (i / eyes) as u32;
         let set = 1 + (i % eyes) as u32 + round / Sequence::MOST * eyes as u32;
         let [x, y, ..] = self.numbers.four(round % Sequence::MOST, set);
-        self.eyes[i % eyes].pixel([x, y], self.far)
+        self.eyes[i % eyes].pixel([x, y], (self.picture, self.far))
     }
 }
 
@@ -126,26 +161,28 @@ enum Eye {
 impl Eye {
     /// Returns the pixel at a place of the picture, [0, 1)², or of the sphere around the viewer. Surfaces are seen as far as
     /// `far`.
-    fn pixel(&self, [x, y]: [f32; 2], far: f32) -> Pixel {
+    fn pixel(&self, [x, y]: [f32; 2], (picture, far): (Picture, f32)) -> Pixel {
+        let (across, samples) = (picture.across, picture.samples());
         match self {
             Self::Outside(view) => {
-                let [column, row] = [x, y].map(|v| (v * SIDE as f32).floor() * view.pixel);
+                let [column, row] = [x, y].map(|v| (v * across).floor() * view.pixel);
                 let corner = view.corner + view.axes[0] * column + view.axes[1] * row;
                 Pixel {
                     origin: corner + view.toward * view.away,
                     direction: -view.toward,
                     steps: view.axes.map(|axis| axis * view.pixel),
                     size: view.pixel,
+                    samples,
                     is_central: false,
                     limit: view.away * 2.0 + view.pixel,
                 }
             }
             Self::Within(place) => {
                 let direction = on_sphere([x, y]);
-                let across = direction.any_perpendicular();
-                let size = std::f32::consts::FRAC_PI_2 / SIDE as f32;
-                let steps = [across * size, direction.cross(across) * size];
-                Pixel { origin: *place, direction, steps, size, is_central: true, limit: far }
+                let right = direction.any_perpendicular();
+                let size = std::f32::consts::FRAC_PI_2 / across;
+                let steps = [right * size, direction.cross(right) * size];
+                Pixel { origin: *place, direction, steps, size, samples, is_central: true, limit: far }
             }
         }
     }
@@ -167,6 +204,8 @@ struct Pixel {
     steps: [Vec3; 2],
     /// The side of the pixel, model units; of a central view at the distance 1.
     size: f32,
+    /// Samples along each side.
+    samples: u32,
     is_central: bool,
     limit: f32,
 }
@@ -181,10 +220,11 @@ impl Pixel {
 
     /// Returns the places that its samples see; `None` if one sees nothing, or if the pixel shows an outline.
     fn samples(&self, side: &Side<'_>) -> Option<Vec<Sample>> {
-        let mut samples = Vec::with_capacity((SAMPLES * SAMPLES) as usize);
+        let count = self.samples;
+        let mut samples = Vec::with_capacity((count * count) as usize);
         let [mut nearest, mut farthest] = [f32::INFINITY, f32::NEG_INFINITY];
-        for i in 0..SAMPLES * SAMPLES {
-            let [x, y] = [i % SAMPLES, i / SAMPLES].map(|k| (k as f32 + 0.5) / SAMPLES as f32);
+        for i in 0..count * count {
+            let [x, y] = [i % count, i / count].map(|k| (k as f32 + 0.5) / count as f32);
             let step = self.steps[0] * x + self.steps[1] * y;
             let ray = match self.is_central {
                 true => Ray::new(self.origin, (self.direction + step).normalize()),
@@ -192,7 +232,7 @@ impl Pixel {
             };
             let hit = side.surface.first_seen(&ray, self.limit)?;
             (nearest, farthest) = (nearest.min(hit.distance), farthest.max(hit.distance));
-            let at = LookupPoint { point: hit.point(), width: self.size_at(hit.distance) / SAMPLES as f32 };
+            let at = LookupPoint { point: hit.point(), width: self.size_at(hit.distance) / count as f32 };
             samples.push(Sample { at, toward: -ray.direction() });
         }
         (farthest - nearest <= STEEPEST * self.size_at(nearest)).then_some(samples)
@@ -219,8 +259,8 @@ pub(super) struct View {
 }
 
 impl View {
-    /// Returns the view along a direction in which both surfaces of a pair just fit.
-    pub fn fitting(pair: &Pair<'_>, toward: Vec3) -> Self {
+    /// Returns the view along a direction in which both surfaces of a pair just fit, with so many pixels across.
+    pub fn fitting(pair: &Pair<'_>, (toward, pixels): (Vec3, f32)) -> Self {
         let across = toward.any_perpendicular();
         let axes = [across, toward.cross(across)];
         let extent = |direction: Vec3| {
@@ -233,7 +273,7 @@ impl View {
         let width = (high[0] - low[0]).max(high[1] - low[1]).max(f32::MIN_POSITIVE);
         let center = axes[0] * middle[0] + axes[1] * middle[1] + toward * middle[2];
         let corner = center - axes[0] * (width * 0.5) - axes[1] * (width * 0.5);
-        let pixel = width / SIDE as f32;
+        let pixel = width / pixels;
         Self { toward, axes, corner, pixel, away: (high[2] - low[2]) * 0.5 + pixel }
     }
 }

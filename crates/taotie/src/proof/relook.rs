@@ -1,6 +1,6 @@
 //! A surface looked at again and again, with other images in its textures.
 
-use super::overview::overview_samples;
+use super::overview::{Picture, overview_samples};
 use super::pair::{Sample, Side};
 use crate::bake::Retextured;
 use crate::compare::{angle_deg, color_difference};
@@ -34,9 +34,9 @@ struct Seen {
 }
 
 impl<'a> Relook<'a> {
-    /// Looks at `count` pixels of [`super::overview`].
-    pub fn new(side: &'a Side<'a>, count: usize) -> Self {
-        Self { side, pixels: overview_samples(side, count) }
+    /// Looks at the pixels of [`super::overview`].
+    pub fn new(side: &'a Side<'a>, picture: Picture) -> Self {
+        Self { side, pixels: overview_samples(side, picture) }
     }
 
     /// Looks at the pixels that see the first texture whose texels have a meaning; `None` if there is none.

@@ -26,7 +26,7 @@ pub fn silhouettes(pair: &Pair<'_>) -> SilhouetteFigures {
     let directions = sphere_directions(VIEWS);
     let shapes = [pair.scan, pair.asset].map(|side| Shape::of(side.surface));
     let views = parallel::tasks(VIEWS, &|i| {
-        let view = View::fitting(pair, directions[i]);
+        let view = View::fitting(pair, (directions[i], SIDE as f32));
         let [scan, asset] = [0, 1].map(|of| Mask::of(&shapes[of], &view).outline());
         let found = scan.distances(&asset).into_iter().chain(asset.distances(&scan));
         let mut sums = Sums::default();

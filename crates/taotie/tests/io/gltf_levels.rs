@@ -1,9 +1,16 @@
 //! Levels of detail are read together, each at the place of the node that it stands in for.
 
 use crate::gltf::{load, triangle, warned};
+use crate::{bumpy, validator};
 use std::path::PathBuf;
-use taotie::io::{Loaded, load_levels};
+use taotie::Warnings;
+use taotie::image::Bitmap;
+use taotie::io::{
+    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, Loaded, encode_glb, encode_scene, join_levels,
+    load_levels,
+};
 use taotie::math::{Mat4, Vec3};
+use taotie::scene::Scene;
 use tempfile::TempDir;
 
 /// A file with these nodes, of which 0 and 1 are in the scene. Mesh 0 is a triangle, mesh 1 two at one place.
@@ -81,4 +88,70 @@ fn other_formats_have_one_level() {
     std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     let levels = load_levels(&path).unwrap();
     assert_eq!((levels.len(), levels[0].levels), (1, 1));
+}
+
+/// A ball of so many columns with a texture of colours and one of normals, as GLB.
+fn ball(columns: usize, normals: &Bitmap, format: &GltfFormat) -> Vec<u8> {
+    let (mesh, colors) = (bumpy::sphere(columns, columns / 2), bumpy::colors(16));
+    let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+    let (base_color_map, normal_map) = (Some((&colors).into()), Some(normals.into()));
+    let material = GltfMaterial { base_color_map, normal_map, ..GltfMaterial::default() };
+    encode_glb(&GltfAsset { levels: &levels, material, ..GltfAsset::default() }, format).unwrap()
+}
+
+#[test]
+fn joined_levels_are_what_they_were_and_share_what_is_equal() {
+    let (plain, packed) = (GltfFormat::default(), GltfFormat { meshopt: true, ..GltfFormat::default() });
+    let (own, other) = (bumpy::normals(16, 2), bumpy::normals(8, 2));
+    let files = [ball(40, &own, &plain), ball(20, &own, &packed), ball(10, &other, &plain)];
+    let coarser = [&files[1][..], &files[2][..]];
+    let joined = join_levels(&files[0], &coarser, &[0.01, 0.001, 0.0]).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("joined.glb");
+    std::fs::write(&path, &joined).unwrap();
+    let levels = load_levels(&path).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(
+        levels.iter().map(|level| level.coverage).collect::<Vec<_>>(),
+        [None, Some(0.01), Some(0.001)]
+    );
+    for (level, file) in levels.iter().zip(&files) {
+        std::fs::write(folder.path().join("alone.glb"), file).unwrap();
+        let alone = load(&folder.path().join("alone.glb")).unwrap().scene;
+        let (mesh, before) = (&level.scene.meshes()[0], &alone.meshes()[0]);
+        assert_eq!((mesh.positions(), mesh.triangles()), (before.positions(), before.triangles()));
+        assert_eq!(level.scene.instances()[0].world_from_object, alone.instances()[0].world_from_object);
+        let normal = |scene: &Scene| {
+            let material = &scene.materials()[scene.instances()[0].material];
+            scene.textures()[material.normal.as_ref().unwrap().texture.texture].bitmap().clone()
+        };
+        assert!(normal(&level.scene) == normal(&alone), "its own map");
+    }
+    let counts = ["images", "textures", "materials", "samplers", "meshes"].map(|list| count(&joined, list));
+    assert_eq!(counts, [3, 3, 2, 1, 3], "two levels show one material");
+    if let Some(infos) = validator::assert_valid(&path) {
+        let unknown: Vec<_> =
+            infos.iter().filter(|info| !info.starts_with("UNSUPPORTED_EXTENSION")).collect();
+        assert!(unknown.is_empty(), "{unknown:#?}");
+    }
+    assert!(
+        join_levels(&files[0], &coarser, &[0.01, 0.0]).unwrap_err().to_string().contains("one in [0, 1]")
+    );
+}
+
+/// The items of a list of a GLB's JSON.
+fn count(glb: &[u8], list: &str) -> usize {
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let json: serde_json::Value = serde_json::from_slice(&glb[20..20 + length]).unwrap();
+    json[list].as_array().map_or(0, Vec::len)
+}
+
+#[test]
+fn several_roots_are_replaced_together() {
+    let file = File::new(r#"[{"mesh":0},{"mesh":0,"translation":[0,0,3]}]"#);
+    let scene = load(&file.path).unwrap().scene;
+    let glb = encode_scene(&scene, &[], &mut Warnings::default()).unwrap();
+    let joined = join_levels(&glb, &[&glb], &[0.5, 0.0]).unwrap();
+    std::fs::write(file.path.with_extension("glb"), joined).unwrap();
+    let levels = load_levels(&file.path.with_extension("glb")).unwrap();
+    assert_eq!(levels.iter().map(|level| level.scene.instances().len()).collect::<Vec<_>>(), [2, 2]);
 }

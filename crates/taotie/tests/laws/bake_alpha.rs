@@ -4,7 +4,7 @@
 use crate::bake_material::{baked_onto_itself, bytes, places, scene, scene_of, square, strip, texture_0};
 use std::path::Path;
 use taotie::Progress;
-use taotie::asset::{Asset, BakeOptions, Baker, Packing, Scan, VerifyOptions};
+use taotie::asset::{Asset, BakeOptions, Baker, Lod, Packing, Scan, VerifyOptions};
 use taotie::bake::{self, Cage, MapKind, TexturedMesh, low_poly_mesh};
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
 use taotie::io::{load_levels, load_model};
@@ -134,7 +134,8 @@ fn balls(modes: [AlphaMode; 3]) -> Scan {
 const MODES: [AlphaMode; 3] = [AlphaMode::Opaque, AlphaMode::Mask(0.4), AlphaMode::Blend];
 
 fn baked(scan: &Scan) -> Asset {
-    let options = BakeOptions { triangles: 1500, lods: vec![400], size: 256, ..BakeOptions::default() };
+    let options =
+        BakeOptions { triangles: 1500, lods: vec![Lod::Triangles(400)], size: 256, ..BakeOptions::default() };
     Baker::new(options).bake(scan, Progress::SILENT).unwrap()
 }
 

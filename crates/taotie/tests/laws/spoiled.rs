@@ -6,7 +6,7 @@ use crate::pairs::{
     proof, remade, repainted, reshaped, scan_of, turned, with_fates, with_part,
 };
 use taotie::Progress;
-use taotie::asset::{BakeOptions, Baker, Scan};
+use taotie::asset::{BakeOptions, Baker, Lod, Scan};
 use taotie::math::{Vec3, sequence};
 use taotie::mesh::MeshData;
 use taotie::scene::{Material, Scene, SceneData};
@@ -148,7 +148,8 @@ fn a_plane_through_it() {
 #[test]
 fn a_coarse_level_of_a_sound_asset() {
     let scan = &lettered_pair().0;
-    let options = BakeOptions { triangles: 3_000, lods: vec![60], size: 512, ..BakeOptions::default() };
+    let options =
+        BakeOptions { triangles: 3_000, lods: vec![Lod::Triangles(60)], size: 512, ..BakeOptions::default() };
     let asset = Baker::new(options).bake(scan, Progress::SILENT).unwrap();
     let proof = is_bad(&asset, scan, (&["mean-angle@1", "hausdorff@1"], "at level of detail 1"));
     assert!(

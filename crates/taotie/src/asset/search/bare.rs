@@ -9,9 +9,9 @@ use crate::error::Result;
 use crate::io::VertexBits;
 use crate::progress::Progress;
 
-/// The least number of triangles.
+/// The least number of triangles of the finest level.
 const LEAST: u32 = 100;
-/// The number of triangles from which the curve is measured.
+/// The number of triangles of the finest level from which the curve is measured.
 const START: u32 = 16_000;
 /// Bits of normals that are tried.
 const NORMAL_BITS: [u8; 5] = [7, 8, 9, 10, 12];
@@ -62,8 +62,10 @@ impl<'a, 'b> Bare<'a, 'b> {
 
     /// Measures a quarter or four times the triangles until the goal lies in between.
     fn bracket(&mut self, best: &mut Best, progress: Progress<'_>) -> Result<()> {
-        let rungs = rungs(self.workshop.triangles());
-        let mut at = rungs.partition_point(|count| *count <= START).saturating_sub(1);
+        let level = self.workshop.level();
+        let rungs = rungs(self.workshop.triangles(), level.triangles(LEAST));
+        let start = level.triangles(START);
+        let mut at = rungs.partition_point(|count| *count <= start).saturating_sub(1);
         let mut before = None;
         loop {
             let is_met = match self.draft(rungs[at], progress)? {
@@ -123,9 +125,10 @@ impl<'a, 'b> Bare<'a, 'b> {
     /// Returns the number of triangles and the bits of normals that are likely to reach the goal with the fewest bytes.
     fn likely(&self) -> Option<(u32, u8)> {
         let all = f64::from(self.workshop.triangles());
+        let least = f64::from(self.workshop.level().triangles(LEAST));
         let choices = NORMAL_BITS.into_iter().zip(self.rates).filter_map(|(bits, rate)| {
             let angle = remaining(AIM, self.rounding(bits));
-            let range = [f64::from(LEAST).min(all), all];
+            let range = [least.min(all), all];
             let triangles = self.errors.first_within(angle, range)?.max(self.least_of_colors(range));
             Some((triangles, bits, triangles * rate))
         });
@@ -134,10 +137,11 @@ impl<'a, 'b> Bare<'a, 'b> {
     }
 }
 
-/// Returns the numbers of triangles at which the curve is measured, in rising order: all, a quarter, a sixteenth and so on.
-fn rungs(all: u32) -> Vec<u32> {
+/// Returns the numbers of triangles at which the curve is measured, in rising order: all, a quarter, a sixteenth and so on, down
+/// to `least`.
+fn rungs(all: u32, least: u32) -> Vec<u32> {
     let quarters = std::iter::successors(Some(all), |count| Some(count / 4));
-    let mut rungs: Vec<u32> = quarters.take_while(|count| *count >= LEAST.min(all)).collect();
+    let mut rungs: Vec<u32> = quarters.take_while(|count| *count >= least.min(all)).collect();
     rungs.reverse();
     rungs
 }
@@ -154,7 +158,7 @@ mod tests {
 
     #[test]
     fn rungs_rise_to_all() {
-        assert_eq!(rungs(70_000), [273, 1093, 4375, 17_500, 70_000]);
-        assert_eq!((rungs(12), rungs(399)), (vec![12], vec![399]));
+        assert_eq!(rungs(70_000, LEAST), [273, 1093, 4375, 17_500, 70_000]);
+        assert_eq!((rungs(12, LEAST), rungs(399, LEAST)), (vec![12], vec![399]));
     }
 }

@@ -1,6 +1,7 @@
 //! The most of a device that a candidate may take.
 
 use super::codecs::Codecs;
+use super::level::Level;
 use crate::asset::figure::Figure;
 use crate::asset::requirement::Requirement;
 
@@ -35,6 +36,14 @@ impl Ceilings {
         }
     }
 
+    /// Returns the ceilings of one of several levels of detail. The memory of all together keeps to the ceiling: three quarters are
+    /// for the finest, and in proportion to their pixels for the coarser ones, which at half as many across each come to a
+    /// quarter.
+    pub fn of_level(self, level: Level) -> Self {
+        const FINEST: f64 = 0.75;
+        Self { gpu_bytes: self.gpu_bytes * FINEST * level.part(), bytes: f64::INFINITY, ..self }
+    }
+
     /// Returns how many times a ceiling of the device a candidate has, the worst one; 0 without ceilings.
     pub fn ratio(&self, triangles: usize, gpu_bytes: u64) -> f64 {
         (triangles as f64 / self.triangles).max(gpu_bytes as f64 / self.gpu_bytes)
@@ -62,6 +71,8 @@ mod tests {
         let ceilings = Ceilings::of(&required);
         assert_eq!(ceilings, Ceilings { triangles: 200.0, gpu_bytes: 1e6, bytes: f64::INFINITY });
         assert_eq!((ceilings.ratio(100, 2_000_000), ceilings.most_triangles(true)), (2.0, 200.0));
+        let coarser = ceilings.of_level(Level { number: 1, across: 256 });
+        assert_eq!([ceilings.of_level(Level::FINEST), coarser].map(|own| own.gpu_bytes), [750e3, 187_500.0]);
         assert_eq!(Ceilings::of(&[]).ratio(100, 100), 0.0);
         assert_eq!(Ceilings::of(&[]).most_texels(&Codecs::new(&[])), f64::INFINITY);
     }

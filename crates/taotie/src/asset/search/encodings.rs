@@ -183,7 +183,7 @@ mod tests {
     use crate::image::{Sampler, Texels};
     use crate::math::{Mat4, scalar::sin};
     use crate::mesh::Mesh;
-    use crate::proof::{Relook, Side};
+    use crate::proof::{Picture, Relook, Side};
     use crate::scene::{Instance, Material, Scene, SceneData, TextureRef, UvTransform};
 
     const SIDE: u32 = 256;
@@ -217,9 +217,9 @@ mod tests {
     #[cfg(feature = "webp")]
     #[test]
     fn less_may_be_lost_for_more_bytes() {
-        let (ball, texture, goal) = (ball(), LossyTexture::new(waves(), Encoding::Srgb), Goal::of(&[]));
+        let (ball, texture, goal) = (ball(), LossyTexture::new(waves(), Encoding::Srgb), Goal::of(&[], 0));
         let side = Side::of(&ball);
-        let look = Relook::new(&side, 2_000);
+        let look = Relook::new(&side, Picture::whole(2_000));
         let of_waves = look.first(Encoding::Srgb).unwrap().unwrap();
         let encodings = Encodings::new(&texture, of_waves, (&goal, &Codecs::new(&[])));
         let found = [0.3, 1.0, 4.0].map(|most| encodings.smallest(most).unwrap().unwrap());

@@ -7,16 +7,16 @@ use crate::error::Result;
 use crate::io::ImageCodec;
 use crate::progress::Progress;
 
-/// Triangles of the meshes that are measured, and of the one on which map sizes are.
+/// Triangles of the meshes that are measured for the finest level, and of the one on which map sizes are.
 const TRIANGLES: [u32; 3] = [2_000, 8_000, 32_000];
 const ON_TRIANGLES: u32 = 8_000;
-/// Sizes of maps that are measured, and the one with which meshes are.
+/// Sizes of maps that are measured for it, and the one with which meshes are.
 const SIZES: [u32; 4] = [256, 512, 1024, 2048];
 const ON_SIZE: u32 = 512;
 /// A size that has more than this part of the error of half the size is not worth doubling.
 const WORTH_DOUBLING: f64 = 0.85;
-/// The least number of triangles, and the ratio of one to the next that is considered.
-const LEAST: f64 = 200.0;
+/// The least number of triangles for it, and the ratio of one to the next that is considered.
+const LEAST: u32 = 200;
 const RATIO: f64 = 1.1;
 /// At least this part of the square of an error stays, whatever is added to a mesh or a map.
 const FLOOR: f64 = 0.1;
@@ -29,7 +29,8 @@ pub(super) struct Forecast {
     /// The sizes that were measured, in rising order, and the square of the error at which the curves cross.
     sizes: Vec<MapSize>,
     crossing: f64,
-    most_triangles: f64,
+    /// The fewest and the most triangles.
+    triangles: [f64; 2],
     /// The ratio of true to estimated bytes.
     factor: f64,
 }
@@ -52,12 +53,13 @@ impl Forecast {
         most_bytes: f64,
         progress: Progress<'_>,
     ) -> Result<Option<Self>> {
-        let all = workshop.triangles();
-        let (on, size) = (ON_TRIANGLES.min(all), ON_SIZE.max(least_size).min(workshop.most_side()));
+        let (all, level) = (workshop.triangles(), workshop.level());
+        let on = level.triangles(ON_TRIANGLES).min(all);
+        let size = level.side(ON_SIZE).max(least_size).min(workshop.most_side());
         let Some(draft) = workshop.draft(mapped(on, size), progress)? else { return Ok(None) };
         let crossing = MapSize::measured(workshop, &draft)?;
         let least = crossing.least();
-        if size == least_size.max(SIZES[0]) && crossing.least_bytes() > most_bytes {
+        if size == least_size.max(level.side(SIZES[0])) && crossing.least_bytes() > most_bytes {
             return Ok(None);
         }
         let mut forecast = Self {
@@ -65,18 +67,26 @@ impl Forecast {
             mesh_bytes: Curve::default(),
             crossing: crossing.squared,
             sizes: Vec::new(),
-            most_triangles: f64::from(all),
+            triangles: [level.triangles(LEAST), all].map(f64::from),
             factor: 1.0,
         };
         forecast.add_mesh(&draft, &crossing);
         forecast.sizes.push(crossing);
-        for triangles in TRIANGLES.into_iter().filter(|count| *count != on && *count < all) {
+        for triangles in TRIANGLES
+            .map(|count| level.triangles(count))
+            .into_iter()
+            .filter(|count| *count != on && *count < all)
+        {
             if let Some(draft) = workshop.draft(mapped(triangles, size), progress)? {
                 forecast.add_mesh(&draft, &MapSize::with(workshop, &draft, least)?);
             }
         }
         let range = least_size..=workshop.most_side();
-        for size in SIZES.into_iter().filter(|other| *other != size && range.contains(other)) {
+        for size in SIZES
+            .map(|size| level.side(size))
+            .into_iter()
+            .filter(|other| *other != size && range.contains(other))
+        {
             if forecast.is_worth_doubling(size / 2)
                 && forecast.sizes.iter().all(|known| known.size > size || known.least_bytes() <= most_bytes)
                 && let Some(draft) = workshop.draft(mapped(on, size), progress)?
@@ -119,8 +129,9 @@ impl Forecast {
 
     /// Returns all candidates with the squares of their ratios.
     fn choices(&self) -> impl Iterator<Item = (Choice, f64)> {
-        let steps = std::iter::successors(Some(LEAST.min(self.most_triangles)), |count| Some(count * RATIO));
-        let counts = steps.take_while(|count| *count < self.most_triangles).chain([self.most_triangles]);
+        let [least, most] = self.triangles;
+        let steps = std::iter::successors(Some(least.min(most)), |count| Some(count * RATIO));
+        let counts = steps.take_while(move |count| *count < most).chain([most]);
         let pairs = self.sizes.windows(2).flat_map(|pair| pair[0].up_to(&pair[1]));
         let sizes: Vec<MapSize> = pairs.chain(self.sizes.last().cloned()).collect();
         counts.flat_map(move |triangles| {

@@ -70,12 +70,21 @@ pub(super) enum Statistic {
 
 impl Goal {
     /// Makes the goal of the requirements that pixels decide. Angles without any keep to those of
-    /// [`Requirement::visually_lossless`]. So do colours, but where normals may be farther off, so may colours: up to twice.
-    pub fn of(requirements: &[Requirement]) -> Self {
+    /// [`Requirement::visually_lossless`]. So do colours, but where normals may be farther off, so may colours: up to twice. What
+    /// is required of the level of this number alone goes before what is required of all.
+    pub fn of(requirements: &[Requirement], level: usize) -> Self {
         let lossless = Requirement::visually_lossless();
         let of = |from: &[Requirement], figures: &[Figure]| -> Vec<Limit> {
-            let finest = from.iter().filter(|required| required.level.is_none_or(|level| level == 0));
-            finest.filter(|required| figures.contains(&required.figure)).filter_map(Limit::of).collect()
+            let those = from.iter().filter(|required| figures.contains(&required.figure));
+            let limits = |level: Option<usize>| -> Vec<Limit> {
+                those.clone().filter(|required| required.level == level).filter_map(Limit::of).collect()
+            };
+            match (limits(Some(level)), limits(None)) {
+                (own, of_all) if own.is_empty() => of_all,
+                // The finest has to keep to both.
+                (own, of_all) if level == 0 => [own, of_all].concat(),
+                (own, _) => own,
+            }
         };
         let required = |figures: &[Figure], factor: f64| {
             let required = of(requirements, figures);
@@ -188,7 +197,7 @@ mod tests {
     use super::*;
 
     fn goal(texts: &[&str]) -> Goal {
-        Goal::of(&texts.iter().map(|text| text.parse().unwrap()).collect::<Vec<_>>())
+        Goal::of(&texts.iter().map(|text| text.parse().unwrap()).collect::<Vec<_>>(), 0)
     }
 
     /// A hundred pixels, of which the last is far off.
@@ -210,7 +219,8 @@ mod tests {
 
     #[test]
     fn what_is_not_required_stays_visually_lossless() {
-        let (lossless, wanted) = (Goal::of(&[]), goal(&["mean-angle@0=4", "flip=0.1", "mean-angle@1=0.1"]));
+        let (lossless, wanted) =
+            (Goal::of(&[], 0), goal(&["mean-angle@0=4", "flip=0.1", "mean-angle@1=0.1"]));
         assert_eq!(wanted.ratios(&seen()).1.map(|ratio| ratio * 2.0), lossless.ratios(&seen()).1);
         assert_eq!(goal(&["mean-angle=0.1"]).ratios(&seen()).1, lossless.ratios(&seen()).1);
         assert!((wanted.ratio_of_mean(1.0) - 0.25).abs() < 1e-9, "of level 0 alone");
@@ -218,6 +228,6 @@ mod tests {
 
     #[test]
     fn nothing_to_compare_is_not_near() {
-        assert_eq!(Goal::of(&[]).ratios(&PixelDifferences::default()), (f64::INFINITY, None));
+        assert_eq!(Goal::of(&[], 0).ratios(&PixelDifferences::default()), (f64::INFINITY, None));
     }
 }

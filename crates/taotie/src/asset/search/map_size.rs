@@ -1,7 +1,7 @@
 //! Maps of a size, as they were measured on one mesh.
 
 use super::encodings::{Encodings, NORMAL_RATIOS};
-use super::workshop::{Draft, PIXELS, Workshop, under_map};
+use super::workshop::{Draft, Workshop, under_map};
 use crate::error::Result;
 use crate::image::Encoding;
 use crate::io::{ImageCodec, LossyTexture};
@@ -108,7 +108,7 @@ fn losses(workshop: &Workshop<'_>, draft: &Draft) -> Result<Vec<Loss>> {
     let (texture, size) = (LossyTexture::new(normals.clone(), Encoding::Normal), draft.shape.size);
     let surface = workshop.surface(draft)?;
     let side = Side::of(&surface);
-    let look = Relook::new(&side, PIXELS);
+    let look = Relook::new(&side, workshop.picture());
     let Some(look) = look.first(Encoding::Normal)? else { return Ok(Vec::new()) };
     let encodings = Encodings::new(&texture, look, (&workshop.goal, workshop.codecs()));
     let mut losses: Vec<Loss> = Vec::with_capacity(NORMAL_RATIOS.len());

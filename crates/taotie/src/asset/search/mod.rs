@@ -11,6 +11,8 @@ mod curve;
 mod encodings;
 mod forecast;
 mod goal;
+mod level;
+mod levels;
 mod map_size;
 mod mapped;
 mod other_maps;
@@ -22,6 +24,8 @@ mod winner;
 mod workshop;
 
 pub(super) use codecs::PORTABLE;
-pub(super) use smallest::{MadeAsset, Smallest, smallest};
+pub(super) use level::Level;
+pub(super) use levels::{Coarser, Finest, Shown, coarser};
+pub(super) use smallest::{MadeAsset, PackedAsset, Smallest, smallest};
 pub use trial::Trial;
 pub(super) use workshop::Rounding;

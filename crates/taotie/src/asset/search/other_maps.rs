@@ -3,14 +3,14 @@
 use super::encodings::Encodings;
 use super::trial::Trial;
 use super::winner::Best;
-use super::workshop::{Draft, PIXELS, Shape, Workshop};
+use super::workshop::{Draft, Shape, Workshop};
 use crate::error::Result;
 use crate::image::{Bitmap, Encoding};
 use crate::io::{ImageCodec, LossyTexture, TextureCodecs, VertexBits};
 use crate::progress::Progress;
 use crate::proof::{Relook, Side};
 
-/// Sizes that are tried, on a mesh of so many triangles.
+/// Sizes that are tried for the finest level, on a mesh of so many triangles.
 const SIZES: [u32; 5] = [256, 512, 1024, 2048, 4096];
 const TRIANGLES: u32 = 8_000;
 /// A size whose colours have more than this part of the error of the size before is not worth its bytes: the mesh is at fault.
@@ -31,10 +31,10 @@ pub(super) fn chosen(
     if !workshop.has_other_maps() {
         return Ok(Some(0));
     }
-    let triangles = TRIANGLES.min(workshop.triangles());
-    let most = workshop.most_side();
+    let triangles = workshop.level().triangles(TRIANGLES).min(workshop.triangles());
+    let (level, most) = (workshop.level(), workshop.most_side());
     let mut before: Option<(u32, f64)> = None;
-    for size in SIZES.into_iter().filter(|size| *size <= most) {
+    for size in SIZES.into_iter().map(|size| level.side(size)).filter(|size| *size <= most) {
         let shape = Shape { triangles, size, has_normal_map: false };
         let Some(draft) = workshop.draft(shape, progress)? else { continue };
         let trial = choose_losses(workshop, &draft)?;
@@ -48,7 +48,7 @@ pub(super) fn chosen(
         }
         before = Some((size, ratio));
     }
-    let size = before.map_or(most.min(SIZES[SIZES.len() - 1]), |(size, _)| size);
+    let size = before.map_or(most.min(level.side(SIZES[SIZES.len() - 1])), |(size, _)| size);
     Ok(best.bytes().is_infinite().then_some(size))
 }
 
@@ -56,7 +56,7 @@ pub(super) fn chosen(
 fn choose_losses(workshop: &mut Workshop<'_>, draft: &Draft) -> Result<Trial> {
     let surface = workshop.surface(draft)?;
     let side = Side::of(&surface);
-    let look = Relook::new(&side, PIXELS);
+    let look = Relook::new(&side, workshop.picture());
     let texture = |bitmap: &Option<Bitmap>, encoding: Encoding| {
         bitmap.as_ref().map(|bitmap| LossyTexture::new(bitmap.clone(), encoding))
     };

@@ -6,7 +6,7 @@ use super::encodings::{EncodedTexture, Encodings, NORMAL_RATIOS};
 use super::goal::{AIM, is_hit};
 use super::trial::Trial;
 use super::winner::{Best, Candidate};
-use super::workshop::{PIXELS, Workshop, angle_of, uv_bits};
+use super::workshop::{Workshop, angle_of, uv_bits};
 use crate::asset::scan::Scan;
 use crate::error::{Error, Result, Warnings};
 use crate::image::Encoding;
@@ -49,7 +49,7 @@ pub(super) fn smallest(workshop: &mut Workshop<'_>, best: &mut Best, progress: P
 
 fn searched(workshop: &mut Workshop<'_>, best: &mut Best, progress: Progress<'_>) -> Result<()> {
     let packer = &packer(workshop.scan())?;
-    let look = Relook::new(workshop.side(), PIXELS);
+    let look = Relook::new(workshop.side(), workshop.picture());
     let of_image = |number: usize| {
         let texture = packer.image(number)?;
         let shown = shown(workshop.scan(), texture)?;
@@ -87,7 +87,7 @@ fn shown(scan: &Scan, image: &LossyTexture) -> Option<Shown> {
 }
 
 /// Opens the file of a scan; one that is no glTF is made glTF.
-fn packer(scan: &Scan) -> Result<GltfPacker> {
+pub(super) fn packer(scan: &Scan) -> Result<GltfPacker> {
     let path = scan.path();
     if io::is_gltf(path).unwrap_or(false) {
         return GltfPacker::open(GltfSource::File(path), &scan.limits);
@@ -219,8 +219,7 @@ impl PackedScan<'_, '_> {
             ..Trial::default()
         };
         let trial = self.workshop.measured(about, glb.clone())?;
-        let of_images = images.iter().map(|image| image.bytes.len() as u64).sum();
-        best.offer(Candidate::Packed { glb, of_images }, trial);
+        best.offer(Candidate::Packed { glb, geometry, images }, trial);
         Ok(trial)
     }
 

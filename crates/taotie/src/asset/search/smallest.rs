@@ -3,6 +3,7 @@
 use super::budget;
 use super::ceilings::Ceilings;
 use super::goal::Goal;
+use super::level::Level;
 use super::round::round;
 use super::trial::Trial;
 use super::winner::{Candidate, Winner};
@@ -13,6 +14,7 @@ use crate::asset::requirement::Requirement;
 use crate::asset::requirement_text;
 use crate::asset::scan::Scan;
 use crate::error::{Error, Result, Warnings};
+use crate::io::{PackedGeometry, PackedImage};
 use crate::progress::Progress;
 use crate::proof::Side;
 
@@ -28,8 +30,18 @@ pub(in crate::asset) struct Found {
 pub(in crate::asset) enum Smallest {
     /// A mesh and maps that were made from the scan.
     Made(Box<MadeAsset>),
-    /// The GLB of the packed scan, and what it loses at least.
-    Packed(Vec<u8>, Rounding),
+    /// The packed scan.
+    Packed(PackedAsset),
+}
+
+/// A packed scan.
+pub(in crate::asset) struct PackedAsset {
+    pub glb: Vec<u8>,
+    pub geometry: PackedGeometry,
+    /// Those in place of its own.
+    pub images: Vec<PackedImage>,
+    /// What it loses at least.
+    pub rounding: Rounding,
 }
 
 /// A mesh and maps.
@@ -43,11 +55,15 @@ pub(in crate::asset) struct MadeAsset {
 }
 
 /// Finds the asset of the fewest bytes that meets the goal of a bake, or the nearest one within its budget of bytes; the one
-/// that comes nearest if none does, with a warning.
+/// that comes nearest if none does, with a warning. As a coarser level of detail it is made anew for its pixels.
 ///
 /// # Errors
 /// Those of making candidates if none can be made.
-pub(in crate::asset) fn smallest(recipe: Recipe<'_>, scan: &Scan, progress: Progress<'_>) -> Result<Found> {
+pub(in crate::asset) fn smallest(
+    recipe: Recipe<'_>,
+    (scan, level): (&Scan, Level),
+    progress: Progress<'_>,
+) -> Result<Found> {
     scan.sort(progress)?;
     let side = Side::of(scan.sorted());
     let mut warnings = Warnings::default();
@@ -56,8 +72,10 @@ pub(in crate::asset) fn smallest(recipe: Recipe<'_>, scan: &Scan, progress: Prog
         return Err(no_triangles());
     }
     let required = recipe.options.goal.clone().unwrap_or_else(Requirement::visually_lossless);
-    let (goal, ceilings) = (Goal::of(&required), Ceilings::of(&required));
-    let subject = Subject { scan, seen: &seen, side: &side };
+    let (goal, ceilings) = (Goal::of(&required, level.number), Ceilings::of(&required));
+    let is_alone = recipe.options.lods.is_empty();
+    let ceilings = if is_alone { ceilings } else { ceilings.of_level(level) };
+    let subject = Subject { scan, seen: &seen, side: &side, level };
     let mut workshop = Workshop::new(recipe, (goal.clone(), ceilings), subject);
     let of_goal = ceilings.bytes.is_finite().then_some(ceilings.bytes as u64);
     let most = of_goal.into_iter().chain(recipe.options.bytes).min();
@@ -67,11 +85,12 @@ pub(in crate::asset) fn smallest(recipe: Recipe<'_>, scan: &Scan, progress: Prog
     };
     let Some(Winner { candidate, trial }) = best.into_winner() else { return Err(none_at_all(workshop)) };
     let smallest = match candidate {
-        Candidate::Packed { glb, .. } => {
+        Candidate::Packed { glb, geometry, images } => {
             // Nothing was made without what cannot be seen.
             warnings = Warnings::default();
             let normals = trial.normals.unwrap_or(workshop.codecs().least_lossy());
-            Smallest::Packed(glb, workshop.rounding(trial.bits, normals))
+            let rounding = workshop.rounding(trial.bits, normals);
+            Smallest::Packed(PackedAsset { glb, geometry, images, rounding })
         }
         Candidate::Made(draft, rounding) => {
             let Draft { shape, low, maps } = *draft;

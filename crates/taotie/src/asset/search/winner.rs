@@ -2,6 +2,7 @@
 
 use super::trial::Trial;
 use super::workshop::{Draft, Rounding};
+use crate::io::{PackedGeometry, PackedImage};
 
 /// A candidate and what was measured of it.
 pub(super) struct Winner {
@@ -16,8 +17,9 @@ pub(super) enum Candidate {
     /// The packed scan.
     Packed {
         glb: Vec<u8>,
-        /// The bytes of its images that were encoded anew.
-        of_images: u64,
+        geometry: PackedGeometry,
+        /// Those that were encoded anew.
+        images: Vec<PackedImage>,
     },
 }
 
@@ -86,8 +88,11 @@ impl Best {
     /// Returns `true` if most of its bytes are textures of the scan: what is made from the scan needs them, too, and has more
     /// vertices at UV islands of its own.
     pub fn is_mostly_textures(&self) -> bool {
-        self.near().is_some_and(|winner| match winner.candidate {
-            Candidate::Packed { of_images, .. } => 2 * of_images > winner.trial.bytes,
+        self.near().is_some_and(|winner| match &winner.candidate {
+            Candidate::Packed { images, .. } => {
+                let of_images: usize = images.iter().map(|image| image.bytes.len()).sum();
+                2 * of_images as u64 > winner.trial.bytes
+            }
             Candidate::Made(..) => false,
         })
     }

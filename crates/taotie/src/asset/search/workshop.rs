@@ -3,6 +3,7 @@
 use super::ceilings::Ceilings;
 use super::codecs::Codecs;
 use super::goal::{Goal, Statistic};
+use super::level::Level;
 use super::trial::Trial;
 use crate::asset::figure_words::Looking;
 use crate::asset::judgement::{Pair, refuse_astray};
@@ -20,11 +21,11 @@ use crate::io::{
 };
 use crate::mesh::Mesh;
 use crate::progress::Progress;
-use crate::proof::{self, PixelDifferences, Side};
+use crate::proof::{self, Picture, PixelDifferences, Side};
 use std::collections::BTreeMap;
 
-/// The number of pixels at which a trial is measured.
-pub(super) const PIXELS: usize = 20_000;
+/// The number of pixels at which a trial is measured whose object fills the picture of the finest level.
+const PIXELS: usize = 20_000;
 
 /// The number of pixels for trials whose ratio to a limit differs from 1 by less than [`NEAR_LIMIT`]: the proof, too, takes more
 /// pixels until it is certain.
@@ -88,6 +89,7 @@ pub(super) struct Subject<'a> {
     pub seen: &'a Mesh,
     /// How it is looked at.
     pub side: &'a Side<'a>,
+    pub level: Level,
 }
 
 /// Makes candidates of a scan and measures them.
@@ -191,12 +193,23 @@ impl<'a> Workshop<'a> {
         1 + others + usize::from(numbers)
     }
 
-    /// Returns `true` if the scan itself, packed, holds all that is wanted: no map that is baked, nor levels of detail.
+    /// Returns the pixels of the scan at which textures are judged.
+    pub fn picture(&self) -> Picture {
+        self.subject.level.picture(PIXELS)
+    }
+
+    /// Returns the level of detail that candidates are for.
+    pub fn level(&self) -> Level {
+        self.subject.level
+    }
+
+    /// Returns `true` if the scan itself, packed, holds all that is wanted: no map that is baked, and not another level of what
+    /// was made.
     pub fn may_pack(&self) -> bool {
         let (options, about) = (self.recipe.options, &self.subject.scan.about);
         let carried = about.carried.maps();
         let is_own = |map: &MapKind| *map == MapKind::Normal || carried.has(*map);
-        options.carry && options.lods.is_empty() && options.maps.iter().all(is_own)
+        options.carry && self.subject.level.is_finest() && options.maps.iter().all(is_own)
     }
 
     /// Returns `true` if the packed scan is likely to be the smallest, or is all that keeps what the scan's file has. A mesh with
@@ -343,21 +356,34 @@ impl<'a> Workshop<'a> {
     /// Reads a file back. Returns it with its differences, in rising order.
     fn seen(&self, encoded: Vec<u8>) -> Result<(Read, PixelDifferences)> {
         let read = self.read_back(encoded)?;
+        let seen = self.differences(&read.surface);
+        Ok((read, seen))
+    }
+
+    /// Returns how many times a limit the differences of a surface are, the worst one.
+    pub fn ratio(&self, surface: &bake::Scan) -> f64 {
+        let (angle, color) = self.goal.ratios(&self.differences(surface));
+        angle.max(color.unwrap_or_default())
+    }
+
+    /// Returns the differences of a surface, in rising order.
+    fn differences(&self, surface: &bake::Scan) -> PixelDifferences {
         let scan = self.subject.side;
-        let asset = Side::of(&read.surface);
+        let asset = Side::of(surface);
         let diagonal = scan.surface.mesh().diagonal() as f32;
         let pair = proof::Pair { scan, asset: &asset, diagonal, has_material: self.has_material };
-        let mut seen = proof::pixel_differences(&pair, PIXELS).sorted();
+        let picture = |count| self.subject.level.picture(count);
+        let mut seen = proof::pixel_differences(&pair, picture(PIXELS)).sorted();
         let (angle, color) = self.goal.ratios(&seen);
         if (angle.max(color.unwrap_or_default()) - 1.0).abs() < NEAR_LIMIT {
-            seen = proof::pixel_differences(&pair, FINE_PIXELS).sorted();
+            seen = proof::pixel_differences(&pair, picture(FINE_PIXELS)).sorted();
         }
-        Ok((read, seen))
+        seen
     }
 }
 
 /// Returns the bytes of a mesh without material as a GLB.
-fn encoded_mesh(mesh: &Mesh, format: &GltfFormat) -> Result<Vec<u8>> {
+pub(super) fn encoded_mesh(mesh: &Mesh, format: &GltfFormat) -> Result<Vec<u8>> {
     let levels = [GltfLevel { mesh, coverage: None }];
     io::encode_glb(&GltfAsset { levels: &levels, ..GltfAsset::default() }, format)
 }

@@ -5,6 +5,7 @@ use super::container::split;
 #[cfg(feature = "draco")]
 use super::draco;
 use super::extensions::check_extensions;
+use super::levels::{self, Coverages};
 use super::parsed_size::parsed_size;
 use super::reason::{Reason, no_such};
 use super::supplied::{Supplied, Supply};
@@ -32,6 +33,8 @@ pub(super) struct Document {
     pub animations: Vec<Value>,
     /// Its XMP packets, untouched.
     pub xmp: Vec<Value>,
+    /// The parts of the screen that nodes say for their levels of detail.
+    pub coverages: Coverages,
     buffers: Buffers,
     supply: Supply,
 }
@@ -51,7 +54,7 @@ impl Document {
             reading.check()?;
         }
         let format = if blob.is_some() { "GLB" } else { "glTF" };
-        let Parsed { root, animations, xmp } = parse(path, &text)?;
+        let Parsed { root, animations, xmp, coverages } = parse(path, &text)?;
         let json_bytes = text.len() as u64;
         // Its place is counted for what data URIs hold.
         drop(text);
@@ -71,6 +74,7 @@ impl Document {
             format,
             animations,
             xmp,
+            coverages,
             buffers,
             supply,
         })
@@ -118,6 +122,7 @@ struct Parsed {
     animations: Vec<Value>,
     /// The XMP packets as the file has them.
     xmp: Vec<Value>,
+    coverages: Coverages,
 }
 
 fn parse(path: &Path, text: &[u8]) -> Result<Parsed> {
@@ -125,7 +130,7 @@ fn parse(path: &Path, text: &[u8]) -> Result<Parsed> {
     let wrong = |e: &json::Error| broken(path, e);
     let mut value: Value = json::deserialize::from_slice(text).map_err(|e| wrong(&e))?;
     check_version(path, &value)?;
-    let xmp = xmp::packets(&value);
+    let (xmp, coverages) = (xmp::packets(&value), levels::coverages(&value));
     tidy(&mut value);
     let animations = value.as_object_mut().and_then(|root| root.remove("animations"));
     let animations = match animations {
@@ -139,7 +144,7 @@ fn parse(path: &Path, text: &[u8]) -> Result<Parsed> {
             Ok(_) => wrong(&e),
         }
     })?;
-    Ok(Parsed { root, animations, xmp })
+    Ok(Parsed { root, animations, xmp, coverages })
 }
 
 fn check_version(path: &Path, value: &Value) -> Result<()> {
@@ -157,7 +162,7 @@ fn check_version(path: &Path, value: &Value) -> Result<()> {
 }
 
 /// Makes the JSON readable as other readers do: whole numbers written as `4.0`, scenes without nodes. Application data
-/// goes, since nothing here reads it.
+/// goes, since nothing below reads it.
 fn tidy(root: &mut Value) {
     let scenes = root.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten();
     for scene in scenes.filter_map(Value::as_object_mut) {

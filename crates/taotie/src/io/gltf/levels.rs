@@ -3,13 +3,19 @@
 use super::document::Document;
 use crate::error::Warnings;
 use gltf::json::Value;
+use std::collections::BTreeMap;
 
 const NAME: &str = "MSFT_lod";
+
+/// The parts of the screen for the levels of nodes, by the numbers of these.
+pub(super) type Coverages = BTreeMap<usize, Vec<f32>>;
 
 /// The nodes that are shown at one level of detail.
 pub(super) struct Levels {
     /// The number of levels of the file, at least 1.
     pub count: usize,
+    /// The largest part of the screen that the object covers while this level is shown; `None` of the finest.
+    pub coverage: Option<f32>,
     /// The node that is shown in place of each.
     stand_ins: Vec<usize>,
 }
@@ -25,7 +31,11 @@ impl Levels {
             0 => node,
             level => coarser[level - 1],
         };
-        Self { count, stand_ins: lists.iter().enumerate().map(stand_in).collect() }
+        let stand_ins = lists.iter().enumerate().map(stand_in).collect();
+        let above = level.checked_sub(1);
+        let of_node = |node: usize| document.coverages.get(&node)?.get(above?).copied();
+        let has_levels = (0..lists.len()).filter(|node| !lists[*node].is_empty());
+        Self { count, coverage: has_levels.filter_map(of_node).reduce(f32::max), stand_ins }
     }
 
     /// Returns the node that is shown in place of `node`.
@@ -41,6 +51,18 @@ impl Levels {
             }
         }
     }
+}
+
+/// Returns what nodes say in application data: the least part of the screen that is covered while each of their levels is shown.
+pub(super) fn coverages(json: &Value) -> Coverages {
+    let of_node = |node: &Value| -> Option<Vec<f32>> {
+        let parts = node.pointer("/extras/MSFT_screencoverage")?.as_array()?;
+        let part =
+            |part: &Value| part.as_f64().filter(|part| (0.0..=1.0).contains(part)).map(|part| part as f32);
+        parts.iter().map(part).collect()
+    };
+    let nodes = json.get("nodes").and_then(Value::as_array).into_iter().flatten().enumerate();
+    nodes.filter_map(|(number, node)| Some((number, of_node(node)?))).collect()
 }
 
 /// Returns the stand-ins of a node that exist, the finest first.

@@ -155,7 +155,7 @@ impl Shapes {
     /// Returns the level as it is handed out.
     fn loaded(self, document: &Document, looks: Looks, mut warnings: Warnings) -> Result<Loaded> {
         let Self { nodes, mut shown } = self;
-        let levels = nodes.levels;
+        let (levels, coverage) = (nodes.levels, nodes.coverage);
         let Looks { mut materials, decoded } = looks;
         let Decoded { textures, names: texture_names, missing: missing_files } = decoded;
         let (meshes, mut instances) =
@@ -176,6 +176,7 @@ impl Shapes {
             rig,
             variants,
             levels,
+            coverage,
             structure: Some(structure),
             ..about(document, checked(&document.path, scene)?, warnings)
         })

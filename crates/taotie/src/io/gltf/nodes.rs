@@ -18,6 +18,8 @@ pub(super) struct Nodes {
     pub shown: Vec<usize>,
     /// How many levels of detail there are, at least 1.
     pub levels: usize,
+    /// The part of the screen that is covered where this level is first shown; `None` of the finest.
+    pub coverage: Option<f32>,
 }
 
 impl Nodes {
@@ -43,7 +45,7 @@ impl Nodes {
             other => other,
         })?;
         let shown = shown(document, &parents, &levels)?;
-        Ok(Self { nodes, world, shown, levels: levels.count })
+        Ok(Self { nodes, world, shown, levels: levels.count, coverage: levels.coverage })
     }
 }
 

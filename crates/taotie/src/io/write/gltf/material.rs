@@ -78,7 +78,7 @@ impl<'a> GltfMaterial<'a> {
         .filter_map(|(slot, image)| Some((slot, image?)))
     }
 
-    pub(super) fn has_maps(&self) -> bool {
+    pub(crate) fn has_maps(&self) -> bool {
         self.maps().next().is_some()
     }
 

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 /// Drops them, and returns how many of the first `count` images are left. Where the document uses an extension that nobody
 /// here knows, which may name anything, all stays.
-pub(super) fn prune(json: &mut Value, count: usize) -> usize {
+pub(in super::super) fn prune(json: &mut Value, count: usize) -> usize {
     drop_unused(json, "materials", GLOSSINESS);
     let knows = |name: &Value| name.as_str().is_some_and(is_known);
     if !edit::items(json, "extensionsUsed").iter().all(knows) {
@@ -61,7 +61,7 @@ pub(in super::super) fn drop_unnamed(json: &mut Value, list: &str, each: Visit) 
 }
 
 /// Visits the textures of materials: `index` of members such as `normalTexture`.
-fn each_texture(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+pub(in super::super) fn each_texture(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
     let mut of = |members: &mut Map<String, Value>| {
         let slots = members.iter_mut().filter(|(name, _)| name.ends_with("Texture"));
         slots.filter_map(|(_, slot)| slot.get_mut("index")).for_each(&mut *visit);
@@ -70,7 +70,7 @@ fn each_texture(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
 }
 
 /// Visits the images of textures.
-fn each_image(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+pub(in super::super) fn each_image(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
     let mut of = |members: &mut Map<String, Value>| {
         members.get_mut("source").into_iter().for_each(&mut *visit);
     };

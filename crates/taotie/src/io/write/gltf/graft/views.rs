@@ -45,7 +45,7 @@ pub(in super::super) fn joined(raw: &mut RawGltf) -> Result<Vec<u8>> {
 }
 
 /// Visits the objects of a view that name bytes: itself, and that of its packed bytes.
-fn each_place(view: &mut Value, visit: &mut impl FnMut(&mut Value)) {
+pub(in super::super) fn each_place(view: &mut Value, visit: &mut impl FnMut(&mut Value)) {
     visit(view);
     let extensions = view.get_mut("extensions").and_then(Value::as_object_mut).into_iter().flatten();
     extensions.map(|(_, extension)| extension).filter(|e| e.get("buffer").is_some()).for_each(visit);

@@ -6,6 +6,8 @@ mod image;
 mod simplified;
 mod strip;
 
+pub(super) use strip::{each_accessor, names_no_geometry};
+
 use super::codec::CodecKind;
 use super::container;
 use super::draft::{MESHOPT, unpacked_buffer};

@@ -51,13 +51,13 @@ pub(super) fn bytes(raw: &mut RawGltf) -> Result<Vec<u8>> {
 }
 
 /// Says whether an extension is known, or is of materials, textures or lights.
-fn names_no_geometry(name: &Value) -> bool {
+pub(in super::super) fn names_no_geometry(name: &Value) -> bool {
     let looks = ["KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "EXT_lights_"];
     name.as_str().is_some_and(|name| is_known(name) || looks.iter().any(|prefix| name.starts_with(prefix)))
 }
 
 /// Visits the accessors of primitives, skins and animations.
-fn each_accessor(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+pub(in super::super) fn each_accessor(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
     for mesh in edit::items_mut(json, "meshes") {
         for primitive in edit::items_mut(mesh, "primitives") {
             primitive.get_mut("indices").into_iter().for_each(&mut *visit);

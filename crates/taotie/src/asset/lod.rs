@@ -1,0 +1,135 @@
+//! A coarser level of detail that is asked for.
+
+use crate::error::{Error, Result};
+use serde_json::Value;
+use std::fmt;
+use std::str::FromStr;
+
+/// A coarser level of detail that is asked for: by its triangles, or by how large the object is on the screen while it is shown.
+///
+/// ```
+/// use taotie::asset::Lod;
+///
+/// assert_eq!("5000".parse::<Lod>()?, Lod::Triangles(5000));
+/// assert_eq!("128px".parse::<Lod>()?, Lod::Pixels(128));
+/// assert!("12.5%".parse::<Lod>().is_err());
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lod {
+    /// So many triangles. It is shown once the object fills few enough pixels for it to meet the limits of the finest level.
+    Triangles(u32),
+    /// As light as meets the limits of the finest level where the object fills so many pixels, squared; 32 to 511.
+    Pixels(u32),
+}
+
+/// What follows a number of pixels.
+const PIXELS: &str = "px";
+
+impl Lod {
+    /// The pixels across an object for which the finest level is made.
+    pub(super) const FINEST: u32 = 512;
+    /// The fewest pixels across that a level is made for.
+    pub(super) const LEAST: u32 = 32;
+
+    /// Returns it as files have it: a number of triangles, or text.
+    pub(super) fn json(self) -> Value {
+        match self {
+            Self::Triangles(count) => count.into(),
+            Self::Pixels(_) => self.to_string().into(),
+        }
+    }
+
+    /// Refuses levels that cannot be made after one of so many triangles, if that is known.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a level that is no coarser than one before it, and for pixels out of their range.
+    pub(super) fn check(levels: &[Self], finest: Option<u32>) -> Result<()> {
+        let (mut triangles, mut pixels) = (finest, Self::FINEST);
+        for level in levels {
+            let is_coarser = match *level {
+                Self::Triangles(count) => {
+                    let before = triangles.replace(count);
+                    before.is_none_or(|before| count < before) && count > 0
+                }
+                Self::Pixels(across) => {
+                    let before = std::mem::replace(&mut pixels, across);
+                    (Self::LEAST..before).contains(&across)
+                }
+            };
+            if !is_coarser {
+                let why = "each must have fewer triangles, or be for fewer pixels, than the ones before; pixels are 32 to 511";
+                return Err(Error::invalid(format!("the level of detail {level}"), why));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Lod {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Triangles(count) => write!(f, "{count}"),
+            Self::Pixels(across) => write!(f, "{across}{PIXELS}"),
+        }
+    }
+}
+
+impl FromStr for Lod {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let text = text.trim();
+        let number = |digits: &str| digits.trim_end().parse::<u32>().ok();
+        let read = match text.strip_suffix(PIXELS) {
+            Some(digits) => number(digits).map(Self::Pixels),
+            None => number(text).map(Self::Triangles),
+        };
+        let why =
+            "give a number of triangles, such as 5000, or the pixels that the object fills, such as 128px";
+        read.ok_or_else(|| Error::invalid(format!("the level of detail `{text}`"), why))
+    }
+}
+
+#[cfg(feature = "serde")]
+impl serde::Serialize for Lod {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        self.json().serialize(serializer)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for Lod {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        let value = Value::deserialize(deserializer)?;
+        let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        text.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(levels: &[&str], finest: Option<u32>) -> bool {
+        let levels: Vec<Lod> = levels.iter().map(|level| level.parse().unwrap()).collect();
+        Lod::check(&levels, finest).is_ok()
+    }
+
+    #[test]
+    fn levels_get_coarser() {
+        assert!(check(&["5000", "256px", "100", "64px"], Some(10_000)) && check(&["256px"], None));
+        assert!(!check(&["5000"], Some(5000)) && !check(&["300", "300"], None) && !check(&["0"], None));
+        assert!(!check(&["64px", "128px"], None) && !check(&["512px"], None) && !check(&["31px"], None));
+    }
+
+    #[test]
+    fn text_is_read_as_it_is_written() {
+        for text in ["7", "64px"] {
+            assert_eq!(text.parse::<Lod>().unwrap().to_string(), text);
+        }
+        for wrong in ["", "px", "-3", "1.5", "64 pixels"] {
+            assert!(wrong.parse::<Lod>().is_err(), "{wrong}");
+        }
+    }
+}

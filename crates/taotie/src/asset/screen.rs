@@ -1,0 +1,30 @@
+//! The screen on which levels of detail are switched: the one for which visually lossless is defined, 3840 × 2160 pixels.
+
+use super::lod::Lod;
+
+const PIXELS: f64 = 3840.0 * 2160.0;
+
+/// Returns the part of the screen that an object covers that fills so many pixels, squared, in [0, 1].
+pub(super) fn coverage(across: u32) -> f32 {
+    (f64::from(across) * f64::from(across) / PIXELS).min(1.0) as f32
+}
+
+/// Returns the pixels across an object that covers this part of the screen, at least 1, and at most as many as the finest level
+/// is made for.
+pub(super) fn across(coverage: f32) -> f32 {
+    let across = (f64::from(coverage).max(0.0) * PIXELS).sqrt();
+    across.clamp(1.0, f64::from(Lod::FINEST)) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_follow_from_what_is_covered() {
+        for pixels in [32, 64, 256, 512] {
+            assert!((across(coverage(pixels)) - pixels as f32).abs() < 1e-3);
+        }
+        assert_eq!((across(1.0), across(0.0)), (512.0, 1.0));
+    }
+}

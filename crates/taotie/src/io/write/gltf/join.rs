@@ -1,0 +1,194 @@
+//! Several GLBs that show one object at different levels of detail, joined into one (MSFT_lod).
+
+use super::LEVELS;
+use super::container;
+use super::edit;
+use super::graft::prune::{each_image, each_texture, each_view};
+use super::graft::views::{each_place, joined};
+use super::number::short;
+use super::pack::{each_accessor, names_no_geometry};
+use crate::error::{Error, Result};
+use crate::io::gltf::{GltfSource, RawGltf};
+use crate::io::limits::Limits;
+use serde_json::{Map, Value, json};
+
+/// Joins GLBs that show one object at different levels of detail into one, by MSFT_lod. The finest stays as it is, but for a
+/// node above its others if it shows several; the coarser ones give what their default scene shows: nodes, meshes, materials
+/// and textures, without lights, cameras, skins and animations. What is equal in several of them is stored once. `coverages`
+/// has the least part of the screen that the object covers while each level is shown, of the finest and of each coarser one.
+///
+/// # Errors
+/// [`Error::Parse`] for a GLB that cannot be read; [`Error::Invalid`] unless there is one coverage for each level, and for an
+/// extension that may name things by number in a way that nobody here knows; [`Error::Limit`] for a GLB of 4 GiB or more.
+pub fn join_levels(finest: &[u8], coarser: &[&[u8]], coverages: &[f32]) -> Result<Vec<u8>> {
+    if coverages.len() != coarser.len() + 1 || coverages.iter().any(|c| !(0.0..=1.0).contains(c)) {
+        return Err(Error::invalid("the screen coverages", "give one in [0, 1] for each level of detail"));
+    }
+    let mut all = read(finest)?;
+    let root = root(&mut all.json)?;
+    let mut ids = Vec::with_capacity(coarser.len());
+    for level in coarser {
+        ids.push(append(&mut all, read(level)?)?);
+    }
+    let node = &mut all.json["nodes"][root];
+    *edit::member(edit::member(node, "extensions"), LEVELS) = json!({ "ids": ids });
+    let coverages: Vec<f64> = coverages.iter().copied().map(short).collect();
+    *edit::member(edit::member(node, "extras"), "MSFT_screencoverage") = json!(coverages);
+    edit::name(&mut all.json, "extensionsUsed", LEVELS);
+    super::graft::prune::prune(&mut all.json, 0);
+    let bytes = joined(&mut all)?;
+    container::encoded(edit::text(&all.json)?, &bytes)
+}
+
+fn read(glb: &[u8]) -> Result<RawGltf> {
+    let raw = RawGltf::read(GltfSource::Glb(glb), &Limits::of_own_files())?;
+    match edit::items(&raw.json, "extensionsUsed").iter().find(|name| !names_no_geometry(name)) {
+        Some(name) => Err(Error::unsupported(
+            format!("levels of detail of a file with {name}"),
+            "it may refer to things by numbers, which change; leave the levels out, or the extension",
+        )),
+        None => Ok(raw),
+    }
+}
+
+/// Returns the node that shows all of the default scene: its only one, or one that is put above.
+fn root(json: &mut Value) -> Result<usize> {
+    let scene = edit::number(json, "scene").unwrap_or(0);
+    let nodes = edit::items(json, "scenes").get(scene).map(|scene| edit::items(scene, "nodes").to_vec());
+    let nodes = nodes.filter(|nodes| !nodes.is_empty());
+    let nodes = nodes.ok_or_else(|| Error::invalid("a level of detail", "it has no scene with nodes"))?;
+    if let [only] = &nodes[..]
+        && let Some(only) = only.as_u64()
+    {
+        return Ok(only as usize);
+    }
+    let root = edit::push(json, "nodes", json!({ "children": nodes }));
+    json["scenes"][scene]["nodes"] = json!([root]);
+    Ok(root)
+}
+
+/// Appends what the default scene of a document shows; returns the node that shows it.
+fn append(all: &mut RawGltf, mut level: RawGltf) -> Result<usize> {
+    let root = root(&mut level.json)?;
+    still(&mut level.json);
+    for list in ["extensionsUsed", "extensionsRequired"] {
+        for name in edit::taken(&mut level.json, list).iter().filter_map(Value::as_str) {
+            edit::name(&mut all.json, list, name);
+        }
+    }
+    let buffers = all.buffers.len();
+    all.buffers.append(&mut level.buffers);
+    move_all(&mut all.json, &mut level.json, "buffers");
+    let places = |json: &mut Value, visit: &mut dyn FnMut(&mut Value)| {
+        let mut of = |place: &mut Value| place.get_mut("buffer").into_iter().for_each(&mut *visit);
+        edit::items_mut(json, "bufferViews").for_each(|view| each_place(view, &mut of));
+    };
+    places(&mut level.json, &mut |number| shift(number, buffers));
+    let views = edit::items(&all.json, "bufferViews").len();
+    each_view(&mut level.json, &mut |number| shift(number, views));
+    move_all(&mut all.json, &mut level.json, "bufferViews");
+    let accessors = edit::items(&all.json, "accessors").len();
+    each_accessor(&mut level.json, &mut |number| shift(number, accessors));
+    move_all(&mut all.json, &mut level.json, "accessors");
+    share_images(all, &mut level.json);
+    share(all, &mut level.json, ("samplers", each_sampler));
+    share(all, &mut level.json, ("textures", each_texture));
+    share(all, &mut level.json, ("materials", each_material));
+    let meshes = edit::items(&all.json, "meshes").len();
+    for mesh in edit::items_mut(&mut level.json, "nodes").filter_map(|node| node.get_mut("mesh")) {
+        shift(mesh, meshes);
+    }
+    move_all(&mut all.json, &mut level.json, "meshes");
+    let nodes = edit::items(&all.json, "nodes").len();
+    for node in edit::items_mut(&mut level.json, "nodes") {
+        edit::items_mut(node, "children").for_each(|child| shift(child, nodes));
+    }
+    move_all(&mut all.json, &mut level.json, "nodes");
+    Ok(nodes + root)
+}
+
+/// Removes what a coarser level does not bring: what moves it, its lights and cameras, and all scenes.
+fn still(json: &mut Value) {
+    ["animations", "skins", "cameras", "scenes"].iter().for_each(|list| edit::remove(json, list));
+    for node in edit::items_mut(json, "nodes") {
+        ["skin", "camera", "weights"].iter().for_each(|member| edit::remove(node, member));
+        if let Some(extensions) = node.get_mut("extensions") {
+            edit::remove(extensions, "KHR_lights_punctual");
+            edit::remove(extensions, LEVELS);
+        }
+        if node.get("extensions").is_some_and(|extensions| extensions == &json!({})) {
+            edit::remove(node, "extensions");
+        }
+    }
+}
+
+/// Moves all items of a list to the end of another document's.
+fn move_all(all: &mut Value, level: &mut Value, list: &str) {
+    for item in edit::taken(level, list) {
+        edit::push(all, list, item);
+    }
+}
+
+fn shift(number: &mut Value, by: usize) {
+    if let Some(old) = number.as_u64() {
+        *number = (old + by as u64).into();
+    }
+}
+
+/// Visits all numbers of things of one kind that a document names.
+type Visit = fn(&mut Value, &mut dyn FnMut(&mut Value));
+
+/// Moves the items of a list that the other document lacks, and names the others there. What items themselves name was
+/// renumbered before.
+fn share(all: &mut RawGltf, level: &mut Value, (list, each): (&str, Visit)) {
+    let own = edit::taken(level, list);
+    let numbers: Vec<usize> = own.into_iter().map(|item| placed(&mut all.json, list, item)).collect();
+    rename(level, each, &numbers);
+}
+
+fn placed(all: &mut Value, list: &str, item: Value) -> usize {
+    let known = edit::items(all, list).iter().position(|known| *known == item);
+    known.unwrap_or_else(|| edit::push(all, list, item))
+}
+
+fn rename(level: &mut Value, each: Visit, numbers: &[usize]) {
+    each(level, &mut |number| {
+        let old = number.as_u64().and_then(|old| numbers.get(old as usize));
+        if let Some(new) = old {
+            *number = (*new).into();
+        }
+    });
+}
+
+/// Does what [`share`] does for images, which are equal if their bytes are.
+fn share_images(all: &mut RawGltf, level: &mut Value) {
+    let mut numbers = Vec::new();
+    for image in edit::taken(level, "images") {
+        let bytes = image_bytes(all, &image);
+        let is_same = |known: &Value| bytes.is_some() && image_bytes(all, known) == bytes;
+        let known = edit::items(&all.json, "images").iter().position(is_same);
+        numbers.push(known.unwrap_or_else(|| edit::push(&mut all.json, "images", image)));
+    }
+    rename(level, each_image, &numbers);
+}
+
+/// Returns the bytes of an image that a view holds.
+fn image_bytes<'a>(all: &'a RawGltf, image: &Value) -> Option<&'a [u8]> {
+    let view = edit::items(&all.json, "bufferViews").get(edit::number(image, "bufferView")?)?;
+    let start = edit::number(view, "byteOffset").unwrap_or(0);
+    let end = start.checked_add(edit::number(view, "byteLength")?)?;
+    all.buffers.get(edit::number(view, "buffer")?)?.as_deref()?.get(start..end)
+}
+
+/// Visits the samplers of textures.
+fn each_sampler(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+    edit::items_mut(json, "textures").filter_map(|texture| texture.get_mut("sampler")).for_each(visit);
+}
+
+/// Visits the materials of primitives, in all variants.
+fn each_material(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+    let mut of = |members: &mut Map<String, Value>| {
+        members.get_mut("material").into_iter().for_each(&mut *visit);
+    };
+    edit::items_mut(json, "meshes").for_each(|mesh| edit::each_object(mesh, &mut of));
+}
