@@ -24,7 +24,7 @@ Examples:
   taotie bake scan.ply -o scan.glb
   taotie bake scan.ply --low low.glb -o baked.glb --size 4096 --maps normal,ao
   taotie bake scan.ply --low low.glb -o normal.png
-  taotie bake scan.ply -o scan.glb --triangles 150000 --lods 50000,10000 --meshopt
+  taotie bake scan.ply -o scan.glb --triangles 150000 --lods 50000,64px --meshopt
   taotie bake scan.ply -o scan.glb --preset web --max-gpu-memory 64MB
   taotie bake scan.ply -o scan.glb --error 0.9 --require standard,bytes=3MB
 

@@ -116,7 +116,7 @@ struct Parameters {
     triangles: Option<u32>,
     goal: Option<String>,
     bytes: Option<u64>,
-    lods: Vec<u32>,
+    lods: Vec<Value>,
     size: Option<u32>,
     maps: Vec<String>,
     space: String,
@@ -217,6 +217,7 @@ struct Overview {
     angles: Option<Estimate>,
     color: Option<Estimate>,
     pixels: usize,
+    across: f32,
 }
 
 #[derive(Deserialize)]
@@ -414,7 +415,7 @@ fn of_a_pair() {
     let written: serde_json::Value = serde_json::from_slice(&place.read("out.report.json")).unwrap();
     assert_eq!(printed, written);
     let report: BakeReport = serde_json::from_value(printed).expect("the document has this form");
-    assert_eq!((report.schema, report.version.as_str()), (5, env!("CARGO_PKG_VERSION")));
+    assert_eq!((report.schema, report.version.as_str()), (6, env!("CARGO_PKG_VERSION")));
     assert_eq!((report.high.as_str(), report.low.as_deref()), ("scan.obj", Some("low.obj")));
     assert_eq!((report.high_triangles, report.triangles, report.size), (9024, vec![528], [64; 2]));
     assert_eq!(report.high_sha256.len(), 64);
@@ -463,6 +464,7 @@ fn of_a_pair() {
     let overview = level.overview.angles.as_ref().expect("pixels were found");
     let (seen, [low, high]) = (&overview.summary, overview.mean_interval);
     assert!(low < seen.mean && seen.mean < high && level.overview.pixels == seen.count);
+    assert_eq!(level.overview.across, 512.0);
     assert!(overview.p95_interval[0] <= seen.p95 && seen.p95 <= overview.p95_interval[1]);
     let patch = level.patches.angle.as_ref().expect("there is a worst patch");
     assert!(patch.interval[0] <= patch.mean && patch.mean <= patch.interval[1] && patch.radius > 0.0);

@@ -210,7 +210,6 @@ fn of_bake() {
         ("scan.obj -o out.glb --error 1 --images webp:80", "--error chooses the loss of images"),
         ("scan.obj -o out.glb --images webp:85,png", "a list holds names only"),
         ("scan.obj -o out.glb --trials out.report.json", "--trials out.report.json: name another file"),
-        ("scan.obj -o out.glb --preset web --lods 100", "cannot be used with"),
         ("scan.obj -o out.glb --preset web --size 64", "cannot be used with"),
         (
             "scan.obj -o out.glb --preset games",

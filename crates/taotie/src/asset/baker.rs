@@ -217,8 +217,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         let Part { low, maps } = &parts[0];
         let finest = packed.as_ref().map_or(Finest::Made { low, maps, rounding }, Finest::Packed);
         let recipe = Recipe { options: &options, rays: &rays };
-        let mut of_levels = Warnings::default();
-        let coarser = coarser(recipe, (scan, finest), &mut of_levels, progress)?;
+        let (coarser, of_levels) = coarser(recipe, (scan, finest), progress)?;
         of_scan.absorb(of_levels);
         coarser
     };

@@ -47,19 +47,20 @@ impl Lod {
     pub(super) fn check(levels: &[Self], finest: Option<u32>) -> Result<()> {
         let (mut triangles, mut pixels) = (finest, Self::FINEST);
         for level in levels {
-            let is_coarser = match *level {
+            let (before, is_coarser) = match *level {
                 Self::Triangles(count) => {
                     let before = triangles.replace(count);
-                    before.is_none_or(|before| count < before) && count > 0
+                    (before.map(Self::Triangles), before.is_none_or(|before| count < before) && count > 0)
                 }
                 Self::Pixels(across) => {
                     let before = std::mem::replace(&mut pixels, across);
-                    (Self::LEAST..before).contains(&across)
+                    (Some(Self::Pixels(before)), (Self::LEAST..before).contains(&across))
                 }
             };
             if !is_coarser {
-                let why = "each must have fewer triangles, or be for fewer pixels, than the ones before; pixels are 32 to 511";
-                return Err(Error::invalid(format!("the level of detail {level}"), why));
+                let after = before.map_or_else(String::new, |before| format!(" after one of {before}"));
+                let why = "each must have fewer triangles, or be for fewer pixels, 32 at least, than the one before";
+                return Err(Error::invalid(format!("the level of detail {level}{after}"), why));
             }
         }
         Ok(())

@@ -21,7 +21,7 @@ use crate::io::CodecKind;
 use std::path::{Path, PathBuf};
 
 /// The version of the report's layout.
-const SCHEMA: u32 = 5;
+const SCHEMA: u32 = 6;
 
 /// All that is to be told of a bake. What the caller knows, figures and times, is filled in by it.
 ///

@@ -123,7 +123,7 @@ pub(super) fn possible_files(path: &Path, options: &BakeOptions, packing: &Packi
         true => &options.images,
         false => &given,
     };
-    io::gltf_files(path, kinds).into_iter().chain(beside).collect()
+    io::gltf_files(path, kinds, options.lods.len()).into_iter().chain(beside).collect()
 }
 
 /// Returns all files, the model first.
@@ -176,14 +176,8 @@ fn joined(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<EncodedM
     let finest = finest(made, about, glb)?;
     let coarser = (0..made.coarser.len()).map(|i| coarser(made, i, glb)).collect::<Result<Vec<_>>>()?;
     let coarser: Vec<&[u8]> = coarser.iter().map(Vec::as_slice).collect();
-    let bytes = io::join_levels(&model_of(finest.files), &coarser, &coverages(made))?;
-    let is_glb = target.path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
-    if is_glb {
-        let file = FileBytes { path: target.path.to_path_buf(), bytes };
-        return Ok(EncodedModel { files: vec![file], warnings: finest.warnings });
-    }
-    let apart = io::encode_graft(target.path, &graft(GltfSource::Glb(&bytes)), target.format)?;
-    Ok(EncodedModel { warnings: finest.warnings, ..apart })
+    let files = io::join_levels(target.path, (&model_of(finest.files), &coarser), &coverages(made))?;
+    Ok(EncodedModel { files, warnings: finest.warnings })
 }
 
 /// Returns the GLB of the finest level alone.

@@ -21,7 +21,7 @@ const MOST_SAMPLES: f32 = 16.0;
 const STEEPEST: f32 = 4.0;
 
 /// Differences at the same pixel, the object seen as a whole.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Overview {
@@ -33,6 +33,13 @@ pub struct Overview {
     pub pixels: usize,
     /// Pixels across the object: 512, or fewer of a level of detail that is only shown where it is that small.
     pub across: f32,
+}
+
+impl Default for Overview {
+    /// Of no pixels of a whole object.
+    fn default() -> Self {
+        Self { angles: None, color: None, pixels: 0, across: SIDE as f32 }
+    }
 }
 
 /// The pixels that an overview compares.

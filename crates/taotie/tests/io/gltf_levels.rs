@@ -2,7 +2,7 @@
 
 use crate::gltf::{load, triangle, warned};
 use crate::{bumpy, validator};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use taotie::Warnings;
 use taotie::image::Bitmap;
 use taotie::io::{
@@ -105,18 +105,34 @@ fn joined_levels_are_what_they_were_and_share_what_is_equal() {
     let (own, other) = (bumpy::normals(16, 2), bumpy::normals(8, 2));
     let files = [ball(40, &own, &plain), ball(20, &own, &packed), ball(10, &other, &plain)];
     let coarser = [&files[1][..], &files[2][..]];
-    let joined = join_levels(&files[0], &coarser, &[0.01, 0.001, 0.0]).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("joined.glb");
-    std::fs::write(&path, &joined).unwrap();
-    let levels = load_levels(&path).unwrap_or_else(|e| panic!("{e}"));
+    for name in ["joined.glb", "joined.gltf"] {
+        let path = folder.path().join(name);
+        let joined = join_levels(&path, (&files[0], &coarser), &[0.01, 0.001, 0.0]).unwrap();
+        joined.iter().for_each(|file| std::fs::write(&file.path, &file.bytes).unwrap());
+        assert_joined(&path, &files);
+        let beside: Vec<_> = joined[1..].iter().filter_map(|file| file.path.file_name()?.to_str()).collect();
+        let wanted: &[&str] = match name {
+            "joined.glb" => &[],
+            _ => &["joined.bin", "joined_color.png", "joined_normal.png", "joined_lod2_normal.png"],
+        };
+        assert_eq!(beside, wanted);
+    }
+    let wrong = join_levels(Path::new("a.glb"), (&files[0], &coarser), &[0.01, 0.0]).unwrap_err();
+    assert!(wrong.to_string().contains("one in [0, 1]"));
+}
+
+/// Each level is as its file was, and what several show is there once.
+fn assert_joined(path: &Path, files: &[Vec<u8>]) {
+    let levels = load_levels(path).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(
         levels.iter().map(|level| level.coverage).collect::<Vec<_>>(),
         [None, Some(0.01), Some(0.001)]
     );
-    for (level, file) in levels.iter().zip(&files) {
-        std::fs::write(folder.path().join("alone.glb"), file).unwrap();
-        let alone = load(&folder.path().join("alone.glb")).unwrap().scene;
+    for (level, file) in levels.iter().zip(files) {
+        let alone = path.with_file_name("alone.glb");
+        std::fs::write(&alone, file).unwrap();
+        let alone = load(&alone).unwrap().scene;
         let (mesh, before) = (&level.scene.meshes()[0], &alone.meshes()[0]);
         assert_eq!((mesh.positions(), mesh.triangles()), (before.positions(), before.triangles()));
         assert_eq!(level.scene.instances()[0].world_from_object, alone.instances()[0].world_from_object);
@@ -126,23 +142,25 @@ fn joined_levels_are_what_they_were_and_share_what_is_equal() {
         };
         assert!(normal(&level.scene) == normal(&alone), "its own map");
     }
-    let counts = ["images", "textures", "materials", "samplers", "meshes"].map(|list| count(&joined, list));
+    let json = json(path);
+    let lists = ["images", "textures", "materials", "samplers", "meshes"];
+    let counts = lists.map(|list| json[list].as_array().map_or(0, Vec::len));
     assert_eq!(counts, [3, 3, 2, 1, 3], "two levels show one material");
-    if let Some(infos) = validator::assert_valid(&path) {
+    if let Some(infos) = validator::assert_valid(path) {
         let unknown: Vec<_> =
             infos.iter().filter(|info| !info.starts_with("UNSUPPORTED_EXTENSION")).collect();
         assert!(unknown.is_empty(), "{unknown:#?}");
     }
-    assert!(
-        join_levels(&files[0], &coarser, &[0.01, 0.0]).unwrap_err().to_string().contains("one in [0, 1]")
-    );
 }
 
-/// The items of a list of a GLB's JSON.
-fn count(glb: &[u8], list: &str) -> usize {
-    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
-    let json: serde_json::Value = serde_json::from_slice(&glb[20..20 + length]).unwrap();
-    json[list].as_array().map_or(0, Vec::len)
+/// The JSON of a file.
+fn json(path: &Path) -> serde_json::Value {
+    let bytes = std::fs::read(path).unwrap();
+    if !bytes.starts_with(b"glTF") {
+        return serde_json::from_slice(&bytes).unwrap();
+    }
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    serde_json::from_slice(&bytes[20..20 + length]).unwrap()
 }
 
 #[test]
@@ -150,8 +168,9 @@ fn several_roots_are_replaced_together() {
     let file = File::new(r#"[{"mesh":0},{"mesh":0,"translation":[0,0,3]}]"#);
     let scene = load(&file.path).unwrap().scene;
     let glb = encode_scene(&scene, &[], &mut Warnings::default()).unwrap();
-    let joined = join_levels(&glb, &[&glb], &[0.5, 0.0]).unwrap();
-    std::fs::write(file.path.with_extension("glb"), joined).unwrap();
-    let levels = load_levels(&file.path.with_extension("glb")).unwrap();
+    let path = file.path.with_extension("glb");
+    let joined = join_levels(&path, (&glb, &[&glb]), &[0.5, 0.0]).unwrap();
+    std::fs::write(&path, &joined[0].bytes).unwrap();
+    let levels = load_levels(&path).unwrap();
     assert_eq!(levels.iter().map(|level| level.scene.instances().len()).collect::<Vec<_>>(), [2, 2]);
 }

@@ -53,21 +53,22 @@ pub(in crate::asset) enum Shown {
     Packed(Vec<u8>),
 }
 
-/// Makes the coarser levels that are asked for. One that is hardly lighter than the one before is left out with a warning.
+/// Makes the coarser levels that are asked for. One that is hardly lighter than the one before is left out, with one of the
+/// warnings that are returned, too.
 ///
 /// # Errors
 /// [`Error::Cancelled`]; those of making and reading candidates.
 pub(in crate::asset) fn coarser(
     recipe: Recipe<'_>,
     (scan, finest): (&Scan, Finest<'_>),
-    warnings: &mut Warnings,
     progress: Progress<'_>,
-) -> Result<Vec<Coarser>> {
+) -> Result<(Vec<Coarser>, Warnings)> {
+    let mut warnings = Warnings::default();
     if recipe.options.lods.is_empty() {
-        return Ok(Vec::new());
+        return Ok((Vec::new(), warnings));
     }
     scan.sort(progress)?;
-    progress.begin("levels of detail")?;
+    let stage = progress.begin("levels of detail")?;
     let side = Side::of(scan.sorted());
     let seen = low::seen(scan, &mut Warnings::default())?;
     let source = Source::of((recipe, scan), &finest)?;
@@ -77,8 +78,12 @@ pub(in crate::asset) fn coarser(
     };
     let maker = Maker { recipe, scan, seen: &seen, side: &side, source, finest, triangles };
     let (mut found, mut before, mut most) = (Vec::new(), triangles, Lod::FINEST);
-    for wanted in &recipe.options.lods {
+    for (i, wanted) in recipe.options.lods.iter().enumerate() {
         let number = found.len() + 1;
+        let done = i as f64 / recipe.options.lods.len() as f64;
+        // All stages of it are this one.
+        let listener = |_: &'static str, _: f64| stage.at(done).is_ok();
+        let progress = Progress::new(&listener);
         let level = match *wanted {
             Lod::Triangles(count) => maker.of_triangles((number, count), progress)?,
             Lod::Pixels(across) => maker.for_pixels(Level { number, across }, progress)?,
@@ -95,12 +100,12 @@ pub(in crate::asset) fn coarser(
             warnings.note(format!("{what}: left out"), 1);
             continue;
         }
-        note(*wanted, &level, warnings);
+        note(*wanted, &level, &mut warnings);
         most = level.across.clamp(Lod::LEAST.min(most), most);
         before = triangles;
         found.push(Coarser { across: most, ..level });
     }
-    Ok(found)
+    Ok((found, warnings))
 }
 
 /// Notes where a level is not what was wanted.
@@ -281,7 +286,7 @@ impl Maker<'_> {
 
     /// Makes a level of so many triangles, and its surface.
     fn simplified(&self, count: u32, progress: Progress<'_>) -> Result<(Candidate, bake::Scan)> {
-        let progress = progress.begin("levels of detail")?;
+        progress.at(0.0)?;
         match (&self.source, &self.finest) {
             (Source::Packed(packer), Finest::Packed(asset)) => {
                 let part = f64::from(count) / self.triangles as f64;
@@ -318,7 +323,7 @@ impl Maker<'_> {
         let (Source::Made(scene), Finest::Made { low, .. }) = (&self.source, &self.finest) else {
             return self.simplified(count, progress);
         };
-        let mesh = on_uvs(&low.mesh, count, progress.begin("levels of detail")?)?;
+        let mesh = on_uvs(&low.mesh, count, progress)?;
         let (origin, material) = (low.origin.clone(), low.material.clone());
         let level = LowPoly { mesh, origin, material, kept: KeptTextures::default(), own: None };
         let options = BakeOptions { maps: vec![MapKind::Normal], ..self.recipe.options.clone() };

@@ -2,10 +2,10 @@
 
 use super::buffers::Buffers;
 use super::container::split;
+use super::coverages::{self, Coverages};
 #[cfg(feature = "draco")]
 use super::draco;
 use super::extensions::check_extensions;
-use super::levels::{self, Coverages};
 use super::parsed_size::parsed_size;
 use super::reason::{Reason, no_such};
 use super::supplied::{Supplied, Supply};
@@ -130,7 +130,7 @@ fn parse(path: &Path, text: &[u8]) -> Result<Parsed> {
     let wrong = |e: &json::Error| broken(path, e);
     let mut value: Value = json::deserialize::from_slice(text).map_err(|e| wrong(&e))?;
     check_version(path, &value)?;
-    let (xmp, coverages) = (xmp::packets(&value), levels::coverages(&value));
+    let (xmp, coverages) = (xmp::packets(&value), coverages::of(&value));
     tidy(&mut value);
     let animations = value.as_object_mut().and_then(|root| root.remove("animations"));
     let animations = match animations {

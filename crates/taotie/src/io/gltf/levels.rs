@@ -3,12 +3,8 @@
 use super::document::Document;
 use crate::error::Warnings;
 use gltf::json::Value;
-use std::collections::BTreeMap;
 
 const NAME: &str = "MSFT_lod";
-
-/// The parts of the screen for the levels of nodes, by the numbers of these.
-pub(super) type Coverages = BTreeMap<usize, Vec<f32>>;
 
 /// The nodes that are shown at one level of detail.
 pub(super) struct Levels {
@@ -51,18 +47,6 @@ impl Levels {
             }
         }
     }
-}
-
-/// Returns what nodes say in application data: the least part of the screen that is covered while each of their levels is shown.
-pub(super) fn coverages(json: &Value) -> Coverages {
-    let of_node = |node: &Value| -> Option<Vec<f32>> {
-        let parts = node.pointer("/extras/MSFT_screencoverage")?.as_array()?;
-        let part =
-            |part: &Value| part.as_f64().filter(|part| (0.0..=1.0).contains(part)).map(|part| part as f32);
-        parts.iter().map(part).collect()
-    };
-    let nodes = json.get("nodes").and_then(Value::as_array).into_iter().flatten().enumerate();
-    nodes.filter_map(|(number, node)| Some((number, of_node(node)?))).collect()
 }
 
 /// Returns the stand-ins of a node that exist, the finest first.

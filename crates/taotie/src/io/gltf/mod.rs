@@ -8,6 +8,7 @@ mod animations;
 mod buffers;
 mod container;
 mod content;
+mod coverages;
 mod deforming;
 mod document;
 #[cfg(feature = "draco")]

@@ -107,16 +107,27 @@ impl Encoded<'_> {
 }
 
 /// The roles by which images are named beside a model.
-const ROLES: [&str; 6] = ["orm", "color", "metallic_roughness", "occlusion", "emissive", "normal"];
+pub(super) const ROLES: [&str; 6] = ["orm", "color", "metallic_roughness", "occlusion", "emissive", "normal"];
 
-/// Returns the name of every file that an image of these kinds, or PNG in their place, may have beside a model.
-pub(super) fn possible_names(stem: &str, kinds: &[CodecKind]) -> Vec<String> {
+/// Returns the name of every file that an image of these kinds, or PNG in their place, may have beside a model of so many coarser
+/// levels of detail.
+pub(super) fn possible_names(stem: &str, (kinds, coarser): (&[CodecKind], usize)) -> Vec<String> {
     let kinds = [CodecKind::Png].iter().chain(kinds);
     let extensions: BTreeSet<&str> = kinds.map(|kind| kind.file_extension()).collect();
     let named = |role: &str| -> Vec<String> {
         extensions.iter().map(|extension| format!("{stem}_{role}.{extension}")).collect()
     };
-    ROLES.iter().flat_map(|role| named(role)).collect()
+    let of_level = |number: usize| ROLES.map(|role| level_role(number, role));
+    let roles = ROLES.map(str::to_owned).into_iter().chain((1..=coarser).flat_map(of_level));
+    roles.flat_map(|role| named(&role)).collect()
+}
+
+/// The beginning of the roles of images of a coarser level of detail.
+pub(super) const LEVEL: &str = "lod";
+
+/// Returns the role of an image of a coarser level of detail: `lod1_normal`.
+pub(super) fn level_role(number: usize, role: &str) -> String {
+    format!("{LEVEL}{number}_{role}")
 }
 
 /// Encodes every image of a material, in the order of its slots. Slots that show the same image in the same encoding

@@ -1,18 +1,25 @@
 //! Several GLBs that show one object at different levels of detail, joined into one (MSFT_lod).
 
-use super::LEVELS;
+use super::codec::CodecKind;
 use super::container;
 use super::edit;
-use super::graft::prune::{each_image, each_texture, each_view};
+use super::graft::gltf;
+use super::graft::prune::{each_image, each_texture, each_view, prune};
 use super::graft::views::{each_place, joined};
+use super::images::{LEVEL, ROLES, level_role};
 use super::number::short;
 use super::pack::{each_accessor, names_no_geometry};
+use super::uri::uri;
+use super::{Container, LEVELS};
 use crate::error::{Error, Result};
 use crate::io::gltf::{GltfSource, RawGltf};
 use crate::io::limits::Limits;
+use crate::io::write::FileBytes;
 use serde_json::{Map, Value, json};
+use std::path::Path;
 
-/// Joins GLBs that show one object at different levels of detail into one, by MSFT_lod. The finest stays as it is, but for a
+/// Joins GLBs that show one object at different levels of detail into one file, by MSFT_lod, and returns it, with the files
+/// beside it if it is a `.gltf`. The finest stays as it is, but for a
 /// node above its others if it shows several; the coarser ones give what their default scene shows: nodes, meshes, materials
 /// and textures, without lights, cameras, skins and animations. What is equal in several of them is stored once. `coverages`
 /// has the least part of the screen that the object covers while each level is shown, of the finest and of each coarser one.
@@ -20,24 +27,80 @@ use serde_json::{Map, Value, json};
 /// # Errors
 /// [`Error::Parse`] for a GLB that cannot be read; [`Error::Invalid`] unless there is one coverage for each level, and for an
 /// extension that may name things by number in a way that nobody here knows; [`Error::Limit`] for a GLB of 4 GiB or more.
-pub fn join_levels(finest: &[u8], coarser: &[&[u8]], coverages: &[f32]) -> Result<Vec<u8>> {
+pub fn join_levels(
+    path: &Path,
+    (finest, coarser): (&[u8], &[&[u8]]),
+    coverages: &[f32],
+) -> Result<Vec<FileBytes>> {
+    let container = Container::of(path)?;
     if coverages.len() != coarser.len() + 1 || coverages.iter().any(|c| !(0.0..=1.0).contains(c)) {
         return Err(Error::invalid("the screen coverages", "give one in [0, 1] for each level of detail"));
     }
     let mut all = read(finest)?;
     let root = root(&mut all.json)?;
     let mut ids = Vec::with_capacity(coarser.len());
-    for level in coarser {
-        ids.push(append(&mut all, read(level)?)?);
+    for (number, level) in coarser.iter().enumerate() {
+        let mut level = read(level)?;
+        name_images(&mut level.json, number + 1);
+        ids.push(append(&mut all, level)?);
     }
     let node = &mut all.json["nodes"][root];
     *edit::member(edit::member(node, "extensions"), LEVELS) = json!({ "ids": ids });
     let coverages: Vec<f64> = coverages.iter().copied().map(short).collect();
     *edit::member(edit::member(node, "extras"), "MSFT_screencoverage") = json!(coverages);
     edit::name(&mut all.json, "extensionsUsed", LEVELS);
-    super::graft::prune::prune(&mut all.json, 0);
+    let mut images = match container {
+        Container::Glb => Vec::new(),
+        Container::Gltf => apart(&mut all, path),
+    };
+    prune(&mut all.json, 0);
     let bytes = joined(&mut all)?;
-    container::encoded(edit::text(&all.json)?, &bytes)
+    let mut files = match container {
+        Container::Glb => {
+            let bytes = container::encoded(edit::text(&all.json)?, &bytes)?;
+            vec![FileBytes { path: path.to_path_buf(), bytes }]
+        }
+        Container::Gltf => gltf(path, all.json, bytes)?,
+    };
+    files.append(&mut images);
+    Ok(files)
+}
+
+/// Marks images that a bake named as those of a coarser level.
+fn name_images(json: &mut Value, number: usize) {
+    for image in edit::items_mut(json, "images") {
+        if let Some(role) = role(image) {
+            image["name"] = level_role(number, &role).into();
+        }
+    }
+}
+
+/// Returns the role of an image that a bake wrote, such as `normal`.
+fn role(image: &Value) -> Option<String> {
+    let name = image.get("name")?.as_str()?;
+    let role = name.split_once("_").map_or(name, |(level, role)| if is_level(level) { role } else { name });
+    ROLES.contains(&role).then(|| name.to_owned())
+}
+
+fn is_level(word: &str) -> bool {
+    word.strip_prefix(LEVEL).is_some_and(|number| number.parse::<usize>().is_ok())
+}
+
+/// Takes the images that bakes wrote out of a document, as files beside it.
+fn apart(all: &mut RawGltf, path: &Path) -> Vec<FileBytes> {
+    let mut files = Vec::new();
+    for i in 0..edit::items(&all.json, "images").len() {
+        let image = &all.json["images"][i];
+        let Some((role, bytes)) = role(image).zip(image_bytes(all, image).map(<[u8]>::to_vec)) else {
+            continue;
+        };
+        let Some(kind) = CodecKind::detect(&bytes) else { continue };
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let name = format!("{stem}_{role}.{}", kind.file_extension());
+        all.json["images"][i] = json!({ "uri": uri(&name) });
+        files.push(FileBytes { path: path.with_file_name(name), bytes });
+    }
+    files
 }
 
 fn read(glb: &[u8]) -> Result<RawGltf> {

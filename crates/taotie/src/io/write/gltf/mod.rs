@@ -119,21 +119,22 @@ pub fn encode_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Resul
     }
 }
 
-/// Returns every file that [`write_gltf`] may write a model to, whatever textures of these kinds it has; `path` first.
+/// Returns every file that [`write_gltf`] and [`join_levels`] may write a model to, whatever textures of these kinds it and its
+/// coarser levels of detail have; `path` first.
 ///
 /// ```
 /// use taotie::io::{CodecKind, gltf_files};
 ///
-/// assert_eq!(gltf_files("vase.glb".as_ref(), &[CodecKind::WebP]).len(), 1);
-/// let files = gltf_files("vase.gltf".as_ref(), &[CodecKind::WebP]);
+/// assert_eq!(gltf_files("vase.glb".as_ref(), &[CodecKind::WebP], 0).len(), 1);
+/// let files = gltf_files("vase.gltf".as_ref(), &[CodecKind::WebP], 0);
 /// assert_eq!(files[1], std::path::Path::new("vase.bin"));
 /// ```
-pub fn gltf_files(path: &Path, images: &[CodecKind]) -> Vec<PathBuf> {
+pub fn gltf_files(path: &Path, images: &[CodecKind], coarser: usize) -> Vec<PathBuf> {
     let mut files = vec![path.to_path_buf()];
     if let Ok(Container::Gltf) = Container::of(path) {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         files.push(path.with_file_name(format!("{stem}.bin")));
-        let names = self::images::possible_names(&stem, images).into_iter();
+        let names = self::images::possible_names(&stem, (images, coarser)).into_iter();
         files.extend(names.map(|name| path.with_file_name(name)));
     }
     files

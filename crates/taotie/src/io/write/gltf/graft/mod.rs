@@ -195,7 +195,7 @@ fn say_about(json: &mut Value, graft: &GltfGraft) {
 }
 
 /// Returns the document, and its buffer beside it.
-fn gltf(path: &Path, mut json: Value, bytes: Vec<u8>) -> Result<Vec<FileBytes>> {
+pub(super) fn gltf(path: &Path, mut json: Value, bytes: Vec<u8>) -> Result<Vec<FileBytes>> {
     let name = format!("{}.bin", images::stem(path, ""));
     for buffer in edit::items_mut(&mut json, "buffers").take(1) {
         *edit::member(buffer, "uri") = uri(&name).into();
