@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes bench-distances proofs-table bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
+.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes brute-force bench-distances proofs-table bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -116,6 +116,9 @@ bench-store: ## Builds the latest tag, or BASE=REV, for make bench-check
 	mkdir -p $(CHECK)/base
 	cp $(CHECK)/build/release/taotie $(CHECK)/build/release/examples/frames $(CHECK)/base
 	git worktree remove --force $(CHECK)/source
+
+brute-force: ## Compares the search for the smallest asset with a grid of all combinations, for MODELS="a.obj b.glb"; takes minutes
+	MODELS="$(MODELS)" cargo test -p taotie --lib brute -- --ignored --nocapture
 
 # The other tools come from npm. TAOTIE=/path/to/taotie uses that program instead of building one; the models are those of the
 # tests, ../shared/data or TAOTIE_DATA. Takes hours, and continues if it was interrupted; BENCH=--check takes minutes and fails

@@ -18,7 +18,8 @@ pub struct ProofArgs {
     /// hausdorff=0.2mm, and need a scan whose unit is known. Images: flip, worst-view, ssim (at least). bytes may have B, kB,
     /// MB, GB, KiB, MiB, GiB; so may gpu-memory (vertices, and textures with mip levels). triangles. `standard` stands for mean-angle=1, p95-angle=5, patch-angle=10, missed=0.1%, hausdorff=1%,
     /// mean-color=1, patch-color=3; `visually-lossless` for mean-angle=0.5, p95-angle=2, mean-color=0.5, p95-color=1.5,
-    /// patch-color=3; `web`, `archive` and `engine` for the target and the ceilings of a preset of `taotie bake`. Every level of detail counts; mean-angle@1=5 is for level 1 only, level 0 is the finest
+    /// patch-color=3; `web`, `archive` and `engine` for the target and the ceilings of a preset of `taotie bake`. Figures as seen count at every level of detail, as large as where it is shown; all others at the finest. mean-angle@1=5 is for
+    /// level 1 only, in place of what is required of all; level 0 is the finest
     #[arg(long, value_name = "standard|FIGURE[@LEVEL]=LIMIT[UNIT],...", value_delimiter = ',', value_parser = required)]
     require: Vec<Required>,
     /// Pixels of the overview and points of each surface that are compared at first, at least 10. If a limit lies within the

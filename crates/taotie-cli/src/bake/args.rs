@@ -11,7 +11,9 @@ use anyhow::{Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use taotie::Error;
-use taotie::asset::{BakeOptions, Baker, Limits, Lod, MeshSource, Packing, Preset, RayDistance, Requirement};
+use taotie::asset::{
+    BakeOptions, Baker, Figure, Limits, Lod, MeshSource, Packing, Preset, RayDistance, Requirement,
+};
 use taotie::bake::MapKind;
 use taotie::io::{CodecKind, FileSet, TextureCodecs};
 use taotie::names::Named;
@@ -424,7 +426,9 @@ impl BakeArgs {
 
     /// Returns the coarser levels of detail: those of the preset if none are named.
     fn lods(&self) -> Vec<Lod> {
-        let of_preset = self.preset.filter(|_| self.lods.is_empty()).map(Preset::lods);
+        let has_budget = self.proof.requirements().iter().any(|required| required.figure == Figure::Bytes);
+        let is_open = self.lods.is_empty() && self.bytes.is_none() && !has_budget;
+        let of_preset = self.preset.filter(|_| is_open).map(Preset::lods);
         of_preset.unwrap_or_else(|| self.lods.clone())
     }
 

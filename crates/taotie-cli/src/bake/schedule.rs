@@ -1,7 +1,7 @@
 //! The time left of a whole bake: what its stages cost beside one another, held against the time that those behind took.
 
 use std::time::Duration;
-use taotie::asset::{BakeOptions, ScanSize};
+use taotie::asset::{BakeOptions, Lod, ScanSize};
 use taotie::bake::MapKind;
 
 /// The part of the work that has to be behind before the rest is foretold.
@@ -66,7 +66,7 @@ impl Work<'_> {
             ("measure the gap", 10.0 + 500.0 * scan),
             ("bake", texels * self.samples()),
             ("store", 100.0 * texels),
-            ("levels of detail", 10.0 * self.options.lods.len() as f64),
+            ("levels of detail", self.levels()),
         ]
     }
 
@@ -77,6 +77,15 @@ impl Work<'_> {
         let material = if self.options.carry { 1000.0 } else { 0.0 };
         let samples = f64::from(self.options.side * self.options.side) / 4.0;
         samples * (500.0 + material + 250.0 * sky)
+    }
+
+    /// Returns the cost of coarser levels: of triangles, two maps of a quarter of the texels and looks at a few sizes; for pixels,
+    /// twice as many as are tried.
+    fn levels(&self) -> f64 {
+        const TRIES: f64 = 9.0;
+        let of_map = 0.25 * self.texels * self.samples() + 300.0;
+        let tries = |level: &Lod| if matches!(level, Lod::Pixels(_)) { TRIES } else { 1.0 };
+        self.options.lods.iter().map(|level| 1500.0 + tries(level) * of_map).sum()
     }
 
     fn writing(&self) -> [(&'static str, f64); 1] {

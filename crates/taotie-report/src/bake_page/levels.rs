@@ -9,7 +9,7 @@ use taotie::asset::{LevelFigures, Proof, ViewFigures, Views};
 /// Makes the table of all levels; `None` where there is one alone.
 pub fn table(levels: &[LevelFigures]) -> Option<Section> {
     let further = [
-        Column::numbers("seen at", "pixels²"),
+        Column::numbers("seen at", "pixels across"),
         Column::numbers("overview, mean", "°"),
         Column::numbers("close-up, worst 1 %", "°"),
         Column::numbers("shape error, at most", "% of the diagonal"),

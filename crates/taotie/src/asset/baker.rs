@@ -16,7 +16,8 @@ use super::plan::BakePlan;
 use super::scan::Scan;
 use super::scan_size::ScanSize;
 use super::search::{
-    Coarser, Finest, Level, MadeAsset, PackedAsset, Rounding, Shown, Smallest, Trial, coarser, smallest,
+    Coarser, Finest, Level, LevelLook, MadeAsset, PackedAsset, Rounding, Smallest, Trial, make_levels,
+    smallest,
 };
 use super::write::possible_files;
 use crate::bake::{self, MapKind};
@@ -197,11 +198,8 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     materials.for_each(|material| plan.fill(&about.carried, material));
     let mut document = given.as_mut().and_then(GivenMesh::take_document);
     let mut options = plan.options.clone();
-    if let Some(moving) = about.moving.filter(|_| options.searches() && !options.lods.is_empty()) {
-        warnings.note(
-            format!("levels of detail are left out: the scan has {moving}, which only one level can have"),
-            1,
-        );
+    if let Some(what) = about.one_level.filter(|_| options.searches() && !options.lods.is_empty()) {
+        warnings.note(format!("levels of detail are left out: the scan has {what}"), 1);
         options.lods.clear();
     }
     let mut of_scan = Warnings::default();
@@ -213,11 +211,16 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let (subject, recipe) = (Subject { scan, given }, Recipe { options: &options, rays: &rays });
     let Lightened { mut parts, size, trials, rounding, mut packed } =
         lightened(recipe, subject, &mut warnings, progress)?;
+    if packed.is_none() {
+        for part in &mut parts {
+            part.low.material.alpha = part.low.alpha(&options, scan);
+        }
+    }
     let coarser = {
         let Part { low, maps } = &parts[0];
         let finest = packed.as_ref().map_or(Finest::Made { low, maps, rounding }, Finest::Packed);
         let recipe = Recipe { options: &options, rays: &rays };
-        let (coarser, of_levels) = coarser(recipe, (scan, finest), progress)?;
+        let (coarser, of_levels) = make_levels(recipe, (scan, finest), progress)?;
         of_scan.absorb(of_levels);
         coarser
     };
@@ -233,9 +236,6 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
             (plan.carried, plan.left)
         }
     };
-    for part in &mut parts {
-        part.low.material.alpha = part.low.alpha(&options, scan);
-    }
     let alpha_modes = match options.bakes(&[MapKind::Alpha]) && has_several_modes(scan) {
         true if document.is_some() => {
             let is_blended = |part: &&Part| part.low.material.alpha == AlphaMode::Blend;
@@ -291,8 +291,8 @@ fn has_several_modes(scan: &Scan) -> bool {
 
 /// Returns the alpha mode of each triangle of each level of the only part.
 fn alpha_modes(scan: &Scan, Part { low, maps }: &Part, coarser: &[Coarser]) -> Vec<Vec<AlphaMode>> {
-    let of_level = |Coarser { mesh, shown, .. }: &Coarser| match shown {
-        Shown::Own(own) => scan.sorted().alpha_modes(mesh, &own.maps.cage),
+    let of_level = |Coarser { mesh, look, .. }: &Coarser| match look {
+        LevelLook::Own(own) => scan.sorted().alpha_modes(mesh, &own.maps.cage),
         _ => scan.sorted().alpha_modes(mesh, &maps.cage.carried_over(&low.mesh, mesh)),
     };
     let finest = scan.sorted().alpha_modes(&low.mesh, &maps.cage);

@@ -19,10 +19,12 @@ use std::str::FromStr;
 pub enum Lod {
     /// So many triangles. It is shown once the object fills few enough pixels for it to meet the limits of the finest level.
     Triangles(u32),
-    /// As light as meets the limits of the finest level where the object fills so many pixels, squared; 32 to 511.
+    /// The lightest level that meets the limits of the finest where the object fills this many pixels, squared; 32 to 511.
     Pixels(u32),
 }
 
+/// The fewest triangles of a level.
+const FEWEST: u32 = 4;
 /// What follows a number of pixels.
 const PIXELS: &str = "px";
 
@@ -50,7 +52,10 @@ impl Lod {
             let (before, is_coarser) = match *level {
                 Self::Triangles(count) => {
                     let before = triangles.replace(count);
-                    (before.map(Self::Triangles), before.is_none_or(|before| count < before) && count > 0)
+                    (
+                        before.map(Self::Triangles),
+                        before.is_none_or(|before| count < before) && count >= FEWEST,
+                    )
                 }
                 Self::Pixels(across) => {
                     let before = std::mem::replace(&mut pixels, across);
@@ -59,7 +64,7 @@ impl Lod {
             };
             if !is_coarser {
                 let after = before.map_or_else(String::new, |before| format!(" after one of {before}"));
-                let why = "each must have fewer triangles, or be for fewer pixels, 32 at least, than the one before";
+                let why = "each must have fewer triangles, or be for fewer pixels, than the one before; 4 triangles or 32 pixels at least";
                 return Err(Error::invalid(format!("the level of detail {level}{after}"), why));
             }
         }
@@ -120,7 +125,7 @@ mod tests {
     #[test]
     fn levels_get_coarser() {
         assert!(check(&["5000", "256px", "100", "64px"], Some(10_000)) && check(&["256px"], None));
-        assert!(!check(&["5000"], Some(5000)) && !check(&["300", "300"], None) && !check(&["0"], None));
+        assert!(!check(&["5000"], Some(5000)) && !check(&["300", "300"], None) && !check(&["3"], None));
         assert!(!check(&["64px", "128px"], None) && !check(&["512px"], None) && !check(&["31px"], None));
     }
 

@@ -1,5 +1,6 @@
 //! The options of a bake.
 
+use super::figure::Figure;
 use super::lod::Lod;
 use super::map_side::{self, AUTO_SIZE};
 use super::requirement::Requirement;
@@ -250,6 +251,14 @@ impl BakeOptions {
                 "the low-poly mesh is given and none is searched; leave one out",
             ));
         }
+        let has_budget = |required: &Requirement| required.figure == Figure::Bytes;
+        let has_budget = self.bytes.is_some() || self.goal.iter().flatten().any(has_budget);
+        if has_budget && !self.lods.is_empty() {
+            return Err(Error::invalid(
+                what,
+                "a search within so many bytes makes one level of detail; leave the bytes or the levels out",
+            ));
+        }
         if self.space == NormalSpace::Object || !self.maps.contains(&MapKind::Normal) {
             let why =
                 "it is met by a normal map in tangent space: add normal to the maps, leave out object space";
@@ -333,6 +342,7 @@ mod tests {
             (BakeOptions { roughness: Some(1.5), ..base() }, "[0, 1]"),
             (BakeOptions { lods: vec![Lod::Triangles(50_000)], ..base() }, "the level of detail 50000"),
             (BakeOptions { goal: Some(Vec::new()), low, ..base() }, "leave one out"),
+            (BakeOptions { bytes: Some(9), lods: vec![Lod::Pixels(64)], ..base() }, "one level of detail"),
             (BakeOptions { goal: Some(Vec::new()), space: NormalSpace::Object, ..base() }, "tangent space"),
         ];
         for (options, why) in cases {

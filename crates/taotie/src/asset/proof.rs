@@ -8,6 +8,7 @@ use super::made::Made;
 use super::maps_alone;
 use super::measurement::Measurement;
 use super::met::Met;
+use super::object_map;
 use super::part_flip::{PartFlip, PartView};
 use super::patch_pictures::{MeasuredPatch, PatchPictures};
 use super::requirement::Requirement;
@@ -28,7 +29,7 @@ use crate::length::Unit;
 use crate::mesh::Point;
 use crate::progress::Progress;
 use crate::proof::Footprint;
-use crate::scene::{GreenChannel, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
+use crate::scene::{NormalSpace, Scene};
 use std::path::{Path, PathBuf};
 
 /// The mean and the largest angle, degrees, between unit vectors and what eight bits store of them.
@@ -355,7 +356,7 @@ impl Written {
             let own = part.low.own.as_ref().map(|own| own.number);
             levels
                 .iter_mut()
-                .try_for_each(|level| show_object_map(&mut level.scene, own, (&texture, sampler)))?;
+                .try_for_each(|level| object_map::show(&mut level.scene, own, (&texture, sampler)))?;
         }
         Ok(())
     }
@@ -365,23 +366,6 @@ impl Written {
         let codes = super::map_numbers::codes_of_normals(codes)?;
         Ok(Texture::new(codes, Encoding::Normal))
     }
-}
-
-/// Gives the material of this number, or all of them, a normal map in object space.
-fn show_object_map(
-    scene: &mut Scene,
-    material: Option<usize>,
-    (texture, sampler): (&Texture, crate::image::Sampler),
-) -> Result<()> {
-    scene.edit(|scene| {
-        scene.textures.push(texture.clone());
-        let (number, transform) = (scene.textures.len() - 1, UvTransform::default());
-        let texture = TextureRef { texture: number, uv_set: 0, sampler, transform };
-        let map = NormalMap { texture, scale: 1.0, space: NormalSpace::Object, green: GreenChannel::Up };
-        let shown =
-            scene.materials.iter_mut().enumerate().filter(|(i, _)| material.is_none_or(|own| own == *i));
-        shown.for_each(|(_, material)| material.normal = Some(map));
-    })
 }
 
 impl Proof {

@@ -2,10 +2,8 @@
 
 use super::beyond::AskedLimits;
 use super::figure::{Figure, FigureUnit, split};
-use super::figure_words::Looking;
 use super::figures::Figures;
 use super::level_figures::LevelFigures;
-use super::lod::Lod;
 use super::met::{Met, length_unit, shown_unit};
 use super::view_figures::ViewFigures;
 use super::within;
@@ -16,7 +14,7 @@ use crate::proof::{Estimate, Exceedance, Patch};
 use std::borrow::Cow;
 use std::str::FromStr;
 
-/// A figure and its limit, at every level of detail or at one: the most that it may be, or the least of completeness and SSIM.
+/// A figure and its limit, at every level of detail that is shown where the figure looks, or at one: the most that it may be, or the least of completeness and SSIM.
 ///
 /// ```
 /// use taotie::asset::{Figure, Requirement};
@@ -40,7 +38,8 @@ pub struct Requirement {
     /// `true` if the limit is a length, in metres.
     #[cfg_attr(feature = "serde", serde(default))]
     pub is_length: bool,
-    /// The level of detail that it is for, 0 the finest; `None` for every level. Figures of the whole asset have none.
+    /// The level of detail that it is for, 0 the finest; `None` for every level but those that others name for the same figure: as
+    /// seen at each as large as where it is shown, else at those that are shown from nearby. Figures of the whole asset have none.
     #[cfg_attr(feature = "serde", serde(default))]
     pub level: Option<usize>,
     /// Of figures that are the share of the surface within a limit: that limit, in degrees, ΔE, or parts of the diagonal.
@@ -126,7 +125,7 @@ impl Requirement {
     }
 
     /// Compares the requirement with what was measured, level by level.
-    fn against(&self, figures: &Figures) -> Vec<Met> {
+    fn against(&self, figures: &Figures, all: &[Self]) -> Vec<Met> {
         if !self.figure.is_of_level() {
             let bytes = match self.figure {
                 Figure::GpuMemory => figures.gpu_bytes,
@@ -142,7 +141,7 @@ impl Requirement {
         }
         let levels = match self.level {
             Some(level) => vec![level],
-            None => self.levels_of(figures),
+            None => self.levels_of(figures, all),
         };
         let value = |level: &LevelFigures| match self.is_length {
             true => self.length_of(level, figures.unit?),
@@ -150,17 +149,6 @@ impl Requirement {
         };
         let outcome = |level| self.outcome(Some(level), figures.levels.get(level).and_then(value));
         levels.into_iter().map(outcome).collect()
-    }
-
-    /// Returns the levels at which it counts: those that are shown where the figure looks. Levels for small objects are never
-    /// seen from nearby.
-    fn levels_of(&self, figures: &Figures) -> Vec<usize> {
-        let is_anywhere = matches!(self.figure.looking(), Looking::Overview | Looking::Files);
-        let is_whole = |level: &LevelFigures| level.overview.across >= Lod::FINEST as f32;
-        let counts =
-            |(number, level): &(usize, &LevelFigures)| *number == 0 || is_anywhere || is_whole(level);
-        let levels = figures.levels.iter().enumerate().filter(counts).map(|(number, _)| number);
-        if figures.levels.is_empty() { vec![0] } else { levels.collect() }
     }
 
     /// Returns the outcome for a figure and the interval in which it lies.
@@ -332,7 +320,7 @@ impl Figures {
     /// Compares each requirement with what was measured: a figure of levels of detail at every level, unless one is named.
     /// What could not be measured, or a level that does not exist, is not met.
     pub fn require(&self, requirements: &[Requirement]) -> Vec<Met> {
-        requirements.iter().flat_map(|requirement| requirement.against(self)).collect()
+        requirements.iter().flat_map(|requirement| requirement.against(self, requirements)).collect()
     }
 }
 
@@ -481,6 +469,19 @@ mod tests {
         assert_eq!(outcomes("bytes=3MB", &figures), [true], "the asset has its bytes once");
         let met = figures.require(&[read("mean-angle=1").unwrap()]);
         assert_eq!((met[2].level, met[2].text().as_str()), (Some(2), "is 5°, at most 1°"));
+    }
+
+    #[test]
+    fn levels_for_small_objects_are_judged_as_seen() {
+        let mut small = level(0.9, 0.01);
+        small.overview.across = 64.0;
+        let figures = figures(vec![level(0.2, 0.001), small]);
+        assert_eq!(outcomes("mean-angle=0.5", &figures), [true, false]);
+        assert_eq!(outcomes("hausdorff=0.15", &figures), [true], "nobody sees it from nearby");
+        assert_eq!(outcomes("hausdorff@1=0.15", &figures), [false], "unless it is named");
+        let all = ["mean-angle=0.5", "mean-angle@1=1"].map(|text| read(text).unwrap());
+        let met: Vec<_> = figures.require(&all).iter().map(|met| (met.level, met.met)).collect();
+        assert_eq!(met, [(Some(0), true), (Some(1), true)], "a level may have a limit of its own");
     }
 
     #[test]

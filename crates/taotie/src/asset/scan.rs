@@ -40,8 +40,8 @@ pub(super) struct About {
     pub is_plain: bool,
     /// `true` if its file has animations, skins, morph targets or sets of materials, which nothing that is baked has.
     pub is_rigged: bool,
-    /// The way in which its file's model moves; `None` if it does not.
-    pub moving: Option<&'static str>,
+    /// What lets its file have but one level of detail if it is packed: motion, or levels of its own.
+    pub one_level: Option<&'static str>,
     /// The way in which it is read; the unit is the metre for glTF unless the caller states another one.
     pub options: ScanOptions,
 }
@@ -148,7 +148,7 @@ impl ScanFile {
         let is_rigged = loaded.rig.is_some() || !loaded.variants.names().is_empty();
         let about = About {
             is_rigged,
-            moving: loaded.moving,
+            one_level: loaded.moving.or((loaded.levels > 1).then_some("levels of its own")),
             hash: Some(hash),
             files,
             bytes,
@@ -356,7 +356,7 @@ impl About {
             carried,
             is_plain: look::is_plain(scene),
             is_rigged: false,
-            moving: None,
+            one_level: None,
             options: ScanOptions::default(),
         }
     }

@@ -3,17 +3,18 @@
 use super::lod::Lod;
 
 const PIXELS: f64 = 3840.0 * 2160.0;
+/// An object that fills fewer pixels across shows next to nothing.
+const LEAST: f64 = 8.0;
 
 /// Returns the part of the screen that an object covers that fills so many pixels, squared, in [0, 1].
 pub(super) fn coverage(across: u32) -> f32 {
     (f64::from(across) * f64::from(across) / PIXELS).min(1.0) as f32
 }
 
-/// Returns the pixels across an object that covers this part of the screen, at least 1, and at most as many as the finest level
-/// is made for.
+/// Returns the pixels across an object that covers this part of the screen, at least 8, and at most those of the finest.
 pub(super) fn across(coverage: f32) -> f32 {
     let across = (f64::from(coverage).max(0.0) * PIXELS).sqrt();
-    across.clamp(1.0, f64::from(Lod::FINEST)) as f32
+    across.clamp(LEAST, f64::from(Lod::FINEST)) as f32
 }
 
 #[cfg(test)]
@@ -25,6 +26,6 @@ mod tests {
         for pixels in [32, 64, 256, 512] {
             assert!((across(coverage(pixels)) - pixels as f32).abs() < 1e-3);
         }
-        assert_eq!((across(1.0), across(0.0)), (512.0, 1.0));
+        assert_eq!((across(1.0), across(0.0)), (512.0, 8.0));
     }
 }

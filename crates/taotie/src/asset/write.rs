@@ -10,7 +10,7 @@ use super::options::BakeOptions;
 use super::packing::Packing;
 use super::provenance;
 use super::screen;
-use super::search::{Coarser, PORTABLE, Shown};
+use super::search::{Coarser, LevelLook, PORTABLE};
 use super::space;
 use super::textures::{Beside, Textures, labeled};
 use super::unlit;
@@ -141,7 +141,7 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<EncodedModel> 
         extras: extras.as_ref(),
     };
     let target = Target { path, format: &packing.format() };
-    let mut model = match made.coarser.iter().all(|level| matches!(level.shown, Shown::Shared)) {
+    let mut model = match made.coarser.iter().all(|level| matches!(level.look, LevelLook::Shared)) {
         true => one(made, &about, target)?,
         false => joined(made, &about, target)?,
     };
@@ -174,7 +174,7 @@ fn one(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<EncodedMode
 fn joined(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<EncodedModel> {
     let glb = Target { path: Path::new("level.glb"), ..target };
     let finest = finest(made, about, glb)?;
-    let coarser = (0..made.coarser.len()).map(|i| coarser(made, i, glb)).collect::<Result<Vec<_>>>()?;
+    let coarser = (0..made.coarser.len()).map(|i| encoded_level(made, i, glb)).collect::<Result<Vec<_>>>()?;
     let coarser: Vec<&[u8]> = coarser.iter().map(Vec::as_slice).collect();
     let files = io::join_levels(target.path, (&model_of(finest.files), &coarser), &coverages(made))?;
     Ok(EncodedModel { files, warnings: finest.warnings })
@@ -194,20 +194,20 @@ fn finest(made: &Made, about: &About<'_>, glb: Target<'_>) -> Result<EncodedMode
 }
 
 /// Returns the GLB of one of the coarser levels.
-fn coarser(made: &Made, number: usize, glb: Target<'_>) -> Result<Vec<u8>> {
-    let Coarser { mesh, shown, .. } = &made.coarser[number];
+fn encoded_level(made: &Made, number: usize, glb: Target<'_>) -> Result<Vec<u8>> {
+    let Coarser { mesh, look, .. } = &made.coarser[number];
     let Part { low, maps } = &made.parts[0];
-    let (material, format) = match shown {
-        Shown::Packed(packed) => {
+    let (material, format) = match look {
+        LevelLook::Packed(packed) => {
             let scaled = GltfGraft { root_scale: scale_of(made), ..graft(GltfSource::Glb(packed)) };
             return io::encode_graft(glb.path, &scaled, glb.format).map(|model| model_of(model.files));
         }
-        Shown::Shared => (maps.textures.material(&low.material, &low.kept), *glb.format),
-        Shown::Rebaked(own) => {
+        LevelLook::Shared => (maps.textures.material(&low.material, &low.kept), *glb.format),
+        LevelLook::Rebaked(own) => {
             let normal_map = own.textures.normal.as_ref().map(GltfImage::from);
             (GltfMaterial { normal_map, ..maps.textures.material(&low.material, &low.kept) }, *glb.format)
         }
-        Shown::Own(own) => {
+        LevelLook::Own(own) => {
             (own.maps.textures.material(&own.low.material, &own.low.kept), own.rounding.format())
         }
     };
@@ -337,6 +337,11 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
         "meshes are not compressed: the low-poly mesh's file stays as it is",
         usize::from(made.document.is_some() && made.rounding.is_none() && packing.meshopt),
     );
+    let rebaked = made.coarser.iter().filter(|level| matches!(level.look, LevelLook::Rebaked(_))).count();
+    warnings.note(
+        "levels of detail with a normal map of their own, which is written with green up alone",
+        if packing.green == GreenChannel::Down { rebaked } else { 0 },
+    );
     let colors = packing.images.colors;
     warnings.note(
         format!("the base colour's texture has alpha, which {} does not support: it is PNG", colors.kind()),
@@ -392,7 +397,7 @@ fn unpacked(materials: &[GltfMaterial<'_>], images: TextureCodecs) -> Warnings {
     warnings
 }
 
-/// Returns the least part of the screen that the object covers while each level is shown: where the next keeps the limits it
+/// Returns the least part of the screen that the object covers while each level is shown: where the next meets the limits and
 /// takes over.
 fn coverages(made: &Made) -> Vec<f32> {
     made.coarser.iter().map(|level| screen::coverage(level.across)).chain([0.0]).collect()

@@ -69,7 +69,7 @@ impl Picture {
     }
 }
 
-/// Compares random pixels, 16 samples each, or 256 of smaller pictures: of 32 fixed views in which the object just fills the picture; of an interior, of
+/// Compares random pixels, 16 samples each, up to 256 of smaller pictures: of 32 fixed views in which the object just fills the picture; of an interior, of
 /// views in all directions from places in its free space, as many pixels to a right angle. Textures are read as finely as the
 /// samples lie apart.
 ///

@@ -36,9 +36,8 @@ impl Ceilings {
         }
     }
 
-    /// Returns the ceilings of one of several levels of detail. The memory of all together keeps to the ceiling: three quarters are
-    /// for the finest, and in proportion to their pixels for the coarser ones, which at half as many across each come to a
-    /// quarter.
+    /// Returns the ceilings of one of several levels of detail. Three quarters of the memory are for the finest, and as much in
+    /// proportion to its pixels for each coarser one: a quarter for all of them if each has half as many across as the one before.
     pub fn of_level(self, level: Level) -> Self {
         const FINEST: f64 = 0.75;
         Self { gpu_bytes: self.gpu_bytes * FINEST * level.part(), bytes: f64::INFINITY, ..self }

@@ -30,6 +30,11 @@ impl Curve {
         }
     }
 
+    /// Changes the value of each point.
+    pub fn change(&mut self, change: impl Fn(f64) -> f64) {
+        self.points.iter_mut().for_each(|[_, y]| *y = ln(change(exp(*y)).max(LEAST)));
+    }
+
     /// Returns the value at `x`; infinite if nothing is known.
     pub fn at(&self, x: f64) -> f64 {
         let x = ln(x.max(LEAST));

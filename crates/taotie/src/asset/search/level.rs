@@ -11,6 +11,9 @@ pub(in crate::asset) struct Level {
     pub across: u32,
 }
 
+/// The fewest triangles of any candidate.
+const LEAST: u32 = 16;
+
 impl Level {
     pub const FINEST: Self = Self { number: 0, across: Lod::FINEST };
 
@@ -27,7 +30,7 @@ impl Level {
 
     /// Returns a number of triangles of the finest level in proportion to the pixels of this one.
     pub fn triangles(self, of_finest: u32) -> u32 {
-        (f64::from(of_finest) * self.part()) as u32
+        ((f64::from(of_finest) * self.part()) as u32).max(LEAST)
     }
 
     /// Returns texels along a side of a map of the finest level in proportion to the pixels of this one, a multiple of 4.
@@ -50,6 +53,8 @@ mod tests {
         let quarter = Level { number: 1, across: 256 };
         assert_eq!((quarter.triangles(8000), quarter.side(512), quarter.side(20)), (2000, 256, 16));
         assert_eq!((Level::FINEST.triangles(8000), Level::FINEST.side(512)), (8000, 512));
+        let smallest = Level { number: 1, across: 32 };
+        assert_eq!((smallest.triangles(100), smallest.side(256)), (LEAST, 16));
         assert_eq!(quarter.picture(1000), Picture { across: 256.0, count: 500 });
     }
 }

@@ -17,8 +17,8 @@ use crate::parallel;
 use crate::progress::Progress;
 use crate::proof::{Relook, Shown};
 
-/// The part of their limits that colours may use up; the rest is for fewer triangles.
-const COLOR_SHARE: f64 = 0.9;
+/// The parts of their limits that colours may use up; the rest is for fewer triangles. Triangles are measured with the first.
+const COLOR_SHARES: [f64; 2] = [0.9, 0.95];
 /// The number of the ratio of [`NORMAL_RATIOS`] with which triangles are measured.
 const MIDDLING: usize = 2;
 /// Bits of positions and normals, from the fewest up.
@@ -38,7 +38,7 @@ const WORTH: f64 = 0.99;
 /// Puts the smallest packed scan that reaches the goal in the place of a larger candidate.
 pub(super) fn smallest(workshop: &mut Workshop<'_>, best: &mut Best, progress: Progress<'_>) -> Result<()> {
     progress.begin("pack the scan")?;
-    match searched(workshop, best, progress) {
+    match with(workshop, progress, &mut |mut search| search.measure(best)) {
         Err(error) if !matches!(error, Error::Cancelled) => {
             workshop.not_packed = Some(error);
             Ok(())
@@ -47,7 +47,12 @@ pub(super) fn smallest(workshop: &mut Workshop<'_>, best: &mut Best, progress: P
     }
 }
 
-fn searched(workshop: &mut Workshop<'_>, best: &mut Best, progress: Progress<'_>) -> Result<()> {
+/// Opens the scan's file and looks at its images, for a search.
+fn with(
+    workshop: &mut Workshop<'_>,
+    progress: Progress<'_>,
+    search: &mut dyn FnMut(PackedScan<'_, '_>) -> Result<()>,
+) -> Result<()> {
     let packer = &packer(workshop.scan())?;
     let look = Relook::new(workshop.side(), workshop.picture());
     let of_image = |number: usize| {
@@ -60,9 +65,37 @@ fn searched(workshop: &mut Workshop<'_>, best: &mut Best, progress: Progress<'_>
     };
     let encodings = (0..packer.image_count()).filter_map(of_image).collect::<Result<Vec<_>>>()?;
     let encodings = within_ceiling(encodings, packer, workshop);
-    let mut search =
-        PackedScan { workshop, packer, encodings, images: Vec::new(), keeps_uvs: false, progress };
-    search.measure(best)
+    search(PackedScan {
+        workshop,
+        packer,
+        encodings,
+        images: Vec::new(),
+        keeps_uvs: false,
+        keeps_colors: false,
+        progress,
+    })
+}
+
+/// Tries every combination of some parts of the triangles, bits, normal maps and losses of colours.
+#[cfg(test)]
+pub(super) fn all(
+    workshop: &mut Workshop<'_>,
+    (kept, colors): (&[f64], &[f64]),
+    progress: Progress<'_>,
+) -> Result<()> {
+    let best = &mut Best::default();
+    with(workshop, progress, &mut |mut search| {
+        for most in colors {
+            search.images = search.chosen(Encoding::Linear, 1.0)?.images;
+            search.images.extend(search.chosen(Encoding::Srgb, *most)?.images);
+            for maps in search.normal_maps()? {
+                for (kept, bits) in kept.iter().flat_map(|kept| BITS.map(|bits| (*kept, vertex_bits(bits)))) {
+                    search.trial(PackedGeometry { kept, bits }, &maps.of, best)?;
+                }
+            }
+        }
+        Ok(())
+    })
 }
 
 /// Limits images to the texels that fit the ceiling on memory of the graphics card, each by the same part.
@@ -112,6 +145,8 @@ struct PackedScan<'a, 'b> {
     images: Vec<PackedImage>,
     /// `true` if uvs keep all their bits, since colours need them.
     keeps_uvs: bool,
+    /// `true` if colours stay as they are.
+    keeps_colors: bool,
     progress: Progress<'b>,
 }
 
@@ -134,6 +169,12 @@ struct Images {
     bytes: f64,
 }
 
+impl Images {
+    fn has(&self, number: usize) -> bool {
+        self.images.iter().any(|image| image.number == number)
+    }
+}
+
 const WHOLE: PackedGeometry = PackedGeometry { kept: 1.0, bits: vertex_bits(BITS[BITS.len() - 1]) };
 
 /// Returns bits of positions and normals; those of uvs follow from textures.
@@ -144,7 +185,8 @@ const fn vertex_bits([positions, normals]: [u8; 2]) -> VertexBits {
 impl PackedScan<'_, '_> {
     fn measure(&mut self, best: &mut Best) -> Result<()> {
         self.images = self.chosen(Encoding::Linear, 1.0)?.images;
-        self.images.extend(self.chosen(Encoding::Srgb, COLOR_SHARE)?.images);
+        let mut of_colors = self.chosen(Encoding::Srgb, COLOR_SHARES[0])?;
+        self.images.extend(of_colors.images.clone());
         let maps = self.normal_maps()?;
         let base = &maps[MIDDLING.min(maps.len() - 1)];
         let whole = self.with_near_colors(&base.of, best)?;
@@ -169,8 +211,19 @@ impl PackedScan<'_, '_> {
         let has_textures = !self.encodings.is_empty();
         let most_kept =
             (self.workshop.ceilings.most_triangles(has_textures) / whole.triangles as f64).min(1.0);
-        let forecast = Forecast { maps, bits, errors, bytes, colors, floor, most_kept };
-        self.close_in(forecast, best)
+        let mut forecast = Forecast { maps, bits, errors, bytes, colors, floor, most_kept };
+        self.close_in(&mut forecast, best)?;
+        for most in &COLOR_SHARES[1..] {
+            let lossier = self.chosen(Encoding::Srgb, *most)?;
+            if lossier.bytes < of_colors.bytes && !self.keeps_colors {
+                forecast.take_colors([&of_colors, &lossier]);
+                self.images.retain(|image| !of_colors.has(image.number));
+                self.images.extend(lossier.images.clone());
+                of_colors = lossier;
+                self.close_in(&mut forecast, best)?;
+            }
+        }
+        self.fit_ceilings(&forecast, best)
     }
 
     /// Tries what is nearest to the scan within the ceilings, if nothing that was tried is within them.
@@ -199,6 +252,7 @@ impl PackedScan<'_, '_> {
             let colors: Vec<usize> = self.of_encoding(Encoding::Srgb).map(|(number, _)| *number).collect();
             self.images.retain(|image| !colors.contains(&image.number));
             self.images.extend(self.replaced(Encoding::Srgb)?.images);
+            self.keeps_colors = true;
             trial = self.trial(WHOLE, maps, best)?;
         }
         Ok(trial)
@@ -325,7 +379,7 @@ impl PackedScan<'_, '_> {
     }
 
     /// Tries what is likely to be the smallest, and learns from it.
-    fn close_in(&mut self, mut forecast: Forecast, best: &mut Best) -> Result<()> {
+    fn close_in(&mut self, forecast: &mut Forecast, best: &mut Best) -> Result<()> {
         let (mut tried, mut aim) = (Vec::new(), AIM);
         for _ in 0..ROUNDS {
             let Some(Likely { choice, bytes }) = forecast.smallest(aim) else { break };
@@ -344,7 +398,7 @@ impl PackedScan<'_, '_> {
                 aim *= AFTER_MISS;
             }
         }
-        self.fit_ceilings(&forecast, best)
+        Ok(())
     }
 }
 
@@ -406,6 +460,13 @@ impl Forecast {
         let with_colors = self.colors.first_within(1.0, range).unwrap_or(1.0);
         let kept = found.max(with_colors).clamp(LEAST_KEPT, 1.0);
         (kept <= self.most_kept).then_some(kept)
+    }
+
+    /// Takes images of colours in the place of others. Their differences and those of fewer triangles add up in squares.
+    fn take_colors(&mut self, [from, to]: [&Images; 2]) {
+        let more = to.ratio * to.ratio - from.ratio * from.ratio;
+        self.colors.change(|ratio| (ratio * ratio + more).max(0.0).sqrt());
+        self.bytes.change(|bytes| bytes + to.bytes - from.bytes);
     }
 
     /// Takes the error of the triangles that a trial had.

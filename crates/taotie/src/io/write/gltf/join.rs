@@ -4,7 +4,7 @@ use super::codec::CodecKind;
 use super::container;
 use super::edit;
 use super::graft::gltf;
-use super::graft::prune::{each_image, each_texture, each_view, prune};
+use super::graft::prune::{drop_unnamed, each_image, each_texture, each_view};
 use super::graft::views::{each_place, joined};
 use super::images::{LEVEL, ROLES, level_role};
 use super::number::short;
@@ -16,6 +16,7 @@ use crate::io::gltf::{GltfSource, RawGltf};
 use crate::io::limits::Limits;
 use crate::io::write::FileBytes;
 use serde_json::{Map, Value, json};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Joins GLBs that show one object at different levels of detail into one file, by MSFT_lod, and returns it, with the files
@@ -37,6 +38,12 @@ pub fn join_levels(
         return Err(Error::invalid("the screen coverages", "give one in [0, 1] for each level of detail"));
     }
     let mut all = read(finest)?;
+    if edit::items(&all.json, "extensionsUsed").iter().any(|name| name == LEVELS) {
+        return Err(Error::unsupported(
+            "levels of detail of a file that has its own",
+            "leave those out first",
+        ));
+    }
     let root = root(&mut all.json)?;
     let mut ids = Vec::with_capacity(coarser.len());
     for (number, level) in coarser.iter().enumerate() {
@@ -53,7 +60,8 @@ pub fn join_levels(
         Container::Glb => Vec::new(),
         Container::Gltf => apart(&mut all, path),
     };
-    prune(&mut all.json, 0);
+    // Views of images that another level had, too.
+    drop_unnamed(&mut all.json, "bufferViews", each_view);
     let bytes = joined(&mut all)?;
     let mut files = match container {
         Container::Glb => {
@@ -89,6 +97,7 @@ fn is_level(word: &str) -> bool {
 /// Takes the images that bakes wrote out of a document, as files beside it.
 fn apart(all: &mut RawGltf, path: &Path) -> Vec<FileBytes> {
     let mut files = Vec::new();
+    let mut taken = BTreeSet::new();
     for i in 0..edit::items(&all.json, "images").len() {
         let image = &all.json["images"][i];
         let Some((role, bytes)) = role(image).zip(image_bytes(all, image).map(<[u8]>::to_vec)) else {
@@ -97,6 +106,10 @@ fn apart(all: &mut RawGltf, path: &Path) -> Vec<FileBytes> {
         let Some(kind) = CodecKind::detect(&bytes) else { continue };
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let name = format!("{stem}_{role}.{}", kind.file_extension());
+        // Files of others may have several images of a name.
+        if !taken.insert(name.clone()) {
+            continue;
+        }
         all.json["images"][i] = json!({ "uri": uri(&name) });
         files.push(FileBytes { path: path.with_file_name(name), bytes });
     }
@@ -133,7 +146,13 @@ fn root(json: &mut Value) -> Result<usize> {
 /// Appends what the default scene of a document shows; returns the node that shows it.
 fn append(all: &mut RawGltf, mut level: RawGltf) -> Result<usize> {
     let root = root(&mut level.json)?;
-    still(&mut level.json);
+    let variants = |json: &Value| json.pointer("/extensions/KHR_materials_variants").cloned();
+    if let Some(own) = variants(&level.json)
+        && variants(&all.json).as_ref() != Some(&own)
+    {
+        return Err(Error::unsupported("levels of detail with other variants", "give all the same"));
+    }
+    strip_unshown(&mut level.json);
     for list in ["extensionsUsed", "extensionsRequired"] {
         for name in edit::taken(&mut level.json, list).iter().filter_map(Value::as_str) {
             edit::name(&mut all.json, list, name);
@@ -171,10 +190,10 @@ fn append(all: &mut RawGltf, mut level: RawGltf) -> Result<usize> {
 }
 
 /// Removes what a coarser level does not bring: what moves it, its lights and cameras, and all scenes.
-fn still(json: &mut Value) {
+fn strip_unshown(json: &mut Value) {
     ["animations", "skins", "cameras", "scenes"].iter().for_each(|list| edit::remove(json, list));
     for node in edit::items_mut(json, "nodes") {
-        ["skin", "camera", "weights"].iter().for_each(|member| edit::remove(node, member));
+        ["skin", "camera"].iter().for_each(|member| edit::remove(node, member));
         if let Some(extensions) = node.get_mut("extensions") {
             edit::remove(extensions, "KHR_lights_punctual");
             edit::remove(extensions, LEVELS);

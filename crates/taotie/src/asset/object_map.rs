@@ -1,0 +1,22 @@
+//! Normal maps in object space, which glTF cannot name, shown by a scene.
+
+use crate::error::Result;
+use crate::image::{Sampler, Texture};
+use crate::scene::{GreenChannel, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
+
+/// Gives the material of this number, or all of them, a normal map in object space.
+pub(super) fn show(
+    scene: &mut Scene,
+    material: Option<usize>,
+    (texture, sampler): (&Texture, Sampler),
+) -> Result<()> {
+    scene.edit(|scene| {
+        scene.textures.push(texture.clone());
+        let (number, transform) = (scene.textures.len() - 1, UvTransform::default());
+        let texture = TextureRef { texture: number, uv_set: 0, sampler, transform };
+        let map = NormalMap { texture, scale: 1.0, space: NormalSpace::Object, green: GreenChannel::Up };
+        let shown =
+            scene.materials.iter_mut().enumerate().filter(|(i, _)| material.is_none_or(|own| own == *i));
+        shown.for_each(|(_, material)| material.normal = Some(map));
+    })
+}

@@ -1,0 +1,339 @@
+//! One coarser level of detail: simplified, rebaked or made anew, and measured where the object is small.
+
+use super::ceilings::Ceilings;
+use super::coarser::{Coarser, Finest, LevelLook};
+use super::goal::Goal;
+use super::level::Level;
+use super::packed::packer;
+use super::smallest::{MadeAsset, Smallest, smallest};
+use super::workshop::{Rounding, Shape, Subject, Workshop, encoded_mesh};
+use crate::asset::inputs::Rays;
+use crate::asset::judgement::Pair;
+use crate::asset::kept_textures::KeptTextures;
+use crate::asset::lod::Lod;
+use crate::asset::low::{self, LowPoly};
+use crate::asset::maps::{Recipe, StoredMaps, bake_maps};
+use crate::asset::object_map;
+use crate::asset::options::BakeOptions;
+use crate::asset::requirement::Requirement;
+use crate::asset::scan::Scan;
+use crate::bake::{self, MapKind};
+use crate::error::{Error, Result, Warnings};
+use crate::image::{Encoding, Texture};
+use crate::io::{self, GltfAsset, GltfFormat, GltfLevel, GltfPacker, Limits, PackedGeometry, VertexBits};
+use crate::mesh::Mesh;
+use crate::progress::Progress;
+use crate::proof::Side;
+use crate::scene::{NormalMap, NormalSpace, Scene};
+use crate::surface::with_frames;
+use std::borrow::Cow;
+
+/// A level gets a normal map of its own if it then has at most this part of the triangles.
+const FAR_FEWER: f64 = 0.8;
+/// The fewest triangles that are tried for a number of pixels.
+const FEWEST: u32 = 16;
+/// Numbers of triangles that are tried.
+const ROUNDS: usize = 9;
+/// Ranges whose ends differ by at most this factor are searched no further.
+const CLOSE: f64 = 1.02;
+/// Pixels at which a level of so many triangles is tried: each so many times the next.
+const STEP: f64 = std::f64::consts::SQRT_2;
+
+/// What levels are simplified from.
+enum Source {
+    /// A scene of one mesh with its maps, as they are read back.
+    Made(Scene),
+    /// The scan, without what shows its relief but vertex normals.
+    Bare,
+    Packed(Box<GltfPacker>),
+}
+
+impl Source {
+    fn of((recipe, scan): (Recipe<'_>, &Scan), finest: &Finest<'_>) -> Result<Self> {
+        match finest {
+            Finest::Made { low, maps, rounding } => {
+                let material = maps.textures.material(&low.material, &low.kept);
+                if recipe.options.searches() && !material.has_maps() {
+                    return Ok(Self::Bare);
+                }
+                // Positions that are not rounded have no transform.
+                let format = rounding.map_or_else(GltfFormat::default, Rounding::format);
+                let format = GltfFormat { meshopt: false, ..format };
+                let levels = [GltfLevel { mesh: &low.mesh, coverage: None }];
+                let model = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
+                let mut scene = read(io::encode_glb(&model, &format)?)?;
+                if recipe.options.space == NormalSpace::Object {
+                    show_object_map(&mut scene, (low, maps))?;
+                }
+                Ok(Self::Made(scene))
+            }
+            Finest::Packed(_) => Ok(Self::Packed(Box::new(packer(scan)?))),
+        }
+    }
+}
+
+fn read(glb: Vec<u8>) -> Result<Scene> {
+    Ok(io::load_glb(glb, &Limits::of_own_files())?.scene)
+}
+
+/// Gives a scene the normal map in object space that stands beside an asset.
+fn show_object_map(scene: &mut Scene, (low, maps): (&LowPoly, &StoredMaps)) -> Result<()> {
+    let map = maps.textures.beside.iter().find(|beside| beside.map == MapKind::Normal);
+    let Some(map) = map else { return Ok(()) };
+    let texture = Texture::new(map.bitmap.clone(), Encoding::Normal);
+    object_map::show(scene, None, (&texture, io::gltf_sampler([&low.mesh])))
+}
+
+/// Returns a candidate; `None` if it is of no use.
+fn sound<T>(made: Result<T>) -> Result<Option<T>> {
+    match made {
+        Ok(made) => Ok(Some(made)),
+        Err(Error::Invalid { .. } | Error::Limit { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// A mesh, and what is shown on it.
+struct Candidate {
+    mesh: Mesh,
+    look: LevelLook,
+}
+
+/// Returns a mesh of fewer triangles on the same uvs, with tangents if the mesh has them.
+fn on_uvs(mesh: &Mesh, count: u32, progress: Progress<'_>) -> Result<Mesh> {
+    let level = bake::levels(mesh, &[count as usize], progress)?.swap_remove(0).mesh;
+    match mesh.tangents().is_empty() {
+        true => Ok(level),
+        false => Ok(with_frames(&level, 0, None)?.0.into_owned()),
+    }
+}
+
+/// Makes coarser levels of a finest one.
+pub(super) struct LevelMaker<'a> {
+    recipe: Recipe<'a>,
+    scan: &'a Scan,
+    seen: Cow<'a, Mesh>,
+    side: &'a Side<'a>,
+    source: Source,
+    finest: Finest<'a>,
+    /// Triangles of the finest level.
+    triangles: usize,
+}
+
+impl<'a> LevelMaker<'a> {
+    /// Prepares the finest level, which is simplified again and again.
+    pub fn new(
+        recipe: Recipe<'a>,
+        (scan, side): (&'a Scan, &'a Side<'a>),
+        finest: Finest<'a>,
+    ) -> Result<Self> {
+        let seen = low::seen(scan, &mut Warnings::default())?;
+        let source = Source::of((recipe, scan), &finest)?;
+        let triangles = match &finest {
+            Finest::Made { low, .. } => low.mesh.triangles().len(),
+            Finest::Packed(asset) => read(asset.glb.clone())?.triangle_count(),
+        };
+        Ok(Self { recipe, scan, seen, side, source, finest, triangles })
+    }
+
+    /// Returns the number of triangles of the finest level.
+    pub fn triangles(&self) -> usize {
+        self.triangles
+    }
+
+    /// Returns `true` if a requirement of the goal names a coarser level, so that these keep their numbers.
+    pub fn is_named(&self) -> bool {
+        let goal = self.recipe.options.goal.as_deref().unwrap_or_default();
+        goal.iter().any(|required| required.level.is_some_and(|level| level > 0))
+    }
+
+    /// Makes a level of so many triangles, and finds the most pixels at which it keeps the limits; the fewest that are tried if it
+    /// never does. It gets a normal map of its own if that keeps them at more pixels.
+    pub fn of_triangles(&self, (number, count): (usize, u32), progress: Progress<'_>) -> Result<Coarser> {
+        let most = |surface: &bake::Scan| {
+            let steps = std::iter::successors(Some(f64::from(Lod::FINEST)), |across| Some(across / STEP));
+            let mut steps =
+                steps.map(|across| across.round() as u32).take_while(|across| *across >= Lod::LEAST);
+            let keeps = |across: u32| self.workshop(Level { number, across }).ratio(surface) <= 1.0;
+            steps.find(|across| keeps(*across)).unwrap_or_default()
+        };
+        let (shared, surface) = self.simplified(count, progress)?;
+        let mut best = (shared, most(&surface));
+        let is_open = self.may_rebake() && best.1 < Lod::FINEST;
+        if is_open && let Some((rebaked, surface)) = sound(self.rebaked((number, count), progress))? {
+            let across = most(&surface);
+            if across > best.1 || best.1 == 0 {
+                best = (rebaked, across);
+            }
+        }
+        let (Candidate { mesh, look }, across) = best;
+        Ok(Coarser { mesh, look, across: across.max(Lod::LEAST), is_near: across > 0 })
+    }
+
+    /// Makes the lightest level that keeps the limits at so many pixels: of the finest one's triangles, or anew.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if nothing keeps them there.
+    pub fn for_pixels(&self, level: Level, progress: Progress<'_>) -> Result<Coarser> {
+        let simplified = match self.source {
+            Source::Bare => None,
+            _ => self.lightest(level, progress)?,
+        };
+        let anew = match self.finest {
+            Finest::Made { .. } if self.recipe.options.searches() => self.anew(level, progress)?,
+            _ => None,
+        };
+        let best = match (simplified, anew) {
+            (Some(simplified), Some((made, bytes))) => {
+                let is_lighter = self.added_bytes(&simplified.mesh)? <= bytes;
+                Some(if is_lighter { simplified } else { made })
+            }
+            (simplified, made) => simplified.or(made.map(|(made, _)| made)),
+        };
+        match best {
+            Some(Candidate { mesh, look }) => Ok(Coarser { mesh, look, across: level.across, is_near: true }),
+            None => Err(Error::invalid(
+                format!("the level of detail {}", Lod::Pixels(level.across)),
+                "nothing that was tried meets the limits of the finest level there",
+            )),
+        }
+    }
+
+    /// Returns the fewest triangles of the finest level's that keep the limits at so many pixels, with its maps, or with a normal
+    /// map of their own if they are far fewer then; `None` if not even all do.
+    fn lightest(&self, level: Level, progress: Progress<'_>) -> Result<Option<Candidate>> {
+        let shared = self.fewest(level, &|count| self.simplified(count, progress))?;
+        if !self.may_rebake() {
+            return Ok(shared);
+        }
+        let rebaked = self.fewest(level, &|count| self.rebaked((level.number, count), progress))?;
+        let count =
+            |of: &Option<Candidate>| of.as_ref().map_or(f64::INFINITY, |of| of.mesh.triangles().len() as f64);
+        Ok(if count(&rebaked) < FAR_FEWER * count(&shared) { rebaked } else { shared })
+    }
+
+    /// Returns the fewest triangles that keep the limits at so many pixels; `None` if not even all of the finest level do.
+    fn fewest(
+        &self,
+        level: Level,
+        made: &dyn Fn(u32) -> Result<(Candidate, bake::Scan)>,
+    ) -> Result<Option<Candidate>> {
+        let workshop = self.workshop(level);
+        let [mut low, mut high] = [f64::from(FEWEST), self.triangles as f64];
+        let (mut best, mut count) = (None, high * level.part().sqrt());
+        for _ in 0..ROUNDS {
+            match sound(made(count as u32))? {
+                Some((candidate, surface)) if workshop.ratio(&surface) <= 1.0 => {
+                    high = count;
+                    best = Some(candidate);
+                }
+                _ => low = count,
+            }
+            if high <= CLOSE * low {
+                break;
+            }
+            count = (low * high).sqrt();
+        }
+        Ok(best)
+    }
+
+    /// Makes a level of so many triangles, and its surface.
+    fn simplified(&self, count: u32, progress: Progress<'_>) -> Result<(Candidate, bake::Scan)> {
+        progress.at(0.0)?;
+        match (&self.source, &self.finest) {
+            (Source::Packed(packer), Finest::Packed(asset)) => {
+                let part = f64::from(count) / self.triangles as f64;
+                let kept = (asset.geometry.kept * part).clamp(f64::MIN_POSITIVE, 1.0);
+                let geometry = PackedGeometry { kept, ..asset.geometry };
+                let glb = packer.encode(geometry, &asset.images)?;
+                let surface = bake::Scan::of_asset(read(glb.clone())?, self.side.surface)?;
+                Ok((Candidate { mesh: surface.mesh().clone(), look: LevelLook::Packed(glb) }, surface))
+            }
+            (Source::Made(scene), Finest::Made { low, .. }) => {
+                let mesh = on_uvs(&low.mesh, count, progress)?;
+                let (mut scene, on_it) = (scene.clone(), mesh.clone());
+                scene.edit(|scene| scene.meshes = vec![on_it])?;
+                let surface = bake::Scan::of_asset(scene, self.side.surface)?;
+                Ok((Candidate { mesh, look: LevelLook::Shared }, surface))
+            }
+            _ => self.bare(count, progress),
+        }
+    }
+
+    /// Returns `true` if levels may get normal maps of their own: nothing is searched for, which makes levels anew, and the finest
+    /// has one in tangent space, which other triangles bend otherwise.
+    fn may_rebake(&self) -> bool {
+        let has_map = matches!(&self.finest, Finest::Made { maps, .. } if maps.textures.normal.is_some());
+        has_map && !self.recipe.options.searches() && self.recipe.options.space == NormalSpace::Tangent
+    }
+
+    /// Makes a level of so many triangles with a normal map of its own on the same uvs, half as wide from level to level.
+    fn rebaked(
+        &self,
+        (number, count): (usize, u32),
+        progress: Progress<'_>,
+    ) -> Result<(Candidate, bake::Scan)> {
+        let (Source::Made(scene), Finest::Made { low, .. }) = (&self.source, &self.finest) else {
+            return self.simplified(count, progress);
+        };
+        let mesh = on_uvs(&low.mesh, count, progress)?;
+        let (origin, material) = (low.origin.clone(), low.material.clone());
+        let level = LowPoly { mesh, origin, material, kept: KeptTextures::default(), own: None };
+        let options = BakeOptions { maps: vec![MapKind::Normal], ..self.recipe.options.clone() };
+        let rays = match self.recipe.rays {
+            Rays::Uniform(distance) => Rays::Uniform(*distance),
+            // A cage is one of other vertices.
+            Rays::Auto | Rays::Cage(_) => Rays::Auto,
+        };
+        let size = options.map_size().map(|side| (side >> number.min(16)).next_multiple_of(4).max(16));
+        let recipe = Recipe { options: &options, rays: &rays };
+        let maps = bake_maps(recipe, size, Pair { scan: self.scan, low: &level }, progress)?;
+        let (mut scene, on_it, normal) = (scene.clone(), level.mesh.clone(), maps.textures.normal.clone());
+        scene.edit(|scene| {
+            scene.meshes = vec![on_it];
+            for shown in scene.materials.iter().filter_map(|material| material.normal.as_ref()) {
+                if let (NormalMap { texture, .. }, Some(normal)) = (shown, &normal) {
+                    scene.textures[texture.texture] = Texture::new(normal.clone(), Encoding::Normal);
+                }
+            }
+        })?;
+        let surface = bake::Scan::of_asset(scene, self.side.surface)?;
+        Ok((Candidate { mesh: level.mesh, look: LevelLook::Rebaked(Box::new(maps)) }, surface))
+    }
+
+    /// Simplifies the scan, without maps.
+    fn bare(&self, triangles: u32, progress: Progress<'_>) -> Result<(Candidate, bake::Scan)> {
+        let mut workshop = self.workshop(Level::FINEST);
+        let shape = Shape { triangles, size: 0, has_normal_map: false };
+        let Some(draft) = workshop.draft(shape, progress)? else {
+            return Err(workshop.refused.pop_first().map_or(Error::Cancelled, |(_, error)| error));
+        };
+        let surface = workshop.surface(&draft)?;
+        let bits = VertexBits { positions: 14, normals: 10, ..VertexBits::default() };
+        let rounding = workshop.rounding(bits, workshop.codecs().least_lossy());
+        let made = MadeAsset { low: draft.low, maps: draft.maps, size: 0, rounding };
+        Ok((Candidate { mesh: made.low.mesh.clone(), look: LevelLook::Own(Box::new(made)) }, surface))
+    }
+
+    /// Searches for a mesh and maps of their own, and returns their bytes, too; `None` if nothing keeps the limits.
+    fn anew(&self, level: Level, progress: Progress<'_>) -> Result<Option<(Candidate, u64)>> {
+        let found = smallest(self.recipe, (self.scan, level), progress)?;
+        let chosen = found.trials.iter().find(|trial| trial.is_chosen).filter(|trial| trial.is_near);
+        let (Some(chosen), Smallest::Made(made)) = (chosen, found.smallest) else { return Ok(None) };
+        Ok(Some((Candidate { mesh: made.low.mesh.clone(), look: LevelLook::Own(made) }, chosen.bytes)))
+    }
+
+    /// Returns the bytes of a level that shares the maps of the finest.
+    fn added_bytes(&self, mesh: &Mesh) -> Result<u64> {
+        let Finest::Made { rounding, .. } = &self.finest else { return Ok(0) };
+        let format = rounding.map_or_else(GltfFormat::default, Rounding::format);
+        Ok(encoded_mesh(mesh, &format)?.len() as u64)
+    }
+
+    fn workshop(&self, level: Level) -> Workshop<'_> {
+        let required = self.recipe.options.goal.clone().unwrap_or_else(Requirement::visually_lossless);
+        let limits = (Goal::of(&required, level.number), Ceilings::of(&required));
+        let subject = Subject { scan: self.scan, seen: &self.seen, side: self.side, level };
+        Workshop::new(self.recipe, limits, subject)
+    }
+}
