@@ -20,9 +20,10 @@ def test_files_and_figures_are_those_of_the_command(scan_file: Path, tmp_path: P
     out, own = tmp_path / "a" / "asset.glb", tmp_path / "b" / "asset.glb"
     for path in (out, own):
         path.parent.mkdir()
-    arguments = "--triangles 500 --lods 200 --size 128 --maps normal,ao --ao-rays 16 --images webp --meshopt".split()
+    options = "--triangles 500 --lods 200,64px --size 128 --maps normal,ao --ao-rays 16"
+    arguments = f"{options} --images webp --meshopt".split()
     run("bake", scan_file, "-o", out, *arguments, "--proof-points", 20_000, "--proof-view", 96)
-    asset = tt.bake(scan_file, triangles=500, lods=[200], size=128, maps=["normal", "ao"], ao_rays=16)
+    asset = tt.bake(scan_file, triangles=500, lods=[200, "64px"], size=128, maps=["normal", "ao"], ao_rays=16)
     written = asset.save(own, images="webp", meshopt=True)
     assert own.read_bytes() == out.read_bytes()
     report = json.loads(out.with_suffix(".report.json").read_text())

@@ -393,7 +393,9 @@ fn a_level_that_is_no_coarser_is_told() {
     let assert = place.taotie(line).assert().success();
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     assert!(
-        said.contains("the level of detail 1000 would have 528 triangles, the one before has 528: left out"),
+        said.contains(
+            "left out: the level of detail 1000: it would have 528 triangles, and the one before has 528"
+        ),
         "{said}"
     );
 }

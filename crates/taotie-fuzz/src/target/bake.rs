@@ -45,6 +45,15 @@ fn is_readable(path: &Path) -> Held {
     }
 }
 
+/// Chooses coarser levels of detail of so many triangles.
+fn lods(rng: &mut Rng, triangles: u32) -> Vec<Lod> {
+    match rng.u32(..6) {
+        0 => vec![Lod::Pixels(rng.u32(32..512))],
+        1 | 2 if triangles > 60 => vec![Lod::Triangles(triangles / 2), Lod::Triangles(triangles / 4)],
+        _ => Vec::new(),
+    }
+}
+
 /// Chooses options of a small bake of the scan `path`, or onto it.
 fn options(rng: &mut Rng, path: &Path) -> BakeOptions {
     let triangles = rng.u32(4..200);
@@ -52,7 +61,7 @@ fn options(rng: &mut Rng, path: &Path) -> BakeOptions {
     BakeOptions {
         low: onto.then(|| MeshSource::File(path.to_path_buf())),
         triangles,
-        lods: if triangles > 60 && rng.bool() { vec![Lod::Triangles(triangles / 2)] } else { Vec::new() },
+        lods: lods(rng, triangles),
         keep_uvs: rng.u8(..4) == 0,
         size: 16 << rng.u32(..3),
         maps: maps(rng),
