@@ -12,7 +12,7 @@ use crate::proof::Side;
 
 /// A level for a number of pixels has at most this part of the triangles of the one before.
 const LIGHTER: f64 = 0.8;
-/// A level takes over where the object fills at most 1/√2 of the pixels across at which the one before does.
+/// A level that is good at as many pixels as the one before takes over at so many times fewer.
 const STEP: f64 = std::f64::consts::SQRT_2;
 /// Counts that are at most so many times the wanted one are taken for it.
 const NEAR_COUNT: f64 = 1.02;
@@ -102,7 +102,7 @@ fn note(wanted: Lod, level: &Coarser, warnings: &mut Warnings) {
     }
 }
 
-/// Adds a level. Those before it that one for more pixels would never let be shown go; else it takes over after the one before.
+/// Adds a level, which takes over after the one before. Those before it go that would never be shown beside one for more pixels.
 fn push(found: &mut Vec<Coarser>, (wanted, level): (Lod, Coarser), warnings: &mut Warnings) {
     let is_for_pixels = matches!(wanted, Lod::Pixels(_));
     while let Some(last) = found.pop_if(|last| is_for_pixels && last.across <= level.across) {
@@ -112,6 +112,7 @@ fn push(found: &mut Vec<Coarser>, (wanted, level): (Lod, Coarser), warnings: &mu
         );
         warnings.note(what, 1);
     }
-    let most = found.last().map_or(Lod::FINEST, |last| (f64::from(last.across) / STEP) as u32);
-    found.push(Coarser { across: level.across.min(most).max(1), ..level });
+    let before = found.last().map(|last| last.across).filter(|before| *before <= level.across);
+    let across = before.map_or(level.across, |before| (f64::from(before) / STEP) as u32).max(1);
+    found.push(Coarser { across, ..level });
 }
