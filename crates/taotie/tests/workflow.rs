@@ -6,13 +6,13 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use taotie::asset::{
-    Asset, BakeOptions, Baker, Bytes, FLOOR_8_BIT, Figure, LevelFigures, Limits, Lod, MeshSource, Packing,
-    Proof, RayDistance, Report, Requirement, Scan, ScanFile, VerifyOptions, Written,
+    Asset, BakeOptions, Baker, Bytes, FLOOR_8_BIT, Figure, Limits, Lod, MeshSource, Packing, Proof,
+    RayDistance, Report, Requirement, Scan, ScanFile, VerifyOptions, Written,
 };
 use taotie::bake::MapKind;
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
 use taotie::io::{
-    FileSet, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, GltfSource, ImageCodec, load_model, write_gltf,
+    FileSet, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, load_model, write_gltf,
 };
 use taotie::math::{Mat4, Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
@@ -542,80 +542,4 @@ fn a_search_may_have_levels_of_detail_without_a_map() {
     let written = found.write(folder.path().join("ktx2.glb"), &asked, Progress::SILENT).unwrap();
     let said: Vec<&str> = written.warnings().iter().map(|(what, _)| what).collect();
     assert!(said.iter().any(|what| what.starts_with("the search chose the packing")), "{said:?}");
-}
-
-/// Means of angles, degrees, where each level is shown: the proof finds them apart from the search.
-fn seen(asset: &Asset, folder: &Path) -> Vec<(f32, f64)> {
-    let written = asset.write(folder.join("levels.glb"), &Packing::default(), Progress::SILENT).unwrap();
-    let options = VerifyOptions { points: 20_000, map: 0, view: 32, ..VerifyOptions::default() };
-    let proof = written.verify(small(), &options, Progress::SILENT).unwrap();
-    let overview =
-        |level: &LevelFigures| (level.overview.across, level.overview.angles.unwrap().summary.mean);
-    proof.figures.levels.iter().map(overview).collect()
-}
-
-#[test]
-fn levels_keep_the_limits_where_they_are_shown() {
-    let folder = tempfile::tempdir().unwrap();
-    let lods = vec![Lod::Pixels(128), Lod::Pixels(40)];
-    let goal = Some(vec![Requirement::mean_angle_deg(1.0)]);
-    let searched = BakeOptions { goal, lods: lods.clone(), ..options() };
-    let by_hand = BakeOptions { triangles: 6000, size: 512, lods, ..options() };
-    for (options, limit) in [(searched, 1.0), (by_hand, 0.5)] {
-        let asset = Baker::new(options).bake(small(), Progress::SILENT).unwrap();
-        let counts: Vec<usize> = asset.levels().map(|mesh| mesh.triangles().len()).collect();
-        assert!(counts.len() >= 2 && counts.windows(2).all(|pair| pair[1] < pair[0]), "{counts:?}");
-        let seen = seen(&asset, folder.path());
-        for (across, mean) in &seen[1..] {
-            assert!([128.0, 40.0].contains(&across.round()), "{across}: one that is no lighter is left out");
-            assert!((0.5 * limit..1.1 * limit).contains(mean), "{mean}° at {across} pixels, {counts:?}");
-        }
-    }
-}
-
-/// Normals that were baked for other triangles are off by degrees; a map of its own makes a level good where it is small.
-#[test]
-fn a_level_by_hand_gets_a_normal_map_of_its_own() {
-    let folder = tempfile::tempdir().unwrap();
-    let options = BakeOptions { triangles: 3000, size: 512, lods: vec![Lod::Triangles(800)], ..options() };
-    let asset = Baker::new(options).bake(small(), Progress::SILENT).unwrap();
-    let seen = seen(&asset, folder.path());
-    assert!(seen[1].0 >= 64.0 && seen[1].1 < 0.55, "{seen:?}");
-    let sizes =
-        taotie::io::GltfSizes::read(GltfSource::File(&folder.path().join("levels.glb")), &Limits::default())
-            .unwrap();
-    assert_eq!(sizes.images.len(), 2, "{sizes:?}");
-}
-
-/// A glTF ball whose base colour is a texture.
-fn textured_file(folder: &Path) -> Scan {
-    let (mesh, path) = (Mesh::sphere(1.0, 128, 64), folder.join("textured.glb"));
-    let texel = |i: u32| [(i % 64 * 4) as u8, (i / 64 * 4) as u8, (i % 7 * 30) as u8, 255];
-    let colors = Bitmap::new(64, 64, 3, Texels::U8((0..64 * 64).map(texel).collect())).unwrap();
-    let material = GltfMaterial { base_color_map: Some((&colors).into()), ..GltfMaterial::default() };
-    let levels = [GltfLevel { mesh: &mesh, coverage: None }];
-    let model = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
-    write_gltf(&path, &model, &GltfFormat::default()).unwrap();
-    Scan::read(&path, &Limits::default(), Progress::SILENT).unwrap()
-}
-
-#[test]
-fn levels_of_a_packed_scan_share_its_textures() {
-    let folder = tempfile::tempdir().unwrap();
-    let goal = Some(vec![Requirement::mean_angle_deg(0.5), Requirement::mean_angle_deg(2.0).at_level(1)]);
-    for (lods, levels) in [(vec![Lod::Pixels(64)], 2), (vec![Lod::Triangles(500), Lod::Triangles(100)], 3)] {
-        let options = BakeOptions { goal: goal.clone(), lods, ..options() };
-        let asset = Baker::new(options).bake(textured_file(folder.path()), Progress::SILENT).unwrap();
-        assert!(asset.origin().is_scan && asset.levels().count() == levels, "{asset:?}, {}", said(&asset));
-        for name in ["out.glb", "out.gltf"] {
-            let path = folder.path().join(name);
-            let written = asset.write(&path, &Packing::default(), Progress::SILENT).unwrap();
-            let read = taotie::io::load_levels(written.path()).unwrap();
-            let counts: Vec<usize> = read.iter().map(|level| level.scene.triangle_count()).collect();
-            let wanted: Vec<usize> = asset.levels().map(|mesh| mesh.triangles().len()).collect();
-            assert_eq!(counts, wanted);
-            let sizes = taotie::io::GltfSizes::read(GltfSource::File(&path), &Limits::default()).unwrap();
-            assert_eq!(sizes.images.len(), 1, "{sizes:?}");
-        }
-    }
 }

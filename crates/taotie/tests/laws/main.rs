@@ -37,6 +37,7 @@ mod fooled;
 mod gradients;
 mod known_distances;
 mod lane;
+mod levels;
 mod low_faults;
 mod made_meshes;
 mod maps;
