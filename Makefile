@@ -117,8 +117,8 @@ bench-store: ## Builds the latest tag, or BASE=REV, for make bench-check
 	cp $(CHECK)/build/release/taotie $(CHECK)/build/release/examples/frames $(CHECK)/base
 	git worktree remove --force $(CHECK)/source
 
-brute-force: ## Compares the search for the smallest asset with a grid of all combinations, for MODELS="a.obj b.glb"; takes minutes
-	MODELS="$(MODELS)" cargo test -p taotie --lib brute -- --ignored --nocapture
+brute-force: ## Compares the search for the smallest asset with a grid of all combinations, for SCANS="a.obj b.glb"; takes minutes
+	SCANS="$(SCANS)" cargo test -p taotie --lib brute -- --ignored --nocapture
 
 # The other tools come from npm. TAOTIE=/path/to/taotie uses that program instead of building one; the models are those of the
 # tests, ../shared/data or TAOTIE_DATA. Takes hours, and continues if it was interrupted; BENCH=--check takes minutes and fails

@@ -187,7 +187,11 @@ fn an_asset_of_one_mode_is_one_part() {
     for mode in MODES {
         baked(&balls([mode; 3])).write(&path, &Packing::default(), Progress::SILENT).unwrap();
         let scene = load_model(&path).unwrap().scene;
-        assert_eq!((scene.instances().len(), scene.materials().len()), (1, 1));
+        assert_eq!(
+            (scene.instances().len(), scene.materials().len()),
+            (1, 2),
+            "the level has a normal map of its own"
+        );
         assert_eq!(TexturedMesh::new(scene).unwrap().alpha_modes(), [mode]);
     }
 }

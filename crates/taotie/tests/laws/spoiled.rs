@@ -151,7 +151,7 @@ fn a_coarse_level_of_a_sound_asset() {
     let options =
         BakeOptions { triangles: 3_000, lods: vec![Lod::Triangles(60)], size: 512, ..BakeOptions::default() };
     let asset = Baker::new(options).bake(scan, Progress::SILENT).unwrap();
-    let proof = is_bad(&asset, scan, (&["mean-angle@1", "hausdorff@1"], "at level of detail 1"));
+    let proof = is_bad(&asset, scan, (&["mean-angle@1", "p95-angle@1"], "at level of detail 1"));
     assert!(
         proof
             .require(&taotie::asset::Requirement::standard())

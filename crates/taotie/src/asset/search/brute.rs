@@ -1,5 +1,5 @@
 //! The search against brute force, which tries every combination of a grid around what was found. It takes minutes per model, so it is
-//! run by hand: `make brute-force MODELS="a.obj b.glb"`.
+//! run among the slow tests on a ball, and by hand on any model: `make brute-force SCANS="a.obj b.glb"`.
 
 use super::ceilings::Ceilings;
 use super::goal::Goal;
@@ -17,6 +17,8 @@ use crate::asset::requirement::Requirement;
 use crate::asset::scan::Scan;
 use crate::error::{Result, Warnings};
 use crate::io::{ImageCodec, Limits, VertexBits};
+use crate::math::{Vec3, scalar::sin};
+use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
 use crate::proof::Side;
 
@@ -43,34 +45,54 @@ const CODECS: [ImageCodec; 10] = [
 ];
 
 #[test]
-#[ignore = "a campaign: takes minutes per model"]
+#[ignore = "takes minutes per model"]
 fn the_search_is_near_brute_force() {
-    let models = option_env!("MODELS").unwrap_or_default().split_whitespace();
-    let (lines, ratios): (Vec<String>, Vec<f64>) = models.map(line).unzip();
+    let models = option_env!("SCANS").unwrap_or_default().split_whitespace();
+    let read =
+        |path: &str| (path.to_owned(), Scan::read(path, &Limits::default(), Progress::SILENT).unwrap());
+    let mut scans: Vec<(String, Scan)> = models.map(read).collect();
+    if scans.is_empty() {
+        scans.push(("a ball with waves".into(), ball()));
+    }
+    let (lines, ratios): (Vec<String>, Vec<f64>) = scans.iter().map(|(name, scan)| line(name, scan)).unzip();
     assert!(ratios.iter().all(|ratio| *ratio <= WITHIN), "{lines:#?}");
 }
 
+/// A ball with waves.
+fn ball() -> Scan {
+    let data = Mesh::sphere(1.0, 200, 100).into_data();
+    let wave = |p: &Vec3| {
+        let [x, y, z] = p.to_array().map(|v| sin(9.0 * f64::from(v)));
+        *p * (1.0 + 0.02 * x * y * z) as f32
+    };
+    let mesh = MeshData {
+        positions: data.positions.iter().map(wave).collect(),
+        triangles: data.triangles,
+        ..MeshData::default()
+    };
+    Scan::from_mesh(Mesh::new(mesh).unwrap(), Progress::SILENT).unwrap()
+}
+
 /// Returns what was found of a model, and the ratio of bytes.
-fn line(path: &str) -> (String, f64) {
-    let (found, others) = compared(path).unwrap_or_else(|error| panic!("{path}: {error}"));
+fn line(name: &str, scan: &Scan) -> (String, f64) {
+    let (found, others) = compared(scan).unwrap_or_else(|error| panic!("{name}: {error}"));
     let near = others.iter().filter(|trial| trial.is_near);
     let least = near.min_by_key(|trial| trial.bytes).expect("some are near");
     let (ratio, count) = (found.bytes as f64 / least.bytes as f64, others.len());
-    (format!("{path}: {ratio:.3} of the smallest of {count}; found {found:?}; that is {least:?}"), ratio)
+    (format!("{name}: {ratio:.3} of the smallest of {count}; found {found:?}; that is {least:?}"), ratio)
 }
 
 /// Returns what the search finds for 1°, and all assets of a grid.
-fn compared(path: &str) -> Result<(Trial, Vec<Trial>)> {
-    let scan = Scan::read(path, &Limits::default(), Progress::SILENT)?;
+fn compared(scan: &Scan) -> Result<(Trial, Vec<Trial>)> {
     let goal = vec![Requirement::mean_angle_deg(1.0)];
     let asked = BakeOptions { goal: Some(goal.clone()), ..BakeOptions::default() };
     let options = BakePlan::of(&asked.sized(scan.about.size), &scan.about.carried, &[]).options;
     let recipe = Recipe { options: &options, rays: &Rays::Auto };
-    let found = smallest(recipe, (&scan, Level::FINEST), Progress::SILENT)?;
+    let found = smallest(recipe, (scan, Level::FINEST), Progress::SILENT)?;
     let chosen = *found.trials.iter().find(|trial| trial.is_chosen).expect("one is chosen");
     let side = Side::of(scan.sorted());
-    let seen = low::seen(&scan, &mut Warnings::default())?;
-    let subject = Subject { scan: &scan, seen: &seen, side: &side, level: Level::FINEST };
+    let seen = low::seen(scan, &mut Warnings::default())?;
+    let subject = Subject { scan, seen: &seen, side: &side, level: Level::FINEST };
     let mut workshop = Workshop::new(recipe, (Goal::of(&goal, 0), Ceilings::of(&goal)), subject);
     match found.smallest {
         Smallest::Packed(asset) => {
