@@ -84,6 +84,7 @@ mod tests {
         assert!(rows.len() == 2 && rows.iter().all(|row| row.len() == columns.len()));
         assert_eq!(rows[1][..2], [Cell::number(1.0, 0), Cell::number(20.0, 0)]);
         assert_eq!(rows[1][2], Cell::Number { value: None, digits: 3 }, "no angle was measured");
-        assert_eq!(rows[1][9], Cell::number(1.0, 4), "per cent");
+        assert_eq!(rows[1][7], Cell::number(512.0, 0), "pixels across");
+        assert_eq!(rows[1][10], Cell::number(1.0, 4), "per cent");
     }
 }
