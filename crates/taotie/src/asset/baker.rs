@@ -209,7 +209,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         judgement::inspect(scan.mesh(), &mut of_scan);
     }
     let (subject, recipe) = (Subject { scan, given }, Recipe { options: &options, rays: &rays });
-    let Lightened { mut parts, size, trials, rounding, mut packed } =
+    let Lightened { mut parts, size, trials, rounding, packed } =
         lightened(recipe, subject, &mut warnings, progress)?;
     if packed.is_none() {
         for part in &mut parts {
@@ -224,7 +224,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
         of_scan.absorb(of_levels);
         coarser
     };
-    let (carried, left) = match packed.take() {
+    let (carried, left) = match packed {
         Some(asset) => {
             options.maps.clear();
             warnings = notes::of_packed_scan(&warnings);

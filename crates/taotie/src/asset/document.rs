@@ -135,8 +135,7 @@ fn made(read: &mut Read, warnings: &mut Warnings) -> Result<Vec<u8>> {
 
 /// Tries whether the file can be written anew, before anything is baked.
 fn check(source: GltfSource<'_>, limits: Limits) -> Result<()> {
-    let (root_scale, materials) = (None, &[][..]);
-    let graft = GltfGraft { source, limits, root_scale, materials, copyright: None, xmp: None, extras: None };
+    let graft = GltfGraft::unchanged(source, limits);
     io::encode_graft(Path::new("a.glb"), &graft, &GltfFormat::default()).map(drop)
 }
 

@@ -2,6 +2,7 @@
 
 use super::figures::{Figures, FitFigures};
 use super::level_figures::{LevelFigures, Measured, measured};
+use super::lod::Lod;
 use super::part_figures::PartFigures;
 use super::requirement;
 use super::scan::Scan;
@@ -63,7 +64,7 @@ impl<'a> Measurement<'a> {
         let diagonal = self.scan.mesh().diagonal() as f32;
         let pair = Pair { scan, asset: &asset, diagonal, has_material: level.has_material() };
         let asked = requirement::asked_limits(&self.options.requirements);
-        let across = self.across.get(number).copied().flatten();
+        let across = self.across.get(number).copied().flatten().unwrap_or(Lod::FINEST as f32);
         let mut seen = Seen::of(&pair, (across, counts))?;
         loop {
             figures.levels.push(on_surface.clone().with_seen(&pair, &seen, &asked)?);

@@ -267,6 +267,11 @@ impl BakeOptions {
         Ok(())
     }
 
+    /// Returns the limits that an asset and its levels of detail have to keep to.
+    pub(super) fn limits(&self) -> Vec<Requirement> {
+        self.goal.clone().unwrap_or_else(Requirement::visually_lossless)
+    }
+
     /// Returns `true` if the asset is searched for.
     pub fn searches(&self) -> bool {
         self.goal.is_some() || self.bytes.is_some()

@@ -19,8 +19,6 @@ const MARGIN: f64 = 1.5;
 /// A level of detail as a viewer sees it.
 pub(super) struct Seen {
     counts: Counts,
-    /// Pixels across the object where it is first shown; `None` if it is seen as a whole.
-    across: Option<f32>,
     pub overview: Overview,
     pub silhouette: SilhouetteFigures,
     /// Of the scan and of the asset.
@@ -50,13 +48,12 @@ impl Seen {
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] if a surface has no area.
-    pub fn of(pair: &Pair<'_>, (across, counts): (Option<f32>, Counts)) -> Result<Self> {
+    pub fn of(pair: &Pair<'_>, (across, counts): (f32, Counts)) -> Result<Self> {
         let close_ups = close_ups(pair, counts.close_up)?;
         Ok(Self {
             counts,
-            across,
             sought: sought(pair, counts)?,
-            overview: overview(pair, picture(across, counts))?,
+            overview: overview(pair, Picture::of(across, counts.overview))?,
             silhouette: silhouettes(pair),
             hausdorff: hausdorff(pair, [&close_ups[0], &close_ups[1]], counts.distance),
             close_ups,
@@ -93,7 +90,7 @@ impl Seen {
     pub fn refine(&mut self, pair: &Pair<'_>, counts: Counts) -> Result<()> {
         let before = std::mem::replace(&mut self.counts, counts);
         if counts.overview != before.overview {
-            self.overview = overview(pair, picture(self.across, counts))?;
+            self.overview = overview(pair, Picture::of(self.overview.across, counts.overview))?;
         }
         if counts.close_up != before.close_up {
             let few = std::mem::replace(&mut self.close_ups, close_ups(pair, counts.close_up)?);
@@ -113,10 +110,6 @@ fn close_ups(pair: &Pair<'_>, points: usize) -> Result<[CloseUp; 2]> {
 
 fn sought(pair: &Pair<'_>, counts: Counts) -> Result<Option<[CloseUp; 2]>> {
     (counts.sought != counts.close_up).then(|| close_ups(pair, counts.sought)).transpose()
-}
-
-fn picture(across: Option<f32>, counts: Counts) -> Picture {
-    across.map_or(Picture::whole(counts.overview), |across| Picture::of(across, counts.overview))
 }
 
 impl Counts {

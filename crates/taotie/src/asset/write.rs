@@ -199,7 +199,8 @@ fn encoded_level(made: &Made, number: usize, glb: Target<'_>) -> Result<Vec<u8>>
     let Part { low, maps } = &made.parts[0];
     let (material, format) = match look {
         LevelLook::Packed(packed) => {
-            let scaled = GltfGraft { root_scale: scale_of(made), ..graft(GltfSource::Glb(packed)) };
+            let graft = GltfGraft::unchanged(GltfSource::Glb(packed), Limits::of_own_files());
+            let scaled = GltfGraft { root_scale: scale_of(made), ..graft };
             return io::encode_graft(glb.path, &scaled, glb.format).map(|model| model_of(model.files));
         }
         LevelLook::Shared => (maps.textures.material(&low.material, &low.kept), *glb.format),
@@ -218,12 +219,6 @@ fn encoded_level(made: &Made, number: usize, glb: Target<'_>) -> Result<Vec<u8>>
     let model =
         GltfAsset { name: &name, levels: &levels, root_scale, material, alpha_modes, ..GltfAsset::default() };
     io::encode_glb(&model, &format)
-}
-
-/// Returns a file as it is, to be written anew.
-fn graft(source: GltfSource<'_>) -> GltfGraft<'_> {
-    let (root_scale, materials, limits) = (None, &[][..], Limits::of_own_files());
-    GltfGraft { source, limits, root_scale, materials, copyright: None, xmp: None, extras: None }
 }
 
 /// Returns the bytes of the model, which is the first of its files.

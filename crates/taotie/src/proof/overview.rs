@@ -54,7 +54,7 @@ pub struct Picture {
 impl Picture {
     /// Returns the picture of an object that fills 512² pixels.
     pub fn whole(count: usize) -> Self {
-        Self { across: SIDE as f32, count }
+        Self::of(SIDE as f32, count)
     }
 
     /// Returns the picture of an object that fills fewer pixels across, with about as many samples as so many pixels of the
@@ -69,8 +69,8 @@ impl Picture {
     }
 }
 
-/// Compares random pixels, 16 samples each, up to 256 of smaller pictures: of 32 fixed views in which the object just fills the picture; of an interior, of
-/// views in all directions from places in its free space, as many pixels to a right angle. Textures are read as finely as the
+/// Compares random pixels, 16 samples each, up to 256 of smaller pictures: of 32 fixed views in which the object just fills the
+/// picture; of an interior, of views in all directions from places in its free space, as many pixels to a right angle. Textures are read as finely as the
 /// samples lie apart.
 ///
 /// # Errors

@@ -15,7 +15,6 @@ use crate::asset::low::{self, LowPoly};
 use crate::asset::maps::{Recipe, StoredMaps, bake_maps};
 use crate::asset::object_map;
 use crate::asset::options::BakeOptions;
-use crate::asset::requirement::Requirement;
 use crate::asset::scan::Scan;
 use crate::bake::{self, MapKind};
 use crate::error::{Error, Result, Warnings};
@@ -24,7 +23,7 @@ use crate::io::{self, GltfAsset, GltfFormat, GltfLevel, GltfPacker, Limits, Pack
 use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::proof::Side;
-use crate::scene::{NormalMap, NormalSpace, Scene};
+use crate::scene::{NormalSpace, Scene};
 use crate::surface::with_frames;
 use std::borrow::Cow;
 
@@ -291,10 +290,9 @@ impl<'a> LevelMaker<'a> {
         let (mut scene, on_it, normal) = (scene.clone(), level.mesh.clone(), maps.textures.normal.clone());
         scene.edit(|scene| {
             scene.meshes = vec![on_it];
-            for shown in scene.materials.iter().filter_map(|material| material.normal.as_ref()) {
-                if let (NormalMap { texture, .. }, Some(normal)) = (shown, &normal) {
-                    scene.textures[texture.texture] = Texture::new(normal.clone(), Encoding::Normal);
-                }
+            let shown = scene.materials.iter().find_map(|material| material.normal.as_ref());
+            if let (Some(shown), Some(normal)) = (shown, normal) {
+                scene.textures[shown.texture.texture] = Texture::new(normal, Encoding::Normal);
             }
         })?;
         let surface = bake::Scan::of_asset(scene, self.side.surface)?;
@@ -331,7 +329,7 @@ impl<'a> LevelMaker<'a> {
     }
 
     fn workshop(&self, level: Level) -> Workshop<'_> {
-        let required = self.recipe.options.goal.clone().unwrap_or_else(Requirement::visually_lossless);
+        let required = self.recipe.options.limits();
         let limits = (Goal::of(&required, level.number), Ceilings::of(&required));
         let subject = Subject { scan: self.scan, seen: &self.seen, side: self.side, level };
         Workshop::new(self.recipe, limits, subject)

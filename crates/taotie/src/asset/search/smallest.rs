@@ -71,7 +71,7 @@ pub(in crate::asset) fn smallest(
     if seen.triangles().is_empty() {
         return Err(no_triangles());
     }
-    let required = recipe.options.goal.clone().unwrap_or_else(Requirement::visually_lossless);
+    let required = recipe.options.limits();
     let (goal, ceilings) = (Goal::of(&required, level.number), Ceilings::of(&required));
     let is_alone = recipe.options.lods.is_empty();
     let ceilings = if is_alone { ceilings } else { ceilings.of_level(level) };

@@ -4,7 +4,7 @@ use super::codec::CodecKind;
 use super::container;
 use super::edit;
 use super::graft::gltf;
-use super::graft::prune::{drop_unnamed, each_image, each_texture, each_view};
+use super::graft::prune::{Visit, drop_unnamed, each_image, each_texture, each_view};
 use super::graft::views::{each_place, joined};
 use super::images::{LEVEL, ROLES, level_role};
 use super::number::short;
@@ -20,14 +20,15 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Joins GLBs that show one object at different levels of detail into one file, by MSFT_lod, and returns it, with the files
-/// beside it if it is a `.gltf`. The finest stays as it is, but for a
-/// node above its others if it shows several; the coarser ones give what their default scene shows: nodes, meshes, materials
-/// and textures, without lights, cameras, skins and animations. What is equal in several of them is stored once. `coverages`
-/// has the least part of the screen that the object covers while each level is shown, of the finest and of each coarser one.
+/// beside it if it is a `.gltf`. The finest stays as it is, but for a node above its others if it shows several; the coarser
+/// ones give what their default scene shows: nodes, meshes, materials and textures, without lights, cameras, skins and
+/// animations. What is equal in several of them is stored once. `coverages` has the least part of the screen that the object
+/// covers while each level is shown, of the finest and of each coarser one.
 ///
 /// # Errors
-/// [`Error::Parse`] for a GLB that cannot be read; [`Error::Invalid`] unless there is one coverage for each level, and for an
-/// extension that may name things by number in a way that nobody here knows; [`Error::Limit`] for a GLB of 4 GiB or more.
+/// [`Error::Parse`] for a GLB that cannot be read; [`Error::Invalid`] unless there is one coverage for each level;
+/// [`Error::Unsupported`] for an extension that may refer to things by number in a way that is not known here, for a finest file
+/// with levels of its own, and for coarser ones with other variants; [`Error::Limit`] for a GLB of 4 GiB or more.
 pub fn join_levels(
     path: &Path,
     (finest, coarser): (&[u8], &[&[u8]]),
@@ -216,9 +217,6 @@ fn shift(number: &mut Value, by: usize) {
         *number = (old + by as u64).into();
     }
 }
-
-/// Visits all numbers of things of one kind that a document names.
-type Visit = fn(&mut Value, &mut dyn FnMut(&mut Value));
 
 /// Moves the items of a list that the other document lacks, and names the others there. What items themselves name was
 /// renumbered before.

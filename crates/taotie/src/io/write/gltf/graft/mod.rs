@@ -51,6 +51,13 @@ pub struct GltfGraft<'a> {
     pub extras: Option<&'a Json>,
 }
 
+impl<'a> GltfGraft<'a> {
+    /// Returns a file with nothing grafted onto it.
+    pub fn unchanged(source: GltfSource<'a>, limits: Limits) -> Self {
+        Self { source, limits, root_scale: None, materials: &[], copyright: None, xmp: None, extras: None }
+    }
+}
+
 /// A material of a file, and what was baked for it.
 #[derive(Debug, Clone, Copy)]
 pub struct GraftedMaterial<'a> {
