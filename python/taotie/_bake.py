@@ -18,7 +18,7 @@ from ._arrays import Array, PathLike
 from ._error import NotMet, invalid, warn
 from ._model import Model, _from_glb, scan_options
 from ._model import model as a_model
-from ._options import Map, Unit
+from ._options import Codecs, Map, Unit
 from ._run import Progress, running
 
 Floats: TypeAlias = npt.NDArray[np.float32]
@@ -357,6 +357,7 @@ class Asset:
         *,
         images: str = "png",
         meshopt: bool = False,
+        codecs: Codecs = "portable",
         provenance: PathLike | None = None,
         green: Literal["up", "down"] = "up",
         progress: Progress = None,
@@ -369,10 +370,13 @@ class Asset:
             ``.glb``, or ``.gltf`` with its files beside it; ``.png``, ``.webp`` or ``.exr`` for maps alone.
         images : str
             Format of textures: ``"png"``, ``"webp"`` (lossless), ``"ktx2"``, or with a loss of colours: ``"webp:85"``,
-            ``"jpeg:85"``, ``"ktx2:2"``; those of colours, normals and numbers: ``"jpeg:90/webp/webp:75"``. Not read if the
+            ``"jpeg:85"``, ``"avif:80"``, ``"ktx2:2"``; those of colours, normals and numbers: ``"jpeg:90/webp/webp:75"``. Not read if the
             asset was searched for.
         meshopt : bool
-            Compress geometry (EXT_meshopt_compression).
+            Compress geometry by meshoptimizer.
+        codecs : {"portable", "web-latest"}
+            The extension that compresses it: EXT_meshopt_compression, or KHR_meshopt_compression. Not read if the asset was
+            searched for.
         provenance : path, optional
             XMP metadata (JSON-LD) to add to that of the scan.
         green : {"up", "down"}
@@ -385,6 +389,7 @@ class Asset:
         packing = {
             "images": images,
             "meshopt": meshopt,
+            "codecs": codecs,
             "provenance": None if provenance is None else os.fspath(provenance),
             "green": green,
         }
@@ -433,7 +438,8 @@ def bake(
     triangles: int | None = None,
     error: float | None = None,
     goal: Sequence[str] = (),
-    images: Sequence[Literal["png", "jpeg", "webp", "ktx2"]] = (),
+    images: Sequence[Literal["png", "jpeg", "webp", "avif", "ktx2"]] = (),
+    codecs: Codecs = "portable",
     lods: Sequence[int | str] = (),
     size: int | tuple[int, int] | Literal["auto"] | None = None,
     maps: Sequence[Map | Literal["auto"]] = ("auto",),
@@ -475,7 +481,10 @@ def bake(
         ``lods=["256px", "128px", "64px"]``, too. If none of `triangles`, `size`, `error` and `goal` is given, it is one that
         is ``visually-lossless``, unless `low`, or maps are asked for that a search cannot judge.
     images : sequence of str
-        Image formats that a search may choose from; PNG, JPEG and WebP if empty.
+        Image formats that a search may choose from; those of `codecs` if empty.
+    codecs : {"portable", "web-latest"}
+        Codecs that a search may choose from: PNG, JPEG, WebP and EXT_meshopt_compression, or for the newest web viewers AVIF as
+        well, and KHR_meshopt_compression.
     lods : sequence of int or str
         Coarser levels of detail. ``"128px"`` is the lightest one that meets the goal where the object fills 128² pixels, 32 to
         511; a number is one of so many triangles, which is shown where it meets the goal.
@@ -552,6 +561,7 @@ def bake(
         "triangles": 50_000 if triangles is None else triangles,
         "goal": ",".join(wanted) if wanted else None,
         "images": list(images),
+        "codecs": codecs,
         "lods": list(lods),
         "size": width,
         "height": None if width == height else height,

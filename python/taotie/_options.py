@@ -25,6 +25,7 @@ Shading: TypeAlias = Literal[
 Surface: TypeAlias = Literal["facet", "smooth", "bump", "bump-printed", "object-normal", "tangent-normal"]
 Tone: TypeAlias = Literal["neutral", "linear", "reinhard", "aces", "agx"]
 Unit: TypeAlias = Literal["mm", "cm", "m", "in"]
+Codecs: TypeAlias = Literal["portable", "web-latest"]
 Aov: TypeAlias = Literal["normals", "depth", "albedo", "uv", "triangle"]
 Map: TypeAlias = Literal[
     "normal",

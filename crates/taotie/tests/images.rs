@@ -17,10 +17,10 @@ use std::path::{Path, PathBuf};
 use taotie::image::{Bitmap, Texels};
 use taotie::io::{decode_bitmap, read_bitmap};
 
-const EXTENSIONS: [&str; 8] = ["png", "jpg", "jpeg", "webp", "ktx2", "tga", "hdr", "exr"];
+const EXTENSIONS: [&str; 9] = ["png", "jpg", "jpeg", "webp", "avif", "ktx2", "tga", "hdr", "exr"];
 
 /// A picture of this repository.
-#[cfg(any(feature = "webp", feature = "basis"))]
+#[cfg(any(feature = "avif", feature = "webp", feature = "basis"))]
 fn own(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/pictures").join(name)
 }
@@ -133,6 +133,36 @@ fn lossy_webp_is_what_libwebp_makes_of_it() {
     let [webp, png] = ["lossy.webp", "lossy.png"].map(|name| read_bitmap(&own(name)).unwrap());
     assert_eq!((webp.width(), webp.height(), webp.channels()), (40, 24, 3));
     assert_eq!(as_u8(&webp), as_u8(&png));
+}
+
+/// Against libavif, which computes colours in integers.
+#[cfg(feature = "avif")]
+#[test]
+fn avif_is_what_libavif_makes_of_it() {
+    let cases =
+        [("444", 3, 1), ("limited", 3, 2), ("alpha", 4, 1), ("grey", 1, 1), ("422", 3, 2), ("420", 3, 2)];
+    for (name, channels, most) in cases {
+        let [avif, png] =
+            ["avif", "png"].map(|kind| read_bitmap(&own(&format!("avif-{name}.{kind}"))).unwrap());
+        assert_eq!((avif.width(), avif.height(), avif.channels()), (40, 24, channels), "{name}");
+        let worst = as_u8(&avif).into_iter().zip(as_u8(&png)).map(|(a, b)| a.abs_diff(b)).max().unwrap();
+        assert!(worst <= most, "{name}: {worst}");
+    }
+}
+
+/// Damaged files end in an error, or in an image.
+#[cfg(feature = "avif")]
+#[test]
+fn damaged_avif_does_not_panic() {
+    let seed = std::fs::read(own("avif-alpha.avif")).unwrap();
+    let read = |bytes: &[u8]| decode_bitmap(bytes, "a.avif", Path::new("a.avif"));
+    assert!((0..seed.len()).all(|length| read(&seed[..length]).is_err()));
+    let refused = (0..seed.len()).filter(|at| {
+        let mut changed = seed.clone();
+        changed[*at] ^= 0x5a;
+        read(&changed).is_err()
+    });
+    assert!(refused.count() > seed.len() / 8);
 }
 
 /// Against Basis Universal's own transcoder: ETC1S with and without alpha, UASTC plain and under Zstandard.

@@ -15,7 +15,7 @@ use taotie::asset::{
     BakeOptions, Baker, Figure, Limits, Lod, MeshSource, Packing, Preset, RayDistance, Requirement,
 };
 use taotie::bake::MapKind;
-use taotie::io::{CodecKind, FileSet, TextureCodecs};
+use taotie::io::{CodecKind, CodecSet, FileSet, TextureCodecs};
 use taotie::names::Named;
 
 /// Options that choose what a search would.
@@ -127,15 +127,19 @@ pub struct BakeArgs {
     #[arg(long, value_name = "FILE", requires = "low", help_heading = "Rays")]
     pub cage: Option<PathBuf>,
 
-    /// Image formats of textures. In a search, those to choose from: names separated by commas, or auto for png,jpeg,webp. Else
-    /// one format: png, webp (lossless), ktx2 (UASTC under Zstandard), or with a quality: webp:85 and jpeg:85 (base colour and
-    /// emission; all else stays lossless), ktx2:2 (λ of rate–distortion optimisation, 1 to 64, of all but normals). Those of
+    /// Image formats of textures. In a search, those to choose from: names separated by commas, or auto for those of --codecs.
+    /// Else one format: png, webp (lossless), ktx2 (UASTC under Zstandard), or with a quality: webp:85, jpeg:85 and avif:80 (base
+    /// colour and emission; all else stays lossless), ktx2:2 (λ of rate–distortion optimisation, 1 to 64, of all but normals). Those of
     /// colours, normals and numbers: jpeg:90/webp/webp:75. With a quality, nothing is searched
     #[arg(long, value_name = "auto|FORMAT[:QUALITY],...", value_parser = super::images::images, default_value = "auto", help_heading = "File")]
     pub images: Images,
-    /// Compress geometry (EXT_meshopt_compression)
+    /// Compress geometry by meshoptimizer
     #[arg(long, help_heading = "File")]
     pub meshopt: bool,
+    /// Codecs that the asset may need: portable (PNG, JPEG, WebP, EXT_meshopt_compression), or web-latest for the newest web
+    /// viewers (AVIF as well, KHR_meshopt_compression)
+    #[arg(long, value_name = "portable|web-latest", value_parser = options::named::<CodecSet>, default_value = "portable", help_heading = "File")]
+    pub codecs: CodecSet,
     /// XMP metadata (JSON-LD, such as dc:title or dc:rights) to add to that of the scan. Where the scan has no
     /// copyright notice, dc:rights becomes the asset's
     #[arg(long, value_name = "FILE.json", help_heading = "File")]
@@ -236,7 +240,7 @@ impl BakeArgs {
         {
             bail!("--images: {why}");
         }
-        if self.codecs().has(CodecKind::Ktx2) && !self.size().iter().all(|side| side.is_multiple_of(4)) {
+        if self.formats().has(CodecKind::Ktx2) && !self.size().iter().all(|side| side.is_multiple_of(4)) {
             bail!(
                 "--size {size}: KTX2 needs a multiple of 4; choose another size or another format in --images"
             );
@@ -266,6 +270,7 @@ impl BakeArgs {
             ("--lods", !self.lods.is_empty()),
             ("--images", self.images != Images::Auto),
             ("--meshopt", self.meshopt),
+            ("--codecs", self.codecs != CodecSet::Portable),
             ("--provenance", self.provenance.is_some()),
             ("--preset", self.preset.is_some()),
             ("--max-triangles", self.max_triangles.is_some()),
@@ -319,7 +324,7 @@ impl BakeArgs {
         }
         self.check_loss()?;
         let beside = self.space == Space::Object || self.green == Green::Down || bakes(MapKind::Bent);
-        let kind = self.codecs().normals.kind();
+        let kind = self.formats().normals.kind();
         if self.bits() == 16 && kind != CodecKind::Png && bakes(MapKind::Normal) && !beside {
             bail!("--bits 16: {kind} holds 8 bits; write PNG, or take 8");
         }
@@ -328,7 +333,7 @@ impl BakeArgs {
 
     /// Refuses a loss that no texture has.
     fn check_loss(&self) -> Result<()> {
-        let codecs = self.codecs();
+        let codecs = self.formats();
         if codecs.colors.number().is_some() && !self.may_lose() {
             bail!(
                 "--images {codecs}: the asset holds no texture but normals, which its loss leaves alone; use {}",
@@ -397,7 +402,13 @@ impl BakeArgs {
 
     /// Returns the options of the bake.
     pub fn options(&self) -> BakeOptions {
-        BakeOptions { goal: self.goal(), bytes: self.bytes, images: self.kinds(), ..self.unsearched() }
+        BakeOptions {
+            goal: self.goal(),
+            bytes: self.bytes,
+            images: self.kinds(),
+            codecs: self.codecs,
+            ..self.unsearched()
+        }
     }
 
     /// Returns the options of a bake that searches for nothing.
@@ -460,8 +471,9 @@ impl BakeArgs {
     /// Returns the packing of the asset.
     pub fn packing(&self) -> Packing {
         Packing {
-            images: self.codecs(),
+            images: self.formats(),
             meshopt: self.meshopt,
+            codecs: if self.searches() { CodecSet::default() } else { self.codecs },
             provenance: self.provenance.clone(),
             green: self.green.into(),
             ..Packing::default()
@@ -494,16 +506,16 @@ impl BakeArgs {
     }
 
     /// Returns the formats of textures if nothing is searched for; PNG if it is.
-    fn codecs(&self) -> TextureCodecs {
+    fn formats(&self) -> TextureCodecs {
         if self.searches() {
             return TextureCodecs::default();
         }
         self.images.codecs().unwrap_or_default()
     }
 
-    /// Returns `true` if textures are packed as WebP or KTX2, which takes longer than PNG.
+    /// Returns `true` if textures are packed as WebP, AVIF or KTX2, which takes longer than PNG.
     pub fn is_packed(&self) -> bool {
-        self.codecs() != TextureCodecs::default()
+        self.formats() != TextureCodecs::default()
     }
 
     /// Returns the limits of the bake.

@@ -6,6 +6,8 @@ use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use taotie::asset::{Figure, Looking, Requirement, VerifyOptions};
 use taotie::bake::MapKind;
+use taotie::io::CodecSet;
+use taotie::names::Named;
 
 impl BakeArgs {
     /// Returns the requirements that the smallest asset is searched for; `None` if nothing is, or only a number of bytes is given.
@@ -70,6 +72,12 @@ impl BakeArgs {
     pub(super) fn check_search(&self) -> Result<()> {
         if self.trials.is_some() && !self.searches() {
             bail!("--trials: nothing is searched for with these options; leave it out");
+        }
+        if self.codecs != CodecSet::Portable && !self.searches() && !self.meshopt {
+            bail!(
+                "--codecs {}: nothing is searched for with these options, and geometry is not compressed; add --meshopt",
+                self.codecs.name()
+            );
         }
         let Some(option) = self.asked() else { return Ok(()) };
         if self.space == Space::Object || !self.maps().contains(&MapKind::Normal) {

@@ -92,6 +92,7 @@ fn packing(rng: &mut Rng) -> Packing {
         0 => ImageCodec::Ktx2(0),
         1..3 => ImageCodec::WebP,
         3..5 => ImageCodec::Jpeg(80),
+        5 => ImageCodec::Avif(80),
         _ => ImageCodec::Png,
     };
     Packing { images: images.into(), meshopt: rng.u8(..4) == 0, ..Packing::default() }

@@ -8,7 +8,7 @@ use super::requirement_text;
 use super::scan_size::ScanSize;
 use crate::bake::MapKind;
 use crate::error::{Error, Result};
-use crate::io::CodecKind;
+use crate::io::{CodecKind, CodecSet};
 use crate::mesh::Mesh;
 use crate::scene::NormalSpace;
 use std::path::PathBuf;
@@ -105,8 +105,10 @@ pub struct BakeOptions {
     /// Finds the asset that is nearest to the scan, by the limits of `goal`, among those of at most so many bytes, metadata
     /// included. With `goal` one that meets it is enough.
     pub bytes: Option<u64>,
-    /// The image formats that a search for the smallest asset may choose from; PNG, JPEG and WebP if empty.
+    /// The image formats that a search for the smallest asset may choose from; those of `codecs` if empty.
     pub images: Vec<CodecKind>,
+    /// The codecs that a search for the smallest asset may choose from.
+    pub codecs: CodecSet,
     /// Further levels of detail, each coarser than the one before.
     pub lods: Vec<Lod>,
     /// `true` where no uvs may be made, since no file will hold them: `low` is needed then, with uvs. For maps alone.
@@ -151,6 +153,7 @@ impl Default for BakeOptions {
             goal: None,
             bytes: None,
             images: Vec::new(),
+            codecs: CodecSet::Portable,
             lods: Vec::new(),
             keep_uvs: false,
             size: 2048,

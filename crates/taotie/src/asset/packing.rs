@@ -1,7 +1,7 @@
 //! The packing of an asset into files.
 
 use crate::error::Result;
-use crate::io::{GltfFormat, TextureCodecs, VertexBits, XmpProperties};
+use crate::io::{CodecSet, GltfFormat, TextureCodecs, VertexBits, XmpProperties};
 use crate::scene::GreenChannel;
 use std::path::PathBuf;
 
@@ -23,8 +23,10 @@ use std::path::PathBuf;
 pub struct Packing {
     /// The formats of textures; KTX2 needs maps whose sides are multiples of 4.
     pub images: TextureCodecs,
-    /// Compresses geometry (EXT_meshopt_compression), but not that of a low-poly file that stays as it is.
+    /// Compresses geometry by meshoptimizer, but not that of a low-poly file that stays as it is.
     pub meshopt: bool,
+    /// The set of codecs, which says by which extension geometry is compressed.
+    pub codecs: CodecSet,
     /// The bits of compressed vertices. See [`GltfFormat::bits`].
     pub bits: VertexBits,
     /// A JSON file of XMP properties, such as `dc:title`, that the asset is to bear beside those of the scan. Where the
@@ -50,13 +52,13 @@ impl Packing {
 
     /// Returns the packing with another format of the model's own file.
     pub(super) fn with_format(self, format: &GltfFormat) -> Self {
-        let GltfFormat { images, meshopt, bits, quick_webp: _ } = *format;
-        Self { images, meshopt, bits, ..self }
+        let GltfFormat { images, meshopt, codecs, bits, quick_webp: _ } = *format;
+        Self { images, meshopt, codecs, bits, ..self }
     }
 
     /// Returns the packing of the model's own file.
     pub(super) fn format(&self) -> GltfFormat {
-        let Self { images, meshopt, bits, .. } = *self;
-        GltfFormat { images, quick_webp: false, meshopt, bits }
+        let Self { images, meshopt, codecs, bits, .. } = *self;
+        GltfFormat { images, quick_webp: false, meshopt, codecs, bits }
     }
 }

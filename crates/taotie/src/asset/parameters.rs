@@ -115,6 +115,7 @@ impl Parameters {
             "images": packing.images.to_string(),
             "image_formats": options.images.iter().map(|kind| kind.name()).collect::<Vec<_>>(),
             "meshopt": packing.meshopt,
+            "codecs": packing.codecs.name(),
             "position_bits": packing.meshopt.then_some(packing.bits.positions),
             "normal_bits": packing.meshopt.then_some(packing.bits.normals),
             "green": green(packing.green),

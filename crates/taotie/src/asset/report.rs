@@ -139,7 +139,7 @@ fn stores_8_bits(written: &Written) -> bool {
     };
     match (note.file.is_some(), written.packing.images.normals.kind()) {
         (false, CodecKind::Ktx2) => false,
-        (false, CodecKind::WebP | CodecKind::Jpeg) => true,
+        (false, CodecKind::WebP | CodecKind::Jpeg | CodecKind::Avif) => true,
         _ => note.bits == 8,
     }
 }

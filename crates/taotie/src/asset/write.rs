@@ -10,7 +10,7 @@ use super::options::BakeOptions;
 use super::packing::Packing;
 use super::provenance;
 use super::screen;
-use super::search::{Coarser, LevelLook, PORTABLE};
+use super::search::{Coarser, LevelLook};
 use super::space;
 use super::textures::{Beside, Textures, labeled};
 use super::unlit;
@@ -119,7 +119,7 @@ pub(super) fn possible_files(path: &Path, options: &BakeOptions, packing: &Packi
     let beside = options.maps.iter().map(|map| path.with_extension(format!("{}.png", map.name())));
     let given = packing.images.all().map(ImageCodec::kind);
     let kinds = match options.searches() {
-        true if options.images.is_empty() => &PORTABLE[..],
+        true if options.images.is_empty() => options.codecs.images(),
         true => &options.images,
         false => &given,
     };

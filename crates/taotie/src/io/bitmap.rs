@@ -1,5 +1,7 @@
-//! Textures from PNG, JPEG, WebP, KTX2, TGA, Radiance HDR and OpenEXR, in the precision and encoding of the file.
+//! Textures from PNG, JPEG, WebP, AVIF, KTX2, TGA, Radiance HDR and OpenEXR, in the precision and encoding of the file.
 
+#[cfg(feature = "avif")]
+mod avif;
 #[cfg(feature = "exr")]
 mod exr;
 mod header;
@@ -71,6 +73,10 @@ pub(super) fn decode_within(bytes: &[u8], name: &str, path: &Path, reading: &Rea
     if let Some((what, feature)) = lacking(bytes, format) {
         return Err(Error::needs_feature(format!("{}: {}: {what}", path.display(), at()), feature));
     }
+    #[cfg(feature = "avif")]
+    if is_avif(bytes) {
+        return avif::decode(bytes, reading).map_err(|failure| failure.into_error(path, at()));
+    }
     #[cfg(feature = "basis")]
     if is_ktx2(bytes) {
         return ktx::decode(bytes, reading).map_err(|failure| failure.into_error(path, at()));
@@ -78,7 +84,7 @@ pub(super) fn decode_within(bytes: &[u8], name: &str, path: &Path, reading: &Rea
     let format = format.ok_or_else(|| {
         Error::unsupported(
             format!("{}: the image format of '{name}'", path.display()),
-            "images are read from PNG, JPEG, WebP, KTX2, TGA, HDR and EXR",
+            "images are read from PNG, JPEG, WebP, AVIF, KTX2, TGA, HDR and EXR",
         )
     })?;
     #[cfg(feature = "exr")]
@@ -101,9 +107,14 @@ fn is_ktx2(bytes: &[u8]) -> bool {
     bytes.starts_with(KTX2)
 }
 
+fn is_avif(bytes: &[u8]) -> bool {
+    bytes.get(4..12) == Some(b"ftypavif")
+}
+
 /// Names the format of an image that this build does not read, and the feature that reads it.
 fn lacking(bytes: &[u8], format: Option<ImageFormat>) -> Option<(&'static str, &'static str)> {
     let kinds = [
+        (!cfg!(feature = "avif") && is_avif(bytes), ("AVIF", "avif")),
         (!cfg!(feature = "basis") && is_ktx2(bytes), ("KTX2", "basis")),
         (!cfg!(feature = "exr") && format == Some(ImageFormat::OpenExr), ("OpenEXR", "exr")),
         (!cfg!(feature = "webp") && format == Some(ImageFormat::WebP), ("WebP", "webp")),

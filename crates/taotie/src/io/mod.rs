@@ -42,10 +42,10 @@ pub use structure::{GltfStructure, RootNode};
 pub use system::free_memory;
 pub use variants::Variants;
 pub use write::{
-    AnimatedImage, AnimationFormat, AnimationSpec, CodecKind, EncodedModel, FileBytes, FileSet, GltfAsset,
-    GltfDraft, GltfFormat, GltfGraft, GltfImage, GltfLevel, GltfMaterial, GltfPacker, GraftedMaterial,
-    ImageCodec, ImageFormat, LossyTexture, PackedGeometry, PackedImage, PngColor, PngImage, PngSamples,
-    Stopper, TextureCodecs, VertexBits, WrittenScene, encode_glb, encode_gltf, encode_graft,
+    AnimatedImage, AnimationFormat, AnimationSpec, CodecKind, CodecSet, EncodedModel, FileBytes, FileSet,
+    GltfAsset, GltfDraft, GltfFormat, GltfGraft, GltfImage, GltfLevel, GltfMaterial, GltfPacker,
+    GraftedMaterial, ImageCodec, ImageFormat, LossyTexture, PackedGeometry, PackedImage, PngColor, PngImage,
+    PngSamples, Stopper, TextureCodecs, VertexBits, WrittenScene, encode_glb, encode_gltf, encode_graft,
     encode_jpeg_bitmap, encode_png, encode_png_bitmap, encode_scene, encode_scene_as, encode_webp_bitmap,
     gltf_files, gltf_sampler, join_levels, write_bytes, write_gltf, write_image, write_png, write_png_bitmap,
     write_scene, write_text,

@@ -3,7 +3,8 @@
 use crate::bumpy;
 use std::collections::BTreeMap;
 use taotie::io::{
-    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, Loaded, load_levels, load_model, write_gltf,
+    CodecSet, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, Loaded, encode_glb, load_levels, load_model,
+    write_gltf,
 };
 use taotie::math::{Mat4, Vec3};
 use taotie::mesh::Mesh;
@@ -69,6 +70,26 @@ fn packed_meshes_are_within_half_a_step() {
             assert_eq!(loaded.extensions_required, ["EXT_meshopt_compression", "KHR_mesh_quantization"]);
         }
     }
+}
+
+/// The newer extension packs the same numbers into fewer bytes.
+#[test]
+fn both_extensions_hold_the_same_mesh() {
+    let mesh = bumpy::sphere(80, 40);
+    let asset = GltfAsset { levels: &[level(&mesh)], ..GltfAsset::default() };
+    let folder = tempfile::tempdir().unwrap();
+    let [portable, latest] = [CodecSet::Portable, CodecSet::WebLatest].map(|codecs| {
+        let bytes =
+            encode_glb(&asset, &GltfFormat { meshopt: true, codecs, ..GltfFormat::default() }).unwrap();
+        let path = folder.path().join("m.glb");
+        std::fs::write(&path, &bytes).unwrap();
+        (bytes.len(), load_model(&path).unwrap())
+    });
+    let [ours, theirs] = [&portable, &latest].map(|(_, loaded)| loaded.scene.meshes()[0].clone().into_data());
+    assert_eq!(ours.triangles, theirs.triangles);
+    assert_eq!((ours.positions, ours.normals, ours.uvs), (theirs.positions, theirs.normals, theirs.uvs));
+    assert_eq!(latest.1.extensions_required, ["KHR_mesh_quantization", "KHR_meshopt_compression"]);
+    assert!(latest.0 < portable.0, "{} {}", latest.0, portable.0);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::{common, files};
 use std::sync::Arc;
 #[cfg(feature = "webp")]
 use taotie::image::Bitmap;
-use taotie::io::{GltfPacker, GltfSource, Limits, Loaded, PackedGeometry, PackedImage, load_model};
+use taotie::io::{CodecSet, GltfPacker, GltfSource, Limits, Loaded, PackedGeometry, PackedImage, load_model};
 #[cfg(feature = "webp")]
 use taotie::io::{ImageCodec, decode_bitmap};
 use taotie::math::Vec3;
@@ -51,7 +51,10 @@ fn all_stays_but_rounding() {
     for (path, own) in every_file() {
         let packer = GltfPacker::open(GltfSource::File(&path), &Limits::default()).unwrap();
         let (_, loaded) = packed(&packer, PackedGeometry::default(), &[]);
+        let latest = PackedGeometry { codecs: CodecSet::WebLatest, ..PackedGeometry::default() };
+        let (_, by_latest) = packed(&packer, latest, &[]);
         let name = path.display();
+        assert!(corners(&loaded) == corners(&by_latest), "{name}");
         assert_eq!(own.scene.materials(), loaded.scene.materials(), "{name}");
         assert_eq!(own.scene.instances().len(), loaded.scene.instances().len(), "{name}");
         assert_eq!(own.scene.textures().len(), loaded.scene.textures().len(), "{name}");

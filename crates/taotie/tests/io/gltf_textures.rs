@@ -5,12 +5,13 @@ use basisu::{DecodeFlags, TargetFormat, Transcoder};
 use taotie::compare::angle_deg;
 use taotie::image::{Bitmap, Texels};
 use taotie::io::{
-    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, encode_glb, load_model, write_gltf,
+    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, TextureCodecs, encode_glb, load_model,
+    write_gltf,
 };
 use taotie::math::Vec3;
 
 /// The textures of a GLB with these maps, in the order colour, normals.
-fn read_back(color: &Bitmap, normal: &Bitmap, images: ImageCodec) -> Vec<Bitmap> {
+fn read_back(color: &Bitmap, normal: &Bitmap, images: impl Into<TextureCodecs>) -> Vec<Bitmap> {
     let mesh = bumpy::sphere(8, 4);
     let material = GltfMaterial {
         base_color_map: Some(color.into()),
@@ -189,6 +190,22 @@ fn jpeg_is_for_colours_alone() {
 }
 
 #[test]
+fn avif_keeps_the_channels_of_normals_apart() {
+    let (color, normal) = (bumpy::colors(64), waves());
+    let read = |quality: u8| {
+        let images: TextureCodecs = format!("avif:{quality}/avif:{quality}/webp").parse().unwrap();
+        let back = read_back(&color, &normal, images);
+        (rmse(&back[0], &color), angles(&back[1], &normal)[0])
+    };
+    let (coarse, fine) = (read(50), read(95));
+    assert!(fine.0 < 1.5 && fine.1 < 0.35 && coarse.0 > fine.0 && coarse.1 > fine.1, "{coarse:?} {fine:?}");
+    // A plain colour that 8 bits of luma and chroma cannot say.
+    let dark = bumpy::bitmap(16, |_, _| [50, 61, 69]);
+    let back = read_back(&dark, &bumpy::normals(16, 2), ImageCodec::Avif(95));
+    assert!(rmse(&back[0], &dark) < 0.3, "{}", rmse(&back[0], &dark));
+}
+
+#[test]
 fn threads_change_no_byte() {
     let (mesh, color, normal) = (bumpy::sphere(24, 12), bumpy::colors(64), bumpy::deep_normals(64, 4));
     let material = GltfMaterial {
@@ -203,6 +220,7 @@ fn threads_change_no_byte() {
         GltfFormat { images: ImageCodec::Jpeg(80).into(), ..plain },
         GltfFormat { images: ImageCodec::WebP.into(), ..plain },
         GltfFormat { images: ImageCodec::LossyWebP(80).into(), ..plain },
+        GltfFormat { images: "avif:80/avif:80/avif:80".parse().unwrap(), ..plain },
         GltfFormat { images: ImageCodec::Ktx2(0).into(), ..plain },
         GltfFormat { images: ImageCodec::Ktx2(2).into(), ..plain },
     ];

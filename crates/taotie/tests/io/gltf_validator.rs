@@ -2,7 +2,7 @@
 
 use crate::{bumpy, rich, validator};
 use taotie::io::{
-    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, Provenance, write_gltf, write_scene,
+    CodecSet, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, Provenance, write_gltf, write_scene,
 };
 use taotie::mesh::Mesh;
 use taotie::scene::{AlphaMode, Clearcoat, Material};
@@ -77,6 +77,12 @@ fn every_kind_of_file_is_valid() {
             GltfFormat { images: ImageCodec::WebP.into(), ..default },
             GltfFormat { images: ImageCodec::LossyWebP(80).into(), ..default },
             GltfFormat { images: ImageCodec::Ktx2(2).into(), meshopt: true, ..default },
+            GltfFormat {
+                images: "avif:80/avif:80/avif:80".parse().unwrap(),
+                meshopt: true,
+                codecs: CodecSet::WebLatest,
+                ..default
+            },
         ] {
             let asset = GltfAsset {
                 name: "ball",

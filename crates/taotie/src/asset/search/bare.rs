@@ -99,7 +99,8 @@ impl<'a, 'b> Bare<'a, 'b> {
             self.colors.add(count, ratio);
         }
         for (i, normals) in NORMAL_BITS.into_iter().enumerate() {
-            self.rates[i] = draft.mesh_bytes(self.bits(&draft, normals))? as f64 / count;
+            let (bits, codecs) = (self.bits(&draft, normals), self.workshop.codecs().set);
+            self.rates[i] = draft.mesh_bytes(bits, codecs)? as f64 / count;
         }
         best.offer(Candidate::made(draft, rounding), trial);
         Ok(trial)

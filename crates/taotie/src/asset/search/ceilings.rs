@@ -63,6 +63,7 @@ impl Ceilings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::CodecSet;
 
     #[test]
     fn ceilings_are_those_of_the_finest_level() {
@@ -73,6 +74,6 @@ mod tests {
         let coarser = ceilings.of_level(Level { number: 1, across: 256 });
         assert_eq!([ceilings.of_level(Level::FINEST), coarser].map(|own| own.gpu_bytes), [750e3, 187_500.0]);
         assert_eq!(Ceilings::of(&[]).ratio(100, 100), 0.0);
-        assert_eq!(Ceilings::of(&[]).most_texels(&Codecs::new(&[])), f64::INFINITY);
+        assert_eq!(Ceilings::of(&[]).most_texels(&Codecs::new(&[], CodecSet::Portable)), f64::INFINITY);
     }
 }

@@ -1,32 +1,36 @@
 //! The image formats that a search may choose from.
 
-use crate::io::{CodecKind, ImageCodec};
+use crate::io::{CodecKind, CodecSet, ImageCodec};
 
 /// Qualities to try, from the lowest up.
 const WEBP: [u8; 9] = [20, 35, 50, 65, 75, 82, 88, 93, 97];
 const JPEG: [u8; 9] = [40, 55, 70, 80, 86, 90, 94, 96, 98];
+const AVIF: [u8; 9] = [30, 42, 54, 65, 75, 82, 88, 93, 97];
 /// λ of KTX2, from the most lossy down.
 const KTX2: [u8; 5] = [12, 6, 3, 1, 0];
-
-/// The kinds of a search that was not given any: those of a portable asset.
-pub(in crate::asset) const PORTABLE: [CodecKind; 3] = [CodecKind::Png, CodecKind::Jpeg, CodecKind::WebP];
 
 /// The image formats that a search may choose from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Codecs {
     kinds: Vec<CodecKind>,
+    /// The set whose extension geometry is packed by.
+    pub set: CodecSet,
 }
 
 impl Codecs {
-    /// Takes the kinds that are allowed, without those that this build cannot write; those of [`PORTABLE`] if none are given.
-    pub fn new(kinds: &[CodecKind]) -> Self {
-        let kinds = if kinds.is_empty() { &PORTABLE } else { kinds };
-        let can_write = |kind: &CodecKind| cfg!(feature = "webp") || *kind != CodecKind::WebP;
+    /// Takes the kinds that are allowed, without those that this build cannot write; those of the set if none are given.
+    pub fn new(kinds: &[CodecKind], set: CodecSet) -> Self {
+        let kinds = if kinds.is_empty() { set.images() } else { kinds };
+        let can_write = |kind: &CodecKind| match kind {
+            CodecKind::WebP => cfg!(feature = "webp"),
+            CodecKind::Avif => cfg!(feature = "avif"),
+            CodecKind::Png | CodecKind::Jpeg | CodecKind::Ktx2 => true,
+        };
         let mut kinds: Vec<CodecKind> = kinds.iter().copied().filter(can_write).collect();
         if kinds.is_empty() {
             kinds.push(CodecKind::Png);
         }
-        Self { kinds }
+        Self { kinds, set }
     }
 
     /// Returns `true` if images of a kind may stay as they are.
@@ -58,6 +62,7 @@ impl Codecs {
             CodecKind::Png => Vec::new(),
             CodecKind::Jpeg => JPEG.map(ImageCodec::Jpeg).into(),
             CodecKind::WebP => WEBP.map(ImageCodec::LossyWebP).into(),
+            CodecKind::Avif => AVIF.map(ImageCodec::Avif).into(),
             CodecKind::Ktx2 => KTX2.map(ImageCodec::Ktx2).into(),
         };
         self.kinds.iter().map(ladder).filter(|ladder| !ladder.is_empty())
@@ -70,7 +75,7 @@ mod tests {
 
     #[test]
     fn each_set_has_a_format_that_loses_least() {
-        let least = |kinds: &[CodecKind]| Codecs::new(kinds).least_lossy();
+        let least = |kinds: &[CodecKind]| Codecs::new(kinds, CodecSet::Portable).least_lossy();
         assert_eq!(least(&[CodecKind::Ktx2]), ImageCodec::Ktx2(0));
         assert_eq!(least(&[CodecKind::Jpeg]), ImageCodec::Jpeg(98));
         assert_eq!(least(&[CodecKind::Jpeg, CodecKind::Png]), ImageCodec::Png);

@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// The least side that is tried, texels.
 const LEAST_SIDE: u32 = 32;
-/// Up to this side a texture that loses nothing is tried, too: those of few colours are small.
+/// Up to this side a texture that loses nothing is tried beside lossy ones, too: those of few colours are small.
 const LOSSLESS_SIDE: u32 = 1024;
 /// Ratios of angles for which normal maps are made.
 pub(super) const NORMAL_RATIOS: [f64; 7] = [0.2, 0.35, 0.5, 0.65, 0.78, 0.88, 0.96];
@@ -97,7 +97,15 @@ impl<'a> Encodings<'a> {
                 (best, worse) = (Some(of_side), 0);
             }
         }
-        Ok(best)
+        let between = best.as_ref().and_then(|best| self.side_below(best.side));
+        let shorter = between.map(|side| self.smallest_of(side, most)).transpose()?.flatten();
+        Ok(best.into_iter().chain(shorter).min_by_key(|encoded| encoded.bytes.len()))
+    }
+
+    /// Returns the multiple of four halfway between a side and the next shorter one of those that are tried first.
+    fn side_below(&self, side: u32) -> Option<u32> {
+        let shorter = sides(self.most_side).filter(|other| *other < side).last()?;
+        Some((shorter + side) / 2 & !3).filter(|between| (shorter + 1..side).contains(between))
     }
 
     /// Returns the smallest encoding of a size whose ratio is at most `most`.
@@ -109,8 +117,7 @@ impl<'a> Encodings<'a> {
         for ladder in self.codecs.ladders().filter(|ladder| self.texture.fits(ladder[0], side)) {
             found.extend(self.lowest(side, &ladder, most)?);
         }
-        let is_last = found.is_empty() && side == self.most_side;
-        if let Some(lossless) = self.codecs.lossless().filter(|_| side <= LOSSLESS_SIDE || is_last) {
+        if let Some(lossless) = self.codecs.lossless().filter(|_| side <= LOSSLESS_SIDE || found.is_empty()) {
             found.push(self.encoded(side, lossless)?);
         }
         let near = found.into_iter().filter(|encoded| encoded.ratio <= most);
@@ -181,6 +188,7 @@ mod tests {
     use super::*;
     use crate::bake::Scan;
     use crate::image::{Sampler, Texels};
+    use crate::io::CodecSet;
     use crate::math::{Mat4, scalar::sin};
     use crate::mesh::Mesh;
     use crate::proof::{Picture, Relook, Side};
@@ -221,7 +229,7 @@ mod tests {
         let side = Side::of(&ball);
         let look = Relook::new(&side, Picture::whole(2_000));
         let of_waves = look.first(Encoding::Srgb).unwrap().unwrap();
-        let encodings = Encodings::new(&texture, of_waves, (&goal, &Codecs::new(&[])));
+        let encodings = Encodings::new(&texture, of_waves, (&goal, &Codecs::new(&[], CodecSet::Portable)));
         let found = [0.3, 1.0, 4.0].map(|most| encodings.smallest(most).unwrap().unwrap());
         assert!(found.windows(2).all(|pair| pair[0].bytes.len() > pair[1].bytes.len()), "{found:?}");
         assert!(found.iter().zip([0.3, 1.0, 4.0]).all(|(found, most)| found.ratio <= most));

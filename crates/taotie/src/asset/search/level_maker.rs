@@ -66,7 +66,7 @@ impl Source {
                 }
                 Ok(Self::Made(scene))
             }
-            Finest::Packed(_) => Ok(Self::Packed(Box::new(packer(scan)?))),
+            Finest::Packed(_) => Ok(Self::Packed(Box::new(packer(scan)?.0))),
         }
     }
 }

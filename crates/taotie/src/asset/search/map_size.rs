@@ -55,7 +55,7 @@ impl MapSize {
     pub fn with(workshop: &mut Workshop<'_>, draft: &Draft, loss: Loss) -> Result<Self> {
         let bits = under_map(draft.shape.size);
         let trial = workshop.trial(draft, workshop.rounding(bits, loss.normals))?;
-        let mesh_bytes = draft.mesh_bytes(bits)? as f64;
+        let mesh_bytes = draft.mesh_bytes(bits, workshop.codecs().set)? as f64;
         let squared = (trial.angle_ratio * trial.angle_ratio - loss.squared).max(0.0);
         let bytes = trial.bytes as f64 - mesh_bytes;
         Ok(Self { size: draft.shape.size, squared, mesh_bytes, bytes, lossy: vec![loss] })

@@ -28,7 +28,6 @@ mod winner;
 mod workshop;
 
 pub(super) use coarser::{Coarser, Finest, LevelLook};
-pub(super) use codecs::PORTABLE;
 pub(super) use level::Level;
 pub(super) use levels::make_levels;
 pub(super) use smallest::{MadeAsset, PackedAsset, Smallest, smallest};

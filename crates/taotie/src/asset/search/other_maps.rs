@@ -38,7 +38,8 @@ pub(super) fn chosen(
         let shape = Shape { triangles, size, has_normal_map: false };
         let Some(draft) = workshop.draft(shape, progress)? else { continue };
         let trial = choose_losses(workshop, &draft)?;
-        let of_maps = trial.bytes.saturating_sub(draft.mesh_bytes(VertexBits::default())?);
+        let of_maps =
+            trial.bytes.saturating_sub(draft.mesh_bytes(VertexBits::default(), workshop.codecs().set)?);
         if of_maps as f64 > best.bytes() {
             return Ok(None);
         }

@@ -11,7 +11,7 @@ use crate::asset::scan::Scan;
 use crate::error::{Error, Result, Warnings};
 use crate::image::Encoding;
 use crate::io::{
-    self, GltfPacker, GltfSource, ImageCodec, LossyTexture, PackedGeometry, PackedImage, VertexBits,
+    self, CodecSet, GltfPacker, GltfSource, ImageCodec, LossyTexture, PackedGeometry, PackedImage, VertexBits,
 };
 use crate::parallel;
 use crate::progress::Progress;
@@ -53,7 +53,8 @@ fn with(
     progress: Progress<'_>,
     search: &mut dyn FnMut(PackedScan<'_, '_>) -> Result<()>,
 ) -> Result<()> {
-    let packer = &packer(workshop.scan())?;
+    let (packer, losses) = &packer(workshop.scan())?;
+    workshop.packing_losses = losses.clone();
     let look = Relook::new(workshop.side(), workshop.picture());
     let of_image = |number: usize| {
         let texture = packer.image(number)?;
@@ -90,7 +91,7 @@ pub(super) fn all(
             search.images.extend(search.chosen(Encoding::Srgb, *most)?.images);
             for maps in search.normal_maps()? {
                 for (kept, bits) in kept.iter().flat_map(|kept| BITS.map(|bits| (*kept, vertex_bits(bits)))) {
-                    search.trial(PackedGeometry { kept, bits }, &maps.of, best)?;
+                    search.trial(PackedGeometry { kept, bits, ..WHOLE }, &maps.of, best)?;
                 }
             }
         }
@@ -119,20 +120,17 @@ fn shown(scan: &Scan, image: &LossyTexture) -> Option<Shown> {
     (!textures.is_empty()).then(|| Shown { textures, encoding: image.encoding() })
 }
 
-/// Opens the file of a scan; one that is no glTF is made glTF.
-pub(super) fn packer(scan: &Scan) -> Result<GltfPacker> {
-    let path = scan.path();
+/// Opens the file of a scan; one that is no glTF is made glTF. Also returns what that loses. Of that, what changes angles or colours is
+/// measured with the candidate, and all else is lost by candidates that are made, too.
+pub(super) fn packer(scan: &Scan) -> Result<(GltfPacker, Warnings)> {
+    let (path, mut lost) = (scan.path(), Warnings::default());
     if io::is_gltf(path).unwrap_or(false) {
-        return GltfPacker::open(GltfSource::File(path), &scan.limits);
+        return Ok((GltfPacker::open(GltfSource::File(path), &scan.limits)?, lost));
     }
     let scene = scan.surface().clone().into_scene()?;
-    let mut lost = Warnings::default();
     let bytes = io::encode_scene(&scene, &[], &mut lost)?;
     drop(scene);
-    match lost.iter().next() {
-        Some((what, _)) => Err(Error::unsupported("the scan as glTF", what)),
-        None => GltfPacker::open(GltfSource::Glb(&bytes), &scan.limits),
-    }
+    Ok((GltfPacker::open(GltfSource::Glb(&bytes), &scan.limits)?, lost))
 }
 
 /// A search among packings of a scan.
@@ -175,7 +173,8 @@ impl Images {
     }
 }
 
-const WHOLE: PackedGeometry = PackedGeometry { kept: 1.0, bits: vertex_bits(BITS[BITS.len() - 1]) };
+const WHOLE: PackedGeometry =
+    PackedGeometry { kept: 1.0, bits: vertex_bits(BITS[BITS.len() - 1]), codecs: CodecSet::Portable };
 
 /// Returns bits of positions and normals; those of uvs follow from textures.
 const fn vertex_bits([positions, normals]: [u8; 2]) -> VertexBits {
@@ -262,7 +261,7 @@ impl PackedScan<'_, '_> {
     fn trial(&mut self, geometry: PackedGeometry, maps: &Images, best: &mut Best) -> Result<Trial> {
         self.progress.begin("pack the scan")?;
         let images: Vec<PackedImage> = self.images.iter().chain(&maps.images).cloned().collect();
-        let (size, geometry) = self.with_uv_bits(geometry, &images);
+        let (size, geometry) = self.completed(geometry, &images);
         let glb = self.packer.encode(geometry, &images)?;
         let about = Trial {
             is_scan: true,
@@ -278,12 +277,8 @@ impl PackedScan<'_, '_> {
     }
 
     /// Returns the longest side of any image if these are in place of its own, `None` if that is unknown, and the geometry with
-    /// the bits that uvs then need.
-    fn with_uv_bits(
-        &self,
-        geometry: PackedGeometry,
-        images: &[PackedImage],
-    ) -> (Option<u32>, PackedGeometry) {
+    /// the bits that uvs then need and the extension of the workshop's codecs.
+    fn completed(&self, geometry: PackedGeometry, images: &[PackedImage]) -> (Option<u32>, PackedGeometry) {
         let side = |number: usize| {
             let packed = images.iter().find(|image| image.number == number).map(|image| image.side);
             // One that stays as it is counts as the longest.
@@ -295,7 +290,8 @@ impl PackedScan<'_, '_> {
         let longest = sides.chain([self.packer.longest_side().map(|_| 0)]);
         let size = longest.into_iter().try_fold(0, |longest, side| Some(side?.max(longest)));
         let uvs = size.filter(|_| !self.keeps_uvs).map_or(geometry.bits.uvs, uv_bits);
-        (size, PackedGeometry { bits: VertexBits { uvs, ..geometry.bits }, ..geometry })
+        let codecs = self.workshop.codecs().set;
+        (size, PackedGeometry { bits: VertexBits { uvs, ..geometry.bits }, codecs, ..geometry })
     }
 
     fn of_encoding(&self, wanted: Encoding) -> impl Iterator<Item = &(usize, Encodings<'_>)> {
@@ -363,7 +359,7 @@ impl PackedScan<'_, '_> {
     /// Returns what fewer bits of vertices cost.
     fn bits(&self) -> Result<Vec<Choice<VertexBits>>> {
         let choice = |bits: VertexBits| -> Result<Choice<VertexBits>> {
-            let (_, geometry) = self.with_uv_bits(PackedGeometry { bits, ..WHOLE }, &self.images);
+            let (_, geometry) = self.completed(PackedGeometry { bits, ..WHOLE }, &self.images);
             let bytes = self.packer.encode(geometry, &self.images)?.len() as f64;
             let ratio = self.workshop.goal.ratio_of_mean(angle_of(bits.normals));
             Ok(Choice { of: bits, squared: ratio * ratio, bytes })
@@ -388,7 +384,7 @@ impl PackedScan<'_, '_> {
             }
             tried.push(choice);
             let Combined { kept, maps, bits } = choice;
-            let geometry = PackedGeometry { kept, bits: forecast.bits[bits].of };
+            let geometry = PackedGeometry { kept, bits: forecast.bits[bits].of, ..WHOLE };
             let trial = self.trial(geometry, &forecast.maps[maps].of, best)?;
             forecast.learn(choice, &trial);
             if is_hit(&trial) {

@@ -87,7 +87,7 @@ pub(in crate::asset) fn smallest(
     let smallest = match candidate {
         Candidate::Packed { glb, geometry, images } => {
             // Nothing was made without what cannot be seen.
-            warnings = Warnings::default();
+            warnings = workshop.packing_losses.clone();
             let normals = trial.normals.unwrap_or(workshop.codecs().least_lossy());
             let rounding = workshop.rounding(trial.bits, normals);
             Smallest::Packed(PackedAsset { glb, geometry, images, rounding })

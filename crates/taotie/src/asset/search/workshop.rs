@@ -14,10 +14,10 @@ use crate::asset::options::BakeOptions;
 use crate::asset::requirement::Requirement;
 use crate::asset::scan::Scan;
 use crate::bake::{self, MapKind, Simplified};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Warnings};
 use crate::io::{
-    self, GltfAsset, GltfFormat, GltfLevel, GltfSizes, GltfSource, ImageCodec, Limits, TextureCodecs,
-    VertexBits,
+    self, CodecSet, GltfAsset, GltfFormat, GltfLevel, GltfSizes, GltfSource, ImageCodec, Limits,
+    TextureCodecs, VertexBits,
 };
 use crate::mesh::Mesh;
 use crate::progress::Progress;
@@ -65,6 +65,7 @@ pub(super) struct Shape {
 pub(in crate::asset) struct Rounding {
     pub bits: VertexBits,
     pub images: TextureCodecs,
+    pub codecs: CodecSet,
 }
 
 /// A candidate that was made and not written yet.
@@ -110,6 +111,8 @@ pub(super) struct Workshop<'a> {
     pub trials: Vec<Trial>,
     /// Why candidates were refused: their mesh lost the scan's shape, or has more UV islands than its maps can hold.
     pub refused: BTreeMap<Shape, Error>,
+    /// What the packed scan lacks that its file says.
+    pub packing_losses: Warnings,
     /// Why the scan itself is no candidate.
     pub not_packed: Option<Error>,
 }
@@ -117,7 +120,8 @@ pub(super) struct Workshop<'a> {
 impl Rounding {
     /// Returns the format of its file.
     pub fn format(self) -> GltfFormat {
-        GltfFormat { images: self.images, meshopt: true, bits: self.bits, ..GltfFormat::default() }
+        let Self { bits, images, codecs } = self;
+        GltfFormat { images, quick_webp: false, meshopt: true, codecs, bits }
     }
 }
 
@@ -134,8 +138,8 @@ impl Draft {
     }
 
     /// Returns the number of bytes of its mesh only.
-    pub fn mesh_bytes(&self, bits: VertexBits) -> Result<u64> {
-        let format = Rounding { bits, ..Rounding::default() }.format();
+    pub fn mesh_bytes(&self, bits: VertexBits, codecs: CodecSet) -> Result<u64> {
+        let format = Rounding { bits, codecs, ..Rounding::default() }.format();
         Ok(encoded_mesh(&self.low.mesh, &format)?.len() as u64)
     }
 }
@@ -143,7 +147,7 @@ impl Draft {
 impl<'a> Workshop<'a> {
     /// Makes a workshop.
     pub fn new(recipe: Recipe<'a>, (goal, ceilings): (Goal, Ceilings), subject: Subject<'a>) -> Self {
-        let codecs = Codecs::new(&recipe.options.images);
+        let codecs = Codecs::new(&recipe.options.images, recipe.options.codecs);
         let mut plain = recipe.options.clone();
         plain.maps.retain(|map| *map != MapKind::Normal);
         Self {
@@ -160,6 +164,7 @@ impl<'a> Workshop<'a> {
             codecs,
             trials: Vec::new(),
             refused: BTreeMap::new(),
+            packing_losses: Warnings::default(),
             not_packed: None,
         }
     }
@@ -318,7 +323,7 @@ impl<'a> Workshop<'a> {
 
     /// Returns what a candidate loses whose normal map has this format, and other maps those that were chosen for them.
     pub fn rounding(&self, bits: VertexBits, normals: ImageCodec) -> Rounding {
-        Rounding { bits, images: TextureCodecs { normals, ..self.images } }
+        Rounding { bits, images: TextureCodecs { normals, ..self.images }, codecs: self.codecs.set }
     }
 
     /// Returns the image formats that may be chosen.

@@ -1,6 +1,6 @@
 //! The size and the format of an image, read from its header.
 
-use imagesize::{ImageError, ImageSize, ImageType};
+use imagesize::{Compression, ImageError, ImageSize, ImageType};
 use std::io::{BufRead, Seek};
 
 /// The size and the format of an image.
@@ -27,6 +27,7 @@ impl ImageHeader {
             ImageType::Png => "image/png",
             ImageType::Jpeg => "image/jpeg",
             ImageType::Webp => "image/webp",
+            ImageType::Heif(Compression::Av1) => "image/avif",
             ImageType::Ktx2 => KTX2_TYPE,
             ImageType::Tga => "image/x-tga",
             ImageType::Hdr => "image/vnd.radiance",

@@ -9,7 +9,7 @@ use std::path::Path;
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 
 /// Extensions of glTF whose meaning is drawn.
-pub const SUPPORTED: [&str; 16] = [
+pub const SUPPORTED: [&str; 17] = [
     "KHR_lights_punctual",
     "KHR_texture_transform",
     "KHR_mesh_quantization",
@@ -21,6 +21,7 @@ pub const SUPPORTED: [&str; 16] = [
     "KHR_materials_anisotropy",
     "KHR_materials_sheen",
     "KHR_materials_variants",
+    "EXT_texture_avif",
     "EXT_texture_webp",
     "KHR_texture_basisu",
     "EXT_meshopt_compression",
@@ -29,7 +30,8 @@ pub const SUPPORTED: [&str; 16] = [
 ];
 
 /// Extensions that give a texture another image than its own, the one that is believed most first.
-pub(in crate::io) const OF_TEXTURES: [&str; 2] = ["EXT_texture_webp", "KHR_texture_basisu"];
+pub(in crate::io) const OF_TEXTURES: [&str; 3] =
+    ["EXT_texture_avif", "EXT_texture_webp", "KHR_texture_basisu"];
 
 /// Extensions that do not change an image with the default materials: of levels of detail the finest is drawn, and
 /// the channels of KHR_animation_pointer are left out with a separate warning.
@@ -50,6 +52,7 @@ fn lacking(name: &str) -> Option<(&'static str, &'static str)> {
     let features = [
         (DRACO, "draco", cfg!(feature = "draco")),
         ("KHR_texture_basisu", "basis", cfg!(feature = "basis")),
+        ("EXT_texture_avif", "avif", cfg!(feature = "avif")),
         ("EXT_texture_webp", "webp", cfg!(feature = "webp")),
     ];
     let found = features.into_iter().find(|(extension, _, there)| *extension == name && !there);

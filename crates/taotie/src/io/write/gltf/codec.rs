@@ -30,6 +30,9 @@ pub enum ImageCodec {
     WebP,
     /// WebP of a quality, 1 to 100, with half as many texels of hue along each side; alpha is lossless.
     LossyWebP(u8),
+    /// AVIF of a quality, 1 to 100, with as many texels of hue as of lightness (EXT_texture_avif); 16 bits are rounded to 8.
+    /// Browsers read it, few other programs do. It holds no alpha: images whose alpha is read are PNG.
+    Avif(u8),
     /// KTX2 of UASTC blocks with mip levels (KHR_texture_basisu), each under Zstandard: less than a byte per texel in the
     /// file, a byte on graphics cards. 16 bits are rounded to 8, and sides must be multiples of 4. It holds no alpha: images
     /// whose alpha is read are PNG.
@@ -49,22 +52,29 @@ pub enum CodecKind {
     Jpeg,
     /// WebP, lossless and lossy.
     WebP,
+    /// AVIF.
+    Avif,
     /// KTX2.
     Ktx2,
 }
 
 impl Named for CodecKind {
     const WHAT: &'static str = "image format";
-    const NAMES: &'static [(&'static str, Self)] =
-        &[("png", Self::Png), ("jpeg", Self::Jpeg), ("webp", Self::WebP), ("ktx2", Self::Ktx2)];
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("png", Self::Png),
+        ("jpeg", Self::Jpeg),
+        ("webp", Self::WebP),
+        ("avif", Self::Avif),
+        ("ktx2", Self::Ktx2),
+    ];
 }
 
 impl CodecKind {
-    /// Returns the codec of this kind that loses least; `None` of JPEG, which has a quality.
+    /// Returns the codec of this kind that loses least; `None` of JPEG and AVIF, which have a quality.
     pub fn least_lossy(self) -> Option<ImageCodec> {
         match self {
             Self::Png => Some(ImageCodec::Png),
-            Self::Jpeg => None,
+            Self::Jpeg | Self::Avif => None,
             Self::WebP => Some(ImageCodec::WebP),
             Self::Ktx2 => Some(ImageCodec::Ktx2(0)),
         }
@@ -76,6 +86,7 @@ impl CodecKind {
             [0x89, b'P', b'N', b'G', ..] => Some(Self::Png),
             [0xff, 0xd8, 0xff, ..] => Some(Self::Jpeg),
             [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some(Self::WebP),
+            [_, _, _, _, b'f', b't', b'y', b'p', b'a', b'v', b'i', b'f', ..] => Some(Self::Avif),
             [0xab, b'K', b'T', b'X', b' ', b'2', b'0', ..] => Some(Self::Ktx2),
             _ => None,
         }
@@ -87,6 +98,7 @@ impl CodecKind {
             Self::Png => "png",
             Self::Jpeg => "jpg",
             Self::WebP => "webp",
+            Self::Avif => "avif",
             Self::Ktx2 => "ktx2",
         }
     }
@@ -97,6 +109,7 @@ impl CodecKind {
             Self::Png => "image/png",
             Self::Jpeg => "image/jpeg",
             Self::WebP => "image/webp",
+            Self::Avif => "image/avif",
             Self::Ktx2 => "image/ktx2",
         }
     }
@@ -106,6 +119,7 @@ impl CodecKind {
         match self {
             Self::Png | Self::Jpeg => None,
             Self::WebP => Some("EXT_texture_webp"),
+            Self::Avif => Some("EXT_texture_avif"),
             Self::Ktx2 => Some("KHR_texture_basisu"),
         }
     }
@@ -117,6 +131,7 @@ impl fmt::Display for CodecKind {
             Self::Png => "PNG",
             Self::Jpeg => "JPEG",
             Self::WebP => "WebP",
+            Self::Avif => "AVIF",
             Self::Ktx2 => "KTX2",
         })
     }
@@ -129,15 +144,18 @@ impl ImageCodec {
             Self::Png => CodecKind::Png,
             Self::Jpeg(_) => CodecKind::Jpeg,
             Self::WebP | Self::LossyWebP(_) => CodecKind::WebP,
+            Self::Avif(_) => CodecKind::Avif,
             Self::Ktx2(_) => CodecKind::Ktx2,
         }
     }
 
-    /// Returns the quality of JPEG and lossy WebP, or λ of KTX2; `None` of lossless formats and without λ.
+    /// Returns the quality of JPEG, AVIF and lossy WebP, or λ of KTX2; `None` of lossless formats and without λ.
     pub fn number(self) -> Option<u8> {
         match self {
             Self::Png | Self::WebP | Self::Ktx2(0) => None,
-            Self::Jpeg(number) | Self::LossyWebP(number) | Self::Ktx2(number) => Some(number),
+            Self::Jpeg(number) | Self::LossyWebP(number) | Self::Avif(number) | Self::Ktx2(number) => {
+                Some(number)
+            }
         }
     }
 
@@ -183,7 +201,7 @@ impl fmt::Display for ImageCodec {
 impl FromStr for ImageCodec {
     type Err = Error;
 
-    /// Reads `png`, `webp`, `webp:85`, `jpeg:90`, `ktx2` or `ktx2:2`.
+    /// Reads `png`, `webp`, `webp:85`, `jpeg:90`, `avif:80`, `ktx2` or `ktx2:2`.
     fn from_str(text: &str) -> Result<Self> {
         let text = text.trim();
         let (name, number) = match text.split_once(':') {
@@ -201,6 +219,8 @@ impl FromStr for ImageCodec {
             (CodecKind::Png, Some(_)) => return Err(wrong("PNG is lossless; leave out the quality")),
             (CodecKind::Jpeg, Some(quality)) => Self::Jpeg(quality),
             (CodecKind::Jpeg, None) => return Err(wrong("specify a quality, such as jpeg:90")),
+            (CodecKind::Avif, Some(quality)) => Self::Avif(quality),
+            (CodecKind::Avif, None) => return Err(wrong("specify a quality, such as avif:80")),
             (CodecKind::WebP, None) => Self::WebP,
             (CodecKind::WebP, Some(quality)) => Self::LossyWebP(quality),
             (CodecKind::Ktx2, lambda) => Self::Ktx2(lambda.unwrap_or(0)),
@@ -234,12 +254,14 @@ pub struct TextureCodecs {
 }
 
 impl From<ImageCodec> for TextureCodecs {
-    /// Chooses the format of all textures by that of colours: the loss of JPEG and WebP is for colours only, λ of KTX2 for all
+    /// Chooses the format of all textures by that of colours: the loss of JPEG, WebP and AVIF is for colours only, λ of KTX2 for all
     /// but normals.
     fn from(colors: ImageCodec) -> Self {
         let (normals, numbers) = match colors {
             ImageCodec::Png | ImageCodec::Jpeg(_) => (ImageCodec::Png, ImageCodec::Png),
-            ImageCodec::WebP | ImageCodec::LossyWebP(_) => (ImageCodec::WebP, ImageCodec::WebP),
+            ImageCodec::WebP | ImageCodec::LossyWebP(_) | ImageCodec::Avif(_) => {
+                (ImageCodec::WebP, ImageCodec::WebP)
+            }
             ImageCodec::Ktx2(_) => (ImageCodec::Ktx2(0), colors),
         };
         Self { colors, normals, numbers }
@@ -329,7 +351,7 @@ mod tests {
 
     #[test]
     fn formats_read_back_as_written() {
-        for text in ["png", "jpeg:90", "webp", "webp:1", "ktx2", "ktx2:64", "jpeg:90/webp/png"] {
+        for text in ["png", "jpeg:90", "webp", "webp:1", "avif:80", "ktx2", "ktx2:64", "jpeg:90/webp/png"] {
             assert_eq!(text.parse::<TextureCodecs>().unwrap().to_string(), text);
         }
     }
@@ -337,9 +359,10 @@ mod tests {
     #[test]
     fn wrong_formats_name_the_fault() {
         let cases = [
-            ("gif", "png, jpeg, webp, ktx2"),
+            ("gif", "png, jpeg, webp, avif, ktx2"),
             ("png:5", "PNG is lossless"),
             ("jpeg", "specify a quality"),
+            ("avif", "specify a quality"),
             ("webp:0", "1 to 100"),
             ("jpeg:101", "1 to 100"),
             ("ktx2:65", "0 to 64"),

@@ -1,5 +1,6 @@
 //! A glTF document in the making: its JSON, and the numbers that its accessors name.
 
+use super::codec_set::CodecSet;
 use super::container::{self, Head};
 use super::uri::uri;
 use crate::error::{Error, Result};
@@ -13,8 +14,6 @@ use std::path::Path;
 /// glTF's numbers for the uses of a view.
 pub(super) const VERTICES: u32 = 34962;
 pub(super) const INDICES: u32 = 34963;
-
-pub(super) const MESHOPT: &str = "EXT_meshopt_compression";
 
 /// The type of an accessor's numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,6 +86,8 @@ pub(super) struct Packing {
     pub filter: Option<&'static str>,
     /// glTF's number for its use.
     pub target: u32,
+    /// The set whose extension it is packed by.
+    pub codecs: CodecSet,
 }
 
 impl Packing {
@@ -98,7 +99,7 @@ impl Packing {
     /// Returns the view of packed bytes that begin somewhere in buffer 0 and have some length. Unpacked they lie in another
     /// buffer, from some byte on.
     pub fn view(&self, [start, length]: [usize; 2], (buffer, unpacked): (usize, usize)) -> Value {
-        let Self { count, stride, mode, filter, target } = *self;
+        let Self { count, stride, mode, filter, target, codecs } = *self;
         let mut packed = json!({
             "buffer": 0, "byteOffset": start, "byteLength": length,
             "byteStride": stride, "count": count, "mode": mode,
@@ -108,7 +109,7 @@ impl Packing {
         }
         let mut view = json!({
             "buffer": buffer, "byteOffset": unpacked, "byteLength": self.size(), "target": target,
-            "extensions": { MESHOPT: packed },
+            "extensions": { codecs.meshopt(): packed },
         });
         if target == VERTICES {
             view["byteStride"] = stride.into();
@@ -118,8 +119,8 @@ impl Packing {
 }
 
 /// Returns the buffer that packed views unpack to, which holds nothing, as the extension wants of files that require it.
-pub(super) fn unpacked_buffer(bytes: usize) -> Value {
-    json!({ "byteLength": bytes, "extensions": { MESHOPT: { "fallback": true } } })
+pub(super) fn unpacked_buffer(bytes: usize, codecs: CodecSet) -> Value {
+    json!({ "byteLength": bytes, "extensions": { codecs.meshopt(): { "fallback": true } } })
 }
 
 /// A glTF document in the making: JSON, to which [`GltfDraft::put`] adds anything, and the numbers that it names by
@@ -130,6 +131,8 @@ pub(super) fn unpacked_buffer(bytes: usize) -> Value {
 pub struct GltfDraft {
     /// The document without buffers, buffer views, accessors and the names of extensions.
     pub(super) json: Value,
+    /// The set whose extension meshes are packed by.
+    pub(super) codecs: CodecSet,
     bytes: Vec<u8>,
     /// The number of bytes of the compressed views when unpacked.
     unpacked: usize,
@@ -140,6 +143,11 @@ pub struct GltfDraft {
 }
 
 impl GltfDraft {
+    /// Begins with this JSON.
+    pub(super) fn begun(json: Value, codecs: CodecSet) -> Self {
+        Self { json, codecs, ..Self::default() }
+    }
+
     /// Puts a value into the JSON: as member `name` of the object, or, where `name` is `-`, at the end of the list that
     /// the JSON pointer `parent` (RFC 6901) leads to. The document itself is the empty pointer.
     ///
@@ -256,7 +264,7 @@ impl GltfDraft {
         }
         let mut buffers = vec![buffer];
         if self.unpacked > 0 {
-            buffers.push(unpacked_buffer(self.unpacked));
+            buffers.push(unpacked_buffer(self.unpacked, self.codecs));
         }
         json["buffers"] = json!(buffers);
         json["bufferViews"] = json!(self.views);
@@ -313,7 +321,7 @@ mod tests {
 
     #[test]
     fn values_go_into_objects_and_behind_lists() {
-        let mut draft = GltfDraft { json: json!({ "nodes": [{}] }), ..GltfDraft::default() };
+        let mut draft = GltfDraft::begun(json!({ "nodes": [{}] }), CodecSet::Portable);
         let mut put = |parent, name| draft.put(parent, name, Json(json!(7)));
         put("/nodes/0", "mesh").unwrap();
         put("/nodes", "-").unwrap();

@@ -1,6 +1,7 @@
 //! How a model is packed.
 
 use super::codec::TextureCodecs;
+use super::codec_set::CodecSet;
 use crate::error::{Error, Result};
 
 /// The options for writing a model.
@@ -10,10 +11,12 @@ pub struct GltfFormat {
     pub images: TextureCodecs,
     /// `true` for a shorter search for repetitions in lossless WebP: it takes less than half the time, for about 3 % more bytes.
     pub quick_webp: bool,
-    /// Packs meshes by EXT_meshopt_compression: positions, normals and tangents in the bits of [`GltfFormat::bits`]; uvs
+    /// Packs meshes by meshoptimizer: positions, normals and tangents in the bits of [`GltfFormat::bits`]; uvs
     /// and colours in 16 bits where they lie in [0, 1]. Vertices and triangles are sorted anew. Programs that do not know
     /// the extension cannot read the file.
     pub meshopt: bool,
+    /// The set of codecs, which says by which extension meshes are packed.
+    pub codecs: CodecSet,
     /// The bits of packed vertices. For meshopt only.
     pub bits: VertexBits,
 }

@@ -1,5 +1,7 @@
 //! The bytes of a texture's image in each format.
 
+#[cfg(feature = "avif")]
+use super::avif;
 use super::codec::ImageCodec;
 use super::ktx::{self, KtxImage};
 use super::webp::WebPLoss;
@@ -16,7 +18,7 @@ use std::borrow::Cow;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stored {
     pub encoding: Encoding,
-    /// `true` if alpha is written; KTX2 and JPEG hold none.
+    /// `true` if alpha is written; AVIF, KTX2 and JPEG hold none.
     pub alpha: bool,
     /// As [`GltfFormat::quick_webp`](super::format::GltfFormat).
     pub quick_webp: bool,
@@ -33,6 +35,7 @@ pub(super) fn encode(bitmap: &Bitmap, stored: Stored, codec: ImageCodec) -> Resu
         ImageCodec::WebP if stored.quick_webp => webp(bitmap, stored, WebPLoss::LosslessQuick),
         ImageCodec::WebP => webp(bitmap, stored, WebPLoss::Lossless),
         ImageCodec::LossyWebP(quality) => webp(bitmap, stored, WebPLoss::Quality(quality)),
+        ImageCodec::Avif(quality) => avif(bitmap, stored, quality),
         ImageCodec::Ktx2(rdo) => {
             let size = [bitmap.width(), bitmap.height()];
             let texels = eight_bits(bitmap, stored)?.into_owned();
@@ -72,6 +75,18 @@ fn jpeg(bitmap: &Bitmap, stored: Stored, quality: u8) -> Result<Vec<u8>> {
     let encoded = encoder.encode(&interleaved(&texels, 3), width, height, ColorType::Rgb);
     encoded.map_err(|e| wrong(e.to_string()))?;
     Ok(bytes)
+}
+
+#[cfg(not(feature = "avif"))]
+fn avif(_: &Bitmap, _: Stored, _: u8) -> Result<Vec<u8>> {
+    Err(Error::needs_feature("AVIF", "avif"))
+}
+
+#[cfg(feature = "avif")]
+fn avif(bitmap: &Bitmap, stored: Stored, quality: u8) -> Result<Vec<u8>> {
+    let texels = eight_bits(bitmap, stored)?;
+    let samples = interleaved(&texels, 3);
+    avif::encode([bitmap.width(), bitmap.height()], &samples, (stored.encoding, quality))
 }
 
 #[cfg(not(feature = "webp"))]

@@ -22,7 +22,7 @@ use std::borrow::Cow;
 #[derive(Debug)]
 pub struct LossyTexture {
     texture: Texture,
-    /// `true` if some texel is not opaque.
+    /// `true` if some texel is not opaque, and materials read that.
     has_alpha: bool,
 }
 
@@ -30,6 +30,12 @@ impl LossyTexture {
     /// Takes a bitmap and the meaning of its texels.
     pub fn new(bitmap: Bitmap, encoding: Encoding) -> Self {
         Self { has_alpha: bitmap.has_alpha(), texture: Texture::new(bitmap, encoding) }
+    }
+
+    /// Takes away the alpha, for materials that do not read it.
+    #[must_use]
+    pub(super) fn without_alpha(self) -> Self {
+        Self { has_alpha: false, ..self }
     }
 
     /// Returns the meaning of its texels.

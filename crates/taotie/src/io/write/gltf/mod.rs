@@ -1,7 +1,10 @@
 //! glTF 2.0, `.glb` and `.gltf`: one object with one material, which its triangles may show in several alpha modes, in
 //! one or more levels of detail.
 
+#[cfg(feature = "avif")]
+mod avif;
 mod codec;
+mod codec_set;
 mod container;
 mod draft;
 mod edit;
@@ -28,6 +31,7 @@ mod uri;
 mod webp;
 
 pub use codec::{CodecKind, ImageCodec, TextureCodecs};
+pub use codec_set::CodecSet;
 pub use draft::GltfDraft;
 pub use format::{GltfFormat, VertexBits};
 pub use graft::{EncodedModel, GltfGraft, GraftedMaterial, encode_graft};
@@ -190,7 +194,7 @@ fn draft(
     (images, storage): (&[Encoded], &ImageStorage),
 ) -> Result<GltfDraft> {
     check(asset)?;
-    let mut draft = GltfDraft::default();
+    let mut draft = GltfDraft::begun(Value::Null, format.codecs);
     let meshes = asset.levels.iter().map(|level| level.mesh);
     let grid = format.meshopt.then(|| Grid::around(meshes, format.bits.positions));
     let modes = parts::distinct(asset.alpha_modes, asset.material.alpha);

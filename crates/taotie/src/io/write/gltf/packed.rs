@@ -1,9 +1,9 @@
 //! Meshes packed small: numbers of few bits (KHR_mesh_quantization), and streams by meshoptimizer
-//! (EXT_meshopt_compression).
+//! (EXT_meshopt_compression or KHR_meshopt_compression).
 //!
 //! The filter is ours, as it is where files are read: the library's bits would depend on the compiler.
 
-use super::draft::{Component, GltfDraft, MESHOPT};
+use super::draft::{Component, GltfDraft};
 use super::format::VertexBits;
 use super::mesh::semantic;
 use super::parts::MeshPart;
@@ -71,7 +71,7 @@ pub(super) struct PackedMesh<'a> {
 /// [`Error::Invalid`] where meshoptimizer refuses.
 pub(super) fn add(draft: &mut GltfDraft, packed: PackedMesh) -> Result<Vec<Value>> {
     draft.require("KHR_mesh_quantization");
-    draft.require(MESHOPT);
+    draft.require(draft.codecs.meshopt());
     let PackedMesh { mesh, parts, grid, bits } = packed;
     let lists: Vec<&[[u32; 3]]> = parts.iter().map(|part| &*part.triangles).collect();
     let (order, lists) = sorted(&lists, mesh.positions().len());
@@ -178,12 +178,12 @@ fn words<const N: usize>(name: &str, values: &[[u16; N]], width: usize) -> Strea
 
 /// Adds an attribute; returns the number of its accessor.
 fn add_stream(draft: &mut GltfDraft, stream: &Stream) -> Result<usize> {
-    let view = draft.packed_view(&stream.packed()?, &stream.packing());
+    let view = draft.packed_view(&stream.packed(draft.codecs)?, &stream.packing(draft.codecs));
     Ok(draft.push_accessor(stream.accessor(view)))
 }
 
 fn add_triangles(draft: &mut GltfDraft, triangles: &[[u32; 3]], vertices: usize) -> Result<usize> {
-    let packed = PackedTriangles::new(triangles, vertices)?;
+    let packed = PackedTriangles::new(triangles, vertices, draft.codecs)?;
     let view = draft.packed_view(&packed.bytes, &packed.packing);
     Ok(draft.push_accessor(packed.accessor(view)))
 }

@@ -1,5 +1,6 @@
 //! A vertex attribute as meshoptimizer packs it.
 
+use super::codec_set::CodecSet;
 use super::draft::{Component, INDICES, Packing, VERTICES, accessor};
 use super::mesh::MOST_OF_U16;
 use crate::error::{Error, Result};
@@ -25,21 +26,22 @@ impl Stream {
     }
 
     /// Returns how it is packed.
-    pub fn packing(&self) -> Packing {
+    pub fn packing(&self, codecs: CodecSet) -> Packing {
         let &Self { stride, filter, .. } = self;
-        Packing { count: self.count(), stride, mode: "ATTRIBUTES", filter, target: VERTICES }
+        Packing { count: self.count(), stride, mode: "ATTRIBUTES", filter, target: VERTICES, codecs }
     }
 
-    /// Returns the packed bytes: version 0, the only one that the extension knows.
+    /// Returns the packed bytes, of the version that the extension allows.
     ///
     /// # Errors
     /// [`Error::Invalid`] if meshoptimizer refuses.
-    pub fn packed(&self) -> Result<Vec<u8>> {
+    pub fn packed(&self, codecs: CodecSet) -> Result<Vec<u8>> {
+        let version = codecs.vertex_version();
         match self.stride {
-            4 => encode::<4>(&self.bytes),
-            8 => encode::<8>(&self.bytes),
-            12 => encode::<12>(&self.bytes),
-            _ => encode::<16>(&self.bytes),
+            4 => encode::<4>(&self.bytes, version),
+            8 => encode::<8>(&self.bytes, version),
+            12 => encode::<12>(&self.bytes, version),
+            _ => encode::<16>(&self.bytes, version),
         }
     }
 
@@ -69,13 +71,13 @@ impl PackedTriangles {
     ///
     /// # Errors
     /// [`Error::Invalid`] if meshoptimizer refuses.
-    pub fn new(triangles: &[[u32; 3]], vertices: usize) -> Result<Self> {
+    pub fn new(triangles: &[[u32; 3]], vertices: usize, codecs: CodecSet) -> Result<Self> {
         let indices = triangles.as_flattened();
         let bytes = meshopt::encode_index_buffer(indices, vertices).map_err(refused)?;
         let is_small = vertices <= MOST_OF_U16;
         let (component, stride) = if is_small { (Component::U16, 2) } else { (Component::U32, 4) };
         let (count, target) = (indices.len(), INDICES);
-        let packing = Packing { count, stride, mode: "TRIANGLES", filter: None, target };
+        let packing = Packing { count, stride, mode: "TRIANGLES", filter: None, target, codecs };
         Ok(Self { bytes, packing, component })
     }
 
@@ -85,8 +87,8 @@ impl PackedTriangles {
     }
 }
 
-fn encode<const N: usize>(bytes: &[u8]) -> Result<Vec<u8>> {
-    meshopt::encode_vertex_buffer_level(bytes.as_chunks::<N>().0, 2, Some(0)).map_err(refused)
+fn encode<const N: usize>(bytes: &[u8], version: i32) -> Result<Vec<u8>> {
+    meshopt::encode_vertex_buffer_level(bytes.as_chunks::<N>().0, 2, Some(version)).map_err(refused)
 }
 
 fn refused(error: meshopt::Error) -> Error {

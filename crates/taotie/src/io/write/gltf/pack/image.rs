@@ -24,6 +24,7 @@ pub(super) struct OwnImage {
 /// [`crate::Error::Io`] if a file cannot be read.
 pub(super) fn taken(raw: &mut RawGltf, bitmaps: Vec<Option<Bitmap>>) -> Result<Vec<Option<OwnImage>>> {
     take_along(raw, bitmaps.len(), Storage::Inside)?;
+    let is_opaque = is_opaque(&raw.json);
     let own = bitmaps.into_iter().enumerate().map(|(number, bitmap)| {
         let encoding = encoding(&uses(&raw.json, number)).filter(|_| !has_substitute(&raw.json, number))?;
         let stored = image_bytes(raw, raw.json.pointer(&format!("/images/{number}"))?).ok()??;
@@ -33,11 +34,18 @@ pub(super) fn taken(raw: &mut RawGltf, bitmaps: Vec<Option<Bitmap>>) -> Result<V
         let fits = |bitmap: &Bitmap| bitmap.bits() <= bits && bitmap.width().max(bitmap.height()) <= 16_383;
         let bitmap = bitmap.filter(|bitmap| cfg!(feature = "webp") && fits(bitmap))?;
         let texture = LossyTexture::new(bitmap, encoding);
+        let texture = if is_opaque { texture.without_alpha() } else { texture };
         let json = raw.json.pointer_mut(&format!("/images/{number}"))?;
         ["bufferView", "uri", "mimeType"].iter().for_each(|name| edit::remove(json, name));
         Some(OwnImage { texture, stored, kind })
     });
     Ok(own.collect())
+}
+
+/// Returns `true` if no material of a document reads alpha.
+fn is_opaque(json: &Value) -> bool {
+    let mode = |material: &Value| material.get("alphaMode").is_none_or(|mode| mode == "OPAQUE");
+    edit::items(json, "materials").iter().all(mode)
 }
 
 /// Returns the meaning of an image's texels by what materials read of it; `None` if it has several, none, or one whose loss

@@ -9,8 +9,9 @@ mod strip;
 pub(super) use strip::{each_accessor, names_no_geometry};
 
 use super::codec::CodecKind;
+use super::codec_set::CodecSet;
 use super::container;
-use super::draft::{MESHOPT, unpacked_buffer};
+use super::draft::unpacked_buffer;
 use super::edit;
 use super::format::VertexBits;
 use super::lossy_texture::LossyTexture;
@@ -64,11 +65,13 @@ pub struct PackedGeometry {
     pub kept: f64,
     /// Bits of vertices. The longest side of a mesh has 2^bits steps of positions to twice as many.
     pub bits: VertexBits,
+    /// The set of codecs, which says by which extension meshes are packed.
+    pub codecs: CodecSet,
 }
 
 impl Default for PackedGeometry {
     fn default() -> Self {
-        Self { kept: 1.0, bits: VertexBits::default() }
+        Self { kept: 1.0, bits: VertexBits::default(), codecs: CodecSet::default() }
     }
 }
 
@@ -136,7 +139,7 @@ impl GltfPacker {
                 "keep more than 0, at most 1",
             ));
         }
-        let mut file = Packed::new(&self.json, self.bytes.clone());
+        let mut file = Packed::new(&self.json, self.bytes.clone(), geometry.codecs);
         for ((vertices, extent), locks) in self.vertices.iter().zip(&self.extents).zip(&self.locks) {
             let simplified = Simplified::new(vertices, locks, geometry.kept);
             let precision = Precision { bits: geometry.bits, extent: *extent };
@@ -174,12 +177,13 @@ struct Packed {
     /// The buffer that packed views unpack to, behind those of the file, and its bytes.
     fallback: usize,
     unpacked: usize,
+    codecs: CodecSet,
 }
 
 impl Packed {
-    fn new(json: &Value, bytes: Vec<u8>) -> Self {
+    fn new(json: &Value, bytes: Vec<u8>, codecs: CodecSet) -> Self {
         let fallback = edit::items(json, "buffers").len().max(1);
-        Self { json: json.clone(), bytes, fallback, unpacked: 0 }
+        Self { json: json.clone(), bytes, fallback, unpacked: 0, codecs }
     }
 
     /// Appends bytes, from a multiple of four on; returns where they begin.
@@ -198,7 +202,8 @@ impl Packed {
 
     /// Adds vertices, and their primitives' triangles.
     fn add_vertices(&mut self, from: &StoredVertices, shaped: &Shaped, precision: &Precision) -> Result<()> {
-        edit::require(&mut self.json, MESHOPT);
+        let codecs = self.codecs;
+        edit::require(&mut self.json, codecs.meshopt());
         let mut named = |streams: Vec<Stream>| -> Result<Value> {
             let mut attributes = json!({});
             for stream in streams {
@@ -206,7 +211,7 @@ impl Packed {
                 {
                     edit::require(&mut self.json, "KHR_mesh_quantization");
                 }
-                let view = self.packed_view(&stream.packed()?, &stream.packing());
+                let view = self.packed_view(&stream.packed(codecs)?, &stream.packing(codecs));
                 let accessor = edit::push(&mut self.json, "accessors", stream.accessor(view));
                 attributes[&stream.name] = accessor.into();
             }
@@ -216,7 +221,7 @@ impl Packed {
         let targets = from.targets.iter().map(|target| named(precision.target(target, &shaped.order)));
         let targets = targets.collect::<Result<Vec<_>>>()?;
         for (primitive, triangles) in from.primitives.iter().zip(&shaped.triangles) {
-            let packed = PackedTriangles::new(triangles, shaped.order.len())?;
+            let packed = PackedTriangles::new(triangles, shaped.order.len(), codecs)?;
             let view = self.packed_view(&packed.bytes, &packed.packing);
             let indices = edit::push(&mut self.json, "accessors", packed.accessor(view));
             let json = &mut self.json["meshes"][primitive.mesh]["primitives"][primitive.primitive];
@@ -248,7 +253,7 @@ impl Packed {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         if !self.bytes.is_empty() {
             let others = edit::taken(&mut self.json, "buffers").into_iter().skip(1);
-            let unpacked = (self.unpacked > 0).then(|| unpacked_buffer(self.unpacked));
+            let unpacked = (self.unpacked > 0).then(|| unpacked_buffer(self.unpacked, self.codecs));
             let own = json!({ "byteLength": self.bytes.len() });
             self.json["buffers"] = std::iter::once(own).chain(others).chain(unpacked).collect();
         }

@@ -25,17 +25,15 @@ impl<'a> Writer<'a> {
     pub fn new(scene: &'a Scene, format: GltfFormat) -> Self {
         let generator = concat!("taotie ", env!("CARGO_PKG_VERSION"));
         let json = json!({ "asset": { "version": "2.0", "generator": generator }, "scene": 0 });
-        let mut writer = Self {
+        Self {
             scene,
             format,
-            draft: GltfDraft::default(),
+            draft: GltfDraft::begun(json, format.codecs),
             textures: Textures::default(),
             warnings: Warnings::default(),
             nodes: Vec::new(),
             shown: Vec::new(),
-        };
-        writer.draft.json = json;
-        writer
+        }
     }
 
     /// Notes that something of `count` parts is not as the scene has it.

@@ -1,0 +1,203 @@
+//! AVIF: the container through `avif-parse`, AV1 through `re_rav1d`, and from luma and chroma to red, green and blue.
+
+use super::super::panics::caught;
+use super::super::reading::Reading;
+use super::limits::{Failure, MAX_TEXELS_OF_PLAIN, TexelRoom, check_room, check_size, credible};
+use crate::image::{Bitmap, Texels};
+use avif_parse::{AvifData, read_avif};
+use re_rav1d::dav1d::pixel::{MatrixCoefficients, YUVRange};
+use re_rav1d::dav1d::{Decoder, Error, Picture, PixelLayout, PlanarImageComponent, Plane, Settings};
+
+/// The bytes that the decoder takes for each texel of 8 bits: planes in whole blocks, filtered and not.
+const BESIDE_TEXEL: u64 = 12;
+
+/// Decodes a still image; 10 and 12 bits are rounded to 8, as browsers do.
+pub(super) fn decode(bytes: &[u8], reading: &Reading) -> Result<Bitmap, Failure> {
+    caught(|| decode_or_panic(bytes, reading)).unwrap_or_else(|| Err(damaged("its content is contradictory")))
+}
+
+fn decode_or_panic(bytes: &[u8], reading: &Reading) -> Result<Bitmap, Failure> {
+    let file: AvifData = read_avif(&mut &bytes[..]).map_err(container_failure)?;
+    if file.premultiplied_alpha {
+        return Err(Failure::Unsupported("colors multiplied by alpha".into()));
+    }
+    let header = file.primary_item_metadata().map_err(container_failure)?;
+    let size = [header.max_frame_width.get(), header.max_frame_height.get()];
+    check_size(size[0].into(), size[1].into(), credible(bytes).max(MAX_TEXELS_OF_PLAIN))?;
+    let bytes_of_code = if header.bit_depth > 8 { 2 } else { 1 };
+    let beside = BESIDE_TEXEL * bytes_of_code * u64::from(size[0]) * u64::from(size[1]);
+    check_room(reading, size, TexelRoom { depth: 1, beside })?;
+    let color = Planes::decode(&file.primary_item, size)?;
+    let alpha = file.alpha_item.map(|alpha| Planes::decode(&alpha, size)).transpose()?;
+    bitmap(&color, alpha.as_ref())
+}
+
+/// The planes of a decoded image.
+struct Planes {
+    size: [u32; 2],
+    /// Luma, then chroma unless it is monochrome.
+    planes: Vec<Plane>,
+    /// Bytes from a row to the next, of luma and chroma.
+    strides: [usize; 2],
+    bits: usize,
+    layout: PixelLayout,
+    matrix: MatrixCoefficients,
+    range: YUVRange,
+}
+
+impl Planes {
+    fn decode(content: &[u8], size: [u32; 2]) -> Result<Self, Failure> {
+        let mut settings = Settings::new();
+        settings.set_n_threads(1);
+        settings.set_frame_size_limit(size[0].saturating_mul(size[1]));
+        let mut decoder = Decoder::with_settings(&settings).map_err(decoder_failure)?;
+        match decoder.send_data(content.to_vec(), None, None, None) {
+            Ok(()) | Err(Error::Again) => {}
+            Err(error) => return Err(decoder_failure(error)),
+        }
+        let picture: Picture = decoder.get_picture().map_err(decoder_failure)?;
+        if [picture.width(), picture.height()] != size {
+            return Err(damaged("its planes differ in size"));
+        }
+        let layout = picture.pixel_layout();
+        let components = match layout {
+            PixelLayout::I400 => &[PlanarImageComponent::Y][..],
+            _ => &[PlanarImageComponent::Y, PlanarImageComponent::U, PlanarImageComponent::V],
+        };
+        let stride = |component| picture.stride(component) as usize;
+        Ok(Self {
+            size,
+            planes: components.iter().map(|component| picture.plane(*component)).collect(),
+            strides: [PlanarImageComponent::Y, PlanarImageComponent::U].map(stride),
+            bits: picture.bit_depth(),
+            layout,
+            matrix: picture.matrix_coefficients(),
+            range: picture.color_range(),
+        })
+    }
+
+    /// Returns the largest code.
+    fn most(&self) -> f32 {
+        ((1u32 << self.bits) - 1) as f32
+    }
+
+    fn code(&self, plane: usize, [x, y]: [usize; 2]) -> f32 {
+        let (bytes, stride) = (&self.planes[plane], self.strides[plane.min(1)]);
+        match self.bits {
+            8 => bytes[y * stride + x].into(),
+            _ => {
+                let at = y * stride + 2 * x;
+                u16::from_le_bytes([bytes[at], bytes[at + 1]]).into()
+            }
+        }
+    }
+
+    /// Returns luma, 0 to 1.
+    fn luma(&self, at: [usize; 2]) -> f32 {
+        let code = self.code(0, at);
+        match self.range {
+            YUVRange::Full => code / self.most(),
+            YUVRange::Limited => {
+                let unit = (1u32 << (self.bits - 8)) as f32;
+                (code - 16.0 * unit) / (219.0 * unit)
+            }
+        }
+    }
+
+    /// Returns a plane of chroma at a texel, between the samples around where there are fewer.
+    fn chroma_code(&self, plane: usize, at: [usize; 2]) -> f32 {
+        let is_halved = match self.layout {
+            PixelLayout::I420 => [true, true],
+            PixelLayout::I422 => [true, false],
+            PixelLayout::I444 | PixelLayout::I400 => [false, false],
+        };
+        let [across, down] = [0, 1].map(|axis| {
+            let samples = self.size[axis] as usize;
+            if is_halved[axis] {
+                halved(at[axis], samples.div_ceil(2))
+            } else {
+                [(at[axis], 1.0), (at[axis], 0.0)]
+            }
+        });
+        let products =
+            down.iter().flat_map(|(y, of_y)| across.iter().map(move |(x, of_x)| ([*x, *y], of_x * of_y)));
+        products.filter(|(_, part)| *part > 0.0).map(|(at, part)| part * self.code(plane, at)).sum()
+    }
+
+    /// Returns chroma around 0.
+    fn chroma(&self, plane: usize, at: [usize; 2]) -> f32 {
+        let zero = (1u32 << (self.bits - 1)) as f32;
+        let unit = match self.range {
+            YUVRange::Full => self.most(),
+            YUVRange::Limited => 224.0 * (1u32 << (self.bits - 8)) as f32,
+        };
+        (self.chroma_code(plane, at) - zero) / unit
+    }
+
+    /// Returns red, green and blue, 0 to 1.
+    fn rgb(&self, at: [usize; 2], weights: Option<[f32; 2]>) -> [f32; 3] {
+        let luma = self.luma(at);
+        if self.planes.len() < 3 {
+            return [luma; 3];
+        }
+        let Some([of_red, of_blue]) = weights else {
+            let [blue, red] = [1, 2].map(|plane| self.code(plane, at) / self.most());
+            return [red, luma, blue];
+        };
+        let [blue, red] = [1, 2].map(|plane| self.chroma(plane, at));
+        let (red, blue) = (luma + 2.0 * (1.0 - of_red) * red, luma + 2.0 * (1.0 - of_blue) * blue);
+        [red, (luma - of_red * red - of_blue * blue) / (1.0 - of_red - of_blue), blue]
+    }
+
+    /// Returns the weights of red and blue in luma; `None` of RGB itself. Source: ITU-T H.273, table 4.
+    fn weights(&self) -> Result<Option<[f32; 2]>, Failure> {
+        use MatrixCoefficients::{BT470BG, BT709, BT2020NonConstantLuminance, Identity, ST170M, Unspecified};
+        match self.matrix {
+            Identity if self.layout == PixelLayout::I444 && self.range == YUVRange::Full => Ok(None),
+            BT470BG | ST170M | Unspecified => Ok(Some([0.299, 0.114])),
+            BT709 => Ok(Some([0.2126, 0.0722])),
+            BT2020NonConstantLuminance => Ok(Some([0.2627, 0.0593])),
+            other => Err(Failure::Unsupported(format!("colors by the matrix {other}"))),
+        }
+    }
+}
+
+/// Returns the two samples around a texel along an axis with half as many, and their parts: samples lie between texels.
+fn halved(texel: usize, samples: usize) -> [(usize, f32); 2] {
+    let own = texel / 2;
+    let other = if texel.is_multiple_of(2) { own.saturating_sub(1) } else { (own + 1).min(samples - 1) };
+    [(own, 0.75), (other, 0.25)]
+}
+
+fn bitmap(color: &Planes, alpha: Option<&Planes>) -> Result<Bitmap, Failure> {
+    let ([width, height], weights) = (color.size, color.weights()?);
+    let texel = |i: usize| {
+        let at = [i % width as usize, i / width as usize];
+        let [r, g, b] = color.rgb(at, weights);
+        [r, g, b, alpha.map_or(1.0, |alpha| alpha.luma(at))]
+    };
+    let count = width as usize * height as usize;
+    let rounded = |v: f32| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+    let texels = Texels::U8((0..count).map(|i| texel(i).map(rounded)).collect());
+    let colors = if color.planes.len() < 3 { 1 } else { 3 };
+    let channels = colors + u8::from(alpha.is_some());
+    Bitmap::new(width, height, channels, texels).map_err(|error| damaged(&error.to_string()))
+}
+
+fn damaged(why: &str) -> Failure {
+    Failure::Damaged(format!("{why}; save it again"))
+}
+
+fn container_failure(error: avif_parse::Error) -> Failure {
+    match error {
+        avif_parse::Error::Unsupported(what) => Failure::Unsupported(what.to_owned()),
+        other => damaged(&other.to_string()),
+    }
+}
+
+fn decoder_failure(error: Error) -> Failure {
+    match error {
+        Error::UnsupportedBitstream => Failure::Unsupported("this kind of AV1".into()),
+        _ => damaged("its pixels cannot be decoded"),
+    }
+}

@@ -1,0 +1,57 @@
+//! Sets of codecs: how new a program has to be to open an asset.
+
+use super::codec::CodecKind;
+use crate::names::Named;
+
+/// The codecs that an asset may need.
+///
+/// ```
+/// use taotie::Named;
+/// use taotie::io::{CodecKind, CodecSet};
+///
+/// assert!(CodecSet::WebLatest.images().contains(&CodecKind::Avif));
+/// assert_eq!(CodecSet::from_name("portable")?, CodecSet::default());
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum CodecSet {
+    /// What most programs read: PNG, JPEG and WebP; EXT_meshopt_compression.
+    #[default]
+    Portable,
+    /// What the newest web viewers read: AVIF as well; KHR_meshopt_compression, whose vertices take fewer bytes.
+    /// EXT_texture_avif is not ratified, and KHR_meshopt_compression is a release candidate.
+    WebLatest,
+}
+
+impl Named for CodecSet {
+    const WHAT: &'static str = "set of codecs";
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("portable", Self::Portable), ("web-latest", Self::WebLatest)];
+}
+
+impl CodecSet {
+    /// Returns the image formats of the set.
+    pub fn images(self) -> &'static [CodecKind] {
+        match self {
+            Self::Portable => &[CodecKind::Png, CodecKind::Jpeg, CodecKind::WebP],
+            Self::WebLatest => &[CodecKind::Png, CodecKind::Jpeg, CodecKind::WebP, CodecKind::Avif],
+        }
+    }
+
+    /// Returns the extension that packs geometry.
+    pub(super) fn meshopt(self) -> &'static str {
+        match self {
+            Self::Portable => "EXT_meshopt_compression",
+            Self::WebLatest => "KHR_meshopt_compression",
+        }
+    }
+
+    /// Returns the version of meshoptimizer's vertex codec that this extension allows.
+    pub(super) fn vertex_version(self) -> i32 {
+        match self {
+            Self::Portable => 0,
+            Self::WebLatest => 1,
+        }
+    }
+}
