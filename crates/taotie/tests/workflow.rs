@@ -522,6 +522,23 @@ fn a_bake_of_a_million_triangles_is_cancelled_at_any_moment() {
     assert!(delays[3] < Duration::from_millis(100), "{delays:?}");
 }
 
+#[test]
+fn a_search_is_one_stage_that_rises() {
+    let goal = Some(vec![Requirement::mean_angle_deg(3.0)]);
+    let scan = Scan::from_mesh(wavy(48, 24), Progress::SILENT).unwrap();
+    let heard = Mutex::new(Vec::new());
+    let listener = |stage: &'static str, done: f64| {
+        heard.lock().unwrap().push((stage, done));
+        true
+    };
+    Baker::new(BakeOptions { goal, ..options() }).bake(scan, Progress::new(&listener)).unwrap();
+    let heard = heard.into_inner().unwrap();
+    let parts: Vec<f64> =
+        heard.iter().filter(|(stage, _)| *stage == "search").map(|(_, done)| *done).collect();
+    assert!(parts.is_sorted() && parts[0] == 0.0 && parts[parts.len() - 1] > 0.3, "{parts:?}");
+    assert!(!heard.iter().any(|(stage, _)| *stage == "bake"), "candidates have no stages of their own");
+}
+
 /// Where a search does without a map, levels of detail are those of the vertex normals.
 #[test]
 fn a_search_may_have_levels_of_detail_without_a_map() {

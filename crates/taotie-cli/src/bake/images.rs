@@ -3,6 +3,7 @@
 use crate::options;
 use taotie::Error;
 use taotie::io::{CodecKind, TextureCodecs};
+use taotie::names::Named;
 
 /// The formats of textures: those to choose from, or one for each.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -27,14 +28,15 @@ impl Images {
     /// Returns the formats of a bake that searches for nothing.
     ///
     /// # Errors
-    /// Several kinds, and JPEG without a quality.
+    /// Several kinds, and JPEG or AVIF without a quality.
     pub fn codecs(&self) -> Result<TextureCodecs, String> {
         match self {
             Self::Auto => Ok(TextureCodecs::default()),
             Self::Given(codecs) => Ok(*codecs),
             Self::Kinds(kinds) => match kinds[..] {
                 [kind] => {
-                    let codec = kind.least_lossy().ok_or("specify a quality, such as jpeg:90")?;
+                    let without = || format!("specify a quality, such as {}:85", kind.name());
+                    let codec = kind.least_lossy().ok_or_else(without)?;
                     Ok(codec.into())
                 }
                 _ => Err("nothing is searched for with these options; specify one format".into()),
@@ -76,6 +78,10 @@ mod tests {
         assert!(images("webp:85,png").is_err() && images("gif").is_err());
         let codecs = |text: &str| images(text).unwrap().codecs();
         assert_eq!(codecs("ktx2"), Ok(ImageCodec::Ktx2(0).into()));
-        assert!(codecs("jpeg").unwrap_err().contains("quality") && codecs("png,webp").is_err());
+        assert!(
+            codecs("jpeg").unwrap_err().contains("quality")
+                && codecs("avif").unwrap_err().contains("avif:85")
+                && codecs("png,webp").is_err()
+        );
     }
 }

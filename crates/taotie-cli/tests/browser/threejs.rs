@@ -10,7 +10,7 @@ use taotie::image::Texels;
 use taotie::io::{decode_bitmap, load_model, read_bytes};
 use taotie::math::Vec3;
 use taotie::render::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Shot, render};
-use taotie::scene::{Camera, Falloff, Light, LightKind, Projection};
+use taotie::scene::{Camera, Falloff, Light, LightKind, Orbit, Projection};
 use taotie::shade::Energy;
 
 /// three.js draws so many times finer, and pixels are averaged: as many samples as ours, each with the texels of a
@@ -39,6 +39,18 @@ pub fn by_shader(node: &Node, folder: &Path, view: &View, name: &str) -> Vec<[u8
     let mut json = json_of(view, 1);
     json["shader"] = name.into();
     canvas(node, folder, "shader-material.html", json)
+}
+
+/// Returns model-viewer's picture of `model.glb` in a folder, seen along an orbit, and clear beside the model.
+pub fn by_model_viewer(node: &Node, folder: &Path, orbit: &Orbit, size: [u32; 2]) -> Vec<[u8; 4]> {
+    let json = json!({ "size": size, "orbit": {
+        "fov_deg": orbit.fov_y.to_degrees(),
+        "azimuth_deg": orbit.azimuth.to_degrees(),
+        "elevation_deg": orbit.elevation.to_degrees(),
+        "distance": orbit.distance,
+        "target": orbit.target.to_array(),
+    } });
+    canvas(node, folder, "model-viewer.html", json)
 }
 
 /// The pixels that a page leaves.

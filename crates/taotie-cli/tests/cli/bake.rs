@@ -121,6 +121,11 @@ fn refusals() {
             "scan.obj -o out.glb --error 1 --meshopt",
             "the argument '--error <DEG>' cannot be used with '--meshopt'",
         ),
+        (
+            "scan.obj -o out.glb --triangles 100 --codecs web-latest",
+            "--codecs web-latest: nothing is searched for with these options, and geometry is not compressed; add --meshopt",
+        ),
+        ("scan.obj -o out.glb --error 1 --codecs latest", "portable, web-latest"),
         ("scan.obj -o out.glb --error 1 --space object", "--error needs a normal map in tangent space"),
         ("scan.obj -o out.glb --error 1 --maps ao", "--error needs a normal map in tangent space"),
         (
@@ -260,6 +265,10 @@ fn packed_forms() {
     let cases = [
         ("--images ktx2 --meshopt", ["EXT_meshopt_compression", "KHR_texture_basisu"].as_slice()),
         ("--images webp", &["EXT_texture_webp"]),
+        (
+            "--images avif:90/avif:97/webp --meshopt --codecs web-latest",
+            &["EXT_texture_avif", "KHR_meshopt_compression"],
+        ),
     ];
     let plain = place.json("bake scan.obj --low low.obj -o plain.glb --size 64 --json");
     for (options, extensions) in cases {
@@ -272,6 +281,22 @@ fn packed_forms() {
         assert!(angles[1] < angles[0] + 1.0, "{options}: {angles:?}");
         place.taotie("inspect out.glb").assert().success().stderr_eq("");
     }
+}
+
+/// A search may choose the newest codecs if it is told so, and packs an OBJ although glTF cannot say how its materials shine.
+#[test]
+fn a_search_with_the_newest_codecs() {
+    let place = pair();
+    let obj = String::from_utf8(place.read("scan.obj")).unwrap();
+    place.write("shiny.obj", format!("mtllib shiny.mtl\nusemtl shiny\n{obj}"));
+    place.write("shiny.mtl", "newmtl shiny\nKd 0.5 0.5 0.5\nKs 0.2 0.2 0.2\nNs 80\n");
+    let bake = |options: &str| place.taotie(&format!("bake shiny.obj -o out.glb --error 2 {options}"));
+    let said = String::from_utf8(bake("--codecs web-latest").assert().success().get_output().stderr.clone())
+        .unwrap();
+    assert!(!said.contains("not considered: the packed scan"), "{said}");
+    let required = document(&place, "out.glb")["extensionsRequired"].clone();
+    let is_required = |name: &str| required.as_array().unwrap().iter().any(|known| known == name);
+    assert!(is_required("KHR_meshopt_compression") && !is_required("EXT_meshopt_compression"), "{required}");
 }
 
 /// A preset is a target and ceilings, which other options override; what the proof finds beyond a ceiling is an error.

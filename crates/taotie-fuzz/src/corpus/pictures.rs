@@ -34,6 +34,8 @@ pub fn seeds() -> Result<Vec<Seed>> {
             "lossless.webp",
             &include_bytes!("../../../taotie/tests/data/pictures/lossless.webp")[..],
         ),
+        Seed::alone("chroma.avif", &include_bytes!("../../../taotie/tests/data/pictures/avif-420.avif")[..]),
+        Seed::alone("alpha.avif", &include_bytes!("../../../taotie/tests/data/pictures/avif-alpha.avif")[..]),
         Seed::alone("light.environment", cached()),
     ];
     let grey = image::GrayImage::from_fn(16, 8, |x, y| image::Luma([(x * y) as u8]));

@@ -6,7 +6,7 @@ use fastrand::Rng;
 use std::path::Path;
 use taotie::asset::{BakeOptions, Baker, Lod, MeshSource, Packing, RayDistance, Scan, VerifyOptions};
 use taotie::bake::MapKind;
-use taotie::io::{ImageCodec, load_levels};
+use taotie::io::{CodecSet, ImageCodec, load_levels};
 use taotie::mesh::Mesh;
 use taotie::names::Named;
 use taotie::scene::NormalSpace;
@@ -95,5 +95,6 @@ fn packing(rng: &mut Rng) -> Packing {
         5 => ImageCodec::Avif(80),
         _ => ImageCodec::Png,
     };
-    Packing { images: images.into(), meshopt: rng.u8(..4) == 0, ..Packing::default() }
+    let codecs = if rng.bool() { CodecSet::Portable } else { CodecSet::WebLatest };
+    Packing { images: images.into(), meshopt: rng.u8(..4) == 0, codecs, ..Packing::default() }
 }

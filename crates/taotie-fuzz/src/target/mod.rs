@@ -25,7 +25,7 @@ pub enum Target {
     Ply,
     /// STL.
     Stl,
-    /// PNG, JPEG, WebP, OpenEXR, KTX2, Radiance HDR and TGA.
+    /// PNG, JPEG, WebP, AVIF, OpenEXR, KTX2, Radiance HDR and TGA.
     Picture,
     /// Environments from OpenEXR and Radiance HDR.
     Environment,
@@ -65,7 +65,7 @@ impl Target {
             Self::Mtl => &["mtl"],
             Self::Ply => &["ply"],
             Self::Stl => &["stl"],
-            Self::Picture => &["png", "jpg", "jpeg", "webp", "exr", "ktx2", "hdr", "tga"],
+            Self::Picture => &["png", "jpg", "jpeg", "webp", "avif", "exr", "ktx2", "hdr", "tga"],
             Self::Environment => &["exr", "hdr"],
             Self::Cache => &["environment"],
             Self::Material => &["toml"],

@@ -9,6 +9,15 @@ use taotie::io::{CodecSet, GltfPacker, GltfSource, Limits, Loaded, PackedGeometr
 #[cfg(feature = "webp")]
 use taotie::io::{ImageCodec, decode_bitmap};
 use taotie::math::Vec3;
+#[cfg(feature = "avif")]
+use taotie::{
+    Warnings,
+    image::{Encoding, Sampler, Texels, Texture},
+    io::{GltfAsset, GltfFormat, GltfLevel, GltfMaterial, encode_glb, encode_scene_as},
+    math::Mat4,
+    mesh::Mesh,
+    scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef, UvTransform},
+};
 
 /// Folders of test data with glTF files by others.
 const FOLDERS: [&str; 3] = ["khronos-gltf-sample-assets", "gltf-asset-generator", "polyhaven-models"];
@@ -55,6 +64,9 @@ fn all_stays_but_rounding() {
         let (_, by_latest) = packed(&packer, latest, &[]);
         let name = path.display();
         assert!(corners(&loaded) == corners(&by_latest), "{name}");
+        let is_packed = loaded.extensions_required.iter().any(|name| name == "EXT_meshopt_compression");
+        let is_latest = by_latest.extensions_required.iter().any(|name| name == "KHR_meshopt_compression");
+        assert_eq!(is_packed, is_latest, "{name}");
         assert_eq!(own.scene.materials(), loaded.scene.materials(), "{name}");
         assert_eq!(own.scene.instances().len(), loaded.scene.instances().len(), "{name}");
         assert_eq!(own.scene.textures().len(), loaded.scene.textures().len(), "{name}");
@@ -85,6 +97,53 @@ fn fewer_triangles_stay_on_the_surface() {
         count += usize::from(10 * triangles <= 6 * all);
     }
     assert!(count > 3 || common::data_folder(FOLDERS[0]).is_none(), "{count}");
+}
+
+/// A ball with a texture whose texels are half clear, in a material of this mode, as GLB.
+#[cfg(feature = "avif")]
+fn half_clear(alpha: AlphaMode, images: ImageCodec) -> Vec<u8> {
+    let texels = (0..64 * 64).map(|i| [i as u8, (i / 64) as u8 * 4, 90, 128]).collect();
+    let bitmap = Bitmap::new(64, 64, 4, Texels::U8(texels)).unwrap();
+    let (sampler, transform) = (Sampler::default(), UvTransform::default());
+    let shown = TextureRef { texture: 0, uv_set: 0, sampler, transform };
+    let material = Material { alpha, base_color_texture: Some(shown), ..Material::default() };
+    let scene = SceneData {
+        meshes: vec![Mesh::sphere(1.0, 16, 8)],
+        materials: vec![material],
+        textures: vec![Texture::new(bitmap, Encoding::Srgb)],
+        instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
+        ..SceneData::default()
+    };
+    let format = GltfFormat { images: images.into(), ..GltfFormat::default() };
+    encode_scene_as(&Scene::new(scene).unwrap(), &[], &format, &mut Warnings::default()).unwrap()
+}
+
+#[cfg(feature = "avif")]
+#[test]
+fn alpha_that_no_material_reads_is_left_out() {
+    for (mode, fits) in [(AlphaMode::Opaque, true), (AlphaMode::Blend, false)] {
+        let file = half_clear(mode, ImageCodec::Png);
+        let packer = GltfPacker::open(GltfSource::Glb(&file), &Limits::default()).unwrap();
+        assert_eq!(packer.image(0).unwrap().fits(ImageCodec::Jpeg(90), 64), fits, "{mode:?}");
+    }
+}
+
+#[cfg(feature = "avif")]
+#[test]
+fn an_extension_that_nothing_needs_any_more_is_not_required() {
+    let opaque = Bitmap::new(64, 64, 3, Texels::U8(vec![[9, 90, 200, 255]; 64 * 64])).unwrap();
+    let material = GltfMaterial { base_color_map: Some((&opaque).into()), ..GltfMaterial::default() };
+    let (mesh, images) = (Mesh::sphere(1.0, 16, 8), ImageCodec::Avif(90).into());
+    let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+    let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
+    let file = encode_glb(&asset, &GltfFormat { images, ..GltfFormat::default() }).unwrap();
+    let packer = GltfPacker::open(GltfSource::Glb(&file), &Limits::default()).unwrap();
+    let required =
+        |images: &[PackedImage]| packed(&packer, PackedGeometry::default(), images).1.extensions_required;
+    let has = |required: &[String], name: &str| required.iter().any(|known| known == name);
+    assert!(has(&required(&[]), "EXT_texture_avif"));
+    let png = encode(&packer, 0, (64, ImageCodec::Png));
+    assert!(!has(&required(&[png]), "EXT_texture_avif"));
 }
 
 #[cfg(feature = "webp")]

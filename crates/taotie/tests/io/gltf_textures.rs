@@ -199,6 +199,12 @@ fn avif_keeps_the_channels_of_normals_apart() {
     };
     let (coarse, fine) = (read(50), read(95));
     assert!(fine.0 < 1.5 && fine.1 < 0.35 && coarse.0 > fine.0 && coarse.1 > fine.1, "{coarse:?} {fine:?}");
+    for side in [1, 3, 18] {
+        let flat = bumpy::bitmap(side, |_, _| [128, 128, 255]);
+        let back =
+            read_back(&bumpy::bitmap(side, |x, y| [x as u8, y as u8, 90]), &flat, ImageCodec::Avif(80));
+        assert_eq!([back[0].width(), back[0].height()], [side; 2]);
+    }
     // A plain colour that 8 bits of luma and chroma cannot say.
     let dark = bumpy::bitmap(16, |_, _| [50, 61, 69]);
     let back = read_back(&dark, &bumpy::normals(16, 2), ImageCodec::Avif(95));

@@ -27,9 +27,9 @@ mod gltf_packer;
 mod gltf_pictures;
 mod gltf_read;
 mod gltf_scene;
-#[cfg(all(feature = "basis", feature = "webp"))]
+#[cfg(all(feature = "avif", feature = "basis", feature = "webp"))]
 mod gltf_sizes;
-#[cfg(all(feature = "basis", feature = "webp"))]
+#[cfg(all(feature = "avif", feature = "basis", feature = "webp"))]
 mod gltf_textures;
 #[cfg(feature = "webp")]
 mod gltf_validator;

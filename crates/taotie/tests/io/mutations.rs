@@ -187,6 +187,13 @@ fn damaged_pictures() {
     ] {
         torment_picture(name, seed, (40, 24));
     }
+    #[cfg(feature = "avif")]
+    for (name, seed) in [
+        ("avif-420.avif", &include_bytes!("../data/pictures/avif-420.avif")[..]),
+        ("avif-alpha.avif", include_bytes!("../data/pictures/avif-alpha.avif")),
+    ] {
+        torment_picture(name, seed, (40, 24));
+    }
     #[cfg(feature = "webp")]
     for (name, seed) in [
         ("lossy.webp", &include_bytes!("../data/pictures/lossy.webp")[..]),

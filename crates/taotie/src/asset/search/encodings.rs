@@ -105,7 +105,7 @@ impl<'a> Encodings<'a> {
     /// Returns the multiple of four halfway between a side and the next shorter one of those that are tried first.
     fn side_below(&self, side: u32) -> Option<u32> {
         let shorter = sides(self.most_side).filter(|other| *other < side).last()?;
-        Some((shorter + side) / 2 & !3).filter(|between| (shorter + 1..side).contains(between))
+        Some(((shorter + side) / 2) & !3).filter(|between| (shorter + 1..side).contains(between))
     }
 
     /// Returns the smallest encoding of a size whose ratio is at most `most`.

@@ -37,7 +37,7 @@ const WORTH: f64 = 0.99;
 
 /// Puts the smallest packed scan that reaches the goal in the place of a larger candidate.
 pub(super) fn smallest(workshop: &mut Workshop<'_>, best: &mut Best, progress: Progress<'_>) -> Result<()> {
-    progress.begin("pack the scan")?;
+    progress.at(0.0)?;
     match with(workshop, progress, &mut |mut search| search.measure(best)) {
         Err(error) if !matches!(error, Error::Cancelled) => {
             workshop.not_packed = Some(error);
@@ -259,7 +259,7 @@ impl PackedScan<'_, '_> {
 
     /// Makes, writes and measures a candidate.
     fn trial(&mut self, geometry: PackedGeometry, maps: &Images, best: &mut Best) -> Result<Trial> {
-        self.progress.begin("pack the scan")?;
+        self.progress.at(0.0)?;
         let images: Vec<PackedImage> = self.images.iter().chain(&maps.images).cloned().collect();
         let (size, geometry) = self.completed(geometry, &images);
         let glb = self.packer.encode(geometry, &images)?;

@@ -17,6 +17,8 @@ use crate::error::{Error, Result, Warnings};
 use crate::io::{PackedGeometry, PackedImage};
 use crate::progress::Progress;
 use crate::proof::Side;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 /// What was found.
 pub(in crate::asset) struct Found {
@@ -77,6 +79,10 @@ pub(in crate::asset) fn smallest(
     let ceilings = if is_alone { ceilings } else { ceilings.of_level(level) };
     let subject = Subject { scan, seen: &seen, side: &side, level };
     let mut workshop = Workshop::new(recipe, (goal.clone(), ceilings), subject);
+    let (stage, tried) = (progress.begin("search")?, Arc::clone(&workshop.tried));
+    // All stages of candidates are this one.
+    let listener = |_: &'static str, _: f64| stage.at(part_done(tried.load(Ordering::Relaxed))).is_ok();
+    let progress = Progress::new(&listener);
     let of_goal = ceilings.bytes.is_finite().then_some(ceilings.bytes as u64);
     let most = of_goal.into_iter().chain(recipe.options.bytes).min();
     let best = match most {
@@ -124,6 +130,12 @@ pub(in crate::asset) fn smallest(
         .for_each(|error| warnings.note(format!("not considered: the packed scan: {error}"), 1));
     refused.into_values().for_each(|error| warnings.note(format!("not considered: {error}"), 1));
     Ok(Found { smallest, trials, warnings })
+}
+
+/// Returns the part of a search that is done after so many trials. Nobody knows how many there will be; most searches take 8 to 25.
+fn part_done(tried: usize) -> f64 {
+    const AHEAD: f64 = 6.0;
+    tried as f64 / (tried as f64 + AHEAD)
 }
 
 /// Says what is nearest if nothing is near enough.

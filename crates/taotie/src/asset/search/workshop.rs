@@ -23,6 +23,8 @@ use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::proof::{self, Picture, PixelDifferences, Side};
 use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The number of pixels at which a trial is measured whose object fills the picture of the finest level.
 const PIXELS: usize = 20_000;
@@ -109,6 +111,8 @@ pub(super) struct Workshop<'a> {
     /// The formats of maps; that of normals is chosen for each candidate.
     pub images: TextureCodecs,
     pub trials: Vec<Trial>,
+    /// The number of trials, for the progress of the search.
+    pub tried: Arc<AtomicUsize>,
     /// Why candidates were refused: their mesh lost the scan's shape, or has more UV islands than its maps can hold.
     pub refused: BTreeMap<Shape, Error>,
     /// What the packed scan lacks that its file says.
@@ -163,6 +167,7 @@ impl<'a> Workshop<'a> {
             images: codecs.least_lossy().into(),
             codecs,
             trials: Vec::new(),
+            tried: Arc::default(),
             refused: BTreeMap::new(),
             packing_losses: Warnings::default(),
             not_packed: None,
@@ -318,6 +323,7 @@ impl<'a> Workshop<'a> {
         };
         trial.judge();
         self.trials.push(trial);
+        self.tried.fetch_add(1, Ordering::Relaxed);
         Ok(trial)
     }
 

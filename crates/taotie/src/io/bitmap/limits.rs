@@ -28,6 +28,11 @@ pub(super) enum Failure {
 }
 
 impl Failure {
+    /// Returns the failure of wrong content, which saving it again may mend.
+    pub fn damaged(why: &str) -> Self {
+        Self::Damaged(format!("{why}; save it again"))
+    }
+
     /// Returns the error about the file `path`, at the place `at` in it.
     pub fn into_error(self, path: &Path, at: String) -> Error {
         match self {

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 /// Drops them, and returns how many of the first `count` images are left. Where the document uses an extension that nobody
 /// here knows, which may name anything, all stays.
 pub(in super::super) fn prune(json: &mut Value, count: usize) -> usize {
-    drop_unused(json, "materials", GLOSSINESS);
+    drop_unused(json, &["materials"], GLOSSINESS);
     let knows = |name: &Value| name.as_str().is_some_and(is_known);
     if !edit::items(json, "extensionsUsed").iter().all(knows) {
         return count;
@@ -18,15 +18,15 @@ pub(in super::super) fn prune(json: &mut Value, count: usize) -> usize {
     let kept = drop_unnamed(json, "images", each_image);
     drop_unnamed(json, "bufferViews", each_view);
     for name in OF_TEXTURES {
-        drop_unused(json, "textures", name);
+        drop_unused(json, &["textures"], name);
     }
     kept.into_iter().filter(|image| *image < count as u64).count()
 }
 
-/// Drops the name of an extension that no item of `holders`, such as `textures`, has any more.
-fn drop_unused(json: &mut Value, holders: &str, name: &str) {
+/// Drops the name of an extension that no item of the lists `holders`, such as `textures`, has any more.
+pub(in super::super) fn drop_unused(json: &mut Value, holders: &[&str], name: &str) {
     let has_it = |holder: &Value| holder.pointer(&format!("/extensions/{name}")).is_some();
-    if edit::items(json, holders).iter().any(has_it) {
+    if holders.iter().flat_map(|list| edit::items(json, list)).any(has_it) {
         return;
     }
     for list in ["extensionsUsed", "extensionsRequired"] {

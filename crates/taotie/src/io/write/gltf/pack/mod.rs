@@ -14,11 +14,12 @@ use super::container;
 use super::draft::unpacked_buffer;
 use super::edit;
 use super::format::VertexBits;
+use super::graft::prune::drop_unused;
 use super::lossy_texture::LossyTexture;
 use super::stream::{PackedTriangles, Stream};
 use crate::error::{Error, Result};
 use crate::image::Bitmap;
-use crate::io::gltf::{Content, GltfSource, RawGltf, StoredVertices};
+use crate::io::gltf::{Content, GltfSource, OF_TEXTURES, RawGltf, StoredVertices};
 use crate::io::limits::Limits;
 use geometry::Precision;
 use image::OwnImage;
@@ -250,12 +251,18 @@ impl Packed {
     }
 
     fn glb(mut self) -> Result<Vec<u8>> {
+        for name in OF_TEXTURES {
+            drop_unused(&mut self.json, &["textures"], name);
+        }
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         if !self.bytes.is_empty() {
             let others = edit::taken(&mut self.json, "buffers").into_iter().skip(1);
             let unpacked = (self.unpacked > 0).then(|| unpacked_buffer(self.unpacked, self.codecs));
             let own = json!({ "byteLength": self.bytes.len() });
             self.json["buffers"] = std::iter::once(own).chain(others).chain(unpacked).collect();
+        }
+        for codecs in [CodecSet::Portable, CodecSet::WebLatest] {
+            drop_unused(&mut self.json, &["buffers", "bufferViews"], codecs.meshopt());
         }
         container::encoded(edit::text(&self.json)?, &self.bytes)
     }

@@ -1,35 +1,49 @@
 //! AVIF: the container through `avif-parse`, AV1 through `re_rav1d`, and from luma and chroma to red, green and blue.
 
+mod boxes;
+
 use super::super::panics::caught;
 use super::super::reading::Reading;
 use super::limits::{Failure, MAX_TEXELS_OF_PLAIN, TexelRoom, check_room, check_size, credible};
 use crate::image::{Bitmap, Texels};
-use avif_parse::{AvifData, read_avif};
+use avif_parse::{AV1Metadata, AvifData, read_avif};
 use re_rav1d::dav1d::pixel::{MatrixCoefficients, YUVRange};
-use re_rav1d::dav1d::{Decoder, Error, Picture, PixelLayout, PlanarImageComponent, Plane, Settings};
+use re_rav1d::dav1d::{
+    DecodeFrameType, Decoder, Error, Picture, PixelLayout, PlanarImageComponent, Plane, Settings,
+};
 
 /// The bytes that the decoder takes for each texel of 8 bits: planes in whole blocks, filtered and not.
-const BESIDE_TEXEL: u64 = 12;
+const BESIDE_OF_8_BITS: u64 = 12;
 
-/// Decodes a still image; 10 and 12 bits are rounded to 8, as browsers do.
+/// Decodes a still image, its first frame alone; 10 and 12 bits are rounded to 8, as browsers do.
 pub(super) fn decode(bytes: &[u8], reading: &Reading) -> Result<Bitmap, Failure> {
-    caught(|| decode_or_panic(bytes, reading)).unwrap_or_else(|| Err(damaged("its content is contradictory")))
+    caught(|| decode_or_panic(bytes, reading))
+        .unwrap_or_else(|| Err(Failure::damaged("its content is contradictory")))
 }
 
 fn decode_or_panic(bytes: &[u8], reading: &Reading) -> Result<Bitmap, Failure> {
+    boxes::check(bytes)?;
     let file: AvifData = read_avif(&mut &bytes[..]).map_err(container_failure)?;
     if file.premultiplied_alpha {
         return Err(Failure::Unsupported("colors multiplied by alpha".into()));
     }
     let header = file.primary_item_metadata().map_err(container_failure)?;
+    let of_alpha = file.alpha_item_metadata().map_err(container_failure)?;
     let size = [header.max_frame_width.get(), header.max_frame_height.get()];
     check_size(size[0].into(), size[1].into(), credible(bytes).max(MAX_TEXELS_OF_PLAIN))?;
-    let bytes_of_code = if header.bit_depth > 8 { 2 } else { 1 };
-    let beside = BESIDE_TEXEL * bytes_of_code * u64::from(size[0]) * u64::from(size[1]);
+    let bytes_of_texel: u64 =
+        [Some(&header), of_alpha.as_ref()].into_iter().flatten().map(beside_texel).sum();
+    let beside = bytes_of_texel * u64::from(size[0]) * u64::from(size[1]);
     check_room(reading, size, TexelRoom { depth: 1, beside })?;
     let color = Planes::decode(&file.primary_item, size)?;
     let alpha = file.alpha_item.map(|alpha| Planes::decode(&alpha, size)).transpose()?;
     bitmap(&color, alpha.as_ref())
+}
+
+/// Returns the bytes that the decoder takes for each texel.
+fn beside_texel(header: &AV1Metadata) -> u64 {
+    let bytes_of_code = if header.bit_depth > 8 { 2 } else { 1 };
+    BESIDE_OF_8_BITS * bytes_of_code
 }
 
 /// The planes of a decoded image.
@@ -49,6 +63,8 @@ impl Planes {
     fn decode(content: &[u8], size: [u32; 2]) -> Result<Self, Failure> {
         let mut settings = Settings::new();
         settings.set_n_threads(1);
+        settings.set_all_layers(false);
+        settings.set_decode_frame_type(DecodeFrameType::Key);
         settings.set_frame_size_limit(size[0].saturating_mul(size[1]));
         let mut decoder = Decoder::with_settings(&settings).map_err(decoder_failure)?;
         match decoder.send_data(content.to_vec(), None, None, None) {
@@ -57,7 +73,7 @@ impl Planes {
         }
         let picture: Picture = decoder.get_picture().map_err(decoder_failure)?;
         if [picture.width(), picture.height()] != size {
-            return Err(damaged("its planes differ in size"));
+            return Err(Failure::damaged("its planes differ in size"));
         }
         let layout = picture.pixel_layout();
         let components = match layout {
@@ -149,9 +165,12 @@ impl Planes {
         [red, (luma - of_red * red - of_blue * blue) / (1.0 - of_red - of_blue), blue]
     }
 
-    /// Returns the weights of red and blue in luma; `None` of RGB itself. Source: ITU-T H.273, table 4.
+    /// Returns the weights of red and blue in luma; `None` of RGB itself, and of grey. Source: ITU-T H.273, table 4.
     fn weights(&self) -> Result<Option<[f32; 2]>, Failure> {
         use MatrixCoefficients::{BT470BG, BT709, BT2020NonConstantLuminance, Identity, ST170M, Unspecified};
+        if self.planes.len() < 3 {
+            return Ok(None);
+        }
         match self.matrix {
             Identity if self.layout == PixelLayout::I444 && self.range == YUVRange::Full => Ok(None),
             BT470BG | ST170M | Unspecified => Ok(Some([0.299, 0.114])),
@@ -181,23 +200,19 @@ fn bitmap(color: &Planes, alpha: Option<&Planes>) -> Result<Bitmap, Failure> {
     let texels = Texels::U8((0..count).map(|i| texel(i).map(rounded)).collect());
     let colors = if color.planes.len() < 3 { 1 } else { 3 };
     let channels = colors + u8::from(alpha.is_some());
-    Bitmap::new(width, height, channels, texels).map_err(|error| damaged(&error.to_string()))
-}
-
-fn damaged(why: &str) -> Failure {
-    Failure::Damaged(format!("{why}; save it again"))
+    Bitmap::new(width, height, channels, texels).map_err(|error| Failure::damaged(&error.to_string()))
 }
 
 fn container_failure(error: avif_parse::Error) -> Failure {
     match error {
         avif_parse::Error::Unsupported(what) => Failure::Unsupported(what.to_owned()),
-        other => damaged(&other.to_string()),
+        other => Failure::damaged(&other.to_string()),
     }
 }
 
 fn decoder_failure(error: Error) -> Failure {
     match error {
         Error::UnsupportedBitstream => Failure::Unsupported("this kind of AV1".into()),
-        _ => damaged("its pixels cannot be decoded"),
+        _ => Failure::damaged("its pixels cannot be decoded"),
     }
 }
