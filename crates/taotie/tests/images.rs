@@ -135,12 +135,20 @@ fn lossy_webp_is_what_libwebp_makes_of_it() {
     assert_eq!(as_u8(&webp), as_u8(&png));
 }
 
-/// Against libavif, which computes colours in integers.
+/// Against libavif, which computes colours in integers, and of 10 bits takes the upper 8.
 #[cfg(feature = "avif")]
 #[test]
 fn avif_is_what_libavif_makes_of_it() {
-    let cases =
-        [("444", 3, 1), ("limited", 3, 2), ("alpha", 4, 1), ("grey", 1, 1), ("422", 3, 2), ("420", 3, 2)];
+    let cases = [
+        ("rgb", 3, 0),
+        ("deep", 3, 3),
+        ("444", 3, 1),
+        ("limited", 3, 2),
+        ("alpha", 4, 1),
+        ("grey", 1, 1),
+        ("422", 3, 2),
+        ("420", 3, 2),
+    ];
     for (name, channels, most) in cases {
         let [avif, png] =
             ["avif", "png"].map(|kind| read_bitmap(&own(&format!("avif-{name}.{kind}"))).unwrap());

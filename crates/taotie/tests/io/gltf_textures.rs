@@ -190,7 +190,7 @@ fn jpeg_is_for_colours_alone() {
 }
 
 #[test]
-fn avif_keeps_the_channels_of_normals_apart() {
+fn avif_keeps_the_channels_apart() {
     let (color, normal) = (bumpy::colors(64), waves());
     let read = |quality: u8| {
         let images: TextureCodecs = format!("avif:{quality}/avif:{quality}/webp").parse().unwrap();
@@ -205,7 +205,7 @@ fn avif_keeps_the_channels_of_normals_apart() {
             read_back(&bumpy::bitmap(side, |x, y| [x as u8, y as u8, 90]), &flat, ImageCodec::Avif(80));
         assert_eq!([back[0].width(), back[0].height()], [side; 2]);
     }
-    // A plain colour that 8 bits of luma and chroma cannot say.
+    // A flat colour that 8 bits of luma and chroma cannot hold.
     let dark = bumpy::bitmap(16, |_, _| [50, 61, 69]);
     let back = read_back(&dark, &bumpy::normals(16, 2), ImageCodec::Avif(95));
     assert!(rmse(&back[0], &dark) < 0.3, "{}", rmse(&back[0], &dark));

@@ -30,7 +30,7 @@ pub enum ImageCodec {
     WebP,
     /// WebP of a quality, 1 to 100, with half as many texels of hue along each side; alpha is lossless.
     LossyWebP(u8),
-    /// AVIF of a quality, 1 to 100, with as many texels of hue as of lightness (EXT_texture_avif); 16 bits are rounded to 8.
+    /// AVIF of a quality, 1 to 100, whose red, green and blue stay apart (EXT_texture_avif); 16 bits are rounded to 8.
     /// Browsers read it, few other programs do. It holds no alpha: images whose alpha is read are PNG.
     Avif(u8),
     /// KTX2 of UASTC blocks with mip levels (KHR_texture_basisu), each under Zstandard: less than a byte per texel in the

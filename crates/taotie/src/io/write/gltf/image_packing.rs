@@ -86,7 +86,7 @@ fn avif(_: &Bitmap, _: Stored, _: u8) -> Result<Vec<u8>> {
 fn avif(bitmap: &Bitmap, stored: Stored, quality: u8) -> Result<Vec<u8>> {
     let texels = eight_bits(bitmap, stored)?;
     let samples = interleaved(&texels, 3);
-    avif::encode([bitmap.width(), bitmap.height()], &samples, (stored.encoding, quality))
+    avif::encode([bitmap.width(), bitmap.height()], &samples, quality)
 }
 
 #[cfg(not(feature = "webp"))]
