@@ -136,8 +136,8 @@ pub struct BakeArgs {
     /// Compress geometry by meshoptimizer
     #[arg(long, help_heading = "File")]
     pub meshopt: bool,
-    /// Codecs that the asset may need: portable (PNG, JPEG, WebP, EXT_meshopt_compression), or web-latest for the newest web
-    /// viewers (AVIF as well, KHR_meshopt_compression)
+    /// Codecs of a search, and the extension of --meshopt: portable (PNG, JPEG, WebP, EXT_meshopt_compression), or web-latest for the
+    /// newest web viewers (AVIF as well, KHR_meshopt_compression). --images names formats itself
     #[arg(long, value_name = "portable|web-latest", value_parser = options::named::<CodecSet>, default_value = "portable", help_heading = "File")]
     pub codecs: CodecSet,
     /// XMP metadata (JSON-LD, such as dc:title or dc:rights) to add to that of the scan. Where the scan has no

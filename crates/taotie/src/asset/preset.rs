@@ -57,7 +57,7 @@ impl Preset {
         }
     }
 
-    /// Returns the image formats to choose from; empty for those of a portable asset.
+    /// Returns the image formats to choose from; empty for those of the set of codecs.
     pub fn images(self) -> Vec<CodecKind> {
         match self {
             Self::Web | Self::Archive => Vec::new(),
