@@ -36,13 +36,15 @@ pub fn assert_valid(path: &Path) -> Option<Vec<String>> {
     let messages: Vec<Value> = serde_json::from_slice(&output.stdout).expect("the script prints JSON");
     let text = |message: &Value, key: &str| message[key].as_str().unwrap_or_default().to_owned();
     let line = |m: &Value| format!("{} at {}: {}", text(m, "code"), text(m, "pointer"), text(m, "message"));
-    // The validator knows no KTX2, which it tells once of the extension and then of each image.
-    let basis = messages.iter().any(|m| text(m, "message").contains("'KHR_texture_basisu'"));
-    let of_ktx2 = |m: &Value| {
-        basis && (line(m).contains("image/ktx2") || text(m, "code") == "IMAGE_UNRECOGNIZED_FORMAT")
+    // The validator knows neither KTX2 nor AVIF, which it tells once of the extension and then of each image.
+    let told = |of: &str| messages.iter().any(|m| text(m, "message").contains(of));
+    let unknown = [("'KHR_texture_basisu'", "image/ktx2"), ("'EXT_texture_avif'", "image/avif")];
+    let unknown: Vec<&str> = unknown.iter().filter(|(name, _)| told(name)).map(|(_, kind)| *kind).collect();
+    let is_unknown = |m: &Value| {
+        unknown.iter().any(|kind| line(m).contains(kind) || text(m, "code") == "IMAGE_UNRECOGNIZED_FORMAT")
     };
     let is_fault = |m: &&Value| m["severity"].as_u64().is_none_or(|severity| severity <= WARNING);
-    let (faults, infos): (Vec<_>, Vec<_>) = messages.iter().filter(|m| !of_ktx2(m)).partition(is_fault);
+    let (faults, infos): (Vec<_>, Vec<_>) = messages.iter().filter(|m| !is_unknown(m)).partition(is_fault);
     let faults: Vec<String> = faults.into_iter().map(line).collect();
     assert!(faults.is_empty(), "{}:\n{}", path.display(), faults.join("\n"));
     Some(infos.into_iter().map(line).collect())
