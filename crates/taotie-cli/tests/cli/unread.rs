@@ -190,7 +190,7 @@ fn of_bake() {
             "scan.obj -o out.glb --size 64 --images webp,png",
             "--images: nothing is searched for with these options",
         ),
-        ("scan.obj -o out.glb --size 64 --images jpeg", "--images: specify a quality, such as jpeg:90"),
+        ("scan.obj -o out.glb --size 64 --images jpeg", "--images: specify a quality, such as jpeg:85"),
         (
             "scan.obj -o out.glb --size 64 --maps height,bent --images webp",
             "--images: the asset holds no texture",
