@@ -6,7 +6,7 @@ use crate::names::Named;
 /// The codecs that an asset may need.
 ///
 /// ```
-/// use taotie::Named;
+/// use taotie::names::Named;
 /// use taotie::io::{CodecKind, CodecSet};
 ///
 /// assert!(CodecSet::WebLatest.images().contains(&CodecKind::Avif));
