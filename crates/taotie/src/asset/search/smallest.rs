@@ -92,7 +92,7 @@ pub(in crate::asset) fn smallest(
     let Some(Winner { candidate, trial }) = best.into_winner() else { return Err(none_at_all(workshop)) };
     let smallest = match candidate {
         Candidate::Packed { glb, geometry, images } => {
-            // Nothing was made without what cannot be seen.
+            // The notes so far are about meshes that are made.
             warnings = workshop.packing_losses.clone();
             let normals = trial.normals.unwrap_or(workshop.codecs().least_lossy());
             let rounding = workshop.rounding(trial.bits, normals);
