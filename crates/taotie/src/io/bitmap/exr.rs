@@ -21,7 +21,7 @@ const MAX_CHANNELS: usize = 64;
 /// asked for; the panic is caught here and becomes an error. So it runs on this thread alone: a panic on another could
 /// not be caught.
 pub(super) fn decode(bytes: &[u8], reading: &Reading) -> Result<Bitmap, Failure> {
-    let damaged = || Failure::Damaged("its blocks contradict its header; save it again".into());
+    let damaged = || Failure::damaged("its blocks contradict its header");
     caught(|| decode_or_panic(bytes, reading)).unwrap_or_else(|| Err(damaged()))
 }
 
@@ -73,7 +73,7 @@ fn check_content(header: &Header, bytes: &[u8]) -> Result<(), Failure> {
     const MOST: u64 = 1500;
     let content = header.layer_size.area() as u64 * header.channels.bytes_per_pixel as u64;
     match content > MOST * bytes.len() as u64 {
-        true => Err(Failure::Damaged(format!("so few bytes cannot hold {}; save it again", Bytes(content)))),
+        true => Err(Failure::damaged(&format!("so few bytes cannot hold {}", Bytes(content)))),
         false => Ok(()),
     }
 }

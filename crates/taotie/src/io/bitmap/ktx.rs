@@ -27,7 +27,7 @@ pub(super) fn decode(bytes: &[u8], reading: &Reading) -> Result<Bitmap, Failure>
         Ok::<_, Error>((texels, if transcoder.has_alpha() { 4 } else { 3 }))
     });
     let Some(Ok((texels, channels))) = attempt else {
-        return Err(Failure::Damaged("its blocks are damaged; save it again".into()));
+        return Err(Failure::damaged("its blocks are damaged"));
     };
     let texels = Texels::U8(texels.as_chunks::<4>().0.to_vec());
     Bitmap::new(width, height, channels, texels).map_err(|e| Failure::Damaged(e.to_string()))
@@ -54,7 +54,7 @@ fn check_header(bytes: &[u8]) -> Result<(u32, u32), Failure> {
     let unpacked = u64::from_le_bytes(field(bytes, 96).ok_or_else(truncated)?);
     let blocks = u64::from(width.div_ceil(4)) * u64::from(height.div_ceil(4));
     if scheme == ZSTANDARD && unpacked > 16 * blocks {
-        return Err(Failure::Damaged(format!("{unpacked} bytes for {blocks} blocks; save it again")));
+        return Err(Failure::damaged(&format!("{unpacked} bytes for {blocks} blocks")));
     }
     Ok((width, height))
 }

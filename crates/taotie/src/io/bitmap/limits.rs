@@ -103,8 +103,8 @@ pub(super) fn check_size(width: u64, height: u64, credible: u64) -> std::result:
         return Err(Failure::TooLarge(why));
     }
     if width * height > credible {
-        let why = format!("so few bytes cannot hold {width}×{height} texels; save it again");
-        return Err(Failure::Damaged(why));
+        let why = format!("so few bytes cannot hold {width}×{height} texels");
+        return Err(Failure::damaged(&why));
     }
     Ok(())
 }
