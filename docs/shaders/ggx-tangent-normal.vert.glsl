@@ -3,23 +3,23 @@ precision highp float;
 precision highp int;
 precision highp sampler2D;
 
-// The values of a frame.
+// The uniforms of a frame.
 struct FrameUniforms {
-    // Takes world space to the host's clip space.
+    // Transforms world space to the host's clip space.
     mat4 clip_from_world;
     // The viewer's position and 1, or the unit direction to the viewer and 0; world space.
     vec4 eye;
-    // Radiance from all around, linear RGB.
+    // Ambient radiance from all directions, linear RGB.
     vec3 ambient;
-    // The distance of two samples, pixels: 1/2 with four samples a pixel.
+    // The distance between two samples in pixels: 1/2 with four samples per pixel.
     float spacing;
-    // The sine of the environment's turn about +y.
+    // The sine of the environment's rotation about +y.
     float environment_sin;
-    // The cosine of the environment's turn about +y.
+    // The cosine of the environment's rotation about +y.
     float environment_cos;
     // The factor of the environment's radiance, at least 0.
     float environment_intensity;
-    // The number of the environment's levels.
+    // The number of environment levels.
     float environment_levels;
     // The α of the environment's smoothest level, (0, 1].
     float smoothest_alpha;
@@ -27,18 +27,18 @@ struct FrameUniforms {
     float light_count;
 };
 
-// The values of the frame.
+// The uniforms of the frame.
 layout(std140) uniform FrameBlock {
     FrameUniforms frame;
 };
 
-// The position, world space, model units.
+// The position: world space, model units.
 layout(location = 0) in vec3 position;
 // The normal: unit, world space.
 layout(location = 1) in vec3 normal;
 // The tangent: unit, world space; the fourth number is the sign of the bitangent, ±1.
 layout(location = 2) in vec4 tangent;
-// Texture coordinates, from the top left.
+// Texture coordinates; the origin is the top left.
 layout(location = 3) in vec2 uv0;
 
 out vec3 interpolated_position;
