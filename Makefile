@@ -1,49 +1,57 @@
-# What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
+# Commands for developers: `make` lists them. Nearly all of them run cargo.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes same-bytes brute-force bench-distances proofs-table bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
+.PHONY: help test test-slow features campaign faults memory bench bench-bake bench-render bench-reference bench-scaling bench-check bench-store bench-fma bench-floor bench-gpu bench-sizes same-bytes brute-force bench-distances proofs-table bench-python bench-viewer docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
 
-help: ## This list
+help: ## List these commands
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
 		while IFS='|' read -r name what; do printf 'make %-15s %s\n' "$$name" "$$what"; done
 
-test: tools ## Formatting, lints, documentation, features and all tests but the slow ones
+# Every test target of the workspace is in one of the two lists; `tests/architecture.rs` checks that.
+QUICK = architecture comparison fuzz images io memory memory_of_documents options oracle pixel recorded render shaders translation turntable
+SLOW = batch browser cli features jue laws models python webgl workflow
+
+test: tools ## Check formatting and run the quick tests
 	cargo fmt --all --check
+	cargo test --workspace --lib --bins $(addprefix --test ,$(QUICK))
+
+test-slow: tools ## Check lints, documentation and features, and run the other tests: with `make test`, all that CI runs
 	cargo clippy --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --workspace
-	cargo test --workspace
+	cargo test --workspace $(addprefix --test ,$(SLOW))
+	cargo test --workspace --doc
 	$(MAKE) features
 
-# `test-slow` runs the tests that say what is not read, and checks features off and on beside others.
-features: ## The library and the command without their cargo features
+# `campaign` also checks other combinations.
+features: ## Check the library and the command without their cargo features
 	cargo check -p taotie --no-default-features
 	cargo check -p taotie-cli --no-default-features
 
-test-slow: ## The tests that take minutes each
+campaign: tools ## Run the tests that take minutes each, in release builds; see also faults, fuzz, memory, brute-force and same-bytes
 	cargo test -p taotie --no-default-features --config 'profile.dev.package.taotie.opt-level=0' --test features
 	cargo check -p taotie --no-default-features --features basis,exr
 	cargo check -p taotie --no-default-features --features avif,draco,webp
 	cargo test --release --workspace --lib --bins --tests -- --ignored
 
-# TAOTIE=/path/to/taotie takes that program instead of building one; FAULTS holds options, such as `--rounds 10`.
-faults: ## Ends commands amid their work, hundreds of times: files are all old or all new
+# TAOTIE=/path/to/taotie uses that program instead of building one; FAULTS contains options, such as `--rounds 10`.
+faults: ## Kill commands at work, hundreds of times: files must be all old or all new
 	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
 	python3 benches/faults/faults.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(FAULTS)
 
-# The models are those of the tests, ../shared/data or TAOTIE_DATA, and others that are made. TAOTIE=/path/to/taotie takes that
-# program instead of building one; MEMORY holds options, such as `--only ply`.
-memory: ## Holds the memory that commands foresee against what they take, for docs/security.md
+# The models are those of the tests, ../shared/data or TAOTIE_DATA, and generated ones. TAOTIE=/path/to/taotie uses that
+# program instead of building one; MEMORY contains options, such as `--only ply`.
+memory: ## Compare the estimated with the actual memory of commands, for docs/security.md
 	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
 	python3 benches/memory/memory.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(MEMORY)
 
-bench: ## Milliseconds per stage of the renderer
+bench: ## Measure milliseconds per stage of the renderer
 	cargo bench -p taotie --bench stages
 
-# Blender comes as a Python package for Python 3.11; elsewhere Taotie is measured alone. TAOTIE=/path/to/taotie times that
-# program instead of building one; BENCH holds options, `make bench-bake BENCH=--help` lists them.
+# Blender is a Python package for Python 3.11; without it, only Taotie is measured. TAOTIE=/path/to/taotie times that
+# program instead of building one; BENCH contains options, `make bench-bake BENCH=--help` lists them.
 BENCH_VENV = target/bench-bake/venv
 PYTHON = $(shell command -v python3.11 || echo python3)
-bench-bake: $(BENCH_VENV)/ready ## Bakes the same jobs by Taotie and by Blender, for docs/benchmarks.md; BENCH=--quick: fewer
+bench-bake: $(BENCH_VENV)/ready ## Compare bakes of Taotie and Blender, for docs/benchmarks.md; BENCH=--quick: fewer
 	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
 	PYTHONPATH=benches/common $(BENCH_VENV)/bin/python benches/bake/bench.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
 
@@ -53,10 +61,10 @@ $(BENCH_VENV)/ready: benches/bake/requirements.txt
 	{ grep -v '^bpy' $< >$(BENCH_VENV)/others.txt && $(BENCH_VENV)/bin/pip install --quiet --requirement $(BENCH_VENV)/others.txt; }
 	touch $@
 
-# Peers that cannot be installed here are left out with a word. TAOTIE_BIN=/folder/of/programs takes `taotie` and `frames`
+# Peers that cannot be installed here are skipped with a message. TAOTIE_BIN=/folder/of/programs uses `taotie` and `frames`
 # from there instead of building them; `make bench-render BENCH=--help` lists the options.
 RENDER_VENV = target/bench-render/venv
-bench-render: $(RENDER_VENV)/ready ## Pictures by Taotie and by other renderers, for docs/benchmarks.md; BENCH=--quick: fewer
+bench-render: $(RENDER_VENV)/ready ## Compare Taotie with other renderers, for docs/benchmarks.md; BENCH=--quick: fewer
 	$(if $(TAOTIE_BIN),,cargo build --release -p taotie-cli && cargo build --release -p taotie --example frames)
 	PYTHONPATH=benches/common $(RENDER_VENV)/bin/python benches/render/bench.py $(if $(TAOTIE_BIN),--programs $(TAOTIE_BIN)) $(BENCH)
 
@@ -66,7 +74,7 @@ $(RENDER_VENV)/ready: benches/render/requirements.txt benches/render/install.sh
 
 # TAOTIE=/path/to/taotie times that program instead of building one; `make bench-reference BENCH=--help` lists the options.
 REFERENCE_VENV = target/bench-reference/venv
-bench-reference: $(REFERENCE_VENV)/ready ## Path tracing by Taotie and by Mitsuba to equal error, for docs/benchmarks.md
+bench-reference: $(REFERENCE_VENV)/ready ## Compare path tracing of Taotie and Mitsuba at equal error, for docs/benchmarks.md
 	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
 	PYTHONPATH=benches/common $(REFERENCE_VENV)/bin/python benches/reference/bench.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
 
@@ -75,21 +83,21 @@ $(REFERENCE_VENV)/ready: benches/reference/requirements.txt
 	$(REFERENCE_VENV)/bin/pip install --quiet --requirement $<
 	touch $@
 
-# LLVM fuses a product and a sum wherever it finds them, which the language itself never does.
+# LLVM fuses products and sums wherever it finds them, which Rust itself never does.
 FUSED = RUSTFLAGS="-C llvm-args=-fp-contract=fast" cargo build --release --target-dir target/fused
-bench-fma: $(RENDER_VENV)/ready ## What the bit rule costs: the same programs with fused multiply-add
+bench-fma: $(RENDER_VENV)/ready ## Measure the cost of reproducible bits: the same programs with fused multiply-add
 	cargo build --release -p taotie-cli && cargo build --release -p taotie --example frames
 	$(FUSED) -p taotie --example frames
 	PYTHONPATH=benches/common $(RENDER_VENV)/bin/python benches/render/bench.py --only none --also target/fused/release $(BENCH)
 
-bench-floor: ## Arithmetic and texel loads of a pixel, measured, beside a frame
+bench-floor: ## Measure the arithmetic and texel loads of a pixel, and compare them with a frame
 	cargo bench -p taotie --bench floor
 
-bench-gpu: ## Frames a second by the graphics processor that is there, beside the processor; BENCH=--quick: fewer
+bench-gpu: ## Measure frames per second on the GPU and the CPU; BENCH=--quick: fewer
 	cargo run --release -p taotie-gpu --example gpu_frames -- $(BENCH)
 
 SCALING_VENV = target/bench-scaling/venv
-bench-scaling: $(SCALING_VENV)/ready ## A frame over triangles, pixels, lights, textures, threads, for docs; BENCH=--quick: fewer
+bench-scaling: $(SCALING_VENV)/ready ## Measure frame time over triangles, pixels, lights, textures, threads, for docs; BENCH=--quick: fewer
 	$(if $(TAOTIE_BIN),,cargo build --release -p taotie-cli && cargo build --release -p taotie --example frames)
 	PYTHONPATH=benches/common $(SCALING_VENV)/bin/python benches/scaling/bench.py $(if $(TAOTIE_BIN),--programs $(TAOTIE_BIN)) $(BENCH)
 
@@ -98,17 +106,17 @@ $(SCALING_VENV)/ready: benches/scaling/requirements.txt
 	$(SCALING_VENV)/bin/pip install --quiet --requirement $<
 	touch $@
 
-# The stored build lies in target/bench-check/base. BASE=REV builds another revision than the latest tag; BASE_BIN and TAOTIE_BIN
-# name folders that hold `taotie` and `frames` of before and of now; `make bench-check BENCH=--help` lists the options.
+# The baseline is in target/bench-check/base. BASE=REV builds a revision other than the latest tag; BASE_BIN and TAOTIE_BIN
+# name folders with the old and the new `taotie` and `frames`; `make bench-check BENCH=--help` lists the options.
 CHECK = target/bench-check
-bench-check: $(SCALING_VENV)/ready ## Fails where a short set is slower than the stored build by more than 5 %
+bench-check: $(SCALING_VENV)/ready ## Fail if a short set is slower than the baseline by more than 5 %
 	$(if $(TAOTIE_BIN),,cargo build --release -p taotie-cli && cargo build --release -p taotie --example frames)
 	PYTHONPATH=benches/common:benches/render:benches/bake $(SCALING_VENV)/bin/python benches/check/check.py \
 		$(if $(TAOTIE_BIN),--programs $(TAOTIE_BIN)) $(if $(BASE_BIN),--base $(BASE_BIN)) $(BENCH)
 
 BASE = $(shell git describe --tags --abbrev=0 2>/dev/null)
-bench-store: ## Builds the latest tag, or BASE=REV, for make bench-check
-	@test -n "$(BASE)" || { echo "No tag is there; name a revision: make bench-store BASE=REV" >&2; exit 1; }
+bench-store: ## Build the baseline of make bench-check: the latest tag, or BASE=REV
+	@test -n "$(BASE)" || { echo "No tag found; specify a revision: make bench-store BASE=REV" >&2; exit 1; }
 	test ! -e $(CHECK)/source || git worktree remove --force $(CHECK)/source
 	git worktree add --force --detach $(CHECK)/source $(BASE)
 	cd $(CHECK)/source && cargo build --release --target-dir ../build -p taotie-cli
@@ -117,19 +125,19 @@ bench-store: ## Builds the latest tag, or BASE=REV, for make bench-check
 	cp $(CHECK)/build/release/taotie $(CHECK)/build/release/examples/frames $(CHECK)/base
 	git worktree remove --force $(CHECK)/source
 
-brute-force: ## Compares the search for the smallest asset with a grid of all combinations, for SCANS="a.obj b.glb"; takes minutes
+brute-force: ## Compare the search for the smallest asset with a grid of all combinations, for SCANS="a.obj b.glb"; takes minutes
 	SCANS="$(SCANS)" cargo test -p taotie --lib brute -- --ignored --nocapture
 
-# PROGRAMS names them, the first of which is what the others are compared with:
+# PROGRAMS lists them; the others are compared with the first:
 # make same-bytes PROGRAMS="x86=target/release/taotie 'arm64=qemu-aarch64 -L /usr/aarch64-linux-gnu TAOTIE'"
-same-bytes: ## Compares the files of bakes between programs for several processors and systems; takes minutes, by emulation an hour
+same-bytes: ## Compare the baked files of programs for different processors and systems; takes minutes, an hour under emulation
 	PYTHONPATH=benches/common python3 benches/machines/machines.py $(PROGRAMS)
 
 # The other tools come from npm. TAOTIE=/path/to/taotie uses that program instead of building one; the models are those of the
-# tests, ../shared/data or TAOTIE_DATA. Takes hours, and continues if it was interrupted; BENCH=--check takes minutes and fails
-# if assets of Taotie are too large. `make bench-sizes BENCH=--help` lists the options.
+# tests, ../shared/data or TAOTIE_DATA. Takes hours, and resumes after an interruption; BENCH=--check takes minutes and fails
+# if Taotie's assets are too large. `make bench-sizes BENCH=--help` lists the options.
 SIZES = target/bench-sizes
-bench-sizes: $(SIZES)/ready ## Compares bytes, degrees and ΔE of assets by Taotie, gltf-transform and gltfpack, for docs/sizes.md
+bench-sizes: $(SIZES)/ready ## Compare bytes, degrees and ΔE of assets by Taotie, gltf-transform and gltfpack, for docs/sizes.md
 	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
 	PYTHONPATH=benches/common $(SIZES)/venv/bin/python benches/sizes/bench.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
 
@@ -140,15 +148,15 @@ $(SIZES)/ready: $(addprefix benches/sizes/,requirements.txt package.json package
 	$(INSTALL) $(SIZES)/node
 	touch $@
 
-# Blender comes as a Python package for Python 3.11; elsewhere its rows report that it is absent. Assets and proofs are kept in
-# target/proofs-table/made: a run that was interrupted continues. `make proofs-table BENCH=--help` lists the options.
-proofs-table: $(SIZES)/ready $(BENCH_VENV)/ready ## The proof of six scans reduced by Taotie and by other programs, for docs/proofs.md
+# Blender is a Python package for Python 3.11; without it, its rows report that it is absent. Assets and proofs are kept in
+# target/proofs-table/made, so an interrupted run resumes. `make proofs-table BENCH=--help` lists the options.
+proofs-table: $(SIZES)/ready $(BENCH_VENV)/ready ## Prove six scans reduced by Taotie and by other programs, for docs/proofs.md
 	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
 	PYTHONPATH=benches/common $(BENCH_VENV)/bin/python benches/proofs/bench.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
 
-# SCANS names the scans: files that open without others. TAOTIE=/path/to/taotie takes that program instead of building one.
+# SCANS lists the scans: self-contained files. TAOTIE=/path/to/taotie uses that program instead of building one.
 DISTANCES_VENV = target/bench-distances/venv
-bench-distances: $(DISTANCES_VENV)/ready ## Compares the bounds of distances with two million points by Embree; SCANS="FILE ..."
+bench-distances: $(DISTANCES_VENV)/ready ## Compare distance bounds with two million points by Embree; SCANS="FILE ..."
 	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
 	$(DISTANCES_VENV)/bin/python benches/distances/check.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(SCANS)
 
@@ -157,46 +165,46 @@ $(DISTANCES_VENV)/ready: benches/distances/requirements.txt
 	$(DISTANCES_VENV)/bin/pip install --quiet --requirement $<
 	touch $@
 
-docs: ## Writes docs/help, and the tables and pictures of docs/as-printed.md, anew
+docs: ## Regenerate docs/help, and the tables and images of docs/as-printed.md
 	cargo run --release -p xtask -- help-pages
 	cargo run --release -p xtask -- as-printed
 
-errors: ## Measures every approximation anew for docs/errors.md; ENVIRONMENTS=FOLDER also under its .hdr and .exr files
+errors: ## Measure every approximation again for docs/errors.md; ENVIRONMENTS=FOLDER also under its .hdr and .exr files
 	cargo run --release -p xtask -- errors $(if $(ENVIRONMENTS),--environments $(ENVIRONMENTS))
 
-# The models are those of the tests; MODELS names other folders, TAOTIE another program.
+# The models are those of the tests; MODELS lists other folders, TAOTIE another program.
 MODELS = $(wildcard $(addprefix $(or $(TAOTIE_DATA),../shared/data)/,khronos-gltf-sample-assets polyhaven-models materialx gltf-asset-generator))
-asset-table: ## Bakes every shared glTF model for docs/assets-table.md; MODELS="FOLDER ..." others
+asset-table: ## Bake every shared glTF model, for docs/assets-table.md; MODELS="FOLDER ..." others
 	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
 	cargo run --release -p xtask -- asset-table --models $(MODELS) $(if $(TAOTIE),--program $(TAOTIE))
 
-tables: ## Computes the tables of directional albedos anew
+tables: ## Recompute the tables of directional albedos
 	cargo run --release -p xtask -- tables
 
-viewer: viewer/node_modules/esbuild ## Builds the script of the viewer's page anew, after checking its types
+viewer: viewer/node_modules/esbuild ## Check the types of the viewer's script and rebuild it
 	cd viewer && npm run --silent check && npm run --silent build
 
 viewer/node_modules/esbuild: viewer/package-lock.json
 	$(INSTALL) viewer
 
-shaders: ## Writes the shaders in docs/shaders anew
+shaders: ## Regenerate the shaders in docs/shaders
 	cargo run --release -p xtask -- shaders
 
-shader-errors: ## Measures shaders at random points for docs/shaders.md: lavapipe and Chromium against f64
+shader-errors: ## Measure shaders at random points, lavapipe and Chromium against f64, for docs/shaders.md
 	cargo run --release -p xtask -- shader-errors
 
-security: ## Makes the tables of docs/security.md anew
+security: ## Regenerate the tables of docs/security.md
 	cargo run --release -p xtask -- security
 
-# Findings go to crates/taotie-fuzz/findings, counts to its totals.json; FUZZ holds options, `make fuzz FUZZ=--help` lists them.
+# Findings go to crates/taotie-fuzz/findings, counts to its totals.json; FUZZ contains options, `make fuzz FUZZ=--help` lists them.
 TIME = 60
-fuzz: ## Damages files for TIME seconds and reads them: docs/security.md; MODELS=FOLDER takes further files
+fuzz: ## Damage and read files for TIME seconds: docs/security.md; MODELS=FOLDER adds files
 	cargo run --release -p taotie-fuzz -- run --time $(TIME) --totals crates/taotie-fuzz/totals.json \
 		$(if $(MODELS),--models $(MODELS)) $(FUZZ)
 
-# The extension has the profile of tests. Its dependencies have fewer features than those, so the library is compiled once more.
+# The extension is built with the profile of the tests. Its dependencies have fewer features, so the library is compiled again.
 PYTHON_VENV = target/python
-python: $(PYTHON_VENV)/ready ## The Python package into target/python, and its tests and type checkers
+python: $(PYTHON_VENV)/ready ## Build the Python package into target/python, and run its tests and type checkers
 	VIRTUAL_ENV=$(CURDIR)/$(PYTHON_VENV) $(PYTHON_VENV)/bin/maturin develop --profile dev --quiet
 	$(PYTHON_VENV)/bin/python -m pytest
 	$(PYTHON_VENV)/bin/mypy
@@ -209,16 +217,16 @@ $(PYTHON_VENV)/ready: python/requirements.txt python/tests/requirements.txt
 	$(PYTHON_VENV)/bin/pip install --quiet --requirement $<
 	touch $@
 
-wheel: $(PYTHON_VENV)/ready ## A wheel for this machine into target/wheels
+wheel: $(PYTHON_VENV)/ready ## Build a wheel for this machine into target/wheels
 	$(PYTHON_VENV)/bin/maturin build --release
 
-# MODEL is a scan as PLY. Each package gets an environment of its own below target/bench-python, several gigabytes in all.
-bench-python: wheel ## The first picture of a scan by Taotie and other Python packages, for docs/python.md; MODEL=scan.ply
+# MODEL is a PLY scan. Each package gets a separate environment below target/bench-python, several gigabytes in total.
+bench-python: wheel ## Time the first image of a scan by Taotie and other Python packages, for docs/python.md; MODEL=scan.ply
 	PYTHONPATH=benches/common $(PYTHON_VENV)/bin/python benches/python/bench.py \
 		--wheel "$$(ls -t target/wheels/taotie-*.whl | head -1)" --model $(MODEL) $(BENCH)
 
 # MODEL is a GLB without packed geometry, BROWSER the browser.
-bench-viewer: benches/viewer/node_modules/three ## A page of taotie view beside three.js and model-viewer, for docs/view.md; MODEL=asset.glb
+bench-viewer: benches/viewer/node_modules/three ## Compare a page of taotie view with three.js and model-viewer, for docs/view.md; MODEL=asset.glb
 	mkdir -p target/bench-viewer
 	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
 	$(or $(TAOTIE),target/release/taotie) view $(MODEL) --samples 1 -o target/bench-viewer/page.html
@@ -228,13 +236,13 @@ bench-viewer: benches/viewer/node_modules/three ## A page of taotie view beside 
 benches/viewer/node_modules/three: benches/viewer/package-lock.json
 	$(INSTALL) benches/viewer
 
-bless: ## Takes the pictures and outputs of today for right; look at the difference before you commit it
+bless: ## Accept the current images and outputs as correct; review the difference before committing
 	TAOTIE_BLESS=1 cargo test -p taotie --test render golden::
 	SNAPSHOTS=overwrite cargo test -p taotie-cli --test cli
 
-# What `make test` needs beside cargo, installed where missing: parts of the toolchain, browsers for pages and three.js,
-# npm's packages that lead them and that check glTF, a Vulkan driver, of which Mesa's needs no graphics
-# processor, and what the tests of the Python package import. `BROWSER=/path/to/chrome` names a browser elsewhere.
+# Installs the requirements of the tests other than cargo: parts of the toolchain, browsers for pages and three.js,
+# npm packages that drive them and that check glTF, a Vulkan driver (Mesa's needs no GPU), and the modules that the
+# tests of the Python package import. `BROWSER=/path/to/chrome` specifies a browser elsewhere.
 PACKAGES = tests/validator/node_modules/@gltf-transform/cli tests/browser/node_modules/@google/model-viewer viewer/node_modules/esbuild
 INSTALL = npm ci --no-audit --no-fund --prefix
 BROWSERS = chromium chromium-browser google-chrome google-chrome-stable
@@ -264,9 +272,9 @@ python-tests:
 browser:
 	@as=$$(test "$$(id -u)" = 0 || echo sudo); \
 	{ command -v apt-get && $$as apt-get update && $$as apt-get install -y chromium; } >/dev/null || \
-	echo "Install Chromium or Chrome, or name it in BROWSER: without it the tests of report pages and three.js are skipped." >&2
+	echo "Install Chromium or Chrome, or specify it in BROWSER: without it the tests of report pages and three.js are skipped." >&2
 
-# Its WebGL needs a screen, which Xvfb makes, and Mesa.
+# Its WebGL needs Mesa and a screen, which Xvfb provides.
 .PHONY: firefox
 firefox:
 	@as=$$(test "$$(id -u)" = 0 || echo sudo); packages="firefox-esr xvfb xauth libegl1 libgl1-mesa-dri libpci3"; \
@@ -277,7 +285,7 @@ firefox:
 vulkan:
 	@as=$$(test "$$(id -u)" = 0 || echo sudo); \
 	{ command -v apt-get && $$as apt-get update && $$as apt-get install -y mesa-vulkan-drivers; } >/dev/null || \
-	echo "Install a Vulkan driver, such as Mesa's: without one the tests of images by graphics processors are skipped." >&2
+	echo "Install a Vulkan driver, such as Mesa's: without one the tests of GPU rendering are skipped." >&2
 
 .PHONY: packages
 packages:

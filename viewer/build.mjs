@@ -1,5 +1,5 @@
-// Builds the element for pages, into crates/taotie-report, and as a module for npm, into dist. With --check compares the
-// former with the one that is there; with --module FOLDER writes the latter alone.
+// Builds the element for pages, into crates/taotie-report, and as a module for npm, into dist. With --check, compares
+// the former with the existing file; with --module FOLDER, writes only the latter.
 
 import { build } from "esbuild";
 import { copyFile, mkdir, readFile, writeFile } from "node:fs/promises";
@@ -12,7 +12,7 @@ const PAGE = path.join(here, "../crates/taotie-report/src/viewer/bundle/viewer.j
 const [, , option, folder] = process.argv;
 const MOST = 250_000;
 
-/** The text of the element, as a script or as a module. */
+/** Returns the source of the element, as a script or as a module. */
 async function built(format) {
     const { outputFiles } = await build({
         entryPoints: [path.join(here, "src/main.ts")],
@@ -26,7 +26,7 @@ async function built(format) {
         loader: { ".css": "text" },
         write: false,
     });
-    // A carriage return would not survive a page.
+    // Carriage returns do not survive in a page.
     return outputFiles[0].text.replaceAll("\r", "");
 }
 
@@ -36,15 +36,15 @@ async function writeModule(dist) {
     await copyFile(path.join(here, "taotie-viewer.d.ts"), path.join(dist, "taotie-viewer.d.ts"));
 }
 
-/** Writes the element for pages, or compares it; says whether that went well. */
+/** Writes or compares the element for pages; returns true on success. */
 async function page(isCheck) {
     const script = await built("iife");
     const bytes = gzipSync(script).length;
-    console.log(`${bytes} bytes by gzip`);
-    if (bytes > MOST) console.error(`that is more than ${MOST}`);
+    console.log(`${bytes} bytes gzipped`);
+    if (bytes > MOST) console.error(`more than the limit of ${MOST} bytes`);
     if (!isCheck) await writeFile(PAGE, script);
     const isSame = (await readFile(PAGE, "utf8")) === script;
-    if (!isSame) console.error(`${PAGE} is not what viewer/ makes: run \`make viewer\``);
+    if (!isSame) console.error(`${PAGE} does not match viewer/: run \`make viewer\``);
     return isSame && bytes <= MOST;
 }
 

@@ -1,9 +1,9 @@
-"""How far normal maps are from the scan, degrees: accuracy.py SCAN.ply LOW.npz NAME=MAP.png...
+"""Measures the errors of normal maps against the scan, in degrees: accuracy.py SCAN.ply LOW.npz NAME=MAP.png...
 
-The truth is none of the bakers': Embree casts rays from random points of the low-poly mesh along its interpolated
-normal, outward and inward; of what they meet, the nearest that faces the same way counts, with the scan's vertex normals
-interpolated there. A map is looked up bilinearly at the same point and taken out of tangent space as glTF says: by the
-interpolated normal and tangent, not normalised. Prints JSON.
+The reference is independent of the bakers: Embree casts rays from random points of the low-poly mesh along its
+interpolated normal, outward and inward; the nearest hit that faces the same way counts, with the scan's vertex
+normals interpolated there. A map is looked up bilinearly at the same point and converted from tangent space as glTF
+specifies: by the interpolated normal and tangent, not normalised. Prints JSON.
 """
 
 import json
@@ -20,12 +20,12 @@ from frames import unit
 
 POINTS = 20_000
 SEED = 7
-# What is farther away is another part of the scan; model units.
+# Anything farther away is another part of the scan; model units.
 REACH = 0.05
 
 
 def random_points(low):
-    """Triangles and barycentrics (n, 3) of points spread evenly over the low-poly mesh's area."""
+    """Triangles and barycentrics (n, 3) of points distributed uniformly over the low-poly mesh's area."""
     random = np.random.default_rng(SEED)
     corners = low["positions"][low["triangles"]].astype(np.float64)
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=-1)
@@ -39,7 +39,7 @@ def interpolate(values, corners, weights):
 
 
 def truth(scan, points, directions):
-    """The scan's unit normals (n, 3) that belong to the points, and which points have one."""
+    """The scan's unit normals (n, 3) for the points, and which points have one."""
     positions, triangles = scan
     scene = EmbreeScene()
     TriangleMesh(scene, positions.astype(np.float32), triangles.astype(np.int32))
@@ -59,7 +59,7 @@ def truth(scan, points, directions):
 
 
 def looked_up(path, uvs):
-    """Tangent-space normals at uvs whose v runs upward, from a picture whose first row is its top."""
+    """Tangent-space normals at uvs with v upward, from an image whose first row is its top."""
     image = np.asarray(Image.open(path).convert("RGB"))
     height, width = image.shape[:2]
     x = np.clip(uvs[:, 0] * width - 0.5, 0, width - 1)
@@ -76,7 +76,7 @@ def looked_up(path, uvs):
 
 
 def angles(a, b):
-    """Between unit vectors, degrees; exact for small angles too."""
+    """Angles between unit vectors, in degrees; also accurate for small angles."""
     return np.degrees(2 * np.arctan2(np.linalg.norm(a - b, axis=-1), np.linalg.norm(a + b, axis=-1)))
 
 

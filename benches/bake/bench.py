@@ -1,4 +1,4 @@
-"""Bakes the same jobs by Taotie and by Blender in turn, and writes what it took: `make bench-bake`."""
+"""Bakes the same jobs with Taotie and Blender in alternation, and reports time and memory: `make bench-bake`."""
 
 import json
 import os
@@ -21,8 +21,8 @@ def arguments():
     parser = command.parser(__doc__, TARGET)
     taotie = os.path.join(command.PROGRAMS, "taotie")
     parser.add_argument("--taotie", default=taotie, help="the program to time")
-    parser.add_argument("--rounds", type=int, help="of every job; without it 3 for scans of 1 M, 1 for larger ones")
-    parser.add_argument("--quick", action="store_true", help="the jobs at 1 M once; prints and leaves the page alone")
+    parser.add_argument("--rounds", type=int, help="rounds per job [default: 3 for scans of 1 M, 1 for larger ones]")
+    parser.add_argument("--quick", action="store_true", help="the jobs at 1 M once; prints without writing the page")
     args = parser.parse_args()
     if args.rounds is not None and args.rounds < 1:
         parser.error("--rounds: at least 1")
@@ -35,13 +35,13 @@ def script(name, *rest):
 
 
 def chosen(args):
-    """The jobs, each with how often it is timed."""
+    """The jobs, each with its number of rounds."""
     some = [job for job in jobs.JOBS if job.scan == "1m" or not args.quick]
     return [(job, args.rounds or (1 if args.quick else job.rounds)) for job in some]
 
 
 def blender_lacks():
-    """Why Blender cannot be asked; None where it can."""
+    """Why Blender is unavailable; None if it is available."""
     try:
         measure.run([sys.executable, "-c", "import bpy"])
     except measure.Failed as failed:
@@ -55,15 +55,15 @@ def by_taotie(program, job, paths):
 
 
 def by_blender(job, paths):
-    """Its seconds without the import of the module, which a session of Blender pays once."""
+    """Its seconds without the import of the module, which a Blender session needs only once."""
     run = measure.run(jobs.blender(job, paths))
-    told = json.loads(run.output.strip().splitlines()[-1])
-    seconds = told["load"] + told["bake"] + told["save"]
-    return {"seconds": seconds, "mib": run.mib, "import": told["import"], "version": told["version"]}
+    answer = json.loads(run.output.strip().splitlines()[-1])
+    seconds = answer["load"] + answer["bake"] + answer["save"]
+    return {"seconds": seconds, "mib": run.mib, "import": answer["import"], "version": answer["version"]}
 
 
 def timed(job, rounds, bakers):
-    """Medians of each baker; they take turns, so that a machine that slows down slows both."""
+    """Medians of each baker; they alternate, so that a machine that slows down slows both."""
     results = {name: [] for name in bakers}
     for _ in range(rounds):
         for name, bake in bakers.items():
@@ -79,7 +79,7 @@ def median(rows):
 
 
 def maps_of(results, paths):
-    """The normal maps baked from the scan of 1 M as NAME=PATH; Taotie's are taken out of its assets."""
+    """The normal maps baked from the scan of 1 M as NAME=PATH; Taotie's are extracted from its assets."""
     named = []
     for job, _, times in results:
         if job.scan != "1m" or job.kind != "normal":
@@ -95,7 +95,7 @@ def maps_of(results, paths):
 
 
 def accuracy(results, paths):
-    """What accuracy.py prints, in a process of its own; or why it cannot."""
+    """The output of accuracy.py, run in a separate process; or why it failed."""
     scan = next(paths.scan(job) for job, _, _ in results if job.scan == "1m")
     try:
         run = measure.run(script("accuracy.py", scan, paths.low("npz"), *maps_of(results, paths)))
@@ -112,7 +112,7 @@ def main():
     measure.run(script("scene.py", args.folder, *dict.fromkeys(job.scan for job, _ in some)))
     lacks = blender_lacks()
     if lacks:
-        say(f"Blender cannot be asked, Taotie is measured alone: {lacks}")
+        say(f"Blender is unavailable, measuring only Taotie: {lacks}")
     results = []
     for job, rounds in some:
         measure.read_once(paths.scan(job))

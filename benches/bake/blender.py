@@ -1,6 +1,6 @@
-"""One bake by Blender in a process of its own; the last line it prints is JSON: seconds of each step, peak memory.
+"""One bake with Blender in a separate process; the last line of output is JSON: seconds of each step, peak memory.
 
-The scan is laid onto the low-poly mesh ("selected to active"), as `taotie bake --low` does.
+The scan is baked onto the low-poly mesh ("selected to active"), like `taotie bake --low`.
 """
 
 import argparse
@@ -18,9 +18,9 @@ def arguments():
     parser.add_argument("low", help="low.npz of scene.py")
     parser.add_argument("output", help="PNG to write")
     parser.add_argument("--map", choices=["normal", "ao"], default="normal")
-    parser.add_argument("--size", type=int, default=2048, help="texels across and down")
-    parser.add_argument("--samples", type=int, default=1, help="samples a texel; of ao, rays")
-    parser.add_argument("--extrusion", type=float, required=True, help="where rays begin, model units")
+    parser.add_argument("--size", type=int, default=2048, help="width and height in texels")
+    parser.add_argument("--samples", type=int, default=1, help="samples per texel; rays for ao")
+    parser.add_argument("--extrusion", type=float, required=True, help="distance of the rays' origins, model units")
     parser.add_argument("--margin", type=int, default=16, help="texels")
     return parser.parse_args()
 
@@ -39,7 +39,7 @@ class Clock:
 
 
 def load_scan(path):
-    # The file's axes as they are; the importer's own choice is Z upward, which turns nothing.
+    # Keep the file's axes; the importer's default is Z upward, which rotates nothing.
     bpy.ops.wm.ply_import(filepath=path, forward_axis="Y", up_axis="Z")
     scan = bpy.context.view_layer.objects.active
     scan.data.shade_smooth()
@@ -47,7 +47,7 @@ def load_scan(path):
 
 
 def build_low(path):
-    """The low-poly mesh with the very normals and uvs of the file; Blender makes the tangents of them."""
+    """The low-poly mesh with the exact normals and uvs of the file; Blender computes tangents from them."""
     low = np.load(path)
     corners = low["triangles"].ravel()
     mesh = bpy.data.meshes.new("low")
@@ -67,13 +67,13 @@ def build_low(path):
 
 
 def add_image(low, size):
-    """The picture to bake into, of a new material of the low-poly mesh."""
+    """The image to bake into, in a new material of the low-poly mesh."""
     low.data.materials.append(bpy.data.materials.new("low"))
     return cycles_bake.add_image(low.data.materials[0], size).image
 
 
 def save(image, path):
-    image.filepath_raw = os.path.abspath(path)  # a bare name would mean the folder of a .blend file
+    image.filepath_raw = os.path.abspath(path)  # a bare name would refer to the folder of a .blend file
     image.file_format = "PNG"
     image.save()
 

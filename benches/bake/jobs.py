@@ -1,19 +1,20 @@
-"""What is baked, and the command lines that bake it."""
+"""The bakes, and their command lines."""
 
 import dataclasses
 import os
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-# Where rays begin before the low-poly mesh, model units: beyond the relief and the chords of the low-poly mesh.
+# Distance of the rays' origins from the low-poly mesh, model units: beyond the relief and the chords of the low-poly
+# mesh.
 EXTRUSION = 0.05
 MARGIN = 16
 
 
 @dataclasses.dataclass(frozen=True)
 class Job:
-    """One bake onto the low-poly mesh, or onto so many `triangles` that are made. `samples` a texel, or of ao the rays;
-    `rounds` is how often it is timed if nobody says."""
+    """One bake onto the low-poly mesh, or onto a generated one of `triangles`. `samples` per texel, or rays for ao;
+    `rounds` is the default number of rounds."""
 
     name: str
     title: str
@@ -32,12 +33,12 @@ JOBS = (
     Job("ao-1m", "1 M → 2048², occlusion, 16 rays", "1m", kind="ao", samples=16, blender=True, rounds=3),
     Job("normal-8m", "8 M → 4096², normals, 1 sample", "8m", size=4096, blender=True),
     Job("normal-20m", "20 M → 2048², normals, 4 samples", "20m", samples=4),
-    Job("made-20m", "20 M → 50,000 triangles made, 2048², normals, 4 samples", "20m", samples=4, triangles=50_000),
+    Job("made-20m", "20 M → 50,000 triangles generated, 2048², normals, 4 samples", "20m", samples=4, triangles=50_000),
 )
 
 
 class Paths:
-    """Where the files of a folder lie."""
+    """The paths of the files in a folder."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -53,7 +54,7 @@ class Paths:
 
 
 def taotie(program, job, paths):
-    """The command that bakes the job by Taotie, without its proof, which Blender has none of."""
+    """The command that bakes the job with Taotie, without the proof, since Blender has none."""
     command = [program, "bake", paths.scan(job), "-o", paths.output(job, "taotie", "glb")]
     command += ["--triangles", str(job.triangles)] if job.triangles else ["--low", paths.low("glb")]
     command += ["--size", str(job.size), "--maps", job.kind]
@@ -63,7 +64,7 @@ def taotie(program, job, paths):
 
 
 def blender(job, paths):
-    """The command that bakes the job by Blender; samples are its own word for rays too."""
+    """The command that bakes the job with Blender, which also calls rays samples."""
     command = [sys.executable, os.path.join(HERE, "blender.py"), paths.scan(job), paths.low("npz")]
     command += [paths.output(job, "blender", "png"), "--map", job.kind, "--size", str(job.size)]
     return command + ["--samples", str(job.samples), "--extrusion", str(EXTRUSION), "--margin", str(MARGIN)]

@@ -1,4 +1,4 @@
-"""Makes the scans and the low-poly mesh in a folder, where they are absent: scene.py FOLDER SCAN..."""
+"""Generates missing scans and the low-poly mesh in a folder: scene.py FOLDER SCAN..."""
 
 import os
 import sys
@@ -12,14 +12,14 @@ import vessel
 # Cells around and from foot to mouth; two triangles each.
 SCANS = {"1m": (1000, 500), "8m": (2840, 1410), "20m": (4500, 2250)}
 LOW = (32, 32)
-# Part of the map that stays empty along each side, as around any UV island.
+# Fraction of the map that stays empty along each side, as around any UV island.
 BORDER = 1 / 64
-# Rows of a scan that are in memory at once.
+# Number of rows of a scan in memory at a time.
 ROWS = 64
 
 
 def cells(row, around, columns):
-    """The triangles (2·around, 3) of one row of cells; `columns` vertices a row, the last joined to the first."""
+    """The triangles (2·around, 3) of one row of cells; `columns` vertices per row, the last joined to the first."""
     here = np.arange(around) + row * columns
     right = (np.arange(around) + 1) % columns + row * columns
     lower = np.stack([here, right, right + columns], -1)
@@ -28,7 +28,7 @@ def cells(row, around, columns):
 
 
 def write_scan(path, around, along):
-    """A closed band of vertices each of which is there once, without normals and uvs, as scanners write it."""
+    """A closed band without duplicate vertices, normals or uvs, as scanners write it."""
     u, v = np.arange(around) / around, np.linspace(0, 1, along + 1)
     relief = vessel.Relief(u)
     with files.written(path) as file:
@@ -45,8 +45,8 @@ def write_scan(path, around, along):
 def write_low(folder):
     """The low-poly mesh, split along the seam of its uvs: low.glb for Taotie, low.npz with v upward for the others.
 
-    Its normals are made of its own triangles, not of the outline. Some bakers follow the normals of the file and some
-    those of the triangles; here the two are the same, so that every baker looks for the scan along the same lines.
+    Its normals are computed from its own triangles, not from the outline. Some bakers use the normals of the file and
+    some those of the triangles; here the two are equal, so every baker searches for the scan along the same lines.
     """
     around, along = LOW
     u, v = np.linspace(0, 1, around + 1), np.linspace(0, 1, along + 1)
@@ -78,7 +78,7 @@ def main(folder, names):
     for name in names:
         path = os.path.join(folder, f"scan-{name}.ply")
         if not os.path.exists(path):
-            print(f"making {path}", file=sys.stderr)
+            print(f"generating {path}", file=sys.stderr)
             write_scan(path, *SCANS[name])
 
 

@@ -2,7 +2,7 @@
 
 from page import seconds, table, two_digits, wrapped
 
-# How many times Taotie's time and memory Blender is to take at least.
+# Minimum ratios of Blender's time and memory to Taotie's.
 TIME_GOAL, MEMORY_GOAL = 12, 6
 
 
@@ -29,11 +29,11 @@ def errors(accuracy):
 
 def about_blender(results, lacks):
     if lacks:
-        return f"Blender could not be asked here ({lacks}), so Taotie stands alone."
+        return f"Blender was not available ({lacks}), so only Taotie was measured."
     answers = [bakers["blender"] for _, _, bakers in results if "blender" in bakers]
     longest = max(answer["import"] for answer in answers)
     return (
-        f"Blender is {answers[0]['version']} (`bpy`, Cycles on the processor, selected to active). Its time is load, "
+        f"Blender is {answers[0]['version']} (`bpy`, Cycles on the CPU, selected to active). Its time is load, "
         f"bake and save; the import of its module, up to {seconds(longest)} s, is not counted."
     )
 
@@ -42,10 +42,10 @@ def about_errors(accuracy):
     if "lacks" in accuracy:
         return [wrapped(f"The maps' angular errors could not be measured here: {accuracy['lacks']}.")]
     prose = (
-        f"Angles between the normals that a map shows and the scan's, at {accuracy['points']:,} random points of the "
-        "low-poly mesh, by rays of Embree along its interpolated normals. Of the points "
-        f"{accuracy['missed']:,} met no scan and are left out. Taotie dithers maps of 8 bits, which hides steps "
-        "under a moving light and costs some of the angle."
+        f"Angles between the normals of a map and those of the scan, at {accuracy['points']:,} random points of the "
+        "low-poly mesh, measured with Embree rays along its interpolated normals. Of the points, "
+        f"{accuracy['missed']:,} hit no scan and are excluded. Taotie dithers 8-bit maps, which hides steps "
+        "under a moving light at the cost of some accuracy."
     )
     return [wrapped(prose), "", *errors(accuracy)]
 
@@ -53,12 +53,12 @@ def about_errors(accuracy):
 def text(machine, results, accuracy, lacks):
     """The section's Markdown."""
     prose = (
-        "`make bench-bake` bakes a carved vessel onto 2,048 triangles (`benches/bake/scene.py`), by each program in "
-        "turn. Median seconds, and the peak resident memory of the process. Taotie's time is that of the whole "
-        "process from start to end, `taotie bake … --no-verify`; the ratios are Blender's figures by Taotie's."
+        "`make bench-bake` bakes a carved vessel onto 2,048 triangles (`benches/bake/scene.py`), with both programs "
+        "in alternation. Median seconds, and the peak resident memory of the process. Taotie's time is that of the "
+        "whole process, `taotie bake … --no-verify`; the ratios are Blender's figures divided by Taotie's."
     )
-    told = wrapped(f"{prose} {about_blender(results, lacks)} Measured on: {machine}.")
-    lines = ["## Baking", "", told, ""]
+    about = wrapped(f"{prose} {about_blender(results, lacks)} Measured on: {machine}.")
+    lines = ["## Baking", "", about, ""]
     lines += [*times(results), "", *about_errors(accuracy), "", "The commands:", "", "```sh"]
     return "\n".join([*lines, *COMMANDS, "```"])
 

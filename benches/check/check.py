@@ -1,9 +1,9 @@
-"""Holds this build against a stored one and fails where it is slower by more than 5 %: `make bench-check`.
+"""Compares this build with a stored one and fails if it is slower by more than 5 %: `make bench-check`.
 
-Both builds take turns, the one first in one round and the other in the next (ABBA), over all cases, so that what slows
-the machine slows both. Of each pair of runs the ratio counts, once of the time from start to end and once of that of the
-processors; verdict.py says when ratios are a loss. A case with a loss in either is run again with twice the rounds, and
-only if these alone show a loss too it is called one: noise seldom comes twice.
+Both builds alternate, each one first in every other round (ABBA), over all cases, so that anything that slows the
+machine slows both. For each pair of runs the ratio counts, for both wall time and CPU time; verdict.py decides when
+ratios are a loss. A case with a loss in either is run again with twice the rounds, and only counts as one if these
+runs show a loss too: noise seldom repeats.
 """
 
 import argparse
@@ -29,32 +29,32 @@ CLOCKS = ("wall", "processor")
 def arguments():
     about = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=about)
-    parser.add_argument("--folder", default=FOLDER, help="for what is made")
-    parser.add_argument("--base", default=os.path.join(FOLDER, "base"), help="where taotie and frames of before are")
-    parser.add_argument("--programs", default=command.PROGRAMS, help="where those of now are")
-    parser.add_argument("--rounds", type=int, default=12, help="pairs of each case, 2 or more")
-    parser.add_argument("--limit", type=float, default=1.05, help="the ratio from which on it is a loss")
-    parser.add_argument("--only", action="append", choices=work.whole_set(), help="this case alone; may be repeated")
-    parser.add_argument("--json", help="where all times are written to")
+    parser.add_argument("--folder", default=FOLDER, help="working folder")
+    parser.add_argument("--base", default=os.path.join(FOLDER, "base"), help="folder of the old taotie and frames")
+    parser.add_argument("--programs", default=command.PROGRAMS, help="folder of the new ones")
+    parser.add_argument("--rounds", type=int, default=12, help="pairs per case, at least 2")
+    parser.add_argument("--limit", type=float, default=1.05, help="the ratio from which it counts as a loss")
+    parser.add_argument("--only", action="append", choices=work.whole_set(), help="only this case; may be repeated")
+    parser.add_argument("--json", help="file for all times")
     args = parser.parse_args()
     if args.rounds < 2:
         parser.error("--rounds: at least 2")
     for folder, target in ((args.base, "bench-store"), (args.programs, TARGET)):
         for program in (os.path.join(folder, "taotie"), measured.frames(folder)):
             if not os.access(program, os.X_OK):
-                parser.error(f"{program} is no program; `make {target}` builds it")
+                parser.error(f"{program} is not a program; `make {target}` builds it")
     return args
 
 
 def make(folder):
-    """The scenes, where they are absent."""
+    """Generates missing scenes."""
     for kind, place, names in (("bake", "bake", [work.SCAN]), ("render", "scene", work.MESHES)):
         script = os.path.join(command.ROOT, "benches", kind, "scene.py")
         measure.run([sys.executable, script, os.path.join(folder, place), *names])
 
 
 def taken(builds, chosen, rounds):
-    """Pairs of times, base and now, by the case's name."""
+    """Pairs of times, base and now, by case."""
     pairs = {name: [] for name in chosen}
     for number in range(rounds):
         for name, case in chosen.items():
@@ -70,7 +70,7 @@ def by_clock(pairs, clock):
 
 
 def judged(pairs, limit):
-    """A loss by either clock is one; a gain is one by both."""
+    """A loss by either clock counts; a gain must be one by both."""
     verdicts = {verdict(by_clock(pairs, clock), limit) for clock in CLOCKS}
     if LOSS in verdicts:
         return LOSS
@@ -78,7 +78,7 @@ def judged(pairs, limit):
 
 
 def checked(builds, chosen, args):
-    """Pairs of times by the case's name; cases with a loss are run again, and these pairs count."""
+    """Pairs of times by case; cases with a loss are run again, and the new pairs count."""
     pairs = taken(builds, chosen, args.rounds)
     again = {name: chosen[name] for name, some in pairs.items() if judged(some, args.limit) == LOSS}
     if again:
@@ -94,7 +94,7 @@ def report(pairs, limit):
         shown = [f"{statistics.median(times):.1f}" for times in zip(*by_clock(some, "wall"))]
         ratios = [f"{ratio(by_clock(some, clock)):.3f}" for clock in CLOCKS]
         rows.append([name, *shown, *ratios, judged(some, limit)])
-    head = ["case", "base, ms", "now, ms", "ratio", "ratio of processor time", "verdict"]
+    head = ["case", "base, ms", "now, ms", "ratio", "CPU time ratio", "verdict"]
     return "\n".join(page.table(head, rows))
 
 

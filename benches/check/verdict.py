@@ -1,8 +1,8 @@
-"""The verdict on times that were taken in pairs: a loss, a gain, or neither.
+"""The verdict on paired times: a loss, a gain, or neither.
 
-A virtual machine changes its speed by a third from minute to minute. The two of a pair stand side by side, so a ratio of
-theirs is worth more than one of means; the median leaves out the pairs in between which the machine changed; and
-where the builds are the same a quarter of the pairs lies below 1 as good as always, wherever the median strays.
+The speed of a virtual machine varies by a third from minute to minute. The two runs of a pair are adjacent, so the
+ratio of a pair is more reliable than a ratio of means; the median ignores the pairs during which the speed changed;
+and if the builds are equal, a quarter of the pairs is nearly always below 1, wherever the median strays.
 """
 
 import statistics
@@ -11,12 +11,12 @@ LOSS, GAIN, SAME = "loss", "gain", "same"
 
 
 def ratio(pairs):
-    """The median of now by base; a pair is (base, now)."""
+    """The median of now divided by base; a pair is (base, now)."""
     return statistics.median(_ratios(pairs))
 
 
 def verdict(pairs, limit):
-    """A loss has a median above `limit` and its lower quartile above 1; a gain is the same the other way round."""
+    """A loss has a median above `limit` and its lower quartile above 1; a gain is the reverse."""
     if _is_beyond(_ratios(pairs), limit):
         return LOSS
     return GAIN if _is_beyond([1 / ratio for ratio in _ratios(pairs)], limit) else SAME

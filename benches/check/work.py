@@ -1,4 +1,4 @@
-"""The set that is timed: whole processes that read, bake and render, and frames by processes that stay."""
+"""The timed cases: whole processes that read, bake and render, and frames by persistent processes."""
 
 import dataclasses
 import os
@@ -11,7 +11,7 @@ import talk
 from jobs import Job, Paths, taotie
 from measured import SHADINGS
 
-# The programs' own files are told apart by these.
+# These distinguish the programs' own files.
 BASE, NOW = "base", "now"
 SCAN, MESHES = "1m", ("2k", "200k")
 SIZE = (1024, 1024)
@@ -25,14 +25,14 @@ BAKES = (
 
 @dataclasses.dataclass(frozen=True)
 class Time:
-    """Milliseconds: from start to end, and of all processors together."""
+    """Milliseconds: wall time, and CPU time."""
 
     wall: float
     processor: float
 
 
 class Build:
-    """The programs of a folder at work on the scenes of another. `name` is BASE or NOW."""
+    """The programs of a folder, run on the scenes of another. `name` is BASE or NOW."""
 
     def __init__(self, programs, folder, name):
         self.taotie, self.folder = os.path.join(programs, "taotie"), folder
@@ -41,7 +41,7 @@ class Build:
         self.sessions = {}
 
     def prepare(self):
-        """Keeps the environment, filtered by this build, for its frames."""
+        """Stores the environment, filtered by this build, for its frames."""
         measure.run(self.renderer.first(self.scene, MESHES[0]))
 
     def read(self):
@@ -51,14 +51,14 @@ class Build:
         return timed(taotie(self.taotie, job, self.paths))
 
     def cold(self):
-        """A picture under an environment that no cache holds."""
+        """An image under an environment that is not cached."""
         picture = os.path.join(self.folder, "cold.png")
         with tempfile.TemporaryDirectory() as home:
             command = self.renderer.cold(self.scene, MESHES[0], "ggx", *SIZE, picture)
             return timed(command, cold.environment(home, {}))
 
     def frames(self, mesh, shading):
-        """A frame's median, and what all of an answer took of the processors."""
+        """The median frame, and the CPU time of the whole answer."""
         key = (mesh, shading)
         if key not in self.sessions:
             self.sessions[key] = talk.Session(self.renderer.talks(self.scene, mesh, shading), {})
@@ -78,7 +78,7 @@ def timed(command, environment=None):
 
 
 def whole_set():
-    """By name, what a build does."""
+    """The cases by name."""
     some = {"read a scan": Build.read, "render, caches fresh": Build.cold}
     some |= {job.name: lambda build, job=job: build.bake(job) for job in BAKES}
     for mesh in MESHES:

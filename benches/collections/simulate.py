@@ -1,10 +1,10 @@
-"""Foretells how long a large collection takes on a cluster, from the durations that a manifest has recorded.
+"""Estimates the time for a large collection on a cluster, from the durations recorded in a manifest.
 
     python3 benches/collections/simulate.py assets/manifest.jsonl --assets 100000 --triangles 5000000 --cores 1000
 
-Each asset takes the time of a recorded one of a million triangles or more, drawn by chance and scaled to its triangles. One queue hands out the largest first, as
-`taotie.ray` does; shards are fixed beforehand by hashes of ids, as those of `--shard` are. Nodes may be lost at a rate: what they
-were at is done again from its beginning.
+Each asset takes the time of a recorded one of at least a million triangles, drawn at random and scaled to its
+triangles. One queue hands out the largest first, like `taotie.ray`; shards are assigned in advance by hashes of ids,
+like those of `--shard`. Nodes may be lost at a given rate: their current tasks are repeated from the start.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ import random
 from pathlib import Path
 
 
-#: Triangles of the smallest scan whose time says something of large ones.
+# : Triangles of the smallest scan whose time is representative of large ones.
 LEAST = 1_000_000
 
 
 def durations(manifest: Path) -> list[float]:
-    """Return the seconds that a million triangles took, of each asset that was made."""
+    """Return the seconds per million triangles of each asset."""
     records = (json.loads(line) for line in manifest.read_text(encoding="utf-8").splitlines())
     made = [record for record in records if record["figures"] and record["stages"]]
     large = [record for record in made if record["figures"]["triangles_in"] >= LEAST]
@@ -30,12 +30,12 @@ def durations(manifest: Path) -> list[float]:
 
 
 def triangles(mean: float, spread: float, chance: random.Random) -> float:
-    """Return the triangles of a scan, spread as logarithms are, with this mean."""
+    """Return the triangles of a scan, log-normally distributed with this mean."""
     return chance.lognormvariate(0, spread) * mean / 2.718281828 ** (spread * spread / 2)
 
 
 class Cluster:
-    """Cores that take one task after the other, and may be lost amid one."""
+    """Cores that run one task after the other, and may be lost during a task."""
 
     def __init__(self, cores: int, lost_a_day: float, seed: int) -> None:
         self.free = [(0.0, core) for core in range(cores)]
@@ -45,7 +45,7 @@ class Cluster:
         self._chance = random.Random(seed)
 
     def run(self, seconds: float) -> float:
-        """Do a task on the first core that is free; return when it has ended."""
+        """Run a task on the first free core; return its end time."""
         start, core = heapq.heappop(self.free)
         while self._rate and (until := self._chance.expovariate(self._rate)) < seconds:
             self.wasted += until
@@ -56,12 +56,12 @@ class Cluster:
 
 
 def one_queue(tasks: list[float], cluster: Cluster) -> float:
-    """Return the time of all, handed out by one queue, the largest first."""
+    """Return the total time with one queue that hands out the largest first."""
     return max(cluster.run(seconds) for seconds in sorted(tasks, reverse=True))
 
 
 def shards(tasks: list[float], cores: int) -> float:
-    """Return the time of all in as many shards as there are cores, by hashes."""
+    """Return the total time with one shard per core, by hashes."""
     ends = [0.0] * cores
     for index, seconds in enumerate(tasks):
         place = int(hashlib.sha256(f'"{index}"'.encode()).hexdigest()[:16], 16) % cores
@@ -74,14 +74,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("manifest", type=Path)
     parser.add_argument("--assets", type=int, default=100_000)
-    parser.add_argument("--triangles", type=float, default=5e6, help="mean of a scan")
-    parser.add_argument("--spread", type=float, default=0.8, help="of the logarithm of triangles")
-    parser.add_argument("--core-seconds", type=float, help="median of a million triangles; as recorded if not given")
+    parser.add_argument("--triangles", type=float, default=5e6, help="mean triangles per scan")
+    parser.add_argument("--spread", type=float, default=0.8, help="standard deviation of the logarithm of triangles")
+    parser.add_argument("--core-seconds", type=float, help="seconds per million triangles [default: recorded median]")
     parser.add_argument("--cores", type=int, default=1000)
-    parser.add_argument("--cores-an-hour", type=float, default=0.04, help="price of a core for an hour, dollars")
-    parser.add_argument("--lost-a-day", type=float, default=0.05, help="part of the cores that are lost in a day")
-    parser.add_argument("--bytes-in", type=float, default=19.0, help="of a scan, a triangle")
-    parser.add_argument("--bytes-out", type=float, default=4e6, help="of an asset with its pages")
+    parser.add_argument("--cores-an-hour", type=float, default=0.04, help="price of a core-hour in dollars")
+    parser.add_argument("--lost-a-day", type=float, default=0.05, help="fraction of the cores lost per day")
+    parser.add_argument("--bytes-in", type=float, default=19.0, help="bytes of a scan per triangle")
+    parser.add_argument("--bytes-out", type=float, default=4e6, help="bytes of an asset with its pages")
     args = parser.parse_args()
     chance, known = random.Random(1), durations(args.manifest)
     if args.core_seconds:
@@ -93,12 +93,12 @@ def main() -> None:
     queue, fixed = one_queue(tasks, cluster), shards(tasks, args.cores)
     core_hours = (cluster.busy + cluster.wasted) / 3600
     least = sum(tasks) / args.cores / 3600
-    print(f"core-hours          {core_hours:,.0f}, of them {cluster.wasted / 3600:,.1f} lost with nodes")
-    print(f"money               {core_hours * args.cores_an_hour:,.0f} dollars")
+    print(f"core-hours          {core_hours:,.0f}, of which {cluster.wasted / 3600:,.1f} lost with nodes")
+    print(f"cost                {core_hours * args.cores_an_hour:,.0f} dollars")
     print(f"one queue           {queue / 3600:.2f} h, {least / (queue / 3600):.1%} of the cores' time used")
-    print(f"shards, one a core  {fixed / 3600:.2f} h, {least / (fixed / 3600):.1%}")
-    print(f"assets a second     {args.assets / queue:.1f}")
-    print(f"read                {sum(sizes) * args.bytes_in / 1e12:.1f} TB, {sum(sizes) * args.bytes_in / queue / 1e9:.2f} GB a second")
+    print(f"one shard per core  {fixed / 3600:.2f} h, {least / (fixed / 3600):.1%}")
+    print(f"assets per second   {args.assets / queue:.1f}")
+    print(f"read                {sum(sizes) * args.bytes_in / 1e12:.1f} TB, {sum(sizes) * args.bytes_in / queue / 1e9:.2f} GB per second")
     print(f"written             {args.assets * args.bytes_out / 1e12:.2f} TB")
 
 

@@ -1,4 +1,4 @@
-"""What the commands of all benchmarks have in common."""
+"""The options and helpers shared by all benchmarks."""
 
 import argparse
 import os
@@ -10,42 +10,42 @@ import page
 import talk
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-# Where cargo puts what is timed.
+# Cargo's folder of the timed programs.
 PROGRAMS = os.path.join(ROOT, "target/release")
 
 
 def parser(about, target):
-    """With the options that all have; `target` is the Makefile's."""
+    """A parser with the common options; `target` is the Makefile's."""
     made = argparse.ArgumentParser(description=about)
-    made.add_argument("--folder", default=os.path.join(ROOT, "target", target), help="for what is made")
-    made.add_argument("--page", default=os.path.join(ROOT, "docs/benchmarks.md"), help="whose section is written")
+    made.add_argument("--folder", default=os.path.join(ROOT, "target", target), help="working folder")
+    made.add_argument("--page", default=os.path.join(ROOT, "docs/benchmarks.md"), help="the page with the section")
     return made
 
 
 def models_parser(about, target):
-    """`parser` with the options of benchmarks that make assets of models by others."""
+    """`parser` with the options of benchmarks that make assets from third-party models."""
     made = parser(about, target)
     data = os.environ.get("TAOTIE_DATA") or os.path.join(ROOT, "../shared/data")
     node = os.path.join(ROOT, "target/bench-sizes/node")
     made.add_argument("--taotie", default=os.path.join(PROGRAMS, "taotie"), help="the program that bakes and measures")
-    made.add_argument("--data", default=data, help="the folder of models by others")
-    made.add_argument("--node", type=npm.Folder, default=npm.Folder(node), help="where npm installed the others")
+    made.add_argument("--data", default=data, help="the folder of third-party models")
+    made.add_argument("--node", type=npm.Folder, default=npm.Folder(node), help="the folder of npm programs")
     return made
 
 
 def check_program(made, path):
-    """Ends with an error of the parser unless the path is an executable program."""
+    """Exits with a parser error unless the path is an executable program."""
     if not os.access(path, os.X_OK):
-        made.error(f"{path} is not a program: run `cargo build --release -p taotie-cli`, or name another")
+        made.error(f"{path} is not a program: run `cargo build --release -p taotie-cli`, or specify another")
 
 
 def say(text):
-    """To people, beside the output."""
+    """Prints a message to stderr, apart from the output."""
     print(text, file=sys.stderr, flush=True)
 
 
 def run(main):
-    """Calls `main`; what cannot be done ends the program with a line instead of a trace."""
+    """Calls `main`; expected failures end the program with one line instead of a traceback."""
     try:
         main()
     except (measure.Failed, page.Unmarked, talk.Silent, OSError) as error:

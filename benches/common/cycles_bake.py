@@ -1,10 +1,10 @@
-"""Bakes by Blender's Cycles, from the selected object to the active one; Blender itself has a module `cycles`."""
+"""Bakes with Blender's Cycles, from the selected object to the active one; Blender itself has a module `cycles`."""
 
 import bpy
 
 
 def set_up(samples, extrusion, margin):
-    """An empty scene, and Cycles without anything that would change the number of samples."""
+    """Creates an empty scene, and disables everything in Cycles that would change the number of samples."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.world = bpy.data.worlds.new("world")
@@ -22,7 +22,7 @@ def set_up(samples, extrusion, margin):
 
 
 def add_image(material, size):
-    """The texture node of a new image to bake into: the active one of the material."""
+    """The texture node of a new image to bake into: the active node of the material."""
     image = bpy.data.images.new("map", size, size, alpha=False, float_buffer=False)
     image.colorspace_settings.name = "Non-Color"
     material.use_nodes = True

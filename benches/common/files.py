@@ -1,4 +1,4 @@
-"""Reading and writing PLY, GLB and textures inside of GLB, by the standard library alone but for the arrays' bytes."""
+"""Reads and writes PLY, GLB and textures inside GLB, using only the standard library except for the arrays' bytes."""
 
 import contextlib
 import json
@@ -12,14 +12,14 @@ LINEAR, TRILINEAR, REPEAT, CLAMP = 9729, 9987, 10497, 33071
 
 @contextlib.contextmanager
 def written(path):
-    """A file that bears its name only once it is whole."""
+    """A file that gets its name only once it is complete."""
     with open(f"{path}.part", "wb") as file:
         yield file
     os.replace(f"{path}.part", path)
 
 
 def ply_header(vertices, triangles):
-    """Of a binary PLY with positions and triangles, nothing else."""
+    """The header of a binary PLY with only positions and triangles."""
     lines = ["ply", "format binary_little_endian 1.0", f"element vertex {vertices}"]
     lines += [f"property float {axis}" for axis in "xyz"]
     lines += [f"element face {triangles}", "property list uchar int vertex_indices", "end_header", ""]
@@ -43,27 +43,27 @@ BARE = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.6}}
 
 
 class Buffer:
-    """The bytes of a glTF file, and what its JSON says of them."""
+    """The bytes of a glTF file, and their description in its JSON."""
 
     def __init__(self):
         self.bytes, self.views, self.accessors = bytearray(), [], []
 
     def view(self, data, **more):
-        """The number of the bytes' view."""
+        """Adds bytes; returns the index of their buffer view."""
         self.views.append({"buffer": 0, "byteOffset": len(self.bytes), "byteLength": len(data), **more})
         self.bytes.extend(data)
         self.bytes.extend(bytes(-len(data) % 4))
         return len(self.views) - 1
 
     def accessor(self, array, component, target, kind):
-        """The number of the array's accessor."""
+        """Adds an array; returns the index of its accessor."""
         accessor = {"bufferView": self.view(array.tobytes(), target=target), "componentType": component, "type": kind}
         accessor |= {"count": len(array), "min": array.min(0).tolist(), "max": array.max(0).tolist()}
         self.accessors.append(accessor)
         return len(self.accessors) - 1
 
     def primitive(self, attributes, triangles, material=0):
-        """Of the material of this number, with the float attributes of these names."""
+        """A primitive with the material of this index and the float attributes of these names."""
         names = {
             name: self.accessor(a.astype("<f4"), FLOAT, VERTICES, f"VEC{a.shape[1]}") for name, a in attributes.items()
         }
@@ -86,7 +86,7 @@ def gltf(materials, accessors, views, primitives):
 
 
 def textures(images):
-    """Texture i shows image i, repeated along u and clamped along v, trilinear; `images` are as glTF has them."""
+    """Texture i shows image i, repeated along u and clamped along v, trilinear; `images` are those of glTF."""
     if not images:
         return {}
     return {
@@ -97,23 +97,23 @@ def textures(images):
 
 
 def write_glb(path, attributes, triangles, material=BARE, images=(), extra=None):
-    """One mesh with the float attributes of these names; images and extra as `write_parts` has them."""
+    """One mesh with the float attributes of these names; `images` and `extra` as for `write_parts`."""
     write_parts(path, [(attributes, triangles, material)], images, extra)
 
 
 def write_parts(path, parts, images=(), extra=None):
     """One mesh of parts, each of float attributes by their names, triangles and a material.
 
-    `images` are the bytes of PNG files; texture i of the materials shows image i, as `textures` says. `extra` is laid
-    over the file's JSON: nodes beside the mesh's, which is number 0, and what they need.
+    `images` are the bytes of PNG files; texture i of the materials shows image i, see `textures`. `extra` is merged
+    into the file's JSON: nodes in addition to the mesh's, which is number 0, and their requirements.
     """
     buffer = Buffer()
     primitives = [buffer.primitive(*part[:2], material=number) for number, part in enumerate(parts)]
-    told = gltf([material for _, _, material in parts], buffer.accessors, buffer.views, primitives)
-    told |= textures([{"bufferView": buffer.view(image), "mimeType": "image/png"} for image in images])
+    document = gltf([material for _, _, material in parts], buffer.accessors, buffer.views, primitives)
+    document |= textures([{"bufferView": buffer.view(image), "mimeType": "image/png"} for image in images])
     blob = buffer.bytes
-    told["buffers"] = [{"byteLength": len(blob)}]
-    text = json.dumps(told | (extra or {})).encode()
+    document["buffers"] = [{"byteLength": len(blob)}]
+    text = json.dumps(document | (extra or {})).encode()
     text += b" " * (-len(text) % 4)
     with written(path) as file:
         file.write(struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(blob)))
@@ -122,7 +122,7 @@ def write_parts(path, parts, images=(), extra=None):
 
 
 def texture_of(path, name):
-    """The bytes of the PNG that the first material of a GLB names so, such as normalTexture."""
+    """The bytes of the PNG for a texture of the first material of a GLB, such as normalTexture."""
     with open(path, "rb") as file:
         file.seek(12)
         gltf = json.loads(_chunk(file))

@@ -1,15 +1,15 @@
-"""Normals and tangents of vertices, as both programs make them."""
+"""Vertex normals and tangents, as computed by both programs."""
 
 import numpy as np
 
 
 def unit(vectors):
-    """The vectors with length 1; zero stays zero."""
+    """Normalises the vectors; zero stays zero."""
     return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300)
 
 
 def onto_plane(vectors, normals):
-    """The part of the vectors that is at right angles to the unit normals, with length 1."""
+    """The part of the vectors that is perpendicular to the unit normals, normalised."""
     return unit(vectors - normals * (vectors * normals).sum(-1, keepdims=True))
 
 
@@ -28,10 +28,11 @@ def vertex_normals(positions, triangles):
 
 
 def tangents(positions, normals, uvs, triangles):
-    """MikkTSpace's unit tangents (n, 3), along rising u; the bitangent is cross(normal, tangent), along rising v.
+    """MikkTSpace's unit tangents (n, 3), along rising u; the bitangent, along rising v, is cross(normal, tangent).
 
-    Each triangle's direction of u is laid into the plane of the vertex normal and weighted by the triangle's angle in
-    that plane (Mikkelsen 2008). Vertices are those of the arrays: two of one place with two uvs are two vertices.
+    Each triangle's direction of u is projected onto the plane of the vertex normal and weighted by the triangle's
+    angle in that plane (Mikkelsen 2008). Vertices are those of the arrays: two at one position with two uvs are two
+    vertices.
     For meshes whose uvs are neither mirrored nor degenerate.
     """
     corners, places = positions[triangles], uvs[triangles]

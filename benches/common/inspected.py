@@ -1,4 +1,4 @@
-"""What `taotie inspect` reports of a model."""
+"""The report of `taotie inspect` for a model."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""What a measurement was made on."""
+"""The machine of a measurement."""
 
 import os
 import platform
@@ -6,7 +6,7 @@ import subprocess
 
 
 def described(program):
-    """Processor, cores, memory, system and the version of the program, as one phrase."""
+    """CPU, cores, memory, system and the version of the program, as one phrase."""
     gib = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
     version = _printed([program, "--version"])
     system = f"{platform.system()}, Python {platform.python_version()}"
@@ -14,12 +14,12 @@ def described(program):
 
 
 def cores():
-    """How many this process may use."""
+    """The number of cores available to this process."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
 
 
 def processor():
-    """The name its maker gave it, with its family where a virtual machine leaves out its number; or at least its kind."""
+    """The CPU's brand name, with its family if a virtual machine hides its number; or at least its architecture."""
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as file:
             said = [line.split(":", 1) for line in file if ":" in line]

@@ -8,11 +8,11 @@ from PIL import Image
 
 NAMES = ("albedo", "normal", "orm")
 SIZE = 2048
-# Rows that are made at once.
+# Number of rows generated at a time.
 BAND = 256
 # Height of the relief, model units, where the pattern is 1.
 RELIEF = 0.02
-# Model units along u and v over the whole map, about.
+# Approximate model units along u and v over the whole map.
 LENGTHS = (2 * np.pi * 0.8, 2.6)
 
 BRONZE, PATINA = (0.72, 0.47, 0.22), (0.16, 0.36, 0.27)
@@ -23,17 +23,17 @@ SEED = 7
 
 
 def lattices(cells, u, random):
-    """Of smooth noise, with their amounts."""
+    """Layers of smooth noise, with their amounts."""
     return [(vessel.Lattice(random.uniform(-1, 1, (high, wide)), u), amount) for wide, high, amount in cells]
 
 
 def noise(cells, v):
-    """Smooth, in [-1, 1]."""
+    """Smooth noise in [-1, 1]."""
     return sum(amount * lattice(v) for lattice, amount in cells)
 
 
 def codes(values):
-    """Of numbers in [0, 1]."""
+    """The sRGB codes of numbers in [0, 1]."""
     return np.clip(np.round(values * 255), 0, 255).astype(np.uint8)
 
 
@@ -49,7 +49,7 @@ def png(values, effort):
 
 
 def normals(height):
-    """+Y upward, which is towards the first row. `height` has a row more on either side."""
+    """Normals, with +Y upward, towards the first row. `height` has one more row on either side."""
     size = height.shape[1]
     middle = height[1:-1]
     x = (np.roll(middle, -1, 1) - np.roll(middle, 1, 1)) * RELIEF * size / (2 * LENGTHS[0])
@@ -59,7 +59,7 @@ def normals(height):
 
 
 class Bronze:
-    """What the maps show, row by row."""
+    """The material values of the maps, row by row."""
 
     def __init__(self, size):
         self.u = (np.arange(size) + 0.5) / size
@@ -68,10 +68,10 @@ class Bronze:
         self.clouds, self.grains = lattices(CLOUDS, self.u, random), lattices(GRAIN, self.u, random)
 
     def codes(self, start, end):
-        """Of rows, by map."""
+        """The texels of rows, by map."""
         v = 1 - self.u
         height = self.relief(v[np.clip(np.arange(start - 1, end + 1), 0, len(v) - 1)])
-        # At the map's ends nothing rises along v.
+        # At the map's ends, nothing changes along v.
         if start == 0:
             height[0] = height[2]
         if end == len(v):
@@ -91,7 +91,7 @@ class Bronze:
 
 def maps(size=SIZE, effort=6):
     """PNG files by name: albedo (sRGB), normal (linear, +Y up), orm (occlusion, roughness, metallic). `effort`, 0 to
-    9, is that of compression."""
+    9, is the compression level."""
     bronze = Bronze(size)
     whole = {name: np.empty((size, size, 3), np.uint8) for name in NAMES}
     for start in range(0, size, BAND):

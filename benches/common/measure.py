@@ -1,4 +1,4 @@
-"""Whole processes, timed, with their peak memory."""
+"""Measures the time and peak memory of whole processes."""
 
 import dataclasses
 import os
@@ -9,13 +9,12 @@ import time
 
 
 class Failed(Exception):
-    """A command that did not end well."""
+    """A command that failed."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Run:
-    """Seconds from start to end, those of processors by user and system together, peak resident memory in MiB, and what
-    was printed."""
+    """Wall seconds, CPU seconds of user and system together, peak resident memory in MiB, and the output."""
 
     seconds: float
     processor: float
@@ -24,11 +23,11 @@ class Run:
 
 
 def run(command, environment=None, accepted=(0,)):
-    """Runs a command to its end; with `environment` its variables are these and no others. Fails unless its exit code is
+    """Runs a command to its end; with `environment`, its variables are exactly these. Fails unless its exit code is
     one of `accepted`.
 
-    A process counts the memory of the one that started it as its own peak, up to the moment it becomes a program of
-    its own. So whoever calls this must stay small: arrays belong into processes of their own.
+    The peak of a process includes the memory of the one that started it, up to the moment it executes its own
+    program. So the caller must stay small: arrays belong in separate processes.
     """
     with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as talk:
         start = time.perf_counter()
@@ -48,7 +47,7 @@ def _text(file):
 
 
 def read_once(path):
-    """So that the first who is timed does not wait for the disk alone."""
+    """Reads the file, so that the first timed process is not the only one to wait for the disk."""
     with open(path, "rb") as file:
         while file.read(1 << 24):
             pass

@@ -1,11 +1,11 @@
-"""What is measured of frames: shadings, the grids of the vessel, Taotie's programs and the light that they are told."""
+"""Parameters of measured frames: shadings, the grids of the vessel, Taotie's programs and their light options."""
 
 import os
 
 SHADINGS = ("cook-torrance", "ggx")
 # Cells around and from bottom to top; two triangles each.
 GRIDS = {"2k": (32, 32), "20k": (100, 100), "200k": (320, 312), "2m": (1000, 1000), "20m": (3200, 3125)}
-# As view.py has it, which needs NumPy; processes that only measure stay small.
+# Duplicates view.py, which needs NumPy; processes that only measure stay small.
 AMBIENT = 0.04
 
 
@@ -15,11 +15,11 @@ def triangles(mesh):
 
 
 def frames(programs):
-    """The example in the folder that holds taotie, and frames or examples/frames."""
-    beside = os.path.join(programs, "frames")
-    return beside if os.path.exists(beside) else os.path.join(programs, "examples", "frames")
+    """The example in the folder that contains taotie, and frames or examples/frames."""
+    installed = os.path.join(programs, "frames")
+    return installed if os.path.exists(installed) else os.path.join(programs, "examples", "frames")
 
 
 def light(folder, shading, option):
-    """The light beside the file's: options of frames or taotie."""
+    """The light in addition to the file's: options of frames or taotie."""
     return [option, os.path.join(folder, "environment.hdr")] if shading == "ggx" else ["--ambient", str(AMBIENT)]

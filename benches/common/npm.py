@@ -1,4 +1,4 @@
-"""Programs that npm installed."""
+"""Programs installed by npm."""
 
 import dataclasses
 import hashlib

@@ -1,4 +1,4 @@
-"""Sections of docs/benchmarks.md, each between two marks that name the target of the Makefile that writes it."""
+"""Sections of docs/benchmarks.md, each between two marks with the Makefile target that writes it."""
 
 import math
 import textwrap
@@ -19,7 +19,7 @@ def seconds(x):
 
 
 def wrapped(prose):
-    """In lines as long as the page's."""
+    """Wraps prose at the line length of the page."""
     return textwrap.fill(prose, 120, break_long_words=False, break_on_hyphens=False)
 
 
@@ -36,7 +36,7 @@ def marks(target):
 
 
 def around(path, target):
-    """What stands on the page before the first mark and after the second."""
+    """The parts of the page before the first mark and after the second."""
     with open(path, encoding="utf-8") as file:
         page = file.read()
     first, second = marks(target)
@@ -48,7 +48,7 @@ def around(path, target):
 
 
 def write(path, target, content):
-    """Puts the content between the marks of the page; the rest of the page stays."""
+    """Replaces the content between the marks of the page; the rest is unchanged."""
     before, after = around(path, target)
     begin, end = marks(target)
     with open(path, "w", encoding="utf-8") as file:

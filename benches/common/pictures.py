@@ -4,7 +4,7 @@ INK, FAINT = "#333333", "#dddddd"
 
 
 def style(salt):
-    """Parameters for `plt.rcParams`; `salt` makes the identifiers in an SVG the same every time."""
+    """Parameters for `plt.rcParams`; `salt` makes the identifiers in an SVG reproducible."""
     return {
         "svg.fonttype": "none",
         "svg.hashsalt": salt,

@@ -1,6 +1,6 @@
 """The vessel: a closed body of revolution around y, with normals and tangents from its outline.
 
-u in [0, 1] goes around, counter-clockwise as seen from above from +z; v in [0, 1] from the bottom to the top.
+u in [0, 1] goes around from +z, counter-clockwise as seen from above; v in [0, 1] from the bottom to the top.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ OUTLINE = np.array(
     ]
 )  # fmt: skip
 HALF_HEIGHT = 0.98
-# The part of v in which an end is drawn together, and the radius of the hole that remains: no triangle is degenerate.
+# The part of v along which an end narrows, and the radius of the remaining hole: no triangle is degenerate.
 CLOSING = 0.015
 LEAST_RADIUS = 0.01
 
@@ -26,8 +26,8 @@ def radius(v):
 
 
 def vessel(around, along):
-    """2 · around · along triangles, as arrays of float32: positions, normals, tangents (x, y, z, 1), uvs with v upward,
-    triangles. cross(normal, tangent) is along rising v."""
+    """2 · around · along triangles, as arrays of float32: positions, normals, tangents (x, y, z, 1), uvs with v
+    upward, triangles. cross(normal, tangent) is along increasing v."""
     u, v = np.linspace(0, 1, around + 1), np.linspace(0, 1, along + 1)
     step = 1e-5
     before, after = np.clip(v - step, 0, 1), np.clip(v + step, 0, 1)

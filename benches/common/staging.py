@@ -1,4 +1,4 @@
-"""The vessel as glTF has it: attributes, material, camera and lights."""
+"""The vessel as glTF: attributes, material, camera and lights."""
 
 import math
 
@@ -7,7 +7,7 @@ import view
 
 
 def attributes(vessel):
-    """The arrays of shape.vessel by glTF's names; there v is downward."""
+    """The arrays of shape.vessel by glTF's names, with v downward."""
     uvs = vessel["uvs"] * np.float32([1, -1]) + np.float32([0, 1])
     names = {"POSITION": "positions", "NORMAL": "normals", "TANGENT": "tangents"}
     return {name: vessel[array] for name, array in names.items()} | {"TEXCOORD_0": uvs}
@@ -24,7 +24,7 @@ def material(shading):
 
 
 def camera_and_lights(count=1):
-    """The nodes beside the mesh's. The lights share the intensity of one, and stand on a ring around the vessel."""
+    """The nodes other than the mesh's. The lights share the intensity of one, on a ring around the vessel."""
     camera = {"yfov": math.radians(view.FOV), "znear": view.NEAR, "zfar": view.FAR}
     light = {"type": "point", "intensity": view.INTENSITY / max(count, 1), "color": [1, 1, 1]}
     lamp = {"name": "light", "extensions": {"KHR_lights_punctual": {"light": 0}}}
@@ -43,6 +43,6 @@ def camera_and_lights(count=1):
 
 
 def ring(count):
-    """Places of so many lights, the first of which is view.LIGHT."""
+    """Positions of `count` lights, the first of which is view.LIGHT."""
     turns = (view.turned(2 * math.pi * k / count)[:3, :3] for k in range(count))
     return [(turn @ view.LIGHT).tolist() for turn in turns]

@@ -1,4 +1,4 @@
-"""A model by others as glTF, which every program reads."""
+"""A third-party model as glTF, which every program reads."""
 
 import dataclasses
 import json
@@ -19,7 +19,7 @@ class Subject:
 
 
 def of(name, path, folder):
-    """Converts OBJ to GLB in `folder`; other files are taken as they are."""
+    """Converts OBJ to GLB in `folder`; other files are used unchanged."""
     if path.endswith(".obj"):
         glb = os.path.join(folder, f"{name}.glb")
         positions, triangles = read_obj(path)
@@ -30,18 +30,18 @@ def of(name, path, folder):
 
 
 def parts(path):
-    """The file itself, and those that it names."""
+    """The file itself, and those it refers to."""
     if path.endswith(".glb"):
         return [path]
     with open(path, encoding="utf-8") as file:
         gltf = json.load(file)
     named = [part.get("uri", "data:") for part in gltf.get("buffers", []) + gltf.get("images", [])]
-    beside = {urllib.parse.unquote(uri) for uri in named if not uri.startswith("data:")}
-    return [path, *(os.path.join(os.path.dirname(path), name) for name in sorted(beside))]
+    others = {urllib.parse.unquote(uri) for uri in named if not uri.startswith("data:")}
+    return [path, *(os.path.join(os.path.dirname(path), name) for name in sorted(others))]
 
 
 def read_obj(path):
-    """Positions (n, 3) and triangles (m, 3) of a file of nothing else."""
+    """Positions (n, 3) and triangles (m, 3) of a file that contains nothing else."""
     with open(path, encoding="utf-8") as file:
         rows = [line.split() for line in file]
     positions = [row[1:4] for row in rows if row and row[0] == "v"]
@@ -50,7 +50,7 @@ def read_obj(path):
 
 
 def vertex_normals(positions, triangles):
-    """Unit normals (n, 3): the mean of those of the triangles around, by their areas."""
+    """Unit normals (n, 3): the area-weighted mean of those of the adjacent triangles."""
     a, b, c = np.moveaxis(positions.astype(np.float64)[triangles], 1, 0)
     sums = np.zeros_like(positions, np.float64)
     for corner in range(3):

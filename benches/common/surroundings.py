@@ -1,6 +1,6 @@
-"""The environment, a dim room with three lamps, and what engines that take light by the split sum make of it.
+"""The environment, a dim room with three lamps, and its prefiltered form for engines that use the split sum.
 
-Its picture is equirectangular: u = atan2(z, x)/(2π) + 1/2, v = acos(y)/π, both from the top left.
+Its image is equirectangular: u = atan2(z, x)/(2π) + 1/2, v = acos(y)/π, both from the top left.
 """
 
 import numpy as np
@@ -14,11 +14,11 @@ LAMPS = (
     ((0.1, 1.0, -0.3), (0.6, 0.4), (4.0, 4.0, 4.0)),
 )
 
-# Texels along a side of the prefiltered cube's first face; level i has roughness i / (LEVELS - 1).
+# Side length of the prefiltered cube's first level, in texels; level i has roughness i / (LEVELS - 1).
 CUBE, LEVELS = 128, 8
 TABLE = 128
 SAMPLES = 256
-# Of each face of a cube, in OpenGL's order: its axis, and the directions of its columns and rows.
+# For each face of a cube, in OpenGL's order: its axis, and the directions of its columns and rows.
 FACES = (
     ((1, 0, 0), (0, 0, -1), (0, -1, 0)), ((-1, 0, 0), (0, 0, 1), (0, -1, 0)),
     ((0, 1, 0), (1, 0, 0), (0, 0, 1)), ((0, -1, 0), (1, 0, 0), (0, 0, -1)),
@@ -59,7 +59,7 @@ def radiance_hdr(radiance):
 
 
 def looked_up(radiance, d):
-    """The texels in directions."""
+    """The texels in these directions."""
     rows, columns = radiance.shape[:2]
     u = np.arctan2(d[..., 2], d[..., 0]) / (2 * np.pi) + 0.5
     v = np.arccos(np.clip(d[..., 1], -1, 1)) / np.pi
@@ -67,7 +67,7 @@ def looked_up(radiance, d):
 
 
 def directions(size):
-    """Unit, of the texels of a cube's faces (6, size, size, 3)."""
+    """Unit directions of the texels of a cube's faces (6, size, size, 3)."""
     at = (np.arange(size) + 0.5) / size * 2 - 1
     x, y = (a[..., None] for a in np.meshgrid(at, at))
     return np.stack([unit(np.array(axis) + x * np.array(across) + y * np.array(down)) for axis, across, down in FACES])
@@ -81,7 +81,7 @@ def sequence(count):
 
 
 def half_vectors(alpha):
-    """Chosen as GGX has them, around +z."""
+    """Half vectors sampled by GGX, around +z."""
     x, y = sequence(SAMPLES)
     cos = np.sqrt((1 - y) / (1 + (alpha * alpha - 1) * y))
     sin = np.sqrt(1 - cos * cos)
@@ -89,7 +89,7 @@ def half_vectors(alpha):
 
 
 def prefiltered(radiance, level):
-    """What a mirror of the level's roughness gathers, seen from straight above: (6, size, size, 3)."""
+    """The light gathered by a mirror of the level's roughness, seen along its normal: (6, size, size, 3)."""
     size, roughness = CUBE >> level, level / (LEVELS - 1)
     if level == 0:
         return looked_up(blurred(radiance, 2), directions(size)).astype(np.float32)
@@ -111,7 +111,7 @@ def blurred(radiance, by):
 
 
 def albedo_table():
-    """Scale and bias of F0 (roughness downward, n·v to the right, 2), for Smith's masking correlated."""
+    """Scale and bias of F0 (roughness downward, n·v to the right, 2), for correlated Smith masking."""
     at = (np.arange(TABLE) + 0.5) / TABLE
     n_dot_v, roughness = np.meshgrid(at, at)
     a2 = roughness**4
@@ -143,7 +143,7 @@ def harmonics(d):
 
 
 def irradiance(radiance):
-    """Coefficients (9, 3) of the irradiance on a plane, by its normal's harmonics."""
+    """Coefficients (9, 3) of the irradiance on a plane, for the harmonics of its normal."""
     size = 64
     d = directions(size)
     at = (np.arange(size) + 0.5) / size * 2 - 1

@@ -1,7 +1,7 @@
 """A participant's process: requests in, times out.
 
 A request is a line `WIDTH HEIGHT FRAMES [PNG]`; the answer a line of JSON with `ms`, the time of each frame, and
-`peak_mib`. Frames before those that are timed are the process's own affair.
+`peak_mib`. The process chooses the number of untimed frames before them.
 """
 
 import json
@@ -17,7 +17,7 @@ class Silent(Exception):
 
 
 class Session:
-    """One process for one mesh and shading, asked as often as wanted."""
+    """One process for one mesh and shading, for any number of requests."""
 
     def __init__(self, command, environment):
         self.talk = tempfile.TemporaryFile()
@@ -36,7 +36,7 @@ class Session:
         return self.request(f"{width} {height} {frames} {png or ''}".strip(), patience)
 
     def request(self, request, patience):
-        """The answer to a line, as a dictionary."""
+        """The answer to a request line, as a dictionary."""
         try:
             self.process.stdin.write(f"{request}\n".encode())
             self.process.stdin.flush()
@@ -52,7 +52,7 @@ class Session:
         while b"\n" not in self.rest:
             ready, _, _ = select.select([self.process.stdout], [], [], max(0.0, until - time.monotonic()))
             if not ready:
-                raise Silent("it took too long")
+                raise Silent("timed out")
             data = os.read(self.process.stdout.fileno(), 1 << 16)
             if not data:
                 raise Silent(self.last_words())
@@ -61,7 +61,7 @@ class Session:
         return line
 
     def processor(self):
-        """Seconds of processors that the process has taken so far, by user and system together; Linux alone tells."""
+        """CPU seconds of the process so far, user and system together; only on Linux."""
         with open(f"/proc/{self.process.pid}/stat", encoding="utf-8") as file:
             fields = file.read().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
@@ -70,10 +70,10 @@ class Session:
         self.talk.seek(0)
         lines = self.talk.read().decode(errors="replace").strip().splitlines()
         errors = [line for line in lines if "rror" in line]
-        return (errors or lines or ["it ended without a word"])[-1]
+        return (errors or lines or ["it ended without a message"])[-1]
 
     def close(self):
-        """Lets it end by itself, else ends it."""
+        """Lets the process end on its own, or kills it after a while."""
         try:
             self.process.stdin.close()
             self.process.wait(10)

@@ -1,5 +1,4 @@
-"""The shape that is baked: a vessel of revolution, open at foot and mouth, with carved bands, a fret, bosses and a
-rough skin.
+"""The baked shape: a vessel of revolution, open at foot and mouth, with carved bands, a fret, bosses and rough skin.
 
 Angles go around the y axis; u in [0, 1] around, v in [0, 1] from foot to mouth. Lengths are model units; the vessel is
 two units high.
@@ -10,7 +9,7 @@ import numpy as np
 # Height of the relief, model units, where the pattern is 1.
 RELIEF = 0.012
 
-# v and radius of the smooth outline. It stands upright at both ends, so that rays along normals do not leave it there.
+# v and radius of the smooth outline. It is vertical at both ends, so that rays along normals do not leave it there.
 OUTLINE = np.array(
     [
         (0.00, 0.50), (0.05, 0.50), (0.14, 0.43), (0.30, 0.68), (0.48, 0.86),
@@ -18,7 +17,7 @@ OUTLINE = np.array(
     ]
 )  # fmt: skip
 
-# One figure of the fret, carved once for each repeat around the belly; # stands high.
+# One figure of the fret, carved once for each repeat around the belly; # is raised.
 FRET = (
     "############",
     "............",
@@ -35,7 +34,7 @@ FRET = (
 FRET_REPEATS = 20
 FRET_SPAN = (0.37, 0.59)
 
-# Raised rings: v of the middle, half a width in v, height.
+# Raised rings: v of the centre, half the width in v, height.
 RINGS = ((0.09, 0.010, 0.7), (0.335, 0.012, 1.0), (0.625, 0.012, 1.0), (0.83, 0.008, 0.8), (0.90, 0.006, 0.6))
 
 BOSSES = 14
@@ -48,7 +47,7 @@ SEED = 20240
 
 
 def smoothstep(x):
-    """0 below 0, 1 above 1, a cubic between."""
+    """0 below 0, 1 above 1, a cubic in between."""
     x = np.clip(x, 0.0, 1.0)
     return x * x * (3.0 - 2.0 * x)
 
@@ -59,7 +58,7 @@ def outline(v):
 
 
 def spline(points, v):
-    """Value and derivative at v of a cubic Hermite spline through (place, value), level at both ends."""
+    """Value and derivative at v of a cubic Hermite spline through (position, value), level at both ends."""
     at, values = points.T
     slope = np.gradient(values, at)
     slope[[0, -1]] = 0.0
@@ -83,7 +82,7 @@ def taps(x, cells, periodic):
 
 
 class Lattice:
-    """Values on a grid, smooth between, periodic around. Columns of `u` are chosen once, rows of v as they come."""
+    """Values on a grid, smooth in between, periodic around. Columns of `u` are selected once, rows of v on demand."""
 
     def __init__(self, values, u):
         index, weights = taps(u, values.shape[1], periodic=True)
@@ -95,7 +94,7 @@ class Lattice:
 
 
 class Relief:
-    """Heights, in parts of RELIEF, at fixed u and any rows of v: an array (len(v), len(u))."""
+    """Heights, as fractions of RELIEF, at fixed u and any rows of v: an array (len(v), len(u))."""
 
     def __init__(self, u):
         self.u = u
@@ -127,7 +126,7 @@ class Relief:
 
 
 def rows(u, v, relief=None):
-    """Positions (len(v), len(u), 3); the relief stands along the smooth outline's normals."""
+    """Positions (len(v), len(u), 3); the relief is along the smooth outline's normals."""
     radius, slope = outline(v)
     long = np.hypot(2.0, slope)  # y rises by 2 while v rises by 1
     out, up = 2.0 / long, -slope / long

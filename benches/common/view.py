@@ -1,4 +1,4 @@
-"""What every participant is asked to show: camera, light and material. Lengths are model units."""
+"""The view shown by every participant: camera, light and material. Lengths are model units."""
 
 import numpy as np
 
@@ -12,13 +12,13 @@ NEAR, FAR = 0.1, 20.0
 LIGHT = (2.2, 2.6, 3.4)
 INTENSITY = 30.0
 
-# Of `cook-torrance`: Beckmann's rms slope, and the radiance from all around, which the albedo multiplies.
+# For `cook-torrance`: Beckmann's rms slope, and the ambient radiance, which the albedo multiplies.
 SLOPE = 0.30
 AMBIENT = 0.04
 
-# The object turns by this from frame to frame, radians, counter-clockwise as seen from above.
+# The rotation of the object between frames in radians, counter-clockwise as seen from above.
 STEP = 0.01
-# Behind the object; codes of sRGB.
+# The background; sRGB codes.
 BACKGROUND = (13, 13, 15)
 
 
@@ -34,7 +34,7 @@ def axes():
 
 
 def world_from_camera():
-    """4×4, applied to columns."""
+    """View matrix, 4×4, applied to columns."""
     matrix = np.eye(4)
     matrix[:3, :3] = np.stack(axes(), -1)
     matrix[:3, 3] = EYE
@@ -42,7 +42,7 @@ def world_from_camera():
 
 
 def clip_from_world(width, height):
-    """OpenGL's: depth in [-1, 1]."""
+    """OpenGL's projection: depth in [-1, 1]."""
     scale = 1 / np.tan(np.radians(FOV) / 2)
     depth, shift = (FAR + NEAR) / (NEAR - FAR), 2 * FAR * NEAR / (NEAR - FAR)
     projection = np.array([[scale * height / width, 0, 0, 0], [0, scale, 0, 0], [0, 0, depth, shift], [0, 0, -1, 0]])
@@ -50,12 +50,12 @@ def clip_from_world(width, height):
 
 
 def turned(angle):
-    """4×4, applied to columns: the object turned about y."""
+    """4×4, applied to columns: a rotation of the object about y."""
     sin, cos = np.sin(angle), np.cos(angle)
     return np.array([[cos, 0, sin, 0], [0, 1, 0, 0], [-sin, 0, cos, 0], [0, 0, 0, 1.0]])
 
 
 def linear(code):
-    """Of an sRGB code, 0 to 255."""
+    """The linear value of an sRGB code, 0 to 255."""
     c = code / 255
     return c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4

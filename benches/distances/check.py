@@ -1,9 +1,9 @@
-"""Compares the bounds of the Hausdorff distance that `taotie verify` states with two million points measured by Embree.
+"""Compares the Hausdorff distance bounds reported by `taotie verify` with two million points measured by Embree.
 
-Of each of the scans with the most triangles below the shared data, an asset of a tenth of the triangles is baked. Open3D
-samples both surfaces evenly and measures the distance of each point from the other surface, hidden parts included. The
-largest must not exceed the upper bound where nothing is hidden, and the lower bound must not exceed it by more than what
-lies between the points.
+For each of the scans with the most triangles in the shared data, an asset with a tenth of the triangles is baked.
+Open3D samples both surfaces uniformly and measures the distance of each point from the other surface, including hidden
+parts. The largest must not exceed the upper bound if nothing is hidden, and the lower bound must not exceed it by more
+than the gap between the points.
 """
 
 import argparse
@@ -35,7 +35,7 @@ def farthest(points, mesh):
 
 
 def sampled(mesh):
-    """Points spread over a mesh by area, the same each time, and the gap between them."""
+    """Points distributed over a mesh by area, the same each time, and the gap between them."""
     points, _ = trimesh.sample.sample_surface(mesh, POINTS, seed=1)
     # A disc without a point is seldom wider than a few times the mean spacing.
     return points.astype(np.float32), 4.0 * math.sqrt(mesh.area / POINTS)
@@ -65,7 +65,7 @@ def main():
     made = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     made.add_argument("--taotie", default=os.path.join(ROOT, "target/release/taotie"))
     made.add_argument("--folder", default=os.path.join(ROOT, "target/bench-distances"))
-    made.add_argument("scans", nargs="+", help="scans that open without other files")
+    made.add_argument("scans", nargs="+", help="self-contained scan files")
     options = made.parse_args()
     os.makedirs(options.folder, exist_ok=True)
     failed = False

@@ -1,7 +1,7 @@
-"""Ends commands amid their work, hundreds of times, and looks at what is left: `make faults`.
+"""Kills commands at work, hundreds of times, and checks the remaining files: `make faults`.
 
-Signals at random moments, full disks, folders that cannot be written to or vanish, several processes on one output. After each
-all files are those of before, or all are those of the new run, and the next run leaves nothing temporary.
+Signals at random moments, full disks, folders that are read-only or vanish, several processes with one output. After
+each, all files are the old ones, or all are those of the new run, and the next run leaves nothing temporary.
 """
 
 import argparse
@@ -18,7 +18,7 @@ import time
 
 from place import JOBS, Place, hashes
 
-# The longest time from a signal to the end of the process, seconds.
+# The maximum time from a signal to the end of the process, in seconds.
 MOST = 0.2
 
 SIGNALS = {"SIGINT": (signal.SIGINT, 130), "SIGTERM": (signal.SIGTERM, 143), "SIGKILL": (signal.SIGKILL, -9)}
@@ -29,7 +29,7 @@ def say(text):
 
 
 class Trial:
-    """A job with what its versions leave, and how long they take."""
+    """A job with the files of its versions, and their durations."""
 
     def __init__(self, place, job):
         self.place, self.job = place, job
@@ -47,7 +47,7 @@ class Trial:
         self.old = hashes(place.out)
 
     def check(self, must_be=None):
-        """Returns `old` or `new`; fails where files are mixed, or others are there than should be."""
+        """Returns `old` or `new`; fails if files are mixed or unexpected."""
         found = hashes(self.place.out)
         if found == self.old:
             state = "old"
@@ -62,7 +62,7 @@ class Trial:
 
 
 def end(process, number):
-    """Sends a signal; returns the exit code, the seconds until the end and what was said."""
+    """Sends a signal; returns the exit code, the seconds until the end and the output."""
     start = time.monotonic()
     process.send_signal(number)
     process.wait()
@@ -71,7 +71,7 @@ def end(process, number):
 
 
 def signals(trial, name, rounds, chance):
-    """Ends runs at random moments by a signal."""
+    """Ends runs at random moments with a signal."""
     number, code = SIGNALS[name]
     states, longest = {"old": 0, "new": 0}, 0.0
     for _ in range(rounds):
@@ -87,18 +87,18 @@ def signals(trial, name, rounds, chance):
             assert took <= MOST, f"{trial.job.name}, {name}: it took {took * 1e3:.0f} ms to end"
         states[trial.check("new" if ended == 0 else None)] += 1
     within = f", at most {longest * 1e3:.0f} ms" if longest else ""
-    say(f"{trial.job.name:10} {name:8} {rounds:4} times: {states['old']} as before, {states['new']} wholly new{within}")
+    say(f"{trial.job.name:10} {name:8} {rounds:4} times: {states['old']} old, {states['new']} new{within}")
 
 
 def limited(place, arguments, most):
-    """Starts a run in which no file may have more bytes."""
+    """Starts a run with a limit on the size of files."""
     def limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
     return place.start(arguments, preexec_fn=limit)
 
 
 def full_disk(trial, rounds, chance, mounted):
-    """Lets the disk be full: a small file system where one may be mounted, else a limit on the size of files."""
+    """Simulates a full disk: a small file system if one can be mounted, else a limit on the size of files."""
     states = {"old": 0, "new": 0}
     for _ in range(rounds):
         trial.place.restore(trial.kept)
@@ -116,11 +116,11 @@ def full_disk(trial, rounds, chance, mounted):
             os.remove(ballast)
         assert process.returncode in (0, 2), f"{trial.job.name}: exit code {process.returncode}: {said}"
         states[trial.check("new" if process.returncode == 0 else "old")] += 1
-    say(f"{trial.job.name:10} full disk {rounds:3} times: {states['old']} as before, {states['new']} wholly new")
+    say(f"{trial.job.name:10} full disk {rounds:3} times: {states['old']} old, {states['new']} new")
 
 
 def vanished(trial, rounds, chance):
-    """Takes the folder away while files are made for it."""
+    """Removes the folder while files are written for it."""
     place, away = trial.place, trial.place.out + "-away"
     for _ in range(rounds):
         place.restore(trial.kept)
@@ -137,9 +137,9 @@ def vanished(trial, rounds, chance):
 
 
 def read_only(trial):
-    """Refuses all writing into the folder."""
+    """Makes the folder read-only."""
     if os.geteuid() == 0:
-        say(f"{trial.job.name:10} read-only folder: left out, for the administrator may write anywhere")
+        say(f"{trial.job.name:10} read-only folder: skipped, since root can write anywhere")
         return
     trial.place.restore(trial.kept)
     os.chmod(trial.place.out, 0o555)
@@ -152,7 +152,7 @@ def read_only(trial):
 
 
 def together(trial, rounds):
-    """Lets two processes write the same files."""
+    """Runs two processes that write the same files."""
     for _ in range(rounds):
         trial.place.restore(trial.kept)
         runs = [trial.place.start(trial.job.arguments(1)) for _ in range(2)]
@@ -164,7 +164,7 @@ def together(trial, rounds):
 
 @contextlib.contextmanager
 def small_disk():
-    """A small file system, or None where none may be mounted."""
+    """A small file system, or None if none can be mounted."""
     folder = tempfile.mkdtemp()
     line = ["mount", "-t", "tmpfs", "-o", "size=256m", "tmpfs", folder]
     is_made = shutil.which("mount") is not None and subprocess.run(line, capture_output=True).returncode == 0
@@ -179,8 +179,8 @@ def small_disk():
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--taotie", default="target/release/taotie", help="the program")
-    parser.add_argument("--rounds", type=int, default=100, help="of each signal in each job; of other faults a tenth")
-    parser.add_argument("--seed", type=int, default=1, help="of the random moments")
+    parser.add_argument("--rounds", type=int, default=100, help="rounds per signal and job; a tenth for other faults")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the random moments")
     parser.add_argument("--only", help="one job: " + ", ".join(job.name for job in JOBS))
     return parser.parse_args()
 
@@ -200,7 +200,7 @@ def main():
             together(trial, few)
     with small_disk() as mounted, tempfile.TemporaryDirectory() as folder:
         if mounted is None:
-            say("no file system may be mounted here: a limit on the size of files stands for a full disk")
+            say("cannot mount a file system: simulating a full disk with a limit on the size of files")
         place = Place(mounted or folder, args.taotie)
         for job in jobs:
             full_disk(Trial(place, job), few, chance, mounted is not None)

@@ -1,4 +1,4 @@
-"""A folder with inputs, and the jobs that write into it."""
+"""A folder with inputs, and the jobs that write to it."""
 
 import hashlib
 import math
@@ -10,7 +10,7 @@ import zlib
 
 
 class Job:
-    """A command in two versions, each of whose files differ: as `old` and as `new` asks."""
+    """A command in two versions, with the options `old` and `new`, whose files all differ."""
 
     def __init__(self, name, line, versions, is_fresh=False):
         self.name, self.line, self.versions, self.is_fresh = name, line.split(), versions, is_fresh
@@ -27,12 +27,12 @@ JOBS = [
     Job("compare", "compare scan.obj --method facet,smooth --size 512 -o out", ["--orbit 0,0", "--orbit 40,20"]),
 ]
 
-# A run that writes into the folder, and so sweeps it.
+# A run that writes to the folder, and so cleans it up.
 NEXT = ["normals", "flat.png", "--from", "tangent", "-o", "out/next.png"]
 
 
 def write_inputs(folder, rings=140):
-    """A ball with waves as `scan.obj`, and a flat normal map as `flat.png`."""
+    """Writes a ball with waves as `scan.obj`, and a flat normal map as `flat.png`."""
     lines, columns = [], 2 * rings
     for i in range(rings + 1):
         down = math.pi * i / rings
@@ -57,7 +57,7 @@ def write_inputs(folder, rings=140):
 
 
 def hashes(folder):
-    """The SHA-256 of every file by its name; of a folder the names below it."""
+    """The SHA-256 of every file by its name; for a folder, the names below it."""
     found = {}
     for root, _, names in os.walk(folder):
         for name in names:
@@ -68,7 +68,7 @@ def hashes(folder):
 
 
 class Place:
-    """A folder in which jobs run; their files go to `out` in it."""
+    """A folder in which jobs run; their files go to its subfolder `out`."""
 
     def __init__(self, folder, program):
         self.folder, self.program = folder, os.path.abspath(program)
@@ -91,11 +91,11 @@ class Place:
         os.mkdir(self.out)
 
     def restore(self, kept):
-        """Makes `out` as it was kept."""
+        """Restores the stored state of `out`."""
         shutil.rmtree(self.out, ignore_errors=True)
         shutil.copytree(kept, self.out)
 
     def sweep(self):
-        """Lets another run write into the folder."""
+        """Runs another command that writes to the folder."""
         self.run(NEXT)
         os.remove(os.path.join(self.out, "next.png"))

@@ -1,7 +1,7 @@
-"""Compares the files that bakes write on several kinds of machines: `make same-bytes`.
+"""Compares the files written by bakes on different kinds of machines: `make same-bytes`.
 
-Each program is run on the same models with several numbers of threads. All files have to be equal to those of the first program,
-but for the times in the report.
+Each program is run on the same models with several numbers of threads. All files must equal those of the first
+program, except for the times in the report.
 """
 
 import argparse
@@ -16,7 +16,8 @@ import time
 import command
 import measure
 
-# Searches of a shape alone, of a model with textures, and with levels of detail; textures in each format by hand.
+# Searches of a shape without textures, of a model with textures, and with levels of detail; textures in each format
+# by hand.
 JOBS = {
     "shape": ("odedstein-meshes/spot/spot_low_resolution.obj", ""),
     "textures": ("khronos-gltf-sample-assets/TwoSidedPlane/glTF/TwoSidedPlane.gltf", "--error 1"),
@@ -39,7 +40,7 @@ def main():
 
 
 def differs(name, machines, job):
-    """Runs a job on all machines; returns true if some file is not that of the first."""
+    """Runs a job on all machines; returns true if some file differs from that of the first."""
     args, programs = machines
     first, is_differing = None, False
     for machine, program in programs:
@@ -55,7 +56,7 @@ def differs(name, machines, job):
 
 
 def files(program, model, options):
-    """The hash of each file that a bake writes."""
+    """The hash of each file written by a bake."""
     with tempfile.TemporaryDirectory() as folder:
         measure.run([*program, "bake", model, "-o", os.path.join(folder, "out.glb"), "-q", *shlex.split(options)])
         names = [name for name in os.listdir(folder) if not name.endswith(".html")]

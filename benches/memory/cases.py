@@ -1,4 +1,4 @@
-"""What is measured: commands on files that are made here, or shared."""
+"""The measured cases: commands on generated or shared files."""
 
 import functools
 import os
@@ -19,19 +19,19 @@ K = 1024
 
 
 class Case:
-    """A file, how it is made if it is not shared, and the commands that take it."""
+    """A file, how to generate it if it is not shared, and the commands that read it."""
 
     def __init__(self, name, commands, make=None, path=None):
         self.name, self.commands, self.make, self.path = name, commands, make, path or name
 
 
 def square(write, name, side, **options):
-    """A picture; the file is made in the folder where commands run."""
+    """An image; the file is generated in the folder in which commands run."""
     return functools.partial(write, name, (side, side), **options)
 
 
 def picture_cases():
-    """Pictures for themselves, as maps of glTF and OBJ, and as surroundings."""
+    """Individual images, as maps of glTF and OBJ, and as environments."""
     kinds = [
         ("png-1bit", "png", pictures.png, {"color": 0, "bits": 1}, [4, 8, 16]),
         ("png-grey", "png", pictures.png, {"color": 0}, [4, 8]),
@@ -86,7 +86,7 @@ def of_picture(name, make, side):
 
 
 def with_png(side, build, **options):
-    """A maker of glTF about one PNG."""
+    """A function that writes glTF with one PNG."""
     def make():
         pictures.png("map.png", (side, side), **options)
         build()
@@ -94,7 +94,7 @@ def with_png(side, build, **options):
 
 
 def shared_picture_cases():
-    """One picture under several meanings, many images of one file, many files."""
+    """One image in several roles, many images from one file, many files."""
     meanings = {
         "two": ["baseColorTexture", "metallicRoughnessTexture"],
         "normal": ["baseColorTexture", "normalTexture"], "all": models.MEANINGS,
@@ -173,7 +173,7 @@ def geometry_cases():
 
 
 def work_cases():
-    """Large pictures, comparisons and maps of a small model."""
+    """Large renders, comparisons and maps of a small model."""
     lines = [f"render ball.obj -o out.png --size {size}" for size in (1024, 2048, 4096, 8192)]
     lines += [f"render ball.obj -o out.png --size {size} --aov normals,depth" for size in (1024, 2048, 4096)]
     lines += [f"render ball.obj -o out.exr --size {size}" for size in (2048, 4096)]
@@ -193,7 +193,7 @@ def work_cases():
 
 
 def shared_cases(data, most):
-    """A spread of the shared files: the largest, and others by chance."""
+    """A selection of the shared files: the largest, and others at random."""
     found = []
     for root, folders, names in os.walk(data):
         folders.sort()
@@ -214,7 +214,7 @@ def shared_cases(data, most):
 
 
 def cases(data, most):
-    """All of them; `most` shared files at most."""
+    """All cases, with at most `most` shared files."""
     yield from work_cases()
     yield from shared_picture_cases()
     yield from geometry_cases()

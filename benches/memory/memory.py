@@ -1,9 +1,9 @@
-"""Holds the memory that commands foresee against what they take: `make memory`.
+"""Compares the estimated with the actual memory of commands: `make memory`.
 
-A command says what it needs when its limit of memory is less. So a file is tried with the limit that the last refusal asked for,
-beginning with one byte, until it is accepted: that limit is the figure stated. The run that was accepted is the one measured, by
-the largest resident set that the system counts for its process, less what the
-program takes for a model of two triangles.
+A command reports what it needs if its memory limit is lower. So a file is tried with the limit requested by the last
+refusal, starting with one byte, until it is accepted: that limit is the estimate. The accepted run is the one
+measured, by the largest resident set that the system counts for its process, minus that of the program for a model of
+two triangles.
 """
 
 import argparse
@@ -22,16 +22,16 @@ from cases import cases
 
 MIB = 1 << 20
 UNITS = {"KiB": 1 << 10, "MiB": 1 << 20, "GiB": 1 << 30}
-# Below this threads and what the system's allocator keeps are most of it: such runs are counted apart.
+# Below this, threads and memory kept by the system's allocator dominate: such runs are counted separately.
 FLOOR = 64 * MIB
-# The largest factor by which a forecast may lie above the peak.
+# The maximum factor by which an estimate may exceed the peak.
 SLACK = 2
-# What a refusal says; the figure is rounded to its last digit.
+# The message of a refusal; the figure is rounded to its last digit.
 REFUSAL = re.compile(r"(?:needs about|the file has) ([\d.]+) (KiB|MiB|GiB)")
 
 
 class Run:
-    """A process that ended: its exit code, what it said, its peak in bytes."""
+    """A finished process: its exit code, its messages, its peak in bytes."""
 
     def __init__(self, program, line, folder, seconds):
         with tempfile.TemporaryFile() as said:
@@ -49,7 +49,7 @@ class Run:
 
 
 class Row:
-    """A file under a command: what was stated, what was taken."""
+    """A file with a command: estimated and actual memory."""
 
     def __init__(self, name, command, stated, run, bare):
         self.name, self.command, self.stated, self.code, self.said = name, command, stated, run.code, run.said
@@ -79,7 +79,7 @@ class Row:
 
 
 def asked(said):
-    """The figure of a refusal, rounded up by half of its last digit; None where it is no refusal."""
+    """The figure of a refusal, rounded up by half of its last digit; None if it is not a refusal."""
     found = REFUSAL.search(said)
     if not found or "too large" not in said:
         return None
@@ -96,7 +96,7 @@ def measure(place, name, command, path):
         place.clear()
         run = Run(place.program, [*line, "--memory-limit", str(limit)], place.folder, place.seconds)
         wanted = asked(run.said) if run.code != 0 else None
-        # A bake that is refused prints what it needs too.
+        # A refused bake also prints what it needs.
         row = Row(name, command.format(os.path.basename(path)).split(" -o")[0], limit, run, place.bare)
         if wanted is None or wanted <= limit:
             return row
@@ -115,39 +115,39 @@ class Place:
         self.kept, self.bare = set(), 0
 
     def make(self, maker):
-        """Makes files in a process of its own: a process begins with the peak of the one that starts it."""
+        """Generates files in a separate process: a process starts with the peak of its parent."""
         process = multiprocessing.get_context("fork").Process(target=maker)
         process.start()
         process.join()
         if process.exitcode != 0:
-            raise RuntimeError("a file could not be made")
+            raise RuntimeError("cannot generate a file")
 
     def clear(self):
-        """Removes what commands wrote."""
+        """Removes the output of commands."""
         for name in os.listdir(self.folder):
             if name.startswith("out"):
                 path = os.path.join(self.folder, name)
                 shutil.rmtree(path) if os.path.isdir(path) else os.remove(path)
 
     def empty(self):
-        """Removes all but what is kept."""
+        """Removes everything except the files to keep."""
         for name in set(os.listdir(self.folder)) - self.kept:
             path = os.path.join(self.folder, name)
             shutil.rmtree(path) if os.path.isdir(path) else os.remove(path)
 
 
 def totals(rows):
-    """Sentences on all rows."""
+    """Summary lines about all rows."""
     counted = [row for row in rows if not row.is_small and not row.is_refused]
     small, refused = [row for row in rows if row.is_small], [row for row in rows if row.is_refused]
     files = len({row.name for row in rows})
-    yield f"{len(rows)} runs of {files} files: {len(counted)} stated at 64 MiB or more, {len(small)} below, {len(refused)} refused"
-    yield f"above the figure: {sum(row.judgement() == 'above' for row in rows)}"
-    yield f"figure more than {SLACK} times the peak: {sum(row.judgement() == 'far below' for row in rows)}"
+    yield f"{len(rows)} runs of {files} files: {len(counted)} estimated at 64 MiB or more, {len(small)} below, {len(refused)} refused"
+    yield f"peak above the estimate: {sum(row.judgement() == 'above' for row in rows)}"
+    yield f"estimate more than {SLACK} times the peak: {sum(row.judgement() == 'far below' for row in rows)}"
     if counted:
         for title, pick in (("highest", max), ("lowest", min)):
             worst = pick(counted, key=lambda row: row.ratio)
-            yield f"{title} peak: {worst.ratio:.2f} of the figure ({worst.name}: {worst.command})"
+            yield f"{title} peak: {worst.ratio:.2f} of the estimate ({worst.name}: {worst.command})"
     if small:
         yield f"highest peak of the small ones: {max(row.peak for row in small) / MIB:.1f} MiB"
 
@@ -156,11 +156,11 @@ def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--taotie", default="target/release/taotie", help="the program")
     parser.add_argument("--data", default=os.environ.get("TAOTIE_DATA", "../shared/data"), help="the folder of shared files")
-    parser.add_argument("--shared", type=int, default=100, help="shared files at most")
-    parser.add_argument("--most", type=float, default=6, help="GiB: what needs more is only seen refused")
-    parser.add_argument("--seconds", type=float, default=300, help="a run at most")
-    parser.add_argument("--only", default="", help="files and commands in which this regular expression is found")
-    parser.add_argument("--table", help="the file to which the table goes, beside the terminal")
+    parser.add_argument("--shared", type=int, default=100, help="maximum number of shared files")
+    parser.add_argument("--most", type=float, default=6, help="GiB; runs that need more are not executed")
+    parser.add_argument("--seconds", type=float, default=300, help="maximum seconds per run")
+    parser.add_argument("--only", default="", help="only files and commands that match this regular expression")
+    parser.add_argument("--table", help="file for the table, in addition to the terminal")
     return parser.parse_args()
 
 
@@ -174,7 +174,7 @@ def main():
         if table:
             print(text, file=table, flush=True)
 
-    say("| file | command | stated, MiB | peak, MiB | ratio | | exit code |\n|---|---|--:|--:|--:|---|--:|")
+    say("| file | command | estimate, MiB | peak, MiB | ratio | | exit code |\n|---|---|--:|--:|--:|---|--:|")
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         place = Place(folder, args)

@@ -1,4 +1,4 @@
-"""Models by code: grids in every format, and glTF that names pictures, copies and text many times."""
+"""Generated models: grids in every format, and glTF with many images, copies and text."""
 
 import array
 import base64
@@ -109,7 +109,7 @@ def ascii_soup(path, count):
 
 
 class Gltf:
-    """A grid as glTF, to which a case adds what it is about."""
+    """A grid as glTF, to which a case adds its subject."""
 
     def __init__(self, side=1, has_normals=True):
         grid = Grid(side)
@@ -135,7 +135,7 @@ class Gltf:
         }
 
     def textured(self, uris, meanings=("baseColorTexture",), copies=1):
-        """A material for each picture, which it names by `meanings`, and an image for each of `copies`."""
+        """A material for each image, with the roles `meanings`, and an image for each of `copies`."""
         images = [uri for uri in uris for _ in range(copies)]
         self.json |= {
             "images": [{"uri": uri} for uri in images], "textures": [{"source": i} for i in range(len(images))],
@@ -148,23 +148,23 @@ class Gltf:
         return self
 
     def repeated(self, count):
-        """So many nodes show the first mesh."""
+        """Adds `count` nodes that show the first mesh."""
         self.json["nodes"] = [{"mesh": 0, "translation": [i % 100, i // 100, 0]} for i in range(count)]
         self.json["scenes"] = [{"nodes": list(range(count))}]
         return self
 
     def with_materials(self, count):
-        """So many materials that nothing shows."""
+        """Adds `count` unused materials."""
         self.json["materials"] = [{"name": f"m{i}", "doubleSided": True} for i in range(count)]
         return self
 
     def with_extras(self, count):
-        """So many numbers in the extras of the file."""
+        """Adds `count` numbers in the extras of the file."""
         self.json["extras"] = {"numbers": list(range(count))}
         return self
 
     def write(self, path, is_embedded=False):
-        """`.glb`, or `.gltf` with a `.bin` beside it or a `data:` URI in it."""
+        """Writes `.glb`, or `.gltf` with a separate `.bin` or a `data:` URI."""
         if path.endswith(".glb"):
             self.write_glb(path)
             return
@@ -189,7 +189,7 @@ class Gltf:
 
 
 def material(image, meanings):
-    """A material that names a picture by `meanings`."""
+    """A material that uses an image in the roles `meanings`."""
     found = {}
     for meaning in meanings:
         is_metal = meaning in MEANINGS[:2]
@@ -199,6 +199,6 @@ def material(image, meanings):
 
 
 def embedded(picture, kind):
-    """A picture as a `data:` URI."""
+    """An image as a `data:` URI."""
     with open(picture, "rb") as file:
         return f"data:image/{kind};base64," + base64.b64encode(file.read()).decode()

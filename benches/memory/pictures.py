@@ -1,4 +1,4 @@
-"""Pictures of one colour, of any size, in few bytes: what a header says is all that there is to them."""
+"""Images of one colour, of any size, in few bytes: they consist of little more than a header."""
 
 import struct
 import zlib
@@ -31,7 +31,7 @@ def segment(marker, data):
 def jpeg(path, size, kind="baseline", samplings=(0x11, 0x11, 0x11)):
     """`kind`: baseline, progressive, or scans, which is baseline with a scan for each component.
 
-    Each table has one code, the bit 0, for no change and for the end of a block: so all scans are zeros.
+    Each table has one code, the bit 0, for no change and for the end of a block, so all scans are zeros.
     """
     width, height = size
     numbers = range(1, len(samplings) + 1)
@@ -82,7 +82,7 @@ def webp(path, size):
 
 
 def ktx2(path, size):
-    """UASTC blocks of one colour under Zstandard, whose blocks here are runs of one byte."""
+    """UASTC blocks of one colour with Zstandard, whose blocks here are runs of one byte."""
     unpacked = 16 * -(-size[0] // 4) * -(-size[1] // 4)
     frame = b"\x28\xb5\x2f\xfd\xa0" + struct.pack("<I", unpacked)
     for start in range(0, unpacked, 1 << 17):
@@ -102,7 +102,7 @@ def ktx2(path, size):
 
 
 def exr(path, size, channels=("B", "G", "R"), is_half=True):
-    """Blocks of 16 lines under ZIP."""
+    """Blocks of 16 lines with ZIP."""
     width, height = size
     kind, depth = (1, 2) if is_half else (2, 4)
     listed = b"".join(name.encode() + struct.pack("<BIIII", 0, kind, 0, 1, 1) for name in sorted(channels)) + b"\0"

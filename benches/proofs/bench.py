@@ -1,4 +1,4 @@
-"""Makes assets of six scans by Taotie and by others, and proves all alike by `taotie verify`: `make proofs-table`."""
+"""Makes assets of six scans with Taotie and others, and proves them with `taotie verify`: `make proofs-table`."""
 
 import os
 
@@ -16,16 +16,16 @@ from programs import Order
 from section import Row
 
 TARGET = "proofs-table"
-# Of the scan's triangles, where these are equal.
+# Fraction of the scan's triangles, for equal triangles.
 RATIO = 0.1
-# Of the bytes of the whole scan packed, where bytes are equal; textures shrink more than geometry.
+# Fractions of the bytes of the whole packed scan, for equal bytes; textures shrink more than geometry.
 BUDGET, TEXTURED_BUDGET = 0.5, 0.25
 
 
 def arguments():
     parser = command.models_parser(__doc__, TARGET)
     parser.set_defaults(page=os.path.join(command.ROOT, "docs/proofs.md"))
-    parser.add_argument("--only", nargs="+", metavar="SCAN", help="these scans; prints and leaves the page alone")
+    parser.add_argument("--only", nargs="+", metavar="SCAN", help="only these scans; prints without writing the page")
     args = parser.parse_args()
     command.check_program(parser, args.taotie)
     return args
@@ -39,7 +39,7 @@ def main():
     found = scans.scans(args.data, args.folder, args.taotie)
     wanted = [scan for scan in found if not args.only or scan.name in args.only]
     if not wanted:
-        raise measure.Failed(f"{args.data} holds none of the scans; name their folder with --data")
+        raise measure.Failed(f"{args.data} contains none of the scans; specify their folder with --data")
     bench = Bench(args)
     measured = section.Measured(machine.described(args.taotie), versions(args.node), RATIO, (BUDGET, TEXTURED_BUDGET))
     text = section.text(measured, [(scan, bench.rows(scan)) for scan in wanted])
@@ -94,7 +94,7 @@ def failure(program, scan, failed):
 
 
 def versions(node):
-    """Of the others, as they state them."""
+    """The versions of the other programs, as reported by them."""
     transform = measure.run([node.program("gltf-transform"), "--version"]).output.strip()
     pack = measure.run([node.program("gltfpack"), "-v"]).output.strip()
     simplifier, blender = node.version("meshoptimizer"), programs.blender_version()

@@ -1,4 +1,4 @@
-"""Reduces a scan by Blender's Decimate; one without textures also gets UVs and a normal map baked by Cycles."""
+"""Reduces a scan with Blender's Decimate; one without textures also gets UVs and a normal map baked with Cycles."""
 
 import argparse
 import math
@@ -6,11 +6,11 @@ import math
 import bpy
 import cycles_bake
 
-# Of the diagonal: where rays begin, outside the reduced mesh.
+# Fraction of the diagonal: distance of the rays' origins outside the reduced mesh.
 EXTRUSION = 0.01
 MARGIN = 8
 SAMPLES = 4
-# Degrees between faces of one island; Blender's default.
+# Maximum angle in degrees between faces of one island; Blender's default.
 ISLAND_ANGLE = 66
 
 
@@ -18,8 +18,8 @@ def arguments():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scan", help="glTF")
     parser.add_argument("output", help="GLB to write")
-    parser.add_argument("--ratio", type=float, required=True, help="of triangles to keep")
-    parser.add_argument("--side", type=int, required=True, help="of textures at most, texels")
+    parser.add_argument("--ratio", type=float, required=True, help="fraction of triangles to keep")
+    parser.add_argument("--side", type=int, required=True, help="maximum side of textures in texels")
     return parser.parse_args()
 
 
@@ -53,7 +53,7 @@ def unwrap(thing, side):
 
 
 def show_map(material, image_node):
-    """Makes the image the material's normal map."""
+    """Sets the image as the material's normal map."""
     nodes, links = material.node_tree.nodes, material.node_tree.links
     surface = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
     normal = nodes.new("ShaderNodeNormalMap")
@@ -66,7 +66,7 @@ def bake_normals(scan, ratio, side):
     low = duplicate(scan)
     decimate(low, ratio)
     if low.data.has_custom_normals:
-        bpy.ops.mesh.customdata_custom_splitnormals_clear()  # the scan's; of little use on the reduced mesh
+        bpy.ops.mesh.customdata_custom_splitnormals_clear()  # the scan's are of little use on the reduced mesh
     low.data.shade_smooth()
     unwrap(low, side)
     material = scan.data.materials[0].copy()

@@ -1,18 +1,18 @@
-"""Finds the number of triangles that takes a given number of bytes."""
+"""Finds the number of triangles for a given number of bytes."""
 
 import dataclasses
 
 from programs import SIDES, Order
 
-# How far from the budget an asset may be.
+# Tolerance of an asset's bytes around the budget.
 TOLERANCE = 0.05
-# Textures and maps are made smaller until this share of the triangles fits.
+# Textures and maps are made smaller until this fraction of the triangles fits.
 LEAST_SHARE = 0.05
 STEPS = 8
 
 
 def fitted(make, scan, budget, is_sided):
-    """The asset nearest to the budget of those that were tried, as (order, asset). `make(order)` returns an asset."""
+    """Of the assets tried, the one nearest to the budget, as (order, asset). `make(order)` returns an asset."""
     least = max(4, round(scan.triangles * LEAST_SHARE))
     tried = []
     for side in SIDES if is_sided else SIDES[:1]:
@@ -34,7 +34,7 @@ def is_near(pair, budget):
 
 
 def guess(tried, budget, most):
-    """The count at which bytes, taken as linear between the nearest trials below and above, reach the budget."""
+    """The count at which bytes, interpolated between the nearest trials below and above, reach the budget."""
     points = sorted((order.triangles, asset.bytes) for order, asset in tried)
     below = [point for point in points if point[1] <= budget]
     above = [point for point in points if point[1] > budget]

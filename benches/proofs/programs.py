@@ -1,4 +1,4 @@
-"""The programs, each as the commands that make an asset of a scan."""
+"""The programs, each as the commands that make an asset from a scan."""
 
 import dataclasses
 import hashlib
@@ -12,13 +12,13 @@ from scans import Scan
 HERE = os.path.dirname(os.path.abspath(__file__))
 # Bits of the normals of a whole scan; gltfpack's default is 8.
 NORMAL_BITS = 12
-# Of textures and baked maps, texels: the first unless bytes are limited.
+# Side of textures and baked maps, texels: the first unless bytes are limited.
 SIDES = (1024, 724, 512, 362, 256, 181, 128)
 
 
 @dataclasses.dataclass(frozen=True)
 class Order:
-    """What to make: an asset of `triangles` triangles, with textures of at most `side` texels across."""
+    """A requested asset: `triangles` triangles, with textures of at most `side` texels per side."""
 
     scan: Scan
     triangles: int
@@ -31,9 +31,9 @@ class Order:
 
 @dataclasses.dataclass(frozen=True)
 class Program:
-    """A program. `commands(order, source, out)` write `out`; `identity` changes when their outcome may.
+    """A program. `commands(order, source, out)` write `out`; `identity` changes whenever their result may.
 
-    `keeps_textures`: it cannot resize textures, so gltf-transform does it first if they are to be smaller.
+    `keeps_textures`: it cannot resize textures, so gltf-transform resizes them first if they should be smaller.
     `has_own_maps`: `side` matters even if the scan has no textures.
     """
 

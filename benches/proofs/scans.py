@@ -1,4 +1,4 @@
-"""The scans: of the models by others, those with the most triangles."""
+"""The scans: the third-party models with the most triangles."""
 
 import dataclasses
 import os
@@ -6,7 +6,7 @@ import os
 import inspected
 import subject
 
-# Folders of scans and of models scanned or modelled in detail, one below each for every object.
+# Folders of scans and of models scanned or modelled in detail, with a subfolder for every object.
 FOLDERS = ("odedstein-meshes", "polyhaven-models")
 MODELS = (".obj", ".gltf", ".glb")
 COUNT = 6
@@ -24,7 +24,7 @@ class Scan:
 
 
 def scans(data, folder, program):
-    """The `COUNT` scans with the most triangles, these first. OBJ is converted into `folder`."""
+    """The `COUNT` scans with the most triangles, in descending order. OBJ is converted into `folder`."""
     objects = [entry for name in FOLDERS for entry in entries(os.path.join(data, name)) if os.path.isdir(entry)]
     found = [scan(os.path.basename(entry), model, folder, program) for entry in objects if (model := finest(entry))]
     return sorted(found, key=lambda scan: -scan.triangles)[:COUNT]
@@ -35,7 +35,7 @@ def entries(folder):
 
 
 def finest(folder):
-    """The largest model of a folder, which may have coarser ones too; None if it has none."""
+    """The largest model of a folder, which may also contain coarser ones; None if it contains none."""
     return max((path for path in entries(folder) if path.endswith(MODELS)), key=os.path.getsize, default=None)
 
 

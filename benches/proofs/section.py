@@ -19,8 +19,8 @@ TITLES = {
 
 @dataclasses.dataclass(frozen=True)
 class Measured:
-    """How it was measured: machine, versions of the others, share of the triangles, and shares of the bytes for scans
-    without and with textures."""
+    """How it was measured: machine, versions of the other programs, fraction of the triangles, and fractions of the
+    bytes for scans without and with textures."""
 
     machine: str
     versions: str
@@ -71,9 +71,9 @@ def about(kind, measured):
 
 
 def summary(results, kind):
-    """Counts of scans by program: with the smallest mean angle, meeting `standard`, and better left whole.
+    """Counts of scans by program: with the smallest mean angle, meeting `standard`, and better left unreduced.
 
-    Scans with an asset that could not be proved are left out.
+    Scans with an asset that could not be proved are excluded.
     """
     complete = [rows for _, rows in results if not any(row.failed for row in rows[kind])]
     best = [min(rows[kind], key=lambda row: row.mean) for rows in complete]
@@ -92,7 +92,7 @@ def is_outdone(row, whole):
 
 
 def counts(rows):
-    """How many of the rows each program has, the most first."""
+    """The number of rows of each program, the most first."""
     count = collections.Counter(row.program for row in rows)
     return ", ".join(f"{name} {times}" for name, times in count.most_common()) or "none"
 

@@ -1,4 +1,4 @@
-// Simplifies a GLB by meshoptimizer and packs it: node simplify.mjs NODE SOURCE OUT RATIO
+// Simplifies a GLB with meshoptimizer and packs it: node simplify.mjs NODE SOURCE OUT RATIO
 // Positions, normals and UVs are moved too (`simplifyWithUpdate`), which neither gltfpack -si nor gltf-transform does.
 import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
@@ -12,7 +12,7 @@ const [{ NodeIO }, { ALL_EXTENSIONS }, functions, { MeshoptEncoder, MeshoptSimpl
 );
 const { compactPrimitive, dequantize, meshopt, prune, weldPrimitive } = functions;
 
-// As meshoptimizer's documentation proposes.
+// As recommended by meshoptimizer's documentation.
 const NORMAL_WEIGHT = 0.5;
 const UV_WEIGHT = 1;
 const WEIGHTS = { NORMAL: Array(3).fill(NORMAL_WEIGHT), TEXCOORD_0: Array(2).fill(UV_WEIGHT) };

@@ -1,4 +1,4 @@
-"""Assets and proofs, kept by the content that they are made of: a run that was interrupted continues."""
+"""Assets and proofs, cached by their inputs, so that an interrupted run resumes."""
 
 import dataclasses
 import hashlib
@@ -28,7 +28,7 @@ class Store:
         os.makedirs(folder, exist_ok=True)
 
     def asset(self, program, order):
-        """The program's asset of the order; raises `measure.Failed` if it makes none."""
+        """The program's asset for the order; raises `measure.Failed` if it makes none."""
         source = order.scan.path
         if program.keeps_textures and order.scan.is_textured and order.side < SIDES[0]:
             source = self.made(self.resizer, order, source)
@@ -53,7 +53,7 @@ class Store:
         return os.path.join(self.folder, hashlib.sha256(json.dumps(parts).encode()).hexdigest()[:24] + ".glb")
 
     def proof(self, asset, scan):
-        """The report of `taotie verify`, as it prints it in JSON."""
+        """The JSON report printed by `taotie verify`."""
         hashes = [content_hash(asset.path), content_hash(*subject.parts(scan.path))]
         path = self.place(self.judge, *hashes).replace(".glb", ".json")
         if not os.path.exists(path):

@@ -1,7 +1,7 @@
-"""The first picture of a scan by Taotie and by other packages, each in a fresh process without a display: `make bench-python`.
+"""Times the first image of a scan with Taotie and other packages, in fresh headless processes: `make bench-python`.
 
-The scripts of `first_picture` are what a user would write. Each package has an environment of its own, so that its size on the
-disk, with all that it depends on, is known. Processes run in turn.
+The scripts in `first_picture` are what a user would write. Each package has a separate environment, so that its size
+on disk, with all dependencies, is known. Processes alternate.
 """
 
 import argparse
@@ -14,7 +14,7 @@ import sys
 import measure
 
 HERE = pathlib.Path(__file__).parent
-# What each is installed by; pyrender asks for an older PyOpenGL, which has no OSMesa contexts with attributes.
+# The installation of each; pyrender requires an older PyOpenGL, which has no OSMesa contexts with attributes.
 PACKAGES = {
     "taotie": [["{wheel}"]],
     "pyrender": [["pyrender==0.1.45"], ["--no-deps", "PyOpenGL==3.1.10"]],
@@ -26,7 +26,7 @@ PACKAGES = {
 
 
 def install(name, folder, wheel):
-    """Makes the environment of a package; returns its interpreter."""
+    """Creates the environment of a package; returns its interpreter."""
     place = folder / name
     python = place / "bin" / "python"
     if not (place / "ready").exists():
@@ -39,7 +39,7 @@ def install(name, folder, wheel):
 
 
 def size(python):
-    """MiB of the packages of an environment, but for pip."""
+    """MiB of the packages of an environment, except for pip."""
     (site,) = (python.parent.parent / "lib").glob("python*/site-packages")
     files = (path for path in site.rglob("*") if path.is_file() and not path.is_symlink())
     own = (path for path in files if path.relative_to(site).parts[0].split("-")[0] not in ("pip", "setuptools", "pkg_resources"))
@@ -51,7 +51,7 @@ def lines(script):
 
 
 def is_picture(path, python):
-    """Whether a file shows something before something else."""
+    """Whether a file contains a visible image."""
     code = (
         "import sys; from PIL import Image; image = Image.open(sys.argv[1]).convert('L').resize((64, 48));"
         "low, high = image.getextrema(); sys.exit(high - low < 30)"
@@ -62,15 +62,15 @@ def is_picture(path, python):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--wheel", required=True, help="Taotie's wheel")
-    parser.add_argument("--model", required=True, help="a scan as PLY, which all of them read")
-    parser.add_argument("--folder", type=pathlib.Path, default=pathlib.Path("target/bench-python"), help="environments and pictures")
+    parser.add_argument("--model", required=True, help="a PLY scan, which all of them read")
+    parser.add_argument("--folder", type=pathlib.Path, default=pathlib.Path("target/bench-python"), help="working folder")
     parser.add_argument("--only", nargs="*", default=list(PACKAGES), help="packages")
-    parser.add_argument("--rounds", type=int, default=5, help="processes of each")
+    parser.add_argument("--rounds", type=int, default=5, help="processes per package")
     args = parser.parse_args()
     folder = args.folder.absolute()
     (folder / "pictures").mkdir(parents=True, exist_ok=True)
     measure.read_once(args.model)
-    # No display, and nothing else of this machine but the path and the folder of caches.
+    # No display, and nothing else from this machine except the path and the folder of caches.
     around = {"PATH": os.environ["PATH"], "HOME": os.environ["HOME"]}
     pythons = {name: install(name, folder, os.path.abspath(args.wheel)) for name in args.only}
     runs = {name: [] for name in pythons}
@@ -85,8 +85,8 @@ def main():
             except measure.Failed as why:
                 failed[name] = str(why).strip().splitlines()[-1]
             if not is_picture(picture, sys.executable):
-                failed.setdefault(name, "the picture is empty")
-    print("| package | seconds to the first picture | peak, MiB | installed, MiB | lines | without a display |")
+                failed.setdefault(name, "the image is empty")
+    print("| package | seconds to the first image | peak, MiB | installed, MiB | lines | without a display |")
     print("|---|---|---|---|---|---|")
     for name, python in pythons.items():
         seconds = statistics.median(run.seconds for run in runs[name]) if runs[name] else float("nan")

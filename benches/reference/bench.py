@@ -1,4 +1,4 @@
-"""Taotie's path tracer beside Mitsuba's, by the time to equal error: `make bench-reference`."""
+"""Compares Taotie's path tracer with Mitsuba's, by the time to equal error: `make bench-reference`."""
 
 import dataclasses
 import os
@@ -14,16 +14,16 @@ from curve import Curve
 from programs import Mitsuba, Stage, Taotie, read
 
 TARGET = "bench-reference"
-# Squares, as Mitsuba's sampler wants them.
+# Squares, as Mitsuba's sampler requires.
 PATHS = (16, 64, 256, 1024)
 VARIANTS = ("llvm_ad_rgb", "scalar_rgb")
-# A truth is the mean of so many pictures of so many paths, whose seeds no other picture has.
+# A reference image is the mean of this many images with this many paths each, whose seeds no other image has.
 PARTS, PATHS_OF_PART, FIRST_SEED = 4, 4096, 1000
 
 
 @dataclasses.dataclass
 class Result:
-    """A stage, the truths by kind of program, the programs, and their curves by name."""
+    """A stage, the reference images by kind of program, the programs, and their curves by name."""
 
     stage: Stage
     truths: dict
@@ -34,11 +34,11 @@ class Result:
 def arguments():
     parser = command.parser(__doc__, TARGET)
     parser.add_argument("--taotie", default=os.path.join(command.PROGRAMS, "taotie"), help="the program to time")
-    parser.add_argument("--rounds", type=int, default=2, help="pictures of each number of paths")
-    parser.add_argument("--side", type=int, default=128, help="of the pictures, pixels")
-    parser.add_argument("--threads", type=int, default=2, help="of each program")
-    parser.add_argument("--anew", action="store_true", help="the truths too, which are kept from run to run")
-    parser.add_argument("--scene", action="append", choices=scenes.SCENES, help="this alone; the page is left alone")
+    parser.add_argument("--rounds", type=int, default=2, help="images per number of paths")
+    parser.add_argument("--side", type=int, default=128, help="side of the images in pixels")
+    parser.add_argument("--threads", type=int, default=2, help="threads per program")
+    parser.add_argument("--recompute", action="store_true", help="recompute the cached reference images")
+    parser.add_argument("--scene", action="append", choices=scenes.SCENES, help="only this scene; without the page")
     args = parser.parse_args()
     if args.rounds < 1:
         parser.error("--rounds: at least 1")
@@ -46,13 +46,13 @@ def arguments():
     return args
 
 
-def truth(program, stage, anew):
-    """The picture to which the program's tend."""
+def truth(program, stage, again):
+    """The image to which the program converges."""
     total = 0.0
     for part in range(PARTS):
         path = stage.file(program.kind, "truth", f"{part}{program.ending}")
-        if anew or not os.path.exists(path):
-            say(f"{stage.scene.name}: part {part + 1} of {PARTS} of the truth by {program.title}")
+        if again or not os.path.exists(path):
+            say(f"{stage.scene.name}: part {part + 1} of {PARTS} of the reference image by {program.title}")
             started = stage.file(f"started{program.ending}")
             program.picture(PATHS_OF_PART, FIRST_SEED + part, started)
             os.replace(started, path)
@@ -61,12 +61,12 @@ def truth(program, stage, anew):
 
 
 def measured(stage, args):
-    """One scene; all take turns."""
+    """One scene; the programs alternate."""
     stage.make()
     programs = [Taotie(args.taotie, stage), *(Mitsuba(variant, stage) for variant in VARIANTS)]
     try:
-        # Both variants of Mitsuba tend to the same picture; the first is the faster one.
-        truths = {program.kind: truth(program, stage, args.anew) for program in programs[:2]}
+        # Both variants of Mitsuba converge to the same image; the first is the faster one.
+        truths = {program.kind: truth(program, stage, args.recompute) for program in programs[:2]}
         result = Result(stage, truths, programs, {program.name: Curve() for program in programs})
         for number in range(args.rounds):
             for paths in PATHS:
@@ -79,7 +79,7 @@ def measured(stage, args):
 
 
 def once(result, program, paths, seed):
-    """A picture, and how far it is from the truth."""
+    """An image, and its error against the reference image."""
     path = result.stage.file(program.name, paths, f"{seed}{program.ending}")
     seconds = program.picture(paths, seed, path)
     error = rmse(read(path), result.truths[program.kind])
@@ -88,7 +88,7 @@ def once(result, program, paths, seed):
 
 
 def rmse(picture, true):
-    """In parts of the truth's mean."""
+    """The RMSE relative to the mean of the reference image."""
     return float(np.sqrt(((picture - true) ** 2).mean()) / true.mean())
 
 

@@ -11,14 +11,14 @@ import vessel
 SMOOTH, CARVED = (100, 100), (600, 300)
 SILVER, ROUGHNESS = (1.0, 1.0, 1.0), 0.4
 STONE = (0.6, 0.55, 0.5)
-# A room around vessel, camera and lamp: its least and greatest corners, and the colours of its sides.
+# A room around vessel, camera and lamp: its minimum and maximum corners, and the colours of its sides.
 LEAST, GREATEST = (-3.0, -1.0, -2.0), (3.0, 3.6, 5.0)
 WALLS = ((0.6, 0.1, 0.1), (0.1, 0.5, 0.15), (0.5, 0.5, 0.5), (0.7, 0.7, 0.7), (0.6, 0.6, 0.6), (0.3, 0.3, 0.5))
 
 
 @dataclasses.dataclass(frozen=True)
 class Body:
-    """A mesh of one material: metal where it has a roughness, else matte and seen from both sides."""
+    """A mesh of one material: metal if it has a roughness, else matte and double-sided."""
 
     positions: np.ndarray
     normals: np.ndarray

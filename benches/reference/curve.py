@@ -1,11 +1,11 @@
-"""The curve of a program's pictures of more and more paths: errors over seconds, and the time to an error."""
+"""The curve of a program's images with increasing numbers of paths: errors over seconds, and the time to an error."""
 
 import math
 import statistics
 
 
 class Curve:
-    """Pairs of seconds and RMSE by the number of paths a pixel."""
+    """Pairs of seconds and RMSE by the number of paths per pixel."""
 
     def __init__(self):
         self.taken = {}
@@ -19,13 +19,13 @@ class Curve:
         return statistics.median(seconds), math.sqrt(statistics.fmean(error * error for error in errors))
 
     def slope(self):
-        """Of the error over the paths, both as logarithms: -1/2 where paths are chosen by chance."""
+        """The slope of the error over the paths, both as logarithms: -1/2 for independent random paths."""
         logs = [(math.log(paths), math.log(self.point(paths)[1])) for paths in self.taken]
         return statistics.linear_regression(*zip(*logs)).slope
 
     def seconds_to(self, error):
-        """Until the error is no larger: on straight lines between logarithms, and beyond the ends by the slope of chance,
-        by which half the error takes four times as long."""
+        """Seconds until the error is at most this: interpolated linearly between logarithms, and beyond the ends with the
+        slope of random sampling, by which half the error takes four times as long."""
         points = sorted(map(self.point, self.taken))
         for (early, large), (late, small) in zip(points, points[1:]):
             if small <= error <= large:

@@ -1,7 +1,7 @@
-"""A process of Mitsuba that follows paths: mitsuba_paths.py SCENE VARIANT ENVIRONMENT SIDE THREADS.
+"""A Mitsuba process that traces paths: mitsuba_paths.py SCENE VARIANT ENVIRONMENT SIDE THREADS.
 
-A request is a line `PATHS SEED FILE.npy`; the answer a line of JSON with `seconds`, those of rendering, and `first`, those
-of the first picture with so many paths, for which the scene's code is compiled; it is not the one that is timed.
+A request is a line `PATHS SEED FILE.npy`; the answer a line of JSON with `seconds`, those of rendering, and `first`,
+those of the first image with this number of paths, for which the scene's code is compiled; it is not the timed one.
 """
 
 import json
@@ -15,12 +15,12 @@ import view
 from mitsuba_found import mi
 
 
-# Of those that Mitsuba has, the one with the least error here; its own choice, `independent`, has several times as much.
+# The Mitsuba sampler with the least error here; its default, `independent`, has several times as much.
 SAMPLER = "multijitter"
 
 
 def transform():
-    """The camera's place and direction."""
+    """The camera's position and direction."""
     return mi.ScalarTransform4f().look_at(origin=view.EYE, target=view.TARGET, up=[0, 1, 0])
 
 
@@ -53,7 +53,7 @@ def light(scene, environment):
 
 
 def loaded(scene, environment, side):
-    """Light that Taotie calls the first reflection is of depth 2 here."""
+    """The light of Taotie's first reflection has depth 2 here."""
     film = {"type": "hdrfilm", "width": side, "height": side, "pixel_format": "rgb", "rfilter": {"type": "box"}}
     lens = {"type": "perspective", "fov": view.FOV, "fov_axis": "y", "to_world": transform(), "film": film}
     lens |= {"near_clip": view.NEAR, "far_clip": view.FAR, "sampler": {"type": SAMPLER}}
@@ -75,7 +75,7 @@ class Renderer:
         return {"seconds": seconds, "first": self.first[paths]}
 
     def timed(self, paths, seed):
-        """Seconds until the picture is in memory, and it."""
+        """Seconds until the image is in memory, and the image."""
         start = time.perf_counter()
         picture = np.array(mi.render(self.scene, spp=paths, seed=seed))
         return time.perf_counter() - start, picture

@@ -1,4 +1,4 @@
-"""The programs that follow paths: each makes a picture of so many paths a pixel and tells the seconds of that alone."""
+"""The path tracers: each renders an image with a number of paths per pixel and reports only the seconds for that."""
 
 import dataclasses
 import json
@@ -14,15 +14,15 @@ import surroundings
 import talk
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-# How long a picture may take, seconds.
+# The maximum time for an image, in seconds.
 PATIENCE = 600.0
-# Pictures of one path of which Taotie's start is the median.
+# Images with one path; their median is Taotie's start.
 STARTS = 5
 
 
 @dataclasses.dataclass(frozen=True)
 class Stage:
-    """A scene in the folder of its files, the side of its pictures in pixels, and the threads that all may use."""
+    """A scene in the folder of its files, the side of its images in pixels, and the threads of each program."""
 
     folder: str
     scene: scenes.Scene
@@ -38,7 +38,7 @@ class Stage:
         return os.path.join(self.folder, "environment.hdr")
 
     def make(self):
-        """The files, which are few and small."""
+        """Writes the files, which are few and small."""
         os.makedirs(self.folder, exist_ok=True)
         scenes.write(self.model, self.scene)
         with open(self.environment, "wb") as file:
@@ -49,7 +49,7 @@ class Stage:
 
 
 class Taotie:
-    """A process for each picture. What it takes with one path is its start: above all the tree of the triangles."""
+    """A process for each image. Its time with one path is its start: above all the tree of the triangles."""
 
     name, title, kind = "taotie", "Taotie", "taotie"
     ending = ".exr"
@@ -58,7 +58,7 @@ class Taotie:
         self.program, self.stage, self.start = program, stage, None
 
     def picture(self, paths, seed, path):
-        """Seconds of the paths alone."""
+        """Seconds of the paths only."""
         if self.start is None:
             self.start = statistics.median(self.rendered(1, seed, path) for _ in range(STARTS))
         return (self.rendered(paths, seed, path) - self.start) * paths / (paths - 1)
@@ -73,11 +73,11 @@ class Taotie:
         return json.loads(measure.run(command).output)["seconds"]["render"]
 
     def close(self):
-        """Nothing stays."""
+        """Nothing to close."""
 
 
 class Mitsuba:
-    """A process that stays, whose tree is built and whose code is compiled before anything is timed."""
+    """A persistent process, whose tree is built and whose code is compiled before anything is timed."""
 
     kind = "mitsuba"
     ending = ".npy"
@@ -87,14 +87,14 @@ class Mitsuba:
         command = [sys.executable, os.path.join(HERE, "mitsuba_paths.py"), stage.scene.name, variant]
         command += [stage.environment, str(stage.side), str(stage.threads)]
         self.session = talk.Session(command, {})
-        # The most that the first picture of a number of paths took longer than the next, seconds.
+        # The largest excess of the first image with a number of paths over the next, in seconds.
         self.start = 0.0
 
     def picture(self, paths, seed, path):
-        """Seconds of the paths alone."""
-        told = self.session.request(f"{paths} {seed} {path}", PATIENCE)
-        self.start = max(self.start, told["first"] - told["seconds"])
-        return told["seconds"]
+        """Seconds of the paths only."""
+        answer = self.session.request(f"{paths} {seed} {path}", PATIENCE)
+        self.start = max(self.start, answer["first"] - answer["seconds"])
+        return answer["seconds"]
 
     def close(self):
         self.session.close()

@@ -1,8 +1,8 @@
 """The three scenes, as arrays from which the GLB for Taotie and the scene of Mitsuba are both made.
 
-Camera and light are those of view.py. Materials are those on which both programs agree by definition: metal that reflects
-everything (F0 is 1, so that there is no question of Fresnel's term) as GGX without light between its facets, and
-surfaces by Lambert's law.
+Camera and light are those of view.py. The materials are those for which both programs agree by definition: metal that
+reflects everything (F0 is 1, so that Fresnel's term does not matter) as GGX without light between its facets, and
+Lambertian surfaces.
 """
 
 import dataclasses
@@ -34,7 +34,7 @@ SCENES = {
 
 
 def material(body):
-    """As glTF has it."""
+    """The material of a body as glTF."""
     metal = {"baseColorFactor": [*body.color, 1.0], "metallicFactor": 1.0, "roughnessFactor": body.roughness}
     if body.roughness:
         return {"pbrMetallicRoughness": metal}
@@ -44,7 +44,7 @@ def material(body):
 
 
 def write(path, scene):
-    """The scene as GLB."""
+    """Writes the scene as GLB."""
     parts = []
     for body in scene.bodies():
         attributes = {"POSITION": body.positions, "NORMAL": body.normals}

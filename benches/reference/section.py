@@ -3,9 +3,9 @@
 import numpy as np
 from page import seconds, table, two_digits, wrapped
 
-# Equal error is that of Taotie's pictures of so many paths.
+# Equal error is that of Taotie's images with these numbers of paths.
 EQUAL_TO = (64, 256)
-# Starts, which are taken off, vary by as much.
+# Starts, which are subtracted, vary by this much.
 LEAST_SECONDS = 0.02
 
 
@@ -56,7 +56,7 @@ def slopes(results):
 
 
 def truths(results):
-    """The distances between them, and the time that programs take before the first path."""
+    """The differences between the reference images, and the time of programs before the first path."""
     rows = []
     for result in results:
         own, other = result.truths["taotie"], result.truths["mitsuba"]
@@ -67,7 +67,7 @@ def truths(results):
         starts = [show(program.start) if program.start > 0.001 else "–" for program in result.programs]
         rows.append([result.stage.scene.name, percent(apart), f"{bias:+.3%}".replace("-", "−"), percent(middle), *starts])
     starts = [f"{program.title}: start, s" for program in results[0].programs]
-    return table(["truths", "RMSE", "means", "half of the pixels within", *starts], rows)
+    return table(["reference images", "RMSE", "means", "half of the pixels within", *starts], rows)
 
 
 def show(x):
@@ -79,28 +79,32 @@ def percent(x):
 
 
 ABOUT = (
-    "`make bench-reference` lets Taotie's path tracer (`--integrator reference`) and Mitsuba's (`path`, "
-    "`multijitter`) follow paths through three scenes of the same arrays (`benches/reference/scenes.py`), pictures of {side}² "
-    "on {threads} threads, in turn. Seconds are those of paths alone: without loading, building trees and compiling, "
-    "and a dash where starts vary by as much. RMSE is in linear light against the program's own picture of 16,384 "
-    "paths a pixel, in parts of its mean."
+    "`make bench-reference` renders three scenes with Taotie's path tracer (`--integrator reference`) and Mitsuba's "
+    "(`path`, "
+    "`multijitter`), from the same arrays (`benches/reference/scenes.py`), as images of {side}² "
+    "on {threads} threads, in alternation. Seconds are those of the paths only: without loading, building trees and "
+    "compiling, "
+    "and a dash where starts vary by as much. RMSE is in linear light against the program's own image with 16,384 "
+    "paths per pixel, relative to its mean."
 )
 
 ABOUT_EQUAL = (
-    "Time to equal error: what each program takes until its error is that of Taotie's picture of so many paths, on "
-    "straight lines between the logarithms above; in brackets the multiple of Taotie's. Above 1 Taotie is faster."
+    "Time to equal error: the time until a program's error equals that of Taotie's image with the stated paths, "
+    "interpolated between the logarithms above; in brackets the multiple of Taotie's. Above 1, Taotie is faster."
 )
 
 ABOUT_SLOPES = (
-    "Slopes of the error over paths, both as logarithms: paths by chance have −0.5; Taotie's follow Sobol's sequence, "
-    "and Mitsuba's sampler puts its own into strata."
+    "Slopes of the error over paths, both as logarithms: independent random paths have −0.5; Taotie's follow Sobol's "
+    "sequence, and Mitsuba's sampler stratifies its own."
 )
 
 ABOUT_TRUTHS = (
-    "How far Taotie's pictures of 16,384 paths are from Mitsuba's, by pixels and by their means. Both are to compute the "
-    "same; what is known to differ is Smith's masking, which is one for light and view together in Taotie and a product of "
-    "two in Mitsuba, and the height at which shadow rays begin. Starts are what is "
-    "not counted above: Taotie's tree of triangles, Mitsuba's compiling for a number of paths."
+    "Differences between Taotie's and Mitsuba's images with 16,384 paths, by pixels and by their means. Both should "
+    "compute "
+    "the same; the known differences are Smith's masking, which is one term for light and view in Taotie and a product "
+    "of "
+    "two in Mitsuba, and the height at which shadow rays begin. Starts are the times "
+    "not counted above: Taotie's tree of triangles, Mitsuba's compilation for a number of paths."
 )
 
 COMMANDS = (

@@ -1,6 +1,6 @@
-"""How the peers that are Python talk: lines `WIDTH HEIGHT FRAMES [PNG]` in, one line of JSON for each out.
+"""The protocol of the Python peers: lines `WIDTH HEIGHT FRAMES [PNG]` in, one line of JSON for each out.
 
-With `--cold WIDTH HEIGHT PNG` one picture is written and the process ends.
+With `--cold WIDTH HEIGHT PNG`, one image is written and the process ends.
 """
 
 import argparse
@@ -10,15 +10,15 @@ import time
 
 import view
 
-# Frames before those that are timed, at most, and the seconds after which no more of them begins.
+# The maximum number of untimed frames before the timed ones, and the seconds after which no more are started.
 WARM_UP = 3
 WARM_ENOUGH = 0.3
 
 
 def arguments(description, shadings):
-    """What every peer is told: where the scene is, which mesh, which shading."""
+    """The arguments of every peer: the folder of the scene, the mesh, the shading."""
     parser = argparse.ArgumentParser(description=description)
-    parser.add_argument("folder", help="of scene.py")
+    parser.add_argument("folder", help="folder of scene.py")
     parser.add_argument("mesh")
     parser.add_argument("shading", choices=shadings)
     parser.add_argument("--cold", nargs=3, metavar=("WIDTH", "HEIGHT", "PNG"))
@@ -26,7 +26,7 @@ def arguments(description, shadings):
 
 
 def peak_mib():
-    """Of this process; 0 where the system does not tell."""
+    """The peak memory of this process; 0 if the system does not report it."""
     try:
         with open("/proc/self/status", encoding="utf-8") as file:
             return next(int(line.split()[1]) / 1024 for line in file if line.startswith("VmHWM"))
@@ -42,8 +42,8 @@ def write(path, pixels):
 
 
 def run(args, peer):
-    """`peer` has resize(width, height), frame(angle), which ends with all pixels in memory, and picture(), which gives
-    those of the last frame."""
+    """`peer` has resize(width, height), frame(angle), which ends with all pixels in memory, and picture(), which
+    returns those of the last frame."""
     if args.cold:
         width, height, path = args.cold
         peer.resize(int(width), int(height))

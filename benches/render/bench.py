@@ -1,4 +1,4 @@
-"""Pictures of one scene by Taotie and by other renderers in turn, and what they took: `make bench-render`."""
+"""Renders one scene with Taotie and other renderers in turn, and reports time and memory: `make bench-render`."""
 
 import json
 import os
@@ -17,35 +17,35 @@ from cold import Cold
 from command import say
 
 TARGET = "bench-render"
-# Mesa by the processor even where there is a GPU.
+# Mesa on the CPU even if there is a GPU.
 SOFTWARE = {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe"}
-# What a participant's turn takes in a round, milliseconds, as far as at least one frame allows.
+# The milliseconds of a participant's turn in a round, unless a single frame takes longer.
 TURN = 500
-# Who takes longer than this for a frame has one turn and is not asked for larger meshes, milliseconds.
+# A participant that takes more milliseconds per frame has one turn and is not run with larger meshes.
 TOO_LONG = 2000
 
 
 def arguments():
     parser = command.parser(__doc__, TARGET)
-    parser.add_argument("--programs", default=command.PROGRAMS, help="where taotie and frames are")
-    parser.add_argument("--rounds", type=int, default=3, help="turns of each participant in each case")
-    parser.add_argument("--cold-rounds", type=int, default=2, help="whole processes of each kind; 0 for none")
+    parser.add_argument("--programs", default=command.PROGRAMS, help="folder of taotie and frames")
+    parser.add_argument("--rounds", type=int, default=3, help="turns per participant and case")
+    parser.add_argument("--cold-rounds", type=int, default=2, help="whole processes per kind; 0 for none")
     parser.add_argument(
-        "--quick", action="store_true", help="Taotie and llvmpipe at 1024², warm; the page is left alone"
+        "--quick", action="store_true", help="Taotie and llvmpipe at 1024², warm; does not write the page"
     )
     parser.add_argument(
-        "--only", action="append", metavar="PEER", help="these peers alone, or `none`; the page is left alone"
+        "--only", action="append", metavar="PEER", help="only these peers, or `none`; does not write the page"
     )
-    parser.add_argument("--mesh", action="append", choices=cases.MESHES, help="these alone; the page is left alone")
+    parser.add_argument("--mesh", action="append", choices=cases.MESHES, help="only these; does not write the page")
     parser.add_argument("--shading", action="append", choices=cases.SHADINGS, help="likewise")
-    parser.add_argument("--plain", action="store_true", help="also Taotie without what peers do not do")
-    parser.add_argument("--also", metavar="FOLDER", help="also Taotie's programs from there, to compare two builds")
-    parser.add_argument("--json", help="where all times are written to")
+    parser.add_argument("--plain", action="store_true", help="also Taotie without the features that peers lack")
+    parser.add_argument("--also", metavar="FOLDER", help="also Taotie's programs in this folder, to compare builds")
+    parser.add_argument("--json", help="file for all times")
     args = parser.parse_args()
     if args.rounds < 1:
         parser.error("--rounds: at least 1")
     if not os.access(os.path.join(args.programs, "taotie"), os.X_OK):
-        parser.error(f"{args.programs} holds no taotie; `make bench-render` builds it")
+        parser.error(f"{args.programs} does not contain taotie; `make bench-render` builds it")
     return args
 
 
@@ -60,15 +60,15 @@ def participants(args):
 
 
 class Run:
-    """All that is measured, as it comes."""
+    """All measurements, as they are made."""
 
     def __init__(self, args, some):
         self.args, self.some = args, some
         self.meshes = args.mesh or list(cases.MESHES)
         self.scene = os.path.join(args.folder, "scene")
         self.pictures = os.path.join(args.folder, "pictures")
-        self.out = {}  # by shading and name, why it does not take part any more
-        self.slow = {}  # by shading and name, why it is not asked for more triangles
+        self.out = {}  # by shading and name, why it no longer takes part
+        self.slow = {}  # by shading and name, why it is not run with more triangles
         self.times = {}  # milliseconds by (mesh, shading, size) and name
         self.mib = {}  # peak at the first size, by (mesh, shading) and name
         self.about = {}
@@ -87,12 +87,12 @@ class Run:
             self.cold.measure([one for one in self.some if (shading, one.name) not in self.out], shading)
 
     def warm(self, mesh, shading):
-        """The frames of one model, at all sizes; processes stay for them all."""
+        """The frames of one model, at all sizes, with persistent processes."""
         sessions = {}
         for size in cases.SIZES[:1] if self.args.quick else cases.SIZES:
             case = (mesh, shading, size)
             self.turns(sessions, case, [one for one in self.some if self.takes_part(one, mesh, shading)])
-            self.told(case)
+            self.report(case)
             for one in self.some:
                 if one.one_size and one.name in sessions:
                     sessions.pop(one.name).close()
@@ -120,7 +120,7 @@ class Run:
                     self.times.setdefault(case, {}).setdefault(one.name, []).extend(answer["ms"])
 
     def ask(self, sessions, one, case, frames, png=None):
-        """An answer; who gives none is out from here on."""
+        """An answer; a participant that gives none is excluded from then on."""
         mesh, shading, size = case
         if (shading, one.name) in self.out:
             return None
@@ -129,7 +129,7 @@ class Run:
         try:
             answer = sessions[one.name].ask(*size, frames, png)
         except talk.Silent as silent:
-            say(f"{one.name} is left out from {mesh} {shading} {size[0]}×{size[1]} on: {silent}")
+            say(f"{one.name} is excluded from {mesh} {shading} {size[0]}×{size[1]} onwards: {silent}")
             self.out[shading, one.name] = str(silent)
             sessions.pop(one.name).close()
             return None
@@ -138,18 +138,18 @@ class Run:
         self.about[one.name] = answer.get("about", "")
         return answer
 
-    def told(self, case):
+    def report(self, case):
         mesh, shading, size = case
         for name, times in self.times.get(case, {}).items():
             median = statistics.median(times)
             say(f"{mesh:5} {shading:14} {size[0]}×{size[1]} {name:12} {median:9.2f} ms (least {min(times):.2f})")
             if median > TOO_LONG and name != "taotie" and mesh != self.meshes[-1]:
-                why = f"it takes {median / 1000:.1f} s a frame of {cases.MESHES[mesh]} triangles"
+                why = f"it takes {median / 1000:.1f} s per frame of {cases.MESHES[mesh]} triangles"
                 self.slow.setdefault((shading, name), (mesh, why))
 
 
 def compared(run):
-    """What pictures.py says of Taotie's and llvmpipe's pictures."""
+    """The differences between Taotie's and llvmpipe's images, by pictures.py."""
     command = [sys.executable, os.path.join(cases.HERE, "pictures.py"), run.pictures]
     return json.loads(measure.run(command).output)
 

@@ -1,4 +1,4 @@
-"""What is measured: meshes, shadings, sizes, and the programs that take part."""
+"""The measured cases: meshes, shadings, sizes, and the participating programs."""
 
 import dataclasses
 import os
@@ -11,35 +11,35 @@ MESHES = {name: f"{triangles(name):,}" for name in ("2k", "200k", "2m")}
 SIZES = ((1024, 1024), (1920, 1080))
 
 
-# Of whole processes.
+# The size for whole processes.
 COLD_MESH, COLD_SIZE = "2k", (1024, 1024)
-# Three maps of 2048², four bytes a texel, without smaller levels; MiB.
+# Three maps of 2048², four bytes per texel, without smaller levels; MiB.
 DECODED_MAPS = 3 * 2048**2 * 4 / 2**20
-# Positions, normals, tangents and uvs as floats, and three indices a triangle; bytes.
+# Positions, normals, tangents and uvs as floats, and three indices per triangle; bytes.
 VERTEX, TRIANGLE = 48, 12
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Participant:
-    """A renderer. `talks` makes the command of the process that answers requests (see talk.py), given folder, mesh and
-    shading; `cold` the command that writes one picture and ends, given also width, height and path."""
+    """A renderer. `talks` returns the command of the process that answers requests (see talk.py), given folder, mesh
+    and shading; `cold` the command that writes one image and ends, given also width, height and path."""
 
     name: str
     title: str
     shadings: tuple
     talks: callable
     cold: callable
-    # What is different in what it shows; told below the tables.
+    # How its image differs; stated below the tables.
     note: str = ""
     environment: dict = dataclasses.field(default_factory=dict)
-    # Whether its process can show pictures of one size alone.
+    # Whether its process can only render images of one size.
     one_size: bool = False
-    # Makes the command of what has to be run before anything else, given the folder and a mesh.
+    # Returns the command to run before anything else, given the folder and a mesh.
     first: callable = None
 
 
 def taotie(programs, name="taotie", title="Taotie", more=()):
-    """`programs` is the folder that holds taotie, and frames or examples/frames."""
+    """`programs` is the folder that contains taotie, and frames or examples/frames."""
 
     def kept(folder):
         return os.path.join(folder, f"environment-{name}.kept")
@@ -79,14 +79,14 @@ def python(name, *rest, **more):
 
 
 def peers(folder):
-    """All but Taotie; the first is the one that counts. `folder` is where install.sh put what is not Python."""
+    """All except Taotie; the first is the one that counts. `folder` is where install.sh puts everything but Python."""
     three = script(
         ["node", os.path.join(HERE, "three.mjs")],
         "three",
         "three.js, Chromium",
         ("ggx",),
         [os.path.join(folder, "node")],
-        note="its memory while it shows frames is that of all processes of the browser",
+        note="its memory while rendering frames is that of all processes of the browser",
     )
     return [
         python("llvmpipe.py", "llvmpipe", "llvmpipe, own shaders", SHADINGS),
@@ -97,25 +97,25 @@ def peers(folder):
             "pyrender",
             "pyrender",
             ("ggx",),
-            note="a constant stands for the environment, which it lacks",
+            note="without an environment, which it does not support, but with constant ambient light",
         ),
         python(
             "mitsuba_1spp.py",
             "mitsuba",
             "Mitsuba, 1 sample",
             SHADINGS,
-            note="one noisy ray a pixel, Smith's masking in place of V-shaped grooves",
+            note="one noisy ray per pixel, Smith's masking instead of V-shaped grooves",
         ),
         three,
         python(
-            "f3d_view.py", "f3d", "F3D", ("ggx",), note="its lights do not weaken with distance, so that it is darker"
+            "f3d_view.py", "f3d", "F3D", ("ggx",), note="its lights have no falloff, so its image is darker"
         ),
         python(
             "open3d_filament.py",
             "open3d",
             "Open3D (Filament)",
             ("ggx",),
-            note="under an environment of its own",
+            note="under its own environment",
             one_size=True,
         ),
     ]

@@ -8,12 +8,12 @@ import cases
 import measure
 
 FRESH, KEPT = "fresh", "kept"
-# Who takes longer is timed once of each kind, seconds.
+# Participants that take more seconds are timed once per kind.
 LONG = 5.0
 
 
 def environment(home, own):
-    """The variables of this process, with all caches below `home`."""
+    """The environment variables of this process, with all caches below `home`."""
     variables = {name: value for name, value in os.environ.items() if not name.startswith("XDG_CACHE")}
     for name in ("TAOTIE_CACHE_DIR", "MESA_SHADER_CACHE_DIR", "DRJIT_CACHE_DIR"):
         variables.pop(name, None)
@@ -21,7 +21,7 @@ def environment(home, own):
 
 
 class Cold:
-    """Seconds and MiB of each participant, in turn: first with fresh caches every time, then with those kept."""
+    """Seconds and MiB of each participant, in turn: first with fresh caches every time, then with caches kept."""
 
     def __init__(self, scene, pictures, rounds, say):
         self.scene, self.pictures, self.rounds, self.say = scene, pictures, rounds, say
@@ -56,7 +56,7 @@ class Cold:
         self.say(f"cold {shading:14} {one.name:12} {kind:5} {run.seconds:6.2f} s {run.mib:6.0f} MiB")
 
     def median(self, shading, name, kind):
-        """Seconds and MiB, or nothing."""
+        """Seconds and MiB, or None."""
         runs = self.runs.get((shading, name, kind))
         if not runs:
             return None

@@ -8,8 +8,8 @@ import numpy as np
 import view
 
 
-# The light of the file does not weaken with distance here; this is what is left of it at the vessel. It dims the
-# environment as well.
+# The light of the file has no falloff here; this is its remaining intensity at the vessel. It also dims the
+# environment.
 LIGHT = float(1 / np.sum(np.square(view.LIGHT)))
 
 
@@ -28,7 +28,7 @@ class F3d:
         camera.focal_point, camera.view_up, camera.view_angle = view.TARGET, (0, 1, 0), view.FOV
 
     def frame(self, angle):
-        """Its objects stand still, so that the camera turns the other way."""
+        """Its objects cannot move, so the camera rotates the other way."""
         camera = self.engine.window.camera
         camera.position = tuple((view.turned(-angle) @ [*view.EYE, 1])[:3])
         camera.focal_point, camera.view_up = view.TARGET, (0, 1, 0)

@@ -1,4 +1,4 @@
-"""WebGPU (wgpu-py) on a Vulkan driver for processors, Mesa's lavapipe, with a shader of our own."""
+"""WebGPU (wgpu-py) on a software Vulkan driver, Mesa's lavapipe, with a custom shader."""
 
 import os
 
@@ -78,7 +78,7 @@ FORMATS = (("float32x3", 0), ("float32x3", 12), ("float32x4", 24), ("float32x2",
 
 
 def halved(texels):
-    """All levels of a square picture of bytes."""
+    """All levels of a square image of bytes."""
     levels = [texels]
     while len(levels[-1]) > 1:
         a = levels[-1].astype(np.float32)
@@ -92,7 +92,7 @@ class Lavapipe:
         self.folder = folder
         adapters = [a for a in wgpu.gpu.enumerate_adapters_sync() if "llvmpipe" in a.info["device"]]
         if not adapters:
-            raise SystemExit("there is no lavapipe here")
+            raise SystemExit("lavapipe is not installed")
         self.adapter = adapters[0]
         self.device = self.adapter.request_device_sync()
         self.queue = self.device.queue

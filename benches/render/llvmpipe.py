@@ -1,4 +1,4 @@
-"""OpenGL on Mesa's llvmpipe with shaders of our own, without a window: the fastest of the peers."""
+"""OpenGL on Mesa's llvmpipe with custom shaders, without a window: the fastest of the peers."""
 
 import ctypes
 import os
@@ -136,7 +136,7 @@ class Llvmpipe:
         side = surroundings.CUBE
         cube = self.context.texture_cube((side, side), 3, made["level0"].astype("f2").tobytes(), dtype="f2")
         cube.build_mipmaps()
-        gl = ctypes.CDLL("libGL.so.1")  # moderngl writes the first level of a cube alone
+        gl = ctypes.CDLL("libGL.so.1")  # moderngl only writes the first level of a cube
         gl.glBindTexture(CUBE_MAP, cube.glo)
         gl.glPixelStorei(UNPACK_ALIGNMENT, 1)
         for level in range(1, surroundings.LEVELS):

@@ -1,4 +1,4 @@
-"""Mitsuba 3 at one sample a pixel, direct light, compiled for this processor (llvm_ad_rgb)."""
+"""Mitsuba 3 at one sample per pixel, direct light, compiled for this CPU (llvm_ad_rgb)."""
 
 import os
 
@@ -58,7 +58,7 @@ class Mitsuba:
         self.film = film
 
     def camera(self, angle):
-        """Turned the other way: to move the vessel itself would build its tree anew."""
+        """Rotates the view the other way: moving the vessel itself would rebuild its tree."""
         turn = mi.ScalarTransform4f().rotate([0, 1, 0], -np.degrees(angle))
         look = mi.ScalarTransform4f().look_at(origin=view.EYE, target=view.TARGET, up=[0, 1, 0])
         lens = {"type": "perspective", "fov": view.FOV, "fov_axis": "y", "film": self.film}

@@ -1,4 +1,4 @@
-"""Open3D's OffscreenRenderer, which is Filament, under its own environment: it reads no .hdr."""
+"""Open3D's OffscreenRenderer, which is Filament, under its own environment: it cannot read .hdr."""
 
 import os
 
@@ -61,7 +61,7 @@ class Open3d:
 if __name__ == "__main__":
     args = answer.arguments(__doc__, ["ggx"])
     answer.run(args, Open3d(args.folder, args.mesh))
-    # Its end hangs or fails now and then.
+    # It occasionally hangs or fails on exit.
     import sys
 
     sys.stdout.flush()

@@ -1,7 +1,7 @@
-"""How far the pictures of Taotie and llvmpipe are from one another: pictures.py FOLDER. Prints JSON.
+"""Measures the differences between images of Taotie and llvmpipe: pictures.py FOLDER. Prints JSON.
 
-For each pair the mean absolute difference in 8-bit codes over the pixels where either shows the object, and the part
-of the picture that Taotie's object covers.
+For each pair, the mean absolute difference in 8-bit codes over the pixels where either shows the object, and the
+fraction of the image covered by Taotie's object.
 """
 
 import json

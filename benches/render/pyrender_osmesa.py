@@ -1,4 +1,4 @@
-"""pyrender on OSMesa: metallic-roughness with one light; it has no light from all around but a constant."""
+"""pyrender on OSMesa: metallic-roughness with one light; its only ambient light is a constant."""
 
 import os
 
@@ -9,7 +9,7 @@ import numpy as np
 import view
 from PIL import Image
 
-# pyrender 0.1.45 is older than NumPy 2 and asks for a name that is gone.
+# pyrender 0.1.45 predates NumPy 2 and uses a removed name.
 np.infty = np.inf
 
 import pyrender
@@ -29,7 +29,7 @@ class Pyrender:
         material = pyrender.MetallicRoughnessMaterial(
             baseColorTexture=map("albedo"),
             normalTexture=map("normal"),
-            # Its shader looks for roughness in red and for metal in green.
+            # Its shader reads roughness from red and metalness from green.
             metallicRoughnessTexture=map("orm", "GB"),
             occlusionTexture=map("orm", "R"),
             metallicFactor=1.0,

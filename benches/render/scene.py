@@ -1,4 +1,4 @@
-"""Makes what all participants show in a folder, where it is absent: scene.py FOLDER MESH..."""
+"""Generates missing parts of the scene of all participants in a folder: scene.py FOLDER MESH..."""
 
 import os
 import sys
@@ -13,7 +13,7 @@ from staging import attributes, camera_and_lights, material
 
 
 def write_mesh(folder, name):
-    """NAME.npz with v upward, and a GLB for each shading."""
+    """Writes NAME.npz with v upward, and a GLB for each shading."""
     vessel = shape.vessel(*GRIDS[name])
     pictures = [read(os.path.join(folder, f"{map}.png")) for map in maps.NAMES]
     for shading in SHADINGS:
@@ -43,11 +43,11 @@ def write_pictures(folder):
 def main(folder, names):
     os.makedirs(folder, exist_ok=True)
     if not os.path.exists(os.path.join(folder, "split-sum.npz")):
-        print("making maps and environment", file=sys.stderr)
+        print("generating maps and environment", file=sys.stderr)
         write_pictures(folder)
     for name in names:
         if not os.path.exists(os.path.join(folder, f"{name}.npz")):
-            print(f"making the vessel of {name} triangles", file=sys.stderr)
+            print(f"generating the vessel of {name} triangles", file=sys.stderr)
             write_mesh(folder, name)
 
 

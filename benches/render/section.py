@@ -24,14 +24,14 @@ def milliseconds(x):
 
 
 def compared(own, first, show):
-    """A figure, with the multiple of Taotie's, where both are there."""
+    """A figure, with the multiple of Taotie's if both exist."""
     if own is None:
         return "–"
     return show(own) if first is None or own is first else f"{show(own)} ({two_digits(own / first)})"
 
 
 def warm(run, shading, size):
-    """Milliseconds a frame of each participant and mesh."""
+    """Milliseconds per frame of each participant and mesh."""
     medians = {
         mesh: {name: statistics.median(times) for name, times in run.times[mesh, shading, size].items()}
         for mesh in cases.MESHES
@@ -68,7 +68,7 @@ def cold(run):
 
 
 def memory(run):
-    """MiB of the processes that show frames, at the first size."""
+    """MiB of the processes that render frames, at the first size."""
     lines = []
     for shading in cases.SHADINGS:
         meshes = [mesh for mesh in cases.MESHES if (mesh, shading) in run.mib]
@@ -77,7 +77,7 @@ def memory(run):
             rows = [[one.title, *(memory_cell(run.mib[mesh, shading], one.name) for mesh in meshes)] for one in some]
             floors = [(floor(mesh, shading), run.mib[mesh, shading].get("taotie")) for mesh in meshes]
             shown = [f"{least:.0f}" + (f" ({two_digits(own / least)})" if own else "") for least, own in floors]
-            rows.append(["maps, mesh, 40 bytes a pixel", *shown])
+            rows.append(["maps, mesh, 40 bytes per pixel", *shown])
             head = [f"`{shading}`, peak MiB", *(f"{cases.MESHES[mesh]} triangles" for mesh in meshes)]
             lines += [*table(head, rows), ""]
     return [wrapped(ABOUT_MEMORY), "", *lines] if lines else []
@@ -88,7 +88,7 @@ def memory_cell(row, name):
 
 
 def floor(mesh, shading):
-    """MiB of what must be there: decoded maps, the arrays of the mesh, 40 bytes a pixel of the first size."""
+    """The minimum memory in MiB: decoded maps, the arrays of the mesh, 40 bytes per pixel of the first size."""
     triangles = int(cases.MESHES[mesh].replace(",", ""))
     maps = cases.DECODED_MAPS * (1 if shading == "ggx" else 2 / 3)
     width, height = cases.SIZES[0]
@@ -96,43 +96,44 @@ def floor(mesh, shading):
 
 
 def apart(differences):
-    """A sentence on the pictures of Taotie and llvmpipe, of which there is at least one pair."""
+    """A sentence about the images of Taotie and llvmpipe, of which there is at least one pair."""
     most = {}
     for case, difference in differences.items():
         shading = next(shading for shading in cases.SHADINGS if shading in case)
         most[shading] = max(most.get(shading, 0), difference["mean"])
-    told = " and ".join(f"{mean:.1f} for `{shading}`" for shading, mean in most.items())
+    parts = " and ".join(f"{mean:.1f} for `{shading}`" for shading, mean in most.items())
     covered = max(difference["coverage"] for difference in differences.values())
     return (
-        f"The vessel fills up to {covered:.0%} of the image. Taotie's and llvmpipe's images differ over it by at "
-        f"most this many codes of 8 bits on average: {told}; Taotie takes more care of occlusion, of energy and of "
+        f"The vessel fills up to {covered:.0%} of the image. Over it, Taotie's and llvmpipe's images differ on average "
+        f"by at most this many 8-bit codes: {parts}; Taotie takes more care of occlusion, of energy and of "
         "highlights narrower than a pixel."
     )
 
 
 def versions(run):
-    told = [f"{one.title}: {run.about[one.name]}" for one in run.some if run.about.get(one.name)]
-    return f"{'; '.join(told)}." if told else ""
+    parts = [f"{one.title}: {run.about[one.name]}" for one in run.some if run.about.get(one.name)]
+    return f"{'; '.join(parts)}." if parts else ""
 
 
 def notes(run):
-    """What is different in a peer, and why there are dashes."""
-    told = [f"{one.title}: {one.note}." for one in run.some if one.note and run.about.get(one.name)]
+    """The differences of peers, and the reasons for dashes."""
+    parts = [f"{one.title}: {one.note}." for one in run.some if one.note and run.about.get(one.name)]
     titles = {one.name: one.title for one in run.some}
     dashes = {key: why for key, (_, why) in run.slow.items()} | run.out
-    told += [
+    parts += [
         f"No figures of {titles[name]} (`{shading}`) where there is a dash: {why}."
         for (shading, name), why in dashes.items()
     ]
-    return " ".join(told)
+    return " ".join(parts)
 
 
 ABOUT = (
-    "`make bench-render` lets each program in turn render a carved bronze vessel with maps of 2048² "
+    "`make bench-render` renders a carved bronze vessel with maps of 2048² with each program in turn "
     "(`benches/render/scene.py`): `cook-torrance` with colours, normals and one light, `ggx` with occlusion, roughness "
-    "and metal too and under an environment. Each frame turns the object, draws it at one sample a pixel with trilinear filtering, and "
-    "ends with all pixels as 8-bit sRGB in memory. Median over the rounds; in brackets the multiple of Taotie's. "
-    "The goal beside llvmpipe at 1024×1024: 2 at 2,048 triangles, 3 from 199,680 on."
+    "and metalness too, and under an environment. Each frame rotates the object, draws it at one sample per pixel "
+    "with trilinear filtering, and "
+    "ends with all pixels as 8-bit sRGB in memory. Medians over the rounds; in brackets the multiple of Taotie's. "
+    "The goal for llvmpipe at 1024×1024: 2 at 2,048 triangles, 3 from 199,680 upwards."
 )
 
 ABOUT_COLD = (
@@ -142,12 +143,13 @@ ABOUT_COLD = (
 )
 
 ABOUT_MEMORY = (
-    "Peak memory of the processes that show frames of 1024×1024, loading included; Taotie, llvmpipe and lavapipe read "
-    "the filtered environment from a file. The last row is what has to be there: the decoded maps without smaller "
-    "levels, the arrays of the mesh, 40 bytes a pixel; in brackets how many times that Taotie takes."
+    "Peak memory of the processes that render frames of 1024×1024, including loading; Taotie, llvmpipe and lavapipe "
+    "read "
+    "the filtered environment from a file. The last row is the minimum: the decoded maps without smaller "
+    "levels, the arrays of the mesh, 40 bytes per pixel; in brackets Taotie's multiple of it."
 )
 
 COMMANDS = (
-    "make bench-render                 # everything, in ten minutes or so; writes this section",
+    "make bench-render                 # everything, in about ten minutes; writes this section",
     "make bench-render BENCH=--quick   # Taotie and llvmpipe at 1024²; prints it",
 )

@@ -1,5 +1,5 @@
-// three.js in Chromium without a window and without a GPU: three.mjs FOLDER MESH SHADING NODE_MODULES_PARENT. Talks as
-// answer.py does, and takes --cold WIDTH HEIGHT PNG.
+// three.js in Chromium without a window or a GPU: three.mjs FOLDER MESH SHADING NODE_MODULES_PARENT. Uses the protocol
+// of answer.py, and accepts --cold WIDTH HEIGHT PNG.
 
 import fs from "node:fs";
 import http from "node:http";
@@ -19,7 +19,7 @@ function browser() {
     const folders = (process.env.PATH ?? "").split(path.delimiter);
     const all = BROWSERS.flatMap((name) => folders.map((folder) => path.join(folder, name)));
     const found = process.env.BROWSER ?? all.find((file) => fs.existsSync(file));
-    if (!found) throw new Error("there is no Chromium; name one in BROWSER");
+    if (!found) throw new Error("Chromium not found; specify it in BROWSER");
     return found;
 }
 
@@ -40,7 +40,7 @@ function serve() {
     return new Promise((ready) => server.listen(0, "127.0.0.1", () => ready(server)));
 }
 
-// The memory of all processes that bear the profile's name and of their children, MiB.
+// The memory of all processes with the profile's name and of their children, MiB.
 function memory(profile) {
     const mine = new Set();
     const parents = new Map();
@@ -81,9 +81,9 @@ await page.waitForFunction("window.loaded", null, { timeout: 60000 });
 
 async function answer(words) {
     const [width, height, frames] = words.map(Number);
-    const told = await page.evaluate((all) => window.timed(...all), [width, height, frames, !!words[3]]);
-    if (words[3]) fs.writeFileSync(words[3], Buffer.from(told.png.split(",")[1], "base64"));
-    return { ms: told.ms, about: told.about, peak_mib: Math.round(memory(profile)) };
+    const result = await page.evaluate((all) => window.timed(...all), [width, height, frames, !!words[3]]);
+    if (words[3]) fs.writeFileSync(words[3], Buffer.from(result.png.split(",")[1], "base64"));
+    return { ms: result.ms, about: result.about, peak_mib: Math.round(memory(profile)) };
 }
 
 if (cold === "--cold") await answer([request[0], request[1], 0, request[2]]);

@@ -1,4 +1,4 @@
-"""VTK's physically based shading with image-based light; PyVista draws by it too."""
+"""VTK's physically based shading with image-based lighting; PyVista uses it too."""
 
 import os
 
@@ -84,7 +84,7 @@ class Vtk:
         light.SetPosition(*view.LIGHT)
         light.SetFocalPoint(*view.TARGET)
         light.SetConeAngle(90)
-        # Its lights do not weaken with distance unless told to, and it multiplies them by pi.
+        # Its lights have no falloff by default, and it multiplies them by pi.
         light.SetAttenuationValues(0, 0, 1)
         light.SetIntensity(view.INTENSITY / np.pi)
         renderer.AddLight(light)

@@ -1,4 +1,4 @@
-"""What is measured: a case to begin with, and axes along which one thing alone is changed."""
+"""The measured cases: a base case, and axes along each of which one thing is changed."""
 
 import dataclasses
 
@@ -8,7 +8,7 @@ from measured import GRIDS, SHADINGS, triangles
 
 @dataclasses.dataclass(frozen=True)
 class Case:
-    """A vessel of so many triangles, pictures of side², lights, maps of maps² texels; no threads stand for all."""
+    """A vessel of a mesh, images of side², lights, maps of maps² texels; `threads` None means all."""
 
     mesh: str = "200k"
     side: int = 1024
@@ -18,14 +18,14 @@ class Case:
 
     @property
     def scene(self):
-        """The name of what is shown."""
+        """The name of the scene."""
         return f"{self.mesh}-{self.maps}-{self.lights}"
 
 
 @dataclasses.dataclass(frozen=True)
 class Point:
-    """A place on an axis: `amount` is that of which there is more, `label` how it is called. `line` names what a line
-    of points has in common, where the axis has several."""
+    """A position on an axis: `amount` is the quantity that increases, `label` its name. `line` is the common name of
+    a line of points, if the axis has several."""
 
     amount: float
     label: str
@@ -36,34 +36,34 @@ class Point:
 
 @dataclasses.dataclass(frozen=True)
 class Axis:
-    """`title` says what the labels are."""
+    """`title` describes the labels."""
 
     name: str
     title: str
     points: tuple
 
     def quick(self):
-        """The same with ends and base alone."""
+        """The same with only the ends and the base."""
         amounts = [point.amount for point in self.points]
         kept = {min(amounts), max(amounts), *(point.amount for point in self.points if point.case == BASE)}
         return dataclasses.replace(self, points=tuple(point for point in self.points if point.amount in kept))
 
 
 BASE = Case()
-# The vessel of few triangles, where threads have little to do before the tiles.
+# The vessel of few triangles, for which threads have little to do before the tiles.
 COARSE = "2k"
-# The side of a picture of one tile.
+# The side of an image of one tile.
 TINY = 64
 
 
 def axes():
-    """All, by name."""
+    """All axes, by name."""
     some = (of_triangles(), of_pixels(), of_lights(), of_textures(), of_threads())
     return {axis.name: axis for axis in some}
 
 
 def of_triangles():
-    """Also in pictures with next to no pixels to shade."""
+    """Also in images with almost no pixels to shade."""
     points = []
     for mesh in GRIDS:
         count, case = triangles(mesh), dataclasses.replace(BASE, mesh=mesh)
@@ -91,7 +91,7 @@ def of_lights():
 def of_textures():
     sides = (256, 512, 1024, 2048, 4096, 8192)
     points = (Point(n * n, f"{n}²", dataclasses.replace(BASE, maps=n)) for n in sides)
-    return Axis("textures", "texels a map", tuple(points))
+    return Axis("textures", "texels per map", tuple(points))
 
 
 def of_threads():

@@ -1,4 +1,4 @@
-"""What a frame of Taotie takes along axes of triangles, pixels, lights, textures and threads: `make bench-scaling`."""
+"""The frame time of Taotie along axes of triangles, pixels, lights, textures and threads: `make bench-scaling`."""
 
 import os
 import shutil
@@ -18,34 +18,34 @@ from results import Record
 
 TARGET = "bench-scaling"
 HERE = os.path.dirname(os.path.abspath(__file__))
-# What a case's turn takes in a round, milliseconds, as far as at least one frame allows; and the most frames.
+# The milliseconds of a case's turn in a round, unless a single frame takes longer; and the maximum number of frames.
 TURN, MOST_FRAMES = 500, 15
-# What takes longer than this for a frame has one turn after its first frame, milliseconds.
+# A case that takes more milliseconds per frame has one turn after its first frame.
 TOO_LONG = 1500
-# How long an answer may take, loading included, seconds.
+# The maximum time of an answer, including loading, in seconds.
 PATIENCE = 300.0
-# Of larger pictures none is written.
+# No larger images are written.
 LARGEST_PICTURE = 2048
 
 
 def arguments():
     parser = command.parser(__doc__, TARGET)
-    parser.add_argument("--programs", default=command.PROGRAMS, help="where taotie and frames are")
-    parser.add_argument("--rounds", type=int, default=3, help="turns of each case")
-    parser.add_argument("--quick", action="store_true", help="the ends of each axis; the page is left alone")
+    parser.add_argument("--programs", default=command.PROGRAMS, help="folder of taotie and frames")
+    parser.add_argument("--rounds", type=int, default=3, help="turns per case")
+    parser.add_argument("--quick", action="store_true", help="the ends of each axis; does not write the page")
     known = axes.axes()
-    parser.add_argument("--axis", action="append", choices=known, help="this alone; the page is left alone")
+    parser.add_argument("--axis", action="append", choices=known, help="only this axis; does not write the page")
     args = parser.parse_args()
     if args.rounds < 1:
         parser.error("--rounds: at least 1")
     if not os.access(measured.frames(args.programs), os.X_OK):
-        parser.error(f"{args.programs} holds no frames; `make bench-scaling` builds it")
+        parser.error(f"{args.programs} does not contain frames; `make bench-scaling` builds it")
     args.axes = [axis.quick() if args.quick else axis for axis in known.values() if axis.name in (args.axis or known)]
     return args
 
 
 def make(folder, chosen):
-    """The scenes of all cases. What cannot be made is told, and its cases fail."""
+    """Generates the scenes of all cases. Failures are reported, and their cases fail."""
     cases = [point.case for axis in chosen for point in axis.points]
     parts = ["environment"]
     parts += dict.fromkeys(f"mesh:{case.mesh}" for case in cases)
@@ -53,14 +53,14 @@ def make(folder, chosen):
     parts += dict.fromkeys(f"scene:{case.mesh}:{case.maps}:{case.lights}" for case in cases)
     for part in parts:
         try:
-            # One process each, so that none keeps the memory of the one before.
+            # One process each, so that none keeps the memory of the previous one.
             measure.run([sys.executable, os.path.join(HERE, "variants.py"), folder, part])
         except measure.Failed as failed:
-            say(f"{part} cannot be made: {str(failed).strip().splitlines()[-1]}")
+            say(f"cannot generate {part}: {str(failed).strip().splitlines()[-1]}")
 
 
 class Run:
-    """All that is measured, as it comes."""
+    """All measurements, as they are made."""
 
     def __init__(self, args):
         self.args = args
@@ -75,7 +75,7 @@ class Run:
             self.along(axis)
 
     def along(self, axis):
-        """The cases of an axis in turn, in processes that stay for all rounds."""
+        """The cases of an axis in alternation, in processes that persist for all rounds."""
         sessions = {}
         try:
             some = [self.first(sessions, axis, point, shading) for point in axis.points for shading in point.shadings]
@@ -88,10 +88,10 @@ class Run:
             for session in sessions.values():
                 session.close()
         for record, _ in some:
-            told(record)
+            report(record)
 
     def first(self, sessions, axis, point, shading):
-        """A case with its record, which holds the time of one frame."""
+        """A case with its record, which contains the time of one frame."""
         case = point.case
         record = Record(axis.name, point.line, shading, point.amount, point.label, case.side**2)
         self.records.append(record)
@@ -99,14 +99,14 @@ class Run:
         return record, case
 
     def picture(self, axis, case, shading):
-        """Where the first frame goes, so that one can look whether it is right."""
+        """The file for the first frame, for checking it by eye."""
         if case.side > LARGEST_PICTURE:
             return None
         name = f"{axis.name}-{case.scene}-{case.side}-{case.threads or 'all'}-{shading}.png"
         return os.path.join(self.pictures, name)
 
     def ask(self, sessions, record, case, frames, png=None):
-        """Takes the times of some frames; who gives no answer is not asked again."""
+        """Times some frames; a case without an answer is not tried again."""
         key = (case.scene, case.threads, record.shading)
         try:
             if key not in sessions:
@@ -114,7 +114,7 @@ class Run:
             answer = sessions[key].ask(case.side, case.side, frames, png, PATIENCE)
         except (talk.Silent, OSError) as failed:
             record.why = str(failed)
-            say(f"{record.axis} {record.label} {record.shading} is left out: {record.why}")
+            say(f"{record.axis} {record.label} {record.shading} is excluded: {record.why}")
             if key in sessions:
                 sessions.pop(key).close()
             return
@@ -128,14 +128,14 @@ class Run:
         return command + measured.light(self.scene, shading, "--environment")
 
 
-def told(record):
+def report(record):
     if record.median is not None:
         what = f"{record.axis:9} {record.line:15} {record.label:>6} {record.shading:14}"
         say(f"{what} {record.median:9.2f} ms (least {min(record.ms):.2f}, of {len(record.ms)}) {record.mib:6.0f} MiB")
 
 
 def plot(folder, records, to):
-    """Draws in a process of its own; says so where it cannot."""
+    """Draws the plot in a separate process; reports a failure."""
     path = os.path.join(folder, "times.json")
     results.save(path, records)
     measure.run([sys.executable, os.path.join(HERE, "plot.py"), path, to])
@@ -151,8 +151,8 @@ def main():
     run.all()
     text = section.text(machine.described(os.path.join(args.programs, "taotie")), run.records, args.axes)
     print(text)
-    beside = os.path.dirname(args.page) if whole else args.folder
-    plot(args.folder, run.records, os.path.join(beside, section.PLOT))
+    base = os.path.dirname(args.page) if whole else args.folder
+    plot(args.folder, run.records, os.path.join(base, section.PLOT))
     if whole:
         page.write(args.page, TARGET, text)
 

@@ -1,4 +1,4 @@
-"""Draws the times, a panel an axis: plot.py TIMES.JSON PICTURE. The same times make the same SVG."""
+"""Draws the times, a panel per axis: plot.py TIMES.JSON PICTURE. The same times produce the same SVG."""
 
 import os
 import sys
@@ -11,23 +11,23 @@ import results  # noqa: E402
 from matplotlib.ticker import LogLocator, NullLocator  # noqa: E402
 from pictures import FAINT, INK, style  # noqa: E402
 
-# Colours that are told apart by everyone (Okabe and Ito).
+# Colours that everyone can distinguish (Okabe and Ito).
 COLORS = {"cook-torrance": "#0072b2", "ggx": "#d55e00"}
 PANELS = {
     "triangles": "triangles",
-    "pixels": "pixels of the picture",
+    "pixels": "pixels of the image",
     "lights": "lights",
     "textures": "texels of each map",
     "threads": "threads",
 }
-# By axis, how time goes where it is in proportion: the power of the amount. Textures have none.
+# By axis, the power of the amount with which time grows if it is proportional. Textures have none.
 POWERS = {"triangles": 1, "pixels": 1, "lights": 1, "threads": -1}
 SOLID = {"linewidth": 1.6, "marker": "o", "markersize": 4}
 DASHED = {"linewidth": 0.8, "linestyle": (0, (4, 3))}
 
 
 def panel(axes, name, lines):
-    """One axis of what was measured."""
+    """One axis of the measurements."""
     axes.set(xscale="log", yscale="log", title=PANELS[name])
     labels = {}
     first = next(line for _, line in lines)
@@ -43,10 +43,10 @@ def panel(axes, name, lines):
 
 
 def draw(axes, name, points, color, first):
-    """A line, hollow but for an axis's first, and where it would go in proportion."""
+    """A line, hollow except for an axis's first, and its proportional continuation."""
     x, y = zip(*points)
     if name in POWERS and len(x) > 1:
-        # From the end that has most to do.
+        # From the end with the most work.
         i = -1 if POWERS[name] > 0 else 0
         straight = [y[i] * (at / x[i]) ** POWERS[name] for at in (x[0], x[-1])]
         axes.plot((x[0], x[-1]), straight, color=color, **DASHED)
@@ -54,7 +54,7 @@ def draw(axes, name, points, color, first):
 
 
 def draw_all(records):
-    """A panel an axis; those of a row have the same height a millisecond. The legend takes the place after them."""
+    """A panel per axis; those in a row have the same height per millisecond. The legend takes the cell after them."""
     found = drawn(records)
     plt.rcParams |= style("scaling")
     columns = min(3, len(found) + 1)
@@ -75,7 +75,7 @@ def draw_all(records):
 
 
 def drawn(records):
-    """The lines of each axis that are drawn: the first of each shading, and of threads all."""
+    """The lines drawn for each axis: the first of each shading, and all of threads."""
     found = {}
     for name in PANELS:
         lines = results.lines(records, name)
@@ -85,8 +85,8 @@ def drawn(records):
 
 
 def heights(axes, medians):
-    """What is in proportion leaves the panel rather than stretch it."""
-    axes.set_ylabel("milliseconds a frame")
+    """Proportional lines leave the panel instead of stretching it."""
+    axes.set_ylabel("milliseconds per frame")
     medians = [ms for ms in medians if ms is not None]
     if medians:
         low, high = min(medians) / 1.3, max(medians) * 1.3
@@ -97,11 +97,11 @@ def heights(axes, medians):
 
 
 def legend(axes, lines):
-    """What the lines are, in a cell that is left; `lines` are those of the threads."""
+    """The legend, in an empty cell; `lines` are those of the threads."""
     handles = [axes.plot([], [], color=color, **SOLID, label=name)[0] for name, color in COLORS.items()]
     for line in lines[1:]:
         handles.append(axes.plot([], [], color=INK, **SOLID, markerfacecolor="white", label=line)[0])
-    handles.append(axes.plot([], [], color=INK, **DASHED, label="in proportion")[0])
+    handles.append(axes.plot([], [], color=INK, **DASHED, label="proportional")[0])
     axes.legend(handles=handles, loc="center left", frameon=False)
 
 

@@ -1,4 +1,4 @@
-"""What was measured, and its file: JSON, from which the plot is drawn."""
+"""The measurements, and their JSON file, from which the plot is drawn."""
 
 import dataclasses
 import json
@@ -7,8 +7,8 @@ import statistics
 
 @dataclasses.dataclass
 class Record:
-    """A point of an axis under a shading: the milliseconds of all its frames, or why there are none; the part of the
-    picture that the vessel covers, and the peak memory of the process up to then, MiB."""
+    """A point of an axis under a shading: the milliseconds of all its frames, or why there are none; the fraction of
+    the image covered by the vessel, and the peak memory of the process up to then, MiB."""
 
     axis: str
     line: str
@@ -23,7 +23,7 @@ class Record:
 
     @property
     def median(self):
-        """Of the frames' milliseconds; nothing where it failed."""
+        """The median of the frames' milliseconds; None if it failed."""
         return statistics.median(self.ms) if self.ms and not self.why else None
 
 

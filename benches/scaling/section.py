@@ -16,7 +16,7 @@ def text(machine, records, axes):
 
 
 def along(axis, lines):
-    """Milliseconds a frame, and below them what each step costs."""
+    """Milliseconds per frame, and below them the cost of each step."""
     labels = dict.fromkeys(point.label for point in axis.points)
     rows = [[f"{named(*key)}, ms", *(shown(record.median) for record in line)] for key, line in lines.items()]
     if axis.name in STEPS:
@@ -37,7 +37,7 @@ def shown(ms):
 
 
 def steps(line, step):
-    """What `step` says of each record and the one before it; there is none before the first."""
+    """The result of `step` for each record and the previous one; the first has none."""
     cells = ["–"]
     for before, here in zip(line, line[1:]):
         lacks = before.median is None or here.median is None
@@ -46,12 +46,12 @@ def steps(line, step):
 
 
 def nanoseconds(before, here, _):
-    """Of each that is more."""
+    """Nanoseconds per additional unit."""
     return signed((here.median - before.median) * 1e6 / (here.amount - before.amount))
 
 
 def of_lights(_, here, line):
-    """Nanoseconds of each light beyond the first and each pixel that shows the vessel."""
+    """Nanoseconds per light beyond the first and pixel that shows the vessel."""
     first = line[0]
     if first.median is None:
         return "–"
@@ -59,42 +59,43 @@ def of_lights(_, here, line):
 
 
 def times_as_fast(_, here, line):
-    """As the first."""
+    """The speed relative to the first."""
     return "–" if line[0].median is None else f"{line[0].median / here.median:.2f}"
 
 
 def signed(x):
-    """With two digits, also where a time shrank by chance."""
+    """With two digits, also if a time decreased by chance."""
     return "0" if x == 0 else f"{'−' if x < 0 else ''}{two_digits(abs(x))}"
 
 
 def notes(records):
-    """Why there are dashes."""
-    told = [f"No figure of {r.label} {r.axis} ({named(r.shading, r.line)}): {r.why}." for r in records if r.why]
-    return [wrapped(" ".join(told)), ""] if told else []
+    """The reasons for dashes."""
+    sentences = [f"No figure of {r.label} {r.axis} ({named(r.shading, r.line)}): {r.why}." for r in records if r.why]
+    return [wrapped(" ".join(sentences)), ""] if sentences else []
 
 
-# By axis: what a step is, and how it is counted.
+# By axis: the meaning of a step, and how it is counted.
 STEPS = {
-    "triangles": ("ns a further triangle", nanoseconds),
-    "pixels": ("ns a further pixel", nanoseconds),
-    "lights": ("ns a light beyond the first and pixel of the vessel", of_lights),
+    "triangles": ("ns per further triangle", nanoseconds),
+    "pixels": ("ns per further pixel", nanoseconds),
+    "lights": ("ns per light beyond the first and pixel of the vessel", of_lights),
     "threads": ("times as fast as one", times_as_fast),
 }
 
-ALT = "Milliseconds a frame over triangles, pixels, lights, texels and threads"
+ALT = "Milliseconds per frame over triangles, pixels, lights, texels and threads"
 
 ABOUT = (
-    "`make bench-scaling` changes one thing at a time about the vessel of `make bench-render`: 199,680 triangles, "
+    "`make bench-scaling` changes one thing at a time in the scene of `make bench-render`: 199,680 triangles, "
     "1024² pixels, one light, maps of 2048², all threads (`benches/scaling/axes.py`). More lights are points on a ring "
-    "around it that share the intensity of one; maps of other sizes show the same. Images of 64² have next to no "
-    "pixels to shade: they show what the triangles alone cost. Each frame turns the object, draws it at one sample a "
+    "around it that share the intensity of one; maps of other sizes show the same. Images of 64² have almost no "
+    "pixels to shade: they show the cost of the triangles only. Each frame rotates the object, draws it at one sample "
+    "per "
     "pixel and ends with all pixels as 8-bit sRGB in memory; `ggx` is under an environment too. "
-    "Medians of the frames of all rounds; all points of an axis take turns."
+    "Medians of the frames of all rounds; all points of an axis alternate."
 )
 
 COMMANDS = (
-    "make bench-scaling                          # all axes, in five minutes or so; writes this section and its plot",
+    "make bench-scaling                          # all axes, in about five minutes; writes this section and its plot",
     "make bench-scaling BENCH=--quick            # the ends of each axis; prints it",
     "make bench-scaling BENCH='--axis triangles' # one axis; prints it",
 )

@@ -1,7 +1,7 @@
-"""Makes parts of what is shown in a folder, where they are absent: variants.py FOLDER PART...
+"""Generates missing parts of scenes in a folder: variants.py FOLDER PART...
 
-A part is `environment`, `mesh MESH`, `maps SIDE` or `scene MESH SIDE LIGHTS`, in one word with `:` between. A scene is
-a small glTF file for each shading that names the buffer of a mesh and the pictures of maps.
+A part is `environment`, `mesh MESH`, `maps SIDE` or `scene MESH SIDE LIGHTS`, joined by `:`. A scene is a small glTF
+file for each shading that refers to the buffer of a mesh and the images of maps.
 """
 
 import json
@@ -16,15 +16,15 @@ from command import say
 from measured import GRIDS, SHADINGS
 from staging import attributes, camera_and_lights, material
 
-# Of PNG's compression: files this large should not take long, and nobody keeps them.
+# PNG compression level: files this large should not take long, and are not kept.
 EFFORT = 1
 
 
 def mesh(folder, name):
-    """NAME.bin, and what glTF says of it in NAME.json, which comes last."""
+    """Writes NAME.bin, and its glTF description in NAME.json, which is written last."""
     if os.path.exists(os.path.join(folder, f"{name}.json")):
         return
-    say(f"making the vessel of {name} triangles")
+    say(f"generating the vessel of {name} triangles")
     vessel, buffer = shape.vessel(*GRIDS[name]), files.Buffer()
     primitive = buffer.primitive(attributes(vessel), vessel["triangles"])
     about = {"accessors": buffer.accessors, "views": buffer.views, "primitive": primitive, "bytes": len(buffer.bytes)}
@@ -33,10 +33,10 @@ def mesh(folder, name):
 
 
 def maps_of(folder, side):
-    """Three pictures, of which the last is written last."""
+    """Writes three images, the last one last."""
     if os.path.exists(picture(folder, maps.NAMES[-1], side)):
         return
-    say(f"making maps of {side}²")
+    say(f"generating maps of {side}²")
     for name, data in maps.maps(int(side), EFFORT).items():
         write(picture(folder, name, side), data)
 
@@ -52,16 +52,16 @@ def environment(folder):
 
 
 def scene(folder, name, side, lights):
-    """Small, so it is written every time."""
+    """Writes a scene, which is small, so it is written every time."""
     with open(os.path.join(folder, f"{name}.json"), encoding="utf-8") as file:
         about = json.load(file)
     for shading in SHADINGS:
         used = maps.NAMES if shading == "ggx" else maps.NAMES[:2]
-        told = files.gltf([material(shading)], about["accessors"], about["views"], [about["primitive"]])
-        told |= files.textures([{"uri": os.path.basename(picture(folder, map, side))} for map in used])
-        told |= camera_and_lights(int(lights))
-        told["buffers"] = [{"uri": f"{name}.bin", "byteLength": about["bytes"]}]
-        write(os.path.join(folder, f"{name}-{side}-{lights}-{shading}.gltf"), json.dumps(told).encode())
+        document = files.gltf([material(shading)], about["accessors"], about["views"], [about["primitive"]])
+        document |= files.textures([{"uri": os.path.basename(picture(folder, map, side))} for map in used])
+        document |= camera_and_lights(int(lights))
+        document["buffers"] = [{"uri": f"{name}.bin", "byteLength": about["bytes"]}]
+        write(os.path.join(folder, f"{name}-{side}-{lights}-{shading}.gltf"), json.dumps(document).encode())
 
 
 PARTS = {"environment": environment, "mesh": mesh, "maps": maps_of, "scene": scene}

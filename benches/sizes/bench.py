@@ -1,4 +1,4 @@
-"""Compares the sizes and errors of assets by Taotie and by other tools, each over its settings: `make bench-sizes`."""
+"""Compares the sizes and errors of assets by Taotie and other tools, each over its settings: `make bench-sizes`."""
 
 import dataclasses
 import os
@@ -25,8 +25,8 @@ PICTURE = os.path.join(command.ROOT, "docs/images/sizes.svg")
 def arguments():
     parser = command.models_parser(__doc__, TARGET)
     parser.set_defaults(page=os.path.join(command.ROOT, "docs/sizes.md"))
-    parser.add_argument("--picture", help="the picture to draw, .svg or .png [default: docs/images/sizes.svg]")
-    parser.add_argument("--only", nargs="+", choices=subjects.PATHS, help="these models; prints the section only")
+    parser.add_argument("--picture", help="the plot to draw, .svg or .png [default: docs/images/sizes.svg]")
+    parser.add_argument("--only", nargs="+", choices=subjects.PATHS, help="only these models; prints the section only")
     parser.add_argument("--errors", nargs="+", type=float, metavar="DEG", help="values of Taotie's --error")
     parser.add_argument("--check", action="store_true", help=check.__doc__)
     args = parser.parse_args()
@@ -42,7 +42,7 @@ def main():
     os.makedirs(args.folder, exist_ok=True)
     models = subjects.models(args.taotie, args.data, args.folder, subjects.QUICK if args.check else args.only)
     if not models:
-        raise measure.Failed(f"{args.data} holds none of the models; name their folder with --data")
+        raise measure.Failed(f"{args.data} contains none of the models; specify their folder with --data")
     found = [explored(model, args) for model in models]
     if args.check:
         check.run(found)
@@ -51,7 +51,7 @@ def main():
 
 
 def publish(found, args, is_page_written):
-    """Prints the section, writes it to the page if so wanted, and draws the picture."""
+    """Prints the section, writes it to the page if requested, and draws the plot."""
     text = section.text(machine.described(args.taotie), tools.versions(args.node), found)
     print(text)
     picture = args.picture

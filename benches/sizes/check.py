@@ -5,12 +5,12 @@ import measure
 
 # The mean angle at which sizes are compared.
 DEGREES = 1
-# Taotie's bytes at most, as a multiple of gltfpack's with a ΔE no worse. Lower it when Taotie's assets get smaller.
+# Maximum of Taotie's bytes as a multiple of gltfpack's with a ΔE no worse. Lower it when Taotie's assets get smaller.
 FACTOR = 1.25
 
 
 def run(found):
-    """Prints the figures of each model; raises `measure.Failed` unless all keep to the factor."""
+    """Prints the figures of each model; raises `measure.Failed` if any exceeds the factor."""
     matches = {one.name: compare.at_limit(one, DEGREES) for one in found}
     for name, match in matches.items():
         print(f"{name}: {line(match)}")
@@ -20,7 +20,7 @@ def run(found):
 
 
 def is_too_large(match):
-    """Also if Taotie has no asset within the limit."""
+    """Returns true if Taotie's asset is too large, or if it has none within the limit."""
     if match.taotie is None:
         return True
     ratio = match.color_bytes_ratio()

@@ -21,11 +21,11 @@ class Frontiers:
 
 @dataclasses.dataclass(frozen=True)
 class Match:
-    """An asset of Taotie, and what the others offer in its place; None where they offer nothing.
+    """An asset of Taotie, and the alternatives of the other tools; None if they have none.
 
     `gltfpack` and `gltf_transform` are the smallest assets of at most `degrees`; `gltfpack_color` is the smallest of
-    them with a ΔE no worse than Taotie's. `at_bytes` has the fewest degrees of gltfpack's assets that are no larger
-    than Taotie's, `at_bytes_color` of those with a ΔE no worse.
+    them with a ΔE no worse than Taotie's. `at_bytes` has the fewest degrees among gltfpack's assets no larger than
+    Taotie's, `at_bytes_color` among those with a ΔE no worse.
     """
 
     degrees: float
@@ -37,19 +37,19 @@ class Match:
     at_bytes_color: Point | None
 
     def bytes_ratio(self):
-        """Taotie's bytes to gltfpack's, of any ΔE."""
+        """Ratio of Taotie's bytes to gltfpack's, with any ΔE."""
         return ratio(self.taotie, self.gltfpack, lambda p: p.bytes)
 
     def color_bytes_ratio(self):
-        """Taotie's bytes to gltfpack's with a ΔE no worse."""
+        """Ratio of Taotie's bytes to gltfpack's with a ΔE no worse."""
         return ratio(self.taotie, self.gltfpack_color, lambda p: p.bytes)
 
     def degrees_ratio(self):
-        """Taotie's degrees to gltfpack's at no more bytes, of any ΔE."""
+        """Ratio of Taotie's degrees to gltfpack's at no more bytes, with any ΔE."""
         return ratio(self.taotie, self.at_bytes, lambda p: p.degrees)
 
     def color_degrees_ratio(self):
-        """Taotie's degrees to gltfpack's at no more bytes, with a ΔE no worse."""
+        """Ratio of Taotie's degrees to gltfpack's at no more bytes, with a ΔE no worse."""
         return ratio(self.taotie, self.at_bytes_color, lambda p: p.degrees)
 
 
@@ -58,12 +58,12 @@ def ratio(own, other, figure):
 
 
 def at_limit(frontiers, degrees):
-    """The smallest assets of at most so many degrees."""
+    """The smallest assets of at most this many degrees."""
     return matched(frontiers, smallest(within(frontiers.taotie, degrees)), degrees)
 
 
 def at_asset(frontiers, asset):
-    """An asset of Taotie against others of at most its degrees."""
+    """An asset of Taotie compared with others of at most its degrees."""
     return matched(frontiers, asset, asset.degrees)
 
 

@@ -1,4 +1,4 @@
-"""The settings that are tried: those of the page, and the few of the quick check."""
+"""The settings to try: those of the page, and the few of the quick check."""
 
 import dataclasses
 
@@ -34,15 +34,15 @@ class Grid:
 
     @property
     def most_degrees(self):
-        """Assets of more degrees are not refined."""
+        """Assets with more degrees are not refined."""
         return max(precision.most for precision in self.precisions)
 
     def precisions_at(self, degrees):
-        """The options of the precisions that are worth trying on an asset of so many degrees."""
+        """The options of the precisions that are worth trying on an asset with this many degrees."""
         return [own.options for own in self.precisions if own.least <= degrees <= own.most]
 
     def sides_below(self, own):
-        """The sizes that make textures smaller than their own, and their own; none without textures."""
+        """The texture sizes below the original, and the original; none without textures."""
         return [side for side in self.sides if side < own]
 
 

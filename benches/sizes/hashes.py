@@ -5,7 +5,7 @@ import json
 
 
 def of_files(*paths):
-    """Of the contents of files, in this order."""
+    """The hash of the contents of files, in this order."""
     digest = hashlib.sha256()
     for path in paths:
         with open(path, "rb") as file:
@@ -14,5 +14,5 @@ def of_files(*paths):
 
 
 def of_value(value):
-    """Of a value that JSON can express."""
+    """The hash of a JSON value."""
     return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()

@@ -1,8 +1,8 @@
-"""How far an asset is from its model: one judge for the assets of all tools.
+"""Measures the deviation of an asset from its model: one judge for the assets of all tools.
 
-Taotie renders model and asset from eight sides by the same cameras, under the same light: the normals that are shaded,
-maps and all, the base colours, and the image. Pixels whose surroundings both show are compared, so silhouettes are not.
-The angles are computed here, CIEDE2000 by scikit-image. Pixels that an asset lacks altogether are counted.
+Taotie renders model and asset from eight sides with the same cameras and lights: the shading normals, including maps,
+the base colours, and the image. Pixels whose neighbourhood both show are compared, so silhouettes are not. The angles
+are computed here, CIEDE2000 by scikit-image. Pixels that an asset lacks altogether are counted.
 """
 
 import concurrent.futures
@@ -19,17 +19,17 @@ from PIL import Image
 from skimage.color import deltaE_ciede2000, rgb2lab
 
 AZIMUTHS = range(0, 360, 45)
-# Above and below the horizon by turns, degrees.
+# Alternately above and below the horizon, degrees.
 ELEVATIONS = (20, -12)
 PIXELS = 512
 FOV = 30
-# As many pixels around one must be covered in both images.
+# This many pixels around one must be covered in both images.
 MARGIN = 3
 
 
 @dataclasses.dataclass(frozen=True)
 class View:
-    """What one camera sees; arrays of (PIXELS, PIXELS, 3), and which pixels the object covers."""
+    """The view of one camera; arrays of (PIXELS, PIXELS, 3), and the pixels covered by the object."""
 
     normals: np.ndarray
     albedo: np.ndarray
@@ -41,7 +41,7 @@ class View:
 class Verdict:
     """Means and 95 % quantiles over all pixels of all views: degrees, and CIEDE2000 of base colour and image.
 
-    `missed` is the share of the model's pixels, without its silhouette, at which the asset shows nothing.
+    `missed` is the fraction of the model's pixels, without its silhouette, at which the asset shows nothing.
     """
 
     degrees: float
@@ -53,7 +53,7 @@ class Verdict:
 
 
 class Judge:
-    """Looks at one model, then at its assets."""
+    """Renders one model, then its assets."""
 
     def __init__(self, program, folder, model):
         self.program, self.folder = program, folder
@@ -71,17 +71,17 @@ class Judge:
         pairs = at_once(self.apart, self.model, views)
         angles, albedo, image = (np.concatenate(parts) for parts in zip(*pairs, strict=True))
         if not len(angles):
-            raise measure.Failed(f"{asset}: no pixel shows it where its model is")
+            raise measure.Failed(f"{asset}: no pixel shows both the asset and its model")
         figures = [angles.mean(), np.percentile(angles, 95), albedo.mean(), np.percentile(albedo, 95), image.mean()]
         return Verdict(*map(float, [*figures, self.missed(views)]))
 
     def missed(self, views):
-        """The share of the model's inner pixels that the views of an asset do not cover."""
+        """The fraction of the model's inner pixels that the views of an asset do not cover."""
         lost = [inner & ~view.covered for inner, view in zip(self.inner, views, strict=True)]
         return np.sum(lost) / np.sum(self.inner)
 
     def apart(self, model, asset):
-        """Angles and differences of colour at the pixels that count."""
+        """Angles and colour differences at the pixels that count."""
         inner = shrunk(model.covered & asset.covered)
         colors = [deltaE_ciede2000(rgb2lab(a[inner]), rgb2lab(b[inner])) for a, b in self.colors(model, asset)]
         return [angles(model.normals[inner], asset.normals[inner]), *colors]
@@ -119,7 +119,7 @@ def picture(path):
 
 
 def shrunk(mask):
-    """Without the pixels that have another in their surroundings, or lie at the image's edge."""
+    """Removes the pixels that have an uncovered one in their neighbourhood, or are at the image's edge."""
     side = 2 * MARGIN + 1
     padded = np.pad(mask, MARGIN)
     for axis in (0, 1):
@@ -128,5 +128,5 @@ def shrunk(mask):
 
 
 def angles(a, b):
-    """Between unit vectors, degrees; exact for small angles too."""
+    """Angles between unit vectors, in degrees; also accurate for small angles."""
     return np.degrees(2 * np.arctan2(np.linalg.norm(a - b, axis=-1), np.linalg.norm(a + b, axis=-1)))

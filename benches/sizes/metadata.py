@@ -24,7 +24,7 @@ def length(gltf):
 
 
 def stripped(value):
-    """The JSON without metadata, and without objects and lists that this makes empty."""
+    """The JSON without metadata, and without objects and lists that become empty."""
     if isinstance(value, list):
         return [stripped(item) for item in value if item != XMP]
     if not isinstance(value, dict):

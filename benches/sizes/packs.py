@@ -1,6 +1,6 @@
-"""Which settings of gltfpack are measured for a model.
+"""Selects the settings of gltfpack to measure for a model.
 
-They are too many for their full product, so there are stages, each of which starts from the promising assets so far:
+Their full product is too large, so there are stages, each of which starts from the promising assets so far:
 the textures with the whole mesh; fewer triangles; ratios halfway between; other precisions.
 """
 
@@ -13,7 +13,7 @@ from tools import Setting
 
 @dataclasses.dataclass(frozen=True)
 class Pack:
-    """What gltfpack is asked for: the textures to make WebP first, the ratio of triangles, and further options."""
+    """A setting of gltfpack: the textures to convert to WebP first, the ratio of triangles, and further options."""
 
     before: Setting | None
     ratio: float = 1
@@ -53,7 +53,7 @@ class Search:
         return [(pack, point) for pack, point in self.points.items() if point in kept]
 
     def sources(self, grid):
-        """What gltfpack reads: the model as it is, or with its textures as WebP of each size and quality."""
+        """The input of gltfpack: the model unchanged, or with its textures as WebP of each size and quality."""
         sizes = grid.sides_below(self.side)
         webp = [Setting(self.tools.webp, (str(side), str(quality))) for side in sizes for quality in grid.qualities]
         return [None, *webp] if grid.is_original_tried or not webp else webp

@@ -1,4 +1,4 @@
-"""Draws bytes against degrees, a panel for each model. The same points make the same picture."""
+"""Draws bytes against degrees, a panel per model. The same points produce the same plot."""
 
 import os
 
@@ -14,14 +14,14 @@ from point import frontier  # noqa: E402
 COLORS = {"gltf-transform": "#009e73", "gltfpack": "#0072b2", "Taotie": "#d55e00"}
 COLUMNS = 3
 LEGEND_WIDTH = 7.6
-# The range of degrees that is shown, and its labels.
+# The range of degrees shown, and its labels.
 RANGE = (0.2, 8)
 TICKS = (0.3, 0.5, 1, 2, 4, 8)
 DASHED = {"linewidth": 1, "linestyle": (0, (4, 3))}
 
 
 def save(found, path):
-    """Writes a picture of all models; the extension decides between SVG and PNG."""
+    """Writes a plot of all models; the extension decides between SVG and PNG."""
     plt.rcParams |= style("sizes")
     columns = min(COLUMNS, len(found))
     rows = -(-len(found) // columns)
@@ -63,7 +63,7 @@ def draw(axes, name, points):
 
 
 def draw_same_color(axes, one):
-    """Draws gltfpack's frontier of assets whose ΔE is no worse than the highest on Taotie's frontier."""
+    """Draws gltfpack's frontier of assets whose ΔE is at most the highest on Taotie's frontier."""
     worst = max(frontier(one.taotie), key=lambda p: p.color, default=None)
     same = [p for p in one.gltfpack if worst and p.is_no_worse_in_color(worst)]
     label = "gltfpack, ΔE no worse than Taotie's"

@@ -1,12 +1,12 @@
-"""An asset as it was measured, and the best of many."""
+"""A measured asset, and the best of many."""
 
 import dataclasses
 
-# The share by which an asset of any tool may exceed a limit of degrees or bytes.
+# The tolerance of a limit of degrees or bytes, as a fraction, for assets of any tool.
 TOLERANCE = 0.02
 # A ΔE counts as no worse if it is higher by at most this, about a tenth of a just noticeable difference.
 COLOR_TOLERANCE = 0.1
-# Gains below this, as a share of degrees and in ΔE, are not worth further measurements.
+# Gains below this, as a fraction of degrees and in ΔE, are not worth further measurements.
 MARGIN, COLOR_MARGIN = 0.05, 0.03
 
 
@@ -38,12 +38,12 @@ class Point:
 
 
 def smallest(points):
-    """The point of the fewest bytes, or None if there are no points."""
+    """The point with the fewest bytes, or None if there are no points."""
     return min(points, key=lambda p: (p.bytes, p.degrees), default=None)
 
 
 def nearest(points):
-    """The point of the fewest degrees, or None if there are no points."""
+    """The point with the fewest degrees, or None if there are no points."""
     return min(points, key=lambda p: (p.degrees, p.bytes), default=None)
 
 

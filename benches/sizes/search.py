@@ -1,4 +1,4 @@
-"""Which settings of Taotie and gltf-transform are measured for a model; those of gltfpack are in packs.py.
+"""Selects the settings of Taotie and gltf-transform to measure for a model; those of gltfpack are in packs.py.
 
 Every search gets `measure`, which makes the asset of a setting and returns its point, or None if that failed. It
 returns all points.
@@ -7,7 +7,7 @@ returns all points.
 from point import TOLERANCE
 from tools import Setting
 
-# Assets that are made for each value of Taotie's `--error`, at most, and the part of it that an asset has to use up.
+# Maximum number of assets for each value of Taotie's `--error`, and the fraction of it that an asset must use.
 TRIES = 3
 CLOSE = 0.97
 
@@ -15,9 +15,9 @@ CLOSE = 0.97
 def taotie(tool, grid, measure):
     """The default options, and assets for each value of `--error`.
 
-    The judge's views are not those of Taotie's search, so it reads other angles. An asset that it finds beyond the limit is
-    made again with an error that is smaller in proportion, as a user with this judge would do; one far within, with a
-    larger one.
+    The judge's views are not those of Taotie's search, so it measures different angles. An asset that it finds beyond
+    the limit is made again with a proportionally smaller error, as a user with this judge would do; one far within,
+    with a larger one.
     """
     found = []
     for error in grid.errors:
@@ -26,7 +26,7 @@ def taotie(tool, grid, measure):
             point = measure(Setting(tool, () if error is None else ("--error", f"{aim:.3g}")))
             found.append(point)
             is_final = point is None or error is None or CLOSE * error <= point.degrees <= error * (1 + TOLERANCE)
-            # Where colours decide, another error makes the same asset.
+            # If colours decide, another error produces the same asset.
             if is_final or before == (before := point.bytes):
                 break
             aim *= error / point.degrees

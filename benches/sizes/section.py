@@ -19,12 +19,12 @@ ASSETS = ["model", "option", "triangles", "kB", "mean °", "p95 °", "ΔE", "pix
           "kB, ΔE no worse", "Taotie ÷ gltfpack", "ΔE no worse"]  # fmt: skip
 SUMMARY = ["at most", "any ΔE", "models", "ΔE no worse", "models"]
 EQUAL_BYTES = (
-    "Taotie's assets are those of the first table. gltfpack's are the most accurate that are no larger, with any ΔE "
-    "and with a ΔE no worse."
+    "Taotie's assets are those of the first table. gltfpack's are the most accurate of at most the same size, with any "
+    "ΔE and with a ΔE no worse."
 )
 LOSSES = (
     "Taotie's bytes as a multiple of those of the smallest asset of any other tool; in brackets as a multiple of "
-    "gltfpack's with a ΔE no worse. Models for which neither is above 1 are left out."
+    "gltfpack's with a ΔE no worse. Models for which neither is above 1 are omitted."
 )
 
 
@@ -53,12 +53,12 @@ def text(machine, versions, found):
 
 
 def titled(one):
-    """The model with its own size."""
+    """The model with its original size."""
     return f"{one.name}, {one.bytes / 1000:,.0f} kB"
 
 
 def table(head, matches, cells):
-    """A row for each match; the name of the model is in the first of its rows."""
+    """A row per match; the name of the model is in the first of its rows."""
     lines = [row(head), "|---|" + "---:|" * (len(head) - 1)]
     for name, some in matches:
         lines += [row([name if i == 0 else "", *cells(match)]) for i, match in enumerate(some)]
@@ -109,7 +109,7 @@ def colors(point):
 
 
 def ratio(value):
-    """In bold where Taotie loses."""
+    """Bold if Taotie loses."""
     if value is None:
         return NONE
     return f"**{value:.2f}**" if value > 1 else f"{value:.2f}"
@@ -141,7 +141,7 @@ def summary(at_limits):
 
 
 def mean(ratios):
-    """Cells: the geometric mean, and of how many."""
+    """Cells: the geometric mean, and the number of models."""
     values = [value for value in ratios if value is not None]
     return [ratio(geometric(values) if values else None), str(len(values))]
 
@@ -162,7 +162,7 @@ def loss(degrees, matches):
 
 
 def lost(match):
-    """How much larger Taotie's asset is than the smallest of the others, or None if it is not."""
+    """The ratio of Taotie's asset to the smallest of the others if it is larger, else None."""
     best = smallest([point for point in (match.gltfpack, match.gltf_transform) if point])
     if best is None:
         return None
@@ -175,7 +175,7 @@ def lost(match):
 
 
 def most_missed(at_limits):
-    """The largest share of pixels that any asset of the first table lacks."""
+    """The largest fraction of pixels that any asset of the first table lacks."""
     own, pack, transform = (most([getattr(match, name) for _, some in at_limits for match in some]) for name in NAMES)
     return f"Most pixels missed by any of these assets: Taotie {own}, gltfpack {pack}, gltf-transform {transform}."
 

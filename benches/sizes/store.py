@@ -1,7 +1,7 @@
-"""Measures assets of one model and keeps the results, so that an interrupted run continues.
+"""Measures assets of one model and stores the results, so that an interrupted run resumes.
 
-A result is kept under hashes of the model, the judge and the setting, which includes the version of its tool. So
-another build of Taotie leaves the results of the other tools as they are.
+A result is stored under hashes of the model, the judge and the setting, which includes the version of its tool. So
+another build of Taotie does not affect the results of the other tools.
 """
 
 import dataclasses
@@ -76,7 +76,7 @@ class Store:
         )
 
     def source(self, setting):
-        """The file that the setting's tool reads: the model, or what the setting before makes of it."""
+        """The input file of the setting's tool: the model, or the result of the previous setting."""
         if setting.before is None:
             return self.model.path
         path = os.path.join(self.sources, f"{self.key(setting.before)}.glb")

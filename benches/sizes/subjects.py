@@ -1,4 +1,4 @@
-"""The models that are made small."""
+"""The models to reduce."""
 
 import dataclasses
 import os
@@ -8,7 +8,8 @@ import inspected
 import subject
 
 SAMPLES, HAVEN = "khronos-gltf-sample-assets", "polyhaven-models"
-# Modelled and scanned objects with textures, a shape without any, and the scan of a museum's bust, which comes as OBJ.
+# Modelled and scanned objects with textures, a shape without any, and the scan of a museum's bust, which is an OBJ
+# file.
 PATHS = {
     "WaterBottle": f"{SAMPLES}/WaterBottle/glTF/WaterBottle.gltf",
     "Suzanne": f"{SAMPLES}/Suzanne/glTF/Suzanne.gltf",
@@ -33,7 +34,7 @@ class Model:
 
 
 def models(program, data, folder, only):
-    """The named models, or all, as far as the folder of data holds them; OBJ is converted into `folder`."""
+    """The named models, or all, as far as the data folder contains them; OBJ is converted into `folder`."""
     wanted = {name: os.path.join(data, path) for name, path in PATHS.items() if not only or name in only}
     return [model(program, subject.of(name, path, folder)) for name, path in wanted.items() if os.path.exists(path)]
 

@@ -1,6 +1,6 @@
-// Makes the textures of a model WebP, in one step so that nothing is encoded twice:
+// Converts the textures of a model to WebP, in one step so that nothing is encoded twice:
 // node textures.mjs NODE SOURCE OUT SIDE QUALITY
-// NODE is the folder that npm installed into; SIDE limits width and height in texels, 0 keeps them.
+// NODE is the folder of npm's packages; SIDE limits width and height in texels, 0 keeps them.
 import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -15,7 +15,7 @@ const [{ NodeIO }, { ALL_EXTENSIONS }, { textureCompress }, { default: encoder }
 const io = new NodeIO().registerExtensions(ALL_EXTENSIONS);
 const document = await io.read(source);
 const resize = Number(side) ? [Number(side), Number(side)] : undefined;
-// The encoder may take its time: the smallest file for the quality.
+// Maximum effort: the smallest file for the quality.
 await document.transform(
   textureCompress({ encoder, targetFormat: "webp", resize, quality: Number(quality), effort: 100 }),
 );

@@ -1,4 +1,4 @@
-"""The programs that make assets, and the settings they are called with."""
+"""The programs that make assets, and their settings."""
 
 import dataclasses
 import os
@@ -29,11 +29,11 @@ class Setting:
     before: "Setting | None" = None
 
     def command(self, source, out):
-        """The command line that makes `out` of `source`."""
+        """The command line that makes `out` from `source`."""
         return [{SOURCE: source, OUT: out}.get(word, word) for word in self.tool.words] + list(self.options)
 
     def label(self):
-        """For people: `-si 0.5 after WebP 512 75`."""
+        """A readable label: `-si 0.5 after WebP 512 75`."""
         own = " ".join(self.options) or "no options"
         return own if self.before is None else f"{own} after {self.before.tool.name} {self.before.label()}"
 
@@ -54,7 +54,7 @@ class Tools:
 
 
 def installed(taotie, node):
-    """With `taotie` at this path, and the others from the folder of npm."""
+    """The tools, with `taotie` at this path and the others from the folder of npm."""
     return Tools(baker(taotie), packer(node), transformer(node), texture_encoder(node))
 
 
@@ -63,7 +63,7 @@ def baker(program):
 
 
 def packer(node):
-    """With the strongest compression of EXT_meshopt_compression, which Taotie also writes."""
+    """gltfpack with the strongest compression of EXT_meshopt_compression, which Taotie also writes."""
     return Tool("gltfpack", node.version("gltfpack"), (node.program("gltfpack"), "-i", SOURCE, "-o", OUT, "-cc"))
 
 
@@ -80,6 +80,6 @@ def texture_encoder(node):
 
 
 def versions(node):
-    """Of the programs from npm, as they state them."""
+    """The versions of the programs from npm, as reported by them."""
     transform = measure.run([node.program("gltf-transform"), "--version"]).output.strip()
     return f"{measure.run([node.program('gltfpack'), '-v']).output.strip()}; gltf-transform {transform}"

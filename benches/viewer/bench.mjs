@@ -1,6 +1,6 @@
-// The same asset by Taotie's page, by three.js's own material and by model-viewer, in Chromium without a graphics card: seconds to
-// the first picture, and frames a second while a hand turns it. `node bench.mjs MODEL.glb PAGE.html`; PAGE is by
-// `taotie view --samples 1`, which stands still once it is drawn.
+// Compares an asset in Taotie's page, with three.js's own material and in model-viewer, in Chromium without a GPU: seconds
+// to the first image, and frames per second while the pointer rotates it. `node bench.mjs MODEL.glb PAGE.html`; PAGE is
+// from `taotie view --samples 1`, which stops drawing once it is finished.
 
 import { createServer } from "node:http";
 import { readFile, stat } from "node:fs/promises";
@@ -32,7 +32,7 @@ const VIEWERS = [
     ["model-viewer", "model-viewer.html", () => globalThis.isShown],
 ];
 
-// Counts the frames of the browser in which something is drawn.
+// Counts the browser's frames in which something is drawn.
 function watch() {
     let isDrawn = false;
     for (const name of ["drawElements", "drawArrays"]) {
@@ -51,7 +51,7 @@ function watch() {
     requestAnimationFrame(count);
 }
 
-// Frames that are drawn in a second while the pointer goes round.
+// Frames drawn per second while the pointer moves in a circle.
 async function frames(page) {
     const [x, y] = [SIZE.width / 2, SIZE.height / 2];
     await page.mouse.move(x, y);
@@ -80,7 +80,7 @@ for (let round = 0; round < ROUNDS; round++) {
         await tab.goto(`${address}/${file}`, { waitUntil: "commit" });
         await tab.waitForFunction(isShown, null, { timeout: 120_000, polling: 20 });
         const seconds = (Date.now() - start) / 1000;
-        // Its picture has the whole window then, as those of the others.
+        // Its image then fills the window, like those of the others.
         if (name === "taotie view") await tab.getByRole("button", { name: "Hide controls" }).click();
         runs.get(name).push([seconds, await frames(tab)]);
         if (round === 0) await tab.screenshot({ path: path.join(process.env.FOLDER ?? ".", `${name.replaceAll(/\W+/g, "-")}.png`) });
@@ -89,7 +89,7 @@ for (let round = 0; round < ROUNDS; round++) {
 }
 server.close();
 console.log(`${(await stat(model)).size} bytes of model, ${(await stat(page)).size} of page\n`);
-console.log("| viewer | seconds to the first picture | frames a second |\n|---|---|---|");
+console.log("| viewer | seconds to the first image | frames per second |\n|---|---|---|");
 for (const [name, all] of runs) {
     console.log(`| ${name} | ${median(all.map(([s]) => s)).toFixed(1)} | ${median(all.map(([, f]) => f)).toFixed(1)} |`);
 }

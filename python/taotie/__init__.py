@@ -1,4 +1,4 @@
-"""Taotie bakes high-poly scans to low-poly glTF with normal maps, renders them by physics, and measures the error.
+"""Taotie bakes high-poly scans to low-poly glTF with normal maps, renders them physically, and measures the error.
 
 >>> import taotie as tt
 >>> scan = tt.load("scan.ply")
@@ -8,7 +8,7 @@
 >>> asset.save("scan.glb")
 >>> image = tt.render(asset, size=(640, 480))
 
-It needs neither a display nor a graphics processor, and the same input gives the same bits on every machine.
+It needs neither a display nor a GPU, and the same input gives the same bits on every machine.
 """
 
 from . import normals, shade

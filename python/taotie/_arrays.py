@@ -1,4 +1,4 @@
-"""Arrays as they come, checked, and meshes of other packages."""
+"""Checked conversion of arrays, and of meshes from other packages."""
 
 from __future__ import annotations
 
@@ -15,34 +15,34 @@ PathLike: TypeAlias = Union[str, "os.PathLike[str]"]
 
 
 def rows(name: str, values: npt.ArrayLike, widths: tuple[int, ...]) -> Array:
-    """Return rows of numbers, float32 or float64, contiguous; others than these are refused."""
+    """Return rows of numbers as a contiguous float32 or float64 array; refuse everything else."""
     array = np.asarray(values)
     if array.ndim != 2 or array.shape[1] not in widths:
         wanted = " or ".join(f"(n, {width})" for width in widths)
-        raise invalid(name, f"an array of shape {array.shape}, dtype {array.dtype}; wanted is {wanted}, float32 or float64")
+        raise invalid(name, f"an array of shape {array.shape}, dtype {array.dtype}; expected {wanted}, float32 or float64")
     if array.dtype.kind in "iu":
         array = array.astype(np.float64)
     if array.dtype not in (np.dtype(np.float32), np.dtype(np.float64)):
-        raise invalid(name, f"an array of dtype {array.dtype}, shape {array.shape}; wanted is float32 or float64")
+        raise invalid(name, f"an array of dtype {array.dtype}, shape {array.shape}; expected float32 or float64")
     return np.ascontiguousarray(array)
 
 
 def triangles(name: str, values: npt.ArrayLike) -> npt.NDArray[np.uint32]:
-    """Return triangles as indices, uint32, contiguous."""
+    """Return triangles as a contiguous array of uint32 indices."""
     array = np.asarray(values)
     if array.ndim != 2 or array.shape[1] != 3 or array.dtype.kind not in "iu":
-        raise invalid(name, f"an array of shape {array.shape}, dtype {array.dtype}; wanted is (n, 3), uint32 or another integer")
+        raise invalid(name, f"an array of shape {array.shape}, dtype {array.dtype}; expected (n, 3), uint32 or another integer")
     if array.dtype != np.uint32:
         if array.size and (array.min() < 0 or array.max() > np.iinfo(np.uint32).max):
-            raise invalid(name, "an index below 0 or above 2^32 - 1; count vertices from 0")
+            raise invalid(name, "an index below 0 or above 2^32 - 1; vertices are numbered from 0")
         array = array.astype(np.uint32)
     return np.ascontiguousarray(array)
 
 
 def image(name: str, values: Any) -> Any:
-    """Return an image as the native module takes it: a path, or texels ``(height, width, channels)``.
+    """Return an image in the form that the native module takes: a path, or texels ``(height, width, channels)``.
 
-    Booleans are refused; float64 is rounded to float32; images of PIL are arrays.
+    Booleans are refused; float64 is rounded to float32; PIL images are converted to arrays.
     """
     if isinstance(values, (str, os.PathLike)):
         return os.fspath(values)
@@ -55,14 +55,14 @@ def image(name: str, values: Any) -> Any:
     if array.ndim != 3 or not 1 <= array.shape[2] <= 4 or not known:
         raise invalid(
             name,
-            f"an array of shape {np.shape(values)}, dtype {np.asarray(values).dtype}; wanted is (height, width) or "
+            f"an array of shape {np.shape(values)}, dtype {np.asarray(values).dtype}; expected (height, width) or "
             "(height, width, 1 to 4), uint8, uint16 or float32",
         )
     return np.ascontiguousarray(array)
 
 
 def mesh_of(other: Any) -> dict[str, Any] | None:
-    """Return the arrays of a mesh of trimesh, Open3D, PyVista, or anything with ``vertices`` and ``faces``."""
+    """Return the arrays of a mesh from trimesh, Open3D, PyVista, or anything with ``vertices`` and ``faces``."""
     if hasattr(other, "regular_faces") and hasattr(other, "points"):
         return _of_pyvista(other)
     if hasattr(other, "vertices") and hasattr(other, "triangles"):
@@ -105,7 +105,7 @@ def _of_pyvista(mesh: Any) -> dict[str, Any]:
 
 
 def _linear(srgb: Array) -> Array:
-    """Return linear RGBA of sRGB, alpha as it is or 1."""
+    """Convert sRGB to linear RGBA; alpha is kept, or 1 if missing."""
     rgb = srgb[:, :3]
     linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
     alpha = srgb[:, 3:4] if srgb.shape[1] == 4 else np.ones((len(srgb), 1))

@@ -33,22 +33,22 @@ class Met:
     figure : str
         As on the command line, such as ``mean-angle``.
     most : float
-        The most that it may be: degrees, parts of 1, pixels or bytes; metres if `is_length`.
+        The limit: degrees, fractions of 1, pixels or bytes; metres if `is_length`.
     is_length : bool
         True if limit, value and interval are lengths in metres.
     level : int or None
         The level of detail, 0 the finest; None for a figure of the whole asset.
     value : float or None
-        What was measured; None where it could not be.
+        The measured value; None if it could not be measured.
     interval : tuple of float, or None
-        The value lies between these two, with a confidence of 99 % if it is estimated from samples.
+        The interval that contains the value, with a confidence of 99 % if it is estimated from samples.
     met : bool
-        True if the whole interval keeps to the limit.
+        True if the whole interval is within the limit.
     text : str
-        All that in words.
+        All of the above as text.
     within : float or None
-        Of figures that are the share of the surface within a limit, such as ``within-5deg``: that limit, in degrees, ΔE, or
-        parts of the diagonal.
+        For figures that are the share of the surface within a limit, such as ``within-5deg``: that limit, in degrees,
+        ΔE, or fractions of the diagonal.
     """
 
     figure: str
@@ -64,19 +64,19 @@ class Met:
 
 @dataclass(frozen=True, eq=False)
 class Proof:
-    """How far an asset, as it was written and read back, is from its scan.
+    """How far an asset, as written and read back, is from its scan.
 
     Attributes
     ----------
     figures : dict
-        All figures, as in the command's report under ``proof``.
+        All figures, as under ``proof`` in the command's report.
     error_map : ndarray or None
         ``(H, W)`` float32: degrees between the normals of asset and scan at each texel, on the surface; NaN between UV
-        islands. None if the asset has no uvs.
+        islands. None if the asset has no UVs.
     color_map : ndarray or None
-        ``(H, W)`` float32: CIEDE2000 between the base colours; None where the scan says nothing of its material.
+        ``(H, W)`` float32: CIEDE2000 between the base colours; None if the scan does not specify its material.
     detail_map : ndarray or None
-        ``(H, W)`` float32: how many times wider than the scan's finest detail the asset's texels are; None without textures.
+        ``(H, W)`` float32: width of the asset's texels relative to the scan's finest detail; None without textures.
     options : dict
         The options that it was made with: points, map, view.
     """
@@ -89,28 +89,28 @@ class Proof:
 
     @property
     def mean_deg(self) -> float:
-        """The mean angle between the normals as seen, at the same pixel, degrees; NaN if no pixel was compared."""
+        """The mean angle between the normals as seen, at the same pixel, in degrees; NaN if no pixel was compared."""
         return self._angle("mean")
 
     @property
     def p95_deg(self) -> float:
-        """The 95th percentile of these angles, degrees."""
+        """The 95th percentile of these angles, in degrees."""
         return self._angle("p95")
 
     @property
     def max_deg(self) -> float:
-        """The largest of these angles, degrees: a maximum over samples."""
+        """The largest of these angles, in degrees: a maximum over samples."""
         return self._angle("max")
 
     @property
     def missed(self) -> float:
-        """The share of the visible surface where the other shows nothing, the worse of scan and asset, [0, 1]."""
+        """The fraction of the visible surface where the other shows nothing, the worse of scan and asset, [0, 1]."""
         coverage = self._finest["coverage"]
         return float(max(coverage["missed_of_scan"], coverage["missed_of_asset"]))
 
     @property
     def hausdorff(self) -> float:
-        """The upper bound of the largest distance between the visible surfaces, as a part of the diagonal."""
+        """The upper bound of the largest distance between the visible surfaces, as a fraction of the diagonal."""
         return float(self._finest["hausdorff_of_diagonal"]["upper"])
 
     @property
@@ -134,7 +134,7 @@ class Proof:
         hausdorff: float | str | None = None,
         bytes: float | str | None = None,
     ) -> list[Met]:
-        """Demand that figures are at most so large, as ``taotie bake --require`` does.
+        """Require that figures do not exceed limits, as ``taotie bake --require`` does.
 
         Parameters
         ----------
@@ -146,12 +146,12 @@ class Proof:
         mean_color, p95_color : float or str, optional
             Colour error, CIEDE2000.
         missed : float or str, optional
-            Visible surface that the other lacks, per cent.
+            Visible surface that the other model lacks, per cent.
         hausdorff : float or str, optional
             Upper bound of the largest distance, per cent of the diagonal, or a length such as ``"0.2mm"`` if the unit of
             the scan is known.
         bytes : float or str, optional
-            Of the asset with the files that it names.
+            Of the asset with the files that it references.
 
         Returns
         -------
@@ -160,7 +160,7 @@ class Proof:
         Raises
         ------
         NotMet
-            Where a figure is larger, or could not be measured.
+            If a figure exceeds its limit, or could not be measured.
         """
         named = {
             "mean-angle": mean_angle,
@@ -192,7 +192,7 @@ def _met(met: str, text: str) -> Met:
 
 
 def _proof(found: Mapping[str, Any], options: Mapping[str, int]) -> Proof:
-    """Return what the native module found as a proof, and warn of what it noted."""
+    """Create a proof from the results of the native module, and issue its warnings."""
     warn(found["warnings"])
     maps = {name: found[name] for name in ("error_map", "color_map", "detail_map")}
     return Proof(json.loads(found["figures"]), **maps, options=options)
@@ -213,15 +213,15 @@ def verify(
     Parameters
     ----------
     asset : path
-        The asset (.gltf, .glb, .obj, .ply, .stl), in the place of the scan: glTF in metres if the scan's unit is known,
-        others in that unit.
+        The asset (.gltf, .glb, .obj, .ply, .stl), at the position of the scan: glTF in metres if the scan's unit is
+        known, other formats in that unit.
     scan : path, Model, or a mesh of another package
-        What it should look like. It is read as it was for the bake, if the asset records that, unless it was loaded with
-        other options.
+        The scan that it should look like. It is read with the options of the bake, if the asset records them, unless
+        it was loaded with other options.
     points : int
-        Pixels of the overview and points of each surface that are compared, at least 10.
+        Pixels of the overview and points on each surface to compare, at least 10.
     map : int
-        Texels along a side of ``error_map``, at most.
+        The most texels along a side of ``error_map``.
     view : int
         Pixels along a side of the images from all sides, at least 11.
 
@@ -242,19 +242,19 @@ def verify(
 
 
 class Written:
-    """An asset in its files."""
+    """An asset written to files."""
 
     def __init__(self, native: _taotie.Written) -> None:
         self._native = native
 
     @property
     def files(self) -> list[str]:
-        """The files, the model or the first map first."""
+        """The files; the model or the first map comes first."""
         return [os.fspath(path) for path in self._native.files()]
 
     @property
     def path(self) -> str:
-        """The model's file; of maps alone the first one's."""
+        """The model's file; for standalone maps, the first one's."""
         return self.files[0]
 
     def verify(
@@ -272,11 +272,11 @@ class Written:
         Parameters
         ----------
         scan : path, Model, or a mesh of another package
-            What was baked from.
+            The scan that was baked.
         points : int
-            Pixels of the overview and points of each surface that are compared, at least 10.
+            Pixels of the overview and points on each surface to compare, at least 10.
         map : int
-            Texels along a side of ``error_map``, at most.
+            The most texels along a side of ``error_map``.
         view : int
             Pixels along a side of the images from all sides, at least 11.
 
@@ -291,7 +291,7 @@ class Written:
         return _proof(found, options)
 
     def report(self, proof: Proof | None = None, require: Sequence[str] = ()) -> dict[str, Any]:
-        """Return the report that ``taotie bake`` writes beside the asset, as plain data."""
+        """Return the report that ``taotie bake`` writes next to the asset, as plain data."""
         proved = None if proof is None else {"figures": dict(proof.figures), "options": dict(proof.options)}
         report: dict[str, Any] = json.loads(self._native.report(proved, list(require)))
         return report
@@ -301,7 +301,7 @@ class Written:
 
 
 class Asset:
-    """A low-poly mesh with baked maps. Made by `bake`; it does not change."""
+    """A low-poly mesh with baked maps. Created by `bake`; immutable."""
 
     def __init__(self, native: _taotie.Asset) -> None:
         self._native = native
@@ -314,18 +314,18 @@ class Asset:
 
     @property
     def size(self) -> tuple[int, int]:
-        """Texels across and down."""
+        """Width and height in texels."""
         width, height = self._facts["size"]
         return width, height
 
     @property
     def counts(self) -> dict[str, int]:
-        """What became of the samples: samples, missed, lost, shared, texels, missed_texels."""
+        """The outcome of the samples: samples, missed, lost, shared, texels, missed_texels."""
         return dict(self._facts["counts"])
 
     @property
     def warnings(self) -> tuple[tuple[str, int], ...]:
-        """What is wrong with scan, mesh and maps, or was left out, and how often."""
+        """Problems of scan, mesh and maps, and omissions, with their counts."""
         return tuple(self._native.warnings())
 
     def levels(self) -> list[dict[str, Array]]:
@@ -333,22 +333,22 @@ class Asset:
         return self._native.levels()
 
     def maps(self, material: str = "") -> dict[str, Array]:
-        """Return the maps as they are stored, ``(height, width)`` or ``(height, width, channels)``.
+        """Return the maps as stored, ``(height, width)`` or ``(height, width, channels)``.
 
         Parameters
         ----------
         material : str
-            The material, where the asset has several.
+            The material, if the asset has several.
 
         Returns
         -------
         dict
             ``normal``; ``albedo`` in sRGB; ``orm``, which is occlusion, roughness and metallic; ``emission``; and by
-            their own names those that stand beside the model.
+            their own names those stored next to the model.
         """
         sets = self._native.maps()
         if material not in sets:
-            raise invalid(f"material {material!r}", f"there is none of this name; choose from: {', '.join(sets)}")
+            raise invalid(f"material {material!r}", f"unknown; expected one of: {', '.join(sets)}")
         return sets[material]
 
     def save(
@@ -367,16 +367,16 @@ class Asset:
         Parameters
         ----------
         path : str or path
-            ``.glb``, or ``.gltf`` with its files beside it; ``.png``, ``.webp`` or ``.exr`` for maps alone.
+            ``.glb``, or ``.gltf`` with its files next to it; ``.png``, ``.webp`` or ``.exr`` for standalone maps.
         images : str
-            Format of textures: ``"png"``, ``"webp"`` (lossless), ``"ktx2"``, or with a loss of colours: ``"webp:85"``,
-            ``"jpeg:85"``, ``"avif:80"``, ``"ktx2:2"``; those of colours, normals and numbers: ``"jpeg:90/webp/webp:75"``. Not read if the
-            asset was searched for.
+            Texture format: ``"png"``, ``"webp"`` (lossless), ``"ktx2"``, or lossy for colours: ``"webp:85"``,
+            ``"jpeg:85"``, ``"avif:80"``, ``"ktx2:2"``; different ones for colours, normals and numbers:
+            ``"jpeg:90/webp/webp:75"``. Ignored if the asset comes from a search.
         meshopt : bool
-            Compress geometry by meshoptimizer.
+            Compress geometry with meshoptimizer.
         codecs : {"portable", "web-latest"}
-            The extension that compresses it: EXT_meshopt_compression, or KHR_meshopt_compression. Not read if the asset was
-            searched for.
+            The extension used for compression: EXT_meshopt_compression, or KHR_meshopt_compression. Ignored if the
+            asset comes from a search.
         provenance : path, optional
             XMP metadata (JSON-LD) to add to that of the scan.
         green : {"up", "down"}
@@ -399,21 +399,21 @@ class Asset:
         return Written(native)
 
     def verify(self, scan: Any, **options: Any) -> Proof:
-        """Write the asset as PNG and glTF into a folder that is removed again, and measure what was written.
+        """Write the asset as PNG and glTF to a temporary folder, and measure the written files.
 
         Parameters
         ----------
         scan : path, Model, or a mesh of another package
-            What was baked from.
+            The scan that was baked.
         **options
-            As those of `Written.verify`. To measure another packing, save the asset and verify that.
+            The parameters of `Written.verify`. To measure another packing, save the asset and verify that.
         """
         with tempfile.TemporaryDirectory(prefix="taotie-") as folder:
             return self.save(os.path.join(folder, "asset.glb")).verify(scan, **options)
 
     @cached_property
     def model(self) -> Model:
-        """The asset as a model, as it is read back from a GLB; it renders like the file."""
+        """The asset as a model, as read back from a GLB; it renders like the file."""
         return _from_glb(self.glb(), None)
 
     def glb(self) -> bytes:
@@ -422,6 +422,9 @@ class Asset:
             path = self.save(os.path.join(folder, "asset.glb")).path
             with open(path, "rb") as file:
                 return file.read()
+
+    def _native_model(self) -> _taotie.Model:
+        return self.model._native
 
     def _repr_png_(self) -> bytes | None:
         return self.model._repr_png_()
@@ -466,40 +469,40 @@ def bake(
     scan : path, Model, or a mesh of another package
         The high-poly scan.
     low : path, Model, or a mesh of another package, optional
-        The low-poly mesh; its uvs and triangles stay. Made from the scan if not given.
+        The low-poly mesh; its UVs and triangles are kept. By default created from the scan.
     triangles : int, optional
-        Triangles of the low-poly mesh; nothing is searched for then. 50,000 if only `size` is given, or if nothing can be
-        searched for.
+        Triangles of the low-poly mesh; disables the search. Defaults to 50,000 if only `size` is given, or if a
+        search is not possible.
     error : float, optional
-        Find the asset of the fewest bytes whose mean normal error as seen is at most so many degrees: made of the scan, with
-        a normal map or without, or the scan itself, packed. Packing options are not read.
+        Find the smallest asset with a mean normal error as seen of at most this many degrees: one made from the
+        scan, with or without a normal map, or the scan itself, packed. Packing options are ignored.
     goal : sequence of str, optional
-        Find the asset of the fewest bytes that meets these requirements, such as ``["p95-angle=2", "mean-color=0.5"]``, as
-        far as they are about angles and colours as seen, within the ceilings among them, such as ``"triangles=50000"`` and
-        ``"gpu-memory=64MB"``; with ``"bytes=500kB"`` the nearest of at most that size. ``["web"]``, ``["archive"]`` and
-        ``["engine"]`` are those of ``--preset``; give the last one ``images=["ktx2"]`` and
-        ``lods=["256px", "128px", "64px"]``, too. If none of `triangles`, `size`, `error` and `goal` is given, it is one that
-        is ``visually-lossless``, unless `low`, or maps are asked for that a search cannot judge.
+        Find the smallest asset that meets these requirements, such as ``["p95-angle=2", "mean-color=0.5"]``, as far
+        as they concern angles and colours as seen, within any ceilings among them, such as ``"triangles=50000"`` and
+        ``"gpu-memory=64MB"``; with ``"bytes=500kB"`` the closest one of at most that size. ``["web"]``,
+        ``["archive"]`` and ``["engine"]`` are those of ``--preset``; for the last, also pass ``images=["ktx2"]`` and
+        ``lods=["256px", "128px", "64px"]``. If none of `triangles`, `size`, `error` and `goal` is given, the goal is
+        ``visually-lossless``, unless `low`, or maps are requested that a search cannot judge.
     images : sequence of str
-        Image formats that a search may choose from; those of `codecs` if empty.
+        Image formats that a search may choose from; if empty, those of `codecs`.
     codecs : {"portable", "web-latest"}
-        Codecs that a search may choose from: PNG, JPEG, WebP and EXT_meshopt_compression, or for the newest web viewers AVIF as
-        well, and KHR_meshopt_compression.
+        Codecs that a search may choose from: PNG, JPEG, WebP and EXT_meshopt_compression, or for the latest web
+        viewers also AVIF and KHR_meshopt_compression.
     lods : sequence of int or str
-        Coarser levels of detail. ``"128px"`` is the lightest one that meets the goal where the object fills 128² pixels, 32 to
-        511; a number is one of so many triangles, which is shown where it meets the goal.
+        Coarser levels of detail. ``"128px"`` is the lightest one that meets the goal when the object fills 128²
+        pixels, 32 to 511; a number is one with that many triangles, which is shown at sizes where it meets the goal.
     size : int, (width, height) or "auto", optional
-        Texels of the maps; nothing is searched for then. 2048 if only `triangles` is given. Auto is the smallest power of
-        two, 256 to 8192, that preserves the scan's detail.
+        Texels of the maps; disables the search. Defaults to 2048 if only `triangles` is given. Auto is the smallest
+        power of two, 256 to 8192, that preserves the scan's detail.
     maps : sequence of str
-        Maps to bake: auto (normal, and whatever varies in the scan's materials), normal, ao, albedo, height, bent,
-        curvature, roughness, metallic-roughness, emission, alpha, occlusion.
+        Maps to bake: auto (normal, and every property that varies in the scan's materials), normal, ao, albedo,
+        height, bent, curvature, roughness, metallic-roughness, emission, alpha, occlusion.
     space : {"tangent", "object"}
         Space of the normal map.
     samples : int
-        Samples a texel, a square number.
+        Samples per texel, a square number.
     bits : {8, 16}
-        Bits per channel of normal maps; 8-bit maps are dithered where they would show bands.
+        Bits per channel of normal maps; 8-bit maps are dithered if banding would be visible.
     dilation : int or "auto"
         Padding around UV islands, texels; auto fills the map.
     ao_rays : int
@@ -507,24 +510,24 @@ def bake(
     ao_distance : float, optional
         Largest distance at which the scan occludes, model units.
     roughness : float, optional
-        Roughness of the scan's surface; that of its material if not given.
+        Roughness of the scan's surface; defaults to that of its material.
     ray_distance : float or "auto"
         Length of the projection rays, model units; auto measures the gap between the meshes.
     cage : path, Model, or a mesh of another package, optional
         The low-poly mesh with its vertices moved outward.
     crease_angle : float, optional
-        As in `load`; what the scan was loaded with if not given.
+        As in `load`; defaults to the value that the scan was loaded with.
     scan_green : {"auto", "up", "down"}
-        As in `load`; what the scan was loaded with if auto.
+        As in `load`; auto keeps the value that the scan was loaded with.
     unit : {"mm", "cm", "m", "in"}, optional
-        As in `load`; what the scan was loaded with if not given. The asset is written in metres then, by the scale of its
-        root node.
+        As in `load`; defaults to the value that the scan was loaded with. If the unit is known, the asset is written
+        in metres, by the scale of its root node.
     memory_limit : str, optional
         The most memory to use, such as ``"4G"``.
     threads : int, optional
-        All of the machine's if not given. Results do not depend on it.
+        Defaults to all of the machine's. Results do not depend on it.
     progress : bool or callable, optional
-        True for a bar; a callable gets stage and fraction, and stops the work by returning False.
+        True for a progress bar; a callable receives stage and fraction, and stops the work by returning False.
 
     Returns
     -------
@@ -536,26 +539,26 @@ def bake(
         With ``path``, ``where`` and ``remedy``.
     """
     if isinstance(maps, str):
-        raise invalid(f"maps {maps!r}", "give a sequence of names, such as ['normal', 'ao']")
+        raise invalid(f"maps {maps!r}", "use a sequence of names, e.g. ['normal', 'ao']")
     side: int | tuple[int, int] | str = 2048 if size is None else size
     width, height = (side, side) if isinstance(side, int | str) else side
     if isinstance(images, str):
-        raise invalid(f"images {images!r}", "give a sequence of formats, such as ['webp', 'png']")
+        raise invalid(f"images {images!r}", "use a sequence of formats, e.g. ['webp', 'png']")
     if isinstance(goal, str):
-        raise invalid(f"goal {goal!r}", "give a sequence of requirements, such as ['mean-angle=1']")
+        raise invalid(f"goal {goal!r}", "use a sequence of requirements, e.g. ['mean-angle=1']")
     if error is not None and not 0 < error < 180:
-        raise invalid(f"an error of {error}", "give degrees above 0 and below 180")
+        raise invalid(f"an error of {error}", "use degrees above 0 and below 180")
     wanted = list(goal) if error is None else [f"mean-angle={error}", *goal]
     is_by_hand = triangles is not None or size is not None or bits != 8
     if wanted and is_by_hand:
-        raise invalid("goal", "a search chooses triangles, size and bits; leave them out")
+        raise invalid("goal", "a search chooses triangles, size and bits itself; omit them")
     may_drop_goal = not wanted
     if not wanted and not is_by_hand:
         wanted = ["visually-lossless"]
     low_file, low_mesh = _source(low)
     cage_file, cage_mesh = _source(cage)
     if cage is not None and ray_distance != "auto":
-        raise invalid("cage", "it says how far rays reach; leave out ray_distance")
+        raise invalid("cage", "it defines how far rays reach; omit ray_distance")
     options = {
         "low": low_file,
         "triangles": 50_000 if triangles is None else triangles,
@@ -615,7 +618,7 @@ def _named_maps(maps: Sequence[str]) -> list[str]:
 def _side(samples: int) -> int:
     side = int(round(samples**0.5))
     if side * side != samples:
-        raise invalid(f"samples {samples}", "give a square number: 1, 4, 9, 16, 25, 36, 49 or 64")
+        raise invalid(f"samples {samples}", "use a square number: 1, 4, 9, 16, 25, 36, 49 or 64")
     return side
 
 

@@ -10,7 +10,7 @@ from . import _taotie
 
 def main() -> int:
     """Run the command with the arguments of this process; return its exit code."""
-    # By which the command starts itself again; what the system tells of this process is not the environment's Python.
+    # The command restarts itself with this interpreter; the process's own path need not be the environment's Python.
     os.environ.setdefault("TAOTIE_PYTHON", sys.executable)
     return _taotie.command(["taotie", *sys.argv[1:]])
 

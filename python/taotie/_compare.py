@@ -1,4 +1,4 @@
-"""One model by several surface methods, measured."""
+"""One model rendered by several surface methods, with their errors."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Floats = npt.NDArray[np.float32]
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A surface as it is seen.
+    """A surface as it appears in the image.
 
     Attributes
     ----------
@@ -47,12 +47,12 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """What a comparison found.
+    """The results of a comparison.
 
     Attributes
     ----------
     report : dict
-        All figures, as the library tells them.
+        All figures, as reported by the library.
     views : dict of str to View
         By method, such as ``smooth`` or ``bump:5``, and ``reference``.
     """
@@ -61,13 +61,13 @@ class Comparison:
     views: dict[str, View] = field(repr=False)
 
     def mean_deg(self, method: str) -> float | None:
-        """Return the mean angle of a method from the truth away from silhouettes, degrees."""
+        """Return the mean angle between a method's normals and the truth, away from silhouettes, in degrees."""
         for found in self.report["methods"]:
             if found["method"] == method:
                 error = found.get("error")
                 inner = None if error is None else error.get("inner")
                 return None if inner is None else float(inner["mean"])
-        raise invalid(f"method {method!r}", f"there is none; choose from: {', '.join(self.views)}")
+        raise invalid(f"method {method!r}", f"unknown; expected one of: {', '.join(self.views)}")
 
     def to_dict(self) -> dict[str, Any]:
         """Return the report as plain data."""
@@ -114,16 +114,16 @@ def compare(
     low : path, Model, Asset, or a mesh of another package
         The model.
     high : the same, optional
-        The high-poly reference: a model in the same place with its relief as geometry, such as the scan. It is made of
-        what it says itself, else of what the model is made of.
+        The high-poly reference: a model at the same position with its relief as geometry, such as the scan. Its
+        material is its own if it has one, otherwise that of the model.
     methods : sequence of str
         facet, smooth, bump, bump-printed, object-normal, tangent-normal; ``bump:5`` and ``bump-printed:5`` take a factor.
     shading : str or sequence of str
         Reflectance models.
     baseline : str, optional
-        Also measure what the reflectance model does, against this one.
+        Also measure the effect of the reflectance model, compared with this one.
     points : int or pixels
-        Sample points whose normals are listed.
+        Sample points for which normals are listed.
     match : {"normal", "uv", "pixel"}
         Which point of the reference corresponds to a point of the model.
 
@@ -164,10 +164,10 @@ def compare(
     names = [_name(model, "model"), _name(reference, "reference")]
     models = {"low": model._native, "high": reference._native if reference else None, "names": names}
     with running(progress, threads) as run:
-        told = _taotie.compare(models, request, run)
-    warn(told["warnings"])
-    views = {name: View(**view) for name, view in told["views"].items()}
-    return Comparison(json.loads(told["report"]), views)
+        found = _taotie.compare(models, request, run)
+    warn(found["warnings"])
+    views = {name: View(**view) for name, view in found["views"].items()}
+    return Comparison(json.loads(found["report"]), views)
 
 
 def _name(model: Model | None, otherwise: str) -> str:

@@ -1,4 +1,4 @@
-"""The difference of two images or normal maps."""
+"""The difference between two images or normal maps."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from ._run import Progress, running
 
 @dataclass(frozen=True, eq=False)
 class Difference:
-    """The difference of two images, or of the normals of two maps.
+    """The difference between two images, or between the normals of two maps.
 
     Attributes
     ----------
     figures : dict
-        As ``taotie diff --json`` prints them under ``metrics``: ``angle`` for normal maps; ``flip``, ``ssim``, ``psnr`` and ``rmse`` for
-        images. What was not measured is None.
+        As printed by ``taotie diff --json`` under ``metrics``: ``angle`` for normal maps; ``flip``, ``ssim``,
+        ``psnr`` and ``rmse`` for images. None if not measured.
     map : ndarray
         ``(H, W)`` float32: the difference at each pixel; NaN where there is none.
     title, unit : str
-        What the map holds.
+        The meaning and the unit of the map.
     """
 
     figures: dict[str, Any]
@@ -44,7 +44,7 @@ class Difference:
 
     @property
     def flip(self) -> float | None:
-        """The mean of FLIP, [0, 1]; None for normal maps."""
+        """The mean FLIP error, [0, 1]; None for normal maps."""
         flip = self.figures["flip"]
         return None if flip is None else float(flip["mean"])
 
@@ -56,13 +56,13 @@ class Difference:
 
     @property
     def rmse(self) -> float | None:
-        """Root mean square error, [0, 1] of encoded values."""
+        """Root mean square error of encoded values, [0, 1]."""
         value: float | None = self.figures["rmse"]
         return value
 
     @property
     def psnr(self) -> float | None:
-        """Decibels; infinite for equal images."""
+        """Peak signal-to-noise ratio, in decibels; infinite for equal images."""
         value: float | None = self.figures["psnr"]
         return float("inf") if value is None and self.rmse == 0.0 else value
 
@@ -81,19 +81,19 @@ def diff(
     pixels_per_degree: float = 67.0,
     progress: Progress = None,
 ) -> Difference:
-    """Measure the difference of two images, or of the normals that two maps hold.
+    """Measure the difference between two images, or between the normals of two maps.
 
     Parameters
     ----------
     a, b : path or array_like
-        Images of one size: files, arrays ``(height, width)`` or ``(height, width, 1 to 4)`` of uint8, uint16 (both
-        sRGB) or float32, or images of PIL.
+        Images of equal size: files, arrays ``(height, width)`` or ``(height, width, 1 to 4)`` of uint8, uint16 (both
+        sRGB) or float32, or PIL images.
     metric : str, optional
-        One figure; all that fit if not given.
+        The figure to compute; defaults to all that apply.
     encoding : {"auto", "color", "unit", "signed"}
-        What the numbers are: colours, normals in [0, 1] or in [-1, 1]. Guessed by the pixels if not given.
+        The meaning of the numbers: colours, or normals in [0, 1] or in [-1, 1]. Auto guesses from the pixels.
     background : color
-        What is behind transparent images.
+        The background of transparent images.
     pixels_per_degree : float
         Of the observer, for FLIP.
 
@@ -108,6 +108,6 @@ def diff(
         "pixels_per_degree": float(pixels_per_degree),
     }
     with running(progress, None) as run:
-        told = _taotie.diff({"a": image("a", a), "b": image("b", b)}, request, run)
-    warn(told["warnings"])
-    return Difference(json.loads(told["figures"]), told["map"], told["title"], told["unit"])
+        found = _taotie.diff({"a": image("a", a), "b": image("b", b)}, request, run)
+    warn(found["warnings"])
+    return Difference(json.loads(found["figures"]), found["map"], found["title"], found["unit"])

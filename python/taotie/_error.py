@@ -10,7 +10,7 @@ __all__ = ["Cancelled", "Error", "NotMet", "TaotieWarning"]
 
 
 class Error(Exception):
-    """What could not be done, where, and what to do about it.
+    """Something that could not be done, with the place and a remedy.
 
     Attributes
     ----------
@@ -19,9 +19,9 @@ class Error(Exception):
     path : str or None
         The file concerned.
     where : str or None
-        The place in the file, or the value that was wrong.
+        The location in the file, or the invalid value.
     remedy : str or None
-        What was wrong there, and what can be done.
+        The problem there, and what to do about it.
     """
 
     kind: str
@@ -45,15 +45,15 @@ class Error(Exception):
 
 
 class Cancelled(Error):
-    """The listener of the progress wanted the work to stop. Nothing is half done."""
+    """The progress callback stopped the work. Nothing is left half done."""
 
 
 class NotMet(Error):
-    """A proof does not meet what is required of it."""
+    """A proof does not meet its requirements."""
 
 
 class TaotieWarning(UserWarning):
-    """Something was wrong but could be mended, or is left out."""
+    """Something was wrong and has been fixed, or was left out."""
 
 
 def make(text: str, kind: str, path: str | None, where: str | None, remedy: str | None) -> Error:
@@ -62,12 +62,12 @@ def make(text: str, kind: str, path: str | None, where: str | None, remedy: str 
 
 
 def invalid(where: str, remedy: str) -> Error:
-    """Return the error of a value that cannot be used."""
+    """Return the error for an unusable value."""
     return Error(f"{where}: {remedy}", "invalid", None, where, remedy)
 
 
 def warn(listed: Iterable[tuple[str, int]], stacklevel: int = 3) -> None:
-    """Warn of each kind once, with its count."""
+    """Issue one warning of each kind, with its count."""
     for what, count in listed:
         times = "" if count == 1 else f" ({count} times)"
         warnings.warn(what + times, TaotieWarning, stacklevel=stacklevel)

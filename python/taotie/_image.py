@@ -1,4 +1,4 @@
-"""Images that show themselves."""
+"""Images that notebooks can display."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from . import _taotie
 class Image(np.ndarray[Any, np.dtype[np.uint8]]):
     """An image: an array ``(height, width, 4)`` of uint8, sRGB with straight alpha.
 
-    Notebooks show it; `save` writes it as PNG. Everything else is that of NumPy.
+    Notebooks display it; `save` writes it as PNG. In every other respect it is a NumPy array.
     """
 
     def _repr_png_(self) -> bytes | None:
@@ -31,11 +31,11 @@ class Image(np.ndarray[Any, np.dtype[np.uint8]]):
         """
         data = self._repr_png_()
         if data is None:
-            raise ValueError(f"an image of shape {self.shape}, dtype {self.dtype}; wanted is (height, width, 4), uint8")
+            raise ValueError(f"an image of shape {self.shape}, dtype {self.dtype}; expected (height, width, 4), uint8")
         with open(path, "wb") as file:
             file.write(data)
 
 
 def image(codes: npt.NDArray[np.uint8]) -> Image:
-    """Return an array as an image, without a copy."""
+    """View an array as an image, without copying."""
     return codes.view(Image)

@@ -1,4 +1,4 @@
-"""What a model file holds and what is wrong with it."""
+"""The content of a model file, and its defects."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import Any, overload
 
+from . import _taotie
 from ._arrays import PathLike
-from ._model import Model
-from ._model import model as a_model
+from ._native import HasModel, native_model
 
 
 class _Report(Mapping[str, Any]):
-    """A report on a model, whose keys are attributes too."""
+    """A report on a model whose keys are also attributes."""
 
     def __init__(self, data: dict[str, Any]) -> None:
         self._data = data
@@ -43,11 +43,11 @@ class _Report(Mapping[str, Any]):
 
 
 class Inspection(_Report):
-    """The content of a model and its defects: a mapping as ``taotie inspect --json`` prints it, keys as attributes."""
+    """A model's content and defects: a mapping as printed by ``taotie inspect --json``; keys are attributes."""
 
 
 class Audit(_Report):
-    """The result of an audit: a mapping as ``taotie inspect --audit --json`` prints it, keys as attributes.
+    """The result of an audit: a mapping as printed by ``taotie inspect --audit --json``; keys are attributes.
 
     ``passed`` is true if no check failed. ``checks`` has a dict for each check: ``name``, ``status`` (``pass``, ``fail``
     or ``not-tested``), ``message``, and ``value``, ``minimum`` and ``maximum``, which may be ``None``.
@@ -58,32 +58,32 @@ class Audit(_Report):
         return f"<taotie.Audit {'failed: ' + ', '.join(failed) if failed else 'passed'}>"
 
 
-def inspection(model: Model) -> Inspection:
-    """Return the content of a model and its defects."""
-    return Inspection(json.loads(model._native.inspection()))
+def inspection(native: _taotie.Model) -> Inspection:
+    """Return the content of a native model and its defects."""
+    return Inspection(json.loads(native.inspection()))
 
 
 @overload
-def inspect(model: PathLike | Model) -> Inspection: ...
+def inspect(model: PathLike | HasModel) -> Inspection: ...
 
 
 @overload
-def inspect(model: PathLike | Model, *, audit: PathLike, product_info: PathLike | None = None) -> Audit: ...
+def inspect(model: PathLike | HasModel, *, audit: PathLike, product_info: PathLike | None = None) -> Audit: ...
 
 
 def inspect(
-    model: PathLike | Model, *, audit: PathLike | None = None, product_info: PathLike | None = None
+    model: PathLike | HasModel, *, audit: PathLike | None = None, product_info: PathLike | None = None
 ) -> Inspection | Audit:
-    """List the content of a model file and its defects, or check it against the schema of an auditor.
+    """List the content and the defects of a model file, or check it against an auditor's schema.
 
     Parameters
     ----------
     model : path or Model
         The model.
     audit : path, optional
-        A schema of the Khronos glTF Asset Auditor, JSON. With it the model is checked instead.
+        A JSON schema of the Khronos glTF Asset Auditor. The model is checked against it instead.
     product_info : path, optional
-        The dimensions of the product that the model shows, JSON as the auditor reads it. Needs ``audit``.
+        The dimensions of the product that the model shows, as JSON in the auditor's format. Needs ``audit``.
 
     Returns
     -------
@@ -92,10 +92,10 @@ def inspect(
     Raises
     ------
     Error
-        A file cannot be read; the schema has a key or a value that the auditor does not know.
+        If a file cannot be read, or the schema has a key or a value that the auditor does not know.
     """
     if audit is not None:
-        return Audit(json.loads(a_model(model)._native.audit(audit, product_info)))
+        return Audit(json.loads(native_model(model).audit(audit, product_info)))
     if product_info is not None:
         raise TypeError("product_info needs audit, the schema to check the model against")
-    return inspection(a_model(model))
+    return inspection(native_model(model))

@@ -1,4 +1,4 @@
-"""The processes of a collection whose jobs others start: one that plans and keeps the books, and one for each job."""
+"""The processes of a collection run by others: one that plans and keeps the books, and one for each job."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ def work(
     time_limit: float | None,
     command: Sequence[str] | None,
 ) -> dict[str, Any]:
-    """Do a job by a process of its own, or foresee its memory and address where it has no threads yet."""
-    told: dict[str, Any] = {"forecast": None, "address": None}
+    """Do a job in a separate process; without threads, only estimate its memory and find its address."""
+    report: dict[str, Any] = {"forecast": None, "address": None}
     start = time.monotonic()
     with tempfile.TemporaryFile("w+") as complaints, subprocess.Popen(
         [*_program(command), "batch-worker"],
@@ -42,15 +42,15 @@ def work(
         process.stdin.flush()
         for line in process.stdout:
             message = json.loads(line)
-            said = message.pop("tell")
-            if said == "ended":
-                told["outcome"] = message
-            elif said == "address":
-                told["address"] = message["address"]
-            elif said == "forecast":
-                told["forecast"] = message["bytes"]
+            kind = message.pop("message")
+            if kind == "ended":
+                report["outcome"] = message
+            elif kind == "address":
+                report["address"] = message["address"]
+            elif kind == "forecast":
+                report["forecast"] = message["bytes"]
                 if threads is None:
-                    # It ends with its stdin, and leaves nothing.
+                    # It exits when its stdin closes, and leaves nothing behind.
                     break
                 process.stdin.write(json.dumps({"threads": threads}) + "\n")
                 process.stdin.flush()
@@ -59,19 +59,19 @@ def work(
         code = process.wait()
         is_late = time_limit is not None and time.monotonic() - start >= time_limit
         timer.cancel()
-        told["seconds"] = time.monotonic() - start
-        foreseen = threads is None and told["forecast"] is not None
-        if "outcome" not in told and not foreseen:
-            told["error"] = _sentence(code, time_limit if is_late else None, complaints)
-    return told
+        report["seconds"] = time.monotonic() - start
+        estimated = threads is None and report["forecast"] is not None
+        if "outcome" not in report and not estimated:
+            report["error"] = _sentence(code, time_limit if is_late else None, complaints)
+    return report
 
 
 def _sentence(code: int, exceeded: float | None, complaints: Any) -> str:
     if exceeded is not None:
-        return f"it took longer than {exceeded:.0f} s and was ended; raise time_limit, or ask for less"
+        return f"took longer than {exceeded:.0f} s, stopped; raise time_limit, or ask for less"
     complaints.seek(0)
     words = complaints.read()[-2000:].strip().splitlines()
-    how = f"was ended by signal {-code}" if code < 0 else f"crashed with code {code}"
+    how = f"was killed by signal {-code}" if code < 0 else f"crashed with code {code}"
     return f"its process {how}" + (f": {words[-1]}" if words else "")
 
 
@@ -81,7 +81,7 @@ def _program(command: Sequence[str] | None) -> list[str]:
 
 
 class Book:
-    """The process that plans a collection, and keeps its manifest."""
+    """The process that plans a collection and keeps its manifest."""
 
     def __init__(self, arguments: Sequence[str], command: Sequence[str] | None) -> None:
         self._process = subprocess.Popen(
@@ -111,19 +111,19 @@ class Book:
         assert self._process.stdout is not None
         line = self._process.stdout.readline()
         if not line:
-            raise RuntimeError(f"the collection cannot be worked on: taotie ended with code {self._process.wait()}")
+            raise RuntimeError(f"could not run the collection: taotie exited with code {self._process.wait()}")
         return line
 
-    def add(self, told: dict[str, Any]) -> dict[str, Any]:
-        """Write down what became of a job; return what its record says in short."""
+    def add(self, report: dict[str, Any]) -> dict[str, Any]:
+        """Record the outcome of a job; return a summary of its record."""
         assert self._process.stdin is not None
-        self._process.stdin.write(json.dumps(told) + "\n")
+        self._process.stdin.write(json.dumps(report) + "\n")
         self._process.stdin.flush()
         record: dict[str, Any] = json.loads(self._line())
         return record
 
     def close(self) -> dict[str, Any]:
-        """Write the page; return what became of the collection."""
+        """Write the page; return the outcome of the collection."""
         assert self._process.stdin is not None
         self._process.stdin.close()
         summary: dict[str, Any] = json.loads(self._line())

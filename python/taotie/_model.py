@@ -1,27 +1,27 @@
-"""Models: what a file holds, or a mesh of arrays."""
+"""Models: from a file, or from the arrays of a mesh."""
 
 from __future__ import annotations
 
 import os
 import tempfile
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _taotie
-from ._arrays import Array, PathLike, mesh_of, rows, triangles
+from ._arrays import Array, PathLike
 from ._error import invalid, warn
+from ._image import Image
+from ._inspect import Inspection, inspection
+from ._native import native_model, native_of_arrays
 from ._options import Material, Unit, material as a_material
+from ._render import render
 from ._run import Progress, running
-
-if TYPE_CHECKING:
-    from ._image import Image
-    from ._inspect import Inspection
 
 
 class Model:
-    """A scene: meshes, materials, lights and cameras. Made by `load` or `Mesh`; it does not change."""
+    """A scene of meshes, materials, lights and cameras. Created by `load` or `Mesh`; immutable."""
 
     _native: _taotie.Model
     _path: str | None
@@ -31,7 +31,7 @@ class Model:
 
     @property
     def path(self) -> str | None:
-        """The file that it was read from; None in memory."""
+        """The file that it was read from; None if it is in memory."""
         return self._path
 
     @property
@@ -41,13 +41,13 @@ class Model:
 
     @property
     def bounds(self) -> npt.NDArray[np.float64]:
-        """The least and the greatest corner, ``(2, 3)``, world space; NaN without triangles."""
+        """The minimum and maximum corner, ``(2, 3)``, world space; NaN without triangles."""
         bounds = self._native.bounds()
         return np.full((2, 3), np.nan) if bounds is None else np.array(bounds)
 
     @property
     def warnings(self) -> tuple[tuple[str, int], ...]:
-        """What was wrong with the file, or is left out of it, and how often."""
+        """Problems of the file, and omissions, with their counts."""
         return tuple(self._native.warnings())
 
     def arrays(self) -> dict[str, Array]:
@@ -56,29 +56,27 @@ class Model:
         Returns
         -------
         dict
-            ``vertices`` (n, 3) float32, ``faces`` (m, 3) uint32, ``normals`` (n, 3), and where there are any ``uvs``
+            ``vertices`` (n, 3) float32, ``faces`` (m, 3) uint32, ``normals`` (n, 3), and if present ``uvs``
             (n, 2) with their origin top left, ``tangents`` (n, 4) and ``colors`` (n, 4), linear RGBA.
         """
         return self._native.arrays()
 
     def with_material(self, material: Material | PathLike) -> Model:
-        """Return the same model of another material; a name is that of a preset or a TOML file."""
+        """Return the same model with another material, a `Material`, the name of a preset, or a TOML file."""
         return Model(self._native.dressed(a_material(material)._options()))
 
     def inspect(self) -> Inspection:
-        """Return what the model holds and what is wrong with it."""
-        from ._inspect import inspection
-
-        return inspection(self)
+        """Return the content of the model and its defects."""
+        return inspection(self._native)
 
     def glb(self) -> bytes:
-        """Return the scene as a GLB. What glTF cannot say is warned of."""
+        """Return the scene as a GLB. Warns about everything that glTF cannot express."""
         data, left = self._native.glb()
         warn(left)
         return data
 
     def to_trimesh(self) -> Any:
-        """Return a ``trimesh.Trimesh`` in world space; its uvs have their origin bottom left."""
+        """Return a ``trimesh.Trimesh`` in world space; its UVs have their origin bottom left."""
         import trimesh
 
         arrays = self.arrays()
@@ -100,9 +98,10 @@ class Model:
         return mesh
 
     def _preview(self) -> Image:
-        from ._render import render
-
         return render(self, size=(480, 480), env="studio", background="transparent")
+
+    def _native_model(self) -> _taotie.Model:
+        return self._native
 
     def _repr_png_(self) -> bytes | None:
         return self._preview()._repr_png_()
@@ -116,7 +115,7 @@ class Model:
 
 
 class Mesh(Model):
-    """A model of one mesh, made of arrays. They are copied once, and rounded where they are float64.
+    """A model of one mesh, created from arrays. They are copied once; float64 is rounded to float32.
 
     Parameters
     ----------
@@ -131,12 +130,12 @@ class Mesh(Model):
     colors : array_like, optional
         Linear RGB or RGBA, ``(n, 3)`` or ``(n, 4)``.
     material : Material or str, optional
-        What it is made of; a name is that of a preset or a TOML file.
+        Its material: a `Material`, the name of a preset, or a TOML file.
 
     Raises
     ------
     Error
-        For another shape or dtype, an index out of range, and a number that is not finite.
+        If an array has another shape or dtype, an index is out of range, or a number is not finite.
     """
 
     def __init__(
@@ -149,21 +148,7 @@ class Mesh(Model):
         *,
         material: Material | PathLike | None = None,
     ) -> None:
-        arrays: dict[str, Any] = {
-            "vertices": rows("vertices", vertices, (3,)),
-            "faces": triangles("faces", faces),
-            "normals": None if normals is None else rows("normals", normals, (3,)),
-            "uvs": None if uvs is None else rows("uvs", uvs, (2,)),
-            "colors": None if colors is None else _rgba(rows("colors", colors, (3, 4))),
-        }
-        request = {"material": a_material(material)._options()}
-        super().__init__(_taotie.model_of_arrays(arrays, request))
-
-
-def _rgba(colors: Array) -> Array:
-    if colors.shape[1] == 4:
-        return colors
-    return np.ascontiguousarray(np.concatenate([colors, np.ones((len(colors), 1), colors.dtype)], axis=1))
+        super().__init__(native_of_arrays(vertices, faces, normals, uvs, colors, material=material))
 
 
 def _from_glb(data: bytes, path: str | None) -> Model:
@@ -176,11 +161,11 @@ def _from_glb(data: bytes, path: str | None) -> Model:
 
 
 def scan_options(crease_angle: float | None, green: str, unit: str | None) -> dict[str, Any]:
-    """Return how a scan is read, as native options."""
+    """Return the options for reading a scan, for the native module."""
     if unit not in (None, "mm", "cm", "m", "in"):
-        raise invalid(f"unit {unit!r}", "give mm, cm, m or in")
+        raise invalid(f"unit {unit!r}", "expected mm, cm, m or in")
     if green not in ("auto", "up", "down"):
-        raise invalid(f"scan_green {green!r}", "give auto, up or down")
+        raise invalid(f"scan_green {green!r}", "expected auto, up or down")
     return {"crease_angle_deg": crease_angle, "green": None if green == "auto" else green, "unit": unit}
 
 
@@ -202,21 +187,21 @@ def load(
     path : str or path
         The file.
     material : Material or str, optional
-        What its materials are made of; a name is that of a preset or a TOML file.
+        The material to apply: a `Material`, the name of a preset, or a TOML file.
     crease_angle : float, optional
-        For a scan without normals, or with one for each facet: the angle between facets from which an edge is hard,
+        For a scan without normals, or with one normal per facet: the angle between facets from which an edge is hard,
         degrees; 0 keeps all facets flat. By default only the hard edges of modelled shapes are kept.
     scan_green : {"auto", "up", "down"}
         Direction of green in the normal maps of a scan; auto trusts the file unless the pixels contradict it.
     unit : {"mm", "cm", "m", "in"}, optional
-        Unit of the coordinates of a scan, also of one in glTF that is not in metres. By default the metre for glTF, else
-        unknown.
+        Unit of the coordinates of a scan, including glTF that is not in metres. Defaults to the metre for glTF,
+        otherwise unknown.
     memory_limit : str, optional
-        The most memory to use, such as ``"4G"``; what the machine has free if not given.
+        The most memory to use, such as ``"4G"``; defaults to the machine's free memory.
     allow_outside : bool
-        Read the files that the model names outside its own folder too.
+        Also read files that the model references outside its own folder.
     progress : bool or callable, optional
-        True for a bar; a callable gets stage and fraction, and stops the work by returning False.
+        True for a progress bar; a callable receives stage and fraction, and stops the work by returning False.
 
     Returns
     -------
@@ -230,7 +215,7 @@ def load(
     Warns
     -----
     TaotieWarning
-        Of what was wrong with the file and could be mended, or is left out.
+        If something was wrong with the file and has been fixed, or was left out.
     """
     request = {
         "material": a_material(material)._options(),
@@ -246,20 +231,8 @@ def load(
 
 def model(thing: Any, material: Material | PathLike | None = None, bump_scale: float | None = None) -> Model:
     """Return a model from a path, a model, an asset, or a mesh of another package."""
-    from ._bake import Asset
-
-    seen: Any = thing.model if isinstance(thing, Asset) else thing
-    if isinstance(seen, (str, os.PathLike)):
-        seen = load(os.fspath(seen))
-    found = seen if isinstance(seen, Model) else _of_other(seen)
-    if material is None and bump_scale is None:
-        return found
-    return Model(found._native.dressed(a_material(material)._options(bump_scale)))
-
-
-def _of_other(mesh: Any) -> Mesh:
-    arrays = mesh_of(mesh)
-    if arrays is None:
-        wanted = "a path, a Model, a Mesh, an Asset, or a mesh with vertices and faces"
-        raise invalid("a model", f"an object of type {type(mesh).__name__}; wanted is {wanted}")
-    return Mesh(**arrays)
+    is_unchanged = material is None and bump_scale is None
+    if isinstance(thing, Model) and is_unchanged:
+        return thing
+    is_file = isinstance(thing, (str, os.PathLike)) and is_unchanged
+    return Model(native_model(thing, material, bump_scale), os.fspath(thing) if is_file else None)

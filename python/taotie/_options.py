@@ -1,4 +1,4 @@
-"""Options that several functions share: names and defaults are those of the command."""
+"""Options shared by several functions: names and defaults are those of the command."""
 
 from __future__ import annotations
 
@@ -40,16 +40,16 @@ Map: TypeAlias = Literal[
     "alpha",
     "occlusion",
 ]
-#: A colour as CSS writes it, a linear grey value, or linear RGB.
+#: A colour in CSS syntax, a linear grey value, or linear RGB.
 Color: TypeAlias = Union[str, float, Sequence[float]]
 
-#: The background of pictures where none is asked for.
+#: The default background of images.
 BACKGROUND = "#2a2b2e"
 
 
 @dataclass(frozen=True)
 class Orbit:
-    """Where a camera stands: about the object's middle.
+    """The position of a camera that orbits the object's centre.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class Orbit:
     elevation_deg : float
         Degrees above the horizon.
     distance : float, optional
-        From the target, model units, above 0; without it the object fills the picture.
+        Distance from the target, in model units, above 0; by default the object fills the image.
     """
 
     azimuth_deg: float
@@ -68,12 +68,12 @@ class Orbit:
 
 @dataclass(frozen=True)
 class Material:
-    """What materials are made of; each value that is given is that of every material of the model.
+    """Material properties; each given value applies to every material of the model.
 
     Parameters
     ----------
     material : str or path, optional
-        A preset, as ``taotie materials`` lists them, or a TOML file; the model keeps its maps.
+        A preset listed by ``taotie materials``, or a TOML file; the model keeps its maps.
     variant : str, optional
         Material variant of the file (KHR_materials_variants).
     base_color : color, optional
@@ -133,7 +133,7 @@ class Material:
 
 
 def material(value: Material | PathLike | None) -> Material:
-    """Return a material from what stands for one."""
+    """Return the material for a preset name, a file or None."""
     if value is None:
         return Material()
     return value if isinstance(value, Material) else Material(value)
@@ -144,30 +144,30 @@ def _path(path: PathLike | None) -> str | None:
 
 
 def _rgb(color: Color) -> list[float]:
-    """Return linear RGB, as float32 rounds it in the end."""
+    """Return linear RGB, rounded to float32."""
     from . import _taotie
 
     return list(_taotie.color(_color(color)))
 
 
 def _color(color: Color) -> str | list[float]:
-    """Return a colour as the native module reads it."""
+    """Return a colour in the form that the native module reads."""
     if isinstance(color, str):
         return color
     if isinstance(color, (int, float)):
         return repr(float(color))
     numbers = [float(channel) for channel in color]
     if len(numbers) != 3:
-        raise invalid("a colour", f"{len(numbers)} numbers; wanted are three, linear RGB, or text such as '#2a2b2e'")
+        raise invalid("a colour", f"{len(numbers)} numbers; expected three, linear RGB, or text such as '#2a2b2e'")
     return numbers
 
 
 def camera(
     camera: Orbit | str | None, target: Sequence[float] | None, fov_deg: float
 ) -> dict[str, Any]:
-    """Return the options of a camera."""
+    """Return a camera's options."""
     if not 0.0 < fov_deg < 180.0:
-        raise invalid(f"fov_deg {fov_deg}", "the angle must lie between 0 and 180 degrees")
+        raise invalid(f"fov_deg {fov_deg}", "use an angle between 0 and 180 degrees")
     options: dict[str, Any] = {"fov_y": math.radians(fov_deg)}
     if target is not None:
         options["target"] = [float(x) for x in target]
@@ -181,11 +181,11 @@ def camera(
 
 
 def environment(env: PathLike | None, rotate_deg: float, intensity: float, show: bool) -> dict[str, Any]:
-    """Return the options of light from all around."""
+    """Return the options of the environment."""
     name = None if env is None else os.fspath(env)
     source: Any = None if name in (None, "none") else "studio" if name == "studio" else {"file": name}
     if source is None and (show or rotate_deg != 0.0 or intensity != 1.0):
-        raise invalid("env", "there is no environment to show, turn or scale; name one, such as 'studio'")
+        raise invalid("env", "no environment to show, rotate or scale; specify one, e.g. 'studio'")
     return {
         "source": source,
         "rotation": math.radians(rotate_deg),
@@ -195,19 +195,19 @@ def environment(env: PathLike | None, rotate_deg: float, intensity: float, show:
 
 
 def lights(light: str | Sequence[str] | None) -> list[str]:
-    """Return the lines of lights."""
+    """Return light specifications as a list."""
     if light is None:
         return []
     return [light] if isinstance(light, str) else list(light)
 
 
 def ambient_light(color: Color | None) -> Any:
-    """Return radiance from all around."""
+    """Return the ambient radiance."""
     return None if color is None else _color(color)
 
 
 def film(exposure: float, tone: str, background: Color | None) -> dict[str, Any]:
-    """Return the options of the development."""
+    """Return the options for developing an image."""
     is_clear = isinstance(background, str) and background == "transparent"
     shown = BACKGROUND if background is None else background
     return {"exposure": float(exposure), "tone": tone, "background": None if is_clear else _color(shown)}

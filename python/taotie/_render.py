@@ -13,7 +13,7 @@ from . import _taotie
 from ._arrays import PathLike
 from ._error import invalid, warn
 from ._image import Image, image
-from ._model import model as a_model
+from ._native import native_model
 from ._options import Aov, Color, Material, Orbit, Shading, Surface, Tone
 from ._options import camera as a_camera
 from ._options import ambient_light, environment, film, lights
@@ -23,35 +23,35 @@ Floats: TypeAlias = npt.NDArray[np.float32]
 
 
 class Renderer:
-    """A model that is prepared once, for many images. Two threads may have one each.
+    """A model that is prepared once, for many images. Use a separate one per thread.
 
     Parameters
     ----------
     model : path, Model, Asset, or a mesh of another package
-        What is seen.
+        The model to render.
     surface : str, optional
-        Source of the shading normals: facet, smooth, bump, bump-printed, object-normal, tangent-normal; the best that
-        the material provides if not given.
+        Source of the shading normals: facet, smooth, bump, bump-printed, object-normal, tangent-normal; defaults to
+        the best that the material provides.
     bump_scale : float, optional
         Height of white for ``bump``, model units.
     tangents : {"face", "averaged", "mikktspace"}, optional
-        Those of the file, else mikktspace, if not given.
+        Defaults to those of the file, otherwise mikktspace.
     material : Material or str, optional
-        What its materials are made of.
+        The material to apply to the model.
     env : {"studio", "none"} or path, optional
-        Light from all around: the studio that is built in, an equirectangular .hdr or .exr, or none.
+        Environment light: the built-in studio, an equirectangular .hdr or .exr, or none.
     env_rotate_deg : float
-        Turns the environment counterclockwise as seen from above.
+        Rotates the environment counterclockwise as seen from above.
     env_intensity : float
-        Factor of its light.
+        Factor for its light.
     show_env : bool
         Show it behind the model.
     time : float, optional
-        The moment of an animation to show, seconds.
+        The time in the animation, in seconds.
     animation : str, optional
-        The animation by name, or by number from 0; the first if not given.
+        The animation by name, or by number from 0; defaults to the first.
     threads : int, optional
-        1 to 1024; all of the machine's if not given. Pixels do not depend on it.
+        1 to 1024; defaults to all of the machine's. Pixels do not depend on it.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class Renderer:
         animation: str | None = None,
         threads: int | None = None,
     ) -> None:
-        self._model, self._threads = a_model(model, material, bump_scale), threads
+        self._model, self._threads = native_model(model, material, bump_scale), threads
         self._surface = {"method": surface, "tangents": tangents, "bump_scale": bump_scale}
         setup = {
             "surface": self._surface,
@@ -79,7 +79,7 @@ class Renderer:
             "animation": animation,
         }
         with running(None, threads) as run:
-            self._native = _taotie.Renderer(self._model._native, setup, run)
+            self._native = _taotie.Renderer(self._model, setup, run)
         warn(self._native.warnings())
 
     @overload
@@ -173,20 +173,20 @@ class Renderer:
         seed: int = 0,
         progress: Progress = None,
     ) -> Union[Image, dict[str, Floats]]:
-        """Take an image; see `taotie.render` for what is not said here.
+        """Render an image; see `taotie.render` for the parameters not listed here.
 
         Parameters
         ----------
         turn_deg : float
-            The object has turned by so many degrees, as if it stood on a turntable; lights and environment stay.
+            The rotation of the object, as on a turntable, in degrees; lights and environment stay.
         all_around : bool
-            Frame the object so that it stays in the picture all around.
+            Frame the object so that it stays in the image from all directions.
         """
         if aov and not linear:
-            raise invalid("aov", "output variables come with light as it is: add linear=True")
+            raise invalid("aov", "output variables need linear light: add linear=True")
         unknown = [name for name in aov if name not in ("normals", "depth", "albedo", "uv", "triangle")]
         if unknown:
-            raise invalid(f"aov {unknown[0]}", "there is none of this name; choose from: normals, depth, albedo, uv, triangle")
+            raise invalid(f"aov {unknown[0]}", "unknown; expected one of: normals, depth, albedo, uv, triangle")
         width, height = (size, size) if isinstance(size, int) else size
         is_reference = integrator == "reference"
         settings = {
@@ -220,14 +220,14 @@ class Renderer:
         return {name: taken[name] for name in ("color", *aov)}
 
     def turntable(self, count: int, **options: Any) -> list[Image]:
-        """Take images all around the object.
+        """Render images all around the object.
 
         Parameters
         ----------
         count : int
             The number of images.
         **options
-            As those of `render`.
+            The parameters of `render`.
 
         Returns
         -------
@@ -239,7 +239,7 @@ class Renderer:
 
 
 class _Turn(float):
-    """Degrees that know the radians they were made of: those of the command, to the bit."""
+    """Degrees that remember the radians they were computed from: those of the command, to the bit."""
 
     radians: float
 
@@ -374,47 +374,47 @@ def render(
     Parameters
     ----------
     model : path, Model, Asset, or a mesh of another package
-        What is seen.
+        The model to render.
     linear : bool
-        Return light as it is, and not developed.
+        Return linear light instead of a developed image.
     aov : sequence of str
-        Output variables beside it: normals, depth, albedo, uv, triangle; at the first sample of each pixel.
+        Additional output variables: normals, depth, albedo, uv, triangle; at the first sample of each pixel.
     shading : str
         Reflectance model: lambert, phong, blinn-phong, blinn-phong-classic, cook-torrance, ggx, or as printed.
     surface, bump_scale, tangents, material, env, env_rotate_deg, env_intensity, show_env, time, animation, threads
         See `Renderer`.
     camera : Orbit or str, optional
-        Where it stands, or a camera of the file by name. Without one the object fills the picture.
+        The position of the camera, or the name of a camera in the file. By default the object fills the image.
     target : (x, y, z), optional
-        Point to look at; the object's middle if not given.
+        Point to look at; defaults to the object's centre.
     fov_deg : float
         Vertical field of view, degrees.
     light : str or sequence of str, optional
         ``point at=X,Y,Z``, ``spot at=X,Y,Z toward=X,Y,Z angle=DEG`` or ``directional from=AZIMUTH,ELEVATION``, each
-        with ``strength=``, ``color=``, ``falloff=none|inverse-square``. Without any: the file's lights, else key, fill
-        and rim.
+        with ``strength=``, ``color=``, ``falloff=none|inverse-square``. Defaults to the file's lights, otherwise key,
+        fill and rim.
     ambient : color, optional
-        Radiance from all around.
+        Ambient radiance from all directions.
     shadows : bool
         Lights cast shadows.
     ground : bool
-        Add an invisible ground that catches the object's soft shadow.
+        Add an invisible ground that receives the object's soft shadow.
     size : int or (width, height)
         Pixels.
     samples : {1, 4, 16}
-        Samples a pixel, each of which is shaded.
+        Samples per pixel, each of which is shaded.
     tone : str
         Tone curve: neutral, linear, reinhard, aces, agx.
     exposure : float
         Stops.
     background : color or "transparent", optional
-        ``#2a2b2e`` if not given.
+        ``#2a2b2e`` by default.
     energy, specular_aa, grazing_normals
-        Details of reflection, as on the command line.
+        Details of the reflection, as on the command line.
     integrator : {"raster", "reference"}
-        The reference follows ``spp`` paths of light a pixel, each over at most ``bounces`` reflections.
+        The reference traces ``spp`` light paths per pixel, each with at most ``bounces`` reflections.
     progress : bool or callable, optional
-        True for a bar; a callable gets stage and fraction, and stops the work by returning False.
+        True for a progress bar; a callable receives stage and fraction, and stops the work by returning False.
 
     Returns
     -------
@@ -423,7 +423,7 @@ def render(
     dict of float32 arrays
         With ``linear``: ``color`` ``(height, width, 4)``, radiance premultiplied by coverage, and the output variables:
         ``normals`` and ``albedo`` ``(height, width, 3)``, ``uv`` ``(height, width, 2)``, ``depth`` and ``triangle``
-        ``(height, width)``; NaN where nothing is seen. Depth is along the axis of sight, model units.
+        ``(height, width)``; NaN where nothing is visible. Depth is along the viewing axis, in model units.
 
     Raises
     ------

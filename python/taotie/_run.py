@@ -1,4 +1,4 @@
-"""How work is run: its progress and its threads."""
+"""How work runs: its progress and its threads."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Progress: TypeAlias = Union[bool, Callable[[str, float], object], None]
 
 
 class Running(TypedDict):
-    """What the native module is told."""
+    """The options for the native module."""
 
     progress: Callable[[str, float], object] | None
     threads: int | None
@@ -19,7 +19,7 @@ class Running(TypedDict):
 
 @contextlib.contextmanager
 def running(progress: Progress, threads: int | None) -> Iterator[Running]:
-    """Yield how work is run, with a bar where one is wanted."""
+    """Yield the options for running work, with a progress bar if requested."""
     if progress is True:
         bar = _bar()
         try:
@@ -31,7 +31,7 @@ def running(progress: Progress, threads: int | None) -> Iterator[Running]:
 
 
 class _Lines:
-    """A line on stderr for each stage, where tqdm is not installed."""
+    """Prints a line to stderr for each stage, if tqdm is not installed."""
 
     def __init__(self) -> None:
         self._stage = ""
@@ -48,7 +48,7 @@ class _Lines:
 
 
 class _Bar:
-    """A bar of tqdm for each stage."""
+    """Shows a tqdm bar for each stage."""
 
     def __init__(self, tqdm: Any) -> None:
         self._tqdm, self._stage, self._bar = tqdm, "", None

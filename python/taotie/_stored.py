@@ -1,8 +1,8 @@
-"""A collection on any file system that fsspec can list and write to: S3, Google Cloud, another machine.
+"""A collection on any file system that fsspec can list and write: S3, Google Cloud, another machine.
 
-The process that plans holds no asset. It has a folder of its own with the names, lengths and times of all files: files of
-zeros that take no room on the disk, but for the few that it reads. Each job fetches what its scan names, and brings what
-it made.
+The planning process holds no asset. It has a separate folder with the names, sizes and times of all files: sparse
+files that take no disk space, except for the few that it reads. Each job fetches the files that its scan references,
+and uploads its results.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ from ._jobs import work
 
 __all__ = ["Keeper", "Stored", "is_url"]
 
-#: Files that name others in their text, and the bytes of it in which they do.
+#: Formats that reference other files, and how many of their bytes can contain references.
 _NAMING = {".gltf": -1, ".mtl": -1, ".glb": 1 << 24, ".ply": 1 << 16}
 _MODELS = {".gltf", ".glb", ".obj", ".ply", ".stl"}
-#: What the planning process reads.
+#: The files that the planning process reads.
 _BOOKS = {".toml", ".csv", ".jsonl"}
-#: Seconds between two copies of the manifest.
+#: Seconds between uploads of the manifest.
 _EVERY = 60.0
 
 
 def is_url(collection: object) -> bool:
-    """Whether a collection is named by the URL of a file system rather than by a path."""
+    """Return true if a collection is given as the URL of a file system rather than as a path."""
     return "://" in str(collection)
 
 
@@ -46,12 +46,12 @@ class Stored:
     url : str
         The collection's file.
     options : dict
-        What fsspec's file system takes: keys, endpoints.
+        Options of fsspec's file system: keys, endpoints.
     """
 
     url: str
     options: dict[str, Any] = field(default_factory=dict)
-    #: Length and time of each file, seconds since 1970, by its path below the folder.
+    #: Size and time of each file, seconds since 1970, by its path relative to the folder.
     files: dict[str, tuple[int, float]] = field(default_factory=dict)
 
     def _system(self) -> tuple[Any, str]:
@@ -62,12 +62,12 @@ class Stored:
         return system, posixpath.dirname(path)
 
     def look(self) -> None:
-        """Ask the file system for all files of the folder.
+        """List all files of the folder.
 
         Raises
         ------
         FileNotFoundError
-            Where the collection's file is not there.
+            If the collection's file does not exist.
         """
         system, root = self._system()
         system.invalidate_cache()
@@ -75,7 +75,7 @@ class Stored:
         for path, about in system.find(root, detail=True).items():
             self.files[posixpath.relpath(path, root)] = (int(about["size"] or 0), _seconds(about))
         if self.name not in self.files:
-            raise FileNotFoundError(f"{self.url}: there is no such file")
+            raise FileNotFoundError(f"{self.url}: no such file")
 
     @property
     def name(self) -> str:
@@ -83,7 +83,7 @@ class Stored:
         return posixpath.basename(self.url)
 
     def outline(self, folder: Path) -> Path:
-        """Make a folder with all names, lengths and times; return the collection's file in it."""
+        """Create a folder with all names, sizes and times; return the collection's file in it."""
         for path, (size, seconds) in self.files.items():
             place = _within(folder, path)
             place.parent.mkdir(parents=True, exist_ok=True)
@@ -96,9 +96,9 @@ class Stored:
         return folder / self.name
 
     def work(self, planned: dict[str, Any], *how: Any) -> dict[str, Any]:
-        """Do a job in a folder that is removed again: fetch what it reads, bring what it made. See `_jobs.work`.
+        """Do a job in a temporary folder: fetch its inputs, upload its results. See `_jobs.work`.
 
-        Where the job's ``address`` is known, the asset is fetched that lies there: only what is not made of it yet is made.
+        If the job's ``address`` is known, the asset stored there is fetched: only the missing parts are made.
         """
         with tempfile.TemporaryDirectory(prefix="taotie-") as name:
             folder = Path(name)
@@ -109,23 +109,23 @@ class Stored:
             if made := planned.get("address"):
                 asset = _object(job, made)
                 self._fetch([path for path in self.files if path.startswith(f"{asset}/")], folder)
-            told = work({**planned, "folder": name}, *how)
-            outcome = told.get("outcome")
+            report = work({**planned, "folder": name}, *how)
+            outcome = report.get("outcome")
             for part in outcome["parts"] if outcome else []:
                 if not part["reused"]:
                     self._bring(folder, _object(job, part["address"]))
-            told["seconds"] = time.monotonic() - start
-            return told
+            report["seconds"] = time.monotonic() - start
+            return report
 
     def keep(self, folder: Path, paths: Iterable[str]) -> None:
-        """Write files of a folder to the file system."""
+        """Upload files of a folder to the file system."""
         system, root = self._system()
         for path in paths:
             system.makedirs(posixpath.dirname(f"{root}/{path}"), exist_ok=True)
             system.put_file(str(folder / path), f"{root}/{path}")
 
     def url_of(self, path: str) -> str:
-        """The URL of a path below the folder."""
+        """The URL of a path relative to the folder."""
         return posixpath.join(posixpath.dirname(self.url), PurePosixPath(path).as_posix())
 
     def _fetch(self, paths: Iterable[str], folder: Path) -> None:
@@ -141,7 +141,7 @@ class Stored:
                 os.utime(place, (seconds, seconds))
 
     def _bring(self, folder: Path, path: str) -> None:
-        """Write an object. What says that it is complete comes last."""
+        """Upload an object. The file that marks it as complete comes last."""
         system, root = self._system()
         names = sorted((file.name for file in (folder / path).iterdir()), key=lambda name: name == "object.json")
         system.makedirs(f"{root}/{path}", exist_ok=True)
@@ -149,7 +149,7 @@ class Stored:
             system.put_file(str(folder / path / name), f"{root}/{path}/{name}")
 
     def _named_by(self, scan: str, folder: Path) -> list[str]:
-        """The files below a scan's folder whose names are in its text, or in that of one of them. No scan reaches others."""
+        """The files in a scan's folder named in its text, or in the text of one of them; scans reach no others."""
         above = posixpath.dirname(scan)
         start = above + "/" if above else ""
         others = {
@@ -169,7 +169,7 @@ class Stored:
         return list(found)
 
     def _text(self, path: str, folder: Path) -> bytes:
-        """The part of a file's text in which it names others."""
+        """The part of a file's text that can reference other files."""
         self._fetch([path], folder)
         suffix = PurePosixPath(path).suffix.lower()
         with open(_within(folder, path), "rb") as file:
@@ -187,7 +187,7 @@ class Stored:
 
 
 class Keeper:
-    """Copies the books from the folder that plans: the manifest now and then, and all that has changed at the end."""
+    """Uploads the books from the planning folder: the manifest periodically, and all changes at the end."""
 
     def __init__(self, stored: Stored, folder: Path) -> None:
         self._stored, self._folder = stored, folder
@@ -195,12 +195,12 @@ class Keeper:
         self._last = time.monotonic()
 
     def recorded(self) -> None:
-        """Copy the manifest where it is time to."""
+        """Upload the manifest if it is due."""
         if time.monotonic() - self._last >= _EVERY:
             self._copy("manifest*.jsonl")
 
     def end(self) -> None:
-        """Copy all books."""
+        """Upload all books."""
         self._copy("*")
 
     def _copy(self, names: str) -> None:
@@ -211,7 +211,7 @@ class Keeper:
         self._known.update({path: books[path] for path in changed})
 
     def _books(self) -> dict[str, tuple[int, int]]:
-        """Length and time of what lies here and is neither a scan nor an object, but for links."""
+        """Size and time of each file here that is neither a scan nor an object, excluding links."""
         found = {}
         for path in self._folder.rglob("*"):
             if path.is_file() and not path.is_symlink() and "objects" not in path.parts:
@@ -221,23 +221,23 @@ class Keeper:
 
 
 def _object(job: dict[str, Any], address: str) -> str:
-    """The folder of an object, below the collection's."""
+    """The folder of an object, relative to the collection's."""
     return f"{PurePosixPath(job['output']).as_posix()}/objects/{address[:2]}/{address}"
 
 
 def _seconds(about: dict[str, Any]) -> float:
-    """The time of a file's change as its file system tells it; 0 where it does not."""
-    told = next((about[key] for key in ("LastModified", "mtime", "updated", "last_modified") if about.get(key)), 0.0)
-    if isinstance(told, str):
-        told = datetime.fromisoformat(told.replace("Z", "+00:00"))
-    if isinstance(told, datetime):
-        return (told if told.tzinfo else told.replace(tzinfo=timezone.utc)).timestamp()
-    return float(told)
+    """The modification time of a file as its file system reports it; 0 if it does not."""
+    when = next((about[key] for key in ("LastModified", "mtime", "updated", "last_modified") if about.get(key)), 0.0)
+    if isinstance(when, str):
+        when = datetime.fromisoformat(when.replace("Z", "+00:00"))
+    if isinstance(when, datetime):
+        return (when if when.tzinfo else when.replace(tzinfo=timezone.utc)).timestamp()
+    return float(when)
 
 
 def _within(folder: Path, path: str) -> Path:
-    """A path below the folder, whatever names the file system has."""
+    """A path inside the folder, whatever names the file system has."""
     place = folder.joinpath(*PurePosixPath(path).parts)
     if ".." in place.parts or not place.is_relative_to(folder):
-        raise ValueError(f"{path}: it leads out of the collection's folder")
+        raise ValueError(f"{path}: leads out of the collection's folder")
     return place

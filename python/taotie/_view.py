@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Viewer:
-    """A page that shows a model in a browser. Made by `view`; notebooks show it, and it fetches nothing."""
+    """A page that shows a model in a browser. Created by `view`; notebooks display it, and it fetches nothing."""
 
     def __init__(self, native: _taotie.Viewer) -> None:
         self._native = native
@@ -30,7 +30,7 @@ class Viewer:
         return self._native.html()
 
     def files(self) -> dict[str, bytes]:
-        """Return the page and the files beside it by their names, as ``taotie view --folder`` writes them."""
+        """Return the page and its accompanying files by name, as ``taotie view --folder`` writes them."""
         return self._native.files()
 
     def save(self, path: PathLike) -> None:
@@ -43,17 +43,17 @@ class Viewer:
         """
         name = os.fspath(path)
         if not name.lower().endswith(".html"):
-            raise invalid(name, "the page is written as .html")
+            raise invalid(name, "use a name ending in .html")
         with open(name, "w", encoding="utf-8", newline="") as file:
             file.write(self.html())
 
     def widget(self, height: int = 480) -> Widget:
-        """Return a widget for notebooks, whose camera, light and mode Python reads and sets. It needs anywidget.
+        """Return a notebook widget whose camera, light and mode can be read and set from Python. Needs anywidget.
 
         Parameters
         ----------
         height : int
-            Of the picture, pixels.
+            Height of the image, in pixels.
         """
         from ._widget import Widget
 
@@ -101,24 +101,25 @@ def view(
     Parameters
     ----------
     model : path, Model, Asset, or a mesh of another package
-        What is seen.
+        The model to show.
     scan : path, Model, or a mesh of another package, optional
-        What the model stands for: the page shows the measured error on the model, but no part of the scan.
+        The scan that the model was baked from: the page shows the measured error on the model, but no part of the
+        scan.
     publish_scan : bool
-        Put the scan itself into the page, to be shown next to the model under a wipe.
+        Include the scan itself in the page, to be shown next to the model behind a wipe.
     title : str, optional
-        The heading; the file's name if not given.
+        The heading; defaults to the file's name.
     shading, camera, target, fov_deg, light, ambient, samples, tone, exposure, background, energy, specular_aa
-        How it is seen first; see `render`.
+        The initial appearance; see `render`.
     grazing_normals, surface, bump_scale, tangents, material, env, env_rotate_deg, env_intensity, threads
         See `render`.
     progress : bool or callable, optional
-        True for a bar; a callable gets stage and fraction, and stops the work by returning False.
+        True for a progress bar; a callable receives stage and fraction, and stops the work by returning False.
 
     Returns
     -------
     Viewer
-        In a notebook it shows itself, and `Viewer.widget` what Python can move.
+        Notebooks display it; `Viewer.widget` gives a version that Python can control.
 
     Raises
     ------

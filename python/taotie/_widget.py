@@ -1,4 +1,4 @@
-"""The widget of notebooks."""
+"""The notebook widget."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from . import _taotie
 
 @cache
 def _module() -> str:
-    """Return the module of the front end: the element, and what binds it to the traits."""
+    """Return the front-end module: the element, and its binding to the traits."""
     return _taotie.viewer_script() + Path(__file__).with_name("widget.js").read_text(encoding="utf-8")
 
 
 class Widget(anywidget.AnyWidget):
-    """A model in a notebook, whose camera and light are moved by hand and from Python. Made by `Viewer.widget`.
+    """A model in a notebook, whose camera and light can be moved by hand and from Python. Created by `Viewer.widget`.
 
-    A trait that Python has not set has the default that is said here until the model is shown, and from then on what is
-    shown.
+    A trait that Python has not set has the default listed here until the model is shown; from then on it has the
+    current value.
 
     Attributes
     ----------
     camera : tuple of float
-        Azimuth and elevation, degrees, and distance, model units; empty at first.
+        Azimuth and elevation, degrees, and distance, model units; initially empty.
     target : tuple of float
-        The point that is looked at, model units; empty at first.
+        The point that the camera looks at, model units; initially empty.
     light : tuple of float or None
-        Azimuth and elevation of the raking light, degrees; None for the lights that `view` was given.
+        Azimuth and elevation of the raking light, degrees; None for the lights given to `view`.
     shadows : bool
         Whether the raking light casts shadows.
     mode : str
@@ -42,9 +42,9 @@ class Widget(anywidget.AnyWidget):
     surface : str
         The surface method, or ``best``.
     beside : str
-        What stands right of the wipe: ``none``, ``smooth``, ``scan``.
+        The content right of the wipe: ``none``, ``smooth``, ``scan``.
     split : float
-        Where the wipe is: a part of the width, [0, 1].
+        The position of the wipe as a fraction of the width, [0, 1].
     """
 
     _files = traitlets.Dict().tag(sync=True)

@@ -1,4 +1,4 @@
-"""Normal maps from heights and from one another."""
+"""Normal maps from heights or from other normal maps."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["Converted", "convert", "from_height"]
 
 @dataclass(frozen=True, eq=False)
 class Converted:
-    """A normal map, and what storing it cost.
+    """A normal map, with the error due to storing it.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ def from_height(
     scale: float,
     border: Literal["repeat", "mirror", "clamp"] = "repeat",
 ) -> npt.NDArray[np.float32]:
-    """Return the tangent-space normals of a height map, exact but for float32.
+    """Return the tangent-space normals of a height map, exact to float32 rounding.
 
     ``n = (-s dh/dx, -s dh/dy, 1)``, normalised, y up the image; differences over one and two texels on either side
     (Fornberg 1988, table 1).
@@ -46,20 +46,20 @@ def from_height(
     Parameters
     ----------
     heights : array_like
-        ``(H, W)``: floats as they are, integers as [0, 1].
+        ``(H, W)``: floats as they are, integers scaled to [0, 1].
     scale : float
-        Height of 1 in texels: a slope of one texel a texel is 45 degrees.
+        Height of 1 in texels: a slope of one texel per texel is 45 degrees.
     border : {"repeat", "mirror", "clamp"}
         Heights beyond the border.
 
     Returns
     -------
     ndarray
-        ``(H, W, 3)`` float32, unit, green up. `convert` makes a map of 8 or 16 bits instead.
+        ``(H, W, 3)`` float32, unit, green up. Use `convert` for a map of 8 or 16 bits.
     """
     array = np.asarray(heights)
     if array.ndim != 2 or array.dtype.kind not in "fu" or array.size == 0:
-        raise invalid("heights", f"an array of shape {array.shape}, dtype {array.dtype}; wanted is (H, W), floats, uint8 or uint16")
+        raise invalid("heights", f"an array of shape {array.shape}, dtype {array.dtype}; expected (H, W), floats, uint8 or uint16")
     if array.dtype.kind == "u":
         array = array.astype(np.float32) / np.float32(np.iinfo(array.dtype).max)
     values = np.ascontiguousarray(array, dtype=np.float32).reshape(-1)
@@ -82,24 +82,24 @@ def convert(
     border: Literal["repeat", "mirror", "clamp"] = "repeat",
     progress: Progress = None,
 ) -> Converted:
-    """Make a normal map from heights, or turn its green and its bits, as ``taotie normals`` does without a mesh.
+    """Make a normal map from heights, or convert its green and bit depth, as ``taotie normals`` does without a mesh.
 
     Parameters
     ----------
     map : path or array_like
-        ``(H, W)`` or ``(H, W, channels)`` of uint8, uint16 or float32, an image of PIL, or a file.
+        ``(H, W)`` or ``(H, W, channels)`` of uint8, uint16 or float32, a PIL image, or a file.
     source : {"auto", "height", "tangent", "object"}
-        What it holds; guessed by its pixels if not given.
+        The content of the map; auto guesses from the pixels.
     green_in : {"up", "down"}, optional
-        Direction of green in the input: up (OpenGL, glTF) or down (DirectX); guessed by its pixels if not given.
+        Direction of green in the input: up (OpenGL, glTF) or down (DirectX); by default guessed from the pixels.
     green : {"up", "down"}
         Direction of green in the output.
     bits : {8, 16}, optional
-        Those of the input where its space stays, else 16, if not given.
+        Defaults to those of the input if its space stays the same, otherwise 16.
     dither : bool
         Dither before rounding.
     height_scale : float, optional
-        Height of white in texels; heights need it.
+        Height of white in texels; required for heights.
     border : {"repeat", "mirror", "clamp"}
         Heights beyond the border of the map.
 

@@ -4,9 +4,9 @@
 >>> taotie.ray.run("collection.toml", address="auto")["states"]
 {'done': 812, 'required-not-met': 3, 'refused': 0, 'failed': 5}
 
-The collection's folder lies on a file system that all machines share, or on one that fsspec knows, such as S3; the package is
-installed on all of them. What is done, the manifest and every file are those of ``taotie batch``, to the bit; either goes on
-where the other was cut off.
+The collection's folder is on a file system shared by all machines, or on one that fsspec supports, such as S3; the
+package is installed on all of them. Results, manifest and every file are those of ``taotie batch``, to the bit; each
+can continue where the other was interrupted.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from ._stored import Keeper, Stored, is_url
 
 __all__ = ["run"]
 
-#: Tasks that wait beside those that run, for each processor of the cluster.
+#: Tasks queued in addition to the running ones, for each processor of the cluster.
 _AHEAD = 4
 
 
@@ -42,42 +42,42 @@ def run(
     """Bake a collection on a Ray cluster.
 
     This process holds no asset: it hands out jobs and writes the manifest. Each job is two tasks: one reads the scan and
-    foresees its memory, the other bakes it, with ``memory=`` of that forecast and ``num_cpus=`` of its threads. A task whose
-    machine is lost is done again elsewhere; what is wrong with an asset is a record of the manifest.
+    estimates its memory, the other bakes it, with ``memory=`` of that estimate and ``num_cpus=`` of its threads. If a
+    machine is lost, its tasks are repeated elsewhere; a problem with an asset is recorded in the manifest.
 
     Parameters
     ----------
     collection
         The collection's file, ``collection.toml``: a path, or a URL of fsspec such as ``s3://bucket/bronzes/collection.toml``.
-        Of a URL, all that the collection reads and writes lies below that folder. Each task fetches what its scan names and
-        brings what it made; the manifest is copied there once a minute and at the end.
+        For a URL, everything that the collection reads and writes is in that folder. Each task fetches the files that
+        its scan references and uploads its results; the manifest is copied there once a minute and at the end.
     address
-        The cluster, as ``ray.init`` takes it; a cluster of this machine if not given. Where Ray is initialised already, that
+        The cluster, as for ``ray.init``; defaults to a cluster of this machine. If Ray is already initialised, that
         cluster is used.
     storage_options
-        What fsspec's file system takes, such as keys and endpoints; only with a URL.
+        Options of fsspec's file system, such as keys and endpoints; only with a URL.
     threads
-        Threads of a bake.
+        Threads per bake.
     retry_failed
-        Whether what failed or was refused is attempted again.
+        True to retry assets that failed or were refused.
     time_limit
-        The longest time of a task, seconds.
+        The longest time of a task, in seconds.
     progress
-        Called with ``id``, ``state`` and ``error`` of each asset that has ended.
+        Called with ``id``, ``state`` and ``error`` of each finished asset.
     command
-        The program ``taotie`` on all machines; the package's own if not given.
+        The program ``taotie`` on all machines; defaults to the package's own.
 
     Returns
     -------
     dict
-        ``states``, the last state of each asset, counted; ``attempts``, ``known``, ``files`` and ``warnings``.
+        ``states``, the number of assets in each final state; ``attempts``, ``known``, ``files`` and ``warnings``.
 
     Raises
     ------
     RuntimeError
-        Where the collection's file is wrong, or another process works on it; it has said why on stderr.
+        If the collection's file is invalid, or another process is working on it; the reason is printed to stderr.
     FileNotFoundError
-        Where a URL names no file.
+        If a URL names no file.
     """
     if not ray.is_initialized():
         ray.init(address=address)
@@ -104,28 +104,28 @@ def run(
 
 
 def _ignore(_: dict[str, Any]) -> None:
-    """Hear of an asset and say nothing."""
+    """Ignore a finished asset."""
 
 
 def _bake(arguments: list[str], tasks: _Tasks, recorded: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
     """Do all jobs of a collection."""
 
-    def keep(told: dict[str, Any] | None) -> None:
-        if told is not None:
-            recorded(book.add(told))
+    def keep(report: dict[str, Any] | None) -> None:
+        if report is not None:
+            recorded(book.add(report))
 
     with Book(arguments, tasks.command) as book:
         for planned in book.planned:
             while tasks.are_enough():
                 keep(tasks.wait())
-            tasks.foresee(planned)
+            tasks.estimate(planned)
         while tasks.running:
             keep(tasks.wait())
         return book.close()
 
 
 class _Tasks:
-    """The tasks that are at work: what each is, by its reference."""
+    """The running tasks, by reference."""
 
     def __init__(
         self, stored: Stored | None, threads: int, time_limit: float | None, command: Sequence[str] | None
@@ -135,16 +135,16 @@ class _Tasks:
         self._threads = threads
         self._how = (time_limit, command)
         self._stored = ray.put(stored)
-        # Ray counts a machine that is lost among those that tasks are retried for, an error of the task not.
+        # Ray counts a lost machine among the failures that tasks are retried for, but not an error of the task.
         self._task = ray.remote(max_retries=5, retry_exceptions=False)(_task)
         self._most = _AHEAD * max(1, int(ray.cluster_resources().get("CPU", 1)))
 
     def are_enough(self) -> bool:
         return len(self.running) >= self._most
 
-    def foresee(self, planned: dict[str, Any]) -> None:
-        """Read a scan for its forecast."""
-        task = self._task.options(num_cpus=1, memory=planned["reading"], name=f"foresee {planned['job']['id']}")
+    def estimate(self, planned: dict[str, Any]) -> None:
+        """Read a scan to estimate its memory."""
+        task = self._task.options(num_cpus=1, memory=planned["reading"], name=f"estimate {planned['job']['id']}")
         self.running[task.remote(self._stored, planned, None, *self._how)] = (planned, None)
 
     def _bake(self, planned: dict[str, Any], forecast: int, spent: float) -> None:
@@ -152,24 +152,24 @@ class _Tasks:
         self.running[task.remote(self._stored, planned, self._threads, *self._how)] = (planned, spent)
 
     def wait(self) -> dict[str, Any] | None:
-        """Wait until a task ends; return what became of a job, where one has come to its end."""
+        """Wait until a task ends; return the report of its job if the job has ended too."""
         (ended,), _ = ray.wait(list(self.running), num_returns=1)
         planned, spent = self.running.pop(ended)
-        told: dict[str, Any] = {"id": planned["job"]["id"], "outcome": None, "error": None, "seconds": 0.0, "forecast": None}
+        done: dict[str, Any] = {"id": planned["job"]["id"], "outcome": None, "error": None, "seconds": 0.0, "forecast": None}
         try:
-            told.update(ray.get(ended))
+            done.update(ray.get(ended))
         except ray.exceptions.RayError as error:
-            told["error"] = "its task was lost: " + " ".join(str(error).split())[:300]
-            return told
-        if told["outcome"] is None and told["error"] is None and spent is None:
+            done["error"] = "lost its task: " + " ".join(str(error).split())[:300]
+            return done
+        if done["outcome"] is None and done["error"] is None and spent is None:
             largest = max((node["Resources"].get("memory", 0.0) for node in ray.nodes() if node["Alive"]), default=0.0)
-            if told["forecast"] <= largest:
-                self._bake({**planned, "address": told["address"]}, told["forecast"], told["seconds"])
+            if done["forecast"] <= largest:
+                self._bake({**planned, "address": done["address"]}, done["forecast"], done["seconds"])
                 return None
-            need, most = (f"{size / 2**20:.0f} MiB" for size in (told["forecast"], largest))
-            told["outcome"] = _refused(f"it needs about {need} of memory, the largest machine of the cluster has {most}")
-        told["seconds"] += spent or 0.0
-        return told
+            need, most = (f"{size / 2**20:.0f} MiB" for size in (done["forecast"], largest))
+            done["outcome"] = _refused(f"needs about {need} of memory; the largest machine of the cluster has {most}")
+        done["seconds"] += spent or 0.0
+        return done
 
 
 def _refused(why: str) -> dict[str, Any]:
@@ -178,5 +178,5 @@ def _refused(why: str) -> dict[str, Any]:
 
 
 def _task(stored: Stored | None, planned: dict[str, Any], *how: Any) -> dict[str, Any]:
-    """Do a job, or foresee its memory, where its files are or where they are fetched to."""
+    """Do a job, or estimate its memory, locally or after fetching its files."""
     return work(planned, *how) if stored is None else stored.work(planned, *how)

@@ -1,8 +1,8 @@
-"""The formulas of reflectance, over arrays, with their derivatives.
+"""The reflectance formulas, over arrays, with their derivatives.
 
-Each broadcasts its arguments, computes in float32 where all of them are float32 (or plain numbers beside such), else in
-float64, and is the function that the renderer computes with. Directions are unit vectors, their last axis of 3; colours
-are linear RGB, their last axis of 3. `gradient` gives any of them with its derivatives.
+Each broadcasts its arguments, computes in float32 if all of them are float32 (or plain numbers next to such arrays),
+otherwise in float64, and is the same function that the renderer uses. Directions are unit vectors, with a last axis
+of 3; colours are linear RGB, with a last axis of 3. `gradient` evaluates any of them with its derivatives.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ._error import invalid
 Numbers: TypeAlias = npt.NDArray[Any]
 Like: TypeAlias = npt.ArrayLike
 
-#: The arguments of each formula with their numbers: 1, or 3 for directions and colours.
+#: The arguments of each formula with their sizes: 1, or 3 for directions and colours.
 _ARGUMENTS: dict[str, dict[str, int]] = {
     "alpha_from_roughness": {"roughness": 1},
     "alpha_from_shininess": {"shininess": 1},
@@ -48,40 +48,40 @@ _ARGUMENTS: dict[str, dict[str, int]] = {
     "spot_cone": {"cos_angle": 1, "cos_inner": 1, "cos_outer": 1},
 }
 
-#: The arguments of `reflect` that are always there, in their order.
+#: The fixed arguments of `reflect`, in order.
 _REFLECT = {"n": 3, "v": 3, "l": 3, "base_color": 3, "metallic": 1, "roughness": 1, "ior": 1}
 
-#: Those that are there where they are given.
+#: The optional arguments of `reflect`.
 _REFLECT_EXTRA = {"f0": 3, "f82": 3, "slope": 1, "shininess": 1}
 
-#: Formulas that give a colour.
+#: Formulas with a colour as result.
 _COLORS = ("f_schlick", "f_schlick_f90", "f82_drop", "f_f82")
 
-#: The names of all formulas but `reflect`.
+#: The names of all formulas except `reflect`.
 NAMES: tuple[str, ...] = tuple(_ARGUMENTS)
 
 
 def gradient(
     formula: str, wrt: str | Sequence[str], **arguments: Any
 ) -> tuple[Numbers, dict[str, Numbers]]:
-    """Compute a formula and its derivatives, by running it on dual numbers: exact but for rounding.
+    """Evaluate a formula and its derivatives, by running it on dual numbers: exact up to rounding.
 
     Parameters
     ----------
     formula : str
         The name of a function of this module, such as ``"d_ggx"``, or ``"reflect"`` with ``model=``.
     wrt : str or sequence of str
-        The arguments by which it is differentiated.
+        The arguments to differentiate by.
     **arguments
-        As those of the function.
+        The arguments of the function.
 
     Returns
     -------
     value : ndarray
-        As the function gives it.
+        The value of the function.
     derivatives : dict of ndarray
-        By each argument of ``wrt``: the shape of the value, and one more axis of 3 where the argument is a vector.
-        Where a formula has a kink they are those of the branch taken.
+        By each argument of ``wrt``: with the shape of the value, plus an axis of 3 if the argument is a vector.
+        At a kink of a formula they are those of the branch taken.
     """
     names = (wrt,) if isinstance(wrt, str) else tuple(wrt)
     if formula == "reflect":
@@ -89,12 +89,12 @@ def gradient(
         native, is_color = _reflect_name(model, sizes), True
     else:
         if formula not in _ARGUMENTS:
-            raise invalid(f"formula {formula!r}", f"there is none; choose from: {', '.join(('reflect', *NAMES))}")
+            raise invalid(f"formula {formula!r}", f"unknown; expected one of: {', '.join(('reflect', *NAMES))}")
         sizes, given = _ARGUMENTS[formula], _with_sine(formula, arguments)
         native, is_color = formula, formula in _COLORS
     for name in names:
         if name not in sizes:
-            raise invalid(f"wrt {name!r}", f"the formula has no such argument; choose from: {', '.join(sizes)}")
+            raise invalid(f"wrt {name!r}", f"not an argument of the formula; expected one of: {', '.join(sizes)}")
     starts = dict(zip(sizes, np.cumsum([0, *sizes.values()]).tolist()))
     by = [starts[name] + i for name in names for i in range(sizes[name])]
     values, partials, shape = _computed(native, (sizes, given), by)
@@ -110,7 +110,7 @@ def gradient(
 
 
 def _with_sine(formula: str, arguments: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments with sin² where the formula reads it and it is not given."""
+    """Return the arguments, adding sin² if the formula needs it and it is missing."""
     given = dict(arguments)
     if "sin2_h" in _ARGUMENTS[formula] and given.get("sin2_h") is None and "n_dot_h" in given:
         cosine = np.asarray(given["n_dot_h"])
@@ -131,7 +131,7 @@ def _shaped(values: Numbers, shape: tuple[int, ...], is_color: bool) -> Numbers:
 def _computed(
     native: str, table: tuple[Mapping[str, int], Mapping[str, Any]], by: list[int]
 ) -> tuple[Numbers, Numbers, tuple[int, ...]]:
-    """Compute a formula for each row; return values, derivatives and the shape that the arguments broadcast to."""
+    """Evaluate a formula for each row; return values, derivatives and the shape that the arguments broadcast to."""
     sizes, given = table
     missing = [name for name in sizes if given.get(name) is None]
     unknown = [name for name in given if name not in sizes]
@@ -141,16 +141,16 @@ def _computed(
     for name, size in sizes.items():
         array = arrays[name]
         if array.dtype.kind not in "fiu":
-            raise invalid(name, f"an array of dtype {array.dtype}; wanted is float32 or float64")
+            raise invalid(name, f"an array of dtype {array.dtype}; expected float32 or float64")
         if size == 3 and (array.ndim == 0 or array.shape[-1] != 3):
-            raise invalid(name, f"an array of shape {array.shape}; wanted is (..., 3)")
+            raise invalid(name, f"an array of shape {array.shape}; expected (..., 3)")
     dtype = _precision([given[name] for name in sizes], list(arrays.values()))
     shapes = [array.shape[:-1] if sizes[name] == 3 else array.shape for name, array in arrays.items()]
     try:
         shape = np.broadcast_shapes(*shapes)
     except ValueError:
-        told = ", ".join(f"{name} {shape}" for name, shape in zip(sizes, shapes))
-        raise invalid("arguments", f"their shapes do not broadcast: {told}") from None
+        listed = ", ".join(f"{name} {shape}" for name, shape in zip(sizes, shapes))
+        raise invalid("arguments", f"their shapes do not broadcast: {listed}") from None
     rows = np.empty((*shape, sum(sizes.values())), dtype)
     at = 0
     for name, size in sizes.items():
@@ -161,7 +161,7 @@ def _computed(
 
 
 def _precision(given: list[Any], arrays: list[Numbers]) -> Any:
-    """Return float32 where all arrays are, plain numbers left out; else float64."""
+    """Return float32 if all arrays are float32, ignoring plain numbers; otherwise float64."""
     kinds = [array.dtype for one, array in zip(given, arrays) if not isinstance(one, (int, float))]
     is_single = bool(kinds) and all(kind == np.float32 for kind in kinds)
     return np.float32 if is_single else np.float64
@@ -210,14 +210,14 @@ def reflect(
     f0, f82 : array_like, optional
         ``(..., 3)`` measured reflectance along the normal and at 82 degrees.
     slope : array_like, optional
-        Beckmann's rms slope, above 0, for cook-torrance; the square of the roughness if not given.
+        Beckmann's rms slope, above 0, for cook-torrance; defaults to the square of the roughness.
     shininess : array_like, optional
-        Exponent of the Phong family; from the roughness if not given.
+        Exponent of the Phong family; by default derived from the roughness.
 
     Returns
     -------
     ndarray
-        ``(..., 3)`` linear RGB. Light is followed to its first facet only, as ``energy="single"`` does.
+        ``(..., 3)`` linear RGB, with single scattering only, as with ``energy="single"``.
     """
     arguments = dict(n=n, v=v, l=l, base_color=base_color, metallic=metallic, roughness=roughness, ior=ior)
     sizes, given = _reflect_arguments({**arguments, "f0": f0, "f82": f82, "slope": slope, "shininess": shininess})
@@ -243,7 +243,7 @@ def shininess_from_alpha(alpha: Like) -> Numbers:
 def d_beckmann(n_dot_h: Like, slope: Like, *, sin2_h: Like | None = None) -> Numbers:
     """Return Beckmann's normal distribution, sr⁻¹. Cook and Torrance 1982, eq. 5 with 1/π; Walter et al. 2007, eq. 25.
 
-    ``sin2_h`` is 1 − (n·h)², computed if not given; near a highlight it has digits that n·h lacks.
+    ``sin2_h`` is 1 − (n·h)², by default computed from n·h; near a highlight it has digits that n·h lacks.
     """
     return _compute("d_beckmann", n_dot_h=n_dot_h, sin2_h=sin2_h, slope=slope)
 
@@ -344,7 +344,7 @@ def coat_fresnel(cosine: Like) -> Numbers:
 
 
 def specular_occlusion(n_dot_v: Like, occlusion: Like, roughness: Like) -> Numbers:
-    """Return the share of a highlight's environment that is seen. Lagarde and de Rousiers 2014, listing 26."""
+    """Return the unoccluded share of a highlight's environment. Lagarde and de Rousiers 2014, listing 26."""
     return _compute("specular_occlusion", n_dot_v=n_dot_v, occlusion=occlusion, roughness=roughness)
 
 

@@ -1,7 +1,7 @@
-// The widget of taotie.Viewer in notebooks: the element <taotie-viewer>, which the script above defines, with its files
-// from Python; what is shown goes both ways.
+// The notebook widget of taotie.Viewer: the element <taotie-viewer>, defined by the script above, with its files from
+// Python; the displayed state is synchronised in both directions.
 
-/** What each trait is of the element's state. */
+/** Reads each trait from the element's state. */
 const SHOWN = {
     camera: (state) => state.view,
     target: (state) => state.target,
@@ -15,7 +15,7 @@ const SHOWN = {
 };
 const NAMES = Object.keys(SHOWN);
 
-/** What a trait changes in the element's state. */
+/** Returns the change of the element's state for a trait. */
 function part(name, value) {
     if (name === "camera") return { view: value };
     if (name === "light") return value === null ? { light: "given" } : { light: "raking", from: value };
@@ -24,10 +24,10 @@ function part(name, value) {
 
 const isSame = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
-/** Tells Python what is shown, once a frame at most. */
-function teller(model, element) {
+/** Returns a function that sends the displayed state to Python, at most once per frame. */
+function sender(model, element) {
     let isWaiting = false;
-    const tell = () => {
+    const send = () => {
         isWaiting = false;
         for (const name of NAMES) {
             const value = SHOWN[name](element.state);
@@ -36,12 +36,12 @@ function teller(model, element) {
         model.save_changes();
     };
     return () => {
-        if (!isWaiting) requestAnimationFrame(tell);
+        if (!isWaiting) requestAnimationFrame(send);
         isWaiting = true;
     };
 }
 
-/** Shows what Python has said before the element was there. */
+/** Applies the traits that Python set before the element existed. */
 function begin(model, element) {
     const said = NAMES.filter((name) => model.get("_said").includes(name));
     element.change(Object.assign({}, ...said.map((name) => part(name, model.get(name)))));
@@ -59,9 +59,9 @@ function render({ model, el }) {
     element.files = model.get("_files");
     element.addEventListener("load", () => {
         begin(model, element);
-        const tell = teller(model, element);
-        element.addEventListener("change", tell);
-        tell();
+        const send = sender(model, element);
+        element.addEventListener("change", send);
+        send();
     });
     el.append(element);
     return () => element.remove();

@@ -1,4 +1,4 @@
-"""A small collection, made by code."""
+"""A small collection, built by code."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def ball(waves: float) -> str:
 
 
 def write(folder: Path, scans: int, outputs: tuple[str, ...]) -> None:
-    """Write balls, a file that is broken, and a collection's file for each output."""
+    """Write balls, a broken file, and a collection's file for each output."""
     (folder / "scans").mkdir(parents=True)
     for index in range(scans):
         (folder / f"scans/{index}.obj").write_text(ball(0.01 * index))
@@ -46,6 +46,6 @@ def write(folder: Path, scans: int, outputs: tuple[str, ...]) -> None:
 
 
 def objects(folder: Path) -> dict[str, bytes]:
-    """Return the bytes of all objects by their paths."""
+    """Return the bytes of all objects by path."""
     files = (path for path in (folder / "objects").rglob("*") if path.is_file())
     return {str(path.relative_to(folder)): path.read_bytes() for path in files}

@@ -1,4 +1,4 @@
-"""What the tests share: a scan made by code, and the command."""
+"""Shared fixtures: a scan built by code, and the command."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def asset(scan: tt.Model) -> tt.Asset:
 
 
 def command(*arguments: object) -> subprocess.CompletedProcess[str]:
-    """Run the command, which has to succeed."""
+    """Run the command and check that it succeeds."""
     line = [sys.executable, "-m", "taotie", *map(str, arguments)]
     return subprocess.run(line, capture_output=True, text=True, check=True)
 

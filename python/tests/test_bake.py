@@ -1,4 +1,4 @@
-"""Bakes and proofs: the command's, to the bit."""
+"""Bakes and proofs: identical to the command's, to the bit."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ def test_files_and_figures_are_those_of_the_command(scan_file: Path, tmp_path: P
     report = json.loads(out.with_suffix(".report.json").read_text())
     proof = written.verify(scan_file, points=20_000, view=96)
     assert proof.to_dict() == report["proof"]
-    told = written.report(proof)
+    made = written.report(proof)
     same = ("kind", "schema", "certificate", "high_sha256", "triangles", "parameters", "origin", "proof")
     same += ("carried", "left")
-    assert {key: told[key] for key in same} == {key: report[key] for key in same}
+    assert {key: made[key] for key in same} == {key: report[key] for key in same}
 
 
-def test_an_asset_tells_what_it_is(asset: tt.Asset) -> None:
+def test_an_asset_describes_itself(asset: tt.Asset) -> None:
     assert len(asset.triangles) == 1 and 400 < asset.triangles[0] <= 600
     assert asset.size == (128, 128) and asset.counts["texels"] > 5000
     level = asset.levels()[0]
@@ -61,8 +61,8 @@ def test_a_proof_measures_and_requires(asset: tt.Asset, scan: tt.Model, tmp_path
     with pytest.raises(tt.Error, match="angle"):
         proof.require("angle=1")
     folder = asset.save(str(tmp_path / "asset.glb"))
-    alone = tt.verify(folder.path, scan, points=20_000, view=64)
-    assert alone.figures == proof.figures | {"bytes_out": alone.figures["bytes_out"]}
+    single = tt.verify(folder.path, scan, points=20_000, view=64)
+    assert single.figures == proof.figures | {"bytes_out": single.figures["bytes_out"]}
     again = pickle.loads(pickle.dumps(proof))
     assert again.figures == proof.figures and again.require(mean_angle=20)[0].met
 
@@ -115,12 +115,12 @@ def test_the_unit_of_a_scan_makes_its_asset_metres(tmp_path: Path) -> None:
         tt.bake(scan, unit="ft")  # type: ignore[arg-type]
 
 
-def test_maps_alone_are_written_as_pictures(scan: tt.Model, asset: tt.Asset, tmp_path: Path) -> None:
+def test_standalone_maps_are_written_as_pictures(scan: tt.Model, asset: tt.Asset, tmp_path: Path) -> None:
     level = asset.levels()[0]
     low = tt.Mesh(level["vertices"], level["faces"], level["normals"], level["uvs"])
-    alone = tt.bake(scan, low=low, size=64)
-    path = alone.save(tmp_path / "normal.png").path
-    assert np.array_equal(np.asarray(Pillow.open(path)), alone.maps()["normal"])
+    maps = tt.bake(scan, low=low, size=64)
+    path = maps.save(tmp_path / "normal.png").path
+    assert np.array_equal(np.asarray(Pillow.open(path)), maps.maps()["normal"])
 
 
 @pytest.mark.parametrize(
@@ -136,19 +136,19 @@ def test_maps_alone_are_written_as_pictures(scan: tt.Model, asset: tt.Asset, tmp
         ({"memory_limit": "many"}, "many"),
     ],
 )
-def test_what_cannot_be_is_refused(scan: tt.Model, options: dict[str, object], words: str) -> None:
+def test_invalid_options_are_refused(scan: tt.Model, options: dict[str, object], words: str) -> None:
     with pytest.raises((tt.Error, ValueError), match=words):
         tt.bake(scan, **options)  # type: ignore[arg-type]
 
 
-def test_nothing_is_written_over_that_was_read(scan_file: Path, asset: tt.Asset) -> None:
+def test_input_files_are_never_overwritten(scan_file: Path, asset: tt.Asset) -> None:
     with pytest.raises(tt.Error):
         asset.save(scan_file)
     with pytest.raises(ValueError, match="jpeg:90"):
         asset.save("a.glb", images="jpeg")
 
 
-def test_progress_tells_the_stages(scan: tt.Model, capfd: pytest.CaptureFixture[str]) -> None:
+def test_progress_reports_the_stages(scan: tt.Model, capfd: pytest.CaptureFixture[str]) -> None:
     heard: list[str] = []
     tt.bake(scan, triangles=300, size=256, samples=16, progress=lambda stage, _: heard.append(stage))
     assert "bake" in heard

@@ -17,9 +17,9 @@ def test_a_comparison_is_that_of_the_command(scan_file: Path, asset: tt.Asset, t
     run("compare", low, "--reference", scan_file, "--method", "smooth,tangent-normal", "--size", "160", "-o", tmp_path / "c", "--exr")
     report = json.loads((tmp_path / "c" / "report.json").read_text())
     found = tt.compare(low, scan_file, methods=["smooth", "tangent-normal"], size=160)
-    told = found.to_dict()
+    report_of = found.to_dict()
     same = ("subject", "against", "unmatched", "rules", "methods", "skipped", "points", "notes")
-    assert {key: told[key] for key in same} == {key: report[key] for key in same}
+    assert {key: report_of[key] for key in same} == {key: report[key] for key in same}
     smooth, mapped = found.mean_deg("smooth"), found.mean_deg("tangent-normal")
     assert smooth is not None and mapped is not None and mapped < smooth
     view = found.views["tangent-normal"]
@@ -33,16 +33,16 @@ def test_differences_are_those_of_the_command(ball: tt.Mesh, tmp_path: Path, run
     a, b = tt.render(ball, size=48), tt.render(ball, size=48, material="brass")
     for name, image in (("a", a), ("b", b)):
         image.save(str(tmp_path / f"{name}.png"))
-    told = json.loads(run("diff", tmp_path / "a.png", tmp_path / "b.png", "--json").stdout)
+    printed = json.loads(run("diff", tmp_path / "a.png", tmp_path / "b.png", "--json").stdout)
     for pair in ((a, b), (tmp_path / "a.png", tmp_path / "b.png"), (Pillow.fromarray(a), Pillow.fromarray(b))):
         found = tt.diff(*pair)
-        assert found.to_dict() == told["metrics"]
+        assert found.to_dict() == printed["metrics"]
     assert found.map.shape == (48, 48) and found.title == "FLIP" and found.mean_deg is None
     same = tt.diff(a, a)
     assert (same.flip, same.rmse, same.ssim, same.psnr) == (0.0, 0.0, 1.0, float("inf"))
-    with pytest.raises(tt.Error, match="one size"):
+    with pytest.raises(tt.Error, match="same size"):
         tt.diff(a, a[:40])
-    with pytest.raises(tt.Error, match=r"\(3,\).*wanted"):
+    with pytest.raises(tt.Error, match=r"\(3,\).*expected"):
         tt.diff(a, np.zeros(3))
 
 

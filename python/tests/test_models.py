@@ -37,12 +37,12 @@ def test_arrays_of_any_layout_are_taken(dtype: type) -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"vertices": np.zeros((4, 2))}, r"vertices: .*\(4, 2\), dtype float64; wanted is \(n, 3\), float32 or float64"),
+        ({"vertices": np.zeros((4, 2))}, r"vertices: .*\(4, 2\), dtype float64; expected \(n, 3\), float32 or float64"),
         ({"vertices": np.zeros((4, 3), np.complex64)}, "complex64"),
-        ({"faces": np.zeros((1, 3))}, r"faces: .*float64; wanted is \(n, 3\), uint32"),
+        ({"faces": np.zeros((1, 3))}, r"faces: .*float64; expected \(n, 3\), uint32"),
         ({"faces": [[0, 1, -1]]}, "an index below 0"),
         ({"faces": [[0, 1, 9]]}, "9"),
-        ({"uvs": np.zeros((4, 3))}, r"uvs: .*wanted is \(n, 2\)"),
+        ({"uvs": np.zeros((4, 3))}, r"uvs: .*expected \(n, 2\)"),
         ({"uvs": np.zeros((3, 2))}, "3"),
         ({"colors": np.zeros((4, 2))}, r"\(n, 3\) or \(n, 4\)"),
         ({"vertices": np.full((4, 3), np.nan)}, "finite|NaN|number"),
@@ -83,7 +83,7 @@ def test_materials_are_given_by_name_or_in_full(ball: tt.Mesh) -> None:
         tt.render(ball, material="bronce")
 
 
-def test_what_is_wrong_with_a_file_is_warned_of(tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_problems_of_a_file_give_warnings(tmp_path) -> None:  # type: ignore[no-untyped-def]
     obj = tmp_path / "a.obj"
     obj.write_text("mtllib nowhere.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     with pytest.warns(tt.TaotieWarning, match="nowhere.mtl"):
@@ -91,12 +91,12 @@ def test_what_is_wrong_with_a_file_is_warned_of(tmp_path) -> None:  # type: igno
     assert model.warnings and model.triangles == 1
 
 
-def test_inspection_says_what_the_command_says(scan_file, run) -> None:  # type: ignore[no-untyped-def]
+def test_inspection_reports_what_the_command_reports(scan_file, run) -> None:  # type: ignore[no-untyped-def]
     import json
 
-    told = json.loads(run("inspect", scan_file, "--json").stdout)
+    printed = json.loads(run("inspect", scan_file, "--json").stdout)
     report = tt.inspect(scan_file)
-    assert report.to_dict() == {key: told[key] for key in report}
+    assert report.to_dict() == {key: printed[key] for key in report}
     assert report.format == "PLY" and "format" in dir(report)
     with pytest.raises(AttributeError):
         report.nothing
@@ -112,10 +112,10 @@ def test_an_audit_gives_the_answers_of_the_command(scan_file, tmp_path) -> None:
     product.write_text('{ "dimensions": { "height": 2 } }')
     line = ["inspect", scan_file, "--audit", schema, "--product-info", product, "--json"]
     done = subprocess.run([sys.executable, "-m", "taotie", *map(str, line)], capture_output=True, text=True)
-    told = json.loads(done.stdout)
+    printed = json.loads(done.stdout)
     audit = tt.inspect(scan_file, audit=schema, product_info=product)
     assert done.returncode == 1 and not audit.passed and repr(audit).startswith("<taotie.Audit failed: triangle-count")
-    assert audit.to_dict() == {key: told[key] for key in audit}
+    assert audit.to_dict() == {key: printed[key] for key in audit}
     schema.write_text('{ "version": "1.0.4", "modle": {} }')
     with pytest.raises(tt.Error, match="unknown field `modle`"):
         tt.inspect(scan_file, audit=schema)

@@ -12,12 +12,12 @@ import pytest
 
 import taotie as tt
 
-# `make test` runs these tests without an installation.
+# `make test-slow` runs these tests without an installation.
 INSTALLED = any(d.metadata["Name"] == "taotie" for d in metadata.distributions())
 needs_installation = pytest.mark.skipif(not INSTALLED, reason="the package is not installed: make python")
 
 
-def test_every_public_name_is_there_and_documented() -> None:
+def test_every_public_name_exists_and_is_documented() -> None:
     for module in (tt, tt.shade, tt.normals):
         for name in module.__all__:
             thing = getattr(module, name)
@@ -26,7 +26,7 @@ def test_every_public_name_is_there_and_documented() -> None:
 
 
 @needs_installation
-def test_the_installation_says_what_it_is() -> None:
+def test_the_installation_reports_its_version() -> None:
     assert tt.__version__ == metadata.version("taotie")
     assert [line.split(">")[0] for line in metadata.requires("taotie") or []] == ["numpy"]
     points = [e for e in metadata.entry_points(group="console_scripts") if e.name == "taotie"]
@@ -46,7 +46,7 @@ def test_the_command_is_the_same_program() -> None:
     assert wrong.returncode == 2 and b"nowhere.glb" in wrong.stderr
 
 
-def test_errors_say_which_file_where_and_what_to_do(tmp_path: object) -> None:
+def test_errors_carry_file_place_and_remedy(tmp_path: object) -> None:
     with pytest.raises(tt.Error) as raised:
         tt.load("nowhere.glb")
     assert raised.value.kind == "io" and raised.value.path == "nowhere.glb"

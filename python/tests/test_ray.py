@@ -1,4 +1,4 @@
-"""Collections on a local Ray cluster of several nodes. Without Ray, which is no dependency, these are skipped."""
+"""Collections on a local Ray cluster of several nodes. Skipped without Ray, which is not a dependency."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Images: the command's, to the bit; their shapes; threads, signals and progress."""
+"""Images: identical to the command's, to the bit; their shapes; threads, signals and progress."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_a_renderer_gives_what_a_render_gives(ball: tt.Mesh) -> None:
         assert np.array_equal(renderer.render(camera=camera, size=32), tt.render(ball, env="studio", camera=camera, size=32))
 
 
-def test_threads_render_at_once_and_hold_nobody(scan: tt.Model) -> None:
+def test_threads_render_in_parallel_without_blocking_others(scan: tt.Model) -> None:
     ticks, done = [], threading.Event()
 
     def tick() -> None:
@@ -122,7 +122,7 @@ def test_a_listener_hears_and_stops(scan: tt.Model) -> None:
 def test_ctrl_c_stops_within_a_fifth_of_a_second(scan_file: Path) -> None:
     code = f"""
         import os, signal, threading, time, taotie as tt
-        signal.signal(signal.SIGINT, signal.default_int_handler)  # shells ignore it in what runs in the background
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # shells ignore it for background jobs
         scan = tt.load({str(scan_file)!r})
         sent = []
         def send():

@@ -1,4 +1,4 @@
-"""Collections on file systems of fsspec, here one that is a folder: what is fetched, what is brought, what is known."""
+"""Collections on fsspec file systems, here a local folder: the files fetched, uploaded and known."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ pytest.importorskip("fsspec")
 
 
 def run(stored: Stored, folder: Path) -> dict[str, Any]:
-    """Do a collection as `taotie.ray` does, one job after the other."""
+    """Run a collection as `taotie.ray` does, one job after another."""
     stored.look()
     outline = stored.outline(folder)
     keeper = Keeper(stored, folder)
     with Book([str(outline), "--jobs", "1"], None) as book:
         for planned in book.planned:
-            told = {"id": planned["job"]["id"], "outcome": None, "error": None, "forecast": None}
-            foreseen = stored.work(planned, None, None, None)
-            book.add(told | stored.work({**planned, "address": foreseen["address"]}, 1, None, None))
+            report = {"id": planned["job"]["id"], "outcome": None, "error": None, "forecast": None}
+            estimated = stored.work(planned, None, None, None)
+            book.add(report | stored.work({**planned, "address": estimated["address"]}, 1, None, None))
             keeper.recorded()
         summary = book.close()
     keeper.end()
@@ -44,7 +44,7 @@ def test_a_stored_collection_has_the_files_of_the_command(tmp_path: Path) -> Non
         (tmp_path / name).mkdir()
     first = run(stored, tmp_path / "first")
     assert first["states"] == {"done": 2, "required-not-met": 0, "refused": 0, "failed": 1}
-    assert not [path for path in (tmp_path / "first").rglob("*.glb") if path.exists()], "what plans holds no asset"
+    assert not [path for path in (tmp_path / "first").rglob("*.glb") if path.exists()], "the planner holds no asset"
     command = [sys.executable, "-m", "taotie", "batch", str(place / "command.toml"), "-q"]
     subprocess.run(command, check=False, stdout=subprocess.DEVNULL)
     assert collection.objects(place / "stored") == collection.objects(place / "command")
@@ -56,7 +56,7 @@ def test_a_stored_collection_has_the_files_of_the_command(tmp_path: Path) -> Non
     assert run(stored, tmp_path / "third")["attempts"] == 1
 
 
-def test_another_thumbnail_bakes_nothing_anew(tmp_path: Path) -> None:
+def test_another_thumbnail_bakes_nothing_again(tmp_path: Path) -> None:
     place = tmp_path / "far"
     collection.write(place, 1, ("stored",))
     stored = Stored(f"file://{place}/stored.toml")
@@ -71,7 +71,7 @@ def test_another_thumbnail_bakes_nothing_anew(tmp_path: Path) -> None:
     assert reused == [{"asset": False, "thumbnail": False}, {"asset": True, "thumbnail": False}]
 
 
-def test_a_scan_fetches_what_it_names_and_no_more(tmp_path: Path) -> None:
+def test_a_scan_fetches_only_the_files_it_references(tmp_path: Path) -> None:
     place = tmp_path / "far"
     (place / "maps").mkdir(parents=True)
     (place / "c.toml").write_text("")
@@ -96,13 +96,13 @@ def test_names_stay_in_the_folder_and_times_are_read(tmp_path: Path) -> None:
         with pytest.raises(ValueError, match="leads out"):
             _within(tmp_path, name)
     moment = datetime(2026, 1, 2, 3, 4, 5, tzinfo=timezone.utc)
-    told = [{"LastModified": moment}, {"updated": "2026-01-02T03:04:05Z"}, {"mtime": moment.timestamp()}]
-    assert [_seconds(about) for about in told] == [moment.timestamp()] * 3 and _seconds({}) == 0
+    abouts = [{"LastModified": moment}, {"updated": "2026-01-02T03:04:05Z"}, {"mtime": moment.timestamp()}]
+    assert [_seconds(about) for about in abouts] == [moment.timestamp()] * 3 and _seconds({}) == 0
     assert is_url("s3://museum/c.toml") and not is_url("museum/c.toml")
     with pytest.raises(FileNotFoundError, match=r"none\.toml"):
         Stored(f"file://{tmp_path}/none.toml").look()
 
 
-def test_a_job_that_cannot_be_done_says_why(tmp_path: Path) -> None:
+def test_a_failed_job_reports_why(tmp_path: Path) -> None:
     planned = {"folder": str(tmp_path), "job": {"not": "a job"}}
     assert "crashed" in work(planned, 1, None, None)["error"]

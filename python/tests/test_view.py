@@ -28,8 +28,8 @@ def test_the_page_is_the_commands(scan_file: Path, run: object, tmp_path: Path) 
 
 
 def test_a_scan_brings_the_errors_of_the_asset(asset: tt.Asset, scan: tt.Model) -> None:
-    alone, proof = tt.view(asset), tt.view(asset, scan=scan, title="Ball & wave")
-    assert "errors.bin" not in alone.files() and "scan.glb" not in alone.files()
+    plain, proof = tt.view(asset), tt.view(asset, scan=scan, title="Ball & wave")
+    assert "errors.bin" not in plain.files() and "scan.glb" not in plain.files()
     assert "errors.bin" in proof.files() and "scan.glb" not in proof.files(), "the scan is not published"
     files = tt.view(asset, scan=scan, publish_scan=True, title="Ball & wave").files()
     assert files["scan.glb"][:4] == files["asset.glb"][:4] == b"glTF"
@@ -46,12 +46,12 @@ def test_notebooks_show_it_without_a_request(ball: tt.Mesh) -> None:
 
 
 def browser() -> str:
-    """Return Chromium, or skip; in CI it has to be there."""
+    """Return Chromium, or skip; in CI it must exist."""
     names = [os.environ.get("BROWSER", ""), "chromium", "chromium-browser", "google-chrome", "google-chrome-stable"]
     found = next((path for path in map(shutil.which, filter(None, names)) if path), None)
     if found and shutil.which("node") and (SCRIPTS / "node_modules" / "playwright-core").is_dir():
         return found
-    assert os.environ.get("CI") != "true", "node with its packages and a browser are needed: make tools"
+    assert os.environ.get("CI") != "true", "node with its packages and a browser are required: make tools"
     pytest.skip("no node with its packages, or no browser: make tools")
 
 

@@ -1,4 +1,4 @@
-"""What a user writes, for the type checkers alone: it is read, not run."""
+"""Typical user code, only for the type checkers: it is not run."""
 
 from __future__ import annotations
 

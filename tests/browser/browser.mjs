@@ -1,4 +1,4 @@
-// A browser, and what a hand does and an eye sees in its pages. BROWSER names the program, FOLDER what it looks at.
+// Drives a browser and reads its pages. BROWSER is the program, FOLDER contains the pages.
 
 import assert from "node:assert/strict";
 import { readFile, readdir } from "node:fs/promises";
@@ -12,31 +12,31 @@ export const folder = process.env.FOLDER;
 const executablePath = process.env.BROWSER;
 export const isFirefox = path.basename(executablePath).startsWith("firefox");
 
-// Where Firefox puts what is saved.
+// The folder where Firefox saves downloads.
 const downloadsPath = path.join(folder, "downloads");
 
-// A Firefox of the system is led by WebDriver BiDi, which the name of the channel asks for.
+// The system's Firefox is driven by WebDriver BiDi, which the channel name requests.
 const launchFirefox = () =>
     firefox.launch({ channel: "moz-firefox", executablePath, downloadsPath, firefoxUserPrefs: { "webgl.force-enabled": true } });
 
 // Starts the browser; the arguments are for Chromium.
 export const launch = (args) => (isFirefox ? launchFirefox() : chromium.launch({ executablePath, args }));
 
-// Requests and complaints of each page.
+// The requests and complaints of each page.
 const heard = new WeakMap();
 
-// Exceptions and whatever else the browser complained about.
+// Exceptions and console messages of a page.
 export const complaints = (page) => heard.get(page).complaints;
 
-// The same of a page that reads pixels back: that this waits for the drawing is known.
+// The same for a page that reads pixels back, without the warning that reading waits for drawing.
 export const complaintsOfReader = (page) =>
     complaints(page).filter((text) => !text.includes("GPU stall due to ReadPixels"));
 
-// Playwright puts a style into pages of Firefox before it takes their picture, which the policy of the page refuses. What is
-// wrong with the page itself Chromium tells too.
+// Playwright adds a style to Firefox pages before taking a screenshot, which the page's policy blocks. Faults of the
+// page itself are also reported by Chromium.
 const isOfPlaywright = (text) => isFirefox && text.includes("blocked an inline style");
 
-// A page that notes what it asks for and what is wrong with it.
+// Opens a page that records its requests and complaints.
 export async function newPage(browser, [width, height]) {
     const page = await browser.newPage({ viewport: { width, height } });
     page.setDefaultTimeout(15_000);
@@ -55,15 +55,15 @@ export async function go(page, name) {
     await page.waitForFunction(() => [...document.images].every((image) => image.complete));
 }
 
-// A page from disk in a window of this size.
+// Opens a page from disk in a window of this size.
 export async function open(browser, name, size) {
     const page = await newPage(browser, size);
     await go(page, name);
     return page;
 }
 
-// Fails where the page asked for anything but itself and what lies within it, or where the browser complained. Firefox does
-// not tell of files from disk, but of all else.
+// Fails if the page requested anything except itself and data URLs, or if the browser complained. Firefox does not
+// report files from disk, but everything else.
 export function assertQuiet(page) {
     const { requests, complaints } = heard.get(page);
     assert.deepEqual(complaints, []);
@@ -72,12 +72,12 @@ export function assertQuiet(page) {
     assert.deepEqual(requests.filter((url) => !url.startsWith("data:") && !isPage(url)), []);
 }
 
-// Waits until what was done to the page has been drawn.
+// Waits until changes to the page have been drawn.
 export function settle(page) {
     return page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 }
 
-// Left, top, width and height of the first such element in the window, which is scrolled to it.
+// Scrolls to the first matching element and returns its left, top, width and height in the window.
 export async function place(page, selector) {
     const element = page.locator(selector).first();
     await element.evaluate((element) => element.scrollIntoView({ block: "center" }));
@@ -86,13 +86,13 @@ export async function place(page, selector) {
     return [x, y, width, height];
 }
 
-// The point of an element at these fractions of its width and height.
+// Returns the point of an element at these fractions of its width and height.
 export async function pointOf(page, selector, [u, v]) {
     const [x, y, width, height] = await place(page, selector);
     return [x + u * width, y + v * height];
 }
 
-// Presses the mouse at one point, moves it in steps to another and lets it go.
+// Presses the mouse at one point, moves it in steps to another and releases it.
 export async function drag(page, from, to) {
     await page.mouse.move(...from);
     await page.mouse.down();
@@ -101,7 +101,7 @@ export async function drag(page, from, to) {
     await settle(page);
 }
 
-// Clicks the middle of the first such element, `clickCount` times in a row.
+// Clicks the centre of the first matching element `clickCount` times in a row.
 export async function click(page, selector, clickCount = 1) {
     await page.mouse.click(...(await pointOf(page, selector, [0.5, 0.5])), { clickCount });
     await settle(page);
@@ -113,21 +113,21 @@ export async function hover(page, at) {
     await settle(page);
 }
 
-// Turns the wheel at a point; negative is away from the hand.
+// Turns the wheel at a point; negative deltas scroll up.
 export async function wheel(page, at, delta) {
     await page.mouse.move(...at);
     await page.mouse.wheel(0, delta);
     await settle(page);
 }
 
-// Presses and releases a key by its name, such as `ArrowLeft`.
+// Presses and releases a key by name, such as `ArrowLeft`.
 export async function key(page, name) {
     await page.keyboard.press(name);
     await settle(page);
 }
 
-// Fingers that touch the screen, move together in steps, and leave it: pairs of where from and where to. Playwright
-// itself has but a tap of one finger.
+// Touches the screen with fingers that move together in steps and leave it, as pairs of start and end points.
+// Playwright itself only has a tap with one finger.
 export async function touch(page, fingers) {
     const devtools = await page.context().newCDPSession(page);
     const send = (type, touchPoints) => devtools.send("Input.dispatchTouchEvent", { type, touchPoints });
@@ -143,7 +143,7 @@ export async function touch(page, fingers) {
     await settle(page);
 }
 
-// The bytes of the file that this saves. Playwright does not hear of what Firefox saves, so its folder is looked at.
+// Returns the bytes of the file that `act` saves. Playwright is not notified of Firefox downloads: poll their folder.
 export async function saved(page, act) {
     if (!isFirefox) {
         const [download] = await Promise.all([page.waitForEvent("download"), act()]);
@@ -160,7 +160,7 @@ export async function saved(page, act) {
     throw new Error("nothing was saved");
 }
 
-// The compressed pixels of a PNG, which may be in several chunks.
+// Returns the compressed pixels of a PNG, which may be in several chunks.
 export function pixelData(png) {
     const chunks = [];
     for (let at = 8, length; at < png.length; at += 12 + length) {
@@ -170,7 +170,7 @@ export function pixelData(png) {
     return Buffer.concat(chunks);
 }
 
-// The colour of a point of the window. No filter of PNG changes a picture's first pixel, so one pixel needs no decoder.
+// Returns the colour of a point of the window. PNG filters do not change the first pixel, so no decoder is needed.
 export async function colorAt(page, [x, y]) {
     const clip = { x: Math.floor(x), y: Math.floor(y), width: 1, height: 1 };
     const png = await page.screenshot({ clip, caret: "initial" });

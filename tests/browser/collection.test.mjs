@@ -1,4 +1,4 @@
-// The page of a collection: ten thousand assets, found, sorted and filtered by hand and keys.
+// Tests a collection page with ten thousand assets: searching, sorting and filtering.
 
 import assert from "node:assert/strict";
 import path from "node:path";
@@ -22,7 +22,7 @@ async function openPage(size = [1280, 900], hash = "") {
 const names = (page) => page.locator(".card .id").allTextContents();
 const status = (page) => page.locator(".shown").textContent();
 
-test("it opens within two seconds, with a part of its cards", async () => {
+test("it opens within two seconds, with some of its cards", async () => {
     const page = await newPage(browser, [1280, 900]);
     const start = performance.now();
     await page.goto(address);
@@ -36,7 +36,7 @@ test("it opens within two seconds, with a part of its cards", async () => {
     assert.deepEqual(complaints(page), []);
 });
 
-test("the worst stand first, each with its sentence", async () => {
+test("the worst assets come first, each with its message", async () => {
     const page = await openPage();
     const first = page.locator(".card").first();
     assert.equal(await first.locator(".mark").textContent(), "failed");
@@ -47,21 +47,21 @@ test("the worst stand first, each with its sentence", async () => {
     assert.deepEqual(ranks, [...ranks].sort((a, b) => a - b));
 });
 
-test("pictures beside the page are shown, and asked for only where they are seen", async () => {
+test("pictures next to the page are shown, and loaded only when visible", async () => {
     const page = await openPage([1280, 900], "#state=done&sort=name");
     await page.waitForFunction(() => document.images[0]?.complete && document.images[0].naturalWidth > 0);
     assert.equal(await page.locator(".card img").first().getAttribute("loading"), "lazy");
     assert.deepEqual(complaints(page), []);
 });
 
-test("cards follow while the page is scrolled", async () => {
+test("cards are added while the page is scrolled", async () => {
     const page = await openPage();
     const before = await page.locator(".card").count();
     await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
     await page.waitForFunction((before) => document.querySelectorAll(".card").length > before, before);
 });
 
-test("words, states and orders choose, and the address keeps the choice", async () => {
+test("search, states and order are applied and kept in the address", async () => {
     const page = await openPage();
     await page.fill("input[type=search]", "00042");
     await settle(page);
@@ -77,13 +77,13 @@ test("words, states and orders choose, and the address keeps the choice", async 
     assert.match(page.url(), /#state=done&sort=mean$/);
     const again = await openPage([1280, 900], new URL(page.url()).hash);
     assert.deepEqual(await names(again), await names(page));
-    await page.getByRole("button", { name: "Turn the order round" }).click();
+    await page.getByRole("button", { name: "Reverse the order" }).click();
     await settle(page);
     const least = await page.locator(".card dt.chosen + dd").first().textContent();
     assert(parseFloat(least) <= numbers.at(-1), least);
 });
 
-test("a table shows all figures, sorted by its heads", async () => {
+test("a table shows all figures and is sorted by its headers", async () => {
     const page = await openPage();
     await page.getByRole("button", { name: "as a table" }).click();
     await settle(page);
@@ -96,12 +96,12 @@ test("a table shows all figures, sorted by its heads", async () => {
 });
 
 for (const [name, size, colorScheme, hash] of [
-    // Ten assets, of all states but one.
+    // Ten assets, in all states except one.
     ["cards", [1280, 900], "light", "#find=/0000"],
     ["a narrow window in the dark", [390, 800], "dark", "#find=/0000"],
     ["a table", [1280, 900], "light", "#find=/0000&as=table"],
 ]) {
-    test(`axe finds nothing on ${name}`, async () => {
+    test(`axe finds no violations on ${name}`, async () => {
         const page = await newPage(browser, size);
         await page.emulateMedia({ colorScheme });
         await page.goto(address + hash);

@@ -1,4 +1,4 @@
-// The rules of the IIIF Presentation API 4.0 for manifests of scenes, as far as ours use it.
+// The rules of the IIIF Presentation API 4.0 for scene manifests, as far as our manifests use it.
 
 import assert from "node:assert/strict";
 
@@ -15,7 +15,7 @@ const metadata = (value) => value.every(({ label, value }) => isLabel(label) && 
 
 const light = { "id!": isText, "color!": isColor, "intensity!": one("Quantity") };
 
-// The properties of each type; those with an exclamation mark must be there, and there are no others.
+// The allowed properties of each type; those with an exclamation mark are required.
 const TYPES = {
     Manifest: {
         "@context!": isOneOf("http://iiif.io/api/presentation/4/context.json"),
@@ -48,7 +48,7 @@ const TYPES = {
     Quantity: { "quantityValue!": (value) => value >= 0 && value <= 1, "unit!": isOneOf("relative") },
 };
 
-// Fails where a resource breaks a rule, and says where.
+// Fails if a resource breaks a rule, and reports the location.
 function isSound({ type, ...properties }) {
     const rules = Object.entries(TYPES[type] ?? assert.fail(`unknown type ${type}`));
     const names = rules.map(([name]) => name.replace("!", ""));
@@ -62,24 +62,24 @@ function isSound({ type, ...properties }) {
     return true;
 }
 
-// All resources with an address, of which some only name another.
+// All resources with an id, some of which are only references.
 function* resources(value) {
     if (value === null || typeof value !== "object") return;
     if (typeof value.id === "string") yield value;
     for (const part of Object.values(value)) yield* resources(part);
 }
 
-// Fails unless a manifest keeps the rules, and its resources lie below an address.
+// Fails unless a manifest follows the rules and its resources are below an address.
 export function assertManifest(manifest, base) {
     assert(isSound(manifest));
-    const told = new Set();
+    const defined = new Set();
     const named = [];
     for (const resource of resources(manifest)) {
         assert(resource.id.startsWith(base), resource.id);
         const isName = Object.keys(resource).length === 2;
         if (isName) named.push(resource.id);
-        else assert(!told.has(resource.id), `${resource.id} is told twice`);
-        told.add(isName ? "" : resource.id);
+        else assert(!defined.has(resource.id), `${resource.id} is defined twice`);
+        defined.add(isName ? "" : resource.id);
     }
-    assert.deepEqual(named.filter((id) => !told.has(id)), [], "what is named is told");
+    assert.deepEqual(named.filter((id) => !defined.has(id)), [], "all references are defined");
 }

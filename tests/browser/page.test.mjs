@@ -1,4 +1,4 @@
-// The report page around its pictures: text, tables, histograms, widths; and a comparison that the command wrote.
+// Tests the report page except for its pictures: text, tables, histograms, widths; and a comparison by the command.
 
 import assert from "node:assert/strict";
 import { after, test } from "node:test";
@@ -7,13 +7,13 @@ import { isSame, launch, newPage, open, place, settle } from "./browser.mjs";
 
 const WIPE = ".wipe .frame";
 
-// A title that would like to be more than text.
+// A title that tries to be more than text.
 const NASTY = "</script><img src=x onerror=\"document.title='pwned'\">";
 
 const browser = await launch(["--disable-gpu"]);
 after(() => browser.close());
 
-test("text is text, and nothing is asked of the network", async () => {
+test("text is only text, and there are no network requests", async () => {
     const page = await open(browser, "full.html", [1200, 900]);
     assert.equal(await page.title(), NASTY);
     assert.equal(await page.locator("h1").textContent(), NASTY);
@@ -21,7 +21,7 @@ test("text is text, and nothing is asked of the network", async () => {
     assert.deepEqual(sources.filter((source) => !source.startsWith("data:")), []);
     assert.equal(await page.locator("script").count(), 2);
     assertQuiet(page);
-    // The browser itself refuses whatever a script that came in by mistake would try.
+    // The browser itself blocks everything that an injected script might try.
     await page.evaluate(async () => {
         await fetch("http://127.0.0.1:9/").catch((error) => error);
         await Object.assign(new Image(), { src: "http://127.0.0.1:9/x.png" }).decode().catch((error) => error);
@@ -34,7 +34,7 @@ test("text is text, and nothing is asked of the network", async () => {
     assert(refused.length >= 3, complaints(page).join("\n"));
 });
 
-test("verdict and warnings stand before everything else", async () => {
+test("verdict and warnings come before everything else", async () => {
     const page = await open(browser, "full.html", [1200, 900]);
     assert.deepEqual(await page.locator(".notices li").allTextContents(), ["It holds.", NASTY]);
     const tones = await page.locator(".notices li").evaluateAll((items) => items.map((item) => item.className));
@@ -85,7 +85,7 @@ test("tables are sorted and copied", async () => {
         await click(page, `th:nth-child(${nth}) button`);
         assert.deepEqual(await column(page, 1), names);
     }
-    // The digit and the number of its reason.
+    // The digit, followed by the number of its reason.
     await click(page, "th:nth-child(3) button");
     assert.deepEqual(await column(page, 3), ["1", "21", "31", "4"]);
     assert.equal(await page.locator(".reasons").innerText(), "it differs");
@@ -98,7 +98,7 @@ test("tables are sorted and copied", async () => {
     assertQuiet(page);
 });
 
-// How much higher the first histogram is than the second.
+// Returns the ratio of the heights of the first two histograms.
 async function ratio(page) {
     const height = (counts) => counts.getBBox().height;
     const panels = await page.locator(".panels .counts").all();
@@ -106,7 +106,7 @@ async function ratio(page) {
     return first / second;
 }
 
-test("histograms switch and are read together", async () => {
+test("histograms switch scales and are read together", async () => {
     const page = await open(browser, "full.html", [1200, 900]);
     const linear = await ratio(page);
     assert(Math.abs(linear - 2) < 0.01, `1000 against 500: ${linear}`);
@@ -115,14 +115,14 @@ test("histograms switch and are read together", async () => {
     const wanted = (Math.log10(1000) + 0.3) / (Math.log10(500) + 0.3);
     assert(Math.abs(logarithmic - wanted) < 0.01, `${logarithmic} instead of ${wanted}`);
     const [x, y, width, height] = await place(page, ".panels svg");
-    // The last of six bins between the margins.
+    // In the last of six bins between the margins.
     await hover(page, [x + width * 0.94, y + height / 2]);
     const read = await page.locator(".readout").allTextContents();
     assert.deepEqual(read, ["≥ 2.5 °: 7, 0.67 %", "≥ 2.5 °: 1, 0.19 %"]);
     assertQuiet(page);
 });
 
-test("little or nothing to show is no error", async () => {
+test("pages with little or no content work", async () => {
     const page = await newPage(browser, [800, 600]);
     for (const name of ["empty.html", "hollow.html", "odd.html"]) {
         await go(page, name);
@@ -137,7 +137,7 @@ test("little or nothing to show is no error", async () => {
     assert.equal(await page.locator(".wipe").count(), 1, "one picture needs no wipe");
 });
 
-test("every width has room for the page", async () => {
+test("the page fits every width", async () => {
     const page = await open(browser, "full.html", [1800, 1000]);
     for (const width of [1800, 1200, 1000, 700, 400, 320]) {
         await page.setViewportSize({ width, height: 900 });

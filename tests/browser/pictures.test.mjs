@@ -1,4 +1,4 @@
-// Pictures of the report page: the wipe, the lens that all share, the choice of left and right.
+// Tests the pictures of the report page: the wipe, the shared lens, the choice of left and right.
 
 import assert from "node:assert/strict";
 import { after, test } from "node:test";
@@ -10,14 +10,14 @@ const WIPE = ".wipe .frame";
 const browser = await launch(["--disable-gpu"]);
 after(() => browser.close());
 
-// Points of the wipe by their share of the width, low enough to be clear of the knob.
+// Checks points of the wipe by their fraction of the width, away from the knob of the handle.
 async function assertWipe(page, colors) {
     for (const [share, color] of colors) await assertColor(page, WIPE, [share, 0.3], color);
 }
 
 const handle = (page, property) => page.locator(".handle").evaluate((handle, name) => handle[name], property);
 
-test("the wipe uncovers what a hand asks for", async () => {
+test("the wipe follows mouse, touch and keys", async () => {
     const page = await open(browser, "wipe.html", [1200, 900]);
     await assertWipe(page, [[0.1, RED], [0.4, RED], [0.6, BLUE], [0.9, BLUE]]);
     const [x, y, width, height] = await place(page, WIPE);
@@ -39,7 +39,7 @@ test("the wipe uncovers what a hand asks for", async () => {
     assertQuiet(page);
 });
 
-// For each picture that is seen, the part of it that its frame shows: left, top, right, bottom in fractions.
+// Returns the part of each visible picture that its frame shows: left, top, right, bottom in fractions.
 function partsSeen(page) {
     return page.locator(".view:not([hidden]) .frame img").evaluateAll((images) =>
         images.map((image) => {
@@ -57,7 +57,7 @@ function assertNear(found, wanted, tolerance) {
     assert(near, `${found} instead of ${wanted} within ${tolerance}`);
 }
 
-// The part seen of each of the five pictures, which has to be the same one.
+// Returns the visible part of all five pictures, which must be the same.
 async function partSeen(page) {
     const parts = await partsSeen(page);
     assert.equal(parts.length, 5);
@@ -70,7 +70,7 @@ const WHOLE = [0, 0, 1, 1];
 test("all pictures zoom and move in step", async () => {
     const page = await open(browser, "views.html", [1200, 900]);
     assertNear(await partSeen(page), WHOLE, 5e-4);
-    // Over the second of the small ones, three quarters across and one down.
+    // Over the second small picture, at three quarters of its width and one quarter of its height.
     const pointer = await pointOf(page, "figure:nth-child(2) .frame", [0.75, 0.25]);
     for (let turn = 0; turn < 4; turn++) await wheel(page, pointer, -240);
     const [left, top, right, bottom] = await partSeen(page);
@@ -82,20 +82,20 @@ test("all pictures zoom and move in step", async () => {
     const rendering = (image) => getComputedStyle(image).imageRendering;
     assert.equal(await page.locator(".wipe img").first().evaluate(rendering), "pixelated");
 
-    // A drag of the wipe's picture to the right by half a frame moves all by that.
+    // Dragging the wipe's picture to the right by half a frame moves all pictures by that.
     const [x, y, width] = await place(page, WIPE);
     await drag(page, [x + 0.1 * width, y + 20], [x + 0.6 * width, y + 20]);
     const [moved] = await partSeen(page);
     assertNear([moved], [left - 0.5 / zoom], 5e-3);
 
-    // Far to the right: the borders hold, and the first quarter fills all frames.
+    // Far to the right: pictures stop at their borders, and the first quarter fills all frames.
     for (let i = 0; i < 6; i++) await drag(page, [x + 0.1 * width, y + 20], [x + 0.95 * width, y + 20]);
     const corner = await partSeen(page);
     assertNear([corner[0]], [0], 1e-3);
     for (const [nth, color] of [[1, RED], [2, GREEN], [3, BLUE]])
         await assertColor(page, `figure:nth-child(${nth}) .frame`, [0.9, 0.9], color);
 
-    // The other view has the same lens, and two clicks show the whole again.
+    // The other view has the same lens, and a double click shows the whole picture again.
     await click(page, "[role=tab]:nth-child(2)");
     assertNear(await partSeen(page), corner, 1e-3);
     await click(page, ".view:not([hidden]) figure:nth-child(3) .frame", 2);
@@ -103,7 +103,7 @@ test("all pictures zoom and move in step", async () => {
     assertQuiet(page);
 });
 
-test("two fingers zoom, and a page that scrolls goes on", async () => {
+test("two fingers zoom, and the wheel still scrolls the page", async () => {
     const page = await open(browser, "long.html", [420, 800]);
     const [x, y, width, height] = await place(page, WIPE);
     const at = (u, v) => [x + u * width, y + v * height];
@@ -122,14 +122,14 @@ test("two fingers zoom, and a page that scrolls goes on", async () => {
     assertQuiet(page);
 });
 
-// The view that is chosen, and the labels of its left and right.
+// Returns the selected view, and the labels of its left and right pictures.
 async function chosen(page) {
     const view = ".view:not([hidden])";
     const selectors = ["[role=tab][aria-selected=true]", `${view} .tag.left`, `${view} .tag.right`];
     return Promise.all(selectors.map((selector) => page.locator(selector).textContent()));
 }
 
-test("what is chosen stays chosen by its label", async () => {
+test("selections persist by label", async () => {
     const page = await open(browser, "views.html", [1200, 900]);
     assert.deepEqual(await chosen(page), ["first", "red", "blue"]);
     await click(page, "figure:nth-child(3) [aria-label='Show blue on the left']");
@@ -145,7 +145,7 @@ test("what is chosen stays chosen by its label", async () => {
     assert.deepEqual(await chosen(page), ["first", "green", "blue"]);
     await page.waitForFunction(() => location.hash === "#view=first&left=green&right=blue");
 
-    // The address that the page gave itself brings the same back.
+    // The address written by the page restores the same state.
     await page.reload();
     assert.deepEqual(await chosen(page), ["first", "green", "blue"]);
     await page.evaluate(() => (location.hash = "#view=second&left=nobody&right=red&zoom=4&x=0.5&wipe=many"));

@@ -1,5 +1,5 @@
-// Draws what FOLDER's scene.json says by WebGL 2 into floats: one mesh, shared textures and blocks, many shaders. The
-// pixels of shader N, from the top left, are written to N.json.
+// Draws the scene in FOLDER's scene.json with WebGL 2 into floats: one mesh, shared textures and blocks, many
+// shaders. The pixels of shader N, from the top left, are written to N.json.
 
 import assert from "node:assert/strict";
 import { readFile, writeFile } from "node:fs/promises";
@@ -94,7 +94,7 @@ const missing = await page.evaluate((scene) => {
         for (let location = 0; location < 8; location++) gl.disableVertexAttribArray(location);
         gl.deleteProgram(program);
         const row = (y) => Array.from(pixels.subarray((height - 1 - y) * width * 4, (height - y) * width * 4));
-        const fault = log || (gl.getError() ? "an error of WebGL" : "");
+        const fault = log || (gl.getError() ? "a WebGL error" : "");
         return { fault, pixels: Array.from({ length: height }, (_, y) => row(y)).flat() };
     };
     return [];

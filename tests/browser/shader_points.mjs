@@ -1,5 +1,5 @@
-// Runs the shaders of FOLDER's points.json over its points by WebGL 2 into floats. The pixels of all draws of shader N,
-// row by row as they were asked for, are written to N.bin.
+// Runs the shaders of FOLDER's points.json over its points with WebGL 2 into floats. The pixels of all draws of
+// shader N, row by row in the requested order, are written to N.bin.
 
 import assert from "node:assert/strict";
 import { readFile, writeFile } from "node:fs/promises";
@@ -8,7 +8,7 @@ import { complaintsOfReader, folder, launch, newPage } from "./browser.mjs";
 
 const { shaders, ...scene } = JSON.parse(await readFile(path.join(folder, "points.json"), "utf8"));
 
-// No server stands behind this address: the files are handed out below.
+// There is no server at this address: requests are answered below.
 const SITE = "http://localhost/";
 
 // WebGL without a graphics card.
@@ -107,7 +107,7 @@ const missing = await page.evaluate(async (scene) => {
         });
         gl.deleteProgram(program);
         gl.deleteShader(shader);
-        return { fault: gl.getError() ? "an error of WebGL" : "", pixels: await dataUrl(new Blob([pixels])) };
+        return { fault: gl.getError() ? "a WebGL error" : "", pixels: await dataUrl(new Blob([pixels])) };
     };
     return "";
 }, scene);

@@ -1,5 +1,6 @@
-// Compiles FOLDER's shaders.json: as WebGL 2 pairs of vertex and fragment shaders, and where the fields of their uniform
-// blocks lie; as WebGPU modules in WGSL. Fails where Chromium refuses one, warns of one, or lays a block out otherwise.
+// Compiles FOLDER's shaders.json: as pairs of WebGL 2 vertex and fragment shaders, checking the layout of their
+// uniform blocks; and as WebGPU modules in WGSL. Fails if Chromium rejects a shader, warns about it, or uses another
+// layout.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -9,7 +10,7 @@ import { complaints, folder, launch, newPage } from "./browser.mjs";
 const shaders = JSON.parse(await readFile(path.join(folder, "shaders.json"), "utf8"));
 assert(shaders.length > 0, "there are shaders");
 
-// WebGPU is given to pages of a secure address alone. No server stands behind this one.
+// WebGPU is available only to pages with a secure address. There is no server at this one.
 const SITE = "http://localhost/";
 
 // WebGL and WebGPU without a graphics card.
@@ -28,8 +29,8 @@ const faults = await page.evaluate((shaders) => {
         gl.compileShader(shader);
         return shader;
     };
-    // What the browser says of a pair; empty where all is well.
-    const told = ({ name, vertex, fragment, offsets }) => {
+    // Returns the browser's messages about a pair; empty if there are none.
+    const check = ({ name, vertex, fragment, offsets }) => {
         const pair = [compiled(gl.VERTEX_SHADER, vertex), compiled(gl.FRAGMENT_SHADER, fragment)];
         const program = gl.createProgram();
         pair.forEach((shader) => gl.attachShader(program, shader));
@@ -39,27 +40,27 @@ const faults = await page.evaluate((shaders) => {
         const names = linked ? Object.keys(offsets) : [];
         const indices = gl.getUniformIndices(program, names) ?? [];
         const found = names.length ? gl.getActiveUniforms(program, indices, gl.UNIFORM_OFFSET) : [];
-        const moved = names.filter((name, i) => found[i] !== offsets[name]).map((name) => `${name} is elsewhere`);
+        const moved = names.filter((name, i) => found[i] !== offsets[name]).map((name) => `${name} has another offset`);
         pair.forEach((shader) => gl.deleteShader(shader));
         gl.deleteProgram(program);
         const faults = [...logs.filter((log) => log), ...moved, ...(linked ? [] : ["not linked"])];
         return faults.map((fault) => `${name}: ${fault}`);
     };
-    return shaders.flatMap(told);
+    return shaders.flatMap(check);
 }, shaders);
 assert.deepEqual(faults, []);
 
-// What WebGPU says of the modules; none where there is no WebGPU.
+// The WebGPU messages about the modules; null without WebGPU.
 const messages = await page.evaluate(async (shaders) => {
     const device = await (await navigator.gpu?.requestAdapter())?.requestDevice();
     if (!device) return null;
-    const told = async ({ name, wgsl }) => {
+    const check = async ({ name, wgsl }) => {
         const { messages } = await device.createShaderModule({ code: wgsl }).getCompilationInfo();
         return messages.map(({ type, message, lineNum }) => `${name}: ${type} in line ${lineNum}: ${message}`);
     };
-    return (await Promise.all(shaders.map(told))).flat();
+    return (await Promise.all(shaders.map(check))).flat();
 }, shaders);
 assert.deepEqual(messages ?? [], []);
 assert.deepEqual(complaints(page), []);
-console.log(`${shaders.length} shaders compiled${messages ? "" : ", in WGSL none: no WebGPU"}`);
+console.log(`${shaders.length} shaders compiled${messages ? "" : ", none in WGSL: no WebGPU"}`);
 await browser.close();

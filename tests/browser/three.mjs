@@ -1,4 +1,4 @@
-// Draws FOLDER's model.glb by three.js as its view.json says, in the page that is named, and writes three.png.
+// Draws FOLDER's model.glb with three.js according to its view.json, in the given page, and writes three.png.
 
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
@@ -9,10 +9,10 @@ import { complaints, folder, launch, newPage } from "./browser.mjs";
 
 const here = path.dirname(fileURLToPath(import.meta.url));
 
-// No server stands behind this address: the files are handed out below.
+// There is no server at this address: requests are answered below.
 const SITE = "http://localhost";
 
-// What the page asks for lies beside this script or in the folder.
+// Finds a file that the page requests, next to this script or in the folder.
 function file(url) {
     const name = new URL(url).pathname.slice(1);
     const places = [here, path.join(here, "node_modules"), folder];

@@ -1,4 +1,4 @@
-// Pages of `taotie view` as tests meet them.
+// Helpers for tests of `taotie view` pages.
 
 import assert from "node:assert/strict";
 import path from "node:path";
@@ -10,17 +10,17 @@ export const launchWebGl = () => launch(["--use-angle=swiftshader", "--enable-un
 
 export const address = (name, fragment = "") => pathToFileURL(path.join(folder, name)).href + (fragment && `#${fragment}`);
 
-// Width and height of a window in which little has to be drawn.
+// Width and height of a small window that is quick to draw.
 export const SIZE = [720, 320];
 
-// Waits until the picture is drawn in all its samples.
+// Waits until the picture is drawn with all samples.
 export async function still(page) {
     const ended = () => ["still", "failed"].find((state) => document.querySelector("taotie-viewer")?.dataset.state === state);
     const state = await (await page.waitForFunction(ended, null, { timeout: 60_000 })).jsonValue();
     assert.equal(state, "still", await page.locator(".message").first().textContent().catch(() => ""));
 }
 
-// A page of a viewer in a window of this size, once its picture stands still.
+// Opens a viewer page in a window of this size and waits until its picture is still.
 export async function openViewer(browser, name, { fragment, size = SIZE } = {}) {
     const page = await newPage(browser, size);
     await page.goto(address(name, fragment));
@@ -30,7 +30,7 @@ export async function openViewer(browser, name, { fragment, size = SIZE } = {}) 
 
 export const state = (page) => page.evaluate(() => window.taotie.state);
 
-// The picture in this size as a PNG file.
+// Returns the picture in this size as a PNG file.
 export async function picture(page, size) {
     const data = await page.evaluate(async (size) => {
         const blob = await window.taotie.picture(size);

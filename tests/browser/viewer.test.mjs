@@ -1,4 +1,4 @@
-// The pages of `taotie view` as hand, keys and eye meet them.
+// Tests the pages of `taotie view` by mouse, touch, keys and pixels.
 
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
@@ -18,7 +18,7 @@ after(() => browser.close());
 
 const pages = new Map();
 
-// The page of this name, which tests share, showing a link in a window of the usual size.
+// Returns the shared page with this name, showing a link in a window of the usual size.
 async function shown(name, fragment = "") {
     const page = pages.get(name) ?? (await openViewer(browser, name));
     pages.set(name, page);
@@ -30,7 +30,7 @@ async function shown(name, fragment = "") {
 
 const near = (a, b, slack = 1e-3) => assert(Math.abs(a - b) <= slack, `${a} instead of ${b}`);
 
-// Moves a pressed mouse over the picture by so many pixels.
+// Drags the mouse over the picture by this many pixels.
 async function dragCanvas(page, [x, y]) {
     const from = await pointOf(page, "canvas", [0.5, 0.5]);
     await page.mouse.move(...from);
@@ -40,7 +40,7 @@ async function dragCanvas(page, [x, y]) {
     await still(page);
 }
 
-// Sum of a pixel's channels at fractions of the picture.
+// Returns the sum of a pixel's channels at fractions of the picture.
 async function light(page, at) {
     const color = await colorAt(page, await pointOf(page, "canvas", at));
     return color.reduce((sum, channel) => sum + channel);
@@ -65,7 +65,7 @@ test("a drag turns the model, and with shift the light", async () => {
     assertQuiet(page);
 });
 
-test("where frames take long, moving pictures have fewer pixels", async () => {
+test("moving pictures have fewer pixels if frames take long", async () => {
     const page = await shown("view.html");
     const widths = await page.evaluate(async () => {
         const { prototype } = WebGL2RenderingContext;
@@ -101,7 +101,7 @@ test("light from a side lights that side", async () => {
     await still(page);
     const [darker, brighter] = await sides();
     assert(brighter > darker + 30, `${darker}, ${brighter}`);
-    // A light that is fixed to the object stays with it.
+    // A light fixed to the object stays with it.
     await page.getByLabel("Fixed to").selectOption("object");
     await still(page);
     const fixed = await state(page);
@@ -109,7 +109,7 @@ test("light from a side lights that side", async () => {
     assertQuiet(page);
 });
 
-test("keys do what the hand does", async () => {
+test("keys do the same as the mouse", async () => {
     const page = await shown("view.html");
     const first = await state(page);
     await page.locator("canvas").focus();
@@ -129,7 +129,7 @@ test("keys do what the hand does", async () => {
     assertQuiet(page);
 });
 
-test("fingers turn and zoom", { skip: isFirefox && "Playwright has no fingers for Firefox" }, async () => {
+test("touch turns and zooms", { skip: isFirefox && "Playwright has no touch input for Firefox" }, async () => {
     const page = await shown("view.html");
     const first = await state(page);
     const [x, y] = await pointOf(page, "canvas", [0.5, 0.5]);
@@ -143,7 +143,7 @@ test("fingers turn and zoom", { skip: isFirefox && "Playwright has no fingers fo
     assertQuiet(page);
 });
 
-test("a link brings back every pixel", async () => {
+test("a link reproduces every pixel", async () => {
     const page = await shown("view.html");
     await page.evaluate(() => {
         const [azimuth, elevation, distance] = window.taotie.state.view;
@@ -162,14 +162,14 @@ test("a link brings back every pixel", async () => {
     await again.close();
 });
 
-test("a saved picture holds its link", async () => {
+test("a saved picture contains its link", async () => {
     const page = await shown("view.html", "mode=normals");
     const png = await picture(page, [64, 64]);
     assert(png.includes("iTXttaotie:view\0\0\0\0\0mode=normals"));
     assert.deepEqual([png.readUInt32BE(16), png.readUInt32BE(20)], [64, 64]);
 });
 
-test("every mode draws something of its own", async () => {
+test("every mode draws a different picture", async () => {
     const page = await shown("view.html");
     const seen = new Set();
     const modes = await page.getByLabel("Show", { exact: true }).locator("option").evaluateAll((all) => all.map((o) => o.value));
@@ -193,7 +193,7 @@ test("every reflectance model compiles", async () => {
     assertQuiet(page);
 });
 
-// What axe finds in a window of this size.
+// Checks that axe finds no violations in a window of this size.
 async function audit(page, [width, height], colorScheme) {
     await page.setViewportSize({ width, height });
     await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
@@ -204,14 +204,14 @@ async function audit(page, [width, height], colorScheme) {
     assert(!wide, "the page is wider than the window");
 }
 
-test("axe finds nothing on a desk, and on a phone at night", async () => {
+test("axe finds no violations on a desktop and on a phone in dark mode", async () => {
     const page = await shown("view.html", "light=raking");
     await page.evaluate(axe.source);
     await audit(page, [900, 500], "light");
     await audit(page, [390, 780], "dark");
 });
 
-test("a phone begins without controls", async () => {
+test("controls are hidden initially on a phone", async () => {
     const page = await newPage(browser, [390, 500]);
     await page.goto(address("proof.html"));
     await still(page);
@@ -222,7 +222,7 @@ test("a phone begins without controls", async () => {
     await page.close();
 });
 
-test("the focus is seen", async () => {
+test("the focus is visible", async () => {
     const page = await shown("view.html");
     await page.bringToFront();
     await page.locator("canvas").focus();
@@ -236,7 +236,7 @@ test("the focus is seen", async () => {
     assert.deepEqual(outline, ["CANVAS", "solid", true]);
 });
 
-test("a wipe shows two models in one light", async () => {
+test("a wipe shows two models in the same light", async () => {
     const page = await shown("proof.html", "mode=normals");
     const left = await colorAt(page, await pointOf(page, "canvas", [0.55, 0.4]));
     await page.getByLabel("Right of the wipe").selectOption("smooth");
@@ -264,7 +264,7 @@ test("a wipe shows two models in one light", async () => {
     assertQuiet(page);
 });
 
-test("the error under the pointer is that of the map", async () => {
+test("the error under the pointer matches the map", async () => {
     const page = await shown("proof.html", "mode=error");
     // Above the legend.
     const at = await pointOf(page, "canvas", [0.5, 0.3]);
@@ -272,7 +272,7 @@ test("the error under the pointer is that of the map", async () => {
     assert(degrees >= 0 && degrees < 10, `${degrees}`);
     const { errors } = await page.evaluate(() => window.taotie.data);
     assert(errors.mean > 0.1 && errors.mean < 10, `${errors.mean}`);
-    // The colour that is drawn is the legend's at this angle.
+    // The drawn colour is that of the legend at this angle.
     const place = (degrees / errors.top) * (errors.stops.length - 1);
     const [a, b] = [errors.stops[Math.floor(place)], errors.stops[Math.ceil(place)]];
     const wanted = a.map((channel, i) => channel + (b[i] - channel) * (place % 1));
@@ -285,29 +285,29 @@ test("the error under the pointer is that of the map", async () => {
 
 test("distances and sections are measured on the model", async () => {
     const page = await shown("proof.html");
-    // Whole pixels, since Firefox knows no others of a mouse.
+    // Whole pixels, since Firefox rounds mouse positions.
     const pixel = async (at) => (await pointOf(page, "canvas", at)).map(Math.round);
     const ends = [await pixel([0.45, 0.5]), await pixel([0.55, 0.5])];
     const picked = (at) => page.evaluate((at) => ({ ...window.taotie.pick(...at), point: window.taotie.pick(...at).point.toArray() }), at);
     const picks = [await picked(ends[0]), await picked(ends[1])];
     const points = picks.map(({ point }) => point);
     const length = Math.hypot(...points[0].map((v, i) => v - points[1][i]));
-    // Half a pixel of each end: the picture shows the ball, of two units, with some room around it, and its near side larger.
+    // Half a pixel for each end: the picture shows a ball of two units with a margin, and its near side is larger.
     const height = await page.evaluate(() => window.taotie.canvas.clientHeight);
     const pixel_length = (picks[0].precision * 2 * height) / 2;
     assert(pixel_length > 0.8 && pixel_length < 1.1, `${pixel_length}`);
     await page.locator("summary", { hasText: "Measure" }).click();
     await page.getByRole("button", { name: "Section" }).click();
     for (const at of ends) await page.mouse.click(...at);
-    const told = await page.locator(".result").textContent();
-    const [, value, doubt, unit] = told.match(/^([0-9.]+) ± ([0-9.]+) (mm|cm|m)$/) ?? assert.fail(told);
+    const result = await page.locator(".result").textContent();
+    const [, value, doubt, unit] = result.match(/^([0-9.]+) ± ([0-9.]+) (mm|cm|m)$/) ?? assert.fail(result);
     const metres = { mm: 1e-3, cm: 1e-2, m: 1 }[unit];
     near(value * metres, length, doubt * metres);
     const { errors } = await page.evaluate(() => window.taotie.data);
     const known = Math.hypot(...picks.map(({ precision }) => precision), errors.rms, errors.rms);
     near(doubt * metres, known, 0.5 * known);
     const decimals = (text) => (text.split(".")[1] ?? "").length;
-    assert.equal(decimals(value), decimals(doubt), "digits end where the doubt does");
+    assert.equal(decimals(value), decimals(doubt), "the value is rounded to its uncertainty");
     const csv = await saved(page, () => page.getByRole("button", { name: "Profile as CSV" }).click());
     const [head, ...rows] = csv.toString().trim().split("\n");
     assert.equal(head, "along_from (m),above_from (m),along_to (m),above_to (m)");
@@ -315,14 +315,14 @@ test("distances and sections are measured on the model", async () => {
     assert.match(svg.toString(), /<title>Profile, lengths in m<\/title>/);
     const pieces = rows.map((row) => row.split(",").map(Number));
     assert(pieces.length >= 2, `${pieces.length} pieces`);
-    // Between the points a ball bulges by its sagitta, and its far side lies two radii behind.
+    // Between the points the ball bulges by its sagitta, and its far side lies two radii behind.
     const nearSide = pieces.flatMap(([, a, , b]) => [a, b]).filter((above) => above > -0.5);
     const sagitta = 1 - Math.sqrt(1 - (length / 2) ** 2);
     assert(Math.max(...nearSide) <= sagitta + 0.02 && Math.max(...nearSide) > 0, `${nearSide}, ${sagitta}`);
     assertQuiet(page);
 });
 
-test("bookmarks go to their views, and are saved", async () => {
+test("bookmarks show their views and are saved", async () => {
     const page = await shown("view.html");
     const first = await state(page);
     await page.getByRole("button", { name: "The rim <i>" }).click();
@@ -340,13 +340,13 @@ test("bookmarks go to their views, and are saved", async () => {
     assertQuiet(page);
 });
 
-test("rights and source are told", async () => {
+test("rights and source are shown", async () => {
     const page = await shown("view.html");
-    const told = await page.locator("#panel dl").first().textContent();
-    assert(told.includes("Copyright") && told.includes("A museum <b>"), told);
+    const shownFacts = await page.locator("#panel dl").first().textContent();
+    assert(shownFacts.includes("Copyright") && shownFacts.includes("A museum <b>"), shownFacts);
 });
 
-test("a model that cannot be read says why", async () => {
+test("an unreadable model shows an error message", async () => {
     const page = await newPage(browser, SIZE);
     const text = await readFile(path.join(folder, "view.html"), "utf8");
     const nothing = gzipSync("no model").toString("base64");
@@ -358,7 +358,7 @@ test("a model that cannot be read says why", async () => {
     assert.deepEqual(complaints(page), []);
 });
 
-// A page of a server whose files lie in the folder; counts what is fetched from elsewhere.
+// Opens a page from a server for the folder, and checks that nothing is fetched from elsewhere.
 async function served(name, where = "") {
     const page = await newPage(browser, SIZE);
     const site = "http://localhost/";
@@ -374,29 +374,29 @@ async function served(name, where = "") {
     return page;
 }
 
-test("a folder shows what the page shows", async () => {
+test("a folder shows the same as the page", async () => {
     const page = await served("index.html", "site");
-    const alone = await shown("view.html");
+    const single = await shown("view.html");
     const pixels = async (page) => pixelData(await picture(page, [128, 128]));
-    assert.deepEqual(await pixels(page), await pixels(alone));
+    assert.deepEqual(await pixels(page), await pixels(single));
     await page.evaluate(() => window.taotie.change({ mode: "clay" }));
     await still(page);
     assert(page.url().endsWith("#mode=clay"));
     await page.close();
 });
 
-test("an element shows a folder on a page of other content", async (t) => {
-    if (!existsSync(path.join(folder, "taotie-viewer.js"))) return t.skip("viewer/ has no packages");
+test("an element shows a folder on a page with other content", async (t) => {
+    if (!existsSync(path.join(folder, "taotie-viewer.js"))) return t.skip("no packages in viewer/");
     const attributes = 'src="site" light="-75,10,2" camera="30,20" shading="cook-torrance"';
     const body = `<h1>Bronzes</h1><taotie-viewer ${attributes}></taotie-viewer><script type="module" src="taotie-viewer.js"></script>`;
     const style = "<style>taotie-viewer { width: 400px; height: 250px } p { height: 2000px }</style>";
     const html = `<!doctype html><html lang="en"><title>Bronzes</title>${style}${body}<p>More.</p></html>`;
     await writeFile(path.join(folder, "bronzes.html"), html);
     const page = await served("bronzes.html");
-    const told = () => page.evaluate(() => document.querySelector("taotie-viewer").state);
-    const { light, from, strength, view, shading } = await told();
+    const current = () => page.evaluate(() => document.querySelector("taotie-viewer").state);
+    const { light, from, strength, view, shading } = await current();
     assert.deepEqual([light, from, strength, view.slice(0, 2), shading], ["raking", [-75, 10], 2, [30, 20], "cook-torrance"]);
-    // It has the size that the page gives it, hides its controls, and leaves the address alone.
+    // It has the size set by the page, hides its controls, and does not change the address.
     const { width, height } = await page.locator("taotie-viewer").boundingBox();
     assert.deepEqual([width, height], [400, 250]);
     assert(!(await page.locator("#panel").isVisible()));
@@ -419,7 +419,7 @@ test("an element shows a folder on a page of other content", async (t) => {
     await page.close();
 });
 
-test("the report of a bake begins with its asset", async () => {
+test("the report of a bake starts with its asset", async () => {
     const page = await openViewer(browser, "baked.report.html", { size: [1000, 600] });
     assert.equal(await page.getByRole("tab", { selected: true }).textContent(), "model");
     assert.equal(await page.locator("h1").count(), 1);
@@ -430,7 +430,7 @@ test("the report of a bake begins with its asset", async () => {
     const degrees = await page.evaluate((at) => window.taotie.errorUnder(...at), at);
     assert(degrees >= 0 && degrees < 20, `${degrees}`);
     await page.mouse.move(...at);
-    // The wheel scrolls the page until the picture has been chosen.
+    // The wheel scrolls the page until the picture has the focus.
     const distance = (await state(page)).view[2];
     await page.mouse.wheel(0, 10);
     assert.equal((await state(page)).view[2], distance);
@@ -448,7 +448,7 @@ test("the report of a bake begins with its asset", async () => {
     assertQuiet(page);
 });
 
-test("manifests hold the views of the page", async () => {
+test("manifests contain the views of the page", async () => {
     const read = async (name) => JSON.parse(await readFile(path.join(folder, "site", name), "utf8"));
     const [scene, canvas] = [await read("manifest.json"), await read("manifest-3.json")];
     const base = "https://museum.example/vase/";

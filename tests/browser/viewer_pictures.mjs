@@ -1,17 +1,17 @@
-// Writes the pictures that cases.json asks for: of a page, what its link names, and how large.
+// Writes the pictures requested by cases.json: the page, the link and the size of each.
 
 import { readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { assertQuiet, folder, newPage } from "./browser.mjs";
 import { address, launchWebGl, picture, still } from "./viewer.mjs";
 
-// Goes to a link within the page, whose viewer has heard of it then.
+// Follows a link within the page and waits until the viewer has been notified.
 const follow = (fragment) =>
     new Promise((done) => {
         addEventListener("hashchange", () => done(), { once: true });
-        const isThere = location.hash.slice(1) === fragment;
+        const isSame = location.hash.slice(1) === fragment;
         location.hash = fragment;
-        if (isThere) done();
+        if (isSame) done();
     });
 
 const cases = JSON.parse(await readFile(path.join(folder, "cases.json"), "utf8"));

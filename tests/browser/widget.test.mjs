@@ -1,5 +1,5 @@
-// The widget of notebooks in a page that gives it traits as anywidget does. `state.json` in the folder has the traits and
-// the names of the viewer's files, which lie beside it, as does `module.mjs`.
+// Tests the notebook widget in a page that passes traits like anywidget. `state.json` in the folder contains the
+// traits and the names of the viewer's files, which are next to it, as is `module.mjs`.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -13,7 +13,7 @@ const PAGE = "<!doctype html><title>Notebook</title><link rel=icon href=data:,><
 const browser = await launchWebGl();
 after(() => browser.close());
 
-// Modules are not loaded from disk.
+// Browsers do not load modules from disk.
 const server = createServer(async (request, response) => {
     const name = path.basename(request.url);
     const kind = { "index.html": "text/html", "module.mjs": "text/javascript" }[name] ?? "application/octet-stream";
@@ -23,13 +23,13 @@ const server = createServer(async (request, response) => {
 await new Promise((done) => server.listen(0, "127.0.0.1", done));
 after(() => server.close());
 
-// Renders the widget; `window.model` holds its traits and notes in `told` what goes to Python.
+// Renders the widget; `window.model` has its traits, and `window.sent` records what is sent to Python.
 async function render({ files, traits }) {
     const bytes = async (name) => new DataView(await (await fetch(name)).arrayBuffer());
     const held = await Promise.all(files.map(async (name) => [name, await bytes(name)]));
     const values = new Map(Object.entries({ ...traits, _files: Object.fromEntries(held) }));
     const listeners = new Map();
-    window.told = [];
+    window.sent = [];
     window.model = {
         get: (name) => values.get(name),
         set(name, value) {
@@ -37,7 +37,7 @@ async function render({ files, traits }) {
             for (const heard of listeners.get(`change:${name}`) ?? []) heard();
         },
         on: (name, heard) => void listeners.set(name, [...(listeners.get(name) ?? []), heard]),
-        save_changes: () => void window.told.push(Object.fromEntries([...values].filter(([name]) => !name.startsWith("_")))),
+        save_changes: () => void window.sent.push(Object.fromEntries([...values].filter(([name]) => !name.startsWith("_")))),
     };
     const { default: widget } = await import("./module.mjs");
     window.remove = widget.render({ model: window.model, el: document.querySelector("main") });
@@ -51,7 +51,7 @@ async function still(page) {
 const get = (page, name) => page.evaluate((name) => window.model.get(name), name);
 const state = (page) => page.evaluate(() => document.querySelector("taotie-viewer").state);
 
-test("what Python said is shown, a hand is told, and Python goes on", async () => {
+test("state from Python is shown, and changes are sent both ways", async () => {
     const page = await newPage(browser, [720, 400]);
     await page.goto(`http://127.0.0.1:${server.address().port}/index.html`);
     await page.evaluate(render, JSON.parse(await readFile(path.join(folder, "state.json"), "utf8")));
@@ -67,7 +67,7 @@ test("what Python said is shown, a hand is told, and Python goes on", async () =
     await still(page);
     const turned = await get(page, "camera");
     assert(Math.abs(turned[0] - (azimuth - 20)) < 1e-3 && Math.abs(turned[1] - (elevation + 10)) < 1e-3, String(turned));
-    assert.deepEqual(await page.evaluate(() => window.told.at(-1).camera), turned);
+    assert.deepEqual(await page.evaluate(() => window.sent.at(-1).camera), turned);
 
     await page.evaluate(() => {
         window.model.set("camera", [30, 20, window.model.get("camera")[2]]);
@@ -78,9 +78,9 @@ test("what Python said is shown, a hand is told, and Python goes on", async () =
     await still(page);
     const set = await state(page);
     assert.deepEqual([set.view.slice(0, 2), set.light, set.mode, set.beside], [[30, 20], "given", "error", "scan"]);
-    const told = await page.evaluate(() => window.told.length);
+    const sent = await page.evaluate(() => window.sent.length);
     await settle(page);
-    assert.equal(await page.evaluate(() => window.told.length), told, "nothing is told again and again");
+    assert.equal(await page.evaluate(() => window.sent.length), sent, "nothing is sent repeatedly");
     assert.equal((await get(page, "height")), 300);
     const box = await page.locator("taotie-viewer").boundingBox();
     assert.equal(Math.round(box.height), 300);

@@ -1,9 +1,9 @@
 """A small rig at several times in double precision, from the glTF 2.0 specification.
 
-Writes animation_oracle.json beside itself: `python3 tests/oracle/animation_oracle.py` (needs NumPy).
+Writes animation_oracle.json next to itself: `python3 tests/oracle/animation_oracle.py` (needs NumPy).
 
-Each step goes another way than the Rust code: rotations are interpolated through the logarithm of matrices, splines
-through their Bézier points, and normals carried by the inverse transpose of each vertex's matrix.
+Each step differs from the Rust code: rotations are interpolated via the logarithm of matrices, splines via their
+Bézier points, and normals are transformed by the inverse transpose of each vertex's matrix.
 
 Schema: `nodes` (parent, translation, rotation as quaternion x y z w, scale, weights), `skin` (joints, inverse bind
 matrices by rows), `mesh` (positions, normals, tangents, two targets, joints, joint weights), `animation` (channels with
@@ -19,7 +19,7 @@ random = np.random.default_rng(3)
 
 
 def stored(values):
-    """As a file holds them: 32 bits."""
+    """Values as stored in a file: 32 bits."""
     return np.asarray(values, np.float32).astype(float)
 
 
@@ -33,7 +33,7 @@ def unit_rows(shape):
 
 
 def rotation_matrix(q):
-    """Of the quaternion x y z w, made unit: v + 2 w (u × v) + 2 u × (u × v)."""
+    """The matrix of the quaternion x y z w, normalised: v + 2 w (u × v) + 2 u × (u × v)."""
     q = q / np.linalg.norm(q)
     u, w = q[:3], q[3]
     cross = np.array([[0, -u[2], u[1]], [u[2], 0, -u[0]], [-u[1], u[0], 0]])
@@ -41,7 +41,7 @@ def rotation_matrix(q):
 
 
 def between(a, b, t):
-    """The rotation matrix the part t of the way from a to b along the axis of aᵀ b."""
+    """The rotation matrix at fraction t of the way from a to b, about the axis of aᵀ b."""
     turn = a.T @ b
     angle = np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1))
     if angle < 1e-12:
@@ -148,7 +148,7 @@ def rig():
     }
     binds = [np.vstack([np.hstack([np.eye(3) + numbers((3, 3), 0.1), numbers((3, 1))]), [0, 0, 0, 1]]) for _ in "ab"]
     skin = {"joints": [1, 2], "inverse_bind_matrices": binds}
-    # Rotation keyframes on either side of the sphere: q and −q are one rotation, and the shorter way is wanted.
+    # Rotation keyframes on either side of the sphere: q and −q are one rotation, and the shorter path is expected.
     either_side = lambda shape: unit_rows(shape) * np.array([1, -1, 1, -1])[:, None]
     channels = [
         channel(0, "translation", "LINEAR", 3),

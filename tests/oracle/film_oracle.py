@@ -1,6 +1,6 @@
 """Tone curves and the sRGB encoding in double precision, from their publications.
 
-Writes film_oracle.json beside itself: `python3 tests/oracle/film_oracle.py` (needs NumPy).
+Writes film_oracle.json next to itself: `python3 tests/oracle/film_oracle.py` (needs NumPy).
 Row vectors throughout; the Rust code uses columns.
 """
 
@@ -16,7 +16,7 @@ def srgb(linear):
 
 
 def neutral(color):
-    """Khronos PBR Neutral specification, its three steps one colour at a time."""
+    """Khronos PBR Neutral specification: its three steps, one colour at a time."""
     f90, ks, kd = 0.04, 0.8 - 0.04, 0.15
     out = np.empty_like(color)
     for i, c in enumerate(color):
@@ -42,7 +42,7 @@ ACES_OUT = np.array([[1.60475, -0.10208, -0.00327], [-0.53108, 1.10813, -0.07276
 
 
 def aces(color):
-    """Hill's fit, behind the factor 1/0.6."""
+    """Hill's fit, after the factor 1/0.6."""
     v = (color / 0.6) @ ACES_IN
     v = np.polyval([1, 0.0245786, -0.000090537], v) / np.polyval([0.983729, 0.4329510, 0.238081], v)
     return v @ ACES_OUT
@@ -63,7 +63,7 @@ AGX_OUT = np.array([
 
 
 def agx(color):
-    """Log encoding over [-10, 6.5] stops about 0.18, polynomial sigmoid, gamma 2.2; base look."""
+    """Log encoding over [-10, 6.5] stops around 0.18, polynomial sigmoid, gamma 2.2; base look."""
     low, high = np.log2(0.18) - 10, np.log2(0.18) + 6.5
     v = color @ REC2020_FROM_SRGB @ AGX_IN
     x = np.clip((np.log2(np.maximum(v, 1e-10)) - low) / (high - low), 0, 1)

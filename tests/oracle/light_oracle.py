@@ -1,8 +1,8 @@
 """Energy, layers and antialiasing for `crates/taotie/tests/oracle/light.rs`, in double precision.
 
 Written from the papers named at each function. Directional albedos are integrals over light directions on a grid of
-polar angle and azimuth that is graded towards the mirror direction, or the mean over visible facets drawn at random,
-not the quadrature over half vectors that made the renderer's tables. Writes `light_oracle.json` beside this file:
+polar angle and azimuth that is graded towards the mirror direction, or the mean over randomly drawn visible facets,
+not the quadrature over half vectors used for the renderer's tables. Writes `light_oracle.json` next to this file:
 
     ggx, cook_torrance  list of {n_dot_v, roughness or slope, scale, bias, edge, diffuse_edge}
     sheen               list of {n_dot_v, roughness, albedo}
@@ -39,14 +39,14 @@ def composite(edges, count):
 
 
 def graded(lo, hi, peak, width):
-    """Edges between lo and hi that are dense about `peak`."""
+    """Edges between lo and hi that are dense around `peak`."""
     steps = width * np.concatenate([[0], 2.0 ** np.arange(-3, 12)])
     edges = np.unique(np.clip(np.concatenate([[lo, hi], peak - steps, peak + steps]), lo, hi))
     return edges
 
 
 def over_lights(n_dot_v, width, lobe):
-    """Integrals over the hemisphere of l, of each of what `lobe(nl, nh, vh)` returns, times n.l."""
+    """Integrals over the hemisphere of l of each value that `lobe(nl, nh, vh)` returns, times n.l."""
     theta_v = np.arccos(n_dot_v)
     theta, w_theta = composite(graded(0, np.pi / 2, theta_v, width), 24)
     phi, w_phi = composite(graded(0, np.pi, 0, max(width, 1e-3)), 24)  # from the mirror direction; both sides alike
@@ -138,7 +138,7 @@ def albedo_rows(rng):
         for r in roughnesses:
             found = albedo_ggx(n_dot_v, r)
             drawn = visible_facets(rng, n_dot_v, r * r, 400_000)
-            # The two ways agree, or neither is a truth.
+            # Neither can be trusted unless both agree.
             assert np.allclose(found[:3], drawn, atol=3e-3), (n_dot_v, r, found, drawn)
             ggx.append({"n_dot_v": n_dot_v, "roughness": r} | dict(zip(names, found)))
             m = r * r
@@ -222,7 +222,7 @@ def occlusion_row(rng, i):
 
 
 def divergence_row(alpha):
-    """One less the mean of n.m over the facets of GGX, which D n.m distributes (Walter et al. 2007, eq. 33)."""
+    """1 minus the mean of n.m over GGX facets, which are distributed as D n.m (Walter et al. 2007, eq. 33)."""
     # Facets by their quantile: tan^2 = alpha^2 u / (1 - u) (Walter et al. 2007, eq. 35); u = sin^2 x smooths the end.
     x, w = composite(np.linspace(0, np.pi / 2, 9), 40)
     u = np.sin(x) ** 2

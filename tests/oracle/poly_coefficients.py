@@ -73,7 +73,7 @@ def remez(target, weight, low, high, degree):
 
 
 def series(terms, x):
-    """sum terms(i) x^i, for arguments so small that the closed form loses its digits."""
+    """sum terms(i) x^i, for small arguments at which the closed form loses precision."""
     return sum(terms(i) * x**i for i in range(12))
 
 

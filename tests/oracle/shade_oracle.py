@@ -1,7 +1,7 @@
 """Reflectance values for `crates/taotie/tests/oracle/shade.rs`, in double precision.
 
-Written from the papers named at each function; textbook forms, angles and complex numbers where the renderer
-uses rearranged ones. Writes `shade_oracle.json` beside this file:
+Written from the papers named at each function, with textbook forms, angles and complex numbers where the renderer
+uses rearranged forms. Writes `shade_oracle.json` next to this file:
 
     cases   list of {n, v, l, base_color, metallic, roughness, f0, f82, f82_drop, diffuse, specular, shininess,
             slope} and the results: angles {n_dot_l, ...}, blocks {d_ggx, ...}, models {name: [r, g, b]}
@@ -33,7 +33,7 @@ def schlick(f0, f90, cos):
 
 
 def lazanyi_coefficient(f0, f82):
-    """Kutz, Hasan and Edmondson 2021: what makes the curve pass through f82 at cos = 1/7."""
+    """Kutz, Hasan and Edmondson 2021: the coefficient that makes the curve pass through f82 at cos = 1/7."""
     mu = 1 / 7
     return (schlick(f0, 1.0, mu) - f82) / (mu * (1 - mu) ** 6)
 
@@ -52,7 +52,7 @@ def fresnel_exact(cos, index):
     return float((abs(r_s) ** 2 + abs(r_p) ** 2) / 2)
 
 
-# Distributions, of the angle between n and h
+# Distributions of the angle between n and h
 
 
 def beckmann(theta, m):
@@ -182,7 +182,7 @@ def blocks(c, a):
 
 
 def direction(rng, lowest):
-    """A unit vector about z with its z in (lowest, 1]."""
+    """A unit vector around z with its z in (lowest, 1]."""
     z = lowest + (1 - lowest) * rng.random()
     phi = 2 * np.pi * rng.random()
     r = np.sqrt(1 - z * z)
@@ -272,7 +272,7 @@ def power_case(rng, i):
 
 
 def plain(value):
-    """NumPy values as what JSON can hold."""
+    """Converts NumPy values to JSON types."""
     if isinstance(value, dict):
         return {key: plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple, np.ndarray)):
@@ -281,7 +281,7 @@ def plain(value):
 
 
 def rounded(value):
-    """Results to 12 digits, a hundred thousand times finer than any test asks."""
+    """Rounds results to 12 digits, a hundred thousand times finer than any test requires."""
     if isinstance(value, dict):
         return {key: rounded(item) for key, item in value.items()}
     if isinstance(value, list):
@@ -290,7 +290,7 @@ def rounded(value):
 
 
 def row(values):
-    """A row as JSON: vectors in full, that they stay unit, the rest rounded."""
+    """A row as JSON: vectors in full so that they stay unit vectors, everything else rounded."""
     values = plain(values)
     return json.dumps({k: x if k in "nvl" else rounded(x) for k, x in values.items()}, allow_nan=False)
 

@@ -1,6 +1,6 @@
-"""Frames, normals and bumps in double precision, by other routes than the library's.
+"""Frames, normals and bumps in double precision, computed differently from the library.
 
-Writes surface_oracle.json beside itself: `python3 tests/oracle/surface_oracle.py` (needs NumPy).
+Writes surface_oracle.json next to itself: `python3 tests/oracle/surface_oracle.py` (needs NumPy).
 """
 
 import json
@@ -20,7 +20,7 @@ def derivatives(corners, uvs):
 
 
 def bumped(n, pu, pv, hu, hv):
-    """The normal of the surface p + h n where it is flat: the cross product of its own derivatives."""
+    """The normal of the surface p + h n, if flat, as the cross product of its derivatives."""
     raised = np.cross(pu + hu * n, pv + hv * n)
     return unit(raised * np.sign(np.dot(np.cross(pu, pv), n)))
 

@@ -1,9 +1,9 @@
-// The attributes of the element as parts of a state.
+// Converts attributes of the element to parts of a state.
 
 import type { Data } from "./data";
 import type { State } from "./state";
 
-/** The attributes that say what is shown. */
+/** The attributes that control the state. */
 export const SHOWN = ["light", "camera", "shading"] as const;
 type Shown = (typeof SHOWN)[number];
 
@@ -24,7 +24,7 @@ function camera(value: string, { view }: State): Partial<State> {
     return { view: [azimuth, elevation, distance ?? view[2]] };
 }
 
-/** What an attribute says; nothing where it says nothing sound. */
+/** The part of the state that an attribute sets; empty if its value is invalid. */
 export function said(name: Shown, value: string, { first, data }: { first: State; data: Data }): Partial<State> {
     if (name === "light") return light(value);
     if (name === "camera") return camera(value, first);

@@ -1,4 +1,4 @@
-// Views with a title: those of the page, and those that are added to it.
+// Titled views: those of the page, and those that the user adds.
 
 import { button, group } from "./controls";
 import type { Bookmark } from "./data";
@@ -7,7 +7,7 @@ import { manifest } from "./iiif";
 import { texts } from "./texts";
 import type { Viewer } from "./viewer";
 
-/** The part of the panel that goes to bookmarks and adds some. */
+/** The part of the panel for showing and adding bookmarks. */
 export function bookmarks(viewer: Viewer): HTMLElement {
     const { data } = viewer;
     const all: Bookmark[] = [...data.bookmarks];

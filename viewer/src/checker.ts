@@ -1,4 +1,4 @@
-// Squares that show how the uvs lie.
+// A checker pattern that shows the uv layout.
 
 import type { RawShaderMaterial } from "three";
 import { plain } from "./plain";

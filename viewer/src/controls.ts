@@ -1,4 +1,4 @@
-// Fields of the panel, each of one value of the state.
+// Fields of the panel, each for one value of the state.
 
 import { make } from "./dom";
 import type { State } from "./state";
@@ -17,7 +17,7 @@ export interface Choice {
     disabled?: boolean;
 }
 
-/** A list to choose from. */
+/** Creates a drop-down list. */
 export function choice(
     viewer: Viewer,
     name: string,
@@ -40,7 +40,7 @@ export interface Range {
     text(value: number): string;
 }
 
-/** A number to slide. */
+/** Creates a slider for a number. */
 export function range(
     viewer: Viewer,
     name: string,
@@ -60,7 +60,7 @@ export function range(
     return labelled(name, input, output);
 }
 
-/** A switch. */
+/** Creates a switch. */
 export function toggle(
     viewer: Viewer,
     name: string,
@@ -78,7 +78,7 @@ export function button(name: string, act: () => void): HTMLButtonElement {
     return made;
 }
 
-/** A part of the panel that can be folded. */
+/** Creates a collapsible part of the panel. */
 export function group(title: string, open: boolean, ...content: HTMLElement[]): HTMLElement {
     return make("details", open ? { open: "" } : {}, make("summary", {}, title), ...content);
 }

@@ -1,4 +1,4 @@
-// The data of a page, as crates/taotie-report/src/viewer writes them.
+// The data of a page, as written by crates/taotie-report/src/viewer.
 
 export interface Orbit {
     azimuth: number;
@@ -22,7 +22,7 @@ export interface Environment {
 }
 
 export interface Light {
-    /** Sixteen numbers a light. */
+    /** Sixteen numbers per light. */
     lights: number[][];
     ambient: [number, number, number];
     environment: Environment | null;
@@ -32,7 +32,7 @@ export interface Film {
     exposure: number;
     tone: string;
     background: [number, number, number] | null;
-    /** Places in a pixel, 1/256 pixel. */
+    /** Positions within a pixel, in 1/256 pixel. */
     samples: [number, number][];
 }
 
@@ -46,7 +46,7 @@ export interface Shader {
 
 export interface TextureUse {
     texture: number;
-    /** Wrapping along u and v, magnification and minification, as WebGL numbers them. */
+    /** WebGL constants for wrapping in u and v, magnification and minification. */
     sampler: [number, number, number, number];
 }
 
@@ -91,25 +91,25 @@ export interface ErrorMap {
     width: number;
     height: number;
     from: number;
-    /** The uv set by which it is laid out. */
+    /** The uv set of its layout. */
     uv_set: number;
-    /** Takes these uvs to the map: the rows of the linear part, then the offset. */
+    /** The transform from these uvs to the map: the rows of the linear part, then the offset. */
     transform: [number, number, number, number, number, number];
 }
 
-/** Angles between the normals of asset and scan, and the distance of their shapes, in the unit of the model. */
+/** Angles between the normals of asset and scan, and the distance between their shapes in the unit of the model. */
 export interface Errors {
     maps: (ErrorMap | null)[];
     top: number;
     stops: [number, number, number][];
     steps: number;
-    /** The mean on the surface as the proof has it, degrees. */
+    /** The mean on the surface according to the proof, degrees. */
     mean: number | null;
     rms: number;
     hausdorff: number;
 }
 
-/** A view with a title: the fragment of its link. */
+/** A titled view, with the fragment of its link. */
 export interface Bookmark {
     title: string;
     text: string;
@@ -120,7 +120,7 @@ export interface Data {
     version: string;
     title: string;
     facts: { name: string; value: string }[];
-    /** Whether lengths of the model are metres; else their unit is unknown. */
+    /** True if lengths of the model are in metres; otherwise their unit is unknown. */
     in_metres: boolean;
     bookmarks: Bookmark[];
     camera: Orbit | null;
@@ -133,7 +133,7 @@ export interface Data {
     tables: [number, number];
     frame: { fields: [string, number][]; bytes: number } | null;
     texts: { pieces: string[]; shaders: Shader[] };
-    /** The asset, and the scan where there is one. */
+    /** The asset, and the scan if there is one. */
     models: ModelData[];
     errors: Errors | null;
 }

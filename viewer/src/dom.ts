@@ -2,7 +2,7 @@
 
 type Child = Node | string;
 
-/** Makes an element with attributes and children. */
+/** Creates an element with attributes and children. */
 export function make<K extends keyof HTMLElementTagNameMap>(
     tag: K,
     attributes: Record<string, string> = {},
@@ -14,10 +14,10 @@ export function make<K extends keyof HTMLElementTagNameMap>(
     return element;
 }
 
-/** Offers a file to be saved. */
+/** Offers a file for download. */
 export function save(name: string, content: Blob): void {
     const link = make("a", { href: URL.createObjectURL(content), download: name });
     link.click();
-    // The browser has begun to read it by then.
+    // By then the browser has started reading it.
     setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }

@@ -1,4 +1,4 @@
-// The error of the model's normals on its surface, in the colours of its legend.
+// The normal error on the model's surface, in the colours of its legend.
 
 import {
     DataTexture,
@@ -14,9 +14,9 @@ import type { ErrorMap, Errors } from "./data";
 import type { Blobs } from "./host";
 import { plain } from "./plain";
 
-/** The number that stands for none. */
+/** The code for no value. */
 const NONE = 0xffff;
-/** The colour of what was not measured. */
+/** The colour of unmeasured texels. */
 const GREY = [96, 96, 96] as const;
 
 const FRAGMENT = `uniform sampler2D colors;
@@ -26,7 +26,7 @@ void main() {
 }
 `;
 
-/** The map of surfaces without one: a texel that stands for none. */
+/** The map for surfaces without one: a single texel without a value. */
 const UNKNOWN: ErrorMap = { width: 1, height: 1, from: 0, uv_set: 0, transform: [1, 0, 0, 1, 0, 0] };
 
 export class ErrorMaps {
@@ -39,7 +39,7 @@ export class ErrorMaps {
         return new ErrorMaps(errors, new Uint16Array(await blob("errors")));
     }
 
-    /** Degrees at a point of a surface, whose uvs of a set `uvOf` returns; none where nothing was measured. */
+    /** Degrees at a point of a surface, whose uvs in a set `uvOf` returns; undefined if not measured there. */
     at(surface: number, uvOf: (set: number) => [number, number] | undefined): number | undefined {
         const map = this.errors.maps[surface];
         const uv = map && uvOf(map.uv_set);
@@ -52,7 +52,7 @@ export class ErrorMaps {
         return code === undefined || code === NONE ? undefined : code / this.errors.steps;
     }
 
-    /** Draws a surface in the colours of its errors, which are codes of sRGB. */
+    /** The material that draws a surface in its error colours, which are encoded in sRGB. */
     material(surface: number): RawShaderMaterial {
         const map = this.errors.maps[surface];
         const shown = map ?? UNKNOWN;

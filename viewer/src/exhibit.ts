@@ -1,4 +1,4 @@
-// A model of the page, and sets of meshes that show it.
+// A model on the page, and sets of meshes that show it.
 
 import {
     LineBasicMaterial,
@@ -24,7 +24,7 @@ import { type Source, Textures } from "./textures";
 
 const LINES = 0x6aa3ff;
 
-/** What all models share. */
+/** The resources shared by all models. */
 export interface Shared extends Source {
     data: Data;
     frame: Frame;
@@ -38,18 +38,18 @@ export class Exhibit {
 
     private constructor(
         private readonly shared: Shared,
-        private readonly told: ModelData,
+        private readonly data: ModelData,
         readonly model: Model,
         private readonly materials: Materials,
     ) {}
 
-    /** Reads the model of this number. */
+    /** Loads the model with this index. */
     static async load(number: number, shared: Shared): Promise<Exhibit> {
-        const told = shared.data.models[number]!;
-        const model = await readModel(await shared.blobs(told.glb), told.surfaces);
-        const textures = new Textures(told, model, shared);
-        const materials = new Materials(shared.data, told, textures, shared.textures, shared.frame);
-        return new Exhibit(shared, told, model, materials);
+        const data = shared.data.models[number]!;
+        const model = await readModel(await shared.blobs(data.glb), data.surfaces);
+        const textures = new Textures(data, model, shared);
+        const materials = new Materials(shared.data, data, textures, shared.textures, shared.frame);
+        return new Exhibit(shared, data, model, materials);
     }
 
     get lens(): Orbit {
@@ -57,12 +57,12 @@ export class Exhibit {
     }
 
     get surfaces(): number {
-        return this.told.surfaces.length;
+        return this.data.surfaces.length;
     }
 
-    /** The number of the method by which a surface is drawn. */
+    /** The index of the method by which a surface is drawn. */
     method(number: number, { surface, mode }: State): number {
-        const { best, drawn } = this.told.surfaces[number]!;
+        const { best, drawn } = this.data.surfaces[number]!;
         const asked = surface === BEST ? best : this.shared.data.methods.indexOf(surface);
         return mode === "uv" ? 1 : drawn[asked]!;
     }
@@ -70,13 +70,13 @@ export class Exhibit {
     async material(number: number, state: State): Promise<RawShaderMaterial> {
         const { mode } = state;
         if (mode === "uv") return this.checker;
-        if (mode === "error" && this.told === this.shared.data.models[0]) return this.errorMaterial(number);
+        if (mode === "error" && this.data === this.shared.data.models[0]) return this.errorMaterial(number);
         const drawn = mode === "error" ? "clay" : mode;
         const shading = this.shared.data.shadings.indexOf(isShaded(mode) ? state.shading : "ggx");
         return this.materials.get(number, shading, this.method(number, state), drawn);
     }
 
-    /** The errors of the model's normals. */
+    /** The normal errors of the model. */
     errorMaps(): Promise<ErrorMaps> {
         this.maps ??= ErrorMaps.load(this.shared.data.errors!, this.shared.blobs);
         return this.maps;
@@ -102,7 +102,7 @@ export class Showing {
         this.scene.add(...this.meshes);
     }
 
-    /** Ends when the materials of a state are there. */
+    /** Resolves when the materials for a state are ready. */
     async prepare(state: State): Promise<void> {
         const { exhibit } = this;
         const all = await Promise.all(this.meshes.map((_, number) => exhibit.material(number, state)));
@@ -120,7 +120,7 @@ export class Showing {
         renderer.render(this.scene, camera);
     }
 
-    /** Draws what a light in this direction sees, for the shadows. */
+    /** Draws the view of a light in this direction, for the shadows. */
     cast(renderer: WebGLRenderer, to: Vector3): ShadowMap {
         const { scene } = this;
         this.shadow ??= new ShadowMap(this.exhibit.lens);

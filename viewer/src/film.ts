@@ -1,4 +1,4 @@
-// From light to the screen, as taotie::film develops it: samples are averaged in linear light, then come exposure, tone
+// Develops light for the screen like taotie::film: samples are averaged in linear light, followed by exposure, tone
 // curve, background and sRGB.
 
 import {
@@ -118,13 +118,13 @@ export interface Development {
     /** Stops. */
     exposure: number;
     tone: number;
-    /** True where pixels are numbers and no light. */
+    /** True if pixels are numbers rather than light. */
     numbers: boolean;
-    /** Linear RGB; transparent where there is none. */
+    /** Linear RGB; transparent if null. */
     background: [number, number, number] | null;
 }
 
-/** Two targets: of a sample, and of the sum of all. */
+/** Two render targets: one sample, and the sum of all samples. */
 export class Film {
     private readonly sample = target(true);
     private readonly sum = target(false);
@@ -148,7 +148,7 @@ export class Film {
         this.share.blendSrc = this.share.blendDst = OneFactor;
     }
 
-    /** Takes a picture of so many samples; `draw` draws one into the target. */
+    /** Takes a picture with `samples` samples; `draw` draws one of them into the target. */
     take(size: [number, number], samples: number, development: Development, draw: Draw): void {
         for (const each of [this.sample, this.sum]) each.setSize(...size);
         this.clear(this.sum);

@@ -1,12 +1,12 @@
-// Mouse and fingers: one turns the model or moves the light, two zoom and move it.
+// Mouse and touch: one finger turns the model or moves the light, two fingers zoom and pan.
 
 import { moveLight, pan, turn, zoom } from "./moves";
 import type { Viewer } from "./viewer";
 
-/** Degrees that the model turns by for each pixel of the hand's way. */
+/** Degrees by which the model turns for each pixel of movement. */
 const TURN = 0.4;
 const LIGHT = 0.5;
-/** The factor of a pixel of the wheel. */
+/** The zoom factor for each pixel of the wheel. */
 const WHEEL = 1.0015;
 
 type Point = { x: number; y: number };
@@ -14,7 +14,7 @@ type Point = { x: number; y: number };
 const middle = ([a, b]: [Point, Point]): Point => ({ x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 });
 const apart = ([a, b]: [Point, Point]): number => Math.hypot(a.x - b.x, a.y - b.y);
 
-/** `movesLight` says whether a plain drag moves the light. */
+/** `movesLight` returns true if a plain drag moves the light. */
 export function listenToGestures(viewer: Viewer, movesLight: () => boolean): void {
     const { canvas } = viewer;
     const fingers = new Map<number, Point>();
@@ -54,7 +54,7 @@ export function listenToGestures(viewer: Viewer, movesLight: () => boolean): voi
     canvas.addEventListener("pointercancel", leave);
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
     const roll = (event: WheelEvent): void => {
-        // A page that scrolls goes on doing so until the picture has been chosen.
+        // The wheel scrolls a scrollable page until the picture has the focus.
         const { scrollHeight } = document.documentElement;
         if (scrollHeight > innerHeight && !canvas.matches(":focus")) return;
         event.preventDefault();

@@ -1,8 +1,8 @@
-// Images of half floats, as crates/taotie-report/src/viewer/halves.rs codes them.
+// Decodes half-float images encoded by crates/taotie-report/src/viewer/halves.rs.
 
 const ONE = 0x3c00;
 
-/** The numbers of a channel: sums of differences from what the neighbours let expect. */
+/** The numbers of a channel: sums of the differences from the predictions by their neighbours. */
 function channel(bytes: Uint8Array, from: number, [width, height]: [number, number]): Uint16Array {
     const upper = bytes.length / 2;
     const numbers = new Uint16Array(width * height);
@@ -18,7 +18,7 @@ function channel(bytes: Uint8Array, from: number, [width, height]: [number, numb
     return numbers;
 }
 
-/** The texels of an image, RGB with 1 as their alpha. */
+/** The texels of an image: RGB with an alpha of 1. */
 export function halves(bytes: Uint8Array, size: [number, number]): Uint16Array {
     const count = size[0] * size[1];
     const [green, red, blue] = [0, 1, 2].map((number) => channel(bytes, number * count, size));

@@ -1,15 +1,15 @@
-// Where a viewer lives: what gives it its bytes, and what keeps the link to what it shows.
+// The host of a viewer: the source of its bytes, and the address that keeps the link to its state.
 
 import { texts } from "./texts";
 
-/** Gives the bytes of a name. */
+/** Returns the bytes with a name. */
 export type Blobs = (name: string) => Promise<ArrayBuffer>;
 
-/** Keeps the link to what is shown. */
+/** Keeps the link to the current state. */
 export interface Address {
     read(): string;
     write(link: string): void;
-    /** Calls back when somebody else has written it. */
+    /** Calls back when something else has changed the link. */
     listen(heard: () => void): void;
 }
 
@@ -25,7 +25,7 @@ function decoded(base64: string): Uint8Array<ArrayBuffer> {
     return bytes;
 }
 
-/** The bytes that elements of the page hold; each is read once. */
+/** Reads bytes from elements of the page; each is read only once. */
 export const ofPage: Blobs = (name) => {
     const element = document.getElementById(`taotie-${name}`);
     const bytes = decoded(element?.textContent ?? "");
@@ -39,7 +39,7 @@ async function fetched(address: URL): Promise<ArrayBuffer> {
     return response.arrayBuffer();
 }
 
-/** The bytes of the files that `taotie view --folder` writes: models as they are, all else compressed. */
+/** Reads the files written by `taotie view --folder`: models are stored unchanged, everything else is compressed. */
 const ofNamed =
     (read: (file: string) => Promise<ArrayBuffer>): Blobs =>
     async (name) => {
@@ -47,10 +47,10 @@ const ofNamed =
         return unpacked(await read(`${name}.bin`));
     };
 
-/** The bytes of such files in a folder of a server. */
+/** Reads such files from a folder on a server. */
 export const ofFolder = (folder: URL): Blobs => ofNamed((file) => fetched(new URL(file, folder)));
 
-/** The bytes of such files in memory. */
+/** Reads such files from memory. */
 export const ofFiles = (files: Record<string, BlobPart>): Blobs =>
     ofNamed(async (file) => {
         const bytes = files[file];
@@ -58,7 +58,7 @@ export const ofFiles = (files: Record<string, BlobPart>): Blobs =>
         return new Blob([bytes]).arrayBuffer();
     });
 
-/** The fragment of the page's own address. */
+/** The fragment of the page's address. */
 export const pageAddress: Address = {
     read: () => location.hash,
     write: (link) => {

@@ -1,5 +1,5 @@
-// What is shown and the bookmarks as a IIIF manifest of version 4, as crates/taotie-report/src/viewer/iiif writes it: a
-// scene with its model, and for each view a camera, lights and a comment.
+// Writes the initial view and the bookmarks as an IIIF manifest of version 4, like
+// crates/taotie-report/src/viewer/iiif: a scene with its model, and for each view a camera, lights and a comment.
 
 import { Vector3 } from "three";
 import type { Bookmark, Orbit } from "./data";
@@ -12,26 +12,26 @@ const CONTEXT = "http://iiif.io/api/presentation/4/context.json";
 
 type Resource = { id: string } & Record<string, unknown>;
 
-/** A number in six digits. */
+/** A number with six digits. */
 const digits = (value: number): number => Number(value.toPrecision(6)) + 0;
 const label = (text: string) => ({ none: [text] });
 const point = (at: Vector3) => ({ type: "PointSelector", x: digits(at.x), y: digits(at.y), z: digits(at.z) });
 const relative = (value: number) => ({ type: "Quantity", quantityValue: digits(value), unit: "relative" });
 
-/** A channel's code of sRGB. */
+/** The sRGB code of a channel. */
 function code(linear: number): string {
     const encoded = linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055;
     return Math.round(255 * encoded).toString(16).padStart(2, "0").toUpperCase();
 }
 
-/** A light's colour, its strongest channel full, and its intensity beside `full`. */
+/** A light's colour, scaled so that its strongest channel is full, and its intensity relative to `full`. */
 function colored(light: number[], full: number): [string, number] {
     const most = Math.max(...light);
     const codes = light.map((channel) => code(most > 0 ? channel / most : 1));
     return [`#${codes.join("")}`, Math.min(most / full, 1)];
 }
 
-/** The scene that annotations are put into. */
+/** The scene to which annotations are added. */
 class Scene {
     private readonly center: Vector3;
 
@@ -78,7 +78,7 @@ class Scene {
         return all;
     }
 
-    /** A white matte surface that faces a light of strength π sends as much as a screen can show. */
+    /** A white matte surface facing a light of strength π reflects the maximum that a screen can show. */
     private light(id: string, number: number, light: number[]): Resource {
         const [color, intensity] = colored(light.slice(4, 7), Math.PI);
         const lookAt = point(this.center);
@@ -87,7 +87,7 @@ class Scene {
         return this.annotation(number, body, this.center.clone().addScaledVector(to, 2 * this.lens.radius));
     }
 
-    /** An annotation that puts something into the scene; those of bookmarks are hidden until their comment is chosen. */
+    /** An annotation that adds to the scene; those of bookmarks are hidden until their comment is selected. */
     private annotation(number: number, body: Resource, place: Vector3): Resource {
         const id = `${body.id}/annotation`;
         return {
@@ -100,7 +100,7 @@ class Scene {
         };
     }
 
-    /** The comment of a bookmark, and what is shown when it is chosen. */
+    /** The comment of a bookmark, and the annotation that shows its view when the comment is selected. */
     commented(number: number, { title, text }: Bookmark, state: State): Resource[] {
         const id = `${this.base}scene/comments/${number}`;
         const value = `${title}\n${text}`.trim();
@@ -133,7 +133,7 @@ class Scene {
     }
 }
 
-/** The manifest of a page that is published at `address`, with these bookmarks. */
+/** The manifest of a page published at `address`, with these bookmarks. */
 export function manifest(viewer: Viewer, bookmarks: Bookmark[], address: string): Resource {
     const { data } = viewer;
     const base = `${address.replace(/\/+$/, "")}/`;

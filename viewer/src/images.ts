@@ -1,4 +1,4 @@
-// The images of a model as textures with the levels that the renderer has.
+// The images of a model as textures, with the same mip levels as in the renderer.
 
 import {
     DataTexture,
@@ -49,13 +49,13 @@ function sampled<T extends Texture>(texture: T, { sampler: [u, v, magnify, minif
     return texture;
 }
 
-/** An image of a file, its numbers as they are stored. */
+/** Decodes an image file, keeping its numbers as stored. */
 export function decoded(bytes: ArrayBuffer, type: string): Promise<ImageBitmap> {
     const options: ImageBitmapOptions = { premultiplyAlpha: "none", colorSpaceConversion: "none" };
     return createImageBitmap(new Blob([bytes], { type }), options);
 }
 
-/** Colours or numbers; the driver makes the levels, in linear light. */
+/** A texture of colours or numbers; the driver creates the levels, in linear light. */
 export function imageTexture(image: ImageBitmap, use: TextureUse, isSrgb: boolean): Texture {
     const texture = sampled(new Texture(image), use);
     texture.colorSpace = isSrgb ? SRGBColorSpace : LinearSRGBColorSpace;
@@ -64,14 +64,14 @@ export function imageTexture(image: ImageBitmap, use: TextureUse, isSrgb: boolea
     return texture;
 }
 
-/** A level: so many floats a texel, row by row. */
+/** A mip level of floats, row by row. */
 interface Level {
     numbers: Float32Array;
     width: number;
     height: number;
 }
 
-/** The next level: means of two by two texels. Sides that are odd lose their last row or column. */
+/** The next level: means of two by two texels. Odd sides lose their last row or column. */
 function halved({ numbers, width, height }: Level, channels: number): Level {
     const [w, h] = [Math.max(1, width >> 1), Math.max(1, height >> 1)];
     const [right, below] = [width > 1 ? channels : 0, height > 1 ? width * channels : 0];
@@ -97,25 +97,25 @@ function levels(finest: Level, channels: number): Level[] {
 const word = new Float32Array(1);
 const bits = new Uint32Array(word.buffer);
 
-/** The half float that is nearest to a number from 0 to 1. */
+/** The half float nearest to a number from 0 to 1. */
 function half(value: number): number {
     word[0] = value;
-    // three.js drops the lower bits.
+    // three.js truncates the lower bits.
     bits[0]! += value > 0 ? 0x1000 : 0;
     return DataUtils.toHalfFloat(word[0]!);
 }
 
-/** The number of the largest code. */
+/** The largest code. */
 const TOP = 65535;
 
-/** A level of a normal map: codes of (n + 1)/2, and of the variance 1 − |mean|² of the vectors that it stands for. */
+/** A level of a normal map: codes of (n + 1)/2, and of the variance 1 − |mean|² of the vectors it averages. */
 interface Normals {
     data: Uint16Array;
     width: number;
     height: number;
 }
 
-/** The next level, as the renderer has it: means of unit vectors. Those of the finest level have any length. */
+/** The next level, as in the renderer: means of unit vectors. Vectors of the finest level may have any length. */
 function halvedNormals({ data, width, height }: Normals, isFinest: boolean): Normals {
     const [w, h] = [Math.max(1, width >> 1), Math.max(1, height >> 1)];
     const [right, below] = [width > 1 ? 4 : 0, height > 1 ? 4 * width : 0];
@@ -142,7 +142,7 @@ function halvedNormals({ data, width, height }: Normals, isFinest: boolean): Nor
     return { data: means, width: w, height: h };
 }
 
-/** A normal map of its finest level. `isWide` says whether the driver filters codes of 16 bits; else they are half floats. */
+/** A normal map from its finest level; half floats unless the driver can filter 16-bit codes (`isWide`). */
 function normalTexture(finest: Normals, use: TextureUse, isWide: boolean): Texture {
     const all = [finest];
     for (let last = finest; last.width > 1 || last.height > 1; all.push(last)) last = halvedNormals(last, last === finest);
@@ -155,7 +155,7 @@ function normalTexture(finest: Normals, use: TextureUse, isWide: boolean): Textu
     return sampled(texture, use);
 }
 
-/** A normal map of an image. */
+/** A normal map from an image. */
 export function imageNormals(image: ImageBitmap, use: TextureUse, isWide: boolean): Texture {
     const { width, height } = image;
     const context = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true })!;
@@ -170,7 +170,7 @@ export function imageNormals(image: ImageBitmap, use: TextureUse, isWide: boolea
     return normalTexture({ data, width, height }, use, isWide);
 }
 
-/** A normal map of numbers. */
+/** A normal map from numbers. */
 export function codedNormals(all: Uint16Array, { width, height, from }: Codes, use: TextureUse, isWide: boolean): Texture {
     const data = new Uint16Array(4 * width * height);
     for (let texel = 0; texel < width * height; texel++) {
@@ -179,13 +179,13 @@ export function codedNormals(all: Uint16Array, { width, height, from }: Codes, u
     return normalTexture({ data, width, height }, use, isWide);
 }
 
-/** The texels of a texture that is stored as numbers of 16 bits. */
+/** The texels of a texture stored as 16-bit numbers. */
 function floats(all: Uint16Array, { width, height, channels, from }: Codes): Level {
     const codes = all.subarray(from, from + width * height * channels);
     return { numbers: Float32Array.from(codes, (code) => code / 65535), width, height };
 }
 
-/** A height map of numbers, in red. */
+/** A height map from numbers, in the red channel. */
 export function codedHeights(all: Uint16Array, codes: Codes, use: TextureUse, isFine: boolean): Texture {
     const texel = ({ numbers, width, height }: Level) => {
         const wide = new Float32Array(4 * numbers.length);

@@ -1,10 +1,10 @@
-// Keys, while the picture has the focus.
+// Keyboard control while the picture has the focus.
 
 import { moveLight, next, turn, zoom } from "./moves";
 import { modes } from "./state";
 import type { Viewer } from "./viewer";
 
-/** Degrees of a press, and of one with Alt. */
+/** Degrees per key press, without and with Alt. */
 const [STEP, FINE] = [5, 0.5];
 const NEARER = 1.1;
 
@@ -15,7 +15,7 @@ const ARROWS: Record<string, [number, number]> = {
     ArrowDown: [0, -1],
 };
 
-/** The actions beside those that change the state. */
+/** The actions other than those that change the state. */
 export interface Actions {
     movesLight(): boolean;
     toggleLight(): void;
@@ -27,7 +27,7 @@ export function listenToKeys(viewer: Viewer, actions: Actions): void {
     const arrow = (event: KeyboardEvent, [right, up]: [number, number]): void => {
         const step = event.altKey ? FINE : STEP;
         const isLight = actions.movesLight() !== event.shiftKey;
-        // The model follows the hand: up shows its lower side.
+        // The model follows the key: up shows its lower side.
         const move = isLight ? moveLight(right * step, up * step) : turn(right * step, -up * step);
         viewer.change(move(viewer.state));
     };

@@ -1,11 +1,11 @@
-// The legend of the errors, and their value under the pointer.
+// The legend of the errors, and the value under the pointer.
 
 import { make } from "./dom";
 import { lengthText } from "./lengths";
 import { texts } from "./texts";
 import type { Viewer } from "./viewer";
 
-/** Makes the legend; it is there while errors are shown. */
+/** Creates the legend, which is visible while errors are shown. */
 export function legend(viewer: Viewer): HTMLElement | undefined {
     const { errors, in_metres } = viewer.data;
     if (!errors) return undefined;

@@ -1,13 +1,13 @@
-// Lengths as text: in a unit of their size, with the digits that are known.
+// Lengths as text, in a suitable unit and with the significant digits.
 
-/** A unit for lengths below a number of metres, and its size in metres. */
+/** A unit for lengths below a limit in metres, and its size in metres. */
 interface Scale {
     below: number;
     name: string;
     size: number;
 }
 
-/** As crates/taotie/src/length.rs has them. */
+/** The same units as in crates/taotie/src/length.rs. */
 const SCALES: Scale[] = [
     { below: 1e-4, name: "µm", size: 1e-6 },
     { below: 0.1, name: "mm", size: 1e-3 },
@@ -23,23 +23,23 @@ function scale(length: number, inMetres: boolean): Scale {
     return SCALES.find(({ below }) => length < below) ?? UNKNOWN;
 }
 
-/** The power of ten of a number's first digit, once it is rounded to so many digits. */
+/** The power of ten of a number's first digit after rounding to `digits` digits. */
 const place = (value: number, digits: number): number => Number(value.toExponential(digits - 1).split("e")[1]);
 
-/** A number without the digits below a power of ten. */
+/** A number rounded to a power of ten. */
 function rounded(value: number, power: number): string {
     if (power <= 0) return value.toFixed(Math.min(-power, 100));
     return String(Math.round(value / 10 ** power) * 10 ** power);
 }
 
-/** A length in three digits. */
+/** A length with three significant digits. */
 export function lengthText(length: number, inMetres: boolean): string {
     const { name, size } = scale(length, inMetres);
     const value = length / size;
     return `${value === 0 ? "0" : rounded(value, place(value, DIGITS) - DIGITS + 1)} ${name}`;
 }
 
-/** A value with its uncertainty, which has one digit, or two if it begins with 1; the value ends where that does. */
+/** A value with its uncertainty, which has one digit, or two if it begins with 1; the value is rounded to match. */
 export function uncertain(value: number, doubt: number): string {
     if (!(doubt > 0)) return value.toPrecision(6);
     const first = place(doubt, 1);

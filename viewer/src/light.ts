@@ -1,14 +1,14 @@
-// The light of a state as shaders read it.
+// The light of a state, in the form that shaders read.
 
 import { Vector3 } from "three";
 import type { Light } from "./data";
 import { angles, axes, direction, radians } from "./orbit";
 import type { State } from "./state";
 
-/** No window reaches so far. */
+/** The range of a light without a limit. */
 const NO_RANGE = 1e18;
 
-/** The unit direction to the raking light, world space. */
+/** The unit direction to the raking light in world space. */
 export function toLight(state: State): Vector3 {
     const local = direction(...state.from);
     if (state.fixed === "object") return local;
@@ -17,7 +17,7 @@ export function toLight(state: State): Vector3 {
     return world.addScaledVector(back, local.z).normalize();
 }
 
-/** The state with its light fixed to something else, where it shines from the same place. */
+/** The state with its light fixed to another frame, shining from the same direction. */
 export function refixed(state: State, fixed: string): State {
     const to = toLight(state);
     const [right, up, back] = axes(state);
@@ -25,7 +25,7 @@ export function refixed(state: State, fixed: string): State {
     return { ...state, fixed, from: angles(fixed === "object" ? to : seen) };
 }
 
-/** Sixteen numbers a light. */
+/** Sixteen numbers per light. */
 export function lights(state: State, { lights }: Light): number[][] {
     if (state.light === "given") return lights;
     const to = toLight(state);
@@ -33,12 +33,12 @@ export function lights(state: State, { lights }: Light): number[][] {
     return [[to.x, to.y, to.z, 0, ...color, NO_RANGE, 0, 0, 1, -2, -3, 0, 0, 0]];
 }
 
-/** Radiance from all around. */
+/** Ambient radiance. */
 export function ambient(state: State, light: Light): number[] {
     return state.light === "given" ? light.ambient : [state.fill, state.fill, state.fill];
 }
 
-/** Sine and cosine of the environment's turn, and its factor. */
+/** Sine and cosine of the environment's rotation, and its intensity factor. */
 export function environment({ environment: [turn, intensity] }: State): [number, number, number] {
     return [Math.sin(radians(turn)), Math.cos(radians(turn)), intensity];
 }

@@ -1,4 +1,4 @@
-// The element <taotie-viewer>: with `src` it shows a folder, with `files` what these are, else what its page holds.
+// The element <taotie-viewer>: shows a folder with `src`, files in memory with `files`, or else data in the page.
 
 import type { TaotieViewer } from "../taotie-viewer";
 import { SHOWN, said } from "./attributes";
@@ -11,7 +11,7 @@ import style from "./viewer.css";
 
 declare global {
     interface Window {
-        /** The viewer of a page that is about what it shows, for scripts and tests. */
+        /** The main viewer of a page, for scripts and tests. */
         taotie?: Viewer;
     }
 }
@@ -22,7 +22,7 @@ sheet.replaceSync(style);
 
 class ViewerElement extends HTMLElement implements TaotieViewer {
     static readonly observedAttributes = ["src", ...SHOWN];
-    /** Keeps the link of a page that is about what it shows. */
+    /** Keeps the link of a page's main viewer. */
     address: Address = pageAddress;
     private viewer: Viewer | undefined;
     private readonly shadow = this.attachShadow({ mode: "open" });
@@ -36,19 +36,19 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
     }
 
     connectedCallback(): void {
-        // What a page already holds is told its attributes first.
+        // Elements already in the page receive their attributes first.
         if (!this.isOpen) void this.load();
     }
 
     disconnectedCallback(): void {
-        // A page's bytes are read once.
+        // The data in a page can be read only once.
         if (!this.isOfPage) this.close();
     }
 
     attributeChangedCallback(name: string, before: string | null, value: string | null): void {
         if (before === value || !this.isConnected) return;
         if (name === "src") void this.load();
-        else if (this.viewer && value !== null) this.viewer.change(this.said(this.viewer));
+        else if (this.viewer && value !== null) this.viewer.change(this.given(this.viewer));
     }
 
     private close(): void {
@@ -66,8 +66,8 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
         if (load !== this.loads) return viewer?.close();
         if (!viewer) return void this.dispatchEvent(new Event("error"));
         this.viewer = viewer;
-        const said = this.said(viewer);
-        if (Object.keys(said).length > 0) viewer.change(said);
+        const given = this.given(viewer);
+        if (Object.keys(given).length > 0) viewer.change(given);
         viewer.listen(() => this.dispatchEvent(new Event("change")));
         if (this.isMain) window.taotie = viewer;
         this.dispatchEvent(new Event("load"));
@@ -75,7 +75,7 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
 
     private host(): Host {
         const { isMain } = this;
-        // Its own, so that what was overtaken adds nothing to it.
+        // A new root, so that a superseded load cannot add to it.
         const root = make("div", { id: "viewer" });
         this.shadow.replaceChildren(root);
         const address = isMain ? this.address : undefined;
@@ -88,18 +88,18 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
         return src ? ofFolder(new URL(src.endsWith("/") ? src : `${src}/`, document.baseURI)) : ofPage;
     }
 
-    /** True where the page itself holds what is shown. */
+    /** True if the page itself contains the data. */
     private get isOfPage(): boolean {
         return !this.src && !this.held;
     }
 
-    /** True where the page is about what it shows: its address keeps the link. */
+    /** True for the main viewer of a page, whose link is kept in the address. */
     private get isMain(): boolean {
         return this.isOfPage || this.hasAttribute("linked");
     }
 
-    /** What the attributes say. */
-    private said(viewer: Viewer): Partial<State> {
+    /** The part of the state that the attributes set. */
+    private given(viewer: Viewer): Partial<State> {
         const all = SHOWN.map((name) => {
             const value = this.getAttribute(name);
             return value === null ? {} : said(name, value, viewer);
@@ -157,7 +157,7 @@ class ViewerElement extends HTMLElement implements TaotieViewer {
     }
 
     async picture(size?: [number, number]): Promise<Blob> {
-        if (!this.viewer) throw new Error(`<${NAME}> shows nothing yet: wait for its event "load"`);
+        if (!this.viewer) throw new Error(`<${NAME}> is not loaded yet: wait for its "load" event`);
         return this.viewer.picture(size);
     }
 }

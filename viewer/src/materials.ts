@@ -1,4 +1,4 @@
-// The materials of surfaces: our shaders, with the uniforms and textures that they read.
+// The materials of surfaces: the generated shaders, with the uniforms and textures that they read.
 
 import {
     DoubleSide,
@@ -15,13 +15,13 @@ import { inMode } from "./modes";
 import { PLANES, ShadowUniforms, VISIBILITY } from "./shadows";
 import type { Textures } from "./textures";
 
-/** The lights that a shader holds, and the numbers of each. */
+/** The maximum number of lights in a shader, and the numbers per light. */
 const MOST_LIGHTS = 16;
 const LIGHT = 16;
-/** The number of `bump-printed` among the methods. */
+/** The index of `bump-printed` among the methods. */
 export const PRINTED = 3;
 
-/** Radiance may leave the numbers of half floats. */
+/** Clamps radiance to the range of half floats. */
 const ENDED = `
 #undef main
 void main() {
@@ -30,7 +30,7 @@ void main() {
 }
 `;
 
-/** A uniform block of numbers, which are written anew with each frame. */
+/** A uniform block of numbers, which are rewritten for each frame. */
 function block(name: string, numbers: Float32Array): UniformsGroup {
     return new UniformsGroup().setName(name).add(new Uniform(numbers));
 }
@@ -69,11 +69,11 @@ export class Frame {
 const joined = ({ texts }: Data, pieces: number[]): string =>
     pieces.map((piece) => texts.pieces[piece]).join("\n\n").replace(/^#version 300 es\n/, "");
 
-/** The factors of a surface as ordinary uniforms: their blocks would be more than every driver binds. */
+/** Turns the factors of a surface into ordinary uniforms: as blocks, they would exceed the limit of some drivers. */
 const unblocked = (text: string): string =>
     text.replace(/layout\(std140\) uniform MaterialBlock \{\s*(MaterialUniforms material;)\s*\};/, "uniform $1");
 
-/** Makes the materials of surfaces, each once. */
+/** Creates the materials of surfaces, each once. */
 export class Materials {
     private readonly made = new Map<string, Promise<RawShaderMaterial>>();
 
@@ -85,7 +85,7 @@ export class Materials {
         private readonly frame: Frame,
     ) {}
 
-    /** The material of a surface by the numbers of model and method, in a mode. */
+    /** Returns the material of a surface for the indices of model and method, in a mode. */
     get(number: number, shading: number, method: number, mode: string): Promise<RawShaderMaterial> {
         const key = [number, shading, method, mode].join();
         const known = this.made.get(key) ?? this.make(number, shading, method, mode);

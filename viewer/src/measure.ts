@@ -12,11 +12,11 @@ import type { Pick, Viewer } from "./viewer";
 const KINDS = ["distance", "angle", "section"] as const;
 type Kind = (typeof KINDS)[number];
 const POINTS: Record<Kind, number> = { distance: 2, angle: 3, section: 2 };
-/** The most pixels that a hand moves during a click. */
+/** The maximum movement during a click, pixels. */
 const CLICK = 4;
 const SVG = "http://www.w3.org/2000/svg";
 
-/** What is measured, and how it is drawn over the picture. */
+/** The measurement in progress, and its drawing over the picture. */
 export class Measure {
     private kind: Kind | undefined;
     private points: Pick[] = [];
@@ -44,12 +44,12 @@ export class Measure {
         return this.overlay;
     }
 
-    /** Begins a measurement; the same again ends it. */
+    /** Begins a measurement; choosing the same kind again ends it. */
     private choose(kind: Kind | undefined): void {
         this.kind = kind === this.kind ? undefined : kind;
         this.points = [];
         this.buttons.forEach((each, name) => each.setAttribute("aria-pressed", String(name === this.kind)));
-        this.tell();
+        this.report();
     }
 
     private listen(): void {
@@ -62,7 +62,7 @@ export class Measure {
         });
     }
 
-    /** Adds what lies in the middle of the picture, for hands on keys. */
+    /** Adds the point at the centre of the picture, for keyboard users. */
     private addMiddle(): void {
         const { left, top, width, height } = this.viewer.canvas.getBoundingClientRect();
         if (this.kind) this.add(this.viewer.pick(left + width / 2, top + height / 2));
@@ -72,10 +72,10 @@ export class Measure {
         if (!point || !this.kind) return;
         if (this.points.length === POINTS[this.kind]) this.points = [];
         this.points.push(point);
-        this.tell();
+        this.report();
     }
 
-    private tell(): void {
+    private report(): void {
         this.draw();
         this.files.replaceChildren();
         const [a, b, c] = this.points;
@@ -92,14 +92,14 @@ export class Measure {
         return measuredText(a.point.distanceTo(b.point), Math.hypot(this.doubt(a), this.doubt(b)), in_metres);
     }
 
-    /** The angle at `b`: each end turns its side, and `b` both. */
+    /** The angle at `b`: the uncertainty of each end turns one side, that of `b` turns both. */
     private angle(a: Pick, b: Pick, c: Pick): string {
         const sides = [a, c].map((end) => [this.doubt(end), end.point.distanceTo(b.point)] as const);
         const turns = sides.flatMap(([doubt, length]) => [doubt / length, this.doubt(b) / length]);
         return texts.angle(uncertain(angle(a.point, b.point, c.point), degrees(Math.hypot(...turns))));
     }
 
-    /** How far a point may be from the one meant: by the pick, and as the shape is from the scan where that is known. */
+    /** The uncertainty of a point: that of picking it, and the distance between shape and scan if that is known. */
     private doubt({ precision }: Pick): number {
         return Math.hypot(precision, this.viewer.data.errors?.rms ?? 0);
     }
@@ -117,7 +117,7 @@ export class Measure {
         );
     }
 
-    /** Draws the points and the lines between them where they are seen now. */
+    /** Draws the points and the lines between them at their current positions in the picture. */
     private draw(): void {
         const places = this.points.map(({ point }) => this.viewer.placeOf(point));
         const line = document.createElementNS(SVG, "polyline");

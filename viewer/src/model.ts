@@ -1,4 +1,4 @@
-// The model: the meshes of the GLB as the shaders read them, and its images.
+// The model: the meshes of the GLB in the form that shaders read, and its images.
 
 import { BufferAttribute, BufferGeometry, Matrix3, type Mesh, MeshBasicMaterial, Vector3 } from "three";
 import { type GLTF, GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
@@ -6,7 +6,7 @@ import { MeshoptDecoder } from "three/addons/libs/meshopt_decoder.module.js";
 import type { Surface } from "./data";
 import { texts } from "./texts";
 
-/** The JSON of glTF, as far as it is read here. */
+/** The parts of the glTF JSON that are read here. */
 interface Json {
     meshes: { name?: string }[];
     images?: { bufferView: number; mimeType: string }[];
@@ -17,13 +17,13 @@ interface Json {
 export interface Model {
     /** The geometry of each surface, world space. */
     geometries: BufferGeometry[];
-    /** The same with normals in object space. */
+    /** The same geometries with object-space normals. */
     printed: BufferGeometry[];
-    /** The bytes and the type of the image in a slot of a material. */
+    /** Returns the bytes and the type of the image in a slot of a material. */
     image(material: number, slot: string): Promise<{ key: string; bytes: ArrayBuffer; type: string }>;
 }
 
-/** Where glTF names the texture of a slot. */
+/** The path in glTF to the texture of each slot. */
 const PLACES: Record<string, string[]> = {
     base_color_texture: ["pbrMetallicRoughness", "baseColorTexture"],
     metallic_roughness_texture: ["pbrMetallicRoughness", "metallicRoughnessTexture"],
@@ -60,7 +60,7 @@ function floats(attribute: BufferAttribute, size: number): Float32Array {
     return values;
 }
 
-/** Unit vectors under a matrix; what follows the first three numbers of each stays. */
+/** Transforms unit vectors by a matrix, keeping any numbers after the first three of each. */
 function turned(values: Float32Array, size: number, matrix: Matrix3): Float32Array {
     const vector = new Vector3();
     for (let i = 0; i < values.length; i += size) {
@@ -69,10 +69,10 @@ function turned(values: Float32Array, size: number, matrix: Matrix3): Float32Arr
     return values;
 }
 
-/** The names of attributes in the shaders. */
+/** The shader names of attributes. */
 const NAMES: Record<string, string> = { uv: "uv0" };
 
-/** The geometry of a mesh in world space; glTF stores it in whole numbers, which the node's matrix places. */
+/** The geometry of a mesh in world space; glTF stores it as integers, which the node's matrix dequantizes. */
 function worldGeometry(mesh: Mesh): BufferGeometry {
     const geometry = new BufferGeometry();
     const matrices: Record<string, Matrix3> = {
@@ -93,7 +93,7 @@ function worldGeometry(mesh: Mesh): BufferGeometry {
     return withFourColors(geometry);
 }
 
-/** Shaders read colours of four numbers; without alpha the fourth is 1. */
+/** Extends colours to the four components that shaders read; without alpha the fourth is 1. */
 function withFourColors(geometry: BufferGeometry): BufferGeometry {
     const color = geometry.attributes["color"];
     if (!color || color.itemSize === 4) return geometry;
@@ -102,7 +102,7 @@ function withFourColors(geometry: BufferGeometry): BufferGeometry {
     return geometry.setAttribute("color", new BufferAttribute(wide, 4));
 }
 
-/** The geometry with normals in object space. */
+/** The geometry with object-space normals. */
 function withObjectNormals(geometry: BufferGeometry, { normal_matrix }: Surface): BufferGeometry {
     const copy = new BufferGeometry();
     for (const [name, attribute] of Object.entries(geometry.attributes)) copy.setAttribute(name, attribute);
@@ -121,7 +121,7 @@ function withObjectNormals(geometry: BufferGeometry, { normal_matrix }: Surface)
 async function parsed(glb: ArrayBuffer): Promise<GLTF> {
     await MeshoptDecoder.ready;
     const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder);
-    // Materials are ours: no image is decoded twice.
+    // We create materials ourselves, so no image is decoded twice.
     const plain = () => Promise.resolve(new MeshBasicMaterial());
     loader.register(() => ({ name: "TAOTIE", loadMaterial: plain }) as unknown as never);
     return loader.parseAsync(glb, "");

@@ -1,6 +1,6 @@
-// Values of the pixel program shown instead of its radiance. The program computes them; only what it returns changes.
+// Modes that show values of the pixel program instead of radiance. It computes them anyway; only its result changes.
 
-/** What a mode shows, where the shader has the field of that structure; else a constant. */
+/** The value that a mode shows if the shader has the field of that structure, and a constant otherwise. */
 interface Shown {
     structure: string;
     field: string;
@@ -17,16 +17,16 @@ const VALUES: Record<string, Shown> = {
     occlusion: { structure: "MaterialValues", field: "occlusion", value: "vec3(m.occlusion)", otherwise: "vec3(1.0)" },
 };
 
-/** Modes whose pixels are numbers and no light. */
+/** Returns true for modes whose pixels are numbers rather than light. */
 export const isNumbers = (mode: string): boolean =>
     mode === "error" || (mode in VALUES && mode !== "base-color");
 
-/** Modes that show the shaded surface. */
+/** Returns true for modes that show the shaded surface. */
 export const isShaded = (mode: string): boolean => mode === "shaded" || mode === "clay";
 
 const RESULT = "return vec4(radiance, ";
 
-/** The fragment shader that returns what a mode shows. */
+/** Returns the fragment shader for a mode. */
 export function inMode(text: string, mode: string): string {
     const shown = VALUES[mode];
     if (!shown) return text;

@@ -1,4 +1,4 @@
-// Puts a viewer and its controls into an element.
+// Adds a viewer and its controls to an element.
 
 import { button } from "./controls";
 import type { Data } from "./data";
@@ -14,18 +14,18 @@ import { texts } from "./texts";
 import { Viewer } from "./viewer";
 import { wipe } from "./wipe";
 
-/** The width below which controls are hidden at first, pixels. */
+/** The width below which controls are initially hidden, pixels. */
 const NARROW = 704;
 
-/** Where a viewer lives. */
+/** The host of a viewer. */
 export interface Host {
-    /** The element of the page. It tells the viewer's condition in `data-state`. */
+    /** The element in the page; its `data-state` is the condition of the viewer. */
     element: HTMLElement;
-    /** What is within it. */
+    /** The root of its content. */
     root: HTMLElement;
     blobs: Blobs;
     address: Address | undefined;
-    /** True where controls are hidden at first. */
+    /** True if controls are initially hidden. */
     isFolded: boolean;
 }
 
@@ -35,7 +35,7 @@ function say(root: HTMLElement, text: string): HTMLElement {
     return line;
 }
 
-/** A switch of what a plain drag moves. */
+/** A switch for what a plain drag moves. */
 class DragsLight {
     private on = false;
     readonly button = button(texts.dragLight, () => this.toggle());
@@ -53,20 +53,20 @@ class DragsLight {
     };
 }
 
-/** Where camera and light are, told when the picture stands still. */
+/** The positions of camera and light, announced when they stop changing. */
 function places(viewer: Viewer): HTMLElement {
     const line = make("p", { class: "places", role: "status" });
     let timer = 0;
     viewer.listen(({ view, light, from }) => {
-        const told = [texts.viewPlace(view[0], view[1])];
-        if (light === "raking") told.push(texts.lightPlace(...from));
+        const parts = [texts.viewPlace(view[0], view[1])];
+        if (light === "raking") parts.push(texts.lightPlace(...from));
         clearTimeout(timer);
-        timer = window.setTimeout(() => void (line.textContent = told.join(" · ")), 200);
+        timer = window.setTimeout(() => void (line.textContent = parts.join(" · ")), 200);
     });
     return line;
 }
 
-/** The button that hides the panel and shows it. */
+/** The button that hides and shows the panel. */
 function folder({ element, root, isFolded }: Host): HTMLButtonElement {
     const made = button(texts.close, () => fold(!root.classList.contains("folded")));
     made.className = "fold";
@@ -85,10 +85,10 @@ function build(host: Host, viewer: Viewer): void {
     const drags = new DragsLight();
     const measure = new Measure(viewer);
     const message = say(root, "");
-    const tell = (text: string): void => void (message.textContent = text);
+    const announce = (text: string): void => void (message.textContent = text);
     const copyLink = (): void => {
         const copied = navigator.clipboard?.writeText(location.href) ?? Promise.reject();
-        copied.then(() => tell(texts.linked)).catch(() => tell(texts.notLinked));
+        copied.then(() => announce(texts.linked)).catch(() => announce(texts.notLinked));
     };
     const actions = {
         movesLight: drags.get,
@@ -106,12 +106,12 @@ function build(host: Host, viewer: Viewer): void {
     if (errors) root.append(errors);
 }
 
-/** The heading: that of the page, where it has none. */
+/** The title, as the page's heading if the page has none. */
 function heading(title: string): HTMLElement {
     return make(document.querySelector("h1") ? "p" : "h1", { class: "title" }, title);
 }
 
-/** Reads what is shown and shows it; nothing where that failed, which the element tells. */
+/** Loads the data and shows it; undefined on failure, which the element reports. */
 export async function mount(host: Host): Promise<Viewer | undefined> {
     const { element, root, blobs } = host;
     element.dataset["state"] = "loading";

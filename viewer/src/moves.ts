@@ -1,4 +1,4 @@
-// What hand and keys do to a state.
+// Changes of the state by mouse, touch and keys.
 
 import { Vector3 } from "three";
 import type { Orbit } from "./data";
@@ -7,22 +7,22 @@ import type { State } from "./state";
 
 type Move = (state: State) => Partial<State>;
 
-/** Turns the model by degrees to the right and up, as the hand moves it. */
+/** Turns the model by degrees to the right and up, following the hand. */
 export const turn =
     (right: number, up: number): Move =>
     ({ view: [azimuth, elevation, distance] }) => ({ view: [azimuth - right, elevation + up, distance] });
 
-/** Moves the light by degrees; it becomes the raking one. */
+/** Moves the light by degrees and switches to the raking light. */
 export const moveLight =
     (right: number, up: number): Move =>
     ({ from: [azimuth, elevation] }) => ({ light: "raking", from: [azimuth + right, elevation + up] });
 
-/** Goes nearer: a factor above 1. */
+/** Zooms in for factors above 1. */
 export const zoom =
     (factor: number): Move =>
     ({ view: [azimuth, elevation, distance] }) => ({ view: [azimuth, elevation, distance / factor] });
 
-/** Moves the target with the hand, by fractions of the picture's height. */
+/** Pans by fractions of the picture's height, following the hand. */
 export const pan =
     (right: number, down: number, lens: Orbit): Move =>
     (state) => {
@@ -32,7 +32,7 @@ export const pan =
         return { target: target.toArray() };
     };
 
-/** The next of some values. */
+/** Returns the value after this one, cyclically. */
 export function next<T>(all: readonly T[], value: T): T {
     return all[(all.indexOf(value) + 1) % all.length]!;
 }

@@ -7,7 +7,7 @@ import type { State } from "./state";
 export const radians = (degrees: number): number => (degrees * Math.PI) / 180;
 export const degrees = (angle: number): number => (angle * 180) / Math.PI;
 
-/** The unit direction `azimuth` degrees to the right of +z and `elevation` above. */
+/** The unit direction at `azimuth` degrees to the right of +z and `elevation` degrees above the horizon. */
 export function direction(azimuth: number, elevation: number): Vector3 {
     const [a, e] = [radians(azimuth), radians(elevation)];
     return new Vector3(Math.sin(a) * Math.cos(e), Math.sin(e), Math.cos(a) * Math.cos(e));
@@ -18,7 +18,7 @@ export function angles(to: Vector3): [number, number] {
     return [degrees(Math.atan2(to.x, to.z)), degrees(Math.asin(Math.min(Math.max(to.y, -1), 1)))];
 }
 
-/** Right, up and back of the camera. */
+/** The right, up and back axes of the camera. */
 export function axes({ view: [azimuth, elevation] }: State): [Vector3, Vector3, Vector3] {
     const a = radians(azimuth);
     const right = new Vector3(Math.cos(a), 0, -Math.sin(a));
@@ -26,7 +26,7 @@ export function axes({ view: [azimuth, elevation] }: State): [Vector3, Vector3, 
     return [right, new Vector3().crossVectors(back, right), back];
 }
 
-/** Places a camera; `size` is the picture's, pixels, and `offset` the place of the sample in the pixel, [0, 1]. */
+/** Places a camera; `size` is the picture size, pixels, and `offset` the sample position in the pixel, [0, 1]. */
 export function place(
     camera: PerspectiveCamera,
     state: State,

@@ -1,4 +1,4 @@
-// The panel beside the picture.
+// The panel next to the picture.
 
 import { bookmarks } from "./bookmarks";
 import { button, choice, group, range, toggle } from "./controls";
@@ -8,15 +8,15 @@ import { BEST, FIXED, LIGHTS, TONES, besides, modes } from "./state";
 import { texts } from "./texts";
 import type { Viewer } from "./viewer";
 
-/** The actions of buttons. */
+/** The actions of the buttons. */
 export interface Buttons {
     reset(): void;
-    /** Missing where no address keeps the link. */
+    /** Undefined if no address keeps the link. */
     copyLink: (() => void) | undefined;
     save(): void;
-    /** The switch of what a drag moves. */
+    /** The switch for what a drag moves. */
     light: HTMLElement;
-    /** The part of the panel that measures. */
+    /** The part of the panel for measuring. */
     measure: HTMLElement;
 }
 
@@ -26,7 +26,7 @@ const factor = (high: number) => ({ low: 0, high, step: 0.01, text: (value: numb
 function surface(viewer: Viewer): HTMLElement {
     const { data } = viewer;
     const shadings = data.shadings.map((value) => ({ value, name: value }));
-    // A method that no surface has a map for is drawn smooth.
+    // A method without a map on any surface is drawn smooth.
     const lacks = (number: number) => data.models[0]!.surfaces.every(({ drawn }) => drawn[number] !== number);
     const methods = data.methods.map((value, number) => {
         return { value, name: value + (lacks(number) ? texts.lacking : ""), disabled: lacks(number) };
@@ -48,7 +48,7 @@ function surface(viewer: Viewer): HTMLElement {
     );
 }
 
-/** The part of the panel that only the raking light needs. */
+/** The part of the panel for the raking light. */
 function raking(viewer: Viewer): HTMLElement {
     const all = make(
         "div",

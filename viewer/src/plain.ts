@@ -1,4 +1,4 @@
-// Materials that show the uvs of a surface: no shading, and no part of the pixel program.
+// Materials that show the uvs of a surface, without shading or any part of the pixel program.
 
 import { DoubleSide, GLSL3, RawShaderMaterial } from "three";
 
@@ -19,7 +19,7 @@ in vec2 place;
 layout(location = 0) out vec4 color;
 `;
 
-/** A material whose `fragment` shader writes `color` at a `place` of a uv set. */
+/** A material whose `fragment` shader writes `color` for a `place` in a uv set. */
 export const plain = (fragment: string, uniforms: RawShaderMaterial["uniforms"] = {}, set = 0): RawShaderMaterial =>
     new RawShaderMaterial({
         glslVersion: GLSL3,

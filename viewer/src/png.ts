@@ -1,6 +1,6 @@
-// Text within a PNG.
+// Text chunks in a PNG.
 
-/** The bytes of the signature and of the chunk IHDR. */
+/** The length of the signature and the IHDR chunk, bytes. */
 const HEAD = 33;
 
 const TABLE = Uint32Array.from({ length: 256 }, (_, n) => {
@@ -15,7 +15,7 @@ function crc(bytes: Uint8Array): number {
     return (c ^ 0xffffffff) >>> 0;
 }
 
-/** A chunk iTXt. Source: PNG specification, 11.3.3.4. */
+/** Builds an iTXt chunk. Source: PNG specification, 11.3.3.4. */
 function chunk(keyword: string, text: string): Uint8Array<ArrayBuffer> {
     const content = new TextEncoder().encode(`iTXt${keyword}\0\0\0\0\0${text}`);
     const bytes = new Uint8Array(content.length + 8);
@@ -26,7 +26,7 @@ function chunk(keyword: string, text: string): Uint8Array<ArrayBuffer> {
     return bytes;
 }
 
-/** The PNG with a text under a keyword. */
+/** Adds a text with a keyword to a PNG. */
 export function withText(png: Blob, keyword: string, text: string): Blob {
     return new Blob([png.slice(0, HEAD), chunk(keyword, text), png.slice(HEAD)], { type: "image/png" });
 }

@@ -1,11 +1,11 @@
-// A section: where a plane cuts the model, and its profile between two points.
+// A section: the intersection of a plane and the model, and its profile between two points.
 
 import { type BufferGeometry, Vector3 } from "three";
 
-/** A piece of a profile: from and to, each along the line between the points and above it, model units. */
+/** A piece of a profile: its two ends, as distances along and above the line between the points, model units. */
 export type Piece = [[number, number], [number, number]];
 
-/** The plane through two points that holds the direction of sight: its axes along the line, above it, and across. */
+/** The plane through two points that contains the view direction: its axes along the line, above it, and across. */
 interface Plane {
     from: Vector3;
     along: Vector3;
@@ -27,7 +27,7 @@ const seen = (p: Vector3, { from, along, above }: Plane): [number, number] => {
     return [d.dot(along), d.dot(above)];
 };
 
-/** Where the plane cuts a triangle; nothing where it does not. */
+/** The intersection of the plane and a triangle; undefined if there is none. */
 function cut(corners: Vector3[], at: Plane): Piece | undefined {
     const sides = corners.map((corner) => new Vector3().subVectors(corner, at.from).dot(at.across));
     const points: [number, number][] = [];
@@ -49,7 +49,7 @@ function clipped([p, q]: Piece, length: number): Piece | undefined {
     return [p[0] < 0 ? at(0) : p, q[0] > length ? at(length) : q];
 }
 
-/** The profile of geometries between two points, as seen in the direction to the viewer; pieces in order. */
+/** The profile of geometries between two points, as seen by the viewer, with the pieces in order. */
 export function profile(geometries: BufferGeometry[], ends: [Vector3, Vector3], sight: Vector3): Piece[] {
     const at = plane(...ends, sight);
     const pieces: Piece[] = [];
@@ -67,14 +67,14 @@ export function profile(geometries: BufferGeometry[], ends: [Vector3, Vector3], 
     return pieces.sort((a, b) => a[0][0] - b[0][0]);
 }
 
-/** The profile as comma-separated values, a piece a line; `unit` is that of the model's lengths. */
+/** The profile as comma-separated values, one line per piece; `unit` is the unit of the model's lengths. */
 export function csv(pieces: Piece[], unit: string): string {
     const names = ["along_from", "above_from", "along_to", "above_to"];
     const head = names.map((name) => `${name} (${unit})`).join();
     return [head, ...pieces.map((piece) => piece.flat().map((v) => v.toPrecision(7)).join())].join("\n") + "\n";
 }
 
-/** The profile as a drawing with a line from end to end; `unit` is that of the model's lengths, and of its coordinates. */
+/** The profile as a drawing with a line from end to end; `unit` is the unit of the model and of the drawing. */
 export function svg(pieces: Piece[], length: number, unit: string): string {
     const heights = pieces.flat().map(([, above]) => above);
     const [low, high] = [Math.min(0, ...heights), Math.max(0, ...heights)];

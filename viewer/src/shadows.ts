@@ -1,4 +1,4 @@
-// Shadows of the raking light: a map of the depths that it sees, which shaders ask.
+// Shadows of the raking light, from a shadow map that shaders read.
 
 import {
     DepthTexture,
@@ -18,7 +18,7 @@ import type { Orbit } from "./data";
 
 /** Texels along a side. */
 const SIDE = 2048;
-/** The texels by which a place is lifted off its surface before it asks. */
+/** The distance by which a point is lifted off its surface before the lookup, texels. */
 const LIFT = 1.5;
 
 const VERTEX = `precision highp float;
@@ -37,7 +37,7 @@ void main() {
 }
 `;
 
-/** The end of vertex shaders whose `main` is named `vertex_main`: the plane across the normal of a corner. */
+/** The end of vertex shaders, whose `main` is renamed `vertex_main`: the plane perpendicular to a corner's normal. */
 export const PLANES = `
 in vec3 world_normal;
 uniform highp vec3 shadow_center;
@@ -50,9 +50,9 @@ void main() {
 `;
 
 /**
- * The function `visibility` of shaders: the mean of nine places, each between four texels. A place is lifted to the mean
- * of the planes of its triangle's corners, where these lie above it, so that a coarse mesh does not shade itself in
- * facets (Hanika 2021, "Hacking the Shadow Terminator"); seen from behind, the other way.
+ * The function `visibility` of shaders: the mean of nine lookups, each between four texels. A point is lifted to the
+ * mean of the planes of its triangle's corners if these lie above it, so that a coarse mesh does not shadow itself in
+ * facets (Hanika 2021, "Hacking the Shadow Terminator"); for back faces, in the opposite direction.
  */
 export const VISIBILITY = `
 in vec4 shadow_plane;
@@ -77,7 +77,7 @@ float visibility(int light, vec3 position, vec3 n) {
 }
 `;
 
-/** What shaders ask, shared by all of them. */
+/** The uniforms for shadows, shared by all shaders. */
 export class ShadowUniforms {
     readonly all = {
         shadow_map: { value: null as Texture | null },
@@ -87,7 +87,7 @@ export class ShadowUniforms {
         shadow_on: { value: false },
     };
 
-    /** Shaders ask this map, or none. */
+    /** Makes shaders read this map, or none. */
     ask(map: ShadowMap | undefined): void {
         const { all } = this;
         all.shadow_on.value = map !== undefined;
@@ -99,7 +99,7 @@ export class ShadowUniforms {
     }
 }
 
-/** The depths that a light sees of a model. */
+/** The depths of a model as seen from a light. */
 export class ShadowMap {
     private readonly target: WebGLRenderTarget;
     private readonly camera = new OrthographicCamera();
@@ -130,7 +130,7 @@ export class ShadowMap {
         return this.target.depthTexture!;
     }
 
-    /** Draws the map of a light in this direction, unless it is drawn; `draw` draws the model by the map's material. */
+    /** Draws the map for a light in this direction unless current; `draw` draws the model with the map's material. */
     cast(renderer: WebGLRenderer, to: Vector3, draw: (camera: OrthographicCamera) => void): void {
         if (this.shone.equals(to)) return;
         this.shone.copy(to);

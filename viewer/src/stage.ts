@@ -1,4 +1,4 @@
-// Draws a state: places camera and light, and has the film develop.
+// Draws a state: places camera and light, and develops the picture.
 
 import {
     type Intersection,
@@ -23,18 +23,18 @@ import { type State, TONES } from "./state";
 import { texts } from "./texts";
 import { frameTextures } from "./textures";
 
-/** The places of samples in units of 1/256 pixel. */
+/** Steps per pixel in sample positions. */
 const STEPS = 256;
-/** The least cosine between sight and a surface of which a pixel covers a known length. */
+/** The smallest cosine between view direction and normal used for the length that a pixel covers. */
 const STEEPEST = 0.1;
 
 export class Stage {
     private readonly camera = new PerspectiveCamera();
     private readonly film: Film;
     private readonly main: Showing;
-    /** What stands right of the wipe's handle, by its name. */
-    private readonly besides = new Map<string, Promise<Showing>>();
-    private beside: Showing | undefined;
+    /** The models shown right of the wipe handle, by name. */
+    private readonly companions = new Map<string, Promise<Showing>>();
+    private companion: Showing | undefined;
     private readonly shadows = new Map<Showing, ShadowMap>();
 
     private constructor(
@@ -46,7 +46,7 @@ export class Stage {
         this.main = new Showing(asset);
     }
 
-    /** Reads the model and makes what draws it. */
+    /** Loads the model and creates the stage that draws it. */
     static async load(canvas: HTMLCanvasElement, data: Data, blobs: Blobs): Promise<Stage> {
         const renderer = opened(canvas);
         const isFine = renderer.extensions.has("OES_texture_float_linear");
@@ -59,20 +59,20 @@ export class Stage {
         return this.shared.data;
     }
 
-    /** The samples of a picture that stands still. */
+    /** The number of samples of a still picture. */
     get samples(): number {
         return this.shared.data.film.samples.length;
     }
 
-    /** Ends when all that a state needs is there. */
+    /** Resolves when everything that a state needs is ready. */
     async prepare(state: State): Promise<void> {
         await this.main.prepare(state);
-        const beside = await this.besideOf(state);
-        await beside?.prepare(besideState(state));
-        this.beside = beside;
+        const companion = await this.companionOf(state);
+        await companion?.prepare(companionState(state));
+        this.companion = companion;
     }
 
-    /** Draws a state that is prepared, in so many samples. */
+    /** Draws a prepared state with `samples` samples. */
     draw(state: State, size: [number, number], samples: number): void {
         const { frame, data } = this.shared;
         frame.setLights(lights(state, data.light));
@@ -83,7 +83,7 @@ export class Stage {
         frame.set("environment_intensity", factor);
         frame.set("spacing", 1 / Math.sqrt(samples));
         const isShadowed = state.shadows && state.light === "raking" && isShaded(state.mode);
-        for (const showing of [this.main, this.beside]) {
+        for (const showing of [this.main, this.companion]) {
             if (showing && isShadowed) this.shadows.set(showing, showing.cast(this.renderer, toLight(state)));
             else if (showing) this.shadows.delete(showing);
         }
@@ -93,7 +93,7 @@ export class Stage {
         });
     }
 
-    /** Ends when all that was asked of the graphics card is done; milliseconds from now. */
+    /** Resolves when the graphics card has finished its work, with the elapsed milliseconds. */
     async drawn(): Promise<number> {
         const gl = this.renderer.getContext() as WebGL2RenderingContext;
         const start = performance.now();
@@ -105,7 +105,7 @@ export class Stage {
         return performance.now() - start;
     }
 
-    /** What of the model lies under a point of the picture, [−1, 1]². */
+    /** The intersection with the model under a point of the picture, [−1, 1]². */
     hit(state: State, point: Vector2, size: [number, number]): Intersection | undefined {
         this.place(state, size, -1);
         const ray = new Raycaster();
@@ -113,7 +113,7 @@ export class Stage {
         return ray.intersectObjects(this.main.meshes, false)[0];
     }
 
-    /** The length on the surface that a pixel covers where it was last hit, in a picture of so many rows. */
+    /** The length on the surface that a pixel covers at a hit, in a picture with `rows` rows. */
     pixelAt({ point, face }: Intersection, rows: number): number {
         const { matrixWorld, matrixWorldInverse, projectionMatrix } = this.camera;
         const depth = -point.clone().applyMatrix4(matrixWorldInverse).z;
@@ -122,13 +122,13 @@ export class Stage {
         return (2 * depth) / (projectionMatrix.elements[5]! * rows * Math.max(slope, STEEPEST));
     }
 
-    /** Where a point of the world is in the picture, [−1, 1]². */
+    /** The position of a world-space point in the picture, [−1, 1]². */
     seen(state: State, point: Vector3, size: [number, number]): Vector3 {
         this.place(state, size, -1);
         return point.clone().project(this.camera);
     }
 
-    /** The degrees that the map of errors has at a point of the picture, [−1, 1]². */
+    /** The value of the error map at a point of the picture, [−1, 1]², degrees. */
     async errorAt(state: State, point: Vector2, size: [number, number]): Promise<number | undefined> {
         const hit = this.hit(state, point, size);
         const { face, barycoord } = hit ?? {};
@@ -154,32 +154,32 @@ export class Stage {
     }
 
     private sample({ split }: State, [width, height]: [number, number], target: WebGLRenderTarget): void {
-        const { renderer, camera, main, beside } = this;
-        const handle = beside ? Math.round(split * width) : width;
+        const { renderer, camera, main, companion } = this;
+        const handle = companion ? Math.round(split * width) : width;
         const part = (from: number, to: number, showing: Showing): void => {
-            target.scissorTest = beside !== undefined;
+            target.scissorTest = companion !== undefined;
             target.scissor.set(from, 0, to - from, height);
             this.shared.frame.shadows.ask(this.shadows.get(showing));
             renderer.setRenderTarget(target);
             if (to > from) showing.draw(renderer, camera);
         };
         part(0, handle, main);
-        if (beside) part(handle, width, beside);
+        if (companion) part(handle, width, companion);
         target.scissorTest = false;
     }
 
-    private besideOf({ beside }: State): Promise<Showing> | undefined {
-        if (beside === "none") return undefined;
+    private companionOf({ beside: shown }: State): Promise<Showing> | undefined {
+        if (shown === "none") return undefined;
         const made = async (): Promise<Showing> =>
-            new Showing(beside === "scan" ? await Exhibit.load(1, this.shared) : this.asset);
-        const known = this.besides.get(beside) ?? made();
-        this.besides.set(beside, known);
+            new Showing(shown === "scan" ? await Exhibit.load(1, this.shared) : this.asset);
+        const known = this.companions.get(shown) ?? made();
+        this.companions.set(shown, known);
         return known;
     }
 }
 
-/** The state of what stands beside the model. */
-function besideState(state: State): State {
+/** The state of the model right of the wipe handle. */
+function companionState(state: State): State {
     if (state.beside === "scan") return { ...state, surface: "best" };
     return { ...state, surface: "smooth", mode: state.mode === "error" ? "clay" : state.mode };
 }
@@ -194,7 +194,7 @@ function development(state: State, { film }: Data): Development {
     };
 }
 
-/** The renderer of a canvas. */
+/** Creates the renderer for a canvas. */
 function opened(canvas: HTMLCanvasElement): WebGLRenderer {
     const attributes = { alpha: true, antialias: false, depth: false, preserveDrawingBuffer: true };
     const context = canvas.getContext("webgl2", { ...attributes, premultipliedAlpha: true });

@@ -1,4 +1,4 @@
-// What is shown: camera, light, surface and film. A link names it; whatever is drawn is drawn from it alone.
+// The state: camera, light, surface and film. A link contains it, and the picture depends on nothing else.
 
 import type { State } from "../taotie-viewer";
 import type { Data } from "./data";
@@ -18,24 +18,24 @@ export const MODES = [
 export const LIGHTS = ["given", "raking"] as const;
 export const FIXED = ["viewer", "object"] as const;
 export const TONES = ["neutral", "linear", "reinhard", "aces", "agx"] as const;
-/** The method of the material's own choice. */
+/** The method chosen by the material. */
 export const BEST = "best";
 
 export type { State };
 
-/** What may stand beside the model: nothing, the model without its map, and the scan. */
+/** The choices right of the wipe handle: nothing, the model without its map, and the scan. */
 export const BESIDE = ["none", "smooth", "scan"] as const;
 
-/** The modes that a page has: errors need a scan. */
+/** The modes available on a page: errors need a scan. */
 export const modes = ({ errors }: Data): string[] => MODES.filter((mode) => mode !== "error" || errors !== null);
-/** What a page can show beside the model. */
+/** The choices available right of the wipe handle. */
 export const besides = ({ models }: Data): string[] => BESIDE.filter((each) => each !== "scan" || models.length > 1);
 
-/** The numbers of the state in as many digits as a link has. */
+/** The number of digits of the state's numbers in a link. */
 const DIGITS = 6;
 const round = (value: number): number => Number(value.toPrecision(DIGITS));
 
-/** The state of a page that is opened without a link. */
+/** The state of a page opened without a link. */
 export function firstState({ camera, light, film, shading, method }: Data): State {
     const { environment } = light;
     return rounded({
@@ -59,7 +59,7 @@ export function firstState({ camera, light, film, shading, method }: Data): Stat
     });
 }
 
-/** The state with its numbers as a link has them. */
+/** The state with its numbers rounded as in a link. */
 export function rounded(state: State): State {
     const entries = Object.entries(state).map(([name, value]) => {
         if (typeof value === "number") return [name, round(value)];
@@ -69,16 +69,16 @@ export function rounded(state: State): State {
     return Object.fromEntries(entries) as State;
 }
 
-/** The fragment of a link: all that differs from the first state. */
+/** The fragment of a link: all differences from the initial state. */
 export function fragment(state: State, first: State): string {
     const names = Object.keys(state) as (keyof State)[];
-    const told = names.filter((name) => String(state[name]) !== String(first[name]));
-    return told.map((name) => `${name}=${encodeURIComponent(String(state[name])).replaceAll("%2C", ",")}`).join("&");
+    const changed = names.filter((name) => String(state[name]) !== String(first[name]));
+    return changed.map((name) => `${name}=${encodeURIComponent(String(state[name])).replaceAll("%2C", ",")}`).join("&");
 }
 
 type Choices = Partial<Record<keyof State, readonly string[]>>;
 
-/** The state that a link names; what it does not name, or names wrongly, is as at first. */
+/** The state in a link; missing and invalid values are taken from the initial state. */
 export function ofFragment(text: string, first: State, data: Data): State {
     const choices: Choices = {
         shading: data.shadings,
@@ -106,7 +106,7 @@ const within = (value: number, low: number, high: number): number => Math.min(Ma
 /** Degrees in (−180, 180]. */
 export const wrapped = (value: number): number => value - 360 * Math.ceil((value - 180) / 360);
 
-/** The state with its numbers within their ranges. */
+/** The state with its numbers clamped to their ranges. */
 export function bounded(state: State): State {
     const [azimuth, elevation, distance] = state.view;
     return rounded({

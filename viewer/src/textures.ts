@@ -1,4 +1,4 @@
-// The textures that shaders read: those of the model, the tables of albedos, and the maps of the environment.
+// The textures that shaders read: those of the model, the albedo tables, and the environment maps.
 
 import { DataTexture, FloatType, HalfFloatType, NearestFilter, RGBAFormat, type Texture } from "three";
 import type { Data, ModelData, Surface, TextureUse } from "./data";
@@ -7,7 +7,7 @@ import type { Blobs } from "./host";
 import { codedHeights, codedNormals, decoded, imageNormals, imageTexture } from "./images";
 import type { Model } from "./model";
 
-/** Texels that are read one by one. */
+/** A texture that is read without filtering. */
 function numbers(data: Float32Array | Uint16Array, [width, height]: [number, number]): Texture {
     const type = data instanceof Float32Array ? FloatType : HalfFloatType;
     const texture = new DataTexture(data, width, height, RGBAFormat, type);
@@ -16,7 +16,7 @@ function numbers(data: Float32Array | Uint16Array, [width, height]: [number, num
     return texture;
 }
 
-/** The textures of the frame by the names of their slots. */
+/** The textures of the frame, by slot name. */
 export async function frameTextures({ tables, light }: Data, blob: Blobs): Promise<Record<string, Texture>> {
     const environment = async (name: string, size: [number, number]): Promise<Texture> =>
         numbers(halves(new Uint8Array(await blob(name)), size), size);
@@ -30,16 +30,16 @@ export async function frameTextures({ tables, light }: Data, blob: Blobs): Promi
     return textures;
 }
 
-/** What textures need of the page and of the driver. */
+/** The page data and driver features that textures depend on. */
 export interface Source {
     blobs: Blobs;
-    /** True where floats of 32 bits can be filtered. */
+    /** True if 32-bit floats can be filtered. */
     isFine: boolean;
-    /** True where codes of 16 bits can. */
+    /** True if 16-bit codes can be filtered. */
     isWide: boolean;
 }
 
-/** The textures of surfaces, each made once. */
+/** The textures of surfaces, each created once. */
 export class Textures {
     private readonly made = new Map<string, Promise<Texture>>();
     private codes: Promise<Uint16Array> | undefined;

@@ -1,4 +1,4 @@
-// The viewer: one state, and the picture of it.
+// The viewer: one state, and its picture.
 
 import { type BufferGeometry, Vector2, type Vector3 } from "three";
 import type { Data } from "./data";
@@ -7,18 +7,18 @@ import { withText } from "./png";
 import { Stage } from "./stage";
 import { type State, bounded, firstState, fragment, ofFragment } from "./state";
 
-/** Milliseconds without a change after which the picture is drawn in all its samples. */
+/** Milliseconds without a change after which the picture is drawn with all samples. */
 const STILL = 150;
-/** Milliseconds of a frame beyond which the next has half the pixels, and below which it has twice as many. */
+/** The frame times above which pixels are halved, and below which they are doubled, milliseconds. */
 const [SLOW, QUICK] = [80, 25];
-/** How many times the pixels of a moving picture may be halved. */
+/** The maximum number of times that the pixels of a moving picture are halved. */
 const COARSEST = 4;
-/** The longest side of the picture on the screen, pixels. */
+/** The maximum side of the picture on the screen, pixels. */
 const LONGEST = 4096;
-/** The name of the text in a saved picture that holds its link. */
+/** The keyword of the text chunk in a saved picture that contains its link. */
 const LINK = "taotie:view";
 
-/** A point of the model that was picked, world space, and how far it may be from the one meant. */
+/** A picked point of the model in world space, and its uncertainty. */
 export interface Pick {
     point: Vector3;
     precision: number;
@@ -28,10 +28,10 @@ export class Viewer {
     readonly first: State;
     private current: State;
     private isClosed = false;
-    /** Whether something has changed since the last frame began, and whether one is being made. */
+    /** True if something has changed since the last frame began, and if a frame is being drawn. */
     private isAsked = false;
     private isDrawing = false;
-    /** How many times the pixels are halved while the picture moves. */
+    /** The number of times that the pixels are halved while the picture moves. */
     private halvings = 0;
     private timer = 0;
     private readonly listeners: ((state: State) => void)[] = [];
@@ -56,7 +56,7 @@ export class Viewer {
         return this.current;
     }
 
-    /** Calls back with every new state, and with the one that is. */
+    /** Calls back with the current state and with every new state. */
     listen(listener: (state: State) => void): void {
         this.listeners.push(listener);
         listener(this.current);
@@ -72,17 +72,17 @@ export class Viewer {
         this.request();
     }
 
-    /** The state that the fragment of a link names. */
+    /** The state described by the fragment of a link. */
     linked(fragment: string): State {
         return ofFragment(fragment, this.first, this.data);
     }
 
-    /** The fragment of a link to what is shown. */
+    /** The fragment of a link to the current state. */
     link(): string {
         return fragment(this.current, this.first);
     }
 
-    /** The picture of this size as a PNG that holds its link, in all samples. */
+    /** Returns the picture in this size and with all samples, as a PNG that contains its link. */
     async picture(size: [number, number] = this.size()): Promise<Blob> {
         const { canvas, stage, current } = this;
         await stage.prepare(current);
@@ -94,30 +94,30 @@ export class Viewer {
         return withText(blob ?? new Blob(), LINK, this.link());
     }
 
-    /** The error of the normals under a point of the window, degrees. */
+    /** The normal error under a point of the window, degrees. */
     errorUnder(x: number, y: number): Promise<number | undefined> {
         return this.stage.errorAt(this.current, this.pointOf(x, y), this.size());
     }
 
-    /** The point of the model under a point of the window, to half a pixel of the page. */
+    /** The point of the model under a point of the window, accurate to half a pixel of the page. */
     pick(x: number, y: number): Pick | undefined {
         const hit = this.stage.hit(this.current, this.pointOf(x, y), this.size());
         return hit && { point: hit.point, precision: this.stage.pixelAt(hit, this.canvas.clientHeight) / 2 };
     }
 
-    /** Where a point of the world is in the picture, pixels of the page from its upper left corner. */
+    /** The position of a world-space point in the picture, page pixels from its upper left corner. */
     placeOf(point: Vector3): [number, number] {
         const { x, y } = this.stage.seen(this.current, point, this.size());
         const { clientWidth, clientHeight } = this.canvas;
         return [((x + 1) / 2) * clientWidth, ((1 - y) / 2) * clientHeight];
     }
 
-    /** The surfaces of the model, world space. */
+    /** The surfaces of the model in world space. */
     get geometries(): BufferGeometry[] {
         return this.stage.asset.model.geometries;
     }
 
-    /** A point of the window in the picture, [−1, 1]². */
+    /** Converts a point of the window to picture coordinates, [−1, 1]². */
     private pointOf(x: number, y: number): Vector2 {
         const { left, top, width, height } = this.canvas.getBoundingClientRect();
         return new Vector2((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height);
@@ -134,7 +134,7 @@ export class Viewer {
         requestAnimationFrame(() => void this.move());
     }
 
-    /** Gives the graphics card back; nothing is drawn from then on. */
+    /** Releases the graphics resources; nothing is drawn afterwards. */
     close(): void {
         this.isClosed = true;
         clearTimeout(this.timer);
@@ -147,18 +147,18 @@ export class Viewer {
         return [Math.max(1, Math.round(clientWidth * scale)), Math.max(1, Math.round(clientHeight * scale))];
     }
 
-    /** Draws in one sample and waits for it, so that frames do not pile up; what is still then is drawn in all. */
+    /** Draws one sample and waits for it, so that frames do not pile up; a still picture then gets all samples. */
     private async move(): Promise<void> {
         this.isAsked = false;
         const isWhole = await this.draw(1, this.halvings);
-        // What was left out tells nothing of how long frames take.
+        // Skipped frames say nothing about frame times.
         if (!this.isAsked) this.pace(await this.stage.drawn());
         this.isDrawing = false;
         if (this.isAsked) this.request();
         else if (!isWhole) this.timer = window.setTimeout(() => void this.draw(this.stage.samples, 0), STILL);
     }
 
-    /** Draws unless something changes before. Tells whether this is the picture in all samples and pixels, which rests. */
+    /** Draws unless something changes first. Returns true if the picture has all samples and pixels and is final. */
     private async draw(samples: number, halvings: number): Promise<boolean> {
         const state = this.current;
         await this.stage.prepare(state);
@@ -172,13 +172,13 @@ export class Viewer {
         return isWhole;
     }
 
-    /** Lets the next frame have fewer pixels where this one took long. */
+    /** Reduces the pixels of the next frame if this one took long. */
     private pace(milliseconds: number): void {
         if (milliseconds > SLOW && this.halvings < COARSEST) this.halvings += 1;
         if (milliseconds < QUICK && this.halvings > 0) this.halvings -= 1;
     }
 
-    /** The picture stands still: the address names it. */
+    /** Writes the link to the address once the picture is still. */
     private rest(): void {
         this.host.address?.write(this.link());
         this.host.element.dataset["state"] = "still";

@@ -1,13 +1,13 @@
-// The wipe's handle over the picture.
+// The wipe handle over the picture.
 
 import { make } from "./dom";
 import { texts } from "./texts";
 import type { Viewer } from "./viewer";
 
-/** The part of the width that a press of a key moves the handle by. */
+/** The fraction of the width by which a key press moves the handle. */
 const STEP = 0.02;
 
-/** Makes the handle; it is there while something stands beside the model. */
+/** Creates the handle, which is visible while something is shown next to the model. */
 export function wipe(viewer: Viewer): HTMLElement {
     const handle = make("div", { class: "wipe", role: "slider", tabindex: "0", "aria-label": texts.wipe });
     handle.setAttribute("aria-valuemin", "0");

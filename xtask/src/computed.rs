@@ -1,4 +1,4 @@
-//! Pages that are written by hand but for what stands between `<!-- computed: NAME -->` and `<!-- end -->`.
+//! Pages written by hand, except for the text between `<!-- computed: NAME -->` and `<!-- end -->`.
 
 use crate::generated::{Content, Generated};
 use anyhow::{Context, Result, bail};
@@ -7,16 +7,16 @@ use std::path::Path;
 const START: &str = "<!-- computed: ";
 const END: &str = "<!-- end -->";
 
-/// The line that opens a computed part.
+/// Returns the line that starts a computed part.
 #[cfg(test)]
 pub fn start(name: &str) -> String {
     format!("{START}{name} -->\n")
 }
 
-/// The page `name` below the repository's `root`, with its parts renewed by `table`.
+/// Returns the page `name` below the repository's `root`, with its parts updated by `table`.
 ///
 /// # Errors
-/// Where the page cannot be read, or names a part that `table` does not know.
+/// If the page cannot be read, or has a part that `table` does not know.
 pub fn page(root: &Path, name: &str, table: impl Fn(&str) -> Option<String>) -> Result<Generated> {
     let path = root.join(name);
     let text = std::fs::read_to_string(&path).with_context(|| format!("{name}: cannot be read"))?;
@@ -24,13 +24,18 @@ pub fn page(root: &Path, name: &str, table: impl Fn(&str) -> Option<String>) -> 
     Ok(Generated { files: [(path, Content::Text(text))].into(), folder: None })
 }
 
-/// What stands in the part `name` of a page now; `None` where there is no such part.
+/// Returns the current text of the part `name` of a page; `None` if there is no such part.
 pub fn part(text: &str, name: &str) -> Option<String> {
     let (_, rest) = text.split_once(&format!("{START}{name} -->\n"))?;
     Some(rest.split_once(END)?.0.to_owned())
 }
 
-/// The text with every computed part renewed by `table`, which knows them by name.
+/// Returns a row of a Markdown table.
+pub fn row(cells: &[String]) -> String {
+    format!("| {} |\n", cells.join(" | "))
+}
+
+/// Returns the text with every computed part updated by `table`, which maps names to text.
 fn renewed(text: &str, table: impl Fn(&str) -> Option<String>) -> Result<String> {
     let mut parts = text.split(START);
     let mut out = parts.next().unwrap_or_default().to_owned();
@@ -48,7 +53,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_written_by_hand_stays() {
+    fn handwritten_text_is_kept() {
         let table = |name: &str| (name != "nothing").then(|| format!("| {name} |\n"));
         let text = "a\n<!-- computed: x -->\nold\n<!-- end -->\nb\n<!-- computed: y -->\n<!-- end -->\n";
         let new =

@@ -1,4 +1,4 @@
-//! Files that are all made from others.
+//! Generated files.
 
 use anyhow::{Context, Result};
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,21 +8,21 @@ use std::path::{Path, PathBuf};
 use taotie::image::{Encoding, Texels};
 use taotie::io::{PngColor, PngImage, PngSamples, read_bitmap, write_png};
 
-/// What should lie on disk.
+/// Files that should be on disk.
 #[derive(Default)]
 pub struct Generated {
-    /// What each file holds by its path.
+    /// The content of each file by path.
     pub files: BTreeMap<PathBuf, Content>,
-    /// A folder that should hold nothing else; it need not be there yet.
+    /// A folder that should contain nothing else; it need not exist yet.
     pub folder: Option<PathBuf>,
 }
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Content {
     /// Text.
     Text(String),
-    /// A PNG picture. Another file with the same pixels is as good.
+    /// A PNG picture. Files with the same pixels are equivalent.
     Picture(Picture),
 }
 
@@ -38,14 +38,14 @@ pub struct Picture {
 }
 
 impl Generated {
-    /// The paths whose content is not as it should be: changed, missing, or there without a reason; sorted.
+    /// Returns the paths with wrong content, sorted: changed, missing or unexpected files.
     ///
     /// # Errors
-    /// Where the folder or a file is there but cannot be read.
+    /// If the folder or a file exists but cannot be read.
     pub fn stale(&self) -> Result<BTreeSet<PathBuf>> {
         let mut stale = BTreeSet::new();
         for (path, content) in &self.files {
-            if !content.lies_at(path)? {
+            if !content.is_at(path)? {
                 stale.insert(path.clone());
             }
         }
@@ -54,22 +54,22 @@ impl Generated {
         Ok(stale)
     }
 
-    /// Renews the files at these paths, which [`Self::stale`] gave: writes those that are wanted, removes the others.
+    /// Updates the files at these paths, which [`Self::stale`] returned: writes expected files and removes others.
     ///
     /// # Errors
-    /// Where a file cannot be written or removed.
+    /// If a file cannot be written or removed.
     pub fn write(&self, stale: &BTreeSet<PathBuf>) -> Result<()> {
         for path in stale {
             match self.files.get(path) {
                 Some(content) => content.write(path),
                 None => fs::remove_file(path).map_err(Into::into),
             }
-            .with_context(|| format!("{}: cannot be renewed", path.display()))?;
+            .with_context(|| format!("{}: cannot be updated", path.display()))?;
         }
         Ok(())
     }
 
-    /// The paths in the folder; none where there is no folder.
+    /// Returns the paths in the folder; empty if it does not exist.
     fn present(&self) -> Result<Vec<PathBuf>> {
         let Some(folder) = &self.folder else { return Ok(Vec::new()) };
         let what = || format!("{}: cannot be listed", folder.display());
@@ -84,17 +84,17 @@ impl Generated {
 }
 
 impl Content {
-    fn lies_at(&self, path: &Path) -> Result<bool> {
+    fn is_at(&self, path: &Path) -> Result<bool> {
         match self {
             Self::Text(text) => Ok(read(path)?.as_deref() == Some(text.as_bytes())),
-            // Whatever cannot be read as a picture has to be renewed.
+            // A file that cannot be read as a picture is stale.
             Self::Picture(picture) => Ok(Picture::read(path).as_ref() == Some(picture)),
         }
     }
 
     fn write(&self, path: &Path) -> Result<()> {
         if let Some(folder) = path.parent() {
-            fs::create_dir_all(folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
+            fs::create_dir_all(folder).with_context(|| format!("{}: cannot be created", folder.display()))?;
         }
         match self {
             Self::Text(text) => Ok(fs::write(path, text)?),
@@ -104,7 +104,7 @@ impl Content {
 }
 
 impl Picture {
-    /// The picture in a file of 8 bits a channel.
+    /// Reads a picture with 8 bits per channel.
     fn read(path: &Path) -> Option<Self> {
         let bitmap = read_bitmap(path).ok()?;
         let Texels::U8(texels) = bitmap.texels() else { return None };
@@ -124,7 +124,7 @@ impl Picture {
     }
 }
 
-/// A file's bytes, with those of Windows' line ends made plain; `None` where there is no file.
+/// Reads a file, with Windows line endings normalised; `None` if there is no file.
 fn read(path: &Path) -> Result<Option<Vec<u8>>> {
     match fs::read(path) {
         Ok(mut bytes) => {
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_are_the_same_by_their_pixels() -> Result<()> {
+    fn pictures_are_compared_by_their_pixels() -> Result<()> {
         let place = tempfile::tempdir()?;
         let path = place.path().join("p.png");
         let picture = |grey: u8| Picture { width: 2, height: 1, pixels: vec![[grey; 3], [7, 8, 9]] };
@@ -177,7 +177,7 @@ mod tests {
         assert!(of(1).stale()?.is_empty());
         assert_eq!(of(2).stale()?.len(), 1, "one pixel differs");
         fs::write(place.path().join("other"), "")?;
-        assert!(of(1).stale()?.is_empty(), "files beside it are nobody's business");
+        assert!(of(1).stale()?.is_empty(), "files next to it are ignored");
         fs::write(&path, "no picture")?;
         assert_eq!(of(1).stale()?.len(), 1);
         Ok(())

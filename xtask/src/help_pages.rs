@@ -1,14 +1,14 @@
-//! The help pages in `docs/help`: what `taotie --help` and `taotie <subcommand> --help` print.
+//! The help pages in `docs/help`: the output of `taotie --help` and `taotie <subcommand> --help`.
 
 use crate::generated::{Content, Generated};
 use clap::Command;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Columns that the text is wrapped to.
+/// The column at which text is wrapped.
 const WIDTH: usize = 100;
 
-/// All pages, to be kept below the repository's `root`.
+/// Returns all pages below the repository's `root`.
 pub fn generated(root: &Path) -> Generated {
     let folder = root.join("docs/help");
     let pages = pages(taotie_cli::command()).into_iter();
@@ -16,10 +16,10 @@ pub fn generated(root: &Path) -> Generated {
     Generated { files, folder: Some(folder) }
 }
 
-/// The text of each page by its file's name: the front page and one for each subcommand.
+/// Returns the text of each page by file name: the front page and one page per subcommand.
 fn pages(command: Command) -> BTreeMap<String, String> {
     let mut command = command.term_width(WIDTH);
-    // Tells the subcommands the program's name and the width.
+    // Passes the program name and the width on to the subcommands.
     command.build();
     let links: String = command.get_subcommands().filter(is_for_users).map(link).collect();
     let name = command.get_name().to_string();
@@ -32,7 +32,7 @@ fn pages(command: Command) -> BTreeMap<String, String> {
     std::iter::once((file_name(&name), front)).chain(subcommands).collect()
 }
 
-/// Says whether a subcommand is called by people, and not by the program itself.
+/// Returns true for subcommands for users rather than for the program itself.
 fn is_for_users(command: &&Command) -> bool {
     !command.is_hide_set()
 }
@@ -57,9 +57,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_kept_pages_are_fresh() {
+    fn the_committed_pages_are_up_to_date() {
         let stale = generated(&crate::root()).stale().expect("the pages are readable");
-        assert!(stale.is_empty(), "`make docs` renews {stale:?}");
+        assert!(stale.is_empty(), "run `make docs` to update {stale:?}");
     }
 
     #[test]

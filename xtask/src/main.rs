@@ -1,7 +1,7 @@
-//! Generators of files that are kept in the repository, and checks that they are fresh:
+//! Generates files that are committed to the repository, and checks that they are up to date:
 //! `cargo run -p xtask -- <task>`.
 //!
-//! Exit codes: 0 fine, 1 a checked file is stale, 2 error.
+//! Exit codes: 0 success, 1 a checked file is stale, 2 error.
 
 mod as_printed;
 mod asset_table;
@@ -22,7 +22,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Writes or checks the files that are made from others.
+/// Writes or checks generated files.
 #[derive(Parser)]
 #[command(name = "xtask", disable_help_subcommand = true)]
 struct Cli {
@@ -32,51 +32,51 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Task {
-    /// The pages in docs/help, from the definition of the command line.
+    /// Generate the help pages in docs/help from the command-line definition.
     HelpPages {
-        /// Write nothing; name the stale pages and exit with 1.
+        /// Write nothing; list the stale pages and exit with 1.
         #[arg(long)]
         check: bool,
     },
-    /// The computed tables of docs/as-printed.md, and its pictures.
+    /// Generate the computed tables and the pictures of docs/as-printed.md.
     AsPrinted {
-        /// Write nothing; name the stale files and exit with 1.
+        /// Write nothing; list the stale files and exit with 1.
         #[arg(long)]
         check: bool,
     },
-    /// The tables of docs/errors.md: each approximation against the reference.
+    /// Generate the tables of docs/errors.md: each approximation against the reference.
     Errors {
-        /// Write nothing; name the stale files and exit with 1.
+        /// Write nothing; list the stale files and exit with 1.
         #[arg(long)]
         check: bool,
-        /// Also renew the table of environments, by those in this folder.
+        /// Also update the table of environments with those in this folder.
         #[arg(long, value_name = "FOLDER")]
         environments: Option<PathBuf>,
     },
-    /// Whether `deny.toml` allows every dependency; exits with 1 where not.
+    /// Check that `deny.toml` allows every dependency; exit with 1 otherwise.
     Dependencies,
-    /// The tables of docs/security.md: crates that are not safe Rust alone, and what was fuzzed.
+    /// Generate the tables of docs/security.md: crates with unsafe code or other languages, and fuzzing.
     Security {
-        /// Write nothing; name the stale files and exit with 1.
+        /// Write nothing; list the stale files and exit with 1.
         #[arg(long)]
         check: bool,
     },
-    /// The tables of directional albedos in crates/taotie/src/shade/dfg.
+    /// Generate the tables of directional albedos in crates/taotie/src/shade/dfg.
     Tables {
-        /// Write nothing; name the stale files and exit with 1.
+        /// Write nothing; list the stale files and exit with 1.
         #[arg(long)]
         check: bool,
     },
-    /// The shaders in docs/shaders.
+    /// Generate the shaders in docs/shaders.
     Shaders {
-        /// Write nothing; name the stale files and exit with 1.
+        /// Write nothing; list the stale files and exit with 1.
         #[arg(long)]
         check: bool,
     },
-    /// The table of docs/shaders.md: shaders at random points against the pixel program. Needs a Vulkan driver and
-    /// Chromium; other ones have other figures.
+    /// Generate the table of docs/shaders.md: shaders at random points against the pixel program. Needs a Vulkan
+    /// driver and Chromium; figures depend on their versions.
     ShaderErrors,
-    /// The table of docs/assets-table.md: every glTF model below some folders, baked by the command.
+    /// Generate the table of docs/assets-table.md: all glTF models in some folders, baked by the command.
     AssetTable(AssetTableArgs),
 }
 
@@ -84,7 +84,7 @@ fn main() -> ExitCode {
     match run(&Cli::parse()) {
         Ok(code) => code,
         Err(error) => {
-            // Nobody listening is no error.
+            // A closed stderr is not an error.
             let _ = writeln!(io::stderr().lock(), "xtask: error: {error:#}");
             ExitCode::from(2)
         }
@@ -107,7 +107,7 @@ fn run(cli: &Cli) -> Result<ExitCode> {
     }
 }
 
-/// Bakes the models, and prints their rows or renews the page.
+/// Bakes the models, and prints their rows or updates the page.
 fn bake_assets(args: &AssetTableArgs) -> Result<ExitCode> {
     let rows = asset_table::rows(args)?;
     let Some(text) = asset_table::printed(args, &rows)? else {
@@ -117,31 +117,31 @@ fn bake_assets(args: &AssetTableArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The repository's root.
+/// Returns the root of the repository.
 fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the repository").to_path_buf()
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask is in the repository").to_path_buf()
 }
 
-/// Names what is wrong.
+/// Prints faults; fails if there are any.
 fn refuse(faults: &[String]) -> Result<ExitCode> {
     let mut stderr = io::stderr().lock();
     faults.iter().try_for_each(|fault| writeln!(stderr, "{fault}"))?;
     Ok(ExitCode::from(u8::from(!faults.is_empty())))
 }
 
-/// Writes the stale files, or names them, and `remedy`, where `check` is set.
+/// Writes the stale files; with `check`, lists them and `remedy` instead.
 fn finish(generated: &Generated, check: bool, remedy: &str) -> Result<ExitCode> {
     let stale = generated.stale()?;
     let mut stderr = io::stderr().lock();
     if check {
         for path in &stale {
-            writeln!(stderr, "stale: {} (`{remedy}` renews it)", path.display())?;
+            writeln!(stderr, "stale: {} (run `{remedy}`)", path.display())?;
         }
         return Ok(ExitCode::from(u8::from(!stale.is_empty())));
     }
     generated.write(&stale)?;
     for path in &stale {
-        writeln!(stderr, "renewed: {}", path.display())?;
+        writeln!(stderr, "updated: {}", path.display())?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -1,4 +1,4 @@
-//! `xtask shaders`: the shaders of a few surfaces, as they are generated, in docs/shaders.
+//! `xtask shaders`: writes the generated shaders of a few surfaces to docs/shaders.
 
 use crate::generated::{Content, Generated};
 use anyhow::Result;
@@ -7,9 +7,10 @@ use std::path::Path;
 use taotie::image::Sampler;
 use taotie::scene::{GreenChannel, HeightMap, Material, NormalMap, NormalSpace, TextureRef, UvTransform};
 use taotie::shade::Shading;
-use taotie_shader::{Language, NormalMethod, PixelShader, Variant, VariantOptions, pixel_shader};
+use taotie::surface::SurfaceMethod;
+use taotie_shader::{Language, PixelShader, Variant, VariantOptions, pixel_shader};
 
-/// The files of `docs/shaders`.
+/// Returns the files of `docs/shaders`.
 pub fn generated(root: &Path) -> Result<Generated> {
     let folder = root.join("docs/shaders");
     let mut files = BTreeMap::new();
@@ -19,10 +20,10 @@ pub fn generated(root: &Path) -> Result<Generated> {
     Ok(Generated { files, folder: Some(folder) })
 }
 
-/// The content of each file by its name.
+/// Returns the content of each file by name.
 fn texts() -> Result<Vec<(&'static str, String)>> {
-    let ggx = Variant::new(&textured(), &lit(Shading::Ggx, NormalMethod::TangentMap));
-    let bump = Variant::new(&raised(), &lit(Shading::CookTorrance, NormalMethod::Bump));
+    let ggx = Variant::new(&textured(), &lit(Shading::Ggx, SurfaceMethod::TangentNormal));
+    let bump = Variant::new(&raised(), &lit(Shading::CookTorrance, SurfaceMethod::Bump));
     let PixelShader { text, interface, .. } = pixel_shader(&ggx, Language::Wgsl);
     let es = pixel_shader(&ggx, Language::GlslEs);
     Ok(vec![
@@ -34,7 +35,7 @@ fn texts() -> Result<Vec<(&'static str, String)>> {
     ])
 }
 
-fn lit(shading: Shading, method: NormalMethod) -> VariantOptions {
+fn lit(shading: Shading, method: SurfaceMethod) -> VariantOptions {
     VariantOptions { shading, method, environment: true, ..VariantOptions::default() }
 }
 
@@ -42,7 +43,7 @@ fn texture() -> TextureRef {
     TextureRef { texture: 0, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() }
 }
 
-/// The material of a baked asset: base colour, metallic-roughness with occlusion, and a normal map.
+/// Returns the material of a baked asset: base colour, metallic-roughness with occlusion, and a normal map.
 fn textured() -> Material {
     let normal =
         NormalMap { texture: texture(), scale: 1.0, space: NormalSpace::Tangent, green: GreenChannel::Up };
@@ -55,7 +56,7 @@ fn textured() -> Material {
     }
 }
 
-/// A material with a height map.
+/// Returns a material with a height map.
 fn raised() -> Material {
     Material { height: Some(HeightMap { texture: texture(), scale: 0.01 }), ..Material::default() }
 }
@@ -65,15 +66,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_kept_shaders_are_fresh() {
-        let shaders = generated(&crate::root()).expect("they can be made");
+    fn the_committed_shaders_are_up_to_date() {
+        let shaders = generated(&crate::root()).expect("the shaders can be generated");
         let stale = shaders.stale().expect("the shaders are readable");
-        assert!(stale.is_empty(), "`make shaders` renews {stale:?}");
+        assert!(stale.is_empty(), "run `make shaders` to update {stale:?}");
     }
 
     #[test]
     fn each_file_has_its_entry_point() {
-        for (name, text) in texts().expect("they can be made") {
+        for (name, text) in texts().expect("the shaders can be generated") {
             let entry = match name.rsplit('.').next() {
                 Some("wgsl") => "fn fragment_main(",
                 Some("glsl") => "void main() {",

@@ -1,4 +1,4 @@
-//! `xtask tables`: the directional albedos of the lobes, as Rust source.
+//! `xtask tables`: generates the directional albedos of the lobes as Rust source.
 
 use crate::generated::{Content, Generated};
 use rayon::prelude::*;
@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::path::Path;
 use taotie::shade::dfg::{COLUMNS, ROWS, column_cosine, integrate, row_roughness};
 
-/// The files of `crates/taotie/src/shade/dfg` that hold numbers.
+/// Returns the files with tables in `crates/taotie/src/shade/dfg`.
 pub fn generated(root: &Path) -> Generated {
     let folder = root.join("crates/taotie/src/shade/dfg");
     let slope = |roughness: f64| roughness * roughness;
@@ -19,7 +19,7 @@ pub fn generated(root: &Path) -> Generated {
     Generated { files, folder: None }
 }
 
-/// Row by row of rising roughness, each of rising n·v.
+/// Returns a table with rows of ascending roughness, each with ascending n·v.
 fn table<const N: usize>(numbers: impl Fn(f64, f64) -> [f64; N] + Sync) -> Vec<[f64; N]> {
     let node = |k: usize| numbers(column_cosine(k % COLUMNS), row_roughness(k / COLUMNS));
     (0..COLUMNS * ROWS).into_par_iter().map(node).collect()
@@ -40,7 +40,7 @@ fn source<const N: usize>(lobe: &str, table: &[[f64; N]]) -> String {
     text
 }
 
-/// Six decimals, as short as `f32` needs them.
+/// Formats an entry with six decimals, as short as `f32` allows.
 fn entry(node: &[f64]) -> String {
     let numbers: Vec<String> =
         node.iter().map(|value| format!("{:?}", ((value * 1e6).round() / 1e6) as f32)).collect();

@@ -1,25 +1,25 @@
-//! Content addresses: the SHA-256 of all that a file depends on.
+//! Content addresses: the SHA-256 of everything that a file depends on.
 
 use crate::input::InputFile;
 use crate::settings::AssetSettings;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-/// The version of the program, on which files depend too.
+/// The version of the program; files depend on it too.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Returns the address of an asset's files: that of its input, its settings and the version.
+/// Returns the address of an asset's files: the hash of its input, its settings and the version.
 pub fn of_asset(settings: &AssetSettings, input: &[InputFile]) -> String {
     let input: Vec<_> = input.iter().map(|file| [&file.name, &file.sha256]).collect();
     of(&("asset", VERSION, settings.with_names(), input))
 }
 
-/// Returns the address of what is made of an asset that lies at an address.
+/// Returns the address of files derived from the asset with the address `asset`.
 pub fn of_derived(kind: &str, settings: &impl Serialize, asset: &str) -> String {
     of(&(kind, VERSION, settings, asset))
 }
 
-/// Returns the SHA-256 of a value as JSON, hexadecimal. Fields of structs are in the order of their declaration.
+/// Returns the SHA-256 of a value as JSON, hexadecimal. Struct fields are hashed in declaration order.
 pub fn of(value: &impl Serialize) -> String {
     let text = serde_json::to_string(value).expect("all keys are text");
     hexadecimal(&Sha256::digest(text))

@@ -1,4 +1,4 @@
-//! The audit: what was written, held against the manifest.
+//! The audit: checks the written files against the manifest.
 
 use crate::collection::Collection;
 use crate::driver::{Worker, nonempty, remake};
@@ -11,34 +11,34 @@ use taotie::io::sha256;
 /// How thorough an audit is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct AuditOptions {
-    /// The number of assets that are baked and proved anew, and held against what is there byte by byte.
+    /// The number of assets to bake and prove again, and to compare with the existing files byte by byte.
     pub proofs: usize,
 }
 
-/// Something that is not as the manifest says.
+/// Something that differs from the manifest.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
     /// The asset.
     pub id: String,
-    /// What is wrong, a sentence.
+    /// A sentence.
     pub what: String,
 }
 
-/// What an audit found.
+/// The result of an audit.
 #[derive(Debug, Clone, Default)]
 pub struct Audit {
-    /// Assets that were looked at.
+    /// Assets checked.
     pub assets: usize,
     /// Files whose bytes were read.
     pub files: usize,
-    /// Assets that were baked anew.
+    /// Assets that were baked again.
     pub proofs: usize,
-    /// What is wrong.
+    /// The faults found.
     pub faults: Vec<Fault>,
 }
 
-/// Reads every file that the manifest names, and bakes some assets anew. `hear` is told the part that is done, and
-/// returns whether to go on.
+/// Reads every file that the manifest names, and bakes some assets again. `hear` receives the fraction done, and
+/// returns true to go on.
 ///
 /// # Errors
 /// [`taotie::Error::Cancelled`]; those of the manifest.
@@ -68,7 +68,7 @@ pub fn audit(
     Ok(audit)
 }
 
-/// Returns so many records, spread evenly over all.
+/// Picks `count` records, spread evenly.
 fn samples<'a>(made: &[&'a Record], count: usize) -> impl Iterator<Item = &'a Record> {
     let count = count.min(made.len());
     let picked: Vec<&Record> = (0..count).map(|i| made[i * made.len() / count]).collect();
@@ -76,21 +76,22 @@ fn samples<'a>(made: &[&'a Record], count: usize) -> impl Iterator<Item = &'a Re
 }
 
 impl Audit {
-    /// Holds the bytes of a part against its hashes.
+    /// Checks the bytes of a part against its hashes.
     fn read(&mut self, record: &Record, part: &Part, store: &Store) {
         for file in &part.files {
             self.files += 1;
             let path = store.path(&part.address).join(&file.name);
             match sha256(&path) {
                 Ok(hash) if hash == file.sha256 => {}
-                Ok(_) => self
-                    .note(record, format!("{}: its bytes are not those that were written", path.display())),
+                Ok(_) => {
+                    self.note(record, format!("{}: contents differ from what was written", path.display()))
+                }
                 Err(error) => self.note(record, error.to_string()),
             }
         }
     }
 
-    /// Makes an asset anew, and holds it against what is there.
+    /// Makes an asset again, and compares it with the existing one.
     fn prove(
         &mut self,
         record: &Record,
@@ -99,25 +100,25 @@ impl Audit {
         hear: &mut dyn FnMut(f64) -> bool,
     ) -> Result<()> {
         if !record.has_same_input(&nonempty(collection.folder())) {
-            self.note(record, "its scan is another now, so that it cannot be proved anew".into());
+            self.note(record, "the scan has changed since; the proof cannot be repeated".into());
             return Ok(());
         }
-        let anew = remake(record, collection, worker, hear)?;
-        if let Some(error) = anew.error {
-            self.note(record, format!("made anew, it fails: {error}"));
+        let remade = remake(record, collection, worker, hear)?;
+        if let Some(error) = remade.error {
+            self.note(record, format!("made again, it fails: {error}"));
             return Ok(());
         }
         for part in &record.parts {
-            let other = anew.parts.iter().find(|other| other.kind == part.kind);
+            let other = remade.parts.iter().find(|other| other.kind == part.kind);
             match other {
                 Some(other) if other.address != part.address => {
                     self.note(
                         record,
-                        format!("{}: it is made of another scan, or by other settings", part.kind),
+                        format!("{}: made from a different scan, or with different settings", part.kind),
                     );
                 }
                 Some(other) if other.files != part.files => {
-                    self.note(record, format!("{}: made anew, it has other bytes", part.kind));
+                    self.note(record, format!("{}: made again, its bytes differ", part.kind));
                 }
                 _ => {}
             }

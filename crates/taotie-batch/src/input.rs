@@ -1,4 +1,4 @@
-//! The files that an asset is made of.
+//! The files that an asset is made from.
 
 use crate::settings::AssetSettings;
 use serde::{Deserialize, Serialize};
@@ -8,10 +8,10 @@ use taotie::asset::Limits;
 use taotie::io::{load_model_within, sha256};
 use taotie::{Error, Result};
 
-/// A file that an asset is made of.
+/// A file that an asset is made from.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputFile {
-    /// Its name, relative to the folder of the file that names it.
+    /// Its name, relative to the folder of the file that references it.
     pub name: String,
     /// Its path, relative to the folder of the collection's file.
     pub path: PathBuf,
@@ -19,16 +19,16 @@ pub struct InputFile {
     pub bytes: u64,
     /// The time of its last change, nanoseconds since 1970.
     pub modified: u64,
-    /// The SHA-256 of its bytes, hexadecimal; empty where nobody has read it yet.
+    /// The SHA-256 of its bytes, hexadecimal; empty if it has not been read yet.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub sha256: String,
 }
 
 impl InputFile {
-    /// Asks the system for a file, without reading it.
+    /// Queries a file's metadata, without reading it.
     ///
     /// # Errors
-    /// [`Error::Io`] where it is not there.
+    /// [`Error::Io`] if it does not exist.
     pub fn stat(path: &Path) -> Result<Self> {
         let about = std::fs::metadata(path).map_err(|e| Error::io(path, e))?;
         let since = about.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
@@ -37,24 +37,24 @@ impl InputFile {
         Ok(Self { name, path: path.to_path_buf(), bytes: about.len(), modified, sha256: String::new() })
     }
 
-    /// Reads a file for its hash; its name is relative to `folder` where it lies below.
+    /// Reads a file to hash it; its name is relative to `folder` if it is inside it.
     fn read(path: &Path, folder: &Path) -> Result<Self> {
         let known = Self::stat(path)?;
         let name = path.strip_prefix(folder).map_or(known.name, slashed);
         Ok(Self { name, sha256: sha256(path)?, ..known })
     }
 
-    /// Says whether the file is as it was, as far as the system tells without reading it.
+    /// Returns true if the file is unchanged, judging by its size and modification time.
     pub fn is_unchanged(&self, folder: &Path) -> bool {
         Self::stat(&folder.join(&self.path))
             .is_ok_and(|now| (now.bytes, now.modified) == (self.bytes, self.modified))
     }
 }
 
-/// Reads all files that an asset is made of: those of the scan, in order, and all that its settings name.
+/// Reads all files that an asset is made from: those of the scan, in order, then all that its settings name.
 ///
 /// # Errors
-/// Those of reading.
+/// Read errors.
 pub fn read(scan: &[PathBuf], settings: &AssetSettings, limits: &Limits) -> Result<Vec<InputFile>> {
     let mut files = of_model(scan)?;
     for mesh in settings.meshes() {
@@ -75,7 +75,7 @@ fn of_model(files: &[PathBuf]) -> Result<Vec<InputFile>> {
     files.iter().map(|file| InputFile::read(file, folder)).collect()
 }
 
-/// Returns a relative path with `/` between its parts, on every system.
+/// Returns a relative path with `/` as the separator, on every system.
 pub fn slashed(path: &Path) -> String {
     let parts = path.components().map(|part| part.as_os_str().to_string_lossy().into_owned());
     parts.collect::<Vec<_>>().join("/")

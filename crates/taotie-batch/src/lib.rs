@@ -1,9 +1,9 @@
-//! Whole collections: `collection.toml` says where scans lie and what is made of them; a driver bakes each in a process
-//! of its own, and writes a line of the manifest for every attempt.
+//! Whole collections: `collection.toml` names the scans and what to make from them; a driver bakes each in a separate
+//! process, and adds a line to the manifest for every attempt.
 //!
-//! [`Collection`] reads the file. [`drive`] does the work: it starts the program that [`Worker`] names, once for each
-//! asset, and tells it a [`Job`]; that program calls [`work`]. [`audit`] holds what was written against the manifest, and
-//! [`write_page`] shows all of it.
+//! [`Collection`] reads the file. [`drive`] does the work: it starts the program named by [`Worker`] once for each
+//! asset, and sends it a [`Job`]; that program calls [`work`]. [`audit`] checks the written files against the
+//! manifest, and [`write_page`] shows all of it.
 
 mod address;
 mod audit;

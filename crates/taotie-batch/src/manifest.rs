@@ -1,4 +1,4 @@
-//! The manifest: an append-only file with a record a line. It is the only memory of a collection's work.
+//! The manifest: an append-only file with one record per line. It is the only state kept about a collection's work.
 
 use crate::record::Record;
 use std::collections::BTreeMap;
@@ -8,28 +8,28 @@ use std::path::{Path, PathBuf};
 use taotie::io::read_bytes;
 use taotie::{Error, Result, Warnings};
 
-/// The part of a collection that one call does.
+/// The part of a collection that one call works on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// Its number, from 1.
+    /// The shard's number, from 1.
     pub number: u32,
-    /// How many there are.
+    /// The number of shards.
     pub count: u32,
 }
 
-/// A manifest that is written to. Nobody else writes to it meanwhile.
+/// A manifest opened for writing, exclusively.
 #[derive(Debug)]
 pub struct Manifest {
     path: PathBuf,
     file: File,
 }
 
-/// What all manifests of a collection say.
+/// The content of all manifests of a collection.
 #[derive(Debug, Default)]
 pub struct History {
-    /// The last record of each asset.
+    /// The latest record of each asset.
     pub last: BTreeMap<String, Record>,
-    /// Lines that are no records: the last of a driver that was killed amid it.
+    /// Malformed lines, such as the last line of a driver that was killed while writing it.
     pub warnings: Warnings,
 }
 
@@ -37,19 +37,22 @@ impl std::str::FromStr for Shard {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let wrong = || Error::invalid(format!("`{text}`"), "write the shard and their number, such as 3/8");
+        let wrong = || Error::invalid(format!("`{text}`"), "write the shard and their number, e.g. 3/8");
         let (number, count) = text.split_once('/').ok_or_else(wrong)?;
         let [number, count] = [number, count].map(|part| part.trim().parse().map_err(|_| wrong()));
         let (number, count) = (number?, count?);
         if number == 0 || number > count {
-            return Err(Error::invalid(format!("`{text}`"), format!("shards are counted from 1 to {count}")));
+            return Err(Error::invalid(
+                format!("`{text}`"),
+                format!("shards are numbered from 1 to {count}"),
+            ));
         }
         Ok(Self { number, count })
     }
 }
 
 impl Shard {
-    /// Says whether an asset is of this shard. Which one it is depends on its id alone.
+    /// Returns true if an asset belongs to this shard, which depends only on its id.
     pub fn covers(self, id: &str) -> bool {
         let hash = crate::address::of(&id);
         let start = u64::from_str_radix(&hash[..16], 16).unwrap_or_default();
@@ -58,7 +61,7 @@ impl Shard {
 }
 
 impl Manifest {
-    /// Returns the file that a call writes to: shards have one each, so that they may lie on any file system.
+    /// Returns the file that a call writes to: each shard has a separate one, so that it can be on any file system.
     pub fn path_of(root: &Path, shard: Option<Shard>) -> PathBuf {
         root.join(match shard {
             None => "manifest.jsonl".to_owned(),
@@ -66,19 +69,19 @@ impl Manifest {
         })
     }
 
-    /// Opens a manifest, or begins it.
+    /// Opens a manifest, creating it if necessary.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where another process writes to it; [`Error::Io`] where the system refuses.
+    /// [`Error::Invalid`] if another process is writing to it; [`Error::Io`] if the system refuses.
     pub fn open(path: &Path) -> Result<Self> {
         let failed = |e| Error::io(path, e);
         let mut file = File::options().read(true).append(true).create(true).open(path).map_err(failed)?;
         match file.try_lock() {
             Err(TryLockError::WouldBlock) => {
-                let why = "another `taotie batch` works on this collection; wait for it, or use --shard";
+                let why = "another `taotie batch` is working on this collection; wait for it, or use --shard";
                 return Err(Error::invalid(path.display().to_string(), why));
             }
-            // Where the file system has no locks, nobody else is known of.
+            // If the file system has no locks, other writers cannot be detected.
             Ok(()) | Err(TryLockError::Error(_)) => {}
         }
         if is_torn(&mut file).map_err(failed)? {
@@ -87,10 +90,10 @@ impl Manifest {
         Ok(Self { path: path.to_path_buf(), file })
     }
 
-    /// Adds a record; it is on the disk when this returns.
+    /// Appends a record; it is on disk when this returns.
     ///
     /// # Errors
-    /// [`Error::Io`] where the system refuses.
+    /// [`Error::Io`] if the system refuses.
     pub fn add(&mut self, record: &Record) -> Result<()> {
         let mut line = serde_json::to_string(record).expect("all keys are text");
         line.push('\n');
@@ -99,7 +102,7 @@ impl Manifest {
     }
 }
 
-/// Says whether a file ends amid a line.
+/// Returns true if a file ends in the middle of a line.
 fn is_torn(file: &mut File) -> std::io::Result<bool> {
     if file.seek(SeekFrom::End(0))? == 0 {
         return Ok(false);
@@ -111,10 +114,10 @@ fn is_torn(file: &mut File) -> std::io::Result<bool> {
 }
 
 impl History {
-    /// Reads all manifests in a collection's folder: those of all shards too.
+    /// Reads all manifests in a collection's folder, including those of shards.
     ///
     /// # Errors
-    /// [`Error::Io`] where one cannot be read.
+    /// [`Error::Io`] if one cannot be read.
     pub fn read(root: &Path) -> Result<Self> {
         let mut history = Self::default();
         for path in manifests(root)? {
@@ -128,15 +131,13 @@ impl History {
         for line in bytes.split(|byte| *byte == b'\n').filter(|line| !line.is_empty()) {
             match serde_json::from_slice::<Record>(line) {
                 Ok(record) => self.add(record),
-                Err(_) => self
-                    .warnings
-                    .note(format!("{}: a line that is no record is passed over", path.display()), 1),
+                Err(_) => self.warnings.note(format!("{}: skipped a malformed record", path.display()), 1),
             }
         }
         Ok(())
     }
 
-    /// Takes a record, unless a later one is known.
+    /// Adds a record, unless a later one is known.
     pub fn add(&mut self, record: Record) {
         let order = |record: &Record| (record.ended, record.attempt);
         match self.last.get(&record.id) {
@@ -197,7 +198,7 @@ mod tests {
         let ids: Vec<String> = (0..200).map(|index| format!("room/{index}.ply")).collect();
         let of = |number, count| ids.iter().filter(move |id| Shard { number, count }.covers(id)).count();
         assert_eq!((1..=7).map(|number| of(number, 7)).sum::<usize>(), ids.len());
-        assert!((1..=7).all(|number| of(number, 7) > 10), "they are of about the same size");
+        assert!((1..=7).all(|number| of(number, 7) > 10), "they are about the same size");
         assert_eq!("3/8".parse::<Shard>().unwrap(), Shard { number: 3, count: 8 });
         for wrong in ["", "3", "0/8", "9/8", "a/b", "1/0"] {
             assert!(wrong.parse::<Shard>().is_err(), "{wrong}");

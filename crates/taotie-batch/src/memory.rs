@@ -1,42 +1,42 @@
-//! The memory of processes: their limit and their peak.
+//! The memory of processes: limit and peak.
 
 use taotie::asset::Bytes;
 
-/// Bytes that a process may take beyond twice its forecast: its program, the stacks of its threads, and what the system's
-/// allocator holds in reserve for each.
+/// Bytes that a process may use beyond twice its estimate: its program, the stacks of its threads, and the reserves
+/// that the system's allocator keeps for each.
 const RESERVE: u64 = 512 << 20;
 
-/// Bounds the memory of this process by twice what was foreseen: a forecast that is far too low ends the process, and not
-/// the machine. Systems other than Linux set no bound.
+/// Limits the memory of this process to twice its estimate plus [`RESERVE`], so that a far too low estimate ends the
+/// process rather than the machine. On systems other than Linux there is no limit.
 ///
 /// # Errors
-/// Where the system refuses.
+/// System errors.
 #[cfg(target_os = "linux")]
 pub fn bound_process(forecast: Bytes) -> std::io::Result<()> {
     use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
     let wanted = forecast.0.saturating_mul(2).saturating_add(RESERVE);
-    // What was set by others before holds too.
+    // A limit that was already set still applies.
     let hard = getrlimit(Resource::Data).maximum;
     let most = Some(hard.map_or(wanted, |hard| hard.min(wanted)));
     Ok(setrlimit(Resource::Data, Rlimit { current: most, maximum: hard })?)
 }
 
-/// Bounds the memory of this process, where the system knows how.
+/// Limits the memory of this process, if the system supports it.
 ///
 /// # Errors
-/// None here.
+/// Never fails here.
 #[cfg(not(target_os = "linux"))]
 pub fn bound_process(_: Bytes) -> std::io::Result<()> {
     let _ = RESERVE;
     Ok(())
 }
 
-/// Returns the most memory that a process has taken so far; `None` where the system does not tell.
+/// Returns the peak memory of a process so far; `None` if the system does not report it.
 pub fn peak_of(process: u32) -> Option<u64> {
     peak_in(&std::fs::read_to_string(format!("/proc/{process}/status")).ok()?)
 }
 
-/// Returns the most memory that this process has taken so far; `None` where the system does not tell.
+/// Returns the peak memory of this process so far; `None` if the system does not report it.
 pub fn own_peak() -> Option<u64> {
     peak_of(std::process::id())
 }

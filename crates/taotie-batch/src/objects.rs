@@ -1,4 +1,4 @@
-//! What objects say of themselves. Nothing in it depends on the machine, or on when it was made.
+//! The descriptions stored with objects. Nothing in them depends on the machine or on when they were made.
 
 use crate::record::{FileEntry, Part, SCHEMA, ShortFigures};
 use crate::store::entry;
@@ -8,9 +8,9 @@ use std::path::PathBuf;
 use taotie::Result;
 use taotie::asset::{Figures, Warning};
 
-/// What an object says of itself.
+/// The description stored with an object.
 pub trait Object: Serialize + DeserializeOwned {
-    /// Returns its files, but for that which says so.
+    /// Returns its files, excluding the description itself.
     fn files(&self) -> &[FileEntry];
     /// Returns the kind of its files.
     fn kind(&self) -> &str;
@@ -20,7 +20,7 @@ pub trait Object: Serialize + DeserializeOwned {
         true
     }
 
-    /// Returns the part of an asset that it is.
+    /// Converts it to a part of an asset.
     fn into_part(self, address: String, reused: bool) -> Part {
         Part { kind: self.kind().into(), address, files: self.files().to_vec(), reused }
     }
@@ -42,18 +42,18 @@ pub struct AssetObject {
     pub triangles: Vec<usize>,
     /// Texels across and down.
     pub size: [u32; 2],
-    /// What was measured.
+    /// The measured figures.
     pub figures: Figures,
-    /// What was wrong and put right.
+    /// Faults that were fixed.
     pub warnings: Vec<Warning>,
     /// Its files, the model first.
     pub files: Vec<FileEntry>,
 }
 
-/// What is made of an asset's own file.
+/// A file derived from an asset's own files.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct DerivedObject {
-    /// What it is.
+    /// Its kind.
     pub kind: String,
     /// The version of the program.
     pub version: String,
@@ -86,7 +86,7 @@ impl Object for DerivedObject {
 }
 
 impl AssetObject {
-    /// Returns the figures that lists show.
+    /// Returns the figures shown in lists.
     pub fn short(&self) -> ShortFigures {
         ShortFigures {
             triangles_in: self.triangles_in,
@@ -98,20 +98,20 @@ impl AssetObject {
 }
 
 impl DerivedObject {
-    /// Tells of files that were written: names with paths.
+    /// Describes files that have been written, given as names and paths.
     ///
     /// # Errors
-    /// Those of reading them.
+    /// Read errors.
     pub fn of(kind: &str, files: Vec<(String, PathBuf)>) -> Result<Self> {
         let files = entries(&files)?;
         Ok(Self { kind: kind.into(), version: crate::address::VERSION.into(), files })
     }
 }
 
-/// Returns what is to be told of files that were written: names with paths.
+/// Describes files that have been written, given as names and paths.
 ///
 /// # Errors
-/// Those of reading them.
+/// Read errors.
 pub fn entries(files: &[(String, PathBuf)]) -> Result<Vec<FileEntry>> {
     files.iter().map(|(name, path)| entry(name, path)).collect()
 }

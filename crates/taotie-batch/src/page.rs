@@ -1,4 +1,4 @@
-//! The collection's page, and the same as JSON.
+//! The collection's page, and the same data as JSON.
 
 use crate::collection::Collection;
 use crate::manifest::History;
@@ -6,14 +6,14 @@ use crate::record::{OUTDATED, Record, ShortFigures};
 use crate::store::Store;
 use std::path::PathBuf;
 use taotie::Result;
-use taotie::asset::Met;
+use taotie::asset::RequirementOutcome;
 use taotie::io::FileSet;
 use taotie_report::collection_page::{self, Entry, Gallery};
 
 /// Writes `index.html`, `collection.json` and the IIIF manifest of a collection; returns their paths.
 ///
 /// # Errors
-/// Those of the manifest, of the collection's sources, and of writing.
+/// Errors of the manifest and of the collection's sources, and write errors.
 pub fn write_page(collection: &Collection) -> Result<Vec<PathBuf>> {
     let store = Store::new(collection.output());
     store.make()?;
@@ -34,7 +34,7 @@ pub fn write_page(collection: &Collection) -> Result<Vec<PathBuf>> {
     Ok(vec![page, json, iiif])
 }
 
-/// Returns what the page shows of an asset that nobody has attempted yet.
+/// Returns the page's entry for an asset that has not been attempted yet.
 fn waiting(id: &str, title: Option<String>) -> Entry {
     Entry { id: id.into(), title, state: "waiting".into(), ..Entry::default() }
 }
@@ -44,8 +44,8 @@ fn entry(record: &Record) -> Entry {
     let has = record.figures.is_some();
     let ShortFigures { triangles_in, bytes_in, bytes_out, hausdorff, missed, .. } = figures;
     let one = |kind: &str, ending: &str| link(record, kind, ending);
-    let is_unmet = |met: &&Met| !met.met;
-    let unmet = |met: &Met| format!("{} {}", met.name(), met.text());
+    let is_unmet = |met: &&RequirementOutcome| !met.met;
+    let unmet = |met: &RequirementOutcome| format!("{} {}", met.name(), met.text());
     Entry {
         id: record.id.clone(),
         title: record.title.clone(),
@@ -73,20 +73,20 @@ fn entry(record: &Record) -> Entry {
     }
 }
 
-/// Returns the warnings of a record, first of all that its verdict is out of date.
+/// Returns the warnings of a record; first, if so, that its verdict is out of date.
 fn warnings(record: &Record) -> Vec<String> {
     let outdated = (!record.is_current()).then(|| OUTDATED.to_owned());
     outdated.into_iter().chain(record.warnings.iter().map(|warning| warning.what.clone())).collect()
 }
 
-/// Returns the address of a file, relative to the page.
+/// Returns the URL of a file, relative to the page.
 fn link(record: &Record, kind: &str, ending: &str) -> Option<String> {
     let part = record.part(kind)?;
     let file = part.files.iter().find(|file| file.name.ends_with(ending))?;
     Some(format!("{}/{}", Store::folder(&part.address), escaped(&file.name)))
 }
 
-/// Returns a name as addresses of the web write it.
+/// Returns a name percent-encoded for URLs.
 fn escaped(name: &str) -> String {
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~".contains(&byte);
     let letter =

@@ -1,26 +1,26 @@
-//! What the manifest says of an asset: a line for each attempt.
+//! Manifest records: one line per attempt at an asset.
 
 use crate::input::InputFile;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use taotie::asset::{Figures, Met, Requirement, Warning};
+use taotie::asset::{Figures, Requirement, RequirementOutcome, Warning};
 
-/// The version of records and of the figures they are judged by. Assets whose record or figures have another one are judged
-/// again.
+/// The version of records and of the figures they are judged by. Assets whose record or figures have a different
+/// version are judged again.
 pub const SCHEMA: u32 = 2;
 
-/// What is said of a record with another schema.
-pub const OUTDATED: &str = "judged by the figures of another version; run `taotie batch` to judge it again";
+/// The message for a record with a different schema.
+pub const OUTDATED: &str = "judged by another version's figures; run `taotie batch` to judge it again";
 
-/// The end of an attempt.
+/// The outcome of an attempt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum State {
-    /// All files are there, and all requirements are met.
+    /// All files exist, and all requirements are met.
     Done,
-    /// All files are there; a figure is worse than is demanded.
+    /// All files exist, but a figure does not meet its requirement.
     RequiredNotMet,
-    /// It is too large for the memory or the limits that it may have.
+    /// It exceeds the memory limit or another limit.
     Refused,
     /// It could not be made: a broken file, a crash, a time limit.
     Failed,
@@ -33,41 +33,41 @@ pub struct Record {
     pub schema: u32,
     /// The asset.
     pub id: String,
-    /// How often it has been attempted, from 1.
+    /// The attempt's number, from 1.
     pub attempt: u32,
-    /// The end of the attempt, seconds since 1970.
+    /// When the attempt ended, in seconds since 1970.
     pub ended: u64,
     /// The version of the program.
     pub version: String,
-    /// The SHA-256 of the settings, but for requirements.
+    /// The SHA-256 of the settings, except for requirements.
     pub settings: String,
-    /// How it ended.
+    /// The outcome.
     pub state: State,
-    /// Why it was not made, a sentence.
+    /// Why it was not made, as a sentence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
-    /// What people call it.
+    /// Its title, for people.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub title: Option<String>,
-    /// The files that it is made of, the scan's own first.
+    /// The files that it is made from, the scan's own first.
     pub input: Vec<InputFile>,
-    /// The whole time, seconds.
+    /// The total time, in seconds.
     pub seconds: f64,
     /// The time of each stage.
     pub stages: Vec<Stage>,
-    /// The most memory that its process took.
+    /// The peak memory of its process.
     pub peak_bytes: Option<u64>,
-    /// The memory that was foreseen.
+    /// The memory estimated beforehand.
     pub forecast_bytes: Option<u64>,
-    /// What was measured, in short.
+    /// The measured figures, in short.
     pub figures: Option<ShortFigures>,
-    /// What was demanded.
+    /// The requirements.
     pub require: Vec<Requirement>,
-    /// How that was met, level by level.
-    pub required: Vec<Met>,
-    /// What was wrong and put right.
+    /// How each requirement was met, level by level.
+    pub required: Vec<RequirementOutcome>,
+    /// Faults that were fixed.
     pub warnings: Vec<Warning>,
-    /// What was made.
+    /// The parts that were made.
     pub parts: Vec<Part>,
 }
 
@@ -76,7 +76,7 @@ pub struct Record {
 pub struct Stage {
     /// Its name.
     pub stage: String,
-    /// Its time.
+    /// Its duration.
     pub milliseconds: f64,
 }
 
@@ -89,7 +89,7 @@ pub struct Part {
     pub address: String,
     /// The files.
     pub files: Vec<FileEntry>,
-    /// `true` where they were there already.
+    /// `true` if they already existed.
     #[serde(default)]
     pub reused: bool,
 }
@@ -126,14 +126,14 @@ pub struct ShortFigures {
     pub max_angle: Option<f64>,
     /// Mean difference of base colours as seen, CIEDE2000.
     pub mean_color: Option<f64>,
-    /// The largest distance between the visible surfaces as a part of the diagonal, its upper bound.
+    /// The largest distance between the visible surfaces as a fraction of the diagonal: an upper bound.
     pub hausdorff: f64,
-    /// The share of the visible surface where the other shows nothing, the worse of scan and asset.
+    /// The fraction of the visible surface where the other model shows nothing; the worse of scan and asset.
     pub missed: f64,
 }
 
 impl ShortFigures {
-    /// Shortens what was measured.
+    /// Summarises the figures.
     pub fn of(figures: &Figures) -> Self {
         let finest = figures.finest();
         let angles = finest.and_then(|finest| finest.overview.angles);
@@ -167,19 +167,19 @@ impl State {
         }
     }
 
-    /// Returns the state of an asset that is there.
-    pub fn of(required: &[Met]) -> Self {
+    /// Returns the state of an asset that was made.
+    pub fn of(required: &[RequirementOutcome]) -> Self {
         if required.iter().all(|met| met.met) { Self::Done } else { Self::RequiredNotMet }
     }
 
-    /// Says whether the asset is there.
+    /// Returns true if the asset was made.
     pub fn is_made(self) -> bool {
         matches!(self, Self::Done | Self::RequiredNotMet)
     }
 }
 
 impl Record {
-    /// Returns the part of a kind.
+    /// Returns the part of a given kind.
     pub fn part(&self, kind: &str) -> Option<&Part> {
         self.parts.iter().find(|part| part.kind == kind)
     }
@@ -189,8 +189,8 @@ impl Record {
         self.schema == SCHEMA
     }
 
-    /// Says whether the files that it was made of are as they were, as far as the system tells without reading them. Their paths
-    /// are relative to `folder`.
+    /// Returns true if the files that it was made from are unchanged, judging by size and modification time. Their
+    /// paths are relative to `folder`.
     pub fn has_same_input(&self, folder: &Path) -> bool {
         !self.input.is_empty() && self.input.iter().all(|file| file.is_unchanged(folder))
     }

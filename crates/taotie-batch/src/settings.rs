@@ -1,36 +1,36 @@
-//! What is made of an asset.
+//! The settings of an asset.
 
 use serde::{Deserialize, Serialize};
 use taotie::asset::{BakeOptions, MeshSource, Packing, RayDistance, Requirement, ScanOptions, VerifyOptions};
 use taotie::{Error, Result};
 
-/// What is made of an asset, and what is demanded of it.
+/// The files to make from a scan, and the requirements on them.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Settings {
-    /// The files of the asset itself.
+    /// Settings of the asset itself.
     pub asset: AssetSettings,
-    /// The picture of it; `None` for none.
+    /// The thumbnail; `None` for none.
     pub thumbnail: Option<Thumbnail>,
-    /// The moving picture of it; `None` for none.
+    /// The turntable animation; `None` for none.
     pub turntable: Option<Turntable>,
     /// The page that shows it in a browser; `None` for none.
     pub viewer: Option<ViewerPage>,
-    /// What its figures must be. No file depends on it.
+    /// Requirements on its figures. No file depends on them.
     pub require: Vec<Requirement>,
 }
 
-/// Everything that the files of an asset depend on beside its input.
+/// Everything that the files of an asset depend on in addition to its input.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct AssetSettings {
-    /// The reading of the scan.
+    /// How to read the scan.
     pub scan: ScanOptions,
-    /// The bake.
+    /// How to bake.
     pub bake: BakeOptions,
-    /// The packing into files.
+    /// How to pack it into files.
     pub packing: Packing,
-    /// The measurements.
+    /// How to measure.
     pub verify: VerifyOptions,
-    /// `true` where what was measured is written as a page, too.
+    /// `true` to write the figures as a page too.
     pub report: bool,
 }
 
@@ -42,13 +42,13 @@ pub struct Thumbnail {
     pub size: u32,
 }
 
-/// A moving picture of an asset that turns once.
+/// An animation of an asset that turns once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Turntable {
     /// Pixels along a side, 16 to 2048.
     pub size: u32,
-    /// Pictures of a turn, 2 to 360.
+    /// Frames per turn, 2 to 360.
     pub frames: u32,
 }
 
@@ -70,10 +70,10 @@ impl Default for Turntable {
 }
 
 impl Settings {
-    /// Refuses what cannot be done, before any work begins.
+    /// Checks the settings, before any work begins.
     ///
     /// # Errors
-    /// [`Error::Invalid`], and those of what [`Packing::provenance`] names.
+    /// [`Error::Invalid`], and errors of the file that [`Packing::provenance`] names.
     pub fn check(&self) -> Result<()> {
         let AssetSettings { scan, bake, packing, .. } = &self.asset;
         scan.check()?;
@@ -83,17 +83,17 @@ impl Settings {
         let of_turn = self.turntable.map(|turn| ("turntable", turn.size));
         let mut sizes = of_picture.into_iter().chain(of_turn);
         if let Some((what, size)) = sizes.find(|(_, size)| !(16..=2048).contains(size)) {
-            return Err(Error::invalid(format!("{what}: a size of {size}"), "give 16 to 2048 pixels"));
+            return Err(Error::invalid(format!("{what}: a size of {size}"), "use 16 to 2048 pixels"));
         }
         match self.turntable {
             Some(Turntable { frames, .. }) if !(2..=360).contains(&frames) => {
-                Err(Error::invalid(format!("turntable: {frames} frames"), "give 2 to 360"))
+                Err(Error::invalid(format!("turntable: {frames} frames"), "use 2 to 360"))
             }
             _ => Ok(()),
         }
     }
 
-    /// Returns the same settings with paths that are relative to `folder`.
+    /// Returns the same settings with paths relative to `folder`.
     #[must_use]
     pub fn in_folder(mut self, folder: &std::path::Path) -> Self {
         let AssetSettings { bake, packing, .. } = &mut self.asset;
@@ -112,14 +112,14 @@ impl Settings {
         self
     }
 
-    /// Says whether an error of less than all that is possible is searched for, which takes many bakes.
+    /// Returns true if the bake searches for a target error, which takes many bakes.
     pub fn searches(&self) -> bool {
         self.asset.bake.searches()
     }
 }
 
 impl AssetSettings {
-    /// Returns the model files that are named beside the scan.
+    /// Returns the model files named in addition to the scan.
     pub fn meshes(&self) -> Vec<&std::path::Path> {
         let cage = match &self.bake.ray_distance {
             RayDistance::Cage(source) => Some(source),
@@ -134,8 +134,8 @@ impl AssetSettings {
             .collect()
     }
 
-    /// Returns the same settings with the names of files in place of their paths: where a collection lies does not
-    /// change what is made.
+    /// Returns the same settings with file names in place of paths: the location of a collection must not affect the
+    /// content addresses.
     #[must_use]
     pub fn with_names(&self) -> Self {
         let name = |path: &mut std::path::PathBuf| *path = path.file_name().unwrap_or_default().into();

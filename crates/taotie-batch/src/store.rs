@@ -1,4 +1,4 @@
-//! Where a collection's files lie: objects under their content addresses, and links to them that people can read.
+//! The storage of a collection's files: objects under their content addresses, and readable links to them.
 
 use crate::objects::Object;
 use crate::record::{FileEntry, Part};
@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 use taotie::io::{FileSet, file_size, read_bytes, sha256};
 use taotie::{Error, Result};
 
-/// The file that says that an object is complete: it is the last to be there.
+/// The file that marks an object as complete: it is written last.
 const RESULT: &str = "object.json";
 
-/// The part of an object's own words that tells of its files.
+/// The part of an object's description that lists its files.
 #[derive(Deserialize)]
 struct Listed {
     files: Vec<FileEntry>,
@@ -25,7 +25,7 @@ pub struct Store {
 }
 
 impl Store {
-    /// Takes a folder, which may not be there yet.
+    /// Creates a store in a folder, which need not exist yet.
     pub fn new(root: impl Into<PathBuf>) -> Self {
         Self { root: root.into() }
     }
@@ -35,10 +35,10 @@ impl Store {
         &self.root
     }
 
-    /// Makes the folders that all objects share.
+    /// Creates the folders that all objects share.
     ///
     /// # Errors
-    /// [`Error::Io`] where the system refuses.
+    /// [`Error::Io`] if the system refuses.
     pub fn make(&self) -> Result<()> {
         let folder = self.root.join("objects");
         fs::create_dir_all(&folder).map_err(|e| Error::io(folder, e))
@@ -54,26 +54,26 @@ impl Store {
         self.root.join(Self::folder(address))
     }
 
-    /// Returns an object's description of itself; `None` if it is missing, incomplete, or has figures of another version.
+    /// Returns an object's description; `None` if it is missing, incomplete, or has another version's figures.
     pub fn object<T: Object>(&self, address: &str) -> Option<T> {
-        let told: T = self.told(address)?;
-        (told.is_current() && are_there(&self.path(address), told.files())).then_some(told)
+        let found: T = self.described(address)?;
+        (found.is_current() && are_there(&self.path(address), found.files())).then_some(found)
     }
 
-    fn told<T: DeserializeOwned>(&self, address: &str) -> Option<T> {
+    fn described<T: DeserializeOwned>(&self, address: &str) -> Option<T> {
         serde_json::from_slice(&read_bytes(&self.path(address).join(RESULT)).ok()?).ok()
     }
 
-    /// Says whether all files of a part are there, each with its length, and the object says so itself.
+    /// Returns true if all files of a part exist with the right lengths, and the object lists them too.
     pub fn holds(&self, part: &Part) -> bool {
-        let is_told = |told: Listed| told.files == part.files;
-        self.told(&part.address).is_some_and(is_told) && are_there(&self.path(&part.address), &part.files)
+        let listed = |found: Listed| found.files == part.files;
+        self.described(&part.address).is_some_and(listed) && are_there(&self.path(&part.address), &part.files)
     }
 
-    /// Claims the place of an object in a set of files; returns its folder.
+    /// Claims the folder of an object in a set of files; returns the folder.
     ///
     /// # Errors
-    /// Those of [`FileSet::claim_folder`].
+    /// The errors of [`FileSet::claim_folder`].
     pub fn claim(&self, address: &str, files: &FileSet) -> Result<PathBuf> {
         let folder = self.path(address);
         if let Some(shared) = folder.parent() {
@@ -83,37 +83,37 @@ impl Store {
         Ok(folder)
     }
 
-    /// Says that an object is complete, once all its files are in their places: what is there without this is made anew.
-    /// `files` is a set of its own, which signals stop.
+    /// Marks an object as complete, once all its files are in place: an object without this mark is made again.
+    /// `files` is a separate set, which signals can stop.
     ///
     /// # Errors
-    /// Those of writing.
-    pub fn tell(&self, address: &str, object: &impl Object, files: &FileSet) -> Result<()> {
+    /// Write errors.
+    pub fn complete(&self, address: &str, object: &impl Object, files: &FileSet) -> Result<()> {
         let text = serde_json::to_string(object).expect("all keys are text");
         files.write_text(&self.path(address).join(RESULT), &text)?;
         files.commit()
     }
 
-    /// Removes what a process that was killed left of an object.
+    /// Removes the remains of an object whose process was killed.
     pub fn sweep(&self, address: &str) {
         let folder = self.path(address);
         if folder.is_dir() {
             let files = FileSet::new();
             let _ = files.claim_folder(&folder);
             drop(files);
-            // One that holds anything stays.
+            // A folder that is not empty stays.
             let _ = fs::remove_dir(&folder);
         }
     }
 
-    /// Makes `assets/ID/NAME` for each file: a link to it in its object.
+    /// Creates `assets/ID/NAME` for each file: a link to the file in its object.
     ///
     /// # Errors
-    /// [`Error::Io`] where the system refuses.
+    /// [`Error::Io`] if the system refuses.
     pub fn link(&self, id: &str, parts: &[Part]) -> Result<()> {
         let folder = self.root.join("assets").join(id);
         fs::create_dir_all(&folder).map_err(|e| Error::io(&folder, e))?;
-        // From assets/ID back to the root.
+        // The way from assets/ID back to the root.
         let up = "../".repeat(1 + id.split('/').count());
         let files = parts.iter().flat_map(|part| part.files.iter().map(move |file| (part, file)));
         for (part, file) in files.filter(|(_, file)| !file.name.contains('/')) {
@@ -130,28 +130,28 @@ fn are_there(folder: &Path, files: &[FileEntry]) -> bool {
         .all(|file| fs::metadata(folder.join(&file.name)).is_ok_and(|about| about.len() == file.bytes))
 }
 
-/// Makes a link in one step, in place of an earlier one.
+/// Creates a link atomically, replacing an earlier one.
 #[cfg(unix)]
 fn link(target: &str, path: &Path) -> std::io::Result<()> {
     if fs::read_link(path).is_ok_and(|there| there.as_os_str() == target) {
         return Ok(());
     }
-    let beside = path.with_file_name(format!(".taotie-link-{}", std::process::id()));
-    let _ = fs::remove_file(&beside);
-    std::os::unix::fs::symlink(target, &beside)?;
-    fs::rename(&beside, path)
+    let temporary = path.with_file_name(format!(".taotie-link-{}", std::process::id()));
+    let _ = fs::remove_file(&temporary);
+    std::os::unix::fs::symlink(target, &temporary)?;
+    fs::rename(&temporary, path)
 }
 
-/// Links need rights elsewhere; the page and the manifest name the objects themselves.
+/// Elsewhere, links need special rights; the page and the manifest name the objects themselves.
 #[cfg(not(unix))]
 fn link(_: &str, _: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Returns what is to be told of a file that was written.
+/// Describes a file that has been written.
 ///
 /// # Errors
-/// Those of reading.
+/// Read errors.
 pub fn entry(name: &str, path: &Path) -> Result<FileEntry> {
     Ok(FileEntry { name: name.into(), bytes: file_size(path)?, sha256: sha256(path)? })
 }

@@ -1,4 +1,4 @@
-//! `taotie completions`: scripts by which shells complete the command's words.
+//! `taotie completions`: shell completion scripts.
 
 use crate::console;
 use anyhow::Result;
@@ -11,7 +11,7 @@ Examples:
   taotie completions zsh > ~/.zfunc/_taotie
   taotie completions fish > ~/.config/fish/completions/taotie.fish";
 
-/// Prints a script by which a shell completes subcommands and options.
+/// Prints a shell completion script for subcommands and options.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct CompletionsArgs {

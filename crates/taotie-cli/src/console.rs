@@ -9,28 +9,28 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use taotie::Warnings;
 
-/// Writes a result line to stdout. Control characters in it but for line ends, which come from files and their names,
-/// are replaced.
+/// Writes a result line to stdout, replacing control characters, which may come from files and their names, except
+/// line ends.
 pub fn result(line: &str) -> Result<()> {
     let mut stdout = io::stdout().lock();
     writeln!(stdout, "{}", plain_lines(line))?;
     Ok(stdout.flush()?)
 }
 
-/// Writes a text of the program's own to stdout, as it is.
+/// Writes the program's own text to stdout, unchanged.
 pub fn own_text(text: &str) -> Result<()> {
     let mut stdout = io::stdout().lock();
     writeln!(stdout, "{text}")?;
     Ok(stdout.flush()?)
 }
 
-/// Returns text of a file without characters that could rule the terminal: controls, and marks that turn the direction
-/// of writing. Each becomes the replacement character.
+/// Returns text of a file without characters that could control the terminal: control characters, and marks that
+/// change the writing direction. Each becomes the replacement character.
 pub fn plain(text: &str) -> String {
     text.chars().map(|c| if rules_terminal(c) { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
-/// As [`plain`], but for line ends, which the caller made.
+/// Like [`plain`], but keeps line ends, which the caller added.
 fn plain_lines(text: &str) -> String {
     let kept = |c: char| c == '\n' || !rules_terminal(c);
     text.chars().map(|c| if kept(c) { c } else { char::REPLACEMENT_CHARACTER }).collect()
@@ -40,10 +40,10 @@ fn rules_terminal(c: char) -> bool {
     c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// Set where the user wants neither progress nor messages. All that talks has but one stderr, so it is global as that.
+/// Set if the user wants neither progress nor messages. Global, because stderr is.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// Leaves out progress, messages and warnings from now on, or no more.
+/// Turns progress, messages and warnings off or on.
 pub fn set_quiet(quiet: bool) {
     QUIET.store(quiet, Ordering::Relaxed);
 }
@@ -52,19 +52,19 @@ fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// Writes a message to stderr, unless the user wants none. A closed stderr is no error.
+/// Writes a message to stderr, unless the user wants none. A closed stderr is not an error.
 pub fn say(line: &str) {
     if !is_quiet() {
         complain(line);
     }
 }
 
-/// Writes an error to stderr, without control characters but for line ends. A closed stderr is no error.
+/// Writes an error to stderr, replacing control characters except line ends. A closed stderr is not an error.
 pub fn complain(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", plain_lines(line));
 }
 
-/// Says each kind of warning with its count.
+/// Writes each kind of warning with its count to stderr.
 pub fn say_warnings(warnings: &Warnings) {
     for (what, count) in warnings.iter() {
         let times = if count == 1 { String::new() } else { format!(" ({count} times)") };
@@ -72,22 +72,22 @@ pub fn say_warnings(warnings: &Warnings) {
     }
 }
 
-/// Warnings as JSON.
+/// Returns warnings as JSON.
 pub fn json_warnings(warnings: &Warnings) -> serde_json::Value {
     warnings.iter().map(|(what, count)| serde_json::json!({ "what": what, "count": count })).collect()
 }
 
-/// The name of a file without its folders, which are private.
+/// Returns the name of a file without its folders, which are private.
 pub fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// The causes of an error from the outside in.
+/// Returns the causes of an error, outermost first.
 pub fn causes(error: &anyhow::Error) -> String {
     format!("{error:#}")
 }
 
-/// Returns whether the error comes from a closed pipe.
+/// Returns true if the error comes from a closed pipe.
 pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error.chain().filter_map(io_error).any(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
 }
@@ -99,29 +99,29 @@ fn io_error<'e>(error: &'e (dyn std::error::Error + 'static)) -> Option<&'e io::
     }
 }
 
-/// A bar that appears on a terminal once the work has taken a second.
+/// A progress bar that appears on a terminal once the work has taken a second.
 pub struct Bar {
     title: String,
     start: Instant,
     bar: OnceLock<ProgressBar>,
 }
 
-/// The bar's length: progress comes in thousandths.
+/// The bar's length: progress is in thousandths.
 const STEPS: u64 = 1000;
 
 impl Bar {
-    /// A bar that is not yet shown.
+    /// Creates a bar that is not shown yet.
     pub fn new(title: impl Into<String>) -> Self {
         Self { title: title.into(), start: Instant::now(), bar: OnceLock::new() }
     }
 
     /// Shows the fraction done.
     pub fn set(&self, fraction: f64) {
-        self.tell(fraction, None);
+        self.show(fraction, None);
     }
 
-    /// Shows the fraction done, and the time left of a whole that this is a stage of, where it is known.
-    pub fn tell(&self, fraction: f64, whole: Option<Duration>) {
+    /// Shows the fraction done of this stage, and the time left for the whole work, if known.
+    pub fn show(&self, fraction: f64, whole: Option<Duration>) {
         if is_quiet() || self.start.elapsed() < Duration::from_secs(1) {
             return;
         }
@@ -132,8 +132,8 @@ impl Bar {
         bar.set_position((fraction * STEPS as f64) as u64);
     }
 
-    /// Shows the fraction of the whole that is done, and the time left as it was estimated by others.
-    pub fn tell_all(&self, fraction: f64, left: Option<Duration>) {
+    /// Shows the fraction of the whole work that is done, and the time left as estimated by the caller.
+    pub fn show_all(&self, fraction: f64, left: Option<Duration>) {
         if is_quiet() || self.start.elapsed() < Duration::from_secs(1) {
             return;
         }
@@ -147,7 +147,7 @@ impl Bar {
         bar.set_position((fraction * STEPS as f64) as u64);
     }
 
-    /// Shows the fraction done and lets the work go on: the listener of a [`taotie::Progress`].
+    /// Shows the fraction done and lets the work continue: the listener of a [`taotie::Progress`].
     pub fn hear(&self, fraction: f64) -> bool {
         self.set(fraction);
         true
@@ -162,9 +162,9 @@ impl Bar {
     }
 }
 
-/// The time left of the whole in words, behind that of a stage.
+/// Formats the time left for the whole work, to follow that of a stage.
 fn of_whole(left: Duration) -> String {
-    format!(", {} in all", HumanDuration(left))
+    format!(", {} in total", HumanDuration(left))
 }
 
 impl Drop for Bar {
@@ -185,7 +185,7 @@ mod tests {
         let refused = io::Error::new(io::ErrorKind::NotFound, "not there");
         let error = anyhow::Error::from(taotie::Error::io("a.obj", refused)).context("reading");
         assert_eq!(causes(&error), "reading: a.obj: not there");
-        assert_eq!(causes(&anyhow!("alone")), "alone");
+        assert_eq!(causes(&anyhow!("single")), "single");
     }
 
     #[test]
@@ -196,8 +196,8 @@ mod tests {
 
     #[test]
     fn the_time_left_of_the_whole_is_told_in_words() {
-        assert_eq!(of_whole(Duration::from_secs(180)), ", 3 minutes in all");
-        assert_eq!(of_whole(Duration::from_secs(1)), ", 1 second in all");
+        assert_eq!(of_whole(Duration::from_secs(180)), ", 3 minutes in total");
+        assert_eq!(of_whole(Duration::from_secs(1)), ", 1 second in total");
     }
 
     #[test]
@@ -209,6 +209,6 @@ mod tests {
         assert!(is_broken_pipe(&ours(io::ErrorKind::BrokenPipe)));
         assert!(!is_broken_pipe(&plain(io::ErrorKind::NotFound)));
         assert!(!is_broken_pipe(&ours(io::ErrorKind::NotFound)));
-        assert!(!is_broken_pipe(&anyhow!("alone")));
+        assert!(!is_broken_pipe(&anyhow!("single")));
     }
 }

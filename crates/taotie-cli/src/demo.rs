@@ -1,4 +1,4 @@
-//! `taotie demo`: the built-in bronze by every surface method and every shading model, measured against its relief as
+//! `taotie demo`: the built-in bronze with every surface method and every shading model, compared with its relief as
 //! geometry.
 
 use crate::console::{self, Bar};
@@ -24,7 +24,8 @@ Examples:
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 2;
 
-/// Renders the built-in bronze jue, a ritual vessel, by every surface method and shading model, and measures their error.
+/// Renders the built-in bronze jue, a ritual vessel, with every surface method and shading model, and measures their
+/// error.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct DemoArgs {
@@ -44,7 +45,7 @@ pub struct DemoArgs {
 /// Texels along a side of the jue's maps.
 const MAPS: u32 = 2048;
 
-/// The files that were made, and their figures.
+/// The written files, and their figures.
 struct Demo {
     files: Vec<PathBuf>,
     made: Vec<Made>,

@@ -1,7 +1,7 @@
-//! The `taotie` command as a library: [`run`] is all that a `main`, in Rust or elsewhere, has to call.
+//! The `taotie` command as a library: a `main`, in Rust or elsewhere, only has to call [`run`].
 //!
-//! Exit codes: 0 fine, 1 difference above the threshold asked for or a failed check, 2 error, 130 interrupted, 143 asked to end. Results go
-//! to stdout, talk to stderr; a closed pipe is no error.
+//! Exit codes: 0 success, 1 a difference above the given threshold or a failed check, 2 error, 130 interrupted, 143
+//! terminated. Results go to stdout, messages to stderr; a closed pipe is not an error.
 
 mod bake;
 mod batch;
@@ -35,7 +35,7 @@ use std::process::ExitCode;
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// Print results and errors alone: no progress, messages or warnings
+    /// Print only results and errors: no progress, messages or warnings
     #[arg(short, long, global = true)]
     quiet: bool,
 }
@@ -44,18 +44,18 @@ struct Cli {
 enum Command {
     /// Renders a model to a picture or an animation.
     Render(Box<render::RenderArgs>),
-    /// Renders a model by several surface methods and measures their error.
+    /// Renders a model with several surface methods and measures their error.
     Compare(Box<compare::CompareArgs>),
     /// Bakes a high-poly scan to low-poly glTF with a normal map, and measures the error.
     Bake(Box<bake::BakeArgs>),
-    /// Compares an asset, made by any program, with its scan.
+    /// Compares an asset, made with any program, with its scan.
     Verify(Box<verify::VerifyArgs>),
-    /// Bakes a whole collection: each scan in a process of its own, and nothing twice.
+    /// Bakes a whole collection: each scan in its own process, and nothing twice.
     Batch(Box<batch::BatchArgs>),
-    /// Does the job that stands on stdin, for `taotie batch`.
+    /// Does the job given on stdin, for `taotie batch`.
     #[command(name = batch::WORKER, hide = true)]
     BatchWorker,
-    /// Keeps the manifest of a collection whose processes others start.
+    /// Keeps the manifest of a collection whose processes are started by others.
     #[command(name = batch::BOOK, hide = true)]
     BatchBook(Box<batch::BatchArgs>),
     /// Lists the content of a model file and its defects.
@@ -66,27 +66,27 @@ enum Command {
     Diff(diff::DiffArgs),
     /// Writes the shaders of a model's materials, or of a plain one.
     Shader(Box<shader::ShaderArgs>),
-    /// Writes a model as one offline page to look at it in a browser, or opens it.
+    /// Writes a model as a single offline web page, or opens it in a browser.
     View(Box<view::ViewArgs>),
     /// Lists the material presets for `--material`.
     Materials(materials::MaterialsArgs),
-    /// Renders the built-in bronze by every method and shading model, and measures the error.
+    /// Renders the built-in bronze with every method and model, and measures the error.
     Demo(demo::DemoArgs),
-    /// Prints a script by which a shell completes subcommands and options.
+    /// Prints a shell completion script for subcommands and options.
     Completions(completions::CompletionsArgs),
 }
 
-/// The end of a run without an error.
+/// The outcome of a run without an error.
 enum Outcome {
-    /// As wanted.
+    /// Success.
     Fine,
-    /// A difference was above the threshold asked for, or a check failed.
+    /// A difference was above the given threshold, or a check failed.
     Different,
-    /// Part of the work failed, and was told of.
+    /// Part of the work failed, and was reported.
     Failed,
 }
 
-/// The definition of the command line, from which help pages are made.
+/// Returns the definition of the command line, from which help pages are made.
 pub fn command() -> clap::Command {
     Cli::command()
 }
@@ -96,12 +96,12 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     ExitCode::from(exit_code(args))
 }
 
-/// Runs the command as [`run`] does; returns the code by which its process is to end.
+/// Like [`run`], but returns the exit code for the process.
 pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,
         Err(error) => {
-            // A closed pipe while help is printed is no error.
+            // A closed pipe while help is printed is not an error.
             let _ = error.print();
             return if error.use_stderr() { 2 } else { 0 };
         }

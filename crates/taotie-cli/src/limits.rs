@@ -1,23 +1,23 @@
-//! What a run may take of the machine, and what a file may make it read: options that subcommands share.
+//! Limits on memory and on the files that a model may reference: options that subcommands share.
 
 use crate::options;
 use clap::Args;
 use taotie::asset::{Bytes, Limits};
 
-/// Memory, and the files that a model may name.
+/// Memory, and the files that a model may reference.
 #[derive(Args)]
 #[command(next_help_heading = "Running")]
 pub struct LimitArgs {
-    /// Largest amount of memory to use, such as 4G; the machine's free memory if not given
+    /// Maximum memory to use, such as 4G [default: the machine's free memory]
     #[arg(long, value_name = "BYTES", value_parser = options::memory)]
     pub memory_limit: Option<Bytes>,
-    /// Read the files that a model names outside its own folder too
+    /// Also read files that a model references outside its own folder
     #[arg(long)]
     pub allow_outside: bool,
 }
 
 impl LimitArgs {
-    /// Returns the limits, with what the machine has free where none is set.
+    /// Returns the limits; memory defaults to what the machine has free.
     pub fn limits(&self) -> Limits {
         let (memory, allow_outside) = (self.memory_limit, self.allow_outside);
         Limits { memory, allow_outside, ..Limits::default() }.or_free()

@@ -40,7 +40,7 @@ pub struct MaterialsArgs {
     pub json: bool,
 }
 
-/// A preset as it is listed.
+/// A preset in the list.
 #[derive(Serialize)]
 struct Entry {
     name: &'static str,
@@ -51,7 +51,7 @@ struct Entry {
     roughness: f32,
     f0: [f32; 3],
     f82: [f32; 3],
-    /// True if F82 is measured; else it is Schlick's.
+    /// True if F82 is measured; otherwise it is Schlick's.
     f82_given: bool,
 }
 
@@ -90,7 +90,7 @@ impl Entry {
     }
 }
 
-/// F0 as it is drawn.
+/// Returns F0 as rendered.
 fn reflectance(material: &Material) -> [f32; 3] {
     let mixed =
         |c: usize| DIELECTRIC_F0 * (1.0 - material.metallic) + material.base_color[c] * material.metallic;

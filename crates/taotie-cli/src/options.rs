@@ -1,4 +1,4 @@
-//! Readers of option values that several subcommands share.
+//! Parsers of option values that several subcommands share.
 
 use anyhow::anyhow;
 use std::fmt::Display;
@@ -8,19 +8,19 @@ use taotie::math::Vec3;
 use taotie::names::Named;
 use taotie::studio::parse;
 
-/// A value by its name, which may have spaces around it in a list; the error lists the names.
+/// Parses a value by its name, ignoring spaces around it in a list; the error lists the names.
 pub fn named<T: Named>(value: &str) -> Result<T, String> {
     T::from_name(value.trim()).map_err(|error| error.to_string())
 }
 
-/// A word of a list, without the spaces around it.
+/// Parses a word of a list, without the spaces around it.
 pub fn word(value: &str) -> Result<String, String> {
     Ok(value.trim().to_owned())
 }
 
-/// `WIDTHxHEIGHT`, or one number for both.
+/// Parses `WIDTHxHEIGHT`, or one number for both.
 pub fn size(value: &str) -> Result<[u32; 2], String> {
-    let wrong = || "write WIDTHxHEIGHT, such as 1920x1080, or one number for both".to_string();
+    let wrong = || "expected WIDTHxHEIGHT, such as 1920x1080, or one number for both".to_string();
     let (width, height) = value.split_once(['x', 'X', '×']).unwrap_or((value, value));
     let side = |text: &str| text.trim().parse::<u32>().map_err(|_| wrong());
     let (width, height) = (side(width)?, side(height)?);
@@ -28,7 +28,7 @@ pub fn size(value: &str) -> Result<[u32; 2], String> {
     Ok([width, height])
 }
 
-/// Both sides of a square, `LEAST` to 2048 pixels: one number, or it twice as in 512x512.
+/// Parses the side of a square, `LEAST` to 2048 pixels: one number, or the same twice, as in 512x512.
 pub fn square<const LEAST: u32>(value: &str) -> Result<u32, String> {
     match size(value)? {
         [side, other] if side != other => Err(format!("{value} is not a square; give one number")),
@@ -37,7 +37,7 @@ pub fn square<const LEAST: u32>(value: &str) -> Result<u32, String> {
     }
 }
 
-/// The size of maps: as [`size`], 16 to 16384 texels a side, or `auto`.
+/// Parses the size of maps: like [`size`], 16 to 16384 texels a side, or `auto`.
 pub fn map_size(value: &str) -> Result<[u32; 2], String> {
     if value == "auto" {
         return Ok([AUTO_SIZE; 2]);
@@ -49,59 +49,60 @@ pub fn map_size(value: &str) -> Result<[u32; 2], String> {
     }
 }
 
-/// An amount of memory.
+/// Parses an amount of memory.
 pub fn memory(text: &str) -> Result<Bytes, String> {
-    text.parse().map_err(|_| format!("`{text}` is not an amount of memory; write it as 4G or 800M"))
+    text.parse()
+        .map_err(|_| format!("invalid memory size `{text}`: use a number with a unit, e.g. 4G or 800M"))
 }
 
-/// `on` or `off`.
+/// Parses `on` or `off`.
 pub fn switch(text: &str) -> Result<bool, String> {
     match text {
         "on" => Ok(true),
         "off" => Ok(false),
-        _ => Err("write on or off".into()),
+        _ => Err("expected on or off".into()),
     }
 }
 
-/// A finite number.
+/// Parses a finite number.
 pub fn number(value: &str) -> Result<f64, String> {
     parse::number(value).map_err(reason)
 }
 
-/// A number in [0, 1].
+/// Parses a number in [0, 1].
 pub fn fraction(value: &str) -> Result<f64, String> {
     let number = number(value)?;
     if (0.0..=1.0).contains(&number) { Ok(number) } else { Err(format!("{value} is not in [0, 1]")) }
 }
 
-/// A number above 0.
+/// Parses a number above 0.
 pub fn positive(value: &str) -> Result<f64, String> {
     let number = number(value)?;
     if number > 0.0 { Ok(number) } else { Err(format!("{value} is not above 0")) }
 }
 
-/// A number of 0 or more.
+/// Parses a number of 0 or more.
 pub fn at_least_0(value: &str) -> Result<f64, String> {
     let number = number(value)?;
     if number >= 0.0 { Ok(number) } else { Err(format!("{value} is below 0")) }
 }
 
-/// Finite numbers separated by commas.
+/// Parses finite numbers separated by commas.
 pub fn numbers(value: &str) -> Result<Vec<f64>, String> {
     parse::numbers(value).map_err(reason)
 }
 
-/// Exactly three numbers separated by commas.
+/// Parses exactly three numbers separated by commas.
 pub fn vector(value: &str) -> Result<Vec3<f64>, String> {
     parse::vector(value).map_err(reason)
 }
 
-/// A colour as CSS writes it, or one number for grey, as linear RGB.
+/// Parses a colour in CSS notation, or one number for grey; returns linear RGB.
 pub fn color(value: &str) -> Result<Vec3, String> {
     parse::color(value).map_err(reason)
 }
 
-/// Why a value cannot be used, without its name: who asked says which option it is.
+/// Returns why a value is invalid, without its name: the caller adds the option.
 fn reason(error: Error) -> String {
     match error {
         Error::Invalid { why, .. } => why,
@@ -109,7 +110,7 @@ fn reason(error: Error) -> String {
     }
 }
 
-/// The error of a value that cannot be used, by the option that gave it.
+/// Returns the error of an invalid value, naming its option.
 pub fn under(option: impl Display, error: Error) -> anyhow::Error {
     match error {
         Error::Invalid { why, .. } => anyhow!("{option}: {why}"),

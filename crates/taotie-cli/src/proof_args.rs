@@ -4,32 +4,35 @@ use clap::Args;
 use taotie::asset::{Requirement, Signature, VerifyOptions};
 use taotie_report::bake_page;
 
-/// What is measured, and what it has to be.
+/// The measurements, and their required limits.
 #[derive(Args)]
 #[command(next_help_heading = "Proof")]
 pub struct ProofArgs {
-    /// Exit with 1 unless every figure keeps to its limit. As seen, at the same pixel: mean-angle, p95-angle, max-angle (°),
-    /// mean-color, p95-color (CIEDE2000), and patch-angle, patch-color (the mean in the worst 1 % of the surface, seen close
-    /// up). within-5deg, within-3dE, within-0.5% (at least, %: the share of the visible surface whose angle, colour difference
-    /// or distance is at most this; any number). On the surface, along the rays of a bake: surface-mean-angle,
-    /// surface-p95-angle, surface-max-angle. Shape: missed (visible surface that the other lacks, %), completeness (at least,
-    /// %), hausdorff (upper bound of the largest distance, % of the diagonal or a length), silhouette (pixels of 512 or a
-    /// length), texel (median width of the asset's texels, a length). Lengths are in um, mm, cm, m or in, such as
-    /// hausdorff=0.2mm, and need a scan whose unit is known. Images: flip, worst-view, ssim (at least). bytes may have B, kB,
-    /// MB, GB, KiB, MiB, GiB; so may gpu-memory (vertices, and textures with mip levels). triangles. `standard` stands for mean-angle=1, p95-angle=5, patch-angle=10, missed=0.1%, hausdorff=1%,
-    /// mean-color=1, patch-color=3; `visually-lossless` for mean-angle=0.5, p95-angle=2, mean-color=0.5, p95-color=1.5,
-    /// patch-color=3; `web`, `archive` and `engine` for the target and the ceilings of a preset of `taotie bake`. Figures as seen count at every level of detail, as large as where it is shown; all others at the finest. mean-angle@1=5 is for
-    /// level 1 only, in place of what is required of all; level 0 is the finest
+    /// Exit with 1 unless every figure is within its limit. As seen, at the same pixel: mean-angle, p95-angle,
+    /// max-angle (°), mean-color, p95-color (CIEDE2000), and patch-angle, patch-color (the mean in the worst 1 % of
+    /// the surface, seen close up). within-5deg, within-3dE, within-0.5% (at least, %: the share of the visible
+    /// surface whose angle, colour difference or distance is at most that number, which is free). On the
+    /// surface, along the rays of a bake: surface-mean-angle, surface-p95-angle, surface-max-angle. Shape: missed
+    /// (visible surface that the other mesh lacks, %), completeness (at least, %), hausdorff (upper bound of the
+    /// largest distance, % of the diagonal or a length), silhouette (pixels of 512 or a length), texel (median width
+    /// of the asset's texels, a length). Lengths are in um, mm, cm, m or in, such as hausdorff=0.2mm, and need a scan
+    /// whose unit is known. Images: flip, worst-view, ssim (at least). Size: triangles, bytes, gpu-memory (vertices,
+    /// and textures with mip levels); the latter two with B, kB, MB, GB, KiB, MiB or GiB. `standard` means
+    /// mean-angle=1, p95-angle=5, patch-angle=10, missed=0.1%, hausdorff=1%, mean-color=1, patch-color=3;
+    /// `visually-lossless` means mean-angle=0.5, p95-angle=2, mean-color=0.5, p95-color=1.5, patch-color=3; `web`,
+    /// `archive` and `engine` mean the target and the ceilings of that preset of `taotie bake`. Figures as seen apply
+    /// to every level of detail, at the size at which it is shown; all others to the finest. mean-angle@1=5 applies
+    /// to level 1 only, instead of the limit for all levels; level 0 is the finest
     #[arg(long, value_name = "standard|FIGURE[@LEVEL]=LIMIT[UNIT],...", value_delimiter = ',', value_parser = required)]
     require: Vec<Required>,
-    /// Pixels of the overview and points of each surface that are compared at first, at least 10. If a limit lies within the
-    /// 99 % interval of what was found, more are taken, up to 4 million
+    /// Pixels of the overview and points of each surface to compare initially, at least 10. If a limit is within the
+    /// 99 % interval of the result, more are taken, up to 4 million
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=4_000_000), default_value_t = 20_000)]
     proof_points: u32,
-    /// Width and height of the images from all sides that are compared, 11 to 4096 pixels
+    /// Width and height of the compared images from all sides, 11 to 4096 pixels
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(11..=4096), default_value_t = 384)]
     proof_view: u32,
-    /// Date to print on the certificate; none is taken from the machine, so that the output stays reproducible
+    /// Date to print on the certificate; the machine's date is never used, so that the output stays reproducible
     #[arg(long, value_name = "TEXT")]
     date: Option<String>,
     /// Name of the operator to print on the certificate
@@ -37,7 +40,7 @@ pub struct ProofArgs {
     operator: Option<String>,
 }
 
-/// One requirement, or several that have a name.
+/// One requirement, or a named set.
 #[derive(Debug, Clone)]
 struct Required(Vec<Requirement>);
 
@@ -56,7 +59,7 @@ impl ProofArgs {
         Signature { date: self.date.clone(), operator: self.operator.clone() }
     }
 
-    /// Returns the way in which the error is measured.
+    /// Returns the options for measuring the error.
     pub fn options(&self) -> VerifyOptions {
         let (points, view) = (self.proof_points as usize, self.proof_view);
         VerifyOptions { points, view, requirements: self.requirements(), ..VerifyOptions::default() }

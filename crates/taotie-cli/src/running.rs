@@ -19,12 +19,12 @@ pub struct RunArgs {
 }
 
 impl RunArgs {
-    /// Runs `work` on the threads asked for, or on all of the machine's.
+    /// Runs `work` on the requested number of threads, or on all of the machine's.
     pub fn in_pool<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T> {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads.unwrap_or(0))
             .build()
-            .context("the threads could not be started; ask for fewer with --threads")?;
+            .context("the threads could not be started; use fewer with --threads")?;
         Ok(pool.install(work))
     }
 }

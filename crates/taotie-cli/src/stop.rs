@@ -1,4 +1,4 @@
-//! Signals that end the command: what it was to write is as it was before, and nothing temporary is left.
+//! Signals that end the command: its outputs are as they were before, and no temporary files are left.
 
 use crate::console;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -6,45 +6,45 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 use taotie::io::{FileSet, Stopper};
 
-/// The sets of files that are being written. A signal can reach nothing but what is global.
+/// The sets of files being written. Global, because a signal can reach only globals.
 static SETS: Mutex<Vec<Stopper>> = Mutex::new(Vec::new());
 
-/// Held by work that ends by itself when it sees that the command is ending: what is told waits for it.
+/// Held by work that stops on its own when the command is ending: the last message waits for it.
 static HELD: Mutex<()> = Mutex::new(());
 
-/// The longest time that the end waits for such work.
+/// Maximum time that the end waits for such work.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Set when a signal ends the command.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
-/// Makes a set of files that signals stop.
+/// Creates a set of files that signals stop.
 pub fn files() -> FileSet {
     let files = FileSet::new();
     SETS.lock().unwrap_or_else(PoisonError::into_inner).push(files.stopper());
     files
 }
 
-/// Lets signals end the command from now on: Ctrl-C, a request to end and the end of the terminal. A second one ends the
-/// process at once.
+/// Starts listening to the signals that end the command: interrupt (Ctrl-C), terminate and hangup. A second one ends
+/// the process immediately.
 pub fn listen() {
     static LISTENING: OnceLock<()> = OnceLock::new();
-    // Where the system refuses, signals go on ending the process; the next run removes what that leaves.
+    // If this fails, signals still end the process; the next run removes any leftovers.
     LISTENING.get_or_init(|| drop(signals::listen()));
 }
 
-/// Says whether a signal is ending the command: errors of the work mean nothing then.
+/// Returns true if a signal is ending the command; errors of the work are then meaningless.
 pub fn is_ending() -> bool {
     ENDING.load(Ordering::SeqCst)
 }
 
-/// Lets the end by a signal wait, at most ten seconds, until what is returned is dropped. Who holds it asks
-/// [`is_ending`] now and then.
+/// Delays the end by a signal, for at most ten seconds, until the returned guard is dropped. Its holder polls
+/// [`is_ending`].
 pub fn hold() -> MutexGuard<'static, ()> {
     HELD.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Ends the process as a signal does, without a word: nobody is there to hear it.
+/// Ends the process as a signal does, without a message: nobody would read it.
 pub fn end_quietly() -> ! {
     ENDING.store(true, Ordering::SeqCst);
     let sets = SETS.lock().unwrap_or_else(PoisonError::into_inner);
@@ -66,10 +66,10 @@ fn end(code: i32) -> ! {
     while matches!(HELD.try_lock(), Err(TryLockError::WouldBlock)) && start.elapsed() < PATIENCE {
         std::thread::sleep(Duration::from_millis(5));
     }
-    // Kept until the end, so that no further set comes to be.
+    // Locked until the end, so that no further set is created.
     let sets = SETS.lock().unwrap_or_else(PoisonError::into_inner);
     sets.iter().for_each(Stopper::stop);
-    console::complain("taotie: interrupted; no file is half written");
+    console::complain("taotie: interrupted; no file is half-written");
     std::process::exit(code)
 }
 
@@ -83,7 +83,7 @@ mod signals {
     use std::sync::atomic::{AtomicBool, Ordering};
 
     pub fn listen() -> io::Result<()> {
-        // A file above the limit is an error of writing, and not the end of the process.
+        // Exceeding the file size limit becomes a write error instead of ending the process.
         flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
         let is_ending = Arc::new(AtomicBool::new(false));
         let mut wanted = vec![SIGINT, SIGTERM];
@@ -93,11 +93,11 @@ mod signals {
         for signal in &wanted {
             flag::register_conditional_shutdown(*signal, 128 + signal, Arc::clone(&is_ending))?;
         }
-        // Where nobody listens, the first signal ends the process at once.
+        // Without a listener, the first signal ends the process immediately.
         listener(&wanted, Arc::clone(&is_ending)).inspect_err(|_| is_ending.store(true, Ordering::SeqCst))
     }
 
-    /// Begins a thread that waits for the first signal.
+    /// Starts a thread that waits for the first signal.
     fn listener(wanted: &[i32], is_ending: Arc<AtomicBool>) -> io::Result<()> {
         let mut signals = Signals::new(wanted)?;
         let wait = move || {
@@ -109,7 +109,8 @@ mod signals {
         std::thread::Builder::new().spawn(wait).map(drop)
     }
 
-    /// Says whether the process is to outlive its terminal, as `nohup` asks for. Only Linux tells without unsafe code.
+    /// Returns true if the process should outlive its terminal, as with `nohup`. Only Linux reports it without unsafe
+    /// code.
     fn outlives_terminal() -> bool {
         let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
         let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

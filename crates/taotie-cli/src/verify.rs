@@ -1,4 +1,4 @@
-//! `taotie verify`: how far an asset, made by any program, is from its scan.
+//! `taotie verify`: measures how far an asset, made with any program, is from its scan.
 
 use crate::bake::ScanArgs;
 use crate::bake::clock::Clock;
@@ -23,18 +23,18 @@ Examples:
   taotie verify packed.glb --scan scan.glb -o packed.proof.html
   taotie verify bracket.glb --scan bracket.stl --crease-angle 30";
 
-/// Compares an asset, made by any program, with the scan that it should look like.
+/// Compares an asset, made with any program, with the scan that it should look like.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct VerifyArgs {
-    /// The asset (.gltf, .glb, .obj, .ply, .stl), in the place of the scan: glTF in metres if the scan's unit is known, others
-    /// in that unit. Each of its levels of detail is compared
+    /// The asset (.gltf, .glb, .obj, .ply, .stl), in the position of the scan: glTF in metres if the scan's unit is
+    /// known, other formats in that unit. All of its levels of detail are compared
     pub asset: PathBuf,
-    /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl). It is read as it was for the bake, if the asset records that;
-    /// options of the scan override what it records
+    /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl). It is read as it was for the bake, if the asset records
+    /// that; scan options override the record
     #[arg(long, value_name = "SCAN")]
     pub scan: PathBuf,
-    /// The page to write (.html), with its figures as .json beside it
+    /// The page to write (.html), with its figures as .json next to it
     #[arg(short, long, value_name = "OUT.html")]
     pub output: Option<PathBuf>,
     #[command(flatten)]
@@ -48,12 +48,12 @@ pub struct VerifyArgs {
 }
 
 impl VerifyArgs {
-    /// Refuses options that cannot work, before any work is done.
+    /// Rejects options that cannot work, before any work is done.
     fn check(&self) -> Result<()> {
         self.proof.signature().check()?;
         match &self.output {
             Some(path) if !path.extension().is_some_and(|end| end.eq_ignore_ascii_case("html")) => {
-                bail!("{}: the page of a proof is written as .html", path.display())
+                bail!("{}: the proof page is written as .html", path.display())
             }
             _ => Ok(()),
         }
@@ -71,7 +71,7 @@ pub fn run(args: &VerifyArgs) -> Result<Outcome> {
     Ok(if report.is_met() { Outcome::Fine } else { Outcome::Different })
 }
 
-/// Reads the scan as the options say, else as the asset records it.
+/// Reads the scan as the options specify, otherwise as the asset records it.
 fn read_scan(args: &VerifyArgs, limits: &Limits, progress: Progress<'_>) -> Result<Scan> {
     let options = args.reading.options().or(ScanOptions::recorded(&args.asset, limits)?);
     let file = ScanFile::read(&args.scan, limits, progress)?.with_options(options);

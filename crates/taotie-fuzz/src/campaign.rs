@@ -1,4 +1,4 @@
-//! Many runs over all targets, on several cores, for a time or a number of runs.
+//! Many runs over all targets, on several cores, for a given time or number of runs.
 
 use crate::case::{Case, Number};
 use crate::corpus::Seed;
@@ -13,20 +13,20 @@ use std::sync::{Mutex, MutexGuard};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The time that the runs of one worker should take.
+/// The target duration of one worker's runs.
 const SLICE: Duration = Duration::from_secs(2);
-/// The runs of a target's first worker, and the most of one.
+/// The number of runs of a target's first worker, and the maximum for any worker.
 const FIRST: u64 = 20;
 const MOST: u64 = 20_000;
-/// The runs of a reader to one of a path behind the readers.
+/// Runs of a reader per run of a path behind the readers.
 const PATHS: u64 = 50;
 
-/// When a campaign is over.
+/// When a campaign ends.
 #[derive(Debug, Clone, Copy)]
 pub enum End {
-    /// After so long.
+    /// At this time.
     At(Instant),
-    /// After so many runs of each reader, and a fiftieth of each path behind them.
+    /// After this many runs of each reader, and a fiftieth of it for each path behind the readers.
     Runs(u64),
 }
 
@@ -34,42 +34,42 @@ pub enum End {
 pub struct Campaign<'a> {
     /// Starts workers.
     pub runner: Runner,
-    /// The sound files, which are those of the workers.
+    /// The sound files, the same as those of the workers.
     pub seeds: &'a [Seed],
     /// The targets.
     pub targets: Vec<Target>,
-    /// The seed of all numbers.
+    /// The seed for all random numbers.
     pub seed: u64,
-    /// When it is over.
+    /// When it ends.
     pub end: End,
-    /// The faults that are known and not told again.
+    /// Known faults, which are not reported again.
     pub known: &'a [Finding],
-    /// The run of each target that comes first.
+    /// The number of each target's first run.
     pub first: BTreeMap<Target, u64>,
 }
 
-/// The yield of a campaign.
+/// The results of a campaign.
 #[derive(Debug, Default)]
 pub struct Harvest {
     /// The counts.
     pub totals: Totals,
-    /// The faults, each once.
+    /// The faults, without duplicates.
     pub findings: Vec<Finding>,
 }
 
-/// The state that threads share.
+/// The state shared between threads.
 #[derive(Default)]
 struct State {
     harvest: Harvest,
-    /// The runs of each target that were given out.
+    /// The number of runs of each target that have been handed out.
     given: BTreeMap<Target, u64>,
 }
 
 impl Campaign<'_> {
-    /// Runs on so many threads, each with one worker at a time.
+    /// Runs on `threads` threads, each with one worker at a time.
     ///
     /// # Errors
-    /// The first of any thread: no worker can be started, or no file is of a target.
+    /// The first error of any thread: a worker cannot be started, or no file fits a target.
     pub fn run(&self, threads: usize) -> Result<Harvest> {
         let state = Mutex::new(State::default());
         let results: Vec<Result<()>> = thread::scope(|scope| {
@@ -91,7 +91,7 @@ impl Campaign<'_> {
         Ok(())
     }
 
-    /// Runs a slice; where a run ends the worker, a new one goes on behind it.
+    /// Runs a slice; if a run ends the worker, a new one continues after that run.
     fn finish(&self, mut slice: Slice, state: &Mutex<State>) -> Result<()> {
         while !slice.runs.is_empty() && !self.is_over() {
             let begin = Instant::now();
@@ -107,7 +107,7 @@ impl Campaign<'_> {
         Ok(())
     }
 
-    /// Returns `true` where the time is up.
+    /// Returns `true` if the time is up.
     fn is_over(&self) -> bool {
         matches!(self.end, End::At(end) if Instant::now() >= end)
     }
@@ -116,7 +116,7 @@ impl Campaign<'_> {
         self.next(&mut locked(state))
     }
 
-    /// Chooses the target that had the least time, weighed, and gives out its next runs; `None` at the end.
+    /// Picks the target with the least weighted time, and hands out its next runs; `None` at the end.
     fn next(&self, state: &mut State) -> Option<Slice> {
         let open: Vec<Target> =
             self.targets.iter().copied().filter(|target| self.left(*target, state) > 0).collect();
@@ -133,7 +133,7 @@ impl Campaign<'_> {
         Some(Slice { target, seed: self.seed, runs: begin..begin + runs })
     }
 
-    /// Returns the number of runs of a target that are still to be given out.
+    /// Returns the number of runs of a target still to be handed out.
     fn left(&self, target: Target, state: &State) -> u64 {
         match self.end {
             End::At(_) if self.is_over() => 0,
@@ -145,7 +145,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// Makes a failure a finding, unless it is known.
+    /// Turns a failure into a finding, unless it is known.
     fn judge(&self, target: Target, failed: &FailedRun, state: &Mutex<State>) -> Result<()> {
         let known =
             |finding: &Finding| finding.case.target == target && finding.failure.is_like(&failed.failure);
@@ -162,7 +162,7 @@ impl Campaign<'_> {
     }
 }
 
-/// Returns the share of the time that a target gets: a bake goes through all the others.
+/// Returns a target's share of the time: a bake exercises all the others.
 fn weight(target: Target) -> f64 {
     match target {
         Target::Bake => 6.0,

@@ -1,4 +1,4 @@
-//! A run as data: which file, which changes, which options.
+//! A run as data: its file, its changes, its options.
 
 use crate::corpus::Seed;
 use crate::mutation::{self, Mutation};
@@ -7,33 +7,33 @@ use anyhow::{Context, Result};
 use fastrand::Rng;
 use serde::{Deserialize, Serialize};
 
-/// A run, so that anybody can repeat it.
+/// A reproducible run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Case {
-    /// The reader, or the path that begins with one.
+    /// The reader, or a path that starts with one.
     pub target: Target,
     /// The name of the sound file.
     pub seed: String,
-    /// The seed of the options with which it is treated further.
+    /// The seed for the options of later steps.
     pub variant: u64,
     /// Its changes, in order.
     pub mutations: Vec<Mutation>,
 }
 
-/// The numbers from which a case follows.
+/// The numbers that determine a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Number {
-    /// Chosen by the caller, the same for all runs.
+    /// Chosen by the caller; the same for all runs.
     pub seed: u64,
-    /// The number of the run.
+    /// The run's number.
     pub run: u64,
 }
 
 impl Case {
-    /// Returns the case of a number: the same one for the same seeds.
+    /// Returns the case with a given number; deterministic for the same seeds.
     ///
     /// # Errors
-    /// Where no seed is of the target.
+    /// If no seed fits the target.
     pub fn of(target: Target, number: Number, seeds: &[Seed]) -> Result<Self> {
         let fitting: Vec<&Seed> = seeds.iter().filter(|seed| target.takes(seed)).collect();
         let mut rng = Rng::with_seed(mixed(mixed(number.seed ^ target as u64) ^ number.run));
@@ -50,10 +50,10 @@ impl Case {
     /// Returns the sound file.
     ///
     /// # Errors
-    /// Where it is not among `seeds`.
+    /// If it is not among `seeds`.
     pub fn sound<'a>(&self, seeds: &'a [Seed]) -> Result<&'a Seed> {
         let found = seeds.iter().find(|seed| seed.name == self.seed);
-        found.with_context(|| format!("{}: there is no such seed; name its folder with --models", self.seed))
+        found.with_context(|| format!("unknown seed {}; name its folder with --models", self.seed))
     }
 
     /// Returns the damaged file.
@@ -65,7 +65,7 @@ impl Case {
     }
 }
 
-/// Mixes the bits of a number (SplitMix64's finaliser), so that neighbours have nothing in common.
+/// Mixes the bits of a number (SplitMix64's finaliser), so that neighbouring numbers are uncorrelated.
 fn mixed(number: u64) -> u64 {
     let number = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let number = (number ^ (number >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

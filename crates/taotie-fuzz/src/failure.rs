@@ -5,36 +5,36 @@ use serde::{Deserialize, Serialize};
 /// The failure of a run.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
-    /// In which way.
+    /// How it failed.
     pub kind: FailureKind,
-    /// The panic's message and place, the promise, or what the process last said.
+    /// The panic's message and location, the broken promise, or the last output of the process.
     pub message: String,
 }
 
-/// The way in which a run can fail.
+/// The ways a run can fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FailureKind {
     /// A panic reached the caller.
     Panic,
-    /// More memory than the limit was wanted.
+    /// An allocation would have exceeded the limit.
     Memory,
     /// The run did not end in time.
     Time,
-    /// The process ended.
+    /// The process died.
     Abort,
-    /// A promise of the library was not kept.
+    /// The library broke a promise.
     Promise,
 }
 
 impl Failure {
-    /// Returns `true` where both are the same fault, as far as kind and message tell; numbers in it do not count.
+    /// Returns `true` if both are the same fault, judging by kind and message; digits in the message are ignored.
     pub fn is_like(&self, other: &Self) -> bool {
         let words = |failure: &Self| failure.message.replace(|c: char| c.is_ascii_digit(), "");
         self.kind == other.kind && (self.kind == FailureKind::Time || words(self) == words(other))
     }
 
-    /// The kind as a word.
+    /// Returns the kind as a word.
     pub fn kind_name(&self) -> &'static str {
         match self.kind {
             FailureKind::Panic => "panic",

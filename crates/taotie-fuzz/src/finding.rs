@@ -1,4 +1,4 @@
-//! Findings: made small, and kept as descriptions that rebuild them.
+//! Findings: minimised, and kept as descriptions that rebuild them.
 
 use crate::case::Case;
 use crate::failure::Failure;
@@ -10,18 +10,18 @@ use std::path::{Path, PathBuf};
 /// A case that failed, and how.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
-    /// The case that rebuilds it.
+    /// The case that reproduces it.
     #[serde(flatten)]
     pub case: Case,
-    /// The failure when it was found.
+    /// The failure at the time it was found.
     pub failure: Failure,
 }
 
 impl Finding {
-    /// Strikes changes as long as `fails` tells of the same fault.
+    /// Removes changes as long as `fails` reports the same fault.
     ///
     /// # Errors
-    /// Those of `fails`.
+    /// The errors of `fails`.
     pub fn minimised(mut self, fails: impl Fn(&Case) -> Result<Option<Failure>>) -> Result<Self> {
         let mut at = self.case.mutations.len();
         while at > 0 {
@@ -38,7 +38,7 @@ impl Finding {
     /// Writes the finding into a folder and returns its path.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// If the file cannot be written.
     pub fn keep(&self, folder: &Path) -> Result<PathBuf> {
         let mut text = serde_json::to_string_pretty(self)?;
         text.push('\n');
@@ -51,10 +51,10 @@ impl Finding {
     }
 }
 
-/// Reads the findings in a folder, by name; none where there is no folder.
+/// Reads the findings in a folder, sorted by name; none if the folder does not exist.
 ///
 /// # Errors
-/// Where a file cannot be read.
+/// If a file cannot be read.
 pub fn kept(folder: &Path) -> Result<Vec<(PathBuf, Finding)>> {
     if !folder.exists() {
         return Ok(Vec::new());
@@ -69,7 +69,7 @@ pub fn kept(folder: &Path) -> Result<Vec<(PathBuf, Finding)>> {
 /// Reads a finding.
 ///
 /// # Errors
-/// Where the file cannot be read, or is none.
+/// If the file cannot be read, or is not a finding.
 pub fn read(path: &Path) -> Result<Finding> {
     let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
     serde_json::from_str(&text).with_context(|| path.display().to_string())

@@ -1,8 +1,8 @@
-//! Fuzzing of all readers and of the paths behind them, on stable Rust: `make fuzz TIME=60`.
+//! Fuzzing of all readers and of the code behind them, on stable Rust: `make fuzz TIME=60`.
 //!
-//! Sound files are damaged in ways that their formats know, and read in child processes whose memory and time are
-//! bounded. Runs are numbered; a number and a seed give the same run everywhere. A fault is made small and kept as the
-//! name of a sound file and a list of changes.
+//! Sound files are damaged in format-aware ways, and read in child processes with limited memory and time. Runs are
+//! numbered; a number and a seed give the same run everywhere. A fault is minimised and kept as the name of a sound
+//! file and a list of changes.
 //!
 //! Exit codes: 0 nothing found, 1 findings, 2 error.
 
@@ -39,14 +39,14 @@ use target::Target;
 use totals::Totals;
 use worker::Worker;
 
-/// Where findings are kept.
+/// The folder where findings are kept.
 const FINDINGS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/findings");
-/// The time after which counts and findings are written; a long session loses no more.
+/// How often counts and findings are written: a long session never loses more than this.
 const ROUND: Duration = Duration::from_secs(300);
-/// Where the counts of all sessions are kept.
+/// The file where the counts of all sessions are kept.
 const TOTALS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/totals.json");
 
-/// Damages files and shows that readers, and the path behind them, end with a result or an error.
+/// Damages files and checks that readers, and the code behind them, end with a result or an error.
 #[derive(Parser)]
 #[command(name = "taotie-fuzz", disable_help_subcommand = true)]
 struct Cli {
@@ -56,9 +56,9 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Run for a time, or a number of runs.
+    /// Run for a given time or number of runs.
     Run(RunArgs),
-    /// Run the findings that are kept; exit with 1 where one still fails.
+    /// Run the kept findings again; exit with 1 if one still fails.
     Replay {
         /// The folder of findings.
         #[arg(long, default_value = FINDINGS)]
@@ -73,7 +73,7 @@ enum Task {
         /// The file to write.
         #[arg(short, long)]
         output: PathBuf,
-        /// A folder of further sound files.
+        /// A folder of additional sound files.
         #[arg(long)]
         models: Option<PathBuf>,
     },
@@ -93,22 +93,22 @@ struct RunArgs {
     /// Seconds to run.
     #[arg(long, conflicts_with = "runs", required_unless_present = "runs")]
     time: Option<u64>,
-    /// Runs of each reader; bakes and renders take part with a fiftieth.
+    /// Runs of each reader; bakes and renders get a fiftieth of it.
     #[arg(long)]
     runs: Option<u64>,
-    /// The targets, separated by commas; all without it.
+    /// The targets, separated by commas; defaults to all.
     #[arg(long, value_delimiter = ',')]
     targets: Vec<Target>,
-    /// The seed of all numbers.
+    /// The seed for all random numbers.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Workers at a time; one a core without it.
+    /// Concurrent workers; defaults to one per core.
     #[arg(long)]
     jobs: Option<usize>,
     /// The folder that findings are written to.
     #[arg(long, default_value = FINDINGS)]
     findings: PathBuf,
-    /// A file of counts to go on from and to add to; without it runs are counted from 0.
+    /// A file of counts to continue from and add to; without it, runs are numbered from 0.
     #[arg(long)]
     totals: Option<PathBuf>,
     #[command(flatten)]
@@ -117,20 +117,20 @@ struct RunArgs {
 
 #[derive(Args)]
 struct Bounds {
-    /// A folder of further sound files.
+    /// A folder of additional sound files.
     #[arg(long)]
     models: Option<PathBuf>,
     /// Memory that a run may allocate.
     #[arg(long, default_value = "512M")]
     memory: Bytes,
-    /// Seconds of processor time that a run may take; by the clock thirty times as many.
+    /// Seconds of processor time that a run may take; thirty times as many in wall-clock time.
     #[arg(long, default_value_t = 10)]
     patience: u64,
 }
 
 #[derive(Args)]
 struct WorkerArgs {
-    /// The target; without it one case is read from stdin.
+    /// The target; without it, one case is read from stdin.
     #[arg(long, requires_all = ["seed", "from", "to"])]
     target: Option<Target>,
     #[arg(long)]
@@ -149,14 +149,14 @@ fn main() -> ExitCode {
     match work(Cli::parse().task) {
         Ok(is_clean) => ExitCode::from(u8::from(!is_clean)),
         Err(error) => {
-            // Nobody listening is no error.
+            // It is not an error if nobody is listening.
             let _ = writeln!(io::stderr().lock(), "taotie-fuzz: error: {error:#}");
             ExitCode::from(2)
         }
     }
 }
 
-/// Does the task; `true` where nothing failed.
+/// Runs the task; returns `true` if nothing failed.
 fn work(task: Task) -> Result<bool> {
     match task {
         Task::Run(args) => run(&args),
@@ -181,7 +181,7 @@ impl Bounds {
     }
 }
 
-/// Runs campaigns until the end, keeps what they find, and counts.
+/// Runs campaigns until the end, keeps their findings, and updates the counts.
 fn run(args: &RunArgs) -> Result<bool> {
     let seeds = corpus::seeds(args.bounds.models.as_deref())?;
     let mut totals = args.totals.as_deref().map(Totals::read).transpose()?.unwrap_or_default();
@@ -191,7 +191,7 @@ fn run(args: &RunArgs) -> Result<bool> {
         let campaign = campaign(args, &totals, Session { seeds: &seeds, known: &known, until });
         let harvest =
             campaign.run(args.jobs.unwrap_or_else(|| available_parallelism().map_or(1, NonZero::get)))?;
-        tell(&harvest, &args.findings)?;
+        report(&harvest, &args.findings)?;
         harvest.totals.targets.iter().for_each(|(target, count)| totals.add(*target, *count));
         if let Some(path) = &args.totals {
             totals.write(path)?;
@@ -208,11 +208,11 @@ fn run(args: &RunArgs) -> Result<bool> {
 struct Session<'a> {
     seeds: &'a [Seed],
     known: &'a [Finding],
-    /// When the session is over; `None` where its runs are counted.
+    /// When the session ends; `None` if it is limited by runs.
     until: Option<Instant>,
 }
 
-/// The next campaign of a session.
+/// Returns the next campaign of a session.
 fn campaign<'a>(args: &RunArgs, totals: &Totals, session: Session<'a>) -> Campaign<'a> {
     let targets =
         if args.targets.is_empty() { Target::value_variants().to_vec() } else { args.targets.clone() };
@@ -228,14 +228,14 @@ fn campaign<'a>(args: &RunArgs, totals: &Totals, session: Session<'a>) -> Campai
     }
 }
 
-/// Prints the yield of a campaign, and keeps its findings.
-fn tell(harvest: &Harvest, folder: &Path) -> Result<()> {
+/// Prints the results of a campaign, and keeps its findings.
+fn report(harvest: &Harvest, folder: &Path) -> Result<()> {
     let mut stdout = io::stdout().lock();
     for (target, count) in &harvest.totals.targets {
         let (name, rate) = (target.name(), count.rate());
         writeln!(
             stdout,
-            "{name:12} {:9} runs {rate:8.0} a second {:3} findings",
+            "{name:12} {:9} runs {rate:8.0} per second {:3} findings",
             count.runs, count.findings
         )?;
     }
@@ -246,7 +246,7 @@ fn tell(harvest: &Harvest, folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Runs the findings that are kept.
+/// Runs the kept findings again.
 fn replay(folder: &Path, runner: &Runner) -> Result<bool> {
     let mut is_clean = true;
     for (path, finding) in finding::kept(folder)? {
@@ -261,7 +261,7 @@ fn replay(folder: &Path, runner: &Runner) -> Result<bool> {
     Ok(is_clean)
 }
 
-/// Does the work of a child process.
+/// Runs a child process.
 fn serve(args: &WorkerArgs) -> Result<()> {
     let seeds = corpus::seeds(args.models.as_deref())?;
     let mut worker = Worker::new(&seeds, args.memory)?;
@@ -270,6 +270,6 @@ fn serve(args: &WorkerArgs) -> Result<()> {
     }
     let mut text = String::new();
     io::stdin().lock().read_to_string(&mut text)?;
-    let case: Case = serde_json::from_str(&text).context("stdin holds no case")?;
+    let case: Case = serde_json::from_str(&text).context("stdin is not a valid case")?;
     worker.run_one(&case)
 }

@@ -1,27 +1,27 @@
-//! The limit of what a run may allocate.
+//! The limit on what a run may allocate.
 
 use cap::Cap;
 use std::alloc::System;
 
-/// Counts what Rust code allocates; beyond its limit there is no memory, as on a machine that has no more.
+/// Counts the allocations of Rust code; beyond the limit they fail, as on a machine without more memory.
 #[global_allocator]
 static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
 
-/// The address space of the process beyond twice the limit: code in C++ and the stacks of threads are not counted by the
-/// allocator, and the system's own allocator keeps space in reserve for each thread.
+/// The address space of the process beyond twice the limit: the allocator does not count C++ code and thread stacks,
+/// and the system's own allocator keeps reserves for each thread.
 #[cfg(target_os = "linux")]
 const RESERVE: u64 = 8 << 30;
 
-/// Lets what follows allocate so many bytes more than are taken now; `usize::MAX` is no limit.
+/// Allows allocating up to `bytes` more than is allocated now; `usize::MAX` means no limit.
 pub fn allow(bytes: usize) {
-    // Fails only below what is allocated already.
+    // Fails only if the limit is below the current allocation.
     let _ = ALLOCATOR.set_limit(ALLOCATOR.allocated().saturating_add(bytes));
 }
 
-/// Bounds the process as a whole, where the system knows how.
+/// Limits the process as a whole, if the system supports it.
 ///
 /// # Errors
-/// Where the system refuses.
+/// If the system refuses.
 #[cfg(target_os = "linux")]
 pub fn bound_process(bytes: u64) -> std::io::Result<()> {
     use rustix::process::{Resource, Rlimit, setrlimit};
@@ -29,10 +29,10 @@ pub fn bound_process(bytes: u64) -> std::io::Result<()> {
     Ok(setrlimit(Resource::As, Rlimit { current: most, maximum: most })?)
 }
 
-/// Bounds the process as a whole, where the system knows how.
+/// Limits the process as a whole, if the system supports it.
 ///
 /// # Errors
-/// None here.
+/// Never fails here.
 #[cfg(not(target_os = "linux"))]
 pub fn bound_process(_bytes: u64) -> std::io::Result<()> {
     Ok(())
@@ -42,7 +42,7 @@ pub fn bound_process(_bytes: u64) -> std::io::Result<()> {
 mod tests {
     use super::*;
 
-    /// Other tests allocate beside this one, so the limit is far above what they take.
+    /// Other tests allocate at the same time, so the limit is far above what they take.
     #[test]
     fn beyond_the_limit_there_is_no_memory() {
         allow(256 << 20);

@@ -1,22 +1,22 @@
-//! The patience with a worker: it counts the work of a silent one, not the load of the machine.
+//! The patience with a silent worker: it counts the worker's own work, not the load of the machine.
 
 use std::fmt;
 use std::time::{Duration, Instant};
 
-/// The patience with one that sleeps, as a multiple of that with one that works.
+/// The patience with a sleeping worker, as a multiple of that with a working one.
 const SLEEP: u32 = 30;
 
-/// The time for which a worker may tell nothing.
+/// How long a worker may stay silent.
 #[derive(Debug, Clone, Copy)]
 pub struct Patience {
-    /// The processor time that it may use meanwhile; on systems that do not tell this, time by the clock.
+    /// The processor time that it may use meanwhile; on systems that do not report it, wall-clock time.
     pub processor: Duration,
-    /// Time by the clock, which ends a worker that sleeps.
+    /// Wall-clock time, which ends a sleeping worker.
     pub clock: Duration,
 }
 
 impl Patience {
-    /// So much processor time, and thirty times as much by the clock.
+    /// Returns a patience of `processor` in processor time, and thirty times as much in wall-clock time.
     pub fn of(processor: Duration) -> Self {
         Self { processor, clock: processor.saturating_mul(SLEEP) }
     }
@@ -24,26 +24,26 @@ impl Patience {
 
 impl fmt::Display for Patience {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:?} of processor time, or {:?} by the clock", self.processor, self.clock)
+        write!(f, "{:?} of processor time, or {:?} of wall-clock time", self.processor, self.clock)
     }
 }
 
-/// The silence of a process.
+/// A period of silence of a process.
 #[derive(Debug)]
 pub struct Silence {
     process: u32,
     begin: Instant,
-    /// The processor time that the process had used when it began.
+    /// The processor time that the process had used when the silence began.
     used: Option<Duration>,
 }
 
 impl Silence {
-    /// The silence of a process from now on.
+    /// Starts a period of silence now.
     pub fn of(process: u32) -> Self {
         Self { process, begin: Instant::now(), used: processor_time(process) }
     }
 
-    /// Says whether it is longer than `patience`.
+    /// Returns true if it is longer than `patience`.
     pub fn outlasts(&self, patience: Patience) -> bool {
         let elapsed = self.begin.elapsed();
         let used = self.used.zip(processor_time(self.process));
@@ -52,7 +52,7 @@ impl Silence {
     }
 }
 
-/// The processor time that all threads of a process have used, where the system tells it.
+/// Returns the processor time that all threads of a process have used, if the system reports it.
 #[cfg(target_os = "linux")]
 fn processor_time(process: u32) -> Option<Duration> {
     let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
@@ -60,16 +60,16 @@ fn processor_time(process: u32) -> Option<Duration> {
     milliseconds.checked_div(rustix::param::clock_ticks_per_second()).map(Duration::from_millis)
 }
 
-/// The processor time that all threads of a process have used, where the system tells it.
+/// Returns the processor time that all threads of a process have used, if the system reports it.
 #[cfg(not(target_os = "linux"))]
 fn processor_time(_process: u32) -> Option<Duration> {
     None
 }
 
-/// Returns `utime` and `stime` together: fields 14 and 15 of a line of `/proc/PID/stat`, in ticks of the clock.
+/// Returns the sum of `utime` and `stime`: fields 14 and 15 of a line of `/proc/PID/stat`, in clock ticks.
 #[cfg(target_os = "linux")]
 fn ticks(stat: &str) -> Option<u64> {
-    // The second field is a name in parentheses, which may hold blanks and parentheses itself.
+    // The second field is a name in parentheses, which may itself contain spaces and parentheses.
     let (_, after_name) = stat.rsplit_once(')')?;
     let mut times = after_name.split_ascii_whitespace().skip(11).map(|field| field.parse::<u64>().ok());
     Some(times.next()?? + times.next()??)

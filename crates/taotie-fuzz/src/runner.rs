@@ -11,10 +11,10 @@ use std::path::PathBuf;
 use std::process::Command;
 use taotie::asset::Bytes;
 
-/// Starts and bounds workers.
+/// Starts workers and limits them.
 #[derive(Debug, Clone)]
 pub struct Runner {
-    /// A folder of further sound files.
+    /// A folder of additional sound files.
     pub models: Option<PathBuf>,
     /// The memory that a run may allocate.
     pub memory: Bytes,
@@ -27,17 +27,17 @@ pub struct Runner {
 pub struct Slice {
     /// The target.
     pub target: Target,
-    /// The seed of all numbers.
+    /// The seed for all random numbers.
     pub seed: u64,
-    /// The numbers.
+    /// The run numbers.
     pub runs: Range<u64>,
 }
 
 impl Runner {
-    /// Runs a slice in one worker, which may end before all is done.
+    /// Runs a slice in one worker, which may end before all runs are done.
     ///
     /// # Errors
-    /// Where no worker can be started.
+    /// If no worker can be started.
     pub fn slice(&self, slice: &Slice) -> Result<Seen> {
         let mut command = self.worker()?;
         command.args(["--target", &slice.target.name()]);
@@ -47,16 +47,17 @@ impl Runner {
         watch(command, "", self.patience)
     }
 
-    /// Runs one case in a worker of its own; `None` where nothing fails.
+    /// Runs one case in a separate worker; `None` if nothing fails.
     ///
     /// # Errors
-    /// Where no worker can be started, or the case names no file that is there.
+    /// If no worker can be started, or the case names a file that does not exist.
     pub fn case(&self, case: &Case) -> Result<Option<Failure>> {
         let seen = watch(self.worker()?, &serde_json::to_string(case)?, self.patience)?;
         Ok(seen.failures.into_iter().next().map(|failed| failed.failure))
     }
 
-    /// This program as a worker. It takes one thread, since many workers run beside one another.
+    /// Returns a command that starts this program as a worker. It uses one thread, since many workers run
+    /// concurrently.
     fn worker(&self) -> Result<Command> {
         let mut command = Command::new(std::env::current_exe()?);
         command.args(["worker", "--memory", &self.memory.0.to_string()]);

@@ -1,4 +1,4 @@
-//! Counts over all sessions, kept in a file, and the table made of them.
+//! Counts over all sessions, kept in a file, and the table made from them.
 
 use crate::target::Target;
 use anyhow::{Context, Result};
@@ -11,7 +11,7 @@ use std::path::Path;
 /// The counts of all targets.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Totals {
-    /// By target.
+    /// Counts by target.
     pub targets: BTreeMap<Target, Count>,
 }
 
@@ -22,17 +22,17 @@ pub struct Count {
     pub runs: u64,
     /// Runs since the last finding.
     pub since_finding: u64,
-    /// Different faults that were found.
+    /// Distinct faults found.
     pub findings: u64,
-    /// Seconds of one core.
+    /// Seconds of processor time of one core.
     pub seconds: f64,
 }
 
 impl Totals {
-    /// Reads the counts in a file; none where there is no file.
+    /// Reads the counts in a file; zero if the file does not exist.
     ///
     /// # Errors
-    /// Where the file is there and no such file.
+    /// If the file exists but is not a valid file of counts.
     pub fn read(path: &Path) -> Result<Self> {
         if !path.exists() {
             return Ok(Self::default());
@@ -44,7 +44,7 @@ impl Totals {
     /// Writes the counts.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
         let mut text = serde_json::to_string_pretty(self)?;
         text.push('\n');
@@ -56,12 +56,12 @@ impl Totals {
         self.targets.get(&target).copied().unwrap_or_default()
     }
 
-    /// Adds counts of a target.
+    /// Adds to the counts of a target.
     pub fn add(&mut self, target: Target, more: Count) {
         self.targets.entry(target).or_default().add(more);
     }
 
-    /// Returns a table in Markdown: a line for each target, and one for all readers.
+    /// Returns a Markdown table: a row for each target, and one for all readers.
     pub fn table(&self) -> String {
         let mut text = String::from(
             "| target | runs | runs a second and core | findings | runs since the last |\n|---|---:|---:|---:|---:|\n",
@@ -79,7 +79,7 @@ impl Totals {
 }
 
 impl Count {
-    /// Adds what came later.
+    /// Adds later counts.
     fn add(&mut self, later: Self) {
         let since = if later.findings > 0 { 0 } else { self.since_finding };
         *self = Self {
@@ -90,7 +90,7 @@ impl Count {
         };
     }
 
-    /// Runs a second of one core.
+    /// Returns the runs per second of one core.
     pub fn rate(&self) -> f64 {
         if self.seconds > 0.0 { self.runs as f64 / self.seconds } else { 0.0 }
     }
@@ -101,7 +101,7 @@ fn line(text: &mut String, name: &str, count: Count) {
     let _ = writeln!(text, "| {name} | {runs} | {:.0} | {} | {since} |", count.rate(), count.findings);
 }
 
-/// A number with its thousands parted by commas.
+/// Formats a number with commas between thousands.
 fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let parts: Vec<&str> =
@@ -133,7 +133,7 @@ mod tests {
         assert!(table.contains("| obj | 3,000 | 2000 | 1 | 1,300 |\n"), "{table}");
         assert!(
             table.ends_with("| all readers | 3,000 | 2000 | 1 | 1,300 |\n"),
-            "bakes are no readers: {table}"
+            "bakes are not counted as readers: {table}"
         );
     }
 

@@ -1,4 +1,4 @@
-//! The parent of a worker: listens, and ends it where a run takes too long.
+//! The parent of a worker: listens to it, and kills it if a run takes too long.
 
 use crate::failure::{Failure, FailureKind};
 use crate::patience::{Patience, Silence};
@@ -10,19 +10,19 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// The most bytes of a worker's last words that are kept.
+/// The most bytes kept of a worker's stderr.
 const WORDS: usize = 2000;
-/// The time without news after which a worker is looked at.
+/// The time without news after which a worker is checked.
 const TICK: Duration = Duration::from_millis(50);
-/// The number of times that a worker is started anew which does not come to its first run.
-const ANEW: usize = 2;
+/// How often a worker is restarted if it does not get to its first run.
+const RESTARTS: usize = 2;
 
-/// The course of a worker.
+/// The history of a worker.
 #[derive(Debug, Default)]
 pub struct Seen {
-    /// The runs that began.
+    /// The number of runs started.
     pub runs: u64,
-    /// The run that began last.
+    /// The run started last.
     pub last: Option<u64>,
     /// The failures, each with its run; the last may have ended the worker.
     pub failures: Vec<FailedRun>,
@@ -33,54 +33,55 @@ pub struct Seen {
 pub struct FailedRun {
     /// Its number.
     pub run: u64,
-    /// In which way.
+    /// How it failed.
     pub failure: Failure,
 }
 
-/// Starts a worker with `input` on its stdin, and listens until it ends or tells nothing beyond `patience`.
+/// Starts a worker with `input` on its stdin, and listens until it ends or stays silent longer than `patience`.
 ///
-/// One that falls silent or is killed before its first run is started anew, twice at most: no file has done that.
+/// If it falls silent or is killed before its first run, it is restarted, at most twice: no file can have caused
+/// that.
 ///
 /// # Errors
-/// Where it cannot be started, or ends before any run.
+/// If it cannot be started, or ends before any run.
 pub fn watch(mut command: Command, input: &str, patience: Patience) -> Result<Seen> {
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut life = Life::of(&mut command, input, patience)?;
-    for _ in 0..ANEW {
+    for _ in 0..RESTARTS {
         if life.never_began() {
             life = Life::of(&mut command, input, patience)?;
         }
     }
-    life.told(patience)
+    life.outcome(patience)
 }
 
-/// The life of a worker.
+/// The lifetime of a worker.
 #[derive(Debug)]
 struct Life {
     seen: Seen,
     end: End,
     status: ExitStatus,
-    /// The end of what it said on stderr.
+    /// The end of its stderr.
     words: String,
 }
 
-/// The end of listening.
+/// How listening ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum End {
-    /// The worker did all its runs.
+    /// The worker finished all its runs.
     Done,
-    /// The worker told nothing for too long.
+    /// The worker was silent for too long.
     Silent,
     /// The worker is gone.
     Gone,
 }
 
 impl Life {
-    /// Starts a worker and waits for its end.
+    /// Starts a worker and waits for it to end.
     fn of(command: &mut Command, input: &str, patience: Patience) -> Result<Self> {
-        let mut child = command.spawn().context("a worker cannot be started")?;
+        let mut child = command.spawn().context("could not start a worker")?;
         if let Some(mut stdin) = child.stdin.take() {
-            // A worker that ends before it has read all tells so by its end.
+            // If a worker ends before it has read everything, its end is noticed below.
             let _ = stdin.write_all(input.as_bytes());
         }
         let words = last_words(&mut child);
@@ -93,15 +94,15 @@ impl Life {
         Ok(Self { seen, end, status, words })
     }
 
-    /// Says whether the worker fell silent or was killed before its first run.
+    /// Returns true if the worker fell silent or was killed before its first run.
     fn never_began(&self) -> bool {
-        // Only a process that a signal ended has no exit code.
+        // Only a process killed by a signal has no exit code.
         let is_killed = self.end == End::Gone && self.status.code().is_none();
         self.seen.last.is_none() && (is_killed || self.end == End::Silent)
     }
 
-    /// The course of the worker, with the failure that ended it.
-    fn told(self, patience: Patience) -> Result<Seen> {
+    /// Returns the worker's history, with the failure that ended it.
+    fn outcome(self, patience: Patience) -> Result<Seen> {
         let Self { seen, end, status, words } = self;
         let failure = match end {
             End::Done => return Ok(seen),
@@ -142,13 +143,13 @@ fn listen(child: &mut Child, patience: Patience) -> (Seen, End) {
     }
 }
 
-/// The news that a worker tells on its stdout, read on a thread of its own.
+/// Returns the news that a worker prints to its stdout, read on a separate thread.
 fn news(child: &mut Child) -> Receiver<News> {
     let (sender, receiver) = mpsc::channel();
     if let Some(stdout) = child.stdout.take() {
         thread::spawn(move || {
             let news = BufReader::new(stdout).lines().map_while(std::result::Result::ok);
-            // A parent that no longer listens has heard enough.
+            // The parent may stop listening at any time.
             let _ = news
                 .filter_map(|line| serde_json::from_str(&line).ok())
                 .try_for_each(|news| sender.send(news));
@@ -157,12 +158,12 @@ fn news(child: &mut Child) -> Receiver<News> {
     receiver
 }
 
-/// Collects the end of what a worker says on stderr.
+/// Collects the end of a worker's stderr.
 fn last_words(child: &mut Child) -> Option<JoinHandle<String>> {
     let mut stderr = child.stderr.take()?;
     Some(thread::spawn(move || {
         let mut said = Vec::new();
-        // What cannot be read is not told.
+        // Unreadable output is dropped.
         let _ = stderr.read_to_end(&mut said);
         let from = said.len().saturating_sub(WORDS);
         String::from_utf8_lossy(&said[from..]).trim().to_owned()
@@ -173,21 +174,21 @@ fn last_words(child: &mut Child) -> Option<JoinHandle<String>> {
 mod tests {
     use super::*;
 
-    /// A time that no shell here takes.
+    /// A time that no shell here reaches.
     const LONG: Duration = Duration::from_secs(60);
-    /// The patience that a shell wears out by work alone.
+    /// A patience that a shell exhausts only by working.
     const WORK: Patience = Patience { processor: Duration::from_millis(300), clock: LONG };
-    /// The patience that a shell wears out by sleep.
+    /// A patience that a shell exhausts only by sleeping.
     const SLEEP: Patience = Patience { processor: LONG, clock: Duration::from_secs(1) };
 
-    /// Watches a shell in the place of a worker.
+    /// Watches a shell in place of a worker.
     fn seen(script: &str, patience: Patience) -> Result<Seen> {
         let mut command = Command::new("sh");
         command.args(["-c", script]);
         watch(command, "", patience)
     }
 
-    /// Watches a shell that writes a line into a file, which is its `$0`, whenever it starts; and counts the starts.
+    /// Watches a shell that appends a line to a file, its `$0`, at every start; counts the starts.
     fn starts(script: &str, patience: Patience) -> (usize, Result<Seen>) {
         let place = tempfile::tempdir().unwrap();
         let file = place.path().join("starts");
@@ -203,8 +204,8 @@ mod tests {
 
     #[test]
     fn a_worker_that_tells_of_all_its_runs_is_heard() {
-        let told = r#"echo '{"run":4}'; echo '{"failed":{"kind":"panic","message":"a"}}'; echo '{"run":5}'; echo '"done"'"#;
-        let seen = seen(told, WORK).unwrap();
+        let echo = r#"echo '{"run":4}'; echo '{"failed":{"kind":"panic","message":"a"}}'; echo '{"run":5}'; echo '"done"'"#;
+        let seen = seen(echo, WORK).unwrap();
         assert_eq!((seen.runs, seen.last), (2, Some(5)));
         assert_eq!(kinds(&seen), [(4, FailureKind::Panic)]);
     }
@@ -223,7 +224,7 @@ mod tests {
         assert_eq!(after("exec sleep 60", SLEEP), [(7, FailureKind::Time)]);
     }
 
-    /// A worker that waits for a processor uses none, as one that sleeps.
+    /// A worker that waits for a processor uses no processor time, like one that sleeps.
     #[cfg(target_os = "linux")]
     #[test]
     fn a_worker_that_waits_is_no_failure() {
@@ -233,10 +234,10 @@ mod tests {
 
     #[test]
     fn a_worker_that_does_not_begin_is_an_error() {
-        let (starts, told) = starts("echo 'no such folder' >&2; exit 2", WORK);
-        let error = told.unwrap_err();
+        let (starts, outcome) = starts("echo 'no such folder' >&2; exit 2", WORK);
+        let error = outcome.unwrap_err();
         assert!(error.to_string().contains("no such folder"), "{error}");
-        assert_eq!(starts, 1, "it says why itself");
+        assert_eq!(starts, 1, "its own error is enough");
     }
 
     #[test]
@@ -244,11 +245,11 @@ mod tests {
         let third =
             |end: &str| format!(r#"[ $(wc -l < "$0") -gt 2 ] || {end}; echo '{{"run":7}}'; echo '"done"'"#);
         for (end, patience) in [("kill -9 $$", WORK), ("exec sleep 60", SLEEP)] {
-            let (starts, told) = starts(&third(end), patience);
-            assert_eq!((starts, told.unwrap().runs), (3, 1), "{end}");
+            let (starts, outcome) = starts(&third(end), patience);
+            assert_eq!((starts, outcome.unwrap().runs), (3, 1), "{end}");
         }
-        let (starts, told) = starts("kill -9 $$", WORK);
+        let (starts, outcome) = starts("kill -9 $$", WORK);
         assert_eq!(starts, 3);
-        assert!(told.unwrap_err().to_string().contains("before any run"));
+        assert!(outcome.unwrap_err().to_string().contains("before any run"));
     }
 }

@@ -1,4 +1,4 @@
-//! The child process: runs cases one after another and tells how each ended.
+//! The child process: runs cases one after another and reports how each ended.
 
 use crate::case::{Case, Number};
 use crate::corpus::Seed;
@@ -14,37 +14,37 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use tempfile::TempDir;
 
-/// The news that a child tells, one line of JSON each.
+/// The news that a child reports, one line of JSON each.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum News {
-    /// A run begins.
+    /// A run has started.
     Run(u64),
-    /// The run that began last failed, and the process lives on.
+    /// The current run failed, and the process continues.
     Failed(Failure),
-    /// All runs are over.
+    /// All runs are done.
     Done,
 }
 
-/// A child's work.
+/// The state of a child process.
 pub struct Worker<'a> {
     seeds: &'a [Seed],
     /// Bytes that a run may allocate.
     memory: usize,
-    /// The folders of seeds, each with the files that the seed names.
+    /// The folders of seeds, each with the files that the seed references.
     folders: HashMap<String, TempDir>,
 }
 
-/// Where the last panic happened.
+/// The location of the last panic.
 static PLACE: Mutex<String> = Mutex::new(String::new());
 
 impl<'a> Worker<'a> {
-    /// Bounds the process.
+    /// Creates a worker and limits the process.
     ///
     /// # Errors
-    /// Where the system refuses.
+    /// If the system refuses.
     pub fn new(seeds: &'a [Seed], memory: usize) -> Result<Self> {
-        memory::bound_process(memory as u64).context("the memory of the process cannot be bounded")?;
+        memory::bound_process(memory as u64).context("could not limit the memory of the process")?;
         std::panic::set_hook(Box::new(|info| {
             let place = info.location().map(|at| format!("{}:{}", at.file(), at.line())).unwrap_or_default();
             *PLACE.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = place;
@@ -55,13 +55,13 @@ impl<'a> Worker<'a> {
     /// Runs the cases of these numbers.
     ///
     /// # Errors
-    /// Where files cannot be written, or nobody listens.
+    /// If files cannot be written, or nobody is listening.
     pub fn runs(&mut self, target: Target, seed: u64, runs: Range<u64>) -> Result<()> {
         for run in runs {
             let case = Case::of(target, Number { seed, run }, self.seeds)?;
             self.run(&case, run)?;
         }
-        tell(&News::Done)
+        send(&News::Done)
     }
 
     /// Runs one case.
@@ -70,7 +70,7 @@ impl<'a> Worker<'a> {
     /// As [`Self::runs`].
     pub fn run_one(&mut self, case: &Case) -> Result<()> {
         self.run(case, 0)?;
-        tell(&News::Done)
+        send(&News::Done)
     }
 
     fn run(&mut self, case: &Case, run: u64) -> Result<()> {
@@ -79,7 +79,7 @@ impl<'a> Worker<'a> {
         let folder = self.folder(sound)?;
         let path = folder.join(sound.file_name());
         std::fs::write(&path, &bytes).with_context(|| path.display().to_string())?;
-        tell(&News::Run(run))?;
+        send(&News::Run(run))?;
         memory::allow(self.memory);
         let subject = Subject { path: &path, bytes: &bytes, variant: case.variant };
         let held = catch_unwind(AssertUnwindSafe(|| case.target.run(&subject)));
@@ -90,16 +90,16 @@ impl<'a> Worker<'a> {
             Err(panic) => Failure { kind: FailureKind::Panic, message: message(&*panic) },
         };
         let here = folder.display().to_string();
-        tell(&News::Failed(Failure { message: failure.message.replace(&here, ""), ..failure }))
+        send(&News::Failed(Failure { message: failure.message.replace(&here, ""), ..failure }))
     }
 
-    /// The folder of a seed, with the files that it names and an empty folder for output.
+    /// Returns the folder of a seed, with the files that it references and an empty folder for output.
     fn folder(&mut self, seed: &Seed) -> Result<std::path::PathBuf> {
         if let Some(folder) = self.folders.get(&seed.name) {
             return Ok(folder.path().to_path_buf());
         }
         let folder = tempfile::tempdir()?;
-        for file in &seed.beside {
+        for file in &seed.companions {
             std::fs::write(folder.path().join(&file.name), &file.bytes)?;
         }
         std::fs::create_dir(folder.path().join("out"))?;
@@ -109,16 +109,16 @@ impl<'a> Worker<'a> {
     }
 }
 
-/// Returns the text of a panic and its place.
+/// Returns the text and location of a panic.
 fn message(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str);
-    let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("a panic without text");
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("a panic without a message");
     let place = PLACE.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
     format!("{text} at {place}")
 }
 
-/// Tells the parent.
-fn tell(news: &News) -> Result<()> {
+/// Sends news to the parent.
+fn send(news: &News) -> Result<()> {
     let mut line = serde_json::to_string(news)?;
     line.push('\n');
     Ok(io::stdout().lock().write_all(line.as_bytes())?)

@@ -1,4 +1,4 @@
-//! A little fuzzing with every test run, and the findings that are kept, run again.
+//! A little fuzzing with every test run, and a replay of the kept findings.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -12,12 +12,12 @@ fn text(bytes: &[u8]) -> String {
 }
 
 #[test]
-fn kept_findings_are_mended() {
+fn kept_findings_are_fixed() {
     let output = fuzz(&["replay", "--patience", "60"]);
     assert!(output.status.success(), "{}{}", text(&output.stdout), text(&output.stderr));
 }
 
-/// The same runs on every machine: their numbers begin at 0.
+/// The same runs on every machine: they are numbered from 0.
 #[test]
 fn some_thousand_runs_find_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -39,7 +39,7 @@ fn some_thousand_runs_find_nothing() {
     assert!(table.contains("\n| all readers | 6,000 | "), "{table}");
 }
 
-/// A bound that every run breaks: its worker dies, and what is left is the smallest description that does the same.
+/// A limit that every run breaks: its worker dies, and the smallest description with the same effect is kept.
 #[test]
 fn what_breaks_a_bound_is_found_made_small_and_kept() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -54,14 +54,14 @@ fn what_breaks_a_bound_is_found_made_small_and_kept() {
     }
     let again = fuzz(&["replay", "--memory", "16", "--findings", &findings]);
     assert_eq!(again.status.code(), Some(1), "{}", text(&again.stdout));
-    let mended = fuzz(&["replay", "--findings", &findings]);
-    assert!(mended.status.success(), "{}{}", text(&mended.stdout), text(&mended.stderr));
+    let relaxed = fuzz(&["replay", "--findings", &findings]);
+    assert!(relaxed.status.success(), "{}{}", text(&relaxed.stdout), text(&relaxed.stderr));
 }
 
-/// A finding has no change that does not matter, and its file can be had.
+/// Checks that a finding has only changes that matter, and that its file can be rebuilt.
 fn rebuilds(finding: &Path) {
-    let told = std::fs::read_to_string(finding).expect("it is readable");
-    assert!(told.contains("\"memory\"") && told.contains("\"mutations\": []"), "{told}");
+    let json = std::fs::read_to_string(finding).expect("it is readable");
+    assert!(json.contains("\"memory\"") && json.contains("\"mutations\": []"), "{json}");
     let file = finding.with_extension("obj");
     let output = fuzz(&["rebuild", &finding.display().to_string(), "-o", &file.display().to_string()]);
     assert!(output.status.success(), "{}", text(&output.stderr));

@@ -1,14 +1,15 @@
-//! Frames a second by a graphics processor and by the processor: `make bench-gpu`.
+//! Frames per second on a GPU and on the CPU: `make bench-gpu`.
 //!
 //! ```text
 //! cargo run --release -p taotie-gpu --example gpu_frames -- [--quick] [--adapter NAME]
 //! ```
 //!
-//! A sphere with bosses turns: four maps of 2048², `ggx`, one light, one sample a pixel. Of each frame all pixels end as 8-bit
-//! sRGB in memory, so that what a graphics processor draws is read back and developed. Both take turns, a frame each. The
-//! table has the medians. `--quick` leaves out 4K and 2 million triangles; `--adapter` takes one with this in its name.
+//! A rotating sphere with bosses: four maps of 2048², `ggx`, one light, one sample per pixel. All pixels of each
+//! frame end up as 8-bit sRGB in memory, so a GPU's frames are read back and developed. The two machines alternate, a
+//! frame each. The table has the medians. `--quick` skips 4K and 2 million triangles; `--adapter` selects a GPU by a
+//! part of its name.
 
-#![allow(clippy::print_stdout, reason = "an example talks")]
+#![allow(clippy::print_stdout, reason = "an example prints")]
 
 #[path = "../../taotie/tests/common/scenes.rs"]
 #[allow(dead_code, reason = "tests use the rest")]
@@ -25,37 +26,37 @@ use taotie_gpu::{AdapterChoice, Gpu, GpuRenderer};
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
-/// Texels across each of the four textures.
+/// Side length of each of the four textures, in texels.
 const TEXTURE_SIZE: u32 = 2048;
 
 /// The widths and heights of images: 1024² and 4K.
 const SIZES: [[u32; 2]; 2] = [[1024, 1024], [3840, 2160]];
 
-/// Columns and rows of spheres of 2 thousand, 200 thousand and 2 million triangles.
+/// Columns and rows of spheres with 2 thousand, 200 thousand and 2 million triangles.
 const SPHERES: [[usize; 2]; 3] = [[46, 23], [448, 224], [1416, 708]];
 
-/// The most frames of a machine that are timed, the fewest, and the time after which no more of them begin.
+/// The maximum and minimum number of timed frames per machine, and the time after which no more are started.
 const FRAMES: usize = 15;
 const FEWEST: usize = 3;
 const ENOUGH: Duration = Duration::from_secs(6);
 
-/// Degrees from frame to frame.
+/// Degrees between frames.
 const STEP: f64 = 2.0;
 
-/// What is asked for.
+/// The command-line options.
 #[derive(Default)]
 struct Options {
     quick: bool,
     choice: AdapterChoice,
 }
 
-/// The median frame of each machine, seconds.
+/// The median frame time of each machine, in seconds.
 struct Medians {
     processor: f64,
     graphics: f64,
 }
 
-/// A scene on both machines.
+/// A scene prepared for both machines.
 struct Studio<'s> {
     renderer: Renderer,
     graphics: GpuRenderer<'s>,
@@ -68,9 +69,9 @@ fn main() -> Result<()> {
     let options = options(std::env::args().skip(1))?;
     let gpu = Gpu::find(&options.choice)?;
     let adapter = gpu.description();
-    println!("graphics: {} through {}, {}", adapter.name, adapter.backend, adapter.driver);
-    println!("processor: {} threads\n", rayon::current_num_threads());
-    println!("| triangles | pixels | shadows | processor, ms | graphics, ms | frames a second |");
+    println!("GPU: {} through {}, {}", adapter.name, adapter.backend, adapter.driver);
+    println!("CPU: {} threads\n", rayon::current_num_threads());
+    println!("| triangles | pixels | shadows | CPU, ms | GPU, ms | frames per second |");
     println!("|---:|---|---|---:|---:|---:|");
     let (spheres, sizes) = if options.quick { (2, 1) } else { (SPHERES.len(), SIZES.len()) };
     for sphere in &SPHERES[..spheres] {
@@ -130,7 +131,7 @@ impl<'s> Studio<'s> {
         Ok(())
     }
 
-    /// Times frames in turns, after one that is not timed.
+    /// Times frames of both machines in alternation, after an untimed one each.
     fn medians(&mut self) -> Result<Medians> {
         let (mut processor, mut graphics) = (Vec::new(), Vec::new());
         let mut begun = Instant::now();

@@ -1,7 +1,8 @@
-//! A host of one's own for a generated shader, by wgpu: a convex mesh under one light, its material without textures.
-//! `cargo run -p taotie-gpu --example wgpu_host` draws a bronze sphere to `sphere.png`.
+//! A custom wgpu host for a generated shader: a convex mesh under one light, with an untextured material. `cargo run
+//! -p taotie-gpu --example wgpu_host` draws a bronze sphere to `sphere.png`.
 //!
-//! `taotie_gpu` itself draws scenes. This is what a program needs that draws by itself and takes the shader alone.
+//! `taotie_gpu` itself draws whole scenes. This example is for programs that draw on their own and only need the
+//! shader.
 
 use std::sync::mpsc;
 use taotie::math::Vec3;
@@ -14,20 +15,20 @@ use wgpu::{BufferUsages, TextureDescriptor, TextureFormat::Rgba32Float, TextureU
 /// A result with any error.
 pub type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
-/// A mesh and its light, seen in parallel along −z: from −1 to 1 in x and y.
+/// A mesh and its light, seen in parallel projection along −z: from −1 to 1 in x and y.
 pub struct View<'v> {
-    /// Convex: it is drawn without depth.
+    /// Convex, since it is drawn without depth.
     pub mesh: &'v Mesh,
     /// Its material.
     pub material: &'v Material,
-    /// The one light.
+    /// The only light.
     pub light: LightSource<f32>,
-    /// Pixels across and down, a multiple of 16.
+    /// Width and height in pixels, a multiple of 16.
     pub size: u32,
 }
 
 impl View<'_> {
-    /// The bytes of a buffer that the interface asks for.
+    /// The bytes of a buffer listed in the interface.
     fn bytes(&self, name: &str, interface: &Interface) -> (Vec<u8>, BufferUsages) {
         let normal_matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vec3::from_array);
         let factors = SurfaceFactors { material: self.material, normal_matrix, bump: 0.0, height_levels: 1 };
@@ -49,7 +50,7 @@ impl View<'_> {
         }
     }
 
-    /// Linear RGB radiance and alpha, row by row from the top; zeros where nothing is seen.
+    /// Linear RGB radiance and alpha, row by row from the top; zeros where the mesh is not visible.
     pub fn draw(&self) -> Result<Vec<[f32; 4]>> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))?;
@@ -74,7 +75,7 @@ impl View<'_> {
             let buffers = buffers.map(|(binding, (bytes, usage))| (binding, buffer(&bytes, usage)));
             let buffers: Vec<_> = buffers.collect();
             let buffers = buffers.iter().map(|(binding, buffer)| (*binding, buffer.as_entire_binding()));
-            // The tables of directional albedos are the one texture here.
+            // The tables of directional albedos are the only texture here.
             let textures = interface.textures.iter().filter(|slot| slot.group == group);
             let textures = textures.map(|slot| (slot.binding, wgpu::BindingResource::TextureView(&albedos)));
             let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
@@ -138,7 +139,7 @@ fn described([width, height]: [u32; 2], usage: TextureUsages) -> TextureDescript
     }
 }
 
-/// The pipeline of a shader. Its layout follows from the text; each value of the vertices lies in a buffer of its own.
+/// The pipeline of a shader. Its layout is derived from the text; each vertex attribute has a separate buffer.
 fn pipeline(device: &wgpu::Device, shader: &taotie_shader::PixelShader) -> wgpu::RenderPipeline {
     let module = &device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,

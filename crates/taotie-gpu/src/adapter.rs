@@ -1,39 +1,39 @@
-//! The choice of a graphics processor.
+//! The choice of a GPU.
 
 use crate::error::{GpuError, Result};
 use serde::Serialize;
 
-/// The graphics processor that is wanted.
+/// Criteria for choosing a GPU.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct AdapterChoice {
-    /// `true` where a program that plays a graphics processor does not count.
+    /// `true` to exclude software implementations.
     pub hardware_only: bool,
-    /// A part of its name, in any case of letters; `None` for the fastest kind there is.
+    /// A part of its name, case-insensitive; `None` for the fastest kind available.
     pub name: Option<String>,
 }
 
-/// A kind of graphics processor, from the fastest.
+/// A kind of GPU, from the fastest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AdapterKind {
-    /// A card with memory of its own.
+    /// A card with its own memory.
     Discrete,
-    /// A part of the processor, with its memory.
+    /// A part of the CPU, sharing its memory.
     Integrated,
-    /// A share of another machine's.
+    /// A virtual GPU: a share of another machine's.
     Virtual,
-    /// One that does not say.
+    /// Not specified by the driver.
     Unknown,
-    /// A program on the processor.
+    /// A software implementation on the CPU.
     Software,
 }
 
-/// A graphics processor as data, for reports.
+/// A description of a GPU as data, for reports.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct AdapterDescription {
-    /// The name that its driver gives.
+    /// The name reported by its driver.
     pub name: String,
-    /// The interface that it is driven through: `vulkan`, `metal`, `dx12`.
+    /// The graphics API: `vulkan`, `metal`, `dx12`.
     pub backend: String,
     /// Its kind.
     pub kind: AdapterKind,
@@ -70,22 +70,22 @@ impl AdapterChoice {
         named && !(self.hardware_only && described.kind == AdapterKind::Software)
     }
 
-    /// The number of the best adapter, if any will do.
+    /// The index of the best adapter, if any is acceptable.
     fn best(&self, all: &[AdapterDescription]) -> Option<usize> {
         let fitting = (0..all.len()).filter(|i| self.takes(&all[*i]));
         fitting.min_by_key(|i| all[*i].kind)
     }
 
     fn text(&self) -> String {
-        let kind = if self.hardware_only { "hardware alone" } else { "hardware or software" };
+        let kind = if self.hardware_only { "hardware only" } else { "hardware or software" };
         match &self.name {
-            Some(name) => format!("{kind}, with a name that holds '{name}'"),
+            Some(name) => format!("{kind}, name containing '{name}'"),
             None => kind.to_owned(),
         }
     }
 }
 
-/// Finds the adapter that `choice` asks for.
+/// Finds the adapter for `choice`.
 ///
 /// # Errors
 /// [`GpuError::NoAdapter`].

@@ -9,29 +9,29 @@ use wgpu::{TextureFormat, TextureUsages, TextureView};
 /// The format of sums.
 const SUM: TextureFormat = TextureFormat::Rgba32Float;
 
-/// A sample of an image's pixels.
+/// One sample of every pixel of an image.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SampleNumber {
-    /// Its number, from 0.
+    /// Its index, from 0.
     pub number: usize,
-    /// The number of samples a pixel.
+    /// The number of samples per pixel.
     pub count: usize,
 }
 
-/// Two images between which the sum of samples goes to and fro.
+/// Two images between which the sum of samples alternates.
 pub(crate) struct Average {
     pipeline: RenderPipeline,
     sums: [Texture; 2],
     views: [TextureView; 2],
-    /// What is read for a sum in the other image.
+    /// The inputs for each sum, which read the other image.
     inputs: [BindGroup; 2],
     weight: Buffer,
-    /// The number of the sum in use.
+    /// The index of the current sum.
     latest: usize,
 }
 
 impl Average {
-    /// Makes sums of the samples in `seen`.
+    /// Creates sums of the samples in `seen`.
     ///
     /// # Errors
     /// As [`crate::target::Target::new`].
@@ -49,7 +49,7 @@ impl Average {
         })
     }
 
-    /// Adds a sample; the first one empties the sum.
+    /// Adds a sample; the first one resets the sum.
     pub(crate) fn add(&mut self, gpu: &Gpu, encoder: &mut CommandEncoder, sample: SampleNumber) {
         if sample.number == 0 {
             let weight = [1.0 / sample.count as f32, 0.0, 0.0, 0.0];
@@ -71,7 +71,7 @@ impl Average {
     }
 }
 
-/// Begins to draw to an empty image.
+/// Begins a pass that draws to an empty image.
 fn pass<'e>(encoder: &'e mut CommandEncoder, view: &TextureView) -> wgpu::RenderPass<'e> {
     let attachment = wgpu::RenderPassColorAttachment {
         view,
@@ -86,7 +86,7 @@ fn pass<'e>(encoder: &'e mut CommandEncoder, view: &TextureView) -> wgpu::Render
     })
 }
 
-/// Begins with `value` everywhere and keeps what is drawn.
+/// Begins with `value` everywhere and keeps the result.
 pub(crate) fn cleared<V>(value: V) -> wgpu::Operations<V> {
     wgpu::Operations { load: wgpu::LoadOp::Clear(value), store: wgpu::StoreOp::Store }
 }

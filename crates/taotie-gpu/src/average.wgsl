@@ -1,8 +1,8 @@
-// Adds a sample of every pixel to the sum of those before it, in linear light.
+// Adds a sample of every pixel to the sum of the previous ones, in linear light.
 
 @group(0) @binding(0) var sum: texture_2d<f32>;
 @group(0) @binding(1) var seen: texture_2d<f32>;
-// The weight of a sample in its pixel, in the first number.
+// The weight of a sample in its pixel, in the first component.
 @group(0) @binding(2) var<uniform> weight: vec4<f32>;
 
 // A triangle that covers the image.

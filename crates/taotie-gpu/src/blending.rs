@@ -1,24 +1,24 @@
-//! The order of surfaces that blend: from the farthest triangle to the nearest, by the triangles' centres.
+//! The order of blended surfaces: from the farthest triangle to the nearest, by the triangles' centres.
 
 use std::ops::Range;
 use taotie::math::Mat4;
 use taotie::render::Surface;
 
-/// Triangles of one surface, a range of the indices of [`BlendOrder`].
+/// Triangles of one surface, as a range of the indices of [`BlendOrder`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct BlendRun {
-    /// The surface's number.
+    /// The index of the surface.
     pub surface: usize,
     /// The indices of its vertices.
     pub indices: Range<u32>,
 }
 
-/// All triangles of surfaces that blend, in the order of drawing.
+/// All triangles of blended surfaces, in drawing order.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct BlendOrder {
-    /// The vertices of each triangle, in its surface.
+    /// The vertices of each triangle, as indices into its surface.
     pub indices: Vec<[u32; 3]>,
-    /// The triangles of one surface that follow one another.
+    /// Runs of consecutive triangles of the same surface.
     pub runs: Vec<BlendRun>,
 }
 
@@ -31,7 +31,7 @@ struct Placed {
 }
 
 impl BlendOrder {
-    /// Sorts the triangles of the surfaces whose numbers are in `blended`.
+    /// Sorts the triangles of the surfaces whose indices are in `blended`.
     pub(crate) fn new(surfaces: &[Surface<'_>], blended: &[usize], clip_from_world: &Mat4) -> Self {
         let mut placed = Vec::new();
         for surface in blended.iter().copied() {
@@ -41,7 +41,7 @@ impl BlendOrder {
                 Placed { depth, surface, triangle }
             }));
         }
-        // At equal depth what comes first in the scene lies on top.
+        // At equal depth, triangles that come first in the scene are on top.
         placed.sort_by(|a, b| {
             a.depth.total_cmp(&b.depth).then((b.surface, b.triangle).cmp(&(a.surface, a.triangle)))
         });
@@ -62,7 +62,7 @@ impl BlendOrder {
     }
 }
 
-/// The reversed depth of a triangle's centre; behind the eye it is infinite.
+/// The reversed depth of a triangle's centre; infinite behind the eye.
 fn depth(surface: &Surface<'_>, triangle: usize, clip_from_world: &Mat4) -> f64 {
     let [a, b, c] = surface.triangles[triangle].map(|v| surface.positions[v as usize].to_f64());
     let [_, _, z, w] = clip_from_world.transform_homogeneous((a + b + c) / 3.0);
@@ -77,7 +77,7 @@ mod tests {
     use taotie::render::{Prepared, SurfaceSettings};
     use taotie::scene::{Instance, Material, Scene};
 
-    /// A scene of two triangles, one before the other by `between`, twice, the second time in another place.
+    /// A scene of two triangles, one in front of the other by `between`, instanced twice, the second time elsewhere.
     fn prepared() -> Prepared {
         let corner = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
         let positions = [0.0, -2.0]

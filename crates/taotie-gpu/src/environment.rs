@@ -1,4 +1,4 @@
-//! An environment on a graphics processor.
+//! An environment on a GPU.
 
 use crate::error::Result;
 use crate::gpu::Gpu;
@@ -8,7 +8,7 @@ use taotie::shade::environment::{Environment, EnvironmentMaps, HalfPicture};
 use taotie_shader::{EnvironmentAtlas, opaque};
 use wgpu::{Buffer, BufferUsages, TextureFormat, TextureView};
 
-/// The pictures of an environment; black ones of one texel where there is none.
+/// The images of an environment; black ones of one texel if there is none.
 pub(crate) struct EnvironmentInputs {
     /// The environment that they show.
     shown: Option<Arc<Environment>>,
@@ -23,7 +23,7 @@ impl EnvironmentInputs {
     /// Uploads an environment.
     ///
     /// # Errors
-    /// [`crate::GpuError::TooLarge`]; where there is no memory for it.
+    /// [`crate::GpuError::TooLarge`], or if memory runs out.
     pub(crate) fn new(gpu: &Gpu, environment: Option<&Arc<Environment>>) -> Result<Self> {
         let maps = match environment {
             Some(environment) => environment.maps(),
@@ -45,7 +45,7 @@ impl EnvironmentInputs {
         })
     }
 
-    /// Says whether this is what `environment` looks like.
+    /// Returns true if these are the images of `environment`.
     pub(crate) fn is_of(&self, environment: Option<&Arc<Environment>>) -> bool {
         match (&self.shown, environment) {
             (Some(shown), Some(wanted)) => Arc::ptr_eq(shown, wanted),
@@ -53,17 +53,17 @@ impl EnvironmentInputs {
         }
     }
 
-    /// All levels in one picture.
+    /// All levels in one image.
     pub(crate) fn maps(&self) -> &TextureView {
         &self.maps
     }
 
-    /// The places and factors of the levels.
+    /// The positions and factors of the levels.
     pub(crate) fn level_table(&self) -> &Buffer {
         &self.table
     }
 
-    /// The equirectangular picture.
+    /// The equirectangular image.
     pub(crate) fn picture(&self) -> &TextureView {
         &self.picture
     }
@@ -79,7 +79,7 @@ impl EnvironmentInputs {
     }
 }
 
-/// The texels of no environment: one black one, with its border.
+/// The texels without an environment: a single black one, with its border.
 const BLACK: [[u16; 3]; 9] = [[0; 3]; 9];
 
 fn nothing() -> EnvironmentMaps<'static> {
@@ -96,5 +96,5 @@ fn upload_halves(gpu: &Gpu, what: &str, size: [u32; 2], texels: &[[u16; 4]]) -> 
 fn upload_picture(gpu: &Gpu, picture: &HalfPicture<'_>) -> Result<TextureView> {
     let size = [picture.width as u32, picture.height as u32];
     let texels: Vec<[u16; 4]> = picture.texels.iter().map(opaque).collect();
-    upload_halves(gpu, "the picture of the environment", size, &texels)
+    upload_halves(gpu, "the image of the environment", size, &texels)
 }

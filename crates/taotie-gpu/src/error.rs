@@ -1,60 +1,60 @@
-//! What can go wrong on a graphics processor.
+//! Errors of rendering on a GPU.
 
-/// The result of work on a graphics processor.
+/// The result of an operation on a GPU.
 pub type Result<T> = std::result::Result<T, GpuError>;
 
-/// An error on the way to an image. Its text is one sentence that says what to do.
+/// An error while rendering on a GPU. Its text is one sentence that includes what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GpuError {
-    /// No graphics processor fits.
+    /// No suitable GPU was found.
     #[error(
-        "no graphics processor was found ({looked_for}); install the system's graphics driver, on Debian \
-         mesa-vulkan-drivers, which has a software one too, or render on the processor"
+        "no GPU was found ({looked_for}); install the system's graphics driver (on Debian \
+         mesa-vulkan-drivers, which includes a software renderer), or render on the CPU"
     )]
     NoAdapter {
-        /// The interfaces that were asked, and the choice.
+        /// The graphics APIs searched, and the choice.
         looked_for: String,
     },
-    /// The graphics processor was found but does not work.
-    #[error("{adapter} cannot be used: {why}; update its driver, or render on the processor")]
+    /// The GPU was found but does not work.
+    #[error("{adapter} cannot be used: {why}; update its driver, or render on the CPU")]
     Unusable {
-        /// The name of the graphics processor.
+        /// The name of the GPU.
         adapter: String,
-        /// The reason that its driver gives.
+        /// The reason reported by its driver.
         why: String,
     },
-    /// Something is larger than the graphics processor takes.
+    /// Something exceeds a limit of the GPU.
     #[error(
-        "{what} is too large for {adapter}: {size}, at most {most}; make it smaller, or render on the processor"
+        "{what} is too large for {adapter}: {size}, at most {most}; make it smaller, or render on the CPU"
     )]
     TooLarge {
         /// The texture, mesh or image.
         what: String,
-        /// The name of the graphics processor.
+        /// The name of the GPU.
         adapter: String,
         /// Its size.
         size: String,
         /// The largest size.
         most: String,
     },
-    /// The driver refused a step.
-    #[error("{adapter} refused {doing}: {why}")]
+    /// The driver rejected a step.
+    #[error("{adapter} rejected {doing}: {why}")]
     Refused {
-        /// The name of the graphics processor.
+        /// The name of the GPU.
         adapter: String,
         /// The step.
         doing: String,
-        /// The reason that it gives.
+        /// The reason reported by the driver.
         why: String,
     },
-    /// The shot asks for something that is only drawn on the processor.
-    #[error("{what}: graphics processors do not draw it; leave it out, or render on the processor")]
+    /// The shot needs a feature that is only available on the CPU.
+    #[error("{what}: not supported on GPUs; leave it out, or render on the CPU")]
     Unsupported {
         /// The feature.
         what: String,
     },
-    /// A scene or shot that no renderer draws.
+    /// An invalid scene or shot.
     #[error(transparent)]
     Scene(#[from] taotie::Error),
 }

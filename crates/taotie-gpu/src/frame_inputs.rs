@@ -1,4 +1,4 @@
-//! What all surfaces of an image read: the camera, the lights, the environment, and the tables of albedos.
+//! The inputs shared by all surfaces of an image: the camera, the lights, the environment, and the tables of albedos.
 
 use crate::environment::EnvironmentInputs;
 use crate::error::Result;
@@ -13,7 +13,7 @@ use taotie::shade::dfg;
 use taotie_shader::{FrameFactors, light_numbers};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, Buffer, BufferUsages, TextureFormat, TextureView};
 
-/// What all surfaces of an image read: group 0.
+/// The inputs shared by all surfaces of an image: group 0.
 pub(crate) struct FrameInputs {
     layout: BindGroupLayout,
     factors: Buffer,
@@ -24,7 +24,7 @@ pub(crate) struct FrameInputs {
     group: BindGroup,
 }
 
-/// The light of an image as numbers.
+/// The lighting of an image as numbers.
 struct FrameLight {
     ambient: taotie::math::Vec3,
     turn: Turn<f32>,
@@ -33,10 +33,10 @@ struct FrameLight {
 }
 
 impl FrameInputs {
-    /// Uploads the tables of albedos, without any light.
+    /// Uploads the tables of albedos, without any lighting.
     ///
     /// # Errors
-    /// Where there is no memory.
+    /// If memory runs out.
     pub(crate) fn new(gpu: &Gpu) -> Result<Self> {
         let layout = layout(gpu);
         let light = FrameLight::new(&Lighting::default());
@@ -62,21 +62,20 @@ impl FrameInputs {
         &self.layout
     }
 
-    /// What is bound as group 0.
+    /// The bindings of group 0.
     pub(crate) fn group(&self) -> &BindGroup {
         &self.group
     }
 
-    /// Takes over what casts shadows, for the images whose [light](Self::light) comes next.
+    /// Sets the shadow casters for the images whose [light](Self::light) comes next.
     pub(crate) fn cast(&mut self, shadows: ShadowInputs) {
         self.shadows = shadows;
     }
 
-    /// Takes over the light of an image. An environment is uploaded when it changes.
+    /// Sets the lighting of an image. An environment is uploaded when it changes.
     ///
     /// # Errors
-    /// [`crate::GpuError::TooLarge`] for an environment that the graphics processor does not take; where there is no
-    /// memory.
+    /// [`crate::GpuError::TooLarge`] for an environment beyond the GPU's limits, or if memory runs out.
     pub(crate) fn light(&mut self, gpu: &Gpu, lighting: &Lighting) -> Result<()> {
         let environment = lighting.environment.as_ref().map(|light| &light.environment);
         if !self.environment.is_of(environment) {
@@ -95,7 +94,7 @@ impl FrameInputs {
         Ok(())
     }
 
-    /// Looks at the scene through a sample of each pixel.
+    /// Sets the camera to one sample position of each pixel.
     pub(crate) fn see(&self, gpu: &Gpu, checked: &CheckedShot, sample: usize) {
         let size = [checked.settings.width, checked.settings.height];
         let offset = checked.pattern.offsets()[sample];
@@ -123,7 +122,7 @@ impl FrameLight {
         }
     }
 
-    /// The values of a frame that nobody sees yet.
+    /// The values of a frame before any camera is set.
     fn factors(&self) -> FrameFactors {
         FrameFactors {
             clip_from_world: [[0.0; 4]; 4],
@@ -139,7 +138,7 @@ impl FrameLight {
     }
 }
 
-/// The parts of group 0.
+/// The resources of group 0.
 struct Parts<'a> {
     factors: &'a Buffer,
     lights: &'a Buffer,
@@ -171,7 +170,7 @@ impl Parts<'_> {
     }
 }
 
-/// The layout of group 0. It holds everything that some shader reads.
+/// The layout of group 0. It contains everything that some shader reads.
 fn layout(gpu: &Gpu) -> BindGroupLayout {
     let light = [uniform(), storage(), texture(false), texture(false), uniform(), texture(false)];
     let types = light.into_iter().chain([storage(); ShadowInputs::COUNT]);
@@ -182,7 +181,7 @@ fn layout(gpu: &Gpu) -> BindGroupLayout {
     })
 }
 
-/// All lights; one that nobody reads where there is none.
+/// All lights; without any, a dummy that is never read.
 fn lights(gpu: &Gpu, lighting: &Lighting) -> Result<Buffer> {
     let mut numbers: Vec<[f32; 16]> =
         lighting.lights.iter().map(|light| light_numbers(&LightSource::new(light))).collect();
@@ -206,8 +205,8 @@ fn eye(eye: &Eye) -> [f32; 4] {
     }
 }
 
-/// The columns of a matrix to clip space that brings the sample at `offset`, 1/256 pixel from the top left corner of a
-/// pixel, to the middle of the pixel. `size` in pixels.
+/// The columns of a clip-space matrix that moves the sample at `offset`, in 1/256 pixel from the top left corner of a
+/// pixel, to the centre of the pixel. `size` in pixels.
 fn shifted(clip_from_world: &Mat4, size: [u32; 2], offset: [i32; 2]) -> [[f32; 4]; 4] {
     let pixels = |axis: usize| (128.0 - f64::from(offset[axis])) / 256.0;
     let [right, down] = [0, 1].map(|axis| 2.0 * pixels(axis) / f64::from(size[axis]));

@@ -1,17 +1,17 @@
-//! A graphics processor ready for work.
+//! An opened GPU.
 
 use crate::adapter::{self, AdapterChoice, AdapterDescription, AdapterKind};
 use crate::error::{GpuError, Result};
 use crate::texture_format::TextureSupport;
 use wgpu::{Buffer, BufferUsages, ErrorFilter, Features};
 
-/// The features that are used where they are there.
+/// The features that are used if available.
 const USED: [Features; 2] = [Features::FLOAT32_FILTERABLE, Features::TEXTURE_FORMAT_16BIT_NORM];
 
-/// The features without which images have fewer digits.
+/// The features without which images have lower precision.
 const BLENDED_FLOATS: Features = Features::FLOAT32_BLENDABLE;
 
-/// A graphics processor ready for work. Copies share it.
+/// An opened GPU. Copies share it.
 #[derive(Debug, Clone)]
 pub struct Gpu {
     pub(crate) device: wgpu::Device,
@@ -22,10 +22,10 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Finds a graphics processor.
+    /// Finds and opens a GPU.
     ///
     /// # Errors
-    /// [`GpuError::NoAdapter`] where none fits, [`GpuError::Unusable`] where its driver fails.
+    /// [`GpuError::NoAdapter`] if none fits, [`GpuError::Unusable`] if its driver fails.
     pub fn find(choice: &AdapterChoice) -> Result<Self> {
         let (adapter, description) = adapter::find(choice)?;
         let wanted = USED.into_iter().fold(BLENDED_FLOATS, Features::union);
@@ -44,18 +44,18 @@ impl Gpu {
         Ok(Self { device, queue, features, limits, description })
     }
 
-    /// The graphics processor as data.
+    /// The description of the GPU as data.
     pub fn description(&self) -> &AdapterDescription {
         &self.description
     }
 
-    /// What it can do with textures.
+    /// Its capabilities for textures.
     pub(crate) fn texture_support(&self) -> TextureSupport {
         let is_coarse = self.description.kind == AdapterKind::Software;
         TextureSupport { features: self.features, is_coarse }
     }
 
-    /// Does a step and returns the driver's refusal as an error.
+    /// Runs a step and returns the driver's rejection as an error.
     pub(crate) fn checked<T>(&self, doing: &str, step: impl FnOnce() -> T) -> Result<T> {
         let filters = [ErrorFilter::OutOfMemory, ErrorFilter::Validation, ErrorFilter::Internal];
         let scopes = filters.map(|filter| self.device.push_error_scope(filter));
@@ -67,20 +67,20 @@ impl Gpu {
         refusal.map_or(Ok(done), |error| Err(self.refused(doing, &error)))
     }
 
-    /// The error of a step that the driver refused.
+    /// The error of a step that the driver rejected.
     pub(crate) fn refused(&self, doing: &str, why: &dyn std::fmt::Display) -> GpuError {
         let adapter = self.description.name.clone();
         let (doing, why) = (one_line(doing), one_line(&why.to_string()));
         GpuError::Refused { adapter, doing, why }
     }
 
-    /// The error of something whose `size` is above `most`.
+    /// The error of something whose `size` exceeds `most`.
     pub(crate) fn too_large(&self, what: &str, size: String, most: String) -> GpuError {
         let (what, adapter) = (one_line(what), self.description.name.clone());
         GpuError::TooLarge { what, adapter, size, most }
     }
 
-    /// Makes a buffer of `bytes` that shaders read as a list; `what` names it in errors.
+    /// Creates a buffer of `bytes` that shaders read as an array; `what` names it in errors.
     pub(crate) fn storage(&self, what: &str, bytes: &[u8]) -> Result<Buffer> {
         let (size, most) = (bytes.len() as u64, self.limits.max_storage_buffer_binding_size);
         if size > most {
@@ -89,7 +89,7 @@ impl Gpu {
         self.buffer(what, bytes, BufferUsages::STORAGE)
     }
 
-    /// Makes a buffer of `bytes`; `what` names it in errors.
+    /// Creates a buffer of `bytes`; `what` names it in errors.
     pub(crate) fn buffer(&self, what: &str, bytes: &[u8], usage: BufferUsages) -> Result<Buffer> {
         let size = (bytes.len() as u64).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT).max(16);
         let most = self.limits.max_buffer_size;
@@ -112,21 +112,22 @@ impl Gpu {
     }
 }
 
-/// A text with single blanks for all breaks and control characters in it: drivers and names in files have many.
+/// The text with every run of whitespace and control characters replaced by one space: texts of drivers and names in
+/// files have many.
 fn one_line(text: &str) -> String {
     let words = text.split(|c: char| c.is_whitespace() || c.is_control()).filter(|word| !word.is_empty());
     words.collect::<Vec<_>>().join(" ")
 }
 
-/// The graphics processor that tests use, or `None` where there is none and a test has to be skipped, which is a failure
-/// under `CI=true`.
+/// The GPU that tests use, or `None` if there is none and the test has to be skipped, which is a failure under
+/// `CI=true`.
 #[cfg(test)]
 pub(crate) fn found() -> Option<Gpu> {
     match Gpu::find(&AdapterChoice::default()) {
         Ok(gpu) => Some(gpu),
         Err(why) => {
             assert!(!std::env::var("CI").is_ok_and(|ci| ci == "true"), "{why}");
-            #[allow(clippy::print_stderr, reason = "tests say why they are skipped")]
+            #[allow(clippy::print_stderr, reason = "tests report why they are skipped")]
             {
                 eprintln!("skipped: {why}");
             }
@@ -152,7 +153,7 @@ mod tests {
             wgpu::ShaderModuleDescriptor { label: None, source: wgpu::ShaderSource::Wgsl("fn f( {".into()) };
         let refused = gpu.checked("a shader", || gpu.device.create_shader_module(wrong)).unwrap_err();
         let text = refused.to_string();
-        assert!(text.contains(" refused a shader: ") && !text.contains('\n'), "{text}");
+        assert!(text.contains(" rejected a shader: ") && !text.contains('\n'), "{text}");
         gpu.limits.max_buffer_size = 64;
         let refused = gpu.buffer("the triangles of instance 3", &[0; 65], BufferUsages::INDEX).unwrap_err();
         assert!(refused.to_string().starts_with("the triangles of instance 3 is too large for"), "{refused}");

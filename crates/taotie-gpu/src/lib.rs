@@ -1,14 +1,14 @@
-//! Images of scenes by graphics processors.
+//! Renders scenes on GPUs.
 //!
-//! [`GpuRenderer`] draws what [`taotie::render::Renderer`] draws, with shaders that [`taotie_shader`] writes of the same
-//! formulas: textures with the same mip chains, the same lights, environments and models, the same positions of samples.
-//! Light is developed by [`taotie::film`] on the processor, so tone curves and backgrounds are the same. The images are
-//! not equal to the bit, since graphics processors may fuse and reorder arithmetic.
+//! [`GpuRenderer`] draws the same images as [`taotie::render::Renderer`], with shaders that [`taotie_shader`]
+//! generates from the same formulas: textures with the same mip chains, the same lights, environments and models, the
+//! same sample positions. Light is developed by [`taotie::film`] on the CPU, so tone curves and backgrounds are the
+//! same. The images are not bit-identical, since GPUs may fuse and reorder arithmetic.
 //!
-//! Shadows are rays that the shaders follow themselves through the processor's tree of boxes, on every machine alike; the
-//! ground is laid under the image by the processor. Output variables are refused. Surfaces that blend are drawn from the
-//! farthest triangle to the nearest, by the triangles' centres; triangles that cut through one another are therefore
-//! laid over one another in one order, where [`taotie::render::Renderer`] sorts each pixel.
+//! Shadows are rays that the shaders themselves trace through the CPU's tree of boxes, the same way on every machine;
+//! the CPU composites the ground below the image. Output variables are rejected. Blended surfaces are drawn from the
+//! farthest triangle to the nearest, by the triangles' centres; intersecting triangles are therefore blended in one
+//! order, while [`taotie::render::Renderer`] sorts each pixel.
 //!
 //! ```no_run
 //! use taotie::render::{Lighting, Prepared, RenderSettings, Shot};

@@ -1,17 +1,18 @@
-//! A scene's meshes on a graphics processor.
+//! A scene's meshes on a GPU.
 
 use crate::error::Result;
 use crate::gpu::Gpu;
 use std::collections::HashMap;
 use taotie::math::{Vec2, Vec3};
-use taotie::render::{NormalSource, Surface};
+use taotie::render::Surface;
+use taotie::surface::SurfaceMethod;
 use taotie_shader::VertexInput;
 use wgpu::{Buffer, BufferUsages};
 
-/// A surface with its number in the scene.
+/// A surface with its index in the scene.
 #[derive(Clone, Copy)]
 pub(crate) struct Numbered<'s> {
-    /// The number, which is that of its instance.
+    /// The index, which is that of its instance.
     pub number: usize,
     /// The surface.
     pub surface: &'s Surface<'s>,
@@ -20,17 +21,17 @@ pub(crate) struct Numbered<'s> {
 /// The vertices and triangles of surfaces, each uploaded when it is first drawn.
 #[derive(Default)]
 pub(crate) struct Meshes {
-    /// Values of vertices, by the surface's number and their name.
+    /// Vertex attributes, by the surface's index and their name.
     vertices: HashMap<(usize, String), Buffer>,
-    /// Triangles by the surface's number.
+    /// Triangles, by the surface's index.
     triangles: HashMap<usize, Buffer>,
 }
 
 impl Meshes {
-    /// The values of a surface's vertices that a shader asks for.
+    /// The vertex attribute of a surface that is an input of a shader.
     ///
     /// # Errors
-    /// [`crate::GpuError::TooLarge`]; where there is no memory for it.
+    /// [`crate::GpuError::TooLarge`], or if memory runs out.
     pub(crate) fn vertices(
         &mut self,
         gpu: &Gpu,
@@ -68,7 +69,7 @@ impl Meshes {
     }
 }
 
-/// The values of this name, so many numbers a vertex; 0 where the mesh has none.
+/// The values of the attribute with this name, `numbers` per vertex; 0 if the mesh lacks it.
 fn values(surface: &Surface<'_>, name: &str, numbers: usize) -> Vec<f32> {
     let count = surface.positions.len();
     let vectors = |vectors: &[Vec3]| vectors.iter().flat_map(|v| v.to_array()).collect();
@@ -78,8 +79,8 @@ fn values(surface: &Surface<'_>, name: &str, numbers: usize) -> Vec<f32> {
     };
     let mut values: Vec<f32> = match name {
         "position" => vectors(surface.positions),
-        "normal" => match surface.normal_source {
-            NormalSource::BumpPrinted(..) => vectors(surface.object_normals),
+        "normal" => match surface.normal_source.method() {
+            SurfaceMethod::BumpPrinted => vectors(surface.object_normals),
             _ => vectors(surface.normals),
         },
         "tangent" => surface.tangents.as_flattened().to_vec(),

@@ -1,4 +1,4 @@
-//! Pipelines: shaders with what they bind and how they draw. Each is made once.
+//! Pipelines: shaders with their bindings and drawing state. Each is created once.
 
 use crate::error::Result;
 use crate::gpu::Gpu;
@@ -10,10 +10,10 @@ use taotie_shader::{Interface, Language, PixelShader, ValueKind, VertexInput, pi
 use wgpu::{BindGroupLayout, BindGroupLayoutEntry, BindingType, BlendComponent, BlendFactor, BlendState};
 use wgpu::{RenderPipeline, SamplerBindingType, ShaderStages, TextureFormat, TextureSampleType};
 
-/// The group of what belongs to a surface.
+/// The group of the surface's resources.
 const MATERIAL_GROUP: u32 = 1;
 
-/// A shader ready to draw, with what it binds.
+/// A shader ready to draw, with its bindings.
 pub(crate) struct SurfacePipeline {
     pub pipeline: RenderPipeline,
     pub interface: Interface,
@@ -21,25 +21,26 @@ pub(crate) struct SurfacePipeline {
     pub material: BindGroupLayout,
 }
 
-/// All pipelines that were asked for.
+/// All pipelines requested so far.
 pub(crate) struct Pipelines {
     /// The format of the image.
     color: TextureFormat,
-    /// The text that shaders need which cast shadow rays.
+    /// The text needed by shaders that trace shadow rays.
     visibility: String,
     made: HashMap<PipelineKey, Arc<SurfacePipeline>>,
 }
 
 impl Pipelines {
-    /// Begins with none, for images of the format `color`; shaders that cast shadow rays need the text `visibility`.
+    /// Creates an empty set, for images of the format `color`; `visibility` is the text for shaders that trace shadow
+    /// rays.
     pub(crate) fn new(color: TextureFormat, visibility: String) -> Self {
         Self { color, visibility, made: HashMap::new() }
     }
 
-    /// The pipeline of these facts; `frame` is the layout of group 0.
+    /// The pipeline for these facts; `frame` is the layout of group 0.
     ///
     /// # Errors
-    /// Where the driver refuses the shader.
+    /// If the driver rejects the shader.
     pub(crate) fn get(
         &mut self,
         gpu: &Gpu,
@@ -60,7 +61,7 @@ impl Pipelines {
     }
 }
 
-/// The facts that all pipelines share.
+/// The layouts and formats that all pipelines share.
 struct Layouts<'l> {
     color: TextureFormat,
     frame: &'l BindGroupLayout,
@@ -115,13 +116,13 @@ impl Layouts<'_> {
     }
 }
 
-/// Colour that is not premultiplied, over premultiplied colour.
+/// Blends colour that is not premultiplied over premultiplied colour.
 const OVER: BlendState = BlendState {
     color: BlendComponent { src_factor: BlendFactor::SrcAlpha, ..BlendComponent::OVER },
     alpha: BlendComponent::OVER,
 };
 
-/// Front faces are those that the mesh says, whatever the transform; back faces are drawn where both sides are.
+/// Front faces are those of the mesh, whatever the transform; back faces are drawn for double-sided surfaces.
 fn primitive(key: &PipelineKey) -> wgpu::PrimitiveState {
     wgpu::PrimitiveState {
         front_face: if key.mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
@@ -130,7 +131,7 @@ fn primitive(key: &PipelineKey) -> wgpu::PrimitiveState {
     }
 }
 
-/// Depth is reversed. At equal depth what is drawn first stays; what blends hides nothing.
+/// Depth is reversed. At equal depth, the first surface drawn wins; blended surfaces do not write depth.
 fn depth(key: &PipelineKey) -> wgpu::DepthStencilState {
     wgpu::DepthStencilState {
         format: DEPTH,
@@ -157,7 +158,7 @@ fn material_layout(gpu: &Gpu, interface: &Interface) -> BindGroupLayout {
     })
 }
 
-/// An entry of a layout. Vertices read uniforms alone.
+/// An entry of a layout. Vertex shaders read only uniforms.
 pub(crate) fn entry(binding: u32, ty: BindingType) -> BindGroupLayoutEntry {
     let visibility = if ty == uniform() { ShaderStages::VERTEX_FRAGMENT } else { ShaderStages::FRAGMENT };
     BindGroupLayoutEntry { binding, visibility, ty, count: None }
@@ -172,7 +173,7 @@ pub(crate) fn uniform() -> BindingType {
     }
 }
 
-/// A buffer of any length that is read.
+/// A read-only buffer of any length.
 pub(crate) fn storage() -> BindingType {
     BindingType::Buffer {
         ty: wgpu::BufferBindingType::Storage { read_only: true },
@@ -181,7 +182,7 @@ pub(crate) fn storage() -> BindingType {
     }
 }
 
-/// A texture in two dimensions, filtered or read texel by texel.
+/// A two-dimensional texture, filtered or read texel by texel.
 pub(crate) fn texture(filterable: bool) -> BindingType {
     BindingType::Texture {
         sample_type: TextureSampleType::Float { filterable },
@@ -200,7 +201,7 @@ fn attribute(input: &VertexInput) -> [wgpu::VertexAttribute; 1] {
     [wgpu::VertexAttribute { format, offset: 0, shader_location: input.location }]
 }
 
-/// Each value of the vertices lies in a buffer of its own.
+/// Each vertex attribute has a separate buffer.
 fn buffer_layout<'a>(
     (input, attributes): (&VertexInput, &'a [wgpu::VertexAttribute; 1]),
 ) -> Option<wgpu::VertexBufferLayout<'a>> {

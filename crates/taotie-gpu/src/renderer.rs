@@ -1,4 +1,4 @@
-//! Images of one scene, one after the other.
+//! Renders images of one scene, one after the other.
 
 use crate::average::SampleNumber;
 use crate::blending::BlendOrder;
@@ -23,30 +23,30 @@ use wgpu::{
     BindGroup, Buffer, BufferUsages, CommandEncoder, Features, IndexFormat, RenderPass, TextureFormat,
 };
 
-/// Renders images of one scene on a graphics processor and keeps there what does not change between them: vertices,
-/// textures, environments and shaders. A turntable costs its frames.
+/// Renders images of one scene on a GPU and keeps there everything that is reused between them: vertices, textures,
+/// environments and shaders. Each further frame of a turntable costs only the drawing.
 pub struct GpuRenderer<'p> {
     gpu: Gpu,
     prepared: &'p Prepared,
     surfaces: Vec<Surface<'p>>,
     uploaded: Uploaded,
     frame: FrameInputs,
-    /// What surfaces bind, by their number and how they are drawn.
+    /// The bindings of surfaces, by their index and how they are drawn.
     materials: HashMap<(usize, PipelineKey), BindGroup>,
     target: Option<Target>,
-    /// `true` where the triangles that cast shadows are there.
+    /// `true` once the shadow casters are uploaded.
     casts: bool,
     color: TextureFormat,
 }
 
-/// What is on the graphics processor and stays there.
+/// The resources that remain on the GPU.
 struct Uploaded {
     meshes: Meshes,
     textures: MaterialTextures,
     pipelines: Pipelines,
 }
 
-/// The triangles of surfaces that blend, in the order of drawing.
+/// The triangles of blended surfaces, in drawing order.
 struct Blended {
     order: BlendOrder,
     indices: Buffer,
@@ -56,7 +56,7 @@ impl<'p> GpuRenderer<'p> {
     /// Uploads the textures of a scene.
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] with the texture that the graphics processor does not take; where it has no memory left.
+    /// [`GpuError::TooLarge`] for a texture beyond the GPU's limits, or if memory runs out.
     pub fn new(gpu: &Gpu, prepared: &'p Prepared) -> Result<Self> {
         let surfaces = prepared.surfaces();
         let materials = surfaces.iter().map(|surface| surface.material);
@@ -82,16 +82,16 @@ impl<'p> GpuRenderer<'p> {
         })
     }
 
-    /// The graphics processor.
+    /// The GPU.
     pub fn gpu(&self) -> &Gpu {
         &self.gpu
     }
 
-    /// Renders an image in linear light. Every sample is shaded, as on the processor.
+    /// Renders an image in linear light. Every sample is shaded, as on the CPU.
     ///
     /// # Errors
-    /// [`GpuError::Scene`] as [`taotie::render::Pass::new`], or cancelled; [`GpuError::Unsupported`] for output variables;
-    /// [`GpuError::TooLarge`] for an image or mesh that the graphics processor does not take; where it has no memory left.
+    /// [`GpuError::Scene`] as for [`taotie::render::Pass::new`], or if cancelled; [`GpuError::Unsupported`] for
+    /// output variables; [`GpuError::TooLarge`] for an image or mesh beyond the GPU's limits, or if memory runs out.
     pub fn render(&mut self, shot: &Shot<'_>, progress: Progress<'_>) -> Result<Frame> {
         let checked = CheckedShot::new(shot)?;
         if checked.settings.aovs {
@@ -121,8 +121,8 @@ impl<'p> GpuRenderer<'p> {
         Ok(Frame { color, aovs: None })
     }
 
-    /// Renders an image and develops it to 8-bit sRGB with straight alpha, row by row from the top. `codes` is made as
-    /// long as the image; handed in again, nothing is allocated for it.
+    /// Renders an image and develops it to 8-bit sRGB with straight alpha, row by row from the top. `codes` is
+    /// resized to the image; passing it in again avoids allocation.
     ///
     /// # Errors
     /// As [`Self::render`] and [`develop8_into`].
@@ -138,7 +138,7 @@ impl<'p> GpuRenderer<'p> {
         Ok(develop8_into(&frame.color, development, codes)?)
     }
 
-    /// Uploads the triangles that cast shadows when an image first asks for them.
+    /// Uploads the shadow casters when an image first needs them.
     fn cast(&mut self, checked: &CheckedShot) -> Result<()> {
         if checked.settings.shadows && !self.casts {
             self.frame.cast(ShadowInputs::new(&self.gpu, self.prepared, &self.surfaces)?);
@@ -147,7 +147,7 @@ impl<'p> GpuRenderer<'p> {
         Ok(())
     }
 
-    /// All surfaces ready to be drawn, in their order.
+    /// All surfaces ready to draw, in order.
     fn draws(&mut self, checked: &CheckedShot, environment: bool) -> Result<Vec<SurfaceDraw>> {
         let mut draws = Vec::with_capacity(self.surfaces.len());
         for number in 0..self.surfaces.len() {
@@ -193,7 +193,7 @@ impl<'p> GpuRenderer<'p> {
         Ok(Blended { order, indices })
     }
 
-    /// The target of the image before where it fits, else a new one.
+    /// The target of the previous image if it fits, else a new one.
     fn take_target(&mut self, size: [u32; 2]) -> Result<Target> {
         match self.target.take().filter(|target| target.size() == size) {
             Some(target) => Ok(target),
@@ -201,7 +201,7 @@ impl<'p> GpuRenderer<'p> {
         }
     }
 
-    /// Draws a sample: first what hides, then what blends.
+    /// Draws a sample: first the opaque surfaces, then the blended ones.
     fn draw(&self, encoder: &mut CommandEncoder, target: &Target, draws: &[SurfaceDraw], blended: &Blended) {
         let mut pass = target.pass(encoder);
         pass.set_bind_group(0, self.frame.group(), &[]);
@@ -222,7 +222,7 @@ fn draw_blended(pass: &mut RenderPass<'_>, draws: &[SurfaceDraw], blended: &Blen
     }
 }
 
-/// The format of a sample's image: floats of 32 bits, or of 16 where those must blend and cannot.
+/// The format of a sample's image: 32-bit floats, or 16-bit ones if blending is needed and not supported for 32.
 fn color_format(features: Features, blends: bool) -> TextureFormat {
     match blends && !features.contains(Features::FLOAT32_BLENDABLE) {
         true => TextureFormat::Rgba16Float,

@@ -4,7 +4,7 @@ use crate::gpu::Gpu;
 use taotie::image::{MipFilter, Sampler, TexelFilter, Wrap};
 use wgpu::{AddressMode, FilterMode, MipmapFilterMode, SamplerDescriptor};
 
-/// Samplers that are there already.
+/// The samplers created so far.
 #[derive(Default)]
 pub(crate) struct Samplers {
     made: Vec<(Sampler, wgpu::Sampler)>,
@@ -22,7 +22,8 @@ impl Samplers {
     }
 }
 
-/// The most of the level of detail that still reads the finest level, and tells minified from magnified.
+/// The maximum level of detail that still reads only the finest level while distinguishing minification from
+/// magnification.
 const FINEST_ALONE: f32 = 0.25;
 
 fn descriptor(sampler: &Sampler) -> SamplerDescriptor<'static> {
@@ -74,7 +75,7 @@ mod tests {
         assert_eq!(made.address_mode_u, AddressMode::MirrorRepeat);
         assert_eq!(made.address_mode_v, AddressMode::ClampToEdge);
         assert_eq!((made.mag_filter, made.min_filter), (FilterMode::Linear, FilterMode::Nearest));
-        // No level but the finest, though what is minified is told from what is magnified.
+        // Only the finest level is read, though minification and magnification are distinguished.
         assert!(made.lod_max_clamp > 0.0 && made.lod_max_clamp < 0.5);
         let levels = descriptor(&Sampler::default());
         assert_eq!((levels.mipmap_filter, levels.lod_max_clamp), (MipmapFilterMode::Linear, 32.0));

@@ -1,4 +1,4 @@
-//! The holes of surfaces, which shadow rays pass through.
+//! The holes of surfaces, through which shadow rays pass.
 
 use crate::error::Result;
 use crate::gpu::Gpu;
@@ -13,16 +13,17 @@ use wgpu::Buffer;
 /// opacities are numbers in a buffer.
 #[derive(Default)]
 pub(crate) struct ShadowMasks {
-    /// Size, wrap modes, first texel, filter, factor, cutoff, and where vertices have opacities; floats by their bits.
+    /// Size, wrap modes, first texel, filter, factor, cutoff, and whether and where vertices have opacities; floats
+    /// as bits.
     masks: Vec<[u32; 10]>,
     /// Opacities of texels and vertices.
     opacities: Vec<f32>,
-    /// The place of the first texel of a texture's finest level.
+    /// The index of the first texel of a texture's finest level.
     texels: HashMap<usize, u32>,
 }
 
 impl ShadowMasks {
-    /// Adds the mask of a surface whose vertices begin at the number `first`; returns the mask's number.
+    /// Adds the mask of a surface whose vertices start at index `first`; returns the mask's index.
     pub(crate) fn add(&mut self, textures: &[Texture], surface: &Surface<'_>, first: u32) -> u32 {
         let used = surface.material.base_color_texture.as_ref();
         let size = used.map_or((0, 0), |used| textures[used.texture].level_size(0));
@@ -59,10 +60,10 @@ impl ShadowMasks {
         [x, y]
     }
 
-    /// Uploads masks and opacities, one at least of each.
+    /// Uploads masks and opacities, at least one of each.
     ///
     /// # Errors
-    /// [`crate::GpuError::TooLarge`]; where there is no memory.
+    /// [`crate::GpuError::TooLarge`], or if memory runs out.
     pub(crate) fn upload(mut self, gpu: &Gpu) -> Result<[Buffer; 2]> {
         self.masks.resize(self.masks.len().max(1), [0; 10]);
         self.opacities.resize(self.opacities.len().max(1), 0.0);
@@ -72,7 +73,7 @@ impl ShadowMasks {
         ])
     }
 
-    /// The place of a texture's first texel.
+    /// The index of a texture's first texel.
     fn texel(&mut self, textures: &[Texture], number: usize) -> u32 {
         if let Some(place) = self.texels.get(&number) {
             return *place;
@@ -85,7 +86,7 @@ impl ShadowMasks {
         place
     }
 
-    /// The place of the next opacity.
+    /// The index of the next opacity.
     fn place(&self) -> u32 {
         self.opacities.len() as u32
     }
@@ -128,7 +129,7 @@ mod tests {
         assert_eq!([masks.add(textures, surface, 0), masks.add(textures, surface, 40)], [0, 1]);
         let [half, one] = [0.5f32, 1.0].map(f32::to_bits);
         assert_eq!(masks.masks[0], [3, 2, 0, 2, 0, 0, one, half, 0, 6]);
-        assert_eq!(masks.masks[1][4], 0, "the texture is there already");
+        assert_eq!(masks.masks[1][4], 0, "the texture was already added");
         assert_eq!(masks.opacities, [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]);
         let uv = surface.uvs[0][3];
         assert_eq!(ShadowMasks::uv(surface, 3), [uv.x + 0.25, uv.y + 0.5]);

@@ -1,4 +1,4 @@
-//! What shadow rays meet, as shaders read it.
+//! The geometry hit by shadow rays, as shaders read it.
 
 use crate::error::Result;
 use crate::gpu::Gpu;
@@ -9,19 +9,21 @@ use taotie::scene::AlphaMode;
 use taotie::trace::FlatBox;
 use wgpu::Buffer;
 
-/// The functions of shaders that cast shadows.
+/// The shader functions that trace shadow rays.
 const TEXT: &str = include_str!("shadows.wgsl");
 
-/// The distance at which the triangle of an interpolated position is looked for, in heights at which rays start.
+/// The distance within which the triangle of an interpolated position is searched for, in multiples of the rays'
+/// starting height.
 const REACH: f32 = 32.0;
 
-/// The last word of triangles that cast a shadow, and of those that do not. Greater ones are 2 and the number of a mask.
+/// The last word of triangles that cast a shadow, and of those that do not. Larger values are 2 plus the index of a
+/// mask.
 const CASTS: u32 = 0;
 const CASTS_NOT: u32 = 1;
 const MASKED: u32 = 2;
 
-/// Returns the function `visibility` and what it calls, in WGSL. Rays start at the height `offset` above the surface, model
-/// units.
+/// Returns the function `visibility` and the functions that it calls, in WGSL. Rays start at the height `offset`
+/// above the surface, in model units.
 pub(crate) fn visibility_text(offset: f32) -> String {
     let reach = REACH * offset;
     format!("const SHADOW_OFFSET: f32 = {offset:e};\nconst SHADOW_REACH: f32 = {reach:e};\n{TEXT}")
@@ -31,13 +33,13 @@ pub(crate) fn visibility_text(offset: f32) -> String {
 pub(crate) struct ShadowInputs([Buffer; 5]);
 
 impl ShadowInputs {
-    /// The number of buffers, which is that of bindings.
+    /// The number of buffers, which is also the number of bindings.
     pub(crate) const COUNT: usize = 5;
 
-    /// Nothing that casts a shadow.
+    /// Buffers without any shadow caster.
     ///
     /// # Errors
-    /// Where there is no memory.
+    /// If memory runs out.
     pub(crate) fn none(gpu: &Gpu) -> Result<Self> {
         Casters::default().upload(gpu)
     }
@@ -45,7 +47,7 @@ impl ShadowInputs {
     /// Uploads all triangles of a scene.
     ///
     /// # Errors
-    /// [`crate::GpuError::TooLarge`]; where there is no memory.
+    /// [`crate::GpuError::TooLarge`], or if memory runs out.
     pub(crate) fn new(gpu: &Gpu, prepared: &Prepared, surfaces: &[Surface<'_>]) -> Result<Self> {
         Casters::new(prepared, surfaces).upload(gpu)
     }
@@ -56,12 +58,12 @@ impl ShadowInputs {
     }
 }
 
-/// The triangles of a scene for shadow rays: words and numbers as the shader lays them out.
+/// The triangles of a scene for shadow rays: words and floats in the shader's layout.
 #[derive(Default)]
 struct Casters {
-    /// Low corner, skip, high corner, triangles; floats by their bits.
+    /// Low corner, skip, high corner, triangles; floats as bits.
     boxes: Vec<[u32; 8]>,
-    /// Three corners, and whether it casts a shadow.
+    /// Three corners, and the shadow word.
     triangles: Vec<[u32; 4]>,
     /// Position, u, normal, v.
     vertices: Vec<[f32; 8]>,
@@ -115,10 +117,11 @@ impl Casters {
     }
 }
 
-/// The end of the list of boxes, which the shader knows by what it skips to.
+/// The end of the list of boxes, which the shader recognises by its `skip`.
 const END: [u32; 8] = [0; 8];
 
-/// The words of a box: the last one has the number of its triangles in four bits, the first one's place in the others.
+/// The words of a box: the low four bits of the last one are the number of its triangles, the others the index of the
+/// first.
 fn box_words(around: &FlatBox) -> [u32; 8] {
     let [[a, b, c], [d, e, f]] = [around.low, around.high].map(|corner| corner.map(f32::to_bits));
     let triangles = around.triangles.start << 4 | around.triangles.len() as u32;
@@ -133,17 +136,17 @@ mod tests {
     use taotie::render::SurfaceSettings;
     use taotie::scene::{Instance, Material, Scene};
 
-    /// A sphere, one beside it that blends, and a mirrored one with holes.
+    /// A sphere, a blended one next to it, and a mirrored one with holes.
     fn spheres() -> Prepared {
         let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 24, 12), Material::default()).unwrap();
         let mut mirror = Mat4::translation(Vec3::new(5.0, 0.0, 0.0));
         mirror.columns[1][1] = -1.0;
-        let beside = Mat4::translation(Vec3::new(0.0, 0.0, 5.0));
+        let aside = Mat4::translation(Vec3::new(0.0, 0.0, 5.0));
         scene
             .edit(|data| {
                 let with = |alpha| Material { alpha, ..Material::default() };
                 data.materials.extend([with(AlphaMode::Blend), with(AlphaMode::Mask(0.5))]);
-                for (material, world_from_object) in [(1, beside), (2, mirror)] {
+                for (material, world_from_object) in [(1, aside), (2, mirror)] {
                     data.instances.push(Instance { mesh: 0, material, world_from_object });
                 }
             })

@@ -1,8 +1,8 @@
-// Shadows: rays to the lights through boxes around all triangles, with the renderer's own origins, boxes and masks.
+// Shadows: rays to the lights through the boxes of all triangles, with the renderer's origins, boxes and masks.
 
-// A box. Those in it follow it; `skip` is the number of the next box that does not lie in it. In a box that holds no
-// others the last four bits of `leaf` are the number of its triangles, and those before them the first one's. After the
-// last box comes one whose `skip` is 0: Mesa's lavapipe 22.3 tells a greater `arrayLength` than the list has.
+// A box. The boxes inside it follow it; `skip` is the index of the next box outside it. In a leaf, the low four bits
+// of `leaf` are the number of its triangles, and the others the index of the first. After the last box comes one
+// whose `skip` is 0, since Mesa's lavapipe 22.3 reports an `arrayLength` larger than the list.
 struct ShadowBox {
     low: vec3f,
     skip: u32,
@@ -21,25 +21,25 @@ struct ShadowVertex {
 
 // A material with holes.
 struct ShadowMask {
-    // Texels across and down; 0 without a texture.
+    // Width and height in texels; 0 without a texture.
     size: vec2i,
-    // 0 repeats, 1 mirrors, 2 goes on.
+    // 0 repeats, 1 mirrors, 2 clamps.
     wrap: vec2u,
-    // The first texel's place among the opacities.
+    // The index of the first texel in the opacities.
     texel: u32,
-    // 1 between four texels, 0 at the nearest.
+    // 1 to interpolate between four texels, 0 for the nearest.
     linear: u32,
     // The factor of all opacities.
     opacity: f32,
-    // The least opacity at which the surface is there.
+    // The minimum opacity at which the surface exists.
     cutoff: f32,
-    // 1 where vertices have opacities, that of vertex i at `color` + i, modulo 2^32.
+    // 1 if vertices have opacities; that of vertex i is at `color` + i, modulo 2^32.
     colored: u32,
     color: u32,
 }
 
-// A ray, `limit` lengths of its direction long. `axis` is the one that it runs along most, which comes last in the
-// coordinates that `shear` takes the ray to the last axis in.
+// A ray, `limit` times as long as its direction. `axis` is its dominant axis, which comes last in the coordinates in
+// which `shear` maps the ray to the last axis.
 // Source: Woop, Benthin and Wald 2013, "Watertight Ray/Triangle Intersection".
 struct ShadowRay {
     origin: vec3f,
@@ -49,25 +49,25 @@ struct ShadowRay {
     shear: vec3f,
 }
 
-// A point of a triangle: the weights of its corners, and its distance, below 0 where the ray misses the triangle.
+// A point of a triangle: the weights of its corners, and its distance, below 0 if the ray misses the triangle.
 struct ShadowHit {
     weights: vec3f,
     distance: f32,
 }
 
 @group(0) @binding(6) var<storage, read> shadow_boxes: array<ShadowBox>;
-// Three corners, counter-clockwise as seen from the front, and whether it casts a shadow: 0 where it does, 1 where not,
-// from 2 on the number of its mask.
+// Three corners, counter-clockwise as seen from the front, and the shadow word: 0 casts a shadow, 1 does not, from 2
+// upwards the index of its mask plus 2.
 @group(0) @binding(7) var<storage, read> shadow_triangles: array<vec4u>;
 @group(0) @binding(8) var<storage, read> shadow_vertices: array<ShadowVertex>;
 @group(0) @binding(9) var<storage, read> shadow_masks: array<ShadowMask>;
 // Opacities of texels and vertices.
 @group(0) @binding(10) var<storage, read> shadow_opacities: array<f32>;
 
-// The origin of the rays from this pixel, with 1 behind it once it is known.
+// The origin of the rays from this pixel; w is 1 once it is known.
 var<private> shadow_start: vec4f = vec4f(0.0);
 
-// The share of a light that arrives at a position whose triangle has the unit normal `n`: all or nothing.
+// The visible fraction of a light at a position whose triangle has the unit normal `n`: 0 or 1.
 fn visibility(light: i32, position: vec3f, n: vec3f) -> f32 {
     if (shadow_start.w == 0.0) {
         shadow_start = vec4f(shadow_origin(position, n), 1.0);
@@ -80,7 +80,8 @@ fn visibility(light: i32, position: vec3f, n: vec3f) -> f32 {
     return shadow_sight(shadow_ray(origin, place - origin, 1.0));
 }
 
-// The number of the first box from `start` on that the ray enters and that holds triangles; that of the end if none does.
+// The index of the first box from `start` onwards that the ray enters and that contains triangles; the end's if there
+// is none.
 fn shadow_leaf(ray: ShadowRay, start: u32) -> u32 {
     var index = start;
     loop {
@@ -100,7 +101,7 @@ fn shadow_leaf(ray: ShadowRay, start: u32) -> u32 {
     return index;
 }
 
-// 1 where nothing stands on the way, else 0.
+// 1 if nothing blocks the ray, else 0.
 fn shadow_sight(ray: ShadowRay) -> f32 {
     var index = 0u;
     loop {
@@ -122,8 +123,8 @@ fn shadow_sight(ray: ShadowRay) -> f32 {
     return 1.0;
 }
 
-// The point of the smooth surface above the triangle that lies at `position`, moved a little along its normal.
-// A shader is not told the corners of its triangle, so it looks for the nearest one along the normal.
+// The point of the smooth surface above the triangle at `position`, moved a little along its normal. A shader does
+// not know the corners of its triangle, so it searches for the nearest triangle along the normal.
 // Source: Hanika 2021, "Hacking the Shadow Terminator".
 fn shadow_origin(position: vec3f, n: vec3f) -> vec3f {
     let ray = shadow_ray(position + n * SHADOW_REACH, -n, 2.0 * SHADOW_REACH);
@@ -151,7 +152,7 @@ fn shadow_origin(position: vec3f, n: vec3f) -> vec3f {
     return origin;
 }
 
-// The origin of rays from a point of a triangle, on the side that `n` looks to.
+// The origin of rays from a point of a triangle, on the side that `n` points to.
 fn shadow_raised(triangle: vec4u, weights: vec3f, n: vec3f) -> vec3f {
     let a = shadow_vertices[triangle.x];
     let b = shadow_vertices[triangle.y];
@@ -169,13 +170,13 @@ fn shadow_raised(triangle: vec4u, weights: vec3f, n: vec3f) -> vec3f {
     return point + select(vec3f(0.0), shift, dot(shift, up) > 0.0) + up * SHADOW_OFFSET;
 }
 
-// The way from a point to the plane through a corner across its normal, where that lies above.
+// The offset from a point to the plane through a corner perpendicular to its normal, if that is above.
 fn shadow_shift(point: vec3f, corner: ShadowVertex, side: f32) -> vec3f {
     let normal = corner.normal * side;
     return normal * -min(dot(point - corner.position, normal), 0.0);
 }
 
-// Says whether the surface is there at a point of a triangle, and casts a shadow.
+// Returns true if the surface exists at a point of a triangle and casts a shadow.
 fn shadow_blocks(triangle: vec4u, weights: vec3f) -> bool {
     if (triangle.w < 2u) {
         return triangle.w == 0u;
@@ -215,7 +216,7 @@ fn shadow_sample(mask: ShadowMask, uv: vec2f) -> f32 {
     return mix(top, bottom, t.y);
 }
 
-// A coordinate near [0, 2] at which a texture is the same.
+// An equivalent texture coordinate near [0, 2].
 fn shadow_reduced(wrap: u32, u: f32) -> f32 {
     if (wrap == 0u) {
         return u - floor(u);
@@ -232,7 +233,7 @@ fn shadow_texel(mask: ShadowMask, i: vec2i) -> f32 {
     return shadow_opacities[mask.texel + u32(y * mask.size.x + x)];
 }
 
-// The number of a texel in [0, size).
+// The index of a texel in [0, size).
 fn shadow_wrapped(wrap: u32, i: i32, size: i32) -> i32 {
     if (wrap == 2u) {
         return clamp(i, 0, size - 1);
@@ -256,7 +257,7 @@ fn shadow_ray(origin: vec3f, direction: vec3f, limit: f32) -> ShadowRay {
     return ShadowRay(origin, inverse, limit, axis, shear);
 }
 
-// 1 / v. Parallel to a box's side: met so far away that only the side of the origin counts.
+// 1 / v. Parallel to a box's side: the hit is so far away that only the side of the origin matters.
 fn shadow_steep(v: f32) -> f32 {
     if (abs(v) < 1e-30) {
         return 1e30;
@@ -264,7 +265,7 @@ fn shadow_steep(v: f32) -> f32 {
     return 1.0 / v;
 }
 
-// Coordinates with those of `axis` last.
+// Coordinates reordered so that `axis` is last.
 fn shadow_turned(v: vec3f, axis: u32) -> vec3f {
     if (axis == 0u) {
         return v.yzx;
@@ -282,7 +283,7 @@ fn shadow_enters(around: ShadowBox, ray: ShadowRay) -> bool {
     let last = max(a, b);
     let near = max(max(first.x, first.y), max(first.z, 0.0));
     let far = min(min(last.x, last.y), min(last.z, ray.limit));
-    // Wider by some roundings of a distance.
+    // Widened by a few rounding errors of a distance.
     return near - abs(near) * 4e-7 <= far + abs(far) * 4e-7;
 }
 
@@ -299,7 +300,7 @@ fn shadow_hit(triangle: vec4u, ray: ShadowRay) -> ShadowHit {
     return ShadowHit(weights, ray.shear.z * dot(weights, vec3f(a.z, b.z, c.z)));
 }
 
-// A corner as seen along the ray, which runs along the third axis from 0.
+// A corner in the coordinates of the ray, which starts at 0 and runs along the third axis.
 fn shadow_seen(corner: u32, ray: ShadowRay) -> vec3f {
     let local = shadow_turned(shadow_vertices[corner].position - ray.origin, ray.axis);
     return vec3f(local.xy - ray.shear.xy * local.z, local.z);

@@ -1,4 +1,4 @@
-//! A surface ready to be drawn.
+//! A surface ready to draw.
 
 use crate::error::Result;
 use crate::gpu::Gpu;
@@ -6,24 +6,25 @@ use crate::pipelines::SurfacePipeline;
 use crate::samplers::Samplers;
 use crate::textures::Textures;
 use std::sync::Arc;
-use taotie_shader::{SurfaceFactors, TextureRole, TextureSlot};
+use taotie::scene::TextureRole;
+use taotie_shader::{SurfaceFactors, TextureSlot};
 use wgpu::{BindGroup, BindGroupEntry, BindingResource, Buffer, BufferUsages, RenderPass, TextureView};
 
-/// A surface ready to be drawn: its shader and all that this reads.
+/// A surface ready to draw: its shader and all inputs of it.
 pub(crate) struct SurfaceDraw {
     pub pipeline: Arc<SurfacePipeline>,
     pub material: BindGroup,
-    /// The values of the vertices, in the order of the shader's inputs.
+    /// The vertex attributes, in the order of the shader's inputs.
     pub vertices: Vec<Buffer>,
     pub triangles: Buffer,
     /// The number of indices.
     pub count: u32,
-    /// `true` where it is laid over what is behind.
+    /// `true` if it is blended.
     pub blended: bool,
 }
 
 impl SurfaceDraw {
-    /// Binds everything but the triangles.
+    /// Binds everything except the triangles.
     pub(crate) fn bind(&self, pass: &mut RenderPass<'_>) {
         pass.set_pipeline(&self.pipeline.pipeline);
         pass.set_bind_group(1, &self.material, &[]);
@@ -33,7 +34,7 @@ impl SurfaceDraw {
     }
 }
 
-/// What the shader of a surface reads of its textures.
+/// The textures that a surface's shader reads.
 struct BoundTexture {
     binding: u32,
     view: TextureView,
@@ -51,7 +52,7 @@ impl MaterialTextures {
     /// Binds the factors and textures of a surface.
     ///
     /// # Errors
-    /// Where the driver refuses them, or there is no memory.
+    /// If the driver rejects them or memory runs out.
     pub(crate) fn bind(
         &mut self,
         gpu: &Gpu,
@@ -67,7 +68,7 @@ impl MaterialTextures {
         bind(gpu, pipeline, &entries)
     }
 
-    /// The texture of a slot; `None` where the slot belongs to the frame.
+    /// The texture of a slot; `None` if the slot belongs to the frame.
     fn texture(
         &mut self,
         gpu: &Gpu,

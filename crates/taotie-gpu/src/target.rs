@@ -1,4 +1,4 @@
-//! The image that is drawn to, and its way back.
+//! The image that is drawn to, and its readback.
 
 use crate::average::{Average, SampleNumber, cleared};
 use crate::error::Result;
@@ -11,10 +11,10 @@ use wgpu::{BufferUsages, CommandEncoder, MapMode, RenderPass, TextureFormat, Tex
 /// The format of depth: reversed, 1 near and 0 far.
 pub(crate) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 
-/// The most bytes that are read back at once.
+/// The maximum number of bytes read back at a time.
 const BAND_BYTES: u64 = 1 << 26;
 
-/// The bytes that rows of a copied texture begin at multiples of.
+/// The alignment of rows in a copied texture, in bytes.
 const ROW_ALIGNMENT: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
 
 /// A sample's image, its depth, and the mean of all samples.
@@ -26,10 +26,10 @@ pub(crate) struct Target {
 }
 
 impl Target {
-    /// Makes a target of the size in pixels, whose samples have the format `color`.
+    /// Creates a target of the size in pixels, with samples of the format `color`.
     ///
     /// # Errors
-    /// [`crate::GpuError::TooLarge`]; where there is no memory for it.
+    /// [`crate::GpuError::TooLarge`], or if memory runs out.
     pub(crate) fn new(gpu: &Gpu, size: [u32; 2], color: TextureFormat) -> Result<Self> {
         let texture = |what, format, usage| {
             let texels = Texels2d { what, size, levels: 1, format };
@@ -68,7 +68,7 @@ impl Target {
         })
     }
 
-    /// Adds the sample that was drawn to the mean.
+    /// Adds the drawn sample to the mean.
     pub(crate) fn add(&mut self, gpu: &Gpu, encoder: &mut CommandEncoder, sample: SampleNumber) {
         self.average.add(gpu, encoder, sample);
     }
@@ -76,7 +76,7 @@ impl Target {
     /// Reads the mean of the samples back.
     ///
     /// # Errors
-    /// Where there is no memory for it, or the driver fails.
+    /// If memory runs out or the driver fails.
     pub(crate) fn read(&self, gpu: &Gpu) -> Result<Image> {
         let [width, height] = self.size;
         let mut image = Image::new(width, height, [0.0; 4])?;
@@ -94,7 +94,7 @@ impl Target {
         Ok(image)
     }
 
-    /// The bytes of `count` rows from `first` on.
+    /// The bytes of `count` rows starting at `first`.
     fn band(&self, gpu: &Gpu, [first, count]: [u32; 2], stride: u32) -> Result<Vec<u8>> {
         let descriptor = wgpu::BufferDescriptor {
             label: Some("rows of the image"),
@@ -123,7 +123,7 @@ fn mapped(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>> {
     const DOING: &str = "reading the image back";
     let (sender, receiver) = mpsc::channel();
     buffer.map_async(MapMode::Read, .., move |result| {
-        // Nobody listens any more where waiting has failed.
+        // If waiting has failed, the receiver no longer exists.
         let _ = sender.send(result);
     });
     gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| gpu.refused(DOING, &error))?;

@@ -1,21 +1,21 @@
-//! The formats in which graphics processors hold textures: the values that the processor has, bit for bit where they can.
+//! The formats of textures on a GPU: the same values as on the CPU, bit for bit if possible.
 
 use half::f16;
 use taotie::image::{Encoding, Texels, Texture};
 use wgpu::{Features, TextureFormat};
 
-/// What a graphics processor can do with textures.
+/// The texture capabilities of a GPU.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TextureSupport {
-    /// The features that it has.
+    /// Its features.
     pub features: Features,
-    /// `true` where texels of 8 bits are mixed with 8 bits and decoded by an approximation of sRGB, as programs do that
-    /// play a graphics processor.
+    /// `true` if 8-bit texels are filtered with 8 bits and decoded with an approximation of sRGB, as software
+    /// implementations do.
     pub is_coarse: bool,
 }
 
-/// The format for a texture: that of its texels where one holds the same values, else floats of 32 bits, and of 16 where
-/// those cannot be filtered.
+/// The format for a texture: that of its texels if one holds the same values, otherwise 32-bit floats, or 16-bit
+/// floats if those cannot be filtered.
 pub(crate) fn format(texture: &Texture, support: TextureSupport) -> TextureFormat {
     let TextureSupport { features, is_coarse } = support;
     let is_wide = features.contains(Features::TEXTURE_FORMAT_16BIT_NORM);
@@ -36,7 +36,7 @@ pub(crate) fn format(texture: &Texture, support: TextureSupport) -> TextureForma
     }
 }
 
-/// The bytes of a texel in one of the formats of [`format`].
+/// The bytes per texel in one of the formats of [`format`].
 pub(crate) fn texel_bytes(format: TextureFormat) -> u32 {
     match format {
         TextureFormat::Rgba32Float => 16,
@@ -59,7 +59,7 @@ pub(crate) fn level_bytes(texture: &Texture, level: usize, format: TextureFormat
             let codes = linear(texture, level).map(|v| v.map(|v| (v * 65535.0).round() as u16));
             bytemuck::cast_slice(&codes.collect::<Vec<_>>()).to_vec()
         }
-        // A code of 8 bits and 257 times as much of 16 are the same number.
+        // An 8-bit code and a 16-bit code 257 times as large are the same value.
         (Texels::U8(texels), TextureFormat::Rgba16Unorm) => {
             let mut wide: Vec<[u16; 4]> = texels.iter().map(|t| t.map(|v| u16::from(v) * 257)).collect();
             clear_alpha(&mut wide, is_without_variance);
@@ -74,7 +74,7 @@ pub(crate) fn level_bytes(texture: &Texture, level: usize, format: TextureFormat
     }
 }
 
-/// A single normal has no variance, whatever alpha a file holds.
+/// A single normal has no variance, whatever alpha a file contains.
 fn clear_alpha<T: Default>(texels: &mut [[T; 4]], is_without_variance: bool) {
     if is_without_variance {
         texels.iter_mut().for_each(|texel| texel[3] = T::default());
@@ -119,7 +119,7 @@ mod tests {
             (bytes, Encoding::Normal, none, TextureFormat::Rgba16Float),
             (words.clone(), Encoding::Linear, some | wide, TextureFormat::Rgba16Unorm),
             (words.clone(), Encoding::Linear, some, TextureFormat::Rgba32Float),
-            // Colours of 16 bits are kept as floats.
+            // 16-bit colours are kept as floats.
             (words, Encoding::Srgb, some | wide, TextureFormat::Rgba32Float),
             (Texels::F32(vec![[0.5; 4]; 4]), Encoding::Linear, none, TextureFormat::Rgba16Float),
         ];

@@ -1,4 +1,4 @@
-//! A scene's textures on a graphics processor.
+//! A scene's textures on a GPU.
 
 use crate::error::Result;
 use crate::gpu::Gpu;
@@ -7,7 +7,7 @@ use taotie::image::Texture;
 use taotie::scene::{Material, Scene, TextureRef};
 use wgpu::{Extent3d, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView};
 
-/// A scene's textures with their mip chains, each uploaded when a material that is drawn names it.
+/// A scene's textures with their mip chains, each uploaded when a drawn material refers to it.
 pub(crate) struct Textures {
     views: Vec<Option<TextureView>>,
 }
@@ -16,7 +16,7 @@ impl Textures {
     /// Uploads the textures of `materials`.
     ///
     /// # Errors
-    /// [`crate::GpuError::TooLarge`] with the texture's place in the scene; where there is no memory for it.
+    /// [`crate::GpuError::TooLarge`] with the texture's index in the scene, or if memory runs out.
     pub(crate) fn new<'m>(
         gpu: &Gpu,
         scene: &Scene,
@@ -34,7 +34,7 @@ impl Textures {
         Ok(Self { views })
     }
 
-    /// The texture of this number, if it is there.
+    /// The texture with this index, if it exists.
     pub(crate) fn view(&self, texture: usize) -> Option<&TextureView> {
         self.views.get(texture)?.as_ref()
     }
@@ -47,24 +47,24 @@ fn upload(gpu: &Gpu, texture: &Texture, what: &str) -> Result<TextureView> {
     texels.upload(gpu, |level| level_bytes(texture, level as usize, texels.format))
 }
 
-/// The shape of a texture in two dimensions.
+/// The shape of a two-dimensional texture.
 #[derive(Clone, Copy)]
 pub(crate) struct Texels2d<'a> {
     /// Its name in errors.
     pub what: &'a str,
-    /// Texels across and down.
+    /// Width and height in texels.
     pub size: [u32; 2],
     /// The number of mip levels.
     pub levels: u32,
-    /// The format, of those that [`texel_bytes`] knows.
+    /// The format, one of those known to [`texel_bytes`].
     pub format: TextureFormat,
 }
 
 impl Texels2d<'_> {
-    /// Makes a texture of the bytes of each level.
+    /// Creates a texture from the bytes of each level.
     ///
     /// # Errors
-    /// As [`Textures::new`].
+    /// As for [`Textures::new`].
     pub(crate) fn upload(&self, gpu: &Gpu, bytes: impl Fn(u32) -> Vec<u8>) -> Result<TextureView> {
         let texture = self.create(gpu, TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST)?;
         gpu.checked(self.what, || {
@@ -82,10 +82,10 @@ impl Texels2d<'_> {
         Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
     }
 
-    /// Makes a texture without content.
+    /// Creates a texture without content.
     ///
     /// # Errors
-    /// As [`Textures::new`].
+    /// As for [`Textures::new`].
     pub(crate) fn create(&self, gpu: &Gpu, usage: TextureUsages) -> Result<wgpu::Texture> {
         let ([width, height], most) = (self.size, gpu.limits.max_texture_dimension_2d);
         if width.max(height) > most {
@@ -105,7 +105,7 @@ impl Texels2d<'_> {
     }
 }
 
-/// A size in two dimensions as wgpu takes it.
+/// A two-dimensional size for wgpu.
 pub(crate) fn extent([width, height]: [u32; 2]) -> Extent3d {
     Extent3d { width, height, depth_or_array_layers: 1 }
 }

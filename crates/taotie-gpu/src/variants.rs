@@ -1,4 +1,4 @@
-//! The variants of shaders that surfaces are drawn by.
+//! The shader variants of surfaces.
 
 use taotie::render::{RenderSettings, Surface};
 use taotie::scene::AlphaMode;
@@ -9,18 +9,18 @@ use taotie_shader::{Variant, VariantOptions};
 pub(crate) struct PipelineKey {
     /// The variant of its shader.
     pub variant: Variant,
-    /// `true` where front faces are clockwise.
+    /// `true` if front faces are clockwise.
     pub mirrored: bool,
-    /// `true` where back faces are drawn.
+    /// `true` if back faces are drawn.
     pub double_sided: bool,
-    /// `true` where it is laid over what is behind.
+    /// `true` if it is blended.
     pub blended: bool,
-    /// `true` where its lights cast shadows.
+    /// `true` if its lights cast shadows.
     pub shadows: bool,
 }
 
 impl PipelineKey {
-    /// The facts of a surface under some settings; `environment` tells whether there is one.
+    /// The facts of a surface under some settings; `environment` is true if there is one.
     pub(crate) fn new(surface: &Surface<'_>, settings: &RenderSettings, environment: bool) -> Self {
         let shadows = settings.shadows && !surface.material.unlit;
         let options =
@@ -35,7 +35,7 @@ impl PipelineKey {
     }
 }
 
-/// Says whether a surface is laid over what is behind.
+/// Returns true if a surface is blended.
 pub(crate) fn is_blended(surface: &Surface<'_>) -> bool {
     surface.material.alpha == AlphaMode::Blend
 }

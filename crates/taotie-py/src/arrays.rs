@@ -1,4 +1,4 @@
-//! Arrays of NumPy from and to the library's.
+//! Conversion of arrays between NumPy and the library.
 
 use numpy::{
     Element, PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
@@ -15,17 +15,17 @@ use taotie::io::{self, Limits};
 use taotie::math::{Vec2, Vec3};
 use taotie::mesh::{Mesh, MeshData};
 
-/// Numbers in rows, as they come.
+/// Rows of numbers, as given.
 #[derive(FromPyObject)]
 pub enum Rows<'py> {
-    /// In single precision.
+    /// Single precision.
     Single(PyReadonlyArray2<'py, f32>),
-    /// In double precision, which is rounded.
+    /// Double precision, which is rounded to single.
     Double(PyReadonlyArray2<'py, f64>),
 }
 
 impl Rows<'_> {
-    /// Returns each row as `N` numbers of single precision. The array has to be contiguous, row by row.
+    /// Returns each row as `N` single-precision numbers. The array must be contiguous in row-major order.
     fn rows<const N: usize, T>(&self, make: impl Fn([f32; N]) -> T) -> PyResult<Vec<T>> {
         Ok(match self {
             Self::Single(array) => {
@@ -39,7 +39,7 @@ impl Rows<'_> {
     }
 }
 
-/// The arrays of a mesh, as Python has checked them: contiguous, `(n, 2)`, `(n, 3)` or `(n, 4)`.
+/// The arrays of a mesh, already checked by Python: contiguous, `(n, 2)`, `(n, 3)` or `(n, 4)`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct MeshArrays<'py> {
@@ -51,7 +51,7 @@ pub struct MeshArrays<'py> {
 }
 
 impl MeshArrays<'_> {
-    /// Returns the arrays as the library takes them, uvs with their origin top left; nothing is checked.
+    /// Returns the arrays in the library's form, UVs with their origin top left; nothing is checked.
     pub fn data(&self) -> PyResult<MeshData> {
         let vectors =
             |rows: &Option<Rows<'_>>| rows.as_ref().map_or(Ok(Vec::new()), |r| r.rows(Vec3::from_array));
@@ -67,12 +67,12 @@ impl MeshArrays<'_> {
     }
 }
 
-/// An image: its texels, `(height, width, channels)`, or its file.
+/// An image: its texels, `(height, width, channels)`, or a file.
 #[derive(FromPyObject)]
 pub enum Picture<'py> {
-    /// 8 bits a channel.
+    /// 8 bits per channel.
     Bytes(PyReadonlyArray3<'py, u8>),
-    /// 16 bits a channel.
+    /// 16 bits per channel.
     Words(PyReadonlyArray3<'py, u16>),
     /// Floats.
     Floats(PyReadonlyArray3<'py, f32>),
@@ -80,16 +80,16 @@ pub enum Picture<'py> {
     File(PathBuf),
 }
 
-/// An image as it was taken from Python, for work without it.
+/// An image taken from Python, usable without the interpreter's lock.
 pub enum Taken {
     /// Texels.
     Texels(Bitmap),
-    /// A file to read.
+    /// A file to be read.
     File(PathBuf),
 }
 
 impl Picture<'_> {
-    /// Copies texels, so that Python may change its own meanwhile.
+    /// Copies the texels, so that Python may change its array meanwhile.
     pub fn taken(&self, py: Python<'_>) -> PyResult<Taken> {
         let bitmap = match self {
             Self::Bytes(array) => bitmap(array.shape(), Texels::U8(rgba(array, u8::MAX)?)),
@@ -102,7 +102,7 @@ impl Picture<'_> {
 }
 
 impl Taken {
-    /// Returns the texels, read where they are in a file.
+    /// Returns the texels, reading them from a file if necessary.
     pub fn bitmap(self) -> Result<Bitmap> {
         match self {
             Self::Texels(bitmap) => Ok(bitmap),
@@ -110,7 +110,7 @@ impl Taken {
         }
     }
 
-    /// Returns a name for messages.
+    /// Returns the file's name for messages, or `other`.
     pub fn name(&self, other: &str) -> String {
         match self {
             Self::Texels(_) => other.into(),
@@ -124,7 +124,7 @@ fn bitmap(shape: &[usize], texels: Texels) -> Result<Bitmap> {
     Bitmap::new(side(1), side(0), shape[2] as u8, texels)
 }
 
-/// Returns texels of four channels: grey is red, green and blue, and what lacks alpha is opaque.
+/// Returns texels with four channels: grey becomes red, green and blue; missing alpha becomes opaque.
 fn rgba<T: Element + Copy>(array: &PyReadonlyArray3<'_, T>, opaque: T) -> PyResult<Vec<[T; 4]>> {
     let channels = array.shape()[2];
     let texel = |texel: &[T]| match *texel {
@@ -136,11 +136,11 @@ fn rgba<T: Element + Copy>(array: &PyReadonlyArray3<'_, T>, opaque: T) -> PyResu
     };
     match channels {
         1..=4 => Ok(array.as_slice()?.chunks_exact(channels).map(texel).collect()),
-        _ => Err(PyValueError::new_err(format!("an image of {channels} channels: it may have 1 to 4"))),
+        _ => Err(PyValueError::new_err(format!("an image of {channels} channels: use 1 to 4"))),
     }
 }
 
-/// Returns an array of this shape that owns `values`, row by row.
+/// Returns an array of the given shape that owns `values`, in row-major order.
 pub fn array<'py, T: Element>(
     py: Python<'py>,
     values: Vec<T>,
@@ -149,13 +149,13 @@ pub fn array<'py, T: Element>(
     Ok(PyArray1::from_vec(py, values).reshape(shape.to_vec())?.into_any())
 }
 
-/// Returns the numbers of a field, `(height, width)`.
+/// Returns the values of a field, `(height, width)`.
 pub fn of_field<'py>(py: Python<'py>, field: &Field) -> PyResult<Bound<'py, PyAny>> {
     array(py, field.values().to_vec(), &[field.height() as usize, field.width() as usize])
 }
 
-/// Returns the first channels of an image, `(height, width, channels)`; NaN where the fourth is 0, unless all are asked
-/// for.
+/// Returns the first channels of an image, `(height, width, channels)`; NaN if the fourth channel is 0, unless all
+/// channels are requested.
 pub fn of_image<'py>(py: Python<'py>, image: &Image, channels: usize) -> PyResult<Bound<'py, PyAny>> {
     let shown = |pixel: &[f32; 4]| if channels < 4 && pixel[3] == 0.0 { [f32::NAN; 4] } else { *pixel };
     let values = image.pixels().iter().flat_map(|pixel| shown(pixel).into_iter().take(channels)).collect();
@@ -176,7 +176,7 @@ pub fn of_bitmap<'py>(py: Python<'py>, bitmap: &Bitmap) -> PyResult<Bound<'py, P
     }
 }
 
-/// Returns the channels that a file holds: of grey and alpha the first and the last.
+/// Returns the channels that a file stores: for grey and alpha, the first and the last.
 fn kept<T: Copy>(texels: &[[T; 4]], channels: usize) -> Vec<T> {
     let of = |texel: &[T; 4]| match channels {
         2 => vec![texel[0], texel[3]],
@@ -185,7 +185,7 @@ fn kept<T: Copy>(texels: &[[T; 4]], channels: usize) -> Vec<T> {
     texels.iter().flat_map(of).collect()
 }
 
-/// Returns the arrays of a mesh by their names.
+/// Returns the arrays of a mesh by name.
 pub fn of_mesh<'py>(py: Python<'py>, mesh: &Mesh) -> PyResult<Bound<'py, PyDict>> {
     let arrays = PyDict::new(py);
     let vectors = |values: &[Vec3]| {
@@ -211,14 +211,14 @@ pub fn of_mesh<'py>(py: Python<'py>, mesh: &Mesh) -> PyResult<Bound<'py, PyDict>
     Ok(arrays)
 }
 
-/// A table of numbers: rows that a formula is computed for.
+/// A table of numbers: one row per evaluation of a formula.
 #[derive(FromPyObject)]
 pub enum Table<'py> {
-    /// In single precision.
+    /// Single precision.
     Single(PyReadonlyArray2<'py, f32>),
-    /// In double precision.
+    /// Double precision.
     Double(PyReadonlyArray2<'py, f64>),
 }
 
-/// Heights, row by row.
+/// Heights, in row-major order.
 pub type Heights<'py> = PyReadonlyArray1<'py, f32>;

@@ -11,24 +11,24 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::sync::Arc;
 use taotie::asset::{
-    BakeOptions, Baker, Certificate, Figures, Limits, MeshSource, Met, Packing, Proof, RayDistance, Report,
-    Requirement, Signature, VerifyOptions,
+    BakeOptions, Baker, Certificate, Figures, Limits, MeshSource, Packing, Proof, RayDistance, Report,
+    Requirement, RequirementOutcome, Signature, VerifyOptions,
 };
 use taotie::length::Unit;
 use taotie::names::Named;
 use taotie::{Progress, Result};
 
-/// What a bake is told.
+/// The parameters of a bake.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct BakeRequest {
     /// [`BakeOptions`].
     options: Options,
-    /// A low-poly mesh in memory.
+    /// An in-memory low-poly mesh.
     low: Option<Py<Model>>,
-    /// A cage in memory.
+    /// An in-memory cage.
     cage: Option<Py<Model>>,
-    /// `true` if the goal is nothing that was asked for: it is dropped if no search can meet it.
+    /// `true` if the goal is only a default: it is dropped if no search can meet it.
     may_drop_goal: bool,
     memory_limit: Option<String>,
 }
@@ -75,7 +75,7 @@ pub fn bake(py: Python<'_>, model: &Model, request: BakeRequest, running: Runnin
     })
 }
 
-/// A file to write, and the packing of it.
+/// A file to write, and how to pack it.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct WriteRequest {
@@ -85,12 +85,12 @@ pub struct WriteRequest {
 
 #[pymethods]
 impl Asset {
-    /// What is wrong with scan, mesh and maps, or was left out, and how often.
+    /// Problems of scan, mesh and maps, and omissions, with their counts.
     fn warnings(&self) -> Listed {
         work::listed(self.asset.warnings())
     }
 
-    /// The triangles of each level, texels, samples, and where the mesh came from, as JSON.
+    /// The triangles of each level, texels, samples, and the origin of the mesh, as JSON.
     fn facts(&self) -> String {
         let (asset, counts) = (&self.asset, self.asset.counts());
         let triangles: Vec<usize> = asset.levels().map(|mesh| mesh.triangles().len()).collect();
@@ -110,14 +110,14 @@ impl Asset {
         .to_string()
     }
 
-    /// The arrays of each level of detail, the finest first.
+    /// The arrays of each level of detail, finest first.
     fn levels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         let levels =
             self.asset.levels().map(|mesh| arrays::of_mesh(py, mesh)).collect::<PyResult<Vec<_>>>()?;
         PyList::new(py, levels)
     }
 
-    /// The maps as they are stored, by material and by name.
+    /// The maps as stored, by material and by name.
     fn maps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let sets = PyDict::new(py);
         for (label, textures) in self.asset.texture_sets() {
@@ -131,8 +131,8 @@ impl Asset {
             for (name, bitmap) in named.into_iter().filter_map(|(name, map)| Some((name, map.as_ref()?))) {
                 maps.set_item(name, arrays::of_bitmap(py, bitmap)?)?;
             }
-            for beside in &textures.beside {
-                maps.set_item(beside.map.name(), arrays::of_bitmap(py, &beside.bitmap)?)?;
+            for extra in &textures.standalone {
+                maps.set_item(extra.map.name(), arrays::of_bitmap(py, &extra.bitmap)?)?;
             }
             sets.set_item(label, maps)?;
         }
@@ -150,25 +150,25 @@ impl Asset {
     }
 }
 
-/// An asset in its files.
+/// An asset written to files.
 #[pyclass(frozen, module = "taotie._taotie")]
 pub struct Written {
-    written: taotie::asset::Written,
+    written: taotie::asset::WrittenAsset,
 }
 
 #[pymethods]
 impl Written {
-    /// The files, the model or the first map first.
+    /// The files; the model or the first map comes first.
     fn files(&self) -> Vec<PathBuf> {
         self.written.files().to_vec()
     }
 
-    /// What is not as it was asked for, and how often.
+    /// Deviations from the request, with their counts.
     fn warnings(&self) -> Listed {
         work::listed(self.written.warnings())
     }
 
-    /// Reads the asset back and measures how far it is from the model: figures, maps of errors, warnings.
+    /// Reads the asset back and measures how far it is from the model: figures, error maps, warnings.
     fn verify<'py>(
         &self,
         model: &Bound<'py, Model>,
@@ -180,7 +180,7 @@ impl Written {
         })
     }
 
-    /// Returns the report that the command writes, as JSON, with a proof's figures and requirements where there are any.
+    /// Returns the report that the command writes, as JSON, with a proof's figures and requirements if present.
     fn report(&self, py: Python<'_>, proved: Option<Proved>, required: Vec<String>) -> PyResult<String> {
         let wrong = |error| exception(py, &error);
         let mut report = Report::of(&self.written).map_err(wrong)?;
@@ -199,7 +199,7 @@ impl Written {
     }
 }
 
-/// The figures of a proof and the options that it was made with.
+/// The figures of a proof and its options.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Proved {
@@ -207,7 +207,7 @@ pub struct Proved {
     options: Options,
 }
 
-/// Reads an asset's file and measures how far it is from the model: figures, maps of errors, warnings.
+/// Reads an asset's file and measures how far it is from the model: figures, error maps, warnings.
 #[pyfunction]
 pub fn verify<'py>(
     asset: PathBuf,
@@ -220,7 +220,7 @@ pub fn verify<'py>(
     })
 }
 
-/// Runs a proof against a model, and returns what it found.
+/// Runs a proof against a model, and returns its results.
 fn measured<'py>(
     model: &Bound<'py, Model>,
     request: Options,
@@ -230,11 +230,11 @@ fn measured<'py>(
     let options = request.read::<VerifyOptions>()?;
     let (py, high) = (model.py(), model.get());
     let proof = work::run(py, running, |progress| verify(high, &options, progress))?;
-    told(py, &proof)
+    results(py, &proof)
 }
 
-/// Returns what a proof found.
-fn told<'py>(py: Python<'py>, proof: &Proof) -> PyResult<Bound<'py, PyDict>> {
+/// Returns the results of a proof.
+fn results<'py>(py: Python<'py>, proof: &Proof) -> PyResult<Bound<'py, PyDict>> {
     let found = PyDict::new(py);
     found.set_item("figures", serde_json::to_string(&proof.figures).map_err(no_json)?)?;
     let errors = proof.error_map.as_ref().map(|map| arrays::of_field(py, map)).transpose()?;
@@ -247,18 +247,20 @@ fn told<'py>(py: Python<'py>, proof: &Proof) -> PyResult<Bound<'py, PyDict>> {
     Ok(found)
 }
 
-/// Reads requirements of a scan in a unit as the command does.
+/// Parses requirements on a scan with the given unit, as the command does.
 fn requirements(required: &[String], unit: Option<Unit>) -> Result<Vec<Requirement>> {
     let read = required.iter().map(|text| Requirement::read(text)).collect::<Result<Vec<_>>>()?.concat();
     Requirement::check_unit(&read, unit)?;
     Ok(read)
 }
 
-/// Holds requirements, as the command reads them, against figures; returns each as JSON, with its text.
+/// Checks figures against requirements, written as for the command; returns each requirement as JSON, with its text.
 #[pyfunction]
 pub fn require(py: Python<'_>, figures: Options, required: Vec<String>) -> PyResult<Vec<(String, String)>> {
     let figures = figures.read::<Figures>()?;
     let met = figures.require(&requirements(&required, figures.unit).map_err(|error| exception(py, &error))?);
-    let pair = |met: &Met| Ok((serde_json::to_string(met)?, format!("{} {}", met.name(), met.text())));
+    let pair = |met: &RequirementOutcome| {
+        Ok((serde_json::to_string(met)?, format!("{} {}", met.name(), met.text())))
+    };
     met.iter().map(pair).collect::<serde_json::Result<_>>().map_err(no_json)
 }

@@ -1,4 +1,4 @@
-//! One model by several surface methods, measured against another.
+//! One model rendered by several surface methods, measured against another.
 
 use crate::arrays;
 use crate::error::no_json;
@@ -16,7 +16,7 @@ use taotie::comparison::{
 use taotie::names::Named;
 use taotie::studio::{CameraOptions, EnvironmentOptions, Framing, LightOptions, Viewpoint};
 
-/// The models that are compared.
+/// The models to compare.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Models {
@@ -37,7 +37,7 @@ struct Request {
     environment: EnvironmentOptions,
 }
 
-/// Renders and measures; returns the report as JSON, and arrays of each method.
+/// Renders and measures; returns the report as JSON, and arrays for each method.
 #[pyfunction]
 pub fn compare<'py>(
     py: Python<'py>,
@@ -57,19 +57,19 @@ pub fn compare<'py>(
         let options = request.seen(&subject)?;
         Comparison::of(&subject, &options, progress)
     })?;
-    let told = PyDict::new(py);
-    told.set_item("report", serde_json::to_string(&comparison.report()).map_err(no_json)?)?;
-    told.set_item("warnings", work::listed(&comparison.warnings))?;
+    let result = PyDict::new(py);
+    result.set_item("report", serde_json::to_string(&comparison.report()).map_err(no_json)?)?;
+    result.set_item("warnings", work::listed(&comparison.warnings))?;
     let views = PyDict::new(py);
     for surface in &comparison.surfaces {
         views.set_item(surface.id(), of_surface(py, surface)?)?;
     }
-    told.set_item("views", views)?;
-    Ok(told)
+    result.set_item("views", views)?;
+    Ok(result)
 }
 
 impl Request {
-    /// Returns the options with camera, light and background.
+    /// Returns the options including camera, lights and background.
     fn seen(&self, subject: &Subject<'_>) -> Result<ComparisonOptions> {
         let (scene, mut options) = (subject.model.scene, self.options.clone());
         let size = [options.settings.width, options.settings.height];
@@ -87,13 +87,13 @@ impl Request {
     }
 }
 
-/// Returns the normals of a method, its angles from the truth, and its images.
+/// Returns the normals of a method, their angles to the truth, and its images.
 fn of_surface<'py>(py: Python<'py>, surface: &RenderedSurface) -> PyResult<Bound<'py, PyDict>> {
-    let told = PyDict::new(py);
-    told.set_item("normals", arrays::of_image(py, &surface.normals, 3)?)?;
+    let result = PyDict::new(py);
+    result.set_item("normals", arrays::of_image(py, &surface.normals, 3)?)?;
     if let Some(difference) = &surface.difference {
-        told.set_item("angles", arrays::of_field(py, &difference.angles)?)?;
-        told.set_item("inner_angles", arrays::of_field(py, &difference.inner_angles)?)?;
+        result.set_item("angles", arrays::of_field(py, &difference.angles)?)?;
+        result.set_item("inner_angles", arrays::of_field(py, &difference.inner_angles)?)?;
     }
     let images = PyDict::new(py);
     for (shading, image) in &surface.pictures {
@@ -101,6 +101,6 @@ fn of_surface<'py>(py: Python<'py>, surface: &RenderedSurface) -> PyResult<Bound
         let shape = [image.height() as usize, image.width() as usize, 3];
         images.set_item(shading.name(), arrays::array(py, codes, &shape)?)?;
     }
-    told.set_item("images", images)?;
-    Ok(told)
+    result.set_item("images", images)?;
+    Ok(result)
 }

@@ -1,4 +1,4 @@
-//! Images and maps: their differences, and normal maps from heights and from one another.
+//! Images and maps: their differences, and normal maps from heights or from other normal maps.
 
 use crate::arrays::{self, Heights, Picture};
 use crate::error::{exception, no_json};
@@ -28,7 +28,8 @@ pub struct Pair<'py> {
     b: Picture<'py>,
 }
 
-/// Measures the difference of two images or normal maps: figures as JSON, the map of it, its meaning and warnings.
+/// Measures the difference of two images or normal maps: figures as JSON, the difference map, its title and unit, and
+/// warnings.
 #[pyfunction]
 pub fn diff<'py>(
     py: Python<'py>,
@@ -48,27 +49,27 @@ pub fn diff<'py>(
         }
         Ok((pair.figures(&options, progress)?, pair.difference_map(&options)?, pair.warnings))
     })?;
-    let told = PyDict::new(py);
-    told.set_item("figures", serde_json::to_string(&figures).map_err(no_json)?)?;
-    told.set_item("map", arrays::of_field(py, &map.field)?)?;
-    told.set_item("title", map.title)?;
-    told.set_item("unit", map.unit)?;
-    told.set_item("warnings", work::listed(&warnings))?;
-    Ok(told)
+    let result = PyDict::new(py);
+    result.set_item("figures", serde_json::to_string(&figures).map_err(no_json)?)?;
+    result.set_item("map", arrays::of_field(py, &map.field)?)?;
+    result.set_item("title", map.title)?;
+    result.set_item("unit", map.unit)?;
+    result.set_item("warnings", work::listed(&warnings))?;
+    Ok(result)
 }
 
 /// The options of a conversion.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ConvertRequest {
-    /// What the map holds; guessed by its pixels where `None`.
+    /// The content of the map; `None` guesses it from the pixels.
     content: Option<MapContent>,
-    /// The direction of its green; guessed by its pixels where `None`.
+    /// The direction of its green channel; `None` guesses it from the pixels.
     green: Option<GreenChannel>,
     options: ConversionOptions,
 }
 
-/// Converts a map: texels, the angles that storing cost in degrees, and warnings.
+/// Converts a map: texels, the angular error due to storage in degrees, and warnings.
 #[pyfunction]
 pub fn convert<'py>(
     py: Python<'py>,
@@ -82,21 +83,21 @@ pub fn convert<'py>(
         progress.begin("convert")?;
         let name = map.name("the map");
         let bitmap = map.bitmap()?;
-        let why = "it looks neither like heights nor like normals; say what it holds";
+        let why = "looks like neither heights nor normals; specify its content";
         let content =
             request.content.or_else(|| guessed_content(&bitmap)).ok_or_else(|| Error::invalid(name, why))?;
         let green = request.green.unwrap_or_else(|| guessed_green(content, &bitmap));
         let source = MapSource { bitmap, content, green };
         convert_map(&source, &request.options, None)
     })?;
-    let told = PyDict::new(py);
-    told.set_item("map", arrays::of_bitmap(py, &made.bitmap)?)?;
-    told.set_item("error", arrays::of_field(py, &made.stored)?)?;
-    told.set_item("warnings", work::listed(&made.warnings))?;
-    Ok(told)
+    let result = PyDict::new(py);
+    result.set_item("map", arrays::of_bitmap(py, &made.bitmap)?)?;
+    result.set_item("error", arrays::of_field(py, &made.stored)?)?;
+    result.set_item("warnings", work::listed(&made.warnings))?;
+    Ok(result)
 }
 
-/// Returns the direction of green by the pixels of a tangent-space map; up where it is unclear, and for all else.
+/// Guesses the direction of green from the pixels of a tangent-space map; up if unclear, and for all other content.
 fn guessed_green(content: MapContent, bitmap: &Bitmap) -> GreenChannel {
     match content {
         MapContent::Normals(NormalSpace::Tangent) => match green_direction(bitmap).verdict {
@@ -107,7 +108,7 @@ fn guessed_green(content: MapContent, bitmap: &Bitmap) -> GreenChannel {
     }
 }
 
-/// Heights, and the shape of their map.
+/// Heights and the shape of their map.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct HeightMap<'py> {
@@ -115,7 +116,8 @@ pub struct HeightMap<'py> {
     size: [u32; 2],
 }
 
-/// Returns the tangent-space normals of heights, `(height, width, 3)`, green up; `border` is a wrap's name.
+/// Returns the tangent-space normals of heights, `(height, width, 3)`, with green up; `border` is the name of a wrap
+/// mode.
 #[pyfunction]
 pub fn normals_of_heights<'py>(
     py: Python<'py>,
@@ -144,7 +146,7 @@ pub fn write_png<'py>(py: Python<'py>, codes: PyReadonlyArray3<'py, u8>) -> PyRe
     Ok(PyBytes::new(py, &bytes.map_err(|error| exception(py, &error))?))
 }
 
-/// Returns a colour, text or linear RGB, as linear RGB.
+/// Parses a colour, a text or linear RGB, to linear RGB.
 #[pyfunction]
 pub fn color(py: Python<'_>, color: Options) -> PyResult<[f32; 3]> {
     let rgb = color.read::<Color>()?.rgb();

@@ -1,4 +1,4 @@
-//! Errors of the library as exceptions of Python.
+//! The library's errors as Python exceptions.
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -41,7 +41,7 @@ impl Parts {
     }
 }
 
-/// Returns the exception for an error: `taotie.Error`, or `taotie.Cancelled` where the caller stopped the work.
+/// Returns the exception for an error: `taotie.Error`, or `taotie.Cancelled` if the caller stopped the work.
 pub fn exception(py: Python<'_>, error: &Error) -> PyErr {
     let made = || -> PyResult<PyErr> {
         let Parts { kind, path, place, remedy } = Parts::of(error);
@@ -52,7 +52,7 @@ pub fn exception(py: Python<'_>, error: &Error) -> PyErr {
     made().unwrap_or_else(|failed| failed)
 }
 
-/// Returns the exception for a report that is no JSON.
+/// Returns the exception for a report that is not valid JSON.
 pub fn no_json(error: serde_json::Error) -> PyErr {
     PyValueError::new_err(error.to_string())
 }

@@ -1,8 +1,8 @@
-//! The native module of the Python package `taotie`: arrays, JSON and handles in, the same out.
+//! The native module of the Python package `taotie`: arrays, JSON and handles in and out.
 //!
-//! It knows no names, defaults or types of Python's users: `python/taotie` has them. Options come as the JSON that
-//! `serde` reads of the library's own structs, reports leave as JSON, and all work is done without the interpreter's
-//! lock by [`work::run`].
+//! Names, defaults and types for Python users are defined in `python/taotie`, not here. Options arrive as the JSON
+//! form of the library's own structs (`serde`), reports leave as JSON, and all work runs without the interpreter's
+//! lock, in [`work::run`].
 
 mod arrays;
 mod asset;
@@ -19,7 +19,7 @@ mod work;
 use pyo3::prelude::*;
 use std::ffi::OsString;
 
-/// Runs the command `taotie` with its arguments, the program's name first; returns its exit code.
+/// Runs the command `taotie` with its arguments, starting with the program's name; returns its exit code.
 #[pyfunction]
 fn command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     py.detach(|| taotie_cli::exit_code(arguments))

@@ -1,4 +1,4 @@
-//! Models: what a file holds, or a mesh of arrays.
+//! Models: from a file, or from the arrays of a mesh.
 
 use crate::arrays::{self, MeshArrays};
 use crate::error::{exception, no_json};
@@ -37,18 +37,18 @@ impl Request {
     }
 }
 
-/// A model, and the scan that it is once it was baked from.
+/// A model, and its scan once one has been baked from it.
 #[pyclass(frozen, module = "taotie._taotie")]
 pub struct Model {
     pub loaded: Loaded,
-    /// The file that it was read from; `None` in memory.
+    /// The file that it was read from; `None` if it is in memory.
     pub path: Option<PathBuf>,
     limits: Limits,
     scan_options: ScanOptions,
     scan: Mutex<Option<Scan>>,
 }
 
-/// Reads a model and gives its materials what the options ask for.
+/// Reads a model and applies the requested material options.
 #[pyfunction]
 pub fn load(py: Python<'_>, path: PathBuf, request: Options, running: Running) -> PyResult<Model> {
     let request = request.read::<Request>()?;
@@ -62,7 +62,7 @@ pub fn load(py: Python<'_>, path: PathBuf, request: Options, running: Running) -
     })
 }
 
-/// Makes a model of one mesh, whose material has what the options ask for.
+/// Creates a model from one mesh, and applies the requested material options.
 #[pyfunction]
 pub fn model_of_arrays(py: Python<'_>, arrays: MeshArrays<'_>, request: Options) -> PyResult<Model> {
     let request = request.read::<Request>()?;
@@ -78,7 +78,7 @@ pub fn model_of_arrays(py: Python<'_>, arrays: MeshArrays<'_>, request: Options)
 }
 
 impl Model {
-    /// Returns the scan, which is made once.
+    /// Returns the scan, which is created only once.
     pub fn scan(&self, progress: Progress<'_>) -> taotie::Result<Scan> {
         let mut kept = self.scan.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(scan) = &*kept {
@@ -91,13 +91,14 @@ impl Model {
         Ok(kept.insert(file.with_options(self.scan_options).into_scan(progress)?).clone())
     }
 
-    /// Returns the scan, read as it was for the bake of an asset unless the model has other options.
+    /// Returns the scan, read with the options of the asset's bake unless the model has its own options.
     pub fn scan_of(&self, asset: &Path, progress: Progress<'_>) -> taotie::Result<Scan> {
         let options = self.scan_options.or(ScanOptions::recorded(asset, &self.limits)?);
         if options == self.scan_options { self.scan(progress) } else { self.read_as(options).scan(progress) }
     }
 
-    /// Returns scene and scan in the space of a model that was baked from this one, which is in metres if it records the unit.
+    /// Returns scene and scan in the space of a model that was baked from this one, which is in metres if it records
+    /// the unit.
     pub fn scan_beside(&self, model: &Self, progress: Progress<'_>) -> taotie::Result<(Scene, Scan)> {
         let recorded =
             model.path.as_deref().map(|path| ScanOptions::recorded(path, &model.limits)).transpose()?;
@@ -112,7 +113,7 @@ impl Model {
         }
     }
 
-    /// Returns the same model with these options of reading it as a scan.
+    /// Returns the same model with other options for reading it as a scan.
     fn read_as(&self, scan_options: ScanOptions) -> Self {
         let (loaded, path) = (self.loaded.clone(), self.path.clone());
         Self { loaded, path, limits: self.limits, scan_options, scan: Mutex::default() }
@@ -124,7 +125,8 @@ impl Model {
     }
 }
 
-/// Returns a scene whose meshes all have normals: without them glTF means facets, and other formats smooth surfaces.
+/// Returns a scene whose meshes all have normals: meshes without them are faceted in glTF, and smooth in other
+/// formats.
 fn smooth(scene: &Scene) -> taotie::Result<Scene> {
     let mut data = scene.clone().into_data();
     for mesh in &mut data.meshes {
@@ -135,7 +137,7 @@ fn smooth(scene: &Scene) -> taotie::Result<Scene> {
 
 #[pymethods]
 impl Model {
-    /// What was wrong with the file, or is left out of it, and how often.
+    /// Problems of the file, and omissions, with their counts.
     fn warnings(&self) -> Listed {
         work::listed(&self.loaded.warnings)
     }
@@ -145,12 +147,12 @@ impl Model {
         self.loaded.scene.triangle_count()
     }
 
-    /// The least and the greatest corner, world space; `None` without triangles.
+    /// The minimum and maximum corner in world space; `None` without triangles.
     fn bounds(&self) -> Option<[[f64; 3]; 2]> {
         self.loaded.scene.bounds().map(|bounds| [bounds.min.to_array(), bounds.max.to_array()])
     }
 
-    /// The format read: `glTF`, `GLB`, `OBJ`, `PLY`, `STL`, or `arrays`.
+    /// The source format: `glTF`, `GLB`, `OBJ`, `PLY`, `STL`, or `arrays`.
     fn format(&self) -> &'static str {
         self.loaded.format
     }
@@ -161,7 +163,7 @@ impl Model {
         arrays::of_mesh(py, &mesh)
     }
 
-    /// The same model with materials as the options ask for.
+    /// The same model with the requested materials.
     fn dressed(&self, py: Python<'_>, request: Options) -> PyResult<Self> {
         let material = request.read::<MaterialOptions>()?;
         let (mut loaded, path) = (self.loaded.clone(), self.path.clone());
@@ -181,7 +183,7 @@ impl Model {
         })
     }
 
-    /// The same model with other options of reading it as a scan; those that are not given stay.
+    /// The same model with other options for reading it as a scan; omitted options keep their values.
     fn as_scan(&self, py: Python<'_>, request: Options) -> PyResult<Self> {
         let (given, own) = (request.read::<ScanOptions>()?, self.scan_options);
         let scan_options = given.or(own);
@@ -189,13 +191,13 @@ impl Model {
         Ok(self.read_as(scan_options))
     }
 
-    /// The same model without its file, which may be removed then.
+    /// The same model without a reference to its file, which may then be removed.
     fn without_file(&self) -> Self {
         let (loaded, scan_options) = (self.loaded.clone(), self.scan_options);
         Self { loaded, path: None, limits: self.limits, scan_options, scan: Mutex::default() }
     }
 
-    /// What the model holds and what is wrong with it, as JSON.
+    /// The content of the model and its problems, as JSON.
     fn inspection(&self, py: Python<'_>) -> PyResult<String> {
         let inspection = || {
             let mut inspection = Inspection::of(&self.loaded);
@@ -208,7 +210,7 @@ impl Model {
         serde_json::to_string(&inspection).map_err(no_json)
     }
 
-    /// The model checked against the schema of an auditor in a file, as JSON.
+    /// The result of checking the model against an auditor's schema file, as JSON.
     fn audit(&self, py: Python<'_>, schema: PathBuf, product_info: Option<PathBuf>) -> PyResult<String> {
         let audit = py.detach(|| {
             let schema = AuditSchema::parse(&io::read_bytes(&schema)?, schema.display())?;
@@ -220,7 +222,7 @@ impl Model {
         serde_json::to_string(&audit).map_err(no_json)
     }
 
-    /// The scene as a GLB, and what glTF cannot say of it.
+    /// The scene as a GLB, and warnings about everything that glTF cannot express.
     fn glb<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyBytes>, Listed)> {
         let mut warnings = Warnings::default();
         let Loaded { scene, mesh_names, .. } = &self.loaded;

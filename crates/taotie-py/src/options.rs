@@ -1,4 +1,5 @@
-//! Options from Python: dictionaries as the JSON that `serde` reads of the library's structs, numbers to the bit.
+//! Options from Python: dictionaries converted to the JSON form of the library's structs, preserving numbers to the
+//! bit.
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -6,14 +7,14 @@ use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Number, Value};
 
-/// Options as Python gave them.
+/// Options as given by Python.
 pub struct Options(Value);
 
 impl Options {
-    /// Reads the options of a struct.
+    /// Deserialises the options of a struct.
     ///
     /// # Errors
-    /// `ValueError` that names what the struct does not take.
+    /// `ValueError` that names the unsupported option or value.
     pub fn read<T: DeserializeOwned>(self) -> PyResult<T> {
         serde_json::from_value(self.0).map_err(|error| PyValueError::new_err(format!("options: {error}")))
     }
@@ -49,7 +50,7 @@ fn value(object: &Bound<'_, PyAny>) -> PyResult<Value> {
         let why = || PyValueError::new_err(format!("options: {number} is not a finite number"));
         return Number::from_f64(number).map(Value::Number).ok_or_else(why);
     }
-    let why = |_| PyTypeError::new_err(format!("options: {object} is of no known kind"));
+    let why = |_| PyTypeError::new_err(format!("options: unsupported type: {object}"));
     let items = object.try_iter().map_err(why)?;
     Ok(Value::Array(items.map(|item| value(&item?)).collect::<PyResult<_>>()?))
 }

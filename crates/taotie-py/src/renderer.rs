@@ -19,15 +19,15 @@ use taotie::studio::{
 };
 use taotie::{Progress, Result, Warnings};
 
-/// What all images of a renderer share.
+/// The settings shared by all images of a renderer.
 #[derive(Deserialize, Default)]
 #[serde(default, deny_unknown_fields)]
 pub struct Setup {
     pub surface: SurfaceSettings,
     pub environment: EnvironmentOptions,
-    /// The moment of an animation that is shown, seconds.
+    /// The time in the animation, in seconds.
     time: Option<f64>,
-    /// The animation, by name or number; the first where `None`.
+    /// The animation, by name or number; `None` means the first.
     animation: Option<String>,
 }
 
@@ -35,7 +35,7 @@ pub struct Setup {
 #[derive(Deserialize)]
 #[serde(untagged)]
 pub enum Color {
-    /// As CSS writes it, or one number for grey.
+    /// In CSS syntax, or one number for grey.
     Text(String),
     /// Linear RGB.
     Linear([f64; 3]),
@@ -57,7 +57,7 @@ impl Color {
 struct Film {
     exposure: f64,
     tone: ToneCurve,
-    /// `None` leaves transparency.
+    /// `None` for a transparent background.
     background: Option<Color>,
 }
 
@@ -67,16 +67,16 @@ struct Film {
 pub struct Request {
     pub settings: RenderSettings,
     pub camera: CameraOptions,
-    /// The object is framed from all around, as on a turntable.
+    /// Frames the object for all directions, as on a turntable.
     all_around: bool,
-    /// The turn of the object, radians.
+    /// The rotation of the object, in radians.
     turn: f64,
     lights: Vec<String>,
     ambient: Option<Color>,
     film: Film,
-    /// Paths of light are followed.
+    /// Settings of the path tracer; `None` for the rasteriser.
     reference: Option<ReferenceSettings>,
-    /// Light as it is, and not developed.
+    /// Linear light instead of a developed image.
     linear: bool,
 }
 
@@ -84,7 +84,7 @@ impl Request {
     /// Returns the lights.
     ///
     /// # Errors
-    /// Where one is not as lights are written.
+    /// If a light specification is invalid.
     pub fn lights(&self) -> Result<LightOptions> {
         let lights = self.lights.iter().map(|line| line.parse::<LightSpec>()).collect::<Result<_>>()?;
         let options = LightOptions { lights, ambient: self.ambient.as_ref().map(Color::rgb).transpose()? };
@@ -92,10 +92,10 @@ impl Request {
         Ok(options)
     }
 
-    /// Returns how the image is developed.
+    /// Returns how to develop the image.
     ///
     /// # Errors
-    /// Where the background is no colour.
+    /// If the background is not a valid colour.
     pub fn development(&self) -> Result<Development> {
         let Film { exposure, tone, background } = &self.film;
         Ok(Development {
@@ -107,7 +107,7 @@ impl Request {
     }
 }
 
-/// A model, ready for images.
+/// A model, ready for rendering.
 #[pyclass(frozen, module = "taotie._taotie")]
 pub struct Renderer {
     state: Mutex<State>,
@@ -119,15 +119,15 @@ pub struct Renderer {
 
 struct State {
     renderer: taotie::render::Renderer,
-    /// The last viewpoint, and what it was chosen by: images of a turn share theirs.
+    /// The last viewpoint, and the options it was chosen for: the images of a turn share it.
     viewpoint: Option<((CameraOptions, Framing), Viewpoint)>,
 }
 
-/// An image that was taken.
+/// A rendered image.
 enum Image {
-    /// Codes of 8 bits, sRGB and straight alpha.
+    /// 8-bit sRGB codes with straight alpha.
     Codes(Vec<[u8; 4]>),
-    /// Light.
+    /// Linear light.
     Linear(Frame),
 }
 
@@ -143,12 +143,12 @@ impl Renderer {
         })
     }
 
-    /// What was wrong, and how often.
+    /// Warnings, with their counts.
     fn warnings(&self) -> Listed {
         work::listed(&self.warnings)
     }
 
-    /// Takes an image: codes `(height, width, 4)`, or light and the output variables asked for.
+    /// Renders an image: codes `(height, width, 4)`, or linear light and the requested output variables.
     fn shoot<'py>(
         &self,
         py: Python<'py>,
@@ -175,7 +175,7 @@ impl Renderer {
     }
 }
 
-/// Returns how many numbers an output variable has.
+/// Returns the number of channels of an output variable.
 fn channels(name: &str) -> usize {
     match name {
         "depth" | "triangle" => 1,
@@ -228,7 +228,7 @@ impl Renderer {
         })
     }
 
-    /// Returns the viewpoint asked for; that of the image before where it is the same.
+    /// Returns the requested viewpoint; reuses that of the previous image if its options are the same.
     fn viewpoint(&self, state: &mut State, request: &Request) -> Result<Viewpoint> {
         let size = [request.settings.width, request.settings.height];
         let key = (request.camera.clone(), Framing { size, all_around: request.all_around });

@@ -1,6 +1,6 @@
-//! The formulas of reflectance over tables of numbers, with their derivatives.
+//! The reflectance formulas over tables of numbers, with derivatives.
 //!
-//! Each is the library's own, generic over its number: `f32`, `f64`, or a dual number of either for derivatives.
+//! Each is the library's own, generic over the number type: `f32`, `f64`, or a dual number of either for derivatives.
 
 use crate::arrays::{self, Table};
 use numpy::{Element, PyUntypedArrayMethods};
@@ -21,19 +21,19 @@ use taotie::shade::ndf::{
 use taotie::shade::sheen::{d_charlie, v_neubelt};
 use taotie::shade::{Angles, Shading, coat_fresnel, reflect, specular_occlusion};
 
-/// A formula by its name.
+/// A formula by name.
 enum Formula {
-    /// Of numbers.
+    /// On plain numbers.
     Named(String),
-    /// Of a material under a light; the numbers beside the nine of n, v, l and those of the material.
+    /// On a material under a light, with the names of the columns after the fixed ones.
     Reflect(Shading, Vec<String>),
 }
 
-/// The columns of [`Formula::Reflect`] that are always there: n, v, l, base colour, metallic, roughness, index.
+/// The fixed columns of [`Formula::Reflect`]: n, v, l, base colour, metallic, roughness, index.
 const REFLECT_COLUMNS: usize = 15;
 
 impl Formula {
-    /// Reads `d_ggx` and the like, or `reflect ggx slope f0`.
+    /// Parses `d_ggx` and the like, or `reflect ggx slope f0`.
     fn named(name: &str) -> PyResult<Self> {
         let mut words = name.split(' ');
         if words.next() != Some("reflect") {
@@ -44,7 +44,7 @@ impl Formula {
         Ok(Self::Reflect(shading, words.map(str::to_owned).collect()))
     }
 
-    /// Computes the formula for a row; `None` for a name or a number of columns that it does not know.
+    /// Evaluates the formula for a row; `None` for an unknown name or number of columns.
     fn value<L: Lane>(&self, row: &[L]) -> Option<Value<L>> {
         match self {
             Self::Named(name) => {
@@ -55,7 +55,7 @@ impl Formula {
     }
 }
 
-/// What a formula gives.
+/// The result of a formula: a number or a colour.
 enum Value<L> {
     Number(L),
     Color(Vec3<L>),
@@ -70,7 +70,7 @@ impl<L: Copy> Value<L> {
     }
 }
 
-/// Formulas that give a number.
+/// Evaluates a formula with a scalar result.
 fn number<L: Lane>(name: &str, row: &[L]) -> Option<L> {
     Some(match (name, row) {
         ("alpha_from_roughness", &[r]) => alpha_from_roughness(r),
@@ -98,7 +98,7 @@ fn number<L: Lane>(name: &str, row: &[L]) -> Option<L> {
     })
 }
 
-/// Formulas that give a colour.
+/// Evaluates a formula with a colour result.
 fn color<L: Lane>(name: &str, row: &[L]) -> Option<Vec3<L>> {
     let vec = |at: usize| Some(Vec3::new(*row.get(at)?, *row.get(at + 1)?, *row.get(at + 2)?));
     Some(match (name, row.len()) {
@@ -110,8 +110,8 @@ fn color<L: Lane>(name: &str, row: &[L]) -> Option<Vec3<L>> {
     })
 }
 
-/// Outgoing radiance per unit of irradiance, single scattering. `extra` names further columns, in their order: `f0`,
-/// `f82` of three, `slope`, `shininess` of one.
+/// Returns outgoing radiance per unit of irradiance, single scattering. `extra` names additional columns, in order:
+/// `f0`, `f82` with three columns each, `slope`, `shininess` with one each.
 fn reflected<L: Lane>(shading: Shading, row: &[L], extra: &[String]) -> Option<Vec3<L>> {
     let vec = |at: usize| Some(Vec3::new(*row.get(at)?, *row.get(at + 1)?, *row.get(at + 2)?));
     let (zero, one) = (row.first()?.lit(0.0), row.first()?.lit(1.0));
@@ -152,8 +152,8 @@ fn reflected<L: Lane>(shading: Shading, row: &[L], extra: &[String]) -> Option<V
     Some(reflect(shading, &point.sample, &Angles::new(vec(0)?, vec(3)?, vec(6)?)))
 }
 
-/// Computes a formula for each row of a table: its values, `(rows, outputs)`, and their derivatives by the columns
-/// `by`, `(rows, outputs, columns)`.
+/// Evaluates a formula for each row of a table: its values, `(rows, outputs)`, and their derivatives with respect to
+/// the columns `by`, `(rows, outputs, columns)`.
 #[pyfunction]
 pub fn shade<'py>(
     py: Python<'py>,
@@ -167,10 +167,10 @@ pub fn shade<'py>(
         Table::Single(rows) => of_rows(py, (rows.as_slice()?, rows.shape()), &task)?,
         Table::Double(rows) => of_rows(py, (rows.as_slice()?, rows.shape()), &task)?,
     };
-    computed.ok_or_else(|| PyValueError::new_err(format!("there is no formula {name} of so many columns")))
+    computed.ok_or_else(|| PyValueError::new_err(format!("unknown formula {name}, or wrong column count")))
 }
 
-/// A formula, and the columns by which it is differentiated.
+/// A formula, and the columns to differentiate by.
 struct Task {
     formula: Formula,
     by: Vec<usize>,
@@ -202,7 +202,7 @@ fn value<L: Lane>(formula: &Formula, row: &[L]) -> Vec<L> {
     formula.value(row).map_or_else(Vec::new, Value::numbers)
 }
 
-/// Returns the derivatives of each output by each of the columns, output by output.
+/// Returns the derivatives of each output with respect to each of the columns, grouped by output.
 fn derivative<L: Lane>(formula: &Formula, row: &[L], by: &[usize]) -> Vec<L> {
     let along = |column: &usize| {
         let dual = |(i, number): (usize, &L)| match i == *column {

@@ -14,22 +14,22 @@ use taotie::studio::{Framing, Viewpoint};
 use taotie::{Progress, Result, Warnings};
 use taotie_report::viewer::{self, ScanSubject, Subject};
 
-/// What a page is told.
+/// The parameters of a page.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct ViewRequest {
     title: String,
-    /// What images share.
+    /// Settings shared by all images.
     setup: Options,
-    /// The image that is seen first; its size is not read.
+    /// The first image to show; its size is ignored.
     image: Options,
     /// The scan that the model was baked from.
     scan: Option<Py<Model>>,
-    /// `true` if the page shows the scan itself.
+    /// `true` if the page also shows the scan itself.
     publish_scan: bool,
 }
 
-/// A page and the files beside it.
+/// A page and its accompanying files.
 #[pyclass(frozen, module = "taotie._taotie")]
 pub struct Viewer {
     viewer: viewer::Viewer,
@@ -54,17 +54,17 @@ impl Viewer {
         work::run(py, &running, |progress| look.viewer(model, scan, progress.begin("view")?))
     }
 
-    /// What the page lacks or changes, and how often.
+    /// Omissions and changes in the page, with their counts.
     fn warnings(&self) -> Listed {
         work::listed(&self.warnings)
     }
 
-    /// The page as one HTML document, which fetches nothing.
+    /// The page as one self-contained HTML document, which fetches nothing.
     fn html(&self, py: Python<'_>) -> String {
         py.detach(|| self.viewer.html())
     }
 
-    /// The page and the files that it fetches from beside it, by name.
+    /// The page and the files that it fetches from the same folder, by name.
     fn files<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let files = PyDict::new(py);
         for file in py.detach(|| self.viewer.files()) {
@@ -74,7 +74,7 @@ impl Viewer {
     }
 }
 
-/// How a model is seen.
+/// The appearance of a model.
 struct Look<'a> {
     title: &'a str,
     setup: &'a Setup,
@@ -85,7 +85,7 @@ impl Look<'_> {
     fn viewer(&self, model: &Model, scan: Option<(&Model, bool)>, progress: Progress<'_>) -> Result<Viewer> {
         let mut warnings = Warnings::default();
         let environment = self.setup.environment.load_within(&Default::default(), &mut warnings)?;
-        // The surface's attributes are made for the best method; the page shows the one asked for.
+        // Surface attributes are prepared for the best method; the page shows the requested one.
         let best = SurfaceSettings { method: None, ..self.setup.surface };
         let prepared = Prepared::new(model.loaded.scene.clone(), &best)?;
         warnings.absorb(prepared.warnings().clone());
@@ -119,7 +119,7 @@ impl Look<'_> {
         Ok(Viewer { viewer, warnings })
     }
 
-    /// The name of the model's file; the title where it has none.
+    /// Returns the name of the model's file; the title if there is none.
     fn file_name(&self, model: &Model) -> String {
         let name = model.path.as_deref().and_then(Path::file_name);
         name.map_or_else(|| self.title.to_owned(), |name| name.to_string_lossy().into_owned())
@@ -133,13 +133,13 @@ struct ShownScan {
 }
 
 impl ShownScan {
-    /// Reads a model as a scan in the space of the one that was baked from it; returns what it shows, too.
+    /// Reads a model as a scan, in the space of the model that was baked from it; also returns its scene.
     fn of(high: &Model, model: &Model, progress: Progress<'_>) -> Result<(Self, Scene)> {
         let (scene, scan) = high.scan_beside(model, progress)?;
         Ok((Self { scan, published: None }, scene))
     }
 
-    /// Puts the scan itself into the page.
+    /// Adds the scan itself to the page.
     fn publish(&mut self, scene: &Scene, warnings: &mut Warnings) -> Result<()> {
         let scene = viewer::scene_to_show(scene, self.scan.sorted(), warnings)?;
         self.published = Some(Prepared::new(scene, &SurfaceSettings::default())?);

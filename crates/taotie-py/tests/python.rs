@@ -1,5 +1,5 @@
-//! The Python package as cargo built it: the tests of `python/tests` but the slow ones, and its types.
-#![allow(clippy::print_stdout, reason = "tests say what they found")]
+//! The Python package as cargo built it: the tests in `python/tests`, except for slow ones, and its types.
+#![allow(clippy::print_stdout, reason = "tests print their findings")]
 
 #[allow(dead_code)]
 #[path = "../../taotie/tests/common/mod.rs"]
@@ -9,19 +9,19 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
-/// The package in a folder of its own, and the interpreter that finds it there.
+/// The package in a temporary folder, and the interpreter that finds it there.
 struct Package {
     python: PathBuf,
     folder: PathBuf,
 }
 
 impl Package {
-    /// Puts the module that cargo built beside the package's Python files; `None`, with the reason told, where there is no
-    /// interpreter with the packages of the tests. Under `CI=true` that is a failure.
+    /// Puts the module that cargo built next to the package's Python files; prints why and returns `None` if there is
+    /// no interpreter with the packages of the tests. With `CI=true` that is a failure.
     fn find(name: &str) -> Option<Self> {
         let python = interpreter();
         if !python.exists() {
-            common::absent(&format!("there is no {}; `make tools` makes it", python.display()));
+            common::absent(&format!("there is no {}; run `make tools`", python.display()));
             return None;
         }
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
@@ -39,7 +39,7 @@ impl Package {
         Some(Self { python, folder })
     }
 
-    /// Runs a module of Python at the root of the repository, which has to succeed.
+    /// Runs a Python module at the root of the repository, and checks that it succeeds.
     fn run(&self, arguments: &[&str]) {
         let output = Command::new(&self.python)
             .arg("-m")
@@ -49,13 +49,13 @@ impl Package {
             .env("MYPYPATH", &self.folder)
             .output()
             .expect("Python starts");
-        let [told, wrong] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
-        println!("{told}{wrong}");
+        let [out, wrong] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+        println!("{out}{wrong}");
         assert!(output.status.success(), "python -m {}", arguments.join(" "));
     }
 }
 
-/// The interpreter that `make tools` gave the packages of the tests.
+/// Returns the interpreter that `make tools` installed the test packages for.
 fn interpreter() -> PathBuf {
     let programs = if cfg!(windows) { "Scripts" } else { "bin" };
     root().join("target/python-tests").join(programs).join("python")
@@ -65,10 +65,10 @@ fn root() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }
 
-/// The module that cargo built beside this test, and its name as Python finds it.
+/// Returns the module that cargo built next to this test, and its name as Python finds it.
 fn module() -> [String; 2] {
-    let beside = env::current_exe().expect("a path");
-    let folder = beside.parent().expect("a folder");
+    let program = env::current_exe().expect("a path");
+    let folder = program.parent().expect("a folder");
     let file = format!("{}_taotie{}", env::consts::DLL_PREFIX, env::consts::DLL_SUFFIX);
     let name = if cfg!(windows) { "_taotie.pyd" } else { "_taotie.abi3.so" };
     [folder.join(file).display().to_string(), name.into()]

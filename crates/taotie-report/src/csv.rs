@@ -1,6 +1,6 @@
 //! Tables as comma-separated values (RFC 4180), for spreadsheets and scripts.
 
-/// Rows of one width under the names of their columns. Lines end with CR LF.
+/// Rows of equal width under column names. Lines end with CR LF.
 ///
 /// ```
 /// use taotie_report::csv::{Csv, number};
@@ -16,7 +16,7 @@ pub struct Csv<const N: usize> {
 }
 
 impl<const N: usize> Csv<N> {
-    /// Makes a table without rows.
+    /// Creates a table without rows.
     pub fn new(columns: [&str; N]) -> Self {
         let mut csv = Self { text: String::new() };
         csv.row(columns.map(str::to_owned));
@@ -35,12 +35,12 @@ impl<const N: usize> Csv<N> {
     }
 }
 
-/// Returns a number as the shortest text that reads back equal; nothing where there is none.
+/// Returns the shortest text that reads back as the same number; an empty string for `None`.
 pub fn number(value: Option<f64>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }
 
-/// Returns a cell in quotes where it needs them.
+/// Returns a cell, quoted if necessary.
 fn quoted(cell: String) -> String {
     match cell.contains(['"', ',', '\r', '\n']) {
         true => format!("\"{}\"", cell.replace('"', "\"\"")),

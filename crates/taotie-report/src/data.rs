@@ -1,4 +1,4 @@
-//! The data of a page. Serialised, it is what `page/main.js` documents and reads.
+//! The data of a page, serialised in the form that `page/main.js` documents and reads.
 
 use crate::statement::Statement;
 use base64::Engine;
@@ -9,15 +9,15 @@ use serde::{Serialize, Serializer};
 /// A page.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Page {
-    /// Heading, and the name of the window.
+    /// The heading and window title.
     pub title: String,
-    /// Below the heading; may be empty, as every text here.
+    /// Below the heading; may be empty, like every text here.
     pub subtitle: String,
-    /// Verdict and warnings, below the heading: what is to be known before anything else is looked at.
+    /// Verdict and warnings, below the heading: the most important information.
     pub notices: Vec<Notice>,
     /// A compact list below that.
     pub facts: Vec<Fact>,
-    /// The statement that follows, on a sheet of its own if the page is printed.
+    /// The statement that follows, on a separate sheet when the page is printed.
     pub statement: Option<Statement>,
     /// Pictures side by side, ahead of all others.
     pub features: Vec<View>,
@@ -25,11 +25,11 @@ pub struct Page {
     pub views: Vec<View>,
     /// Text, tables and histograms below the pictures, in order.
     pub sections: Vec<Section>,
-    /// At the end: who made the page of what.
+    /// At the end: the origin of the page.
     pub footer: String,
 }
 
-/// A line that the page opens with.
+/// A line at the top of the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Notice {
     /// The line.
@@ -39,13 +39,13 @@ pub struct Notice {
 }
 
 impl Notice {
-    /// Makes a notice.
+    /// Creates a notice.
     pub fn new(text: impl Into<String>, tone: Tone) -> Self {
         Self { text: text.into(), tone }
     }
 }
 
-/// A name and what goes with it.
+/// A named value.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Fact {
     /// The quantity.
@@ -55,20 +55,20 @@ pub struct Fact {
 }
 
 impl Fact {
-    /// Makes a fact.
+    /// Creates a fact.
     pub fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
         Self { name: name.into(), value: value.into() }
     }
 }
 
-/// Pictures of one size that can be laid over one another.
+/// Pictures of equal size that can be overlaid.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct View {
-    /// The tab: "ggx", "normals", "angular error". No two views of a page share it.
+    /// The tab label, unique within a page: "ggx", "normals", "angular error".
     pub name: String,
-    /// A line on what is seen.
+    /// A line describing what is shown.
     pub note: String,
-    /// The pictures. The first and the last lie left and right of the handle until others are chosen.
+    /// The pictures. Initially the first is left of the handle and the last is right of it.
     pub pictures: Vec<Picture>,
     /// The meaning of the colours.
     pub legend: Option<Legend>,
@@ -77,17 +77,17 @@ pub struct View {
 /// A picture.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Picture {
-    /// Its subject, such as a method. The same label in other views means the same thing: it stays chosen from
-    /// view to view. No two pictures of a view share it.
+    /// Its subject, such as a method; unique within a view. The same label in other views means the same thing: it
+    /// stays selected when the view changes.
     pub label: String,
     /// Below the label.
     pub note: String,
-    /// The file, PNG or JPEG.
+    /// The PNG or JPEG file.
     pub file: Vec<u8>,
 }
 
 impl Picture {
-    /// Returns the pixels across and down as the file's header says; zeros where it is neither PNG nor JPEG.
+    /// Returns the width and height in pixels from the file header; zeros if it is neither PNG nor JPEG.
     pub fn size(&self) -> [u32; 2] {
         if self.is_jpeg() {
             return jpeg_size(&self.file).unwrap_or_default();
@@ -118,7 +118,7 @@ fn jpeg_size(file: &[u8]) -> Option<[u32; 2]> {
     None
 }
 
-/// The file as a `data:` URI, and the size, which the page needs before the picture is decoded.
+/// Writes the file as a `data:` URI, and the size, which the page needs before the picture is decoded.
 impl Serialize for Picture {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let [width, height] = self.size();
@@ -134,14 +134,14 @@ impl Serialize for Picture {
     }
 }
 
-/// A scale of colours.
+/// A colour scale.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Legend {
     /// The quantity.
     pub title: String,
     /// Its unit, such as "°".
     pub unit: String,
-    /// The value of the last colour; the first stands for 0.
+    /// The value of the last colour; the first is for 0.
     pub top: f64,
     /// sRGB colours at equal steps from 0 to `top`.
     pub stops: Vec<[u8; 3]>,
@@ -158,7 +158,7 @@ pub enum Section {
         /// Plain text.
         paragraphs: Vec<String>,
     },
-    /// A table; a click on a column sorts it.
+    /// A table; clicking a column sorts it.
     Table {
         /// Heading.
         title: String,
@@ -166,10 +166,10 @@ pub enum Section {
         note: String,
         /// The columns.
         columns: Vec<Column>,
-        /// As many cells as there are columns.
+        /// One cell for each column.
         rows: Vec<Vec<Cell>>,
     },
-    /// Counts of values, a panel for each series on common axes.
+    /// Histograms, one panel for each series on common axes.
     Histogram {
         /// Heading.
         title: String,
@@ -177,11 +177,11 @@ pub enum Section {
         note: String,
         /// Unit of the values.
         unit: String,
-        /// Bin i holds the values in [i · `bin_width`, (i + 1) · `bin_width`).
+        /// Bin i counts the values in [i · `bin_width`, (i + 1) · `bin_width`).
         bin_width: f64,
-        /// True if the last bin holds everything above it too.
+        /// True if the last bin also counts all larger values.
         last_is_open: bool,
-        /// The counts, a panel each.
+        /// The counts, one panel each.
         series: Vec<Series>,
     },
     /// Points on two logarithmic axes.
@@ -190,16 +190,16 @@ pub enum Section {
         title: String,
         /// Above the plot.
         note: String,
-        /// To the right.
+        /// The horizontal axis.
         x: Axis,
-        /// Upwards.
+        /// The vertical axis.
         y: Axis,
         /// The points by kind.
         series: Vec<PointSeries>,
-        /// Corners of a line of steps, by rising x.
+        /// Corners of a step line, by ascending x.
         frontier: Vec<[f64; 2]>,
     },
-    /// Lines that are worth a look.
+    /// Notable lines.
     Notices {
         /// Heading.
         title: String,
@@ -217,17 +217,17 @@ pub struct Column {
     pub name: String,
     /// Unit of the numbers below.
     pub unit: String,
-    /// Numbers stand at the right.
+    /// True for numbers, which are right-aligned.
     pub numeric: bool,
 }
 
 impl Column {
-    /// Makes a column of words.
+    /// Creates a column of words.
     pub fn words(name: impl Into<String>) -> Self {
         Self { name: name.into(), unit: String::new(), numeric: false }
     }
 
-    /// Makes a column of numbers in this unit, which may be empty.
+    /// Creates a column of numbers in this unit, which may be empty.
     pub fn numbers(name: impl Into<String>, unit: impl Into<String>) -> Self {
         Self { name: name.into(), unit: unit.into(), numeric: true }
     }
@@ -239,11 +239,11 @@ impl Column {
 pub enum Cell {
     /// Words.
     Text(String),
-    /// Text for machines, such as a hash.
+    /// Machine-readable text, such as a hash.
     Code(String),
     /// A number.
     Number {
-        /// `None`, and every value that is not finite, is shown as missing.
+        /// `None` and values that are not finite are shown as missing.
         value: Option<f64>,
         /// Decimals shown.
         digits: usize,
@@ -254,18 +254,18 @@ pub enum Cell {
         text: String,
         /// Its tone.
         tone: Tone,
-        /// Why; numbered and told below the table. May be empty.
+        /// The reason, shown as a numbered note below the table. May be empty.
         why: String,
     },
 }
 
 impl Cell {
-    /// Makes a cell of words.
+    /// Creates a cell of words.
     pub fn text(text: impl Into<String>) -> Self {
         Self::Text(text.into())
     }
 
-    /// Makes a number with so many decimals.
+    /// Creates a number with `digits` decimals.
     pub fn number(value: f64, digits: usize) -> Self {
         Self::Number { value: Some(value), digits }
     }
@@ -275,15 +275,15 @@ impl Cell {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Tone {
-    /// As it should be.
+    /// As expected.
     Good,
-    /// Not as it should be.
+    /// Not as expected.
     Bad,
-    /// Put right, or worth a look.
+    /// Corrected, or worth a look.
     Changed,
 }
 
-/// An axis of a plot; numbers are above 0 and spread logarithmically.
+/// A logarithmic axis of a plot; values are positive.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Axis {
     /// The quantity.
@@ -304,17 +304,17 @@ pub struct PointSeries {
 /// A point of a plot.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct PlotPoint {
-    /// Place on both axes.
+    /// Position on both axes.
     pub at: [f64; 2],
     /// Description, shown when a pointer is over it.
     pub text: String,
-    /// `true` if it is set off from the others.
+    /// `true` if it is highlighted.
     pub is_chosen: bool,
     /// `true` if it is drawn filled, `false` as a ring.
     pub is_filled: bool,
 }
 
-/// Counts of a histogram.
+/// The counts of a histogram.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Series {
     /// The thing counted.
@@ -340,7 +340,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_png_has_no_size() {
+    fn a_file_that_is_not_png_has_no_size() {
         let png = |bytes: &[u8]| Picture { file: bytes.to_vec(), ..Picture::default() }.size();
         assert_eq!(png(b""), [0, 0]);
         assert_eq!(png(&[9; 40]), [0, 0]);

@@ -1,4 +1,4 @@
-//! The page's data, style and script in one document.
+//! Combines a page's data, style and script into one document.
 
 use crate::Page;
 use base64::Engine;
@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 
 const STYLE: &str = include_str!("page.css");
 
-/// The script in parts; the last one begins.
+/// The parts of the script; the last one starts it.
 const SCRIPT: [&str; 15] = [
     "\"use strict\";\n",
     include_str!("page/dom.js"),
@@ -26,16 +26,16 @@ const SCRIPT: [&str; 15] = [
     include_str!("page/main.js"),
 ];
 
-/// What a page says where no script runs.
+/// The message that a page shows if scripts are disabled.
 pub(crate) const WITHOUT_SCRIPT: &str =
-    "<noscript>This page needs JavaScript, which it brings along: nothing is fetched.</noscript>";
+    "<noscript>This page needs JavaScript. The script is part of the page; nothing is fetched.</noscript>";
 
-/// The element that the scripts of reports fill.
+/// The element that a report's scripts fill.
 pub(crate) fn report() -> String {
     format!("<main id=\"report\">{WITHOUT_SCRIPT}</main>")
 }
 
-/// The parts of a document, whatever it shows.
+/// The parts of a document.
 pub(crate) struct Document<'a> {
     pub title: &'a str,
     /// The content security policy.
@@ -43,7 +43,7 @@ pub(crate) struct Document<'a> {
     pub style: &'a str,
     /// The element that the script fills.
     pub main: &'a str,
-    /// The elements that hold data.
+    /// The elements that contain data.
     pub data: &'a str,
     /// The scripts in order.
     pub scripts: &'a [&'a str],
@@ -66,17 +66,17 @@ impl Document<'_> {
     }
 }
 
-/// Writes the page as one HTML document, which fetches nothing else.
+/// Writes the page as one HTML document that fetches nothing else.
 pub fn html(page: &Page) -> String {
     written(page, &[], "")
 }
 
-/// Writes the page with an element of its own as its first view: the element's script, and what it shows.
+/// Writes the page with a custom element as its first view, given the element's script and content.
 pub(crate) fn html_with(page: &Page, script: &str, content: &str) -> String {
     written(page, &[script], content)
 }
 
-/// Writes the page; the `others` among its scripts run before its own.
+/// Writes the page; the scripts in `others` run before its own.
 fn written(page: &Page, others: &[&str], content: &str) -> String {
     let style = plain_line_ends(STYLE);
     let script = plain_line_ends(&SCRIPT.concat());
@@ -93,13 +93,13 @@ fn written(page: &Page, others: &[&str], content: &str) -> String {
     document.html()
 }
 
-/// A browser sees no carriage return, and would not find its hash.
+/// Browsers drop carriage returns before hashing, so the hash must not include any.
 fn plain_line_ends(text: &str) -> String {
     text.replace('\r', "")
 }
 
-/// Only this style sheet, these scripts and pictures within the page; no connection of any kind. Where an element of its
-/// own shows a model, it may compile its decoder of meshes, whose bytes it brings along.
+/// Allows only this style sheet, these scripts and pictures within the page; no connections. A page with a custom
+/// element that shows a model may also compile the mesh decoder included in its script.
 fn policy(style: &str, scripts: &[&str]) -> String {
     let sources: Vec<String> = scripts.iter().map(|script| format!("'sha256-{}'", sha256(script))).collect();
     let (pictures, compiled) = if scripts.len() > 1 { (" blob:", " 'wasm-unsafe-eval'") } else { ("", "") };
@@ -111,18 +111,17 @@ fn policy(style: &str, scripts: &[&str]) -> String {
     )
 }
 
-/// The hash of a style sheet or a script, as a policy names it.
+/// The hash of a style sheet or a script, in the form that a policy uses.
 pub(crate) fn sha256(text: &str) -> String {
     STANDARD.encode(Sha256::digest(text))
 }
 
-/// Text that is no markup.
+/// Escapes text for use in markup.
 pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
-/// The element that holds a page's data: JSON without any `<`, so that nothing in it can end the element or open a
-/// comment.
+/// The element with a page's data: JSON without any `<`, so that nothing in it can end the element or open a comment.
 pub(crate) fn json_element(json: &str) -> String {
     let json = json.replace('<', "\\u003c");
     format!("<script type=\"application/json\" id=\"data\">{json}</script>\n")
@@ -141,7 +140,7 @@ mod tests {
         Page { title: NASTY.into(), facts: vec![fact], views: vec![view], ..Page::default() }
     }
 
-    /// All parts share one scope, in which a second function of a name would replace the first one.
+    /// All parts share one scope, in which a second function of the same name would replace the first.
     #[test]
     fn names_of_functions_are_unique() {
         let mut names: Vec<&str> = SCRIPT

@@ -1,22 +1,22 @@
-//! A picture of numbers as colours, with its scale below.
+//! Numbers as colours, with a scale below.
 
 use crate::sheet::{Line, NOTE, Sheet, TITLE, TextSize};
 use taotie::compare::{ColorMap, Field, heat};
 
 /// The colour of pixels that were not compared.
 const NOTHING: [u8; 3] = [96, 96, 96];
-/// Room for the scale under the picture, pixels.
+/// The height of the area for the scale below the picture, pixels.
 const FOOT: usize = 64;
-/// Room beside the scale.
+/// The margin around the scale.
 const GAP: usize = 12;
 /// The height of the scale's bar.
 const BAR: usize = 14;
 /// The size of its labels.
 const LETTERS: TextSize = TextSize::Small;
-/// The least width, so that the scale can be read.
+/// The minimum width, so that the scale is readable.
 const LEAST: usize = 260;
 
-/// A field with how it is to be shown.
+/// A field and how to display it.
 pub struct HeatMap<'a> {
     /// The numbers.
     pub field: &'a Field,
@@ -26,17 +26,17 @@ pub struct HeatMap<'a> {
     pub unit: &'a str,
     /// The colours.
     pub map: ColorMap,
-    /// The number of the last colour; the first stands for 0.
+    /// The value of the last colour; the first is for 0.
     pub top: f32,
 }
 
 impl<'a> HeatMap<'a> {
-    /// Shows angular errors, degrees, in colours up to `top`.
+    /// Shows angular errors in degrees, with colours up to `top`.
     pub fn of_angles(field: &'a Field, top: f32) -> Self {
         Self { field, title: "angular error", unit: "°", map: ColorMap::Viridis, top }
     }
 
-    /// Shows FLIP in its authors' colours.
+    /// Shows FLIP in the colours its authors use.
     pub fn of_flip(field: &'a Field) -> Self {
         Self { field, title: "FLIP", unit: "", map: ColorMap::Magma, top: 1.0 }
     }
@@ -52,7 +52,7 @@ impl<'a> HeatMap<'a> {
         self.above_scale(&self.plain())
     }
 
-    /// Lays any picture above the scale.
+    /// Places any picture above the scale.
     pub fn above_scale(&self, picture: &Sheet) -> Sheet {
         let mut sheet = Sheet::blank(picture.width.max(LEAST), picture.height + FOOT);
         let left = (sheet.width - picture.width) / 2;
@@ -84,7 +84,7 @@ impl<'a> HeatMap<'a> {
     }
 }
 
-/// A number in as few letters as tell it: three significant digits.
+/// Formats a number with at most three significant digits, without trailing zeros.
 fn number(value: f32) -> String {
     let digits = match value.abs() {
         v if v >= 100.0 => 0,
@@ -102,7 +102,7 @@ mod tests {
     use crate::sheet::GROUND;
 
     #[test]
-    fn the_picture_stands_above_its_scale() {
+    fn the_picture_is_above_its_scale() {
         let field = Field::new(2, 1, vec![0.0, f32::NAN]).unwrap();
         let shown = HeatMap { field: &field, title: "FLIP", unit: "", map: ColorMap::Gray, top: 1.0 };
         let sheet = shown.with_scale();

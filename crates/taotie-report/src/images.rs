@@ -1,4 +1,4 @@
-//! Images of the library as sheets.
+//! Converts images of the library to sheets.
 
 use crate::sheet::{GROUND, Sheet};
 use taotie::compare::DisplayImage;
@@ -6,19 +6,19 @@ use taotie::image::{Bitmap, Image};
 use taotie::math::{Vec3, srgb};
 use taotie::surface::encode_normal;
 
-/// Rounds a value in [0, 1] to a code of 8 bits.
+/// Rounds a value in [0, 1] to an 8-bit code.
 fn code(v: f32) -> u8 {
     (v * 255.0 + 0.5) as u8
 }
 
 impl Sheet {
-    /// Takes the pixels of a developed picture.
+    /// Converts a developed picture.
     pub fn developed(picture: &DisplayImage) -> Self {
         let pixels = picture.pixels().iter().map(|rgb| rgb.map(code)).collect();
         Self { width: picture.width() as usize, height: picture.height() as usize, pixels }
     }
 
-    /// Shows unit normals n in world space as the colours (n + 1) / 2; where alpha is not 1, the ground.
+    /// Shows world-space unit normals n as the colours (n + 1) / 2, and the background if alpha is not 1.
     pub fn of_normals(normals: &Image) -> Self {
         let color = |[x, y, z, covered]: &[f32; 4]| match *covered == 1.0 {
             true => encode_normal(Vec3::new(*x, *y, *z)).to_array().map(code),
@@ -28,7 +28,7 @@ impl Sheet {
         Self { width: normals.width() as usize, height: normals.height() as usize, pixels }
     }
 
-    /// Shows a map as it is stored, every so many texels one, so that no side is longer than `side` pixels.
+    /// Shows a map as stored, subsampled so that no side is longer than `side` pixels.
     pub fn preview(bitmap: &Bitmap, side: usize) -> Self {
         let (across, down) = (bitmap.width() as usize, bitmap.height() as usize);
         let step = across.max(down).div_ceil(side.max(1)).max(1);
@@ -56,7 +56,7 @@ impl Sheet {
         Self { width, height, pixels: (0..width * height).map(pixel).collect() }
     }
 
-    /// The pixels of a square that lie on the sheet, row by row.
+    /// The pixels of a square, clipped to the sheet, row by row.
     fn block(&self, x: usize, y: usize, side: usize) -> impl Iterator<Item = &[u8; 3]> {
         let rows = self.pixels.chunks(self.width.max(1)).skip(y).take(side);
         rows.flat_map(move |row| row.iter().skip(x).take(side))
@@ -69,14 +69,14 @@ mod tests {
     use taotie::image::Texels;
 
     #[test]
-    fn normals_are_colours_and_what_is_not_covered_is_ground() {
+    fn normals_are_colours_and_uncovered_pixels_are_background() {
         let mut normals = Image::new(2, 1, [0.0; 4]).unwrap();
         normals.pixels_mut()[1] = [0.0, 0.0, 1.0, 1.0];
         assert_eq!(Sheet::of_normals(&normals).pixels, [GROUND, [128, 128, 255]]);
     }
 
     #[test]
-    fn previews_take_every_so_many_texels() {
+    fn previews_are_subsampled() {
         let texels = (0..8).map(|i| [i * 10, 0, 0, 255]).collect();
         let bitmap = Bitmap::new(8, 1, 3, Texels::U8(texels)).unwrap();
         let sheet = Sheet::preview(&bitmap, 3);
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn shrinking_averages_light_and_keeps_what_fits() {
+    fn shrinking_averages_light_and_keeps_small_sheets() {
         let sheet = Sheet { width: 4, height: 1, pixels: vec![[0; 3], [255; 3], [9; 3], [9; 3]] };
         assert_eq!(sheet.shrunk(4).pixels, sheet.pixels);
         assert_eq!(sheet.shrunk(2).pixels, [[188; 3], [9; 3]]);

@@ -1,10 +1,10 @@
-//! Reports as one offline HTML file: images to be compared by wipe and zoom, tables and histograms; and the contact
-//! sheets, heat maps and text tables beside it.
+//! Reports as a single offline HTML file, with images to compare by wipe and zoom, tables and histograms; and the
+//! contact sheets, heat maps and text tables that accompany it.
 //!
-//! [`bake_page`] and [`comparison`] make the pages of `taotie::asset` and `taotie::comparison`.
+//! [`bake_page`] and [`comparison`] build the pages for `taotie::asset` and `taotie::comparison`.
 //!
-//! A [`Page`] itself knows nothing of its subject. [`html`] makes one document of it, which opens from disk and fetches
-//! nothing: its content security policy names the style sheet and the script by their SHA-256, so nothing in the data
+//! A [`Page`] is independent of its subject. [`html`] turns it into one document that opens from disk and fetches
+//! nothing: its content security policy lists the style sheet and the script by their SHA-256, so nothing in the data
 //! can run.
 //!
 //! ```

@@ -1,4 +1,4 @@
-//! Sheets and colour maps as parts of a page.
+//! Sheets and colour maps on a page.
 
 use crate::data::{Legend, Picture};
 use crate::sheet::Sheet;
@@ -6,22 +6,22 @@ use taotie::compare::ColorMap;
 use taotie::image::{Bitmap, Texels};
 use taotie::{Result, io};
 
-/// Colours of a legend.
+/// The number of colours in a legend.
 const STOPS: u32 = 32;
 
 impl Picture {
-    /// Encodes a sheet as a picture of a page.
+    /// Encodes a sheet as a picture for a page.
     ///
     /// # Errors
-    /// [`taotie::Error::Invalid`] where the sheet has no pixels.
+    /// [`taotie::Error::Invalid`] if the sheet has no pixels.
     pub fn new(label: impl Into<String>, note: impl Into<String>, sheet: &Sheet) -> Result<Self> {
         Ok(Self { label: label.into(), note: note.into(), file: io::encode_png(&sheet.png())? })
     }
 
-    /// Encodes a sheet as a picture to be looked at, not measured: JPEG takes a fifth of the bytes.
+    /// Encodes a sheet as JPEG, for viewing rather than measuring: about a fifth of the bytes.
     ///
     /// # Errors
-    /// [`taotie::Error::Invalid`] where the sheet has no pixels.
+    /// [`taotie::Error::Invalid`] if the sheet has no pixels.
     pub fn to_look_at(label: impl Into<String>, note: impl Into<String>, sheet: &Sheet) -> Result<Self> {
         const QUALITY: u8 = 90;
         let texels = sheet.pixels.iter().map(|[r, g, b]| [*r, *g, *b, u8::MAX]).collect();
@@ -32,7 +32,7 @@ impl Picture {
 }
 
 impl Legend {
-    /// Makes a scale of colours from 0 to `top`.
+    /// Creates a colour scale from 0 to `top`.
     pub fn new(title: &str, unit: &str, top: f64, map: ColorMap) -> Self {
         let stops = (0..STOPS).map(|i| map.color(f64::from(i) / f64::from(STOPS - 1))).collect();
         Self { title: title.into(), unit: unit.into(), top, stops }

@@ -4,12 +4,12 @@ use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_wid
 use taotie::image::Encoding;
 use taotie::io::{PngColor, PngImage, PngSamples};
 
-/// Room between pictures and at the border, pixels.
+/// The gap between pictures and at the border, pixels.
 const GAP: usize = 16;
-/// Room for a label of two lines under a picture.
+/// The height of the two-line label below a picture.
 const LABEL: usize = 52;
 
-/// Behind everything.
+/// The background colour.
 pub const GROUND: [u8; 3] = [24, 25, 27];
 /// The colour of first lines.
 pub const TITLE: [u8; 3] = [236, 230, 216];
@@ -26,7 +26,7 @@ pub struct Cell {
     pub pixels: Vec<[u8; 3]>,
 }
 
-/// The size of letters, which are all of one width.
+/// The size of the monospaced letters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TextSize {
     /// 16 pixels high.
@@ -43,26 +43,26 @@ impl TextSize {
         }
     }
 
-    /// Returns the width of a letter with the space after it, pixels.
+    /// Returns the advance width of a letter, pixels.
     fn advance(self) -> usize {
         get_raster_width(FontWeight::Regular, self.raster())
     }
 
-    /// Returns how many pixels `text` takes across.
+    /// Returns the width of `text`, pixels.
     pub fn width(self, text: &str) -> usize {
         text.chars().count() * self.advance()
     }
 }
 
-/// A line of text to be written on a sheet.
+/// A line of text to write on a sheet.
 pub struct Line<'a> {
-    /// The letters; those that the font lacks leave a space.
+    /// The letters; letters missing from the font leave a space.
     pub text: &'a str,
     /// Their size.
     pub size: TextSize,
     /// Their sRGB colour.
     pub color: [u8; 3],
-    /// Pixels after which the line is cut off.
+    /// The width at which the line is cut off, pixels.
     pub room: usize,
 }
 
@@ -77,12 +77,12 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// Makes an empty sheet.
+    /// Creates an empty sheet.
     pub fn blank(width: usize, height: usize) -> Self {
         Self { width, height, pixels: vec![GROUND; width * height] }
     }
 
-    /// Lays out pictures of one width and height in rows of `columns`, at least one.
+    /// Arranges pictures of equal size in rows of `columns`, at least one.
     pub fn new(cells: &[Cell], size: [usize; 2], columns: usize) -> Self {
         let columns = columns.max(1);
         let [across, down] = size;
@@ -108,7 +108,7 @@ impl Sheet {
         self.write(&note, [x, y + down + 29]);
     }
 
-    /// Returns the picture as it is written to a file.
+    /// Returns the picture in the form in which it is written to a file.
     pub fn png(&self) -> PngImage<'_> {
         PngImage {
             width: self.width as u32,
@@ -119,14 +119,14 @@ impl Sheet {
         }
     }
 
-    /// Lays a row of pixels from `at` to the right; what lies beyond the sheet is left out.
+    /// Copies a row of pixels to the right of `at`, clipped to the sheet.
     pub fn paste(&mut self, row: &[[u8; 3]], at: [usize; 2]) {
         for (pixel, color) in self.row_from(at).iter_mut().zip(row) {
             *pixel = *color;
         }
     }
 
-    /// Writes a line from its top left corner `at`; what lies beyond the sheet is left out.
+    /// Writes a line with its top left corner at `at`, clipped to the sheet.
     pub fn write(&mut self, line: &Line<'_>, [x, y]: [usize; 2]) {
         let advance = line.size.advance();
         for (i, letter) in line.text.chars().take(line.room / advance).enumerate() {
@@ -141,7 +141,7 @@ impl Sheet {
         }
     }
 
-    /// The pixels of a row from `at` to the right border; none where `at` lies beyond the sheet.
+    /// The pixels of a row from `at` to the right border; empty if `at` is outside the sheet.
     fn row_from(&mut self, [x, y]: [usize; 2]) -> &mut [[u8; 3]] {
         let row = self.pixels.chunks_mut(self.width.max(1)).nth(y).unwrap_or_default();
         row.get_mut(x..).unwrap_or_default()
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_beyond_the_sheet_is_left_out() {
+    fn drawing_is_clipped_to_the_sheet() {
         let mut sheet = Sheet::blank(8, 2);
         sheet.paste(&[[9; 3]; 4], [6, 1]);
         sheet.paste(&[[9; 3]; 4], [0, 2]);

@@ -1,26 +1,26 @@
-//! The statement that a page opens with, printed on a sheet of its own.
+//! The statement that a page opens with, printed on a separate sheet.
 
 use crate::{Cell, Column, Fact, Notice};
 use serde::Serialize;
 
-/// A statement of what was found, of what, and how to find it again. Printed, it fills one page.
+/// A statement of a result: its subject, the findings, and how to reproduce them. Fills one page when printed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Statement {
     /// Its heading.
     pub title: String,
     /// The outcome.
     pub verdict: Notice,
-    /// What it is about, and who made it.
+    /// Its subject and its author.
     pub facts: Vec<Fact>,
     /// Its tables.
     pub tables: Vec<PlainTable>,
-    /// A line on the command below.
+    /// A line about the command below it.
     pub command_note: String,
-    /// The command that repeats it; may be empty.
+    /// The command that reproduces it; may be empty.
     pub command: String,
 }
 
-/// A table that stays in its order.
+/// A table that cannot be re-sorted.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct PlainTable {
     /// Heading.
@@ -29,6 +29,6 @@ pub struct PlainTable {
     pub note: String,
     /// The columns.
     pub columns: Vec<Column>,
-    /// As many cells as there are columns.
+    /// One cell for each column.
     pub rows: Vec<Vec<Cell>>,
 }

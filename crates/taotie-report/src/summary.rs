@@ -1,13 +1,13 @@
-//! Mean, quantiles and maximum of many numbers, in words.
+//! Mean, quantiles and maximum as text.
 
 use taotie::compare::Summary;
 
-/// Returns mean, median, 95th percentile and maximum, the columns of tables.
+/// Returns the mean, median, 95th percentile and maximum, in the order of table columns.
 pub fn figures(summary: &Summary) -> [f64; 4] {
     [summary.mean, summary.median, summary.p95, summary.max]
 }
 
-/// Returns all numbers with so many digits behind the point, each with its unit.
+/// Formats all statistics with `digits` decimals, each with its unit.
 ///
 /// ```
 /// use taotie::compare::Field;

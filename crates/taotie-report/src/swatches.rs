@@ -1,4 +1,4 @@
-//! A sphere of each material preset in the built-in studio.
+//! A sphere in each material preset, lit by the built-in studio.
 
 use crate::sheet::{Cell, Sheet};
 use std::sync::Arc;
@@ -10,10 +10,10 @@ use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Material, Orbit, PRESETS, Scene, preset};
 use taotie::shade::environment::{Environment, studio};
 
-/// Spheres in a row.
+/// Spheres per row.
 const COLUMNS: usize = 4;
 
-/// Draws the sheet of all presets; each sphere's picture is `size` pixels wide.
+/// Draws a sheet of all presets; the picture of each sphere is `size` pixels wide.
 ///
 /// # Errors
 /// Those of [`render`].

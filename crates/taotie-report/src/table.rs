@@ -1,35 +1,35 @@
 //! Aligned columns of text.
 
-/// Rows of cells under titles. Columns of numbers stand to the right.
+/// Rows of cells under titles. Columns of numbers are right-aligned.
 pub struct Table {
     right: Vec<bool>,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// Makes a table with these titles; those that start with `>` head columns that stand to the right.
+    /// Creates a table with these titles; a leading `>` right-aligns the column.
     pub fn new(titles: &[&str]) -> Self {
-        let titles_alone = titles.iter().map(|title| title.trim_start_matches('>').to_owned());
-        Self { rows: vec![titles_alone.collect()], ..Self::untitled(titles) }
+        let plain_titles = titles.iter().map(|title| title.trim_start_matches('>').to_owned());
+        Self { rows: vec![plain_titles.collect()], ..Self::untitled(titles) }
     }
 
-    /// Makes a table without titles; `>` makes a column stand to the right.
+    /// Creates a table without titles; `>` right-aligns a column.
     pub fn untitled(columns: &[&str]) -> Self {
         Self { right: columns.iter().map(|column| column.starts_with('>')).collect(), rows: Vec::new() }
     }
 
-    /// Adds a row, which has as many cells as there are columns.
+    /// Adds a row with one cell for each column.
     pub fn row<const N: usize>(&mut self, cells: [String; N]) {
         self.rows.push(cells.into());
     }
 
-    /// Returns the lines, each after `indent` spaces and without spaces at the end.
+    /// Returns the lines, indented by `indent` spaces and without trailing spaces.
     pub fn lines(&self, indent: usize) -> String {
         let widths: Vec<usize> = (0..self.right.len()).map(|column| self.width(column)).collect();
         self.rows.iter().map(|row| self.line(row, &widths, indent)).collect()
     }
 
-    /// As [`Table::lines`]; nothing at all where there are only titles.
+    /// Like [`Table::lines`], but returns an empty string if there are only titles.
     pub fn filled_lines(&self, indent: usize) -> String {
         if self.rows.len() > 1 { self.lines(indent) } else { String::new() }
     }
@@ -41,7 +41,7 @@ impl Table {
 
     fn line(&self, row: &[String], widths: &[usize], indent: usize) -> String {
         let cell = |column: usize| {
-            // Formats know no widths above 65,535.
+            // Format widths are limited to 65,535.
             let text = &row[column];
             let gap = " ".repeat(widths[column] - text.chars().count());
             if self.right[column] { format!("{gap}{text}") } else { format!("{text}{gap}") }

@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let language = match arguments.next().as_deref() {
         None | Some("wgsl") => Language::Wgsl,
         Some("glsl-es") => Language::GlslEs,
-        Some(other) => return Err(format!("{other}: the languages are wgsl and glsl-es").into()),
+        Some(other) => return Err(format!("unknown language `{other}`; expected wgsl or glsl-es").into()),
     };
     let options = VariantOptions { shading, ..VariantOptions::default() };
     let shader = pixel_shader(&Variant::new(&Material::default(), &options), language);

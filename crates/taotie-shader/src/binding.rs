@@ -1,13 +1,13 @@
-//! The interface of a variant: what its stages read, and where it is bound.
+//! The interface of a variant: what its stages read, and the bindings it uses.
 
 use crate::factors::{fields, transform_names};
 use crate::frame::frame_fields;
 use crate::interface::{BufferSlot, Interface, TextureSlot, ValueKind, VertexInput, laid_out};
 use crate::pixel::{PixelProgram, reads};
-use crate::role::TextureRole;
 use crate::text::fetch::textures;
 use crate::variant::{Alpha, Placement, Variant};
 use std::collections::BTreeSet;
+use taotie::scene::TextureRole;
 
 /// The inputs of a variant's shader.
 pub(crate) fn interface(pixel: &PixelProgram, variant: &Variant) -> Interface {
@@ -23,7 +23,7 @@ pub(crate) fn interface(pixel: &PixelProgram, variant: &Variant) -> Interface {
     }
 }
 
-/// Says whether a stage, or what joins the stages, reads a factor.
+/// Returns true if a stage, or the code that joins the stages, reads a factor.
 fn is_factor_read(name: &str, pixel: &PixelProgram, variant: &Variant) -> bool {
     match name {
         "cutoff" => variant.alpha == Alpha::Mask,
@@ -32,7 +32,7 @@ fn is_factor_read(name: &str, pixel: &PixelProgram, variant: &Variant) -> bool {
     }
 }
 
-/// Says whether this is a field of the transform of a texture that is read.
+/// Returns true if this is a transform field of a texture that is read.
 fn is_transform(name: &str, textures: &[(TextureRole, Placement)]) -> bool {
     let transformed = textures.iter().filter(|(_, placement)| placement.transformed);
     transformed.flat_map(|(role, _)| transform_names(*role)).any(|each| each == name)
@@ -50,10 +50,10 @@ fn vertex(
         meaning,
     };
     let read = |paths: &[&str]| paths.iter().any(|path| pixel.read.contains(path));
-    let mut inputs = vec![input("position", 0, ValueKind::Vec3, "The position, world space, model units.")];
+    let mut inputs = vec![input("position", 0, ValueKind::Vec3, "The position: world space, model units.")];
     if read(&["g.normal", "g.normal_dx", "g.normal_dy"]) {
         let meaning = match variant.method {
-            crate::variant::NormalMethod::BumpPrinted => "The normal: unit, object space.",
+            taotie::surface::SurfaceMethod::BumpPrinted => "The normal: unit, object space.",
             _ => "The normal: unit, world space.",
         };
         inputs.push(input("normal", 1, ValueKind::Vec3, meaning));
@@ -65,11 +65,11 @@ fn vertex(
     let sets: BTreeSet<usize> = textures.iter().filter_map(|(_, placement)| placement.uv_set).collect();
     for set in sets {
         let location = if set < 2 { 3 + set as u32 } else { 4 + set as u32 };
-        let meaning = "Texture coordinates, from the top left.";
+        let meaning = "Texture coordinates; the origin is the top left.";
         inputs.push(input(&format!("uv{set}"), location, ValueKind::Vec2, meaning));
     }
     if read(&["t.color", "t.color_alpha"]) {
-        inputs.push(input("color", 5, ValueKind::Vec4, "The vertex colour, linear RGB, and alpha."));
+        inputs.push(input("color", 5, ValueKind::Vec4, "The vertex colour: linear RGB and alpha."));
     }
     inputs
 }
@@ -83,7 +83,7 @@ fn buffers(pixel: &PixelProgram, variant: &Variant, has_factors: bool) -> Vec<Bu
         storage: false,
         meaning,
     };
-    let mut buffers = vec![slot("frame", "FrameBlock", 0, "The values of the frame.")];
+    let mut buffers = vec![slot("frame", "FrameBlock", 0, "The uniforms of the frame.")];
     if !variant.unlit {
         let meaning = "The lights, `light_count` of them; in GLSL ES at most 16.";
         buffers.push(BufferSlot { storage: true, ..slot("lights", "LightBlock", 1, meaning) });
@@ -138,6 +138,6 @@ fn slots(pixel: &PixelProgram, textures: &[(TextureRole, Placement)]) -> Vec<Tex
 const TABLES: &str = "Directional albedos, 64 texels of four 32-bit floats a row: 48 rows of GGX, 48 of Cook-Torrance, 48 of sheen in red.";
 
 const MAPS: &str =
-    "The environment's levels beside one another, each an unfolded octahedron with a border of one texel.";
+    "The environment's levels side by side, each an unfolded octahedron with a border of one texel.";
 
-const PICTURE: &str = "The equirectangular picture of the environment.";
+const PICTURE: &str = "The equirectangular image of the environment.";

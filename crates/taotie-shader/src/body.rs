@@ -6,7 +6,7 @@ use crate::names::Names;
 use crate::program::{Formula, Program};
 use std::collections::BTreeMap;
 
-/// The longest expression that stands within another.
+/// The longest expression that is inlined into another.
 const LONGEST: usize = 72;
 
 /// The lines between a function's braces.
@@ -41,7 +41,7 @@ fn wishes(formula: &Formula, program: &Program) -> BTreeMap<Id, &'static str> {
     formula.graph.outputs().iter().copied().zip(names).collect()
 }
 
-/// The count of uses of each node; an output is one.
+/// The number of uses of each node; being an output counts as one.
 fn uses(graph: &Graph) -> Vec<usize> {
     let mut uses = vec![0; graph.nodes().len()];
     let operands = graph.nodes().iter().flat_map(Node::operands);
@@ -61,7 +61,7 @@ struct Writer<'g> {
 }
 
 impl Writer<'_> {
-    /// The text of a node; writes a line that names it where it needs a name.
+    /// Returns the text of a node; writes a line that names it if it needs a name.
     fn written(&mut self, id: Id) -> Phrase {
         let phrase = self.expression(id);
         if !self.needs_name(id, &phrase) {
@@ -172,7 +172,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A function that takes vectors only where it takes any.
+    /// A function that takes vectors only if one of its operands is a vector.
     fn bounded(&self, name: &str, operands: &[Id]) -> Phrase {
         let wide = operands.iter().any(|operand| self.graph.kind(*operand) == Kind::Vector);
         let widened = operands.iter().map(|operand| match self.graph.kind(*operand) {
@@ -183,13 +183,13 @@ impl Writer<'_> {
         Phrase::call(name, &widened.iter().collect::<Vec<_>>())
     }
 
-    /// `clamp` for the smaller of a constant and of the larger of another and a value.
+    /// `clamp` for the minimum of a constant and the maximum of another constant and a value.
     fn clamped(&self, [a, high]: [Id; 2]) -> Option<Phrase> {
         let (value, low) = self.lower_bound(a)?;
         self.graph.is_constant(high).then(|| self.bounded("clamp", &[value, low, high]))
     }
 
-    /// The value and the constant of which `id` is the larger, where nothing else uses that.
+    /// The value and the constant of which `id` is the maximum, if that has no other use.
     fn lower_bound(&self, id: Id) -> Option<(Id, Id)> {
         match self.graph.node(id) {
             Node::Binary(Binary::Max, value, low) if self.uses[id.0] == 1 && self.graph.is_constant(*low) => {
@@ -199,7 +199,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Says whether a node is only the inner half of a `clamp`.
+    /// Returns true if a node is only the inner half of a `clamp`.
     fn is_clamped(&self, id: Id) -> bool {
         let outer = |node: &Node| match node {
             Node::Binary(Binary::Min, a, high) => *a == id && self.graph.is_constant(*high),

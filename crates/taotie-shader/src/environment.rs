@@ -1,4 +1,4 @@
-//! Compensation of energy, and the light of an environment.
+//! Energy compensation and environment lighting.
 
 use crate::inputs::{self, numbers};
 use crate::program::{Formula, part};
@@ -6,7 +6,7 @@ use crate::recorder::record;
 use taotie::names::Named;
 use taotie::shade::{self, Shading};
 
-/// The compensation of a lobe for its directional albedos.
+/// The energy compensation of a lobe, given its directional albedos.
 pub(crate) fn compensation() -> Formula {
     let graph = record(|scope| {
         let (dfg, f0) = (inputs::dfg(scope), scope.vector("f0"));
@@ -16,7 +16,7 @@ pub(crate) fn compensation() -> Formula {
     Formula { structure: Some("Compensation"), ..part("compensation", "c", COMPENSATION, graph) }
 }
 
-/// The weights of an environment's light, for a model that follows light to its first facet.
+/// The environment weights of a model that follows light to its first facet.
 pub(crate) fn environment_weights(shading: Shading) -> Formula {
     let graph = record(|scope| {
         let weights = shade::environment_weights(shading, &inputs::material(scope), &inputs::dfg(scope));

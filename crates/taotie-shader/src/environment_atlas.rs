@@ -1,26 +1,26 @@
-//! The levels of an environment side by side in one picture, as shaders read them.
+//! The levels of an environment packed into one image, as shaders read them.
 
 use crate::frame::MOST_LEVELS;
 use taotie::shade::environment::{EnvironmentMaps, HalfPicture};
 
-/// The half float of alpha.
+/// Alpha as a half float.
 const ONE: u16 = 0x3c00;
 
-/// The levels of an environment side by side: `environment_maps` and `environment_levels` of a shader.
+/// The levels of an environment packed into one image: `environment_maps` and `environment_levels` of a shader.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnvironmentAtlas {
-    /// Texels across and down.
+    /// Width and height in texels.
     pub size: [usize; 2],
-    /// Half floats of linear RGB, and 1, row by row from the top.
+    /// Half floats, linear RGB and 1, row by row from the top.
     pub texels: Vec<[u16; 4]>,
-    /// Column and row of each level's first texel, its side without the border, and its factor. The last row ends with
-    /// the factor of the environment's picture.
+    /// Column and row of each level's first texel, its side length without the border, and its factor. The last row
+    /// ends with the factor of the environment's image.
     pub table: [[f32; 4]; MOST_LEVELS],
 }
 
 impl EnvironmentAtlas {
-    /// Lays the levels out in shelves, about as wide as high. Levels beyond the first [`MOST_LEVELS`] − 1 are left out:
-    /// no environment has as many.
+    /// Packs the levels into shelves, roughly square overall. Levels beyond the first [`MOST_LEVELS`] − 1 are
+    /// dropped: no environment has that many.
     pub fn new(maps: &EnvironmentMaps<'_>) -> Self {
         let levels = &maps.levels[..maps.levels.len().min(MOST_LEVELS - 1)];
         let (size, places) = shelves(levels);
@@ -48,7 +48,7 @@ pub fn opaque([r, g, b]: &[u16; 3]) -> [u16; 4] {
     [*r, *g, *b, ONE]
 }
 
-/// The size that holds all levels, at least one texel, and the column and row at which each begins.
+/// The size that holds all levels (at least one texel), and the column and row where each begins.
 fn shelves(levels: &[HalfPicture<'_>]) -> ([usize; 2], Vec<[usize; 2]>) {
     let area: usize = levels.iter().map(|level| level.width * level.height).sum();
     let widest = levels.iter().map(|level| level.width).max().unwrap_or(1);
@@ -89,7 +89,7 @@ mod tests {
             for (i, texel) in level.texels.iter().enumerate() {
                 let at = (y as usize + i / level.width) * atlas.size[0] + x as usize + i % level.width;
                 assert_eq!(atlas.texels[at], opaque(texel));
-                assert!(!std::mem::replace(&mut taken[at], true), "levels lie on one another");
+                assert!(!std::mem::replace(&mut taken[at], true), "levels overlap");
             }
         }
     }

@@ -1,25 +1,25 @@
-//! Plays a graph: its values for given inputs, on any machine.
+//! Evaluates a graph for given inputs, on any lane.
 
 use crate::graph::{Binary, Call, Graph, Id, Kind, Node, Unary};
 use crate::program::Program;
 use taotie::math::{Lane, Mask, Vec3};
 
-/// The reason why a graph has no value.
+/// The error returned when a graph cannot be evaluated.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum EvaluateError {
-    /// Another count of inputs than of parameters, or none at all, which leaves constants without a type.
-    #[error("the graph takes {expected} numbers, and at least one; {found} were given")]
+    /// The number of inputs differs from that of the parameters, or is zero, which leaves constants without a type.
+    #[error("expected {expected} inputs (at least one), found {found}")]
     Inputs {
-        /// The numbers that its parameters hold, three for a vector.
+        /// The number of scalars in its parameters, three per vector.
         expected: usize,
-        /// Those that were given.
+        /// The number of scalars passed.
         found: usize,
     },
-    /// An operation on values that it does not take.
-    #[error("node {0} has operands that it does not take")]
+    /// An operation on operands that it does not accept.
+    #[error("invalid operands of node {0}")]
     Kind(usize),
-    /// A call of a function that the program does not have.
-    #[error("the program has no function {0}")]
+    /// A call of a function that is missing from the program.
+    #[error("function {0} is missing from the program")]
     Function(usize),
 }
 
@@ -31,18 +31,18 @@ enum Value<L: Lane> {
     Number(L),
     Vector([L; 3]),
     Truth(L::Mask),
-    /// A structure that a function returned, by its place in [`Player::structures`].
+    /// A structure that a function returned, by its index in [`Player::structures`].
     Structure(usize),
 }
 
-/// The outputs of `graph`, number by number, for the numbers of its parameters; the functions that it calls are those of
-/// `program`.
+/// Evaluates `graph` and returns its outputs, scalar by scalar, for the scalars of its parameters; the functions that
+/// it calls are those of `program`.
 ///
-/// The operations are those of `L`, in the graph's order: in `f64` the result has the bits of the formula that was
-/// recorded.
+/// The operations are those of `L`, in the order of the graph: in `f64` the result matches the recorded formula bit
+/// for bit.
 ///
 /// # Errors
-/// Where the inputs are not as many as the parameters' numbers, or the graph is not of this program.
+/// If the number of inputs differs from the parameters' scalars, or the graph does not belong to this program.
 pub fn evaluate<L: Lane>(graph: &Graph, program: &Program, inputs: &[L]) -> Result<Vec<L>> {
     let (given, like) = parameters(graph, inputs)?;
     let values = Vec::with_capacity(graph.nodes().len());
@@ -62,7 +62,7 @@ pub fn evaluate<L: Lane>(graph: &Graph, program: &Program, inputs: &[L]) -> Resu
     Ok(numbers)
 }
 
-/// The inputs as the values of the parameters, and one of them.
+/// The inputs as the values of the parameters, and one of the scalars.
 fn parameters<L: Lane>(graph: &Graph, inputs: &[L]) -> Result<(Vec<Value<L>>, L)> {
     let expected = graph.parameters().iter().map(|parameter| parameter.kind.numbers()).sum();
     let wrong = EvaluateError::Inputs { expected, found: inputs.len() };
@@ -82,10 +82,10 @@ fn parameters<L: Lane>(graph: &Graph, inputs: &[L]) -> Result<(Vec<Value<L>>, L)
 struct Player<'p, L: Lane> {
     program: &'p Program,
     given: Vec<Value<L>>,
-    /// Any number, of which constants are made.
+    /// Any scalar, from which constants are made.
     like: L,
     values: Vec<Value<L>>,
-    /// The numbers of the structures.
+    /// The scalars of the structures.
     structures: Vec<Vec<L>>,
 }
 
@@ -131,7 +131,7 @@ impl<L: Lane> Player<'_, L> {
         }
     }
 
-    /// A number of a structure.
+    /// A scalar of a structure.
     fn field(&self, of: Id, at: usize) -> Option<Value<L>> {
         match self.value(of) {
             Value::Structure(number) => self.structures.get(number)?.get(at).copied().map(Value::Number),

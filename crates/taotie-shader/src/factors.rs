@@ -1,21 +1,20 @@
 //! The factors of a surface: the fields of its uniform buffer, and their values.
 
 use crate::interface::{Interface, UniformField, Unplaced, ValueKind, buffer_size};
-use crate::role::TextureRole;
 use taotie::math::{Vec3, scalar};
 use taotie::pixel::MaterialUniforms;
-use taotie::scene::{AlphaMode, GreenChannel, Material, NormalMap};
+use taotie::scene::{AlphaMode, Material, NormalMap, TextureRole};
 
-/// A surface as its host knows it, for the values of its uniform buffer.
+/// A surface as its host knows it: the source of its uniform values.
 #[derive(Debug, Clone, Copy)]
 pub struct SurfaceFactors<'m> {
     /// The material.
     pub material: &'m Material,
-    /// The columns of the matrix that takes object-space normals to world space.
+    /// The columns of the matrix that transforms object-space normals to world space.
     pub normal_matrix: [Vec3; 3],
-    /// For `Bump` the height of 1 in model units, for `BumpPrinted` the paper's factor; else not read.
+    /// For `Bump` the height of 1 in model units, for `BumpPrinted` the paper's factor; otherwise unused.
     pub bump: f32,
-    /// The number of levels of the height map, at least 1; without one not read.
+    /// The number of levels of the height map, at least 1; unused without one.
     pub height_levels: usize,
 }
 
@@ -43,14 +42,14 @@ const fn vector(
     Factor { name, kind: ValueKind::Vec3, meaning, value }
 }
 
-/// All factors, but for how textures lie.
+/// All factors, except for texture transforms.
 const FACTORS: [Factor; 33] = [
     vector("base_color", "Multiplies the tint, linear RGB in [0, 1].", |s| vec3(uniforms(s).base_color)),
-    number("alpha", "Multiplies opacity, [0, 1].", |s| vec![s.material.base_color[3]]),
-    number("cutoff", "The alpha below which a masked surface is missing.", |s| vec![cutoff(s.material)]),
+    number("alpha", "Multiplies the opacity, [0, 1].", |s| vec![s.material.base_color[3]]),
+    number("cutoff", "The alpha below which a masked surface is discarded.", |s| vec![cutoff(s.material)]),
     number("metallic", "[0, 1].", |s| vec![s.material.metallic]),
-    number("roughness", "The roughness as artists set it, [0, 1].", |s| vec![s.material.roughness]),
-    number("occlusion_strength", "How much occlusion counts, [0, 1].", |s| {
+    number("roughness", "Perceptual roughness, [0, 1].", |s| vec![s.material.roughness]),
+    number("occlusion_strength", "The strength of occlusion, [0, 1].", |s| {
         vec![s.material.occlusion_strength]
     }),
     vector("emissive", "Emitted radiance, linear RGB.", |s| s.material.emissive.to_vec()),
@@ -73,49 +72,51 @@ const FACTORS: [Factor; 33] = [
         vec![uniforms(s).shininess.unwrap_or_default()]
     }),
     number("normal_scale", "Multiplies x and y of the normal map.", |s| vec![scale(&s.material.normal)]),
-    number("normal_green", "1 where green points up, −1 where it points down.", |s| {
+    number("normal_green", "1 if green points up, −1 if it points down.", |s| {
         vec![green(&s.material.normal)]
     }),
-    vector("normal_matrix_x", "Where object space's x axis goes with normals, world space.", |s| {
+    vector("normal_matrix_x", "Object space's x axis transformed by the normal matrix, world space.", |s| {
         vec3(s.normal_matrix[0])
     }),
-    vector("normal_matrix_y", "Where object space's y axis goes with normals, world space.", |s| {
+    vector("normal_matrix_y", "Object space's y axis transformed by the normal matrix, world space.", |s| {
         vec3(s.normal_matrix[1])
     }),
-    vector("normal_matrix_z", "Where object space's z axis goes with normals, world space.", |s| {
+    vector("normal_matrix_z", "Object space's z axis transformed by the normal matrix, world space.", |s| {
         vec3(s.normal_matrix[2])
     }),
     number("bump", "The height of 1 in model units; the paper's factor for `bump-printed`.", |s| {
         vec![s.bump]
     }),
-    number("height_last_level", "The number of the height map's coarsest level.", |s| {
+    number("height_last_level", "The index of the height map's coarsest level.", |s| {
         vec![s.height_levels.saturating_sub(1) as f32]
     }),
-    number("clearcoat", "The share of the surface that the clearcoat covers, [0, 1].", |s| {
+    number("clearcoat", "The fraction of the surface covered by the clearcoat, [0, 1].", |s| {
         vec![coat(s, |coat| coat.factor)]
     }),
-    number("clearcoat_roughness", "The clearcoat's roughness as artists set it, [0, 1].", |s| {
+    number("clearcoat_roughness", "The clearcoat's perceptual roughness, [0, 1].", |s| {
         vec![coat(s, |coat| coat.roughness)]
     }),
     number("clearcoat_normal_scale", "Multiplies x and y of the clearcoat's normal map.", |s| {
         vec![coat(s, |coat| scale(&coat.normal))]
     }),
-    number("clearcoat_normal_green", "1 where green points up, −1 where it points down.", |s| {
+    number("clearcoat_normal_green", "1 if green points up, −1 if it points down.", |s| {
         vec![coat(s, |coat| green(&coat.normal))]
     }),
     vector("sheen_color", "The colour of the sheen, linear RGB in [0, 1].", |s| {
         s.material.sheen.map_or([0.0; 3], |sheen| sheen.color).to_vec()
     }),
-    number("sheen_roughness", "The sheen's roughness as artists set it, [0, 1].", |s| {
+    number("sheen_roughness", "The sheen's perceptual roughness, [0, 1].", |s| {
         vec![s.material.sheen.map_or(0.0, |sheen| sheen.roughness)]
     }),
     number("anisotropy", "The strength of the anisotropy, [0, 1].", |s| {
         vec![s.material.anisotropy.map_or(0.0, |anisotropy| anisotropy.strength)]
     }),
-    number("anisotropy_cos", "The cosine of the angle from the tangent to the anisotropy.", |s| {
-        vec![turn(s.material)[0]]
-    }),
-    number("anisotropy_sin", "The sine of the angle from the tangent to the anisotropy.", |s| {
+    number(
+        "anisotropy_cos",
+        "The cosine of the angle from the tangent to the direction of anisotropy.",
+        |s| vec![turn(s.material)[0]],
+    ),
+    number("anisotropy_sin", "The sine of the angle from the tangent to the direction of anisotropy.", |s| {
         vec![turn(s.material)[1]]
     }),
 ];
@@ -144,44 +145,41 @@ fn scale(map: &Option<NormalMap>) -> f32 {
 }
 
 fn green(map: &Option<NormalMap>) -> f32 {
-    match map.map(|map| map.green) {
-        Some(GreenChannel::Down) => -1.0,
-        Some(GreenChannel::Up) | None => 1.0,
-    }
+    map.map_or(1.0, |map| map.green.sign())
 }
 
 fn coat(surface: &SurfaceFactors<'_>, value: impl Fn(&taotie::scene::Clearcoat) -> f32) -> f32 {
     surface.material.clearcoat.as_ref().map_or(0.0, value)
 }
 
-/// Cosine and sine of the angle of anisotropy, in the 32 bits that files hold.
+/// Cosine and sine of the anisotropy angle, at the 32-bit precision of files.
 fn turn(material: &Material) -> [f32; 2] {
     let angle = material.anisotropy.map_or(0.0, |anisotropy| f64::from(anisotropy.rotation as f32));
     [scalar::cos(angle) as f32, scalar::sin(angle) as f32]
 }
 
-/// The meaning of the fields that say how a texture lies.
-const ROWS: &str = "The linear part of the texture's transform, by rows.";
+/// The meanings of the fields of a texture's transform.
+const ROWS: &str = "The linear part of the texture's transform, row by row.";
 const OFFSET: &str = "Added to the transformed uv.";
 
-/// The name of the rows of a texture's transform, and that of its offset.
+/// The names of the fields with the rows and the offset of a texture's transform.
 pub(crate) fn transform_names(role: TextureRole) -> [String; 2] {
     ["rows", "offset"].map(|part| format!("{}_{part}", role.name()))
 }
 
-/// A factor's name, type and meaning.
+/// The name, type and meaning of a factor.
 pub(crate) struct FactorName {
     pub name: &'static str,
     pub kind: ValueKind,
     pub meaning: &'static str,
 }
 
-/// The factors, without how textures lie, in the order of the buffer.
+/// The factors without texture transforms, in the order of the buffer.
 pub(crate) fn named() -> impl Iterator<Item = FactorName> {
     FACTORS.iter().map(|Factor { name, kind, meaning, .. }| FactorName { name, kind: *kind, meaning })
 }
 
-/// The fields of these names, in the order of the buffer.
+/// The fields with these names, in the order of the buffer.
 pub(crate) fn fields(is_read: impl Fn(&str) -> bool) -> Vec<Unplaced> {
     let factors = FACTORS.iter().map(|factor| Unplaced {
         name: factor.name.into(),
@@ -198,7 +196,7 @@ pub(crate) fn fields(is_read: impl Fn(&str) -> bool) -> Vec<Unplaced> {
     factors.chain(transforms).filter(|field| is_read(&field.name)).collect()
 }
 
-/// The value of a field by its name.
+/// The value of a field, by its name.
 fn value(surface: &SurfaceFactors<'_>, name: &str) -> Option<Vec<f32>> {
     if let Some(factor) = FACTORS.iter().find(|factor| factor.name == name) {
         return Some((factor.value)(surface));
@@ -210,7 +208,7 @@ fn value(surface: &SurfaceFactors<'_>, name: &str) -> Option<Vec<f32>> {
 }
 
 impl Interface {
-    /// The bytes of group 1, binding 0, for a surface.
+    /// Returns the bytes of group 1, binding 0, for a surface.
     pub fn material_bytes(&self, surface: &SurfaceFactors<'_>) -> Vec<u8> {
         let mut bytes = vec![0; buffer_size(&self.material)];
         for field in &self.material {

@@ -1,8 +1,8 @@
-//! Expression graphs: operations that each stand once, however often they are used.
+//! Expression graphs: each operation is stored once, however often it is used.
 
 use rustc_hash::FxHashMap;
 
-/// The place of a node in its [`Graph`]; operands stand before what they are used in.
+/// The index of a node in its [`Graph`]; operands precede the nodes that use them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Id(pub(crate) usize);
 
@@ -20,7 +20,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The numbers that a value of this type holds; none are counted of a structure.
+    /// The number of scalars in a value of this type; zero for a structure.
     pub(crate) fn numbers(self) -> usize {
         match self {
             Self::Number | Self::Truth => 1,
@@ -30,12 +30,12 @@ impl Kind {
     }
 }
 
-/// An operation of one operand; of each component of a vector.
+/// An operation of one operand, applied to each component of a vector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Unary {
     /// −x.
     Negate,
-    /// The opposite truth.
+    /// Logical negation.
     Not,
     /// √x.
     Sqrt,
@@ -57,7 +57,7 @@ pub enum Unary {
     Exponent,
 }
 
-/// An operation of two operands; of each component of vectors, a number counting as three equal ones.
+/// An operation of two operands, applied to each component of vectors; a scalar counts as three equal components.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Binary {
     /// a + b.
@@ -68,9 +68,9 @@ pub enum Binary {
     Multiply,
     /// a / b.
     Divide,
-    /// The smaller.
+    /// The minimum.
     Min,
-    /// The larger.
+    /// The maximum.
     Max,
     /// a^b.
     Power,
@@ -80,54 +80,54 @@ pub enum Binary {
     Less,
     /// a ≤ b.
     AtMost,
-    /// Both.
+    /// Logical and.
     And,
-    /// Either.
+    /// Logical or.
     Or,
 }
 
-/// An operation with its operands, or where a value comes from.
+/// An operation with its operands, or a source of a value.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Node {
-    /// The parameter of this number.
+    /// The parameter with this index.
     Parameter(usize),
-    /// A constant, by the bits of its `f64`.
+    /// A constant, as the bits of its `f64`.
     Constant(u64),
     /// An operation of one operand.
     Unary(Unary, Id),
     /// An operation of two operands.
     Binary(Binary, Id, Id),
-    /// Where the first is true the second, else the third.
+    /// The second operand if the first is true, else the third.
     Select([Id; 3]),
     /// A component of a vector: 0, 1 or 2.
     Component(Id, usize),
-    /// A vector of three numbers.
+    /// A vector of three scalars.
     Vector([Id; 3]),
-    /// A vector made of components of another.
+    /// A vector made of components of another vector.
     Swizzle(Id, [usize; 3]),
-    /// The scalar product of two vectors.
+    /// The dot product of two vectors.
     Dot(Id, Id),
-    /// The vector product.
+    /// The cross product of two vectors.
     Cross(Id, Id),
     /// The result of a function of the same program.
     Call(Call),
-    /// A number of a structure that a function returned.
+    /// A scalar of a structure that a function returned.
     Field(Id, Field),
 }
 
-/// A number of a structure.
+/// A scalar of a structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Field {
     /// Its name.
     pub name: &'static str,
-    /// Its place among the structure's numbers.
+    /// Its index among the scalars of the structure.
     pub at: usize,
 }
 
-/// A call of a function: its number in the program, the type of its result, and its arguments, a structure being one.
+/// A call of a function: its index in the program, the type of its result, and its arguments; a structure is one.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Call {
-    /// The number of the function in its program.
+    /// The index of the function in its program.
     pub function: usize,
     /// The type of the result.
     pub result: Kind,
@@ -135,34 +135,34 @@ pub struct Call {
     pub arguments: Vec<Id>,
 }
 
-/// A value that a graph is given.
+/// An input of a graph.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Parameter {
-    /// Its name, or a structure's and a field's with a dot between: `s.roughness`.
+    /// Its name, or the names of a structure and a field separated by a dot: `s.roughness`.
     pub path: &'static str,
     /// Number or vector.
     pub kind: Kind,
 }
 
-/// An expression graph: nodes in the order of their use, no two alike.
+/// An expression graph: unique nodes, operands first.
 #[derive(Debug, Clone, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
     kinds: Vec<Kind>,
     known: FxHashMap<Node, Id>,
-    /// The nodes that others stand for at present.
+    /// The nodes that are currently replaced, with their own ids.
     replaced: Vec<(Node, Id)>,
     parameters: Vec<Parameter>,
     pub(crate) outputs: Vec<Id>,
 }
 
 impl Graph {
-    /// An empty graph of these parameters.
+    /// Creates an empty graph with these parameters.
     pub(crate) fn of(parameters: &[Parameter]) -> Self {
         Self { parameters: parameters.to_vec(), ..Self::default() }
     }
 
-    /// The node, which is added unless it stands there already.
+    /// Returns the node's id; adds the node if it is new.
     pub(crate) fn add(&mut self, node: Node) -> Id {
         if let Some(known) = self.known.get(&node) {
             return *known;
@@ -174,7 +174,7 @@ impl Graph {
         id
     }
 
-    /// Lets `other` stand wherever what `id` is would be added from here on, until [`Self::restore`].
+    /// Makes every later addition of the node of `id` return `other`, until [`Self::restore`].
     pub(crate) fn replace(&mut self, id: Id, other: Id) {
         let node = self.nodes[id.0].clone();
         self.known.insert(node.clone(), other);
@@ -205,7 +205,7 @@ impl Graph {
         &self.nodes[id.0]
     }
 
-    /// Says whether the node of `id` is a constant.
+    /// Returns true if the node of `id` is a constant.
     pub(crate) fn is_constant(&self, id: Id) -> bool {
         matches!(self.node(id), Node::Constant(_))
     }
@@ -220,7 +220,7 @@ impl Graph {
         &self.outputs
     }
 
-    /// The numbers of the functions that it calls.
+    /// The indices of the functions that it calls.
     pub(crate) fn called(&self) -> impl Iterator<Item = usize> {
         self.nodes.iter().filter_map(|node| match node {
             Node::Call(call) => Some(call.function),
@@ -228,7 +228,7 @@ impl Graph {
         })
     }
 
-    /// A copy without what no output needs.
+    /// Returns a copy without the nodes that no output needs.
     pub(crate) fn pruned(&self) -> Self {
         let mut needed = vec![false; self.nodes.len()];
         self.outputs.iter().for_each(|output| needed[output.0] = true);
@@ -245,7 +245,7 @@ impl Graph {
         pruned
     }
 
-    /// A copy without what no output needs, parameters among it.
+    /// Returns a copy without the nodes and parameters that no output needs.
     pub(crate) fn stripped(&self) -> Self {
         let pruned = self.pruned();
         let is_used = |number: &usize| pruned.nodes.contains(&Node::Parameter(*number));
@@ -270,7 +270,7 @@ impl Graph {
         self.kinds[id.0]
     }
 
-    /// The type that a node's operands give it.
+    /// The type that follows from a node's operands.
     fn kind_of(&self, node: &Node) -> Kind {
         match node {
             Node::Parameter(number) => self.parameters[*number].kind,
@@ -292,7 +292,7 @@ impl Node {
         Self::Constant(value.to_bits())
     }
 
-    /// The nodes that this one is made of, in order.
+    /// The operands of this node, in order.
     pub(crate) fn operands(&self) -> Vec<Id> {
         match self {
             Self::Parameter(_) | Self::Constant(_) => Vec::new(),
@@ -303,7 +303,7 @@ impl Node {
         }
     }
 
-    /// The same operation of other operands.
+    /// The same operation with other operands.
     pub(crate) fn with(&self, mut other: impl FnMut(Id) -> Id) -> Self {
         match self {
             Self::Parameter(_) | Self::Constant(_) => self.clone(),

@@ -5,7 +5,7 @@ use taotie::math::Vec3;
 use taotie::shade::dfg::Dfg;
 use taotie::shade::{Angles, Compensation, EnvironmentWeights, MaterialSample};
 
-/// The material sample `s`, without compensation.
+/// The material sample `s`, without energy compensation.
 pub(crate) fn material(scope: Scope<'_>) -> MaterialSample<Recorded<'_>> {
     MaterialSample {
         base_color: scope.vector("s.base_color"),
@@ -34,7 +34,7 @@ pub(crate) fn angles(scope: Scope<'_>) -> Angles<Recorded<'_>> {
     }
 }
 
-/// The compensation `c`.
+/// The energy compensation `c`.
 pub(crate) fn compensation(scope: Scope<'_>) -> Compensation<Recorded<'_>> {
     Compensation { gain: scope.vector("c.gain"), transmitted: scope.number("c.transmitted") }
 }
@@ -49,12 +49,12 @@ pub(crate) fn dfg(scope: Scope<'_>) -> Dfg<Recorded<'_>> {
     }
 }
 
-/// The weights `w` of an environment, which formulas return.
+/// The environment weights `w`, which formulas return.
 pub(crate) fn weights(scope: Scope<'_>) -> EnvironmentWeights<Recorded<'_>> {
     EnvironmentWeights { specular: scope.vector("w.specular"), diffuse: scope.vector("w.diffuse") }
 }
 
-/// The numbers of these vectors, one after the other.
+/// The scalars of these vectors, one after the other.
 pub(crate) fn numbers<'g, const N: usize>(vectors: [Vec3<Recorded<'g>>; N]) -> Vec<Recorded<'g>> {
     vectors.iter().flat_map(|vector| vector.to_array()).collect()
 }

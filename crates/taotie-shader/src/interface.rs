@@ -4,23 +4,23 @@ use serde::Serialize;
 
 /// The inputs of a [`PixelShader`](crate::PixelShader): what its host binds.
 ///
-/// Group 0 belongs to the frame, group 1 to the surface. In GLSL ES, which has no groups, buffers are uniform blocks of
-/// the names of [`BufferSlot::block`], and a texture with its sampler is one `sampler2D` of the texture's name.
+/// Group 0 belongs to the frame, group 1 to the surface. In GLSL ES, which has no groups, buffers are uniform blocks
+/// named [`BufferSlot::block`], and a texture with its sampler is one `sampler2D` with the texture's name.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Interface {
     /// The values of each vertex.
     pub vertex: Vec<VertexInput>,
     /// The fields of group 0, binding 0: the same for every shader.
     pub frame: Vec<UniformField>,
-    /// The fields of group 1, binding 0: those that this shader reads.
+    /// The fields of group 1, binding 0: those read by this shader.
     pub material: Vec<UniformField>,
-    /// The buffers that this shader reads.
+    /// The buffers read by this shader.
     pub buffers: Vec<BufferSlot>,
-    /// The textures that this shader reads.
+    /// The textures read by this shader.
     pub textures: Vec<TextureSlot>,
 }
 
-/// The type of a value that a host hands over; its numbers are `f32`.
+/// The type of a value that a host passes; its numbers are `f32`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ValueKind {
@@ -36,7 +36,7 @@ pub enum ValueKind {
     Mat4,
 }
 
-/// A value of each vertex.
+/// A vertex attribute.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct VertexInput {
     /// Its name.
@@ -56,7 +56,7 @@ pub struct UniformField {
     pub name: String,
     /// Its type.
     pub kind: ValueKind,
-    /// The bytes before it: std140, which is WGSL's layout too.
+    /// The byte offset: std140, which is also the layout of WGSL.
     pub offset: usize,
     /// Its meaning, with range and unit.
     pub meaning: &'static str,
@@ -73,7 +73,7 @@ pub struct BufferSlot {
     pub group: u32,
     /// Its binding.
     pub binding: u32,
-    /// `true` for read-only storage, which in GLSL ES is a uniform block too.
+    /// `true` for read-only storage, which is also a uniform block in GLSL ES.
     pub storage: bool,
     /// Its content.
     pub meaning: &'static str,
@@ -88,16 +88,16 @@ pub struct TextureSlot {
     pub group: u32,
     /// Its binding.
     pub binding: u32,
-    /// The binding of its sampler in the same group; `None` where texels are read as they are.
+    /// The binding of its sampler in the same group; `None` if texels are read without filtering.
     pub sampler: Option<u32>,
-    /// The uv set that it lies by; `None` where it lies by none.
+    /// The uv set of its coordinates; `None` if it has none.
     pub uv_set: Option<usize>,
     /// The meaning of its channels.
     pub meaning: &'static str,
 }
 
 impl ValueKind {
-    /// The numbers of a value.
+    /// The number of scalars in a value.
     pub fn numbers(self) -> usize {
         match self {
             Self::Number => 1,
@@ -108,7 +108,7 @@ impl ValueKind {
         }
     }
 
-    /// The bytes that offsets are multiples of.
+    /// The alignment of offsets, in bytes.
     fn alignment(self) -> usize {
         match self {
             Self::Number => 4,
@@ -118,7 +118,7 @@ impl ValueKind {
     }
 }
 
-/// A field without a place.
+/// A field without an offset.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Unplaced {
     pub name: String,
@@ -126,7 +126,7 @@ pub(crate) struct Unplaced {
     pub meaning: &'static str,
 }
 
-/// Lays fields out one after the other.
+/// Lays out fields one after the other.
 pub(crate) fn laid_out(fields: &[Unplaced]) -> Vec<UniformField> {
     let mut end = 0;
     let place = |field: &Unplaced| {
@@ -137,14 +137,15 @@ pub(crate) fn laid_out(fields: &[Unplaced]) -> Vec<UniformField> {
     fields.iter().map(place).collect()
 }
 
-/// The bytes of a uniform buffer of these fields, a multiple of 16.
+/// The size in bytes of a uniform buffer of these fields, a multiple of 16.
 pub fn buffer_size(fields: &[UniformField]) -> usize {
     let end = fields.last().map_or(0, |field| field.offset + 4 * field.kind.numbers());
     end.next_multiple_of(16)
 }
 
 impl UniformField {
-    /// Writes a value's numbers at the field's place. Those that the field or the buffer has no room for are left out.
+    /// Writes the numbers of a value at the field's offset. Numbers that do not fit in the field or the buffer are
+    /// dropped.
     pub fn write(&self, numbers: &[f32], buffer: &mut [u8]) {
         let room = buffer.get_mut(self.offset..).unwrap_or_default();
         let numbers = &numbers[..numbers.len().min(self.kind.numbers())];

@@ -2,16 +2,16 @@
 
 use crate::graph::Kind;
 
-/// A language that shaders are written in.
+/// A shading language.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Language {
     /// WGSL, of WebGPU.
     Wgsl,
-    /// GLSL ES 3.00, of WebGL 2. Functions by themselves need a host that declares `precision highp float`.
+    /// GLSL ES 3.00, of WebGL 2. Standalone functions need a host that declares `precision highp float`.
     GlslEs,
 }
 
-/// The precedence of the operator that an expression was made by; later ones bind more tightly.
+/// The precedence of an expression's outermost operator; later variants bind more tightly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Tightness {
     Comparison,
@@ -21,7 +21,7 @@ pub(crate) enum Tightness {
     Atom,
 }
 
-/// A piece of text that is an expression.
+/// The text of an expression.
 #[derive(Debug, Clone)]
 pub(crate) struct Phrase {
     pub(crate) text: String,
@@ -39,13 +39,13 @@ impl Phrase {
         Self::atom(format!("{name}({})", texts.join(", ")))
     }
 
-    /// The constant as a literal of single precision.
+    /// The constant as a single-precision literal.
     pub(crate) fn constant(value: f64) -> Self {
         let tightness = if value.is_sign_negative() { Tightness::Sign } else { Tightness::Atom };
         Self { text: format!("{:?}", value as f32), tightness }
     }
 
-    /// The text, in parentheses where it is looser than `least`.
+    /// The text, in parentheses if it binds less tightly than `least`.
     pub(crate) fn within(&self, least: Tightness) -> String {
         if self.tightness < least { format!("({})", self.text) } else { self.text.clone() }
     }
@@ -72,7 +72,7 @@ impl Language {
         }
     }
 
-    /// A value with a name.
+    /// The declaration of a named value.
     pub(crate) fn binding(self, name: &str, kind: Kind, text: &str) -> String {
         match self {
             Self::Wgsl => format!("    let {name} = {text};\n"),
@@ -99,7 +99,7 @@ impl Language {
         if self == Self::Wgsl { "}\n" } else { "};\n" }
     }
 
-    /// `yes` where `condition` holds, else `no`.
+    /// Selects `yes` if `condition` holds, else `no`.
     pub(crate) fn select(self, [condition, yes, no]: [&Phrase; 3]) -> Phrase {
         match self {
             Self::Wgsl => Phrase::call("select", &[no, yes, condition]),
@@ -107,7 +107,7 @@ impl Language {
         }
     }
 
-    /// The function that stands for a power, which shaders leave open at zero and below.
+    /// The function used for powers, which shading languages leave undefined at zero and below.
     pub(crate) fn power(self) -> String {
         let arguments = ["base", "exponent"].map(|name| self.declared(name, self.kind(Kind::Number)));
         let phrase = |text: &str| Phrase { text: text.into(), tightness: Tightness::Comparison };

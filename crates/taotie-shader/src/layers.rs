@@ -1,4 +1,4 @@
-//! The parts of layers, lights and antialiasing.
+//! The formulas of layers, lights and antialiasing.
 
 use crate::inputs;
 use crate::program::{Formula, part};
@@ -131,23 +131,24 @@ D(h) = 1 / (π α_t α_b ((t·h/α_t)² + (b·h/α_b)² + (n·h)²)²),
 V = 1/2 / (n·l |(α_t t·v, α_b b·v, n·v)| + n·v |(α_t t·l, α_b b·l, n·l)|)
 Source: Heitz 2014, eq. 85 and 86, height-correlated by eq. 99.";
 
-const OCCLUSION: &str = "Lobes narrower than the hemisphere are occluded less seen along the normal and more at grazing angles:
-(n·v + o)^(2^(−16 r − 1)) − 1 + o, kept in [0, 1]; r the roughness.
+const OCCLUSION: &str = "Lobes narrower than the hemisphere are occluded less along the normal and more at grazing angles:
+(n·v + o)^(2^(−16 r − 1)) − 1 + o, clamped to [0, 1]; r the roughness.
 All in [0, 1].
 Source: Lagarde and de Rousiers 2014, \"Moving Frostbite to PBR\", listing 26, with the roughness in α's place.";
 
 const DIVERGENCE: &str =
-    "The divergence of the facets of a GGX surface: 1 − ∫ D(m) (n·m)² dm, one less the length of their mean normal.
-α²/k (artanh(√k)/√k − 1) with k = 1 − α²: 0 at α = 0, 1/3 at α = 1, rising.
+    "The divergence of the facets of a GGX surface: 1 − ∫ D(m) (n·m)² dm, one minus the length of their mean normal.
+α²/k (artanh(√k)/√k − 1) with k = 1 − α²: 0 at α = 0, 1/3 at α = 1, increasing.
 `alpha` in [1e-3, 1].";
 
-const ALPHA_SQUARED: &str = "The α² of the GGX surface whose facets diverge this much; 1 for 1/3 and beyond.
-With r² = 3 · divergence, α/r is a fraction of two polynomials, within 6e-5.";
+const ALPHA_SQUARED: &str =
+    "The α² of the GGX surface whose facets have this divergence; 1 for 1/3 and beyond.
+With r² = 3 · divergence, α/r is a ratio of two polynomials, within 6e-5.";
 
 const CURVATURE: &str = "The addition to α² by the curvature of the smooth surface within a pixel
 Source: Tokuyoshi and Kaplanyan 2019, \"Improved Geometric Specular Antialiasing\", eq. 9 and §4 (σ² = 1/4, κ = 0.18)";
 
-const WIDENED: &str = "The roughness of a GGX lobe that shows `roughness` and this variance.
+const WIDENED: &str = "The roughness of a GGX lobe with this `roughness`, widened by this variance.
 Source: Toksvig 2005, \"Mipmapping Normal Maps\", for the length as a measure; Mardia and Jupp 2000";
 
 const INVERSE_SQUARE: &str = "The falloff of a point light.
@@ -159,7 +160,7 @@ w = max(min(1 − (d/range)⁴, 1), 0)
 `distance_squared` d² at least 0, in squared model units; `range` above 0, in model units.
 Source: glTF extension KHR_lights_punctual, \"Range Property\".";
 
-const CONE: &str = "The share of a spot light's intensity that leaves at an angle to its axis.
+const CONE: &str = "The fraction of a spot light's intensity at an angle to its axis.
 a = clamp((cos θ − cos outer) / max(10⁻³, cos inner − cos outer), 0, 1), squared
 `cos_inner` ≥ `cos_outer`, the cosines of the angles from the axis where the light begins to fade and ends.
 Source: glTF extension KHR_lights_punctual, \"Inner and Outer Cone Angles\": the reference code squares.";

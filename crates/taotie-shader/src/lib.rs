@@ -1,15 +1,15 @@
-//! Shaders written from the formulas that Taotie renders with.
+//! Shaders generated from the formulas that Taotie renders with.
 //!
-//! The formulas of `taotie::shade` run on any [`Lane`](taotie::math::Lane). Here they run on a [`Recorded`] number, which
-//! writes down what is done with it: an expression graph ([`record`]). The same operation on the same operands stands in
-//! the graph once. Three channels that are treated alike become one vector, and where a formula's body stands in
-//! another's graph it becomes a call ([`library()`]). [`evaluate()`] plays a graph back on any lane; [`shader()`] writes a
-//! model as WGSL or GLSL ES 3.00, [`functions()`] any formulas.
+//! The formulas of `taotie::shade` run on any [`Lane`](taotie::math::Lane). Here they run on a [`Recorded`] number,
+//! which records every operation in an expression graph ([`record`]). The same operation on the same operands appears
+//! in the graph once. Three channels that are treated alike become one vector, and if a formula's body appears in
+//! another's graph, it becomes a call ([`library()`]). [`evaluate()`] evaluates a graph on any lane; [`shader()`]
+//! writes a model as WGSL or GLSL ES 3.00, [`functions()`] any formulas.
 //!
 //! [`pixel_shader()`] writes the whole pixel of a surface: the stages of `taotie::pixel`, recorded for a [`Variant`]
-//! ([`PixelProgram`]), with what fetches and joins them. Its [`Interface`] says what a host binds; [`FrameFactors`],
-//! [`light_numbers`] and [`SurfaceFactors`] fill the buffers.
-//! With the feature `translate`, `translate` takes WGSL to HLSL, MSL and SPIR-V.
+//! ([`PixelProgram`]), with the code that fetches their inputs and joins them. Its [`Interface`] lists the bindings
+//! for the host; [`FrameFactors`], [`light_numbers`] and [`SurfaceFactors`] fill the buffers. With the feature
+//! `translate`, `translate` converts WGSL to HLSL, MSL and SPIR-V.
 
 mod binding;
 mod body;
@@ -31,7 +31,6 @@ mod pixel;
 mod pixel_shader;
 mod program;
 mod recorder;
-mod role;
 mod shader;
 mod structures;
 mod surface;
@@ -54,8 +53,7 @@ pub use pixel::PixelProgram;
 pub use pixel_shader::{PixelShader, pixel_shader};
 pub use program::{Formula, Program};
 pub use recorder::{Recorded, RecordedTruth, Scope, record};
-pub use role::TextureRole;
 pub use shader::{functions, shader};
 #[cfg(feature = "translate")]
 pub use translation::{Translation, TranslationError, translate};
-pub use variant::{NormalMethod, Variant, VariantOptions};
+pub use variant::{Variant, VariantOptions};

@@ -1,6 +1,6 @@
-//! The formulas of `taotie::shade` as functions of a shader: which there are, their names and their documentation.
+//! The formulas of `taotie::shade` as functions of a shader: the list, their names and their documentation.
 //!
-//! A test holds that each line of documentation stands where the formula does.
+//! A test checks that each line of documentation also appears in the source of the formula.
 
 use crate::environment::{compensation, environment_weights};
 use crate::layers::layers;
@@ -15,11 +15,11 @@ use taotie::shade::masking::{g_v_cavity, g1_schlick_ggx, k_for_lights, v_smith_g
 use taotie::shade::ndf::{alpha_from_roughness, d_beckmann, d_ggx};
 use taotie::shade::sampling::mirrored;
 
-/// The models whose energy can be compensated.
+/// The models that support energy compensation.
 const COMPENSATED: [Shading; 2] = [Shading::CookTorrance, Shading::Ggx];
 
-/// All formulas: the parts of the models, `angles`, `reflect_…` and `environment_weights_…` for each model, both with
-/// `_compensated` for microfacets, and what layers and lights are made of.
+/// Returns all formulas: the parts of the models, `angles`, `reflect_…` and `environment_weights_…` for each model,
+/// both with `_compensated` for microfacet models, and the parts of layers and lights.
 pub fn library() -> Program {
     let shadings = || Shading::NAMES.iter().map(|(_, shading)| *shading);
     let mut program = Program { structures: structures(), ..Program::default() };
@@ -99,12 +99,12 @@ fn ggx(scope: Scope<'_>) -> Vec<Recorded<'_>> {
 }
 
 const NORMALIZE_OR: &str =
-    "The unit vector of this direction, or `fallback` where the length is not above 1e-18.";
+    "The unit vector of this direction, or `fallback` if the length is not above 1e-18.";
 
-const MIRRORED: &str = "`v` mirrored at the unit vector `m`.";
+const MIRRORED: &str = "`v` reflected about the unit vector `m`.";
 
 const FRESNEL: &str = "Schlick with Lazányi's correction for metals.
-F = F_schlick(v·h) − a · v·h (1 − v·h)⁶, kept in [0, 1]
+F = F_schlick(v·h) − a · v·h (1 − v·h)⁶, clamped to [0, 1]
 `f0` linear RGB in [0, 1]; `f90` in [0, 1], 1 for metals;
 Source: Kutz, Hašan and Edmondson 2021 (F82-tint), as in the OpenPBR Surface specification.";
 
@@ -122,7 +122,7 @@ V = 0.5 / (n·l √((n·v)²(1 − α²) + α²) + n·v √((n·l)²(1 − α²)
 `n_dot_l` in [0, 1], `n_dot_v` in (0, 1]; `alpha` in [1e-3, 1].
 Source: Heitz 2014, eq. 99; the form of Lagarde and de Rousiers 2014, listing 2.";
 
-const SCHLICK: &str = "Schlick's rational stand-in for Smith's masking of one direction.
+const SCHLICK: &str = "Schlick's rational approximation of Smith's masking for one direction.
 g(x) = x / (k + (1 − k) x)
 `cosine` x in [0, 1]; `k` in (0, 1].
 Source: Schlick 1994, eq. 19, with the k of Karis 2013.";

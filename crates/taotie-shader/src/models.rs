@@ -28,7 +28,7 @@ pub(crate) fn model(shading: Shading) -> Formula {
     part(&model_name(shading), "radiance", model_doc(shading), graph)
 }
 
-/// A microfacet model whose energy is compensated.
+/// A microfacet model with energy compensation.
 pub(crate) fn compensated(shading: Shading) -> Formula {
     let graph = record(|scope| {
         let (s, a) = (inputs::material(scope), inputs::angles(scope));
@@ -67,7 +67,7 @@ const BLINN_PHONG: &str = "Blinn-Phong with energy normalisation.
 f · n·l = (C_diff/π + (s + 8)/(8π) C_spec (n·h)^s) n·l
 Source: Blinn 1977; normalisation of Akenine-Möller, Haines and Hoffman, Real-Time Rendering, 3rd ed., eq. 7.49.";
 
-const BLINN_PHONG_CLASSIC: &str = "Blinn-Phong without normalisation, as fixed-function graphics had it.
+const BLINN_PHONG_CLASSIC: &str = "Blinn-Phong without normalisation, as in fixed-function graphics.
 L = C_diff n·l + C_spec (n·h)^s
 Source: Blinn 1977; the article's first formula.";
 
@@ -87,7 +87,7 @@ const BLINN_PHONG_PRINTED: &str = "Blinn-Phong as the article's shader computes 
 L = (C_diff/π + (m + 8)/(8π) C_spec (n·h)⁵) n·l
 Source: the article's shader `Custom/BlinnPhong`.";
 
-const GGX_PRINTED: &str = "GGX as the article's shader computes it, also where n·l ≤ 0.
+const GGX_PRINTED: &str = "GGX as the article's shader computes it, also for n·l ≤ 0.
 L = k_d ρ/π + k_s V F D with n·l and n·v clamped at 0,
 D = α²/(π((n·h)²(α² − 1) + 1)²), α = roughness; F = F0 + (1 − F0)(1 − (n·h)⁵);
 V = g(n·l) g(n·v) / (4 (n·l/2 + 1/2) n·v), g(x) = x/(k + (1 − k)x), k = (roughness + 1)²/8;

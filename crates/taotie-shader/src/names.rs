@@ -9,7 +9,7 @@ pub(crate) struct Names<'g> {
     graph: &'g Graph,
     program: &'g Program,
     given: BTreeMap<Id, String>,
-    /// The names of a structure's fields, for the outputs that become these.
+    /// The names of a structure's fields, for the outputs that become these fields.
     wished: BTreeMap<Id, &'static str>,
 }
 
@@ -18,7 +18,7 @@ impl<'g> Names<'g> {
         Self { graph, program, given: BTreeMap::new(), wished }
     }
 
-    /// Gives a value its name, which no other value, argument or function has.
+    /// Gives a value its name, distinct from those of all other values, arguments and functions.
     pub(crate) fn give(&mut self, id: Id) -> String {
         let wish = match self.wished.get(&id) {
             Some(wish) => wish.to_string(),
@@ -42,7 +42,7 @@ impl<'g> Names<'g> {
             || self.program.find(name).is_some()
     }
 
-    /// The name, with `raw_` where it is that of a field, which is made of the value.
+    /// The name, prefixed with `raw_` if it is that of a field computed from the value.
     fn unlike_fields(&self, name: String) -> String {
         let is_field = self.wished.values().any(|wish| *wish == name);
         if is_field { format!("raw_{name}") } else { name }
@@ -60,7 +60,7 @@ impl<'g> Names<'g> {
         }
     }
 
-    /// A name that tells what the value is.
+    /// A name that describes the value.
     fn suggested(&self, id: Id) -> String {
         match self.graph.node(id) {
             Node::Call(call) => self.program.formulas[call.function].symbol.to_owned(),
@@ -97,7 +97,7 @@ impl<'g> Names<'g> {
         word.into()
     }
 
-    /// The name of a value that is kept within bounds.
+    /// The name of a clamped value.
     fn bounded(&self, id: Id) -> String {
         match self.label(id) {
             Some(label) => format!("{label}_kept"),

@@ -1,19 +1,19 @@
-//! Finds a function's body in a graph, and calls the function instead.
+//! Finds a function's body in a graph and replaces it with a call.
 //!
-//! Nodes are never written twice, so where a formula used the function its body stands as it was recorded, with the
-//! arguments in the parameters' places.
+//! Nodes are never stored twice, so if a formula used the function, the recorded body appears in its graph, with the
+//! arguments in place of the parameters.
 
 use crate::graph::{Call, Graph, Id, Kind, Node, Parameter};
 use rustc_hash::FxHashMap;
 
-/// A function to look for: its number in the program and its body, of one output.
+/// A function to look for: its index in the program and its body, which has one output.
 #[derive(Clone, Copy)]
 pub(crate) struct Function<'f> {
     pub(crate) number: usize,
     pub(crate) body: &'f Graph,
 }
 
-/// Returns the graph with a call wherever the function's body stands; `None` if it stands nowhere.
+/// Returns the graph with every occurrence of the function's body replaced by a call; `None` if there is none.
 pub(crate) fn with_calls(graph: &Graph, function: Function<'_>) -> Option<Graph> {
     let is_output = |at| bound(graph, Id(at), function.body).is_some();
     if !(0..graph.nodes().len()).any(is_output) {
@@ -30,7 +30,7 @@ pub(crate) fn with_calls(graph: &Graph, function: Function<'_>) -> Option<Graph>
     Some(called.pruned())
 }
 
-/// The call that gives what `id` is, if it is the function's output.
+/// The call that computes the value of `id`, if `id` is the function's output.
 fn call(graph: &mut Graph, id: Id, function: Function<'_>) -> Option<Id> {
     let bound = bound(graph, id, function.body)?;
     let result = function.body.kind(*function.body.outputs().first()?);
@@ -38,7 +38,7 @@ fn call(graph: &mut Graph, id: Id, function: Function<'_>) -> Option<Id> {
     Some(graph.add(Node::Call(Call { function: function.number, result, arguments })))
 }
 
-/// Returns what stands in the places of a function's nodes if `id` is its output.
+/// Returns the values in place of a function's nodes if `id` is its output.
 fn bound(graph: &Graph, id: Id, body: &Graph) -> Option<FxHashMap<Id, Id>> {
     let [output] = body.outputs()[..] else { return None };
     if graph.kind(id) != body.kind(output) || shape(graph.node(id)) != shape(body.node(output)) {
@@ -48,14 +48,14 @@ fn bound(graph: &Graph, id: Id, body: &Graph) -> Option<FxHashMap<Id, Id>> {
     matches(graph, id, &mut Pattern { body, at: output, bound: &mut bound }).then_some(bound)
 }
 
-/// A node of a function's body, and what of the body is found already.
+/// A node of a function's body, and the nodes of the body found so far.
 struct Pattern<'p> {
     body: &'p Graph,
     at: Id,
     bound: &'p mut FxHashMap<Id, Id>,
 }
 
-/// Says whether `id` is the pattern with values in the parameters' places.
+/// Returns true if `id` matches the pattern, with any values in place of the parameters.
 fn matches(graph: &Graph, id: Id, pattern: &mut Pattern<'_>) -> bool {
     if let Some(known) = pattern.bound.get(&pattern.at) {
         return *known == id;
@@ -83,8 +83,8 @@ fn shape(node: &Node) -> Node {
     node.with(|_| Id(0))
 }
 
-/// The values in the parameters' places; numbers widened to vectors where the function takes these. A structure is the
-/// one whose fields stand in the places of its fields.
+/// The values of the parameters; scalars are widened to vectors if the function takes vectors. A structure is
+/// recovered from the values of its fields.
 fn arguments(graph: &mut Graph, body: &Graph, bound: &FxHashMap<Id, Id>) -> Option<Vec<Id>> {
     let mut arguments = Arguments { graph, given: Vec::new() };
     for (number, parameter) in body.parameters().iter().enumerate() {
@@ -102,7 +102,8 @@ struct Arguments<'g> {
 }
 
 impl Arguments<'_> {
-    /// Adds the value of a parameter; `None` where it cannot be its. The function may not read a structure's field.
+    /// Adds the value of a parameter; `None` if its type does not match. The function must not read a structure's
+    /// field.
     fn add(&mut self, parameter: &Parameter, value: Option<Id>) -> Option<()> {
         let Some((argument, field)) = parameter.path.split_once('.') else {
             let value = self.fitting(parameter.kind, value?)?;
@@ -123,7 +124,7 @@ impl Arguments<'_> {
         Some(())
     }
 
-    /// The structure whose field `value` is, `None` where it is not that.
+    /// The structure whose field `value` is; `None` if it is not a field.
     fn structure(&self, field: &str, value: Id) -> Option<Id> {
         match self.graph.node(value) {
             Node::Field(of, found) if found.name == field => Some(*of),
@@ -131,7 +132,7 @@ impl Arguments<'_> {
         }
     }
 
-    /// The value as this type.
+    /// The value converted to this type.
     fn fitting(&mut self, kind: Kind, value: Id) -> Option<Id> {
         match (kind, self.graph.kind(value)) {
             (Kind::Vector, Kind::Number) => Some(self.graph.add(Node::Vector([value; 3]))),

@@ -5,16 +5,16 @@ use crate::outline::{Function, with_calls};
 use crate::structures::Structure;
 use crate::vectors::with_vectors;
 
-/// A formula as a function: its graph, and what a reader needs to know of it.
+/// A formula as a function: its graph and its documentation.
 #[derive(Debug, Clone)]
 pub struct Formula {
     /// Its name in the shader.
     pub name: String,
-    /// The name of its result where it is called, as the field writes it: `d`, `alpha`.
+    /// The name of its result in calls, in the notation of the field: `d`, `alpha`.
     pub symbol: &'static str,
     /// Its documentation: meaning, formula, ranges, units and source, line by line.
     pub doc: &'static str,
-    /// The structure that it returns, whose fields are the outputs; `None` for a number or a vector.
+    /// The structure that it returns, with the outputs as fields; `None` for a number or a vector.
     pub structure: Option<&'static str>,
     /// Its expression graph.
     pub graph: Graph,
@@ -26,13 +26,13 @@ pub(crate) fn part(name: &str, symbol: &'static str, doc: &'static str, graph: G
 }
 
 impl Formula {
-    /// Says whether it returns no structure, so that its calls are found in other formulas.
+    /// Returns true if it returns no structure, so that calls of it can be found in other formulas.
     fn is_found(&self) -> bool {
         self.structure.is_none()
     }
 }
 
-/// Formulas, each of which calls only those before it.
+/// Formulas, each of which calls only earlier ones.
 #[derive(Debug, Clone, Default)]
 pub struct Program {
     pub(crate) formulas: Vec<Formula>,
@@ -40,7 +40,7 @@ pub struct Program {
 }
 
 impl Program {
-    /// Adds a recorded formula: with vectors for equal channels, and calls of the formulas that stand here already.
+    /// Adds a recorded formula: with vectors for equal channels, and calls of the formulas already in the program.
     pub(crate) fn add(&mut self, mut formula: Formula) {
         let kinds = match formula.structure {
             Some(structure) => self.structure(structure).map(Structure::layout).unwrap_or_default(),
@@ -57,27 +57,27 @@ impl Program {
         self.formulas.push(formula);
     }
 
-    /// The structure of this name.
+    /// The structure with this name.
     pub(crate) fn structure(&self, name: &str) -> Option<&Structure> {
         self.structures.iter().find(|structure| structure.name == name)
     }
 
-    /// The structure that arguments of this name are.
+    /// The structure that is the type of arguments with this name.
     pub(crate) fn structure_of(&self, argument: &str) -> Option<&Structure> {
         self.structures.iter().find(|structure| structure.arguments.contains(&argument))
     }
 
-    /// The formulas; a call names one by its place here.
+    /// The formulas; a call refers to one by its index here.
     pub fn formulas(&self) -> &[Formula] {
         &self.formulas
     }
 
-    /// The formula of this name.
+    /// The formula with this name.
     pub fn find(&self, name: &str) -> Option<&Formula> {
         self.formulas.iter().find(|formula| formula.name == name)
     }
 
-    /// The formulas of these names and all that they call, in the order of the program.
+    /// The formulas with these names and all that they call, in the order of the program.
     pub(crate) fn needed(&self, names: &[&str]) -> Vec<&Formula> {
         let mut needed: Vec<bool> =
             self.formulas.iter().map(|formula| names.contains(&formula.name.as_str())).collect();

@@ -1,4 +1,4 @@
-//! A number that writes down what is done with it.
+//! A number that records the operations on it.
 
 use crate::graph::{Binary, Call, Field, Graph, Id, Kind, Node, Parameter, Unary};
 use std::cell::{Cell, RefCell};
@@ -6,10 +6,10 @@ use std::marker::PhantomData;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use taotie::math::{Lane, Mask, Vec3};
 
-/// Records the formula that `formula` runs, and gives its expression graph.
+/// Records the formula that `formula` runs, and returns its expression graph.
 ///
-/// The formula declares its parameters by the [`Scope`] and returns its outputs. Numbers of one recording cannot enter
-/// another, nor leave their own: that does not compile.
+/// The formula declares its parameters through the [`Scope`] and returns its outputs. Numbers cannot be mixed between
+/// recordings, nor outlive their own: that does not compile.
 ///
 /// ```
 /// use taotie::shade::ndf::d_ggx;
@@ -38,10 +38,10 @@ pub fn record(formula: impl for<'g> FnOnce(Scope<'g>) -> Vec<Recorded<'g>>) -> G
     graph
 }
 
-/// The mark of one recording: a lifetime that neither shrinks nor grows.
+/// The brand of one recording: an invariant lifetime.
 type Brand<'g> = PhantomData<Cell<&'g ()>>;
 
-/// A recording in progress, which hands out its parameters.
+/// A recording in progress, which creates its parameters.
 #[derive(Clone, Copy)]
 pub struct Scope<'g> {
     graph: &'g RefCell<Graph>,
@@ -49,19 +49,19 @@ pub struct Scope<'g> {
 }
 
 impl<'g> Scope<'g> {
-    /// The parameter of this path, a number. `path` is its name, or those of a structure and a field: `s.roughness`.
+    /// The parameter of this path, a number. `path` is its name, or that of a structure and a field: `s.roughness`.
     pub fn number(self, path: &'static str) -> Recorded<'g> {
         let id = self.parameter(Parameter { path, kind: Kind::Number });
         Recorded { scope: self, id }
     }
 
-    /// The parameter of this path, a vector. `path` is as with [`Self::number`].
+    /// The parameter of this path, a vector. `path` has the form described at [`Self::number`].
     pub fn vector(self, path: &'static str) -> Vec3<Recorded<'g>> {
         let id = self.parameter(Parameter { path, kind: Kind::Vector });
         Vec3::from_array([0, 1, 2].map(|which| self.push(Node::Component(id, which))))
     }
 
-    /// The parameter, which is new where it is asked for first.
+    /// The parameter, created on first use.
     fn parameter(self, parameter: Parameter) -> Id {
         let mut graph = self.graph.borrow_mut();
         match graph.parameters().iter().position(|known| *known == parameter) {
@@ -75,8 +75,8 @@ impl<'g> Scope<'g> {
         self.push(Node::constant(value))
     }
 
-    /// Lets what `formula` computes stand as a call of a function, wherever it is computed from here on; the call before
-    /// no longer does. The formula's outputs are the numbers of the function's structure.
+    /// Replaces the results of `formula` by a call of a function wherever they are computed from here on; ends the
+    /// previous replacement. The formula's outputs are the numbers of the function's structure.
     pub(crate) fn calling(
         self,
         callee: &Callee<'_>,
@@ -92,7 +92,7 @@ impl<'g> Scope<'g> {
             |(at, name): (usize, &&'static str)| self.push(Node::Field(call.id, Field { name, at })).id;
         let fields: Vec<Id> = callee.fields.iter().enumerate().map(field).collect();
         self.graph.borrow_mut().restore();
-        // What is computed of an output finds the field in its place the next time.
+        // From now on, computing an output finds the field in its place.
         for _ in &fields {
             let outputs = formula();
             let mut graph = self.graph.borrow_mut();
@@ -110,7 +110,7 @@ impl<'g> Scope<'g> {
     }
 }
 
-/// A function that returns a structure of numbers: its number in the program, the structure's name and fields.
+/// A function that returns a structure of numbers: its index in the program, the structure's name and fields.
 pub(crate) struct Callee<'c> {
     pub(crate) function: usize,
     pub(crate) structure: &'static str,
@@ -119,11 +119,11 @@ pub(crate) struct Callee<'c> {
 
 /// A number of a recording.
 ///
-/// What a constant of 0 or 1 leaves as it is, is not recorded: x + 0, x − 0, 1 x, x/1, and a choice by two constants. 0 x
-/// is 0; only the sign of a zero may be another than the formula's.
+/// Operations with a constant 0 or 1 that change nothing are not recorded: x + 0, x − 0, 1 x, x/1, and a choice by
+/// two constants. 0 x is 0; only the sign of a zero may differ from the formula's.
 ///
-/// `min` and `max` are recorded as such and not as comparisons. For NaN, which no formula takes, the graph's meaning is
-/// that of [`Lane`], a machine's may be another.
+/// `min` and `max` are recorded as such, not as comparisons. For NaN, which no formula accepts, the graph behaves
+/// like [`Lane`]; a GPU may differ.
 #[derive(Clone, Copy)]
 pub struct Recorded<'g> {
     scope: Scope<'g>,
@@ -146,7 +146,7 @@ impl<'g> Recorded<'g> {
         }
     }
 
-    /// The operand, or zero, that an operation with 0 or 1 gives.
+    /// The operand, or zero, that results from an operation with 0 or 1.
     fn simpler(self, operation: Binary, other: Self) -> Option<Self> {
         let (a, b) = (self.known(), other.known());
         match operation {
@@ -168,7 +168,7 @@ impl<'g> Recorded<'g> {
         }
     }
 
-    /// The operands of a comparison, with whether equal ones fulfil it.
+    /// The operands of a comparison, and its result for equal ones.
     fn compared(self) -> Option<(Self, Self, bool)> {
         let of = |id| Self { id, ..self };
         match self.scope.graph.borrow().node(self.id) {
@@ -178,7 +178,7 @@ impl<'g> Recorded<'g> {
         }
     }
 
-    /// The truth of a comparison of two constants.
+    /// The result of a comparison of two constants.
     fn decided(self) -> Option<bool> {
         let (a, b, equal) = self.compared()?;
         let (a, b) = (a.known()?, b.known()?);
@@ -219,7 +219,7 @@ impl Mask for RecordedTruth<'_> {
     fn not(self) -> Self {
         Self(self.0.one(Unary::Not))
     }
-    /// Unknown while recording; `true` keeps what a formula would skip.
+    /// Unknown while recording; `true` keeps everything that a formula would skip.
     fn any(self) -> bool {
         true
     }

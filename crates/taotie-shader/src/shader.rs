@@ -1,4 +1,4 @@
-//! A whole shader: structures, functions, and one that shades.
+//! A whole shader: structures, functions, and a shading function.
 
 use crate::body::body;
 use crate::graph::{Binary, Kind, Node};
@@ -10,10 +10,11 @@ use crate::structures::Structure;
 use taotie::names::Named;
 use taotie::shade::Shading;
 
-/// The source text of a reflectance model as functions to be pasted or included; `shade` is the whole of it.
+/// The source text of a reflectance model as functions to paste or include; the entry is `shade`.
 ///
-/// `shade(s, n, v, l)` is the outgoing radiance per unit of irradiance on a plane that faces the light, linear RGB, for a
-/// material sample and unit vectors of normal, viewer and light. The text declares no entry point and binds nothing.
+/// `shade(s, n, v, l)` is the outgoing radiance per unit of irradiance on a plane facing the light, linear RGB, for a
+/// material sample and the unit vectors of normal, viewer and light. The text declares no entry point and binds
+/// nothing.
 ///
 /// ```
 /// use taotie::shade::Shading;
@@ -28,9 +29,10 @@ pub fn shader(shading: Shading, language: Language) -> String {
     [header(shading), functions, whole(&name, language)].join("\n")
 }
 
-/// The source text of formulas of the [`library()`] by their names, with the structures and functions that they need.
+/// Returns the source text of formulas of the [`library()`] by their names, with the structures and functions that
+/// they need.
 ///
-/// A name that the library does not have adds nothing.
+/// Names missing from the library are ignored.
 pub fn functions(names: &[&str], language: Language) -> String {
     let program = library();
     let formulas = program.needed(names);
@@ -42,14 +44,14 @@ pub fn functions(names: &[&str], language: Language) -> String {
     pieces.join("\n")
 }
 
-/// The functions of formulas, and the one that stands for a power where any of them needs it.
+/// The functions of formulas, and the power function if any of them needs it.
 pub(crate) fn written_formulas(formulas: &[&Formula], program: &Program, language: Language) -> Vec<String> {
     let power = formulas.iter().any(|formula| has_power(formula)).then(|| language.power());
     let functions = formulas.iter().map(|formula| function(formula, program, language));
     power.into_iter().chain(functions).collect()
 }
 
-/// Says whether a formula takes or returns a structure.
+/// Returns true if a formula takes or returns a structure.
 pub(crate) fn has_structure(formula: &Formula, structure: &Structure) -> bool {
     let is_field =
         |path: &str| path.split_once('.').is_some_and(|(name, _)| structure.arguments.contains(&name));
@@ -115,7 +117,7 @@ fn whole(model: &str, language: Language) -> String {
     let vectors = ["n", "v", "l"].map(|name| language.declared(name, language.kind(Kind::Vector)));
     let arguments = format!("{}, {}", language.declared("s", "MaterialSample"), vectors.join(", "));
     let opening = language.opening("shade", &arguments, language.kind(Kind::Vector));
-    let doc = "// Outgoing radiance per unit of irradiance on a plane that faces the light, linear RGB.\n\
+    let doc = "// Outgoing radiance per unit of irradiance on a plane facing the light, linear RGB.\n\
                // n is the normal, v points to the viewer, l to the light.\n";
     format!("{doc}{opening}    return {model}(s, angles(n, v, l));\n}}\n")
 }

@@ -1,10 +1,10 @@
-//! The structures that shaders pass on, as `taotie::shade` has them.
+//! The structures passed between shader functions, as in `taotie::shade`.
 
 use crate::graph::{Kind, Parameter};
 use crate::inputs;
 use crate::recorder::{Scope, record};
 
-/// A structure: its type, what it is, the arguments that are one, and its fields.
+/// A structure: its type name, its documentation, the arguments of this type, and its fields.
 #[derive(Debug, Clone)]
 pub(crate) struct Structure {
     pub(crate) name: &'static str,
@@ -28,7 +28,7 @@ impl Structure {
     }
 }
 
-/// The structures that reflectance is made of.
+/// The structures of reflectance.
 pub(crate) fn structures() -> Vec<Structure> {
     vec![
         structure("MaterialSample", SAMPLE, &["s"], |scope| _ = inputs::material(scope)),
@@ -41,12 +41,11 @@ pub(crate) fn structures() -> Vec<Structure> {
 
 const SAMPLE: &str = "A material sample: the parameters of a surface at a point.";
 const ANGLES: &str = "The cosines that reflectance depends on.";
-const COMPENSATION: &str = "The compensation that makes a microfacet model keep its energy, at one n·v.";
-const DFG: &str = "The total reflection of a lobe, for each part of its Fresnel factor: F0 `scale` + F90 `bias` − drop `edge`.";
-const WEIGHTS: &str =
-    "The reflection of light that comes from all around, as weights of two radiances, linear RGB.";
+const COMPENSATION: &str = "The compensation that makes a microfacet model conserve energy, at one n·v.";
+const DFG: &str = "The directional albedo of a lobe, for each term of its Fresnel factor: F0 `scale` + F90 `bias` − drop `edge`.";
+const WEIGHTS: &str = "The reflection of light from all directions, as weights of two radiances, linear RGB.";
 
-/// A structure whose fields are the parameters that `declare` declares.
+/// A structure with the parameters that `declare` declares as fields.
 fn structure(
     name: &'static str,
     doc: &'static str,
@@ -75,17 +74,15 @@ fn field_doc(path: &str) -> &'static str {
     match path {
         "s.base_color" => "ρ, linear RGB in [0, 1]; diffuse colour of `lambert`, `ggx` and `ggx-printed`.",
         "s.metallic" => "[0, 1]; 1 has no diffuse part in `ggx`.",
-        "s.roughness" => "The roughness as artists set it, [0, 1]; α is its square",
-        "s.f0" => {
-            "Reflectance at normal incidence, linear RGB in [0, 1], the mix by `metallic` already done."
-        }
-        "s.f90" => "Reflectance at grazing incidence, [0, 1]; 1 but for dielectrics made weaker.",
+        "s.roughness" => "Perceptual roughness, [0, 1]; α is its square",
+        "s.f0" => "Reflectance at normal incidence, linear RGB in [0, 1], already mixed by `metallic`.",
+        "s.f90" => "Reflectance at grazing incidence, [0, 1]; 1 except for weakened dielectrics.",
         "s.f82_drop" => "Lazányi coefficient of the reflectance at 82°",
         "s.diffuse" => "k_d or C_diff of the classic models and of Cook-Torrance, linear RGB in [0, 1].",
         "s.specular" => "k_s or C_spec of the classic models and of Cook-Torrance, linear RGB in [0, 1].",
         "s.shininess" => "Exponent of Phong and Blinn-Phong, at least 0.",
         "s.slope" => "Beckmann's rms slope m of Cook-Torrance, above 0.",
-        "a.n_dot_l" => "n·l, [−1, 1]; models are dark where it is not above 0.",
+        "a.n_dot_l" => "n·l, [−1, 1]; models are black unless it is above 0.",
         "a.n_dot_v" => "n·v, clamped to [1e-4, 1].",
         "a.n_dot_h" => "n·h, [0, 1].",
         "a.sin2_h" => "sin² of the angle between n and h, [0, 1], from |n × h|²",
@@ -93,14 +90,18 @@ fn field_doc(path: &str) -> &'static str {
         "a.r_dot_v" => "r·v, [−1, 1].",
         "c.gain" => "Multiplies the highlight, linear RGB, at least 1.",
         "c.transmitted" => {
-            "The share of light that the highlight leaves to the diffuse reflection below, [0, 1]."
+            "The fraction of light that the highlight leaves for the diffuse reflection below, [0, 1]."
         }
         "dfg.scale" => "∫ D V (1 − (1 − v·h)⁵) n·l dl, [0, 1].",
         "dfg.bias" => "∫ D V (1 − v·h)⁵ n·l dl, [0, 1].",
         "dfg.edge" => "∫ D V v·h (1 − v·h)⁶ n·l dl, [0, 0.06].",
-        "dfg.diffuse_edge" => "∫ (1 − v·h)⁵ n·l / π dl, [0, 1]: Schlick's rise over a diffuse reflection.",
-        "w.specular" => "The weight of the radiance that the highlight gathers.",
-        "w.diffuse" => "The weight of the mean radiance over the hemisphere, which is the irradiance over π.",
+        "dfg.diffuse_edge" => {
+            "∫ (1 − v·h)⁵ n·l / π dl, [0, 1]: Schlick's rise averaged over a diffuse reflection."
+        }
+        "w.specular" => "The weight of the radiance gathered by the highlight.",
+        "w.diffuse" => {
+            "The weight of the mean radiance over the hemisphere, which is the irradiance divided by π."
+        }
         _ => "",
     }
 }

@@ -1,31 +1,32 @@
 //! Prepared surfaces of `taotie::render` as variants and their values.
 
 use crate::factors::SurfaceFactors;
-use crate::variant::{NormalMethod, VariantOptions};
-use taotie::render::{GrazingNormals, NormalSource, RenderSettings, Surface};
-use taotie::scene::Scene;
+use crate::variant::VariantOptions;
+use taotie::render::{GrazingNormals, RenderSettings, Surface};
+use taotie::scene::{HeightMap, Scene};
 use taotie::shade::Energy;
 
 impl VariantOptions {
-    /// The options by which a surface is drawn under some settings, without shadows; `environment` tells whether one sends
-    /// light.
+    /// The options for drawing a surface under some settings, without shadows; `environment` is true if there is
+    /// environment lighting.
     ///
     /// ```
     /// use taotie::mesh::Mesh;
     /// use taotie::render::{Prepared, RenderSettings};
     /// use taotie::scene::{Material, Scene};
-    /// use taotie_shader::{NormalMethod, VariantOptions};
+    /// use taotie::surface::SurfaceMethod;
+    /// use taotie_shader::VariantOptions;
     ///
     /// let settings = RenderSettings::default();
     /// let scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default())?;
     /// let prepared = Prepared::new(scene, &settings.surface)?;
     /// let options = VariantOptions::of_surface(&prepared.surfaces()[0], &settings, false);
-    /// assert_eq!(options.method, NormalMethod::Smooth);
+    /// assert_eq!(options.method, SurfaceMethod::Smooth);
     /// # Ok::<(), taotie::Error>(())
     /// ```
     pub fn of_surface(surface: &Surface<'_>, settings: &RenderSettings, environment: bool) -> Self {
         Self {
-            method: (&surface.normal_source).into(),
+            method: surface.normal_source.method(),
             vertex_color: !surface.colors.is_empty(),
             tangents: !surface.tangents.is_empty(),
             uv_sets: surface.uvs.len(),
@@ -33,7 +34,8 @@ impl VariantOptions {
         }
     }
 
-    /// The options of a plain surface under some settings, without shadows; `environment` tells whether one sends light.
+    /// The options for a plain surface under some settings, without shadows; `environment` is true if there is
+    /// environment lighting.
     pub fn of_settings(settings: &RenderSettings, environment: bool) -> Self {
         Self {
             shading: settings.shading,
@@ -46,28 +48,13 @@ impl VariantOptions {
     }
 }
 
-impl From<&NormalSource> for NormalMethod {
-    fn from(source: &NormalSource) -> Self {
-        match source {
-            NormalSource::Facet => Self::Facet,
-            NormalSource::Smooth => Self::Smooth,
-            NormalSource::Bump(..) => Self::Bump,
-            NormalSource::BumpPrinted(..) => Self::BumpPrinted,
-            NormalSource::ObjectMap(_) => Self::ObjectMap,
-            NormalSource::TangentMap(_) => Self::TangentMap,
-        }
-    }
-}
-
 impl<'s> SurfaceFactors<'s> {
     /// The factors of a surface of a scene.
     pub fn of_surface(surface: &Surface<'s>, scene: &Scene) -> Self {
-        let (bump, height_levels) = match surface.normal_source {
-            NormalSource::Bump(map, factor) | NormalSource::BumpPrinted(map, factor) => {
-                (factor, scene.textures().get(map.texture.texture).map_or(1, |texture| texture.levels()))
-            }
-            _ => (0.0, 1),
-        };
+        let levels =
+            |map: &HeightMap| scene.textures().get(map.texture.texture).map_or(1, |texture| texture.levels());
+        let height = surface.normal_source.height_map();
+        let (bump, height_levels) = height.map_or((0.0, 1), |(map, factor)| (factor, levels(map)));
         Self { material: surface.material, normal_matrix: surface.normal_matrix, bump, height_levels }
     }
 }
@@ -79,6 +66,7 @@ mod tests {
     use taotie::mesh::Mesh;
     use taotie::render::{Prepared, SurfaceSettings};
     use taotie::scene::{HeightMap, Material, TextureRef, UvTransform};
+    use taotie::surface::SurfaceMethod;
 
     /// A sphere with a height map of 8 by 8 texels.
     fn raised() -> Scene {
@@ -102,7 +90,7 @@ mod tests {
             let prepared = Prepared::new(raised(), &settings.surface).unwrap();
             let sphere = &prepared.surfaces()[0];
             let options = VariantOptions::of_surface(sphere, &settings, true);
-            assert_eq!((options.method, options.uv_sets), (NormalMethod::Bump, 1));
+            assert_eq!((options.method, options.uv_sets), (SurfaceMethod::Bump, 1));
             assert!(options.environment && options.softened && !options.specular_aa && !options.tangents);
             let factors = SurfaceFactors::of_surface(sphere, prepared.scene());
             assert_eq!((factors.bump, factors.height_levels), (expected, 4));

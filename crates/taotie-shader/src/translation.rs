@@ -1,4 +1,4 @@
-//! Translation of shaders in WGSL to other languages, by naga.
+//! Translation of WGSL shaders to other languages, by naga.
 
 use crate::interface::Interface;
 use crate::pixel_shader::PixelShader;
@@ -6,32 +6,32 @@ use naga::back::{hlsl, msl, spv};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Module, ResourceBinding};
 
-/// A language that shaders in WGSL are translated to. Each text has both `vertex_main` and `fragment_main`.
+/// A target language for WGSL shaders. Each output has both `vertex_main` and `fragment_main`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Translation {
-    /// HLSL of shader model 5.1. A resource of group g and binding b is register b of space g; samplers come from the
-    /// heap `nagaSamplerHeap`, by the numbers that a buffer for each group holds.
+    /// HLSL, shader model 5.1. A resource of group g and binding b is register b of space g; samplers come from the
+    /// heap `nagaSamplerHeap`, indexed through a buffer per group.
     Hlsl,
-    /// MSL 2.0. Buffers, textures and samplers are numbered by their places in [`Interface::buffers`] and
-    /// [`Interface::textures`]; a sampler has the number of its texture. The buffer after the last holds the bytes of
-    /// `lights` as a 32-bit integer, where the shader reads it.
+    /// MSL 2.0. Buffers, textures and samplers are numbered by their positions in [`Interface::buffers`] and
+    /// [`Interface::textures`]; a sampler has the number of its texture. If the shader reads `lights`, the buffer
+    /// after the last holds its size in bytes as a 32-bit integer.
     Msl,
     /// SPIR-V 1.0. A resource of group g and binding b is binding b of descriptor set g.
     SpirV,
 }
 
-/// The reason why a text could not be translated.
+/// The error returned when a text cannot be translated.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TranslationError {
-    /// The text is not valid WGSL; it holds why.
+    /// The text is not valid WGSL; holds the reason.
     #[error("the shader is not valid WGSL: {0}")]
     Invalid(String),
-    /// The language cannot say it; it holds why.
+    /// The target language cannot express the shader; holds the reason.
     #[error("the shader cannot be translated: {0}")]
     Untranslatable(String),
 }
 
-/// Translates a shader in WGSL. SPIR-V is returned as words in little-endian order.
+/// Translates a WGSL shader. SPIR-V is returned as words in little-endian order.
 ///
 /// ```
 /// use taotie::scene::Material;
@@ -44,8 +44,8 @@ pub enum TranslationError {
 /// ```
 ///
 /// # Errors
-/// [`TranslationError::Invalid`] where the text is not valid WGSL, as that of GLSL ES;
-/// [`TranslationError::Untranslatable`] where the language lacks something.
+/// [`TranslationError::Invalid`] if the text is not valid WGSL (GLSL ES, say); [`TranslationError::Untranslatable`]
+/// if the language lacks a feature.
 pub fn translate(shader: &PixelShader, to: Translation) -> Result<Vec<u8>, TranslationError> {
     let module = naga::front::wgsl::parse_str(&shader.text)
         .map_err(|error| TranslationError::Invalid(error.emit_to_string(&shader.text)))?;
@@ -81,14 +81,14 @@ fn msl_text(module: &Module, info: &ModuleInfo, interface: &Interface) -> Result
     };
     let (text, translated) = msl::write_string(module, info, &options, &msl::PipelineOptions::default())
         .map_err(untranslatable)?;
-    // The writer goes on where an entry point cannot be had.
+    // The writer continues even if an entry point cannot be written.
     for name in translated.entry_point_names {
         name.map_err(untranslatable)?;
     }
     Ok(text)
 }
 
-/// The numbers that Metal binds by.
+/// The numbering of Metal bindings.
 fn metal_resources(interface: &Interface) -> msl::EntryPointResources {
     let place = |group, binding| ResourceBinding { group, binding };
     let buffers = interface.buffers.iter().zip(0..).map(|(slot, number)| {

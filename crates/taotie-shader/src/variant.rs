@@ -1,100 +1,71 @@
-//! The facts known of a surface before any pixel: which parts of the pixel program it needs.
+//! The facts known about a surface before any pixel: which parts of the pixel program it needs.
 
-use crate::role::TextureRole;
 use std::collections::BTreeMap;
 use taotie::pixel::{Model, takes_compensation, takes_roughness};
-use taotie::scene::{AlphaMode, Material, TextureRef, UvTransform};
+use taotie::scene::{AlphaMode, Material, TextureRef, TextureRole, UvTransform};
 use taotie::shade::Shading;
+use taotie::surface::SurfaceMethod;
 
-/// The facts known of a surface before any pixel.
+/// The facts known about a surface before any pixel.
 ///
-/// Two surfaces of one variant are drawn by one shader; all else is in its uniforms and textures.
+/// Surfaces of the same variant are drawn by the same shader; everything else is in its uniforms and textures.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Variant {
     pub(crate) shading: Shading,
-    pub(crate) method: NormalMethod,
+    pub(crate) method: SurfaceMethod,
     pub(crate) authored: Authored,
     pub(crate) layers: Layers,
     pub(crate) textures: BTreeMap<TextureRole, Placement>,
     pub(crate) alpha: Alpha,
     pub(crate) unlit: bool,
-    /// Says whether occlusion is the red of the metallic-roughness texture.
+    /// Whether occlusion is the red channel of the metallic-roughness texture.
     pub(crate) packed_occlusion: bool,
     pub(crate) vertex_color: bool,
     pub(crate) tangents: bool,
-    /// Says whether the normal turns with the side that is seen.
+    /// Whether the normal turns with the visible side.
     pub(crate) turns: bool,
     pub(crate) compensated: bool,
     pub(crate) softened: bool,
     pub(crate) specular_aa: bool,
-    /// Says whether detail too fine for the pixel widens the roughness.
+    /// Whether subpixel detail widens the roughness.
     pub(crate) widens: bool,
     pub(crate) environment: bool,
     pub(crate) shadows: bool,
 }
 
-/// The source of shading normals: `taotie::render`'s surface method, as far as the material has what it needs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
-pub enum NormalMethod {
-    /// The triangle's own normal.
-    Facet,
-    /// The interpolated normal.
-    #[default]
-    Smooth,
-    /// A height map.
-    Bump,
-    /// A height map as Guo and Wang 2025 print it; the vertices' normals are in object space.
-    BumpPrinted,
-    /// A normal map in object space.
-    ObjectMap,
-    /// A normal map in tangent space.
-    TangentMap,
-}
-
-impl NormalMethod {
-    /// All methods.
-    pub const ALL: [Self; 6] =
-        [Self::Facet, Self::Smooth, Self::Bump, Self::BumpPrinted, Self::ObjectMap, Self::TangentMap];
-
-    /// Says whether an image turns the normals, and not as printed.
-    fn is_mapped(self) -> bool {
-        matches!(self, Self::Bump | Self::ObjectMap | Self::TangentMap)
-    }
-}
-
-/// The choices that a [`Variant`] is made by, beside the material.
+/// The choices that determine a [`Variant`], in addition to the material.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VariantOptions {
     /// The reflectance model.
     pub shading: Shading,
     /// The source of shading normals.
-    pub method: NormalMethod,
-    /// `true` where light that scatters several times is added, for models that have a form of it.
+    pub method: SurfaceMethod,
+    /// `true` to add light scattered several times, for models that support it.
     pub compensated: bool,
-    /// `true` where mapped normals at grazing angles are softened. Models as printed never are.
+    /// `true` to soften mapped normals at grazing angles. Has no effect on models as printed.
     pub softened: bool,
-    /// `true` where relief too fine for the pixel widens the highlight. Models as printed never do.
+    /// `true` to widen the highlight by subpixel relief. Has no effect on models as printed.
     pub specular_aa: bool,
-    /// `true` where an environment sends light.
+    /// `true` if there is environment lighting.
     pub environment: bool,
-    /// `true` where every surface turns its normal to the side that is seen, double-sided or not.
+    /// `true` to turn the normal of every surface to the visible side, double-sided or not.
     pub both_sides: bool,
-    /// `true` where the shader multiplies each light by the host's function `visibility`.
+    /// `true` to multiply each light by the host's function `visibility`.
     pub shadows: bool,
-    /// `true` where the mesh has vertex colours.
+    /// `true` if the mesh has vertex colours.
     pub vertex_color: bool,
-    /// `true` where the vertices have tangents.
+    /// `true` if the vertices have tangents.
     pub tangents: bool,
-    /// The number of the mesh's uv sets; what asks for another reads the texel at the origin.
+    /// The number of uv sets of the mesh; a texture that refers to another reads the texel at the origin.
     pub uv_sets: usize,
 }
 
 impl Default for VariantOptions {
-    /// The choices that `taotie render` makes of itself, with one uv set and tangents, and without environment.
+    /// The defaults of `taotie render`, with one uv set and tangents, and without an environment.
     fn default() -> Self {
         Self {
             shading: Shading::Ggx,
-            method: NormalMethod::Smooth,
+            method: SurfaceMethod::Smooth,
             compensated: true,
             softened: true,
             specular_aa: true,
@@ -108,7 +79,7 @@ impl Default for VariantOptions {
     }
 }
 
-/// The parameters that are authored and do not follow from the metallic-roughness values.
+/// The authored parameters that do not follow from the metallic-roughness values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct Authored {
     pub f0: bool,
@@ -123,7 +94,7 @@ pub(crate) struct Authored {
 /// The layers of the material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct Layers {
-    /// Says whether the model takes layers and the material has any.
+    /// Returns true if the model supports layers and the material has any.
     pub taken: bool,
     pub clearcoat: bool,
     pub sheen: bool,
@@ -138,17 +109,17 @@ pub(crate) enum Alpha {
     Blend,
 }
 
-/// The place of a texture on a surface.
+/// The mapping of a texture onto a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct Placement {
-    /// The uv set; `None` where the mesh has no such set.
+    /// The uv set; `None` if the mesh has no such set.
     pub uv_set: Option<usize>,
-    /// Says whether the uv is transformed.
+    /// Whether the uv is transformed.
     pub transformed: bool,
 }
 
 impl Variant {
-    /// The variant of a material under some options.
+    /// Returns the variant of a material under some options.
     pub fn new(material: &Material, options: &VariantOptions) -> Self {
         let (shading, method) = (options.shading, options.method);
         let corrected = !shading.is_printed();
@@ -189,36 +160,36 @@ impl Variant {
     }
 
     /// The source of shading normals.
-    pub fn method(&self) -> NormalMethod {
+    pub fn method(&self) -> SurfaceMethod {
         self.method
     }
 
-    /// Says whether base colour varies over the surface.
+    /// Returns true if base colour varies over the surface.
     pub(crate) fn is_tinted(&self) -> bool {
         self.vertex_color || self.textures.contains_key(&TextureRole::BaseColor)
     }
 
-    /// Says whether anything is occluded.
+    /// Returns true if there is any occlusion.
     pub(crate) fn is_occluded(&self) -> bool {
         self.packed_occlusion || self.textures.contains_key(&TextureRole::Occlusion)
     }
 
-    /// Says whether the curvature of the surface within a pixel counts.
+    /// Returns true if the curvature of the surface within a pixel matters.
     pub(crate) fn has_curvature(&self) -> bool {
-        self.specular_aa && self.method != NormalMethod::Facet
+        self.specular_aa && self.method != SurfaceMethod::Facet
     }
 
-    /// Says whether anything hides within a pixel.
+    /// Returns true if there is any subpixel detail.
     pub(crate) fn has_variance(&self) -> bool {
         self.has_curvature() || self.has_normal_variance()
     }
 
-    /// Says whether the variance of the normal map counts.
+    /// Returns true if the variance of the normal map matters.
     pub(crate) fn has_normal_variance(&self) -> bool {
         self.specular_aa && self.textures.contains_key(&TextureRole::Normal)
     }
 
-    /// The place of a texture, where the material has it.
+    /// The mapping of a texture, if the material has it.
     pub(crate) fn texture(&self, role: TextureRole) -> Option<Placement> {
         self.textures.get(&role).copied()
     }
@@ -239,12 +210,12 @@ impl Authored {
     }
 }
 
-/// Says whether occlusion lies in the red channel of the metallic-roughness texture.
+/// Returns true if occlusion is in the red channel of the metallic-roughness texture.
 fn has_packed_occlusion(material: &Material) -> bool {
     material.occlusion_texture.is_some() && material.occlusion_texture == material.metallic_roughness_texture
 }
 
-/// The textures that a surface may read, and how they lie on it.
+/// The textures that a surface may read, and their mappings.
 fn placements(material: &Material, options: &VariantOptions) -> BTreeMap<TextureRole, Placement> {
     let placed = |role: TextureRole| {
         let texture = role.of(material).filter(|_| is_read(role, material, options))?;
@@ -253,11 +224,13 @@ fn placements(material: &Material, options: &VariantOptions) -> BTreeMap<Texture
     TextureRole::ALL.into_iter().filter_map(placed).collect()
 }
 
-/// Says whether the method, and what the mesh has, let a texture be read.
+/// Returns true if the method and the mesh allow a texture to be read.
 fn is_read(role: TextureRole, material: &Material, options: &VariantOptions) -> bool {
     match role {
-        TextureRole::Normal => matches!(options.method, NormalMethod::ObjectMap | NormalMethod::TangentMap),
-        TextureRole::Height => matches!(options.method, NormalMethod::Bump | NormalMethod::BumpPrinted),
+        TextureRole::Normal => {
+            matches!(options.method, SurfaceMethod::ObjectNormal | SurfaceMethod::TangentNormal)
+        }
+        TextureRole::Height => matches!(options.method, SurfaceMethod::Bump | SurfaceMethod::BumpPrinted),
         TextureRole::Occlusion => !has_packed_occlusion(material),
         _ => true,
     }

@@ -1,13 +1,13 @@
-//! Finds the vectors in a recording, which is made of numbers.
+//! Finds the vectors in a recording of scalars.
 //!
-//! A formula treats the three channels of a colour alike, so its recording holds each operation three times. Here three
-//! nodes of one shape become one of vectors; sums of three products become scalar products, and differences of turned
-//! products vector products. Each operation that remains does what the three did: no value changes.
+//! A formula treats the three channels of a colour alike, so its recording holds each operation three times. Here
+//! three nodes of the same shape become one vector node; sums of three products become dot products, and differences
+//! of rotated products cross products. Each remaining operation computes the same as the three did: no value changes.
 
 use crate::graph::{Binary, Graph, Id, Kind, Node, Unary};
 use rustc_hash::FxHashMap;
 
-/// The recording with vectors, and outputs of these types: three numbers become one vector.
+/// The recording with vectors, and with outputs of these types: three scalars become one vector.
 pub(crate) fn with_vectors(recorded: &Graph, outputs: &[Kind]) -> Graph {
     let mut packer = Packer {
         recorded,
@@ -36,12 +36,12 @@ struct Packer<'r> {
     packed: Graph,
     numbers: FxHashMap<Id, Id>,
     triples: FxHashMap<[Id; 3], Id>,
-    /// The packed vector, and the place in it, of recorded numbers that are one's components.
+    /// The packed vector, and the component of it, for each recorded scalar that is a component.
     components: FxHashMap<Id, (Id, usize)>,
 }
 
 impl Packer<'_> {
-    /// The packed output of one recorded number or of three.
+    /// The packed output for one recorded scalar or three.
     fn output(&mut self, numbers: &[Id]) -> Option<Id> {
         match *numbers {
             [x, y, z] => {
@@ -53,7 +53,7 @@ impl Packer<'_> {
         }
     }
 
-    /// The packed node of one recorded node.
+    /// The packed node for a recorded node.
     fn number(&mut self, id: Id) -> Id {
         if let Some(known) = self.numbers.get(&id) {
             return *known;
@@ -69,7 +69,7 @@ impl Packer<'_> {
         packed
     }
 
-    /// The packed node of the same operation; an argument that is a vector is one again.
+    /// The packed node of the same operation; an argument that was a vector is one again.
     fn as_it_is(&mut self, id: Id) -> Id {
         let recorded = self.recorded;
         if let Node::Vector(parts) = recorded.node(id) {
@@ -80,7 +80,7 @@ impl Packer<'_> {
         self.packed.add(node)
     }
 
-    /// The number that is made of vectors where `id` is made of all their components.
+    /// The scalar computed from vectors if `id` is computed from all their components.
     fn of_vectors(&mut self, id: Id) -> Option<Id> {
         match self.scalar_product(id) {
             None => self.largest_component(id),
@@ -88,7 +88,7 @@ impl Packer<'_> {
         }
     }
 
-    /// The largest component of a vector, if `id` is the largest of three numbers that are one.
+    /// The largest component of a vector, if `id` is the maximum of its three components.
     fn largest_component(&mut self, id: Id) -> Option<Id> {
         let (first_two, z) = self.operands(Binary::Max, id)?;
         let (x, y) = self.operands(Binary::Max, first_two)?;
@@ -101,7 +101,7 @@ impl Packer<'_> {
         Some(self.packed.add(Node::Binary(Binary::Max, first_two, z)))
     }
 
-    /// The scalar product that `id` is, if it is the sum of three products of vectors' components.
+    /// The dot product that `id` is, if it is the sum of three products of vector components.
     fn scalar_product(&mut self, id: Id) -> Option<Id> {
         let (first_two, third) = self.operands(Binary::Add, id)?;
         let (first, second) = self.operands(Binary::Add, first_two)?;
@@ -119,12 +119,12 @@ impl Packer<'_> {
         }
     }
 
-    /// Says whether a packed node is a vector by itself and not three numbers put together.
+    /// Returns true if a packed node is a proper vector, not three scalars put together.
     fn is_whole(&self, id: Id) -> bool {
         self.packed.kind(id) == Kind::Vector && !matches!(self.packed.node(id), Node::Vector(_))
     }
 
-    /// The packed node of three recorded numbers: a vector, or one number where they are the same.
+    /// The packed node for three recorded scalars: a vector, or one scalar if they are the same.
     fn triple(&mut self, parts: [Id; 3]) -> Id {
         if parts[0] == parts[1] && parts[1] == parts[2] {
             return self.number(parts[0]);
@@ -146,14 +146,14 @@ impl Packer<'_> {
         packed
     }
 
-    /// The vector that three known components are, turned where they are.
+    /// The vector of three known components, rotated if they are.
     fn of_components(&mut self, parts: [Id; 3]) -> Option<Id> {
         let [a, b, c] = parts.map(|part| self.components.get(&part).copied());
         let ((a, i), (b, j), (c, k)) = (a?, b?, c?);
         (a == b && b == c).then(|| self.swizzled(a, [i, j, k]))
     }
 
-    /// Notes what the components of a vector are, so that they are found one by one and turned.
+    /// Records the components of a vector, so that they are found individually and in rotated order.
     fn noted(&mut self, parts: [Id; 3], vector: Id) -> Id {
         if self.is_whole(vector) {
             let (flat, turn) = self.unturned(vector);
@@ -164,7 +164,7 @@ impl Packer<'_> {
         vector
     }
 
-    /// One operation of vectors for three operations of numbers, if they are alike.
+    /// One vector operation for three scalar operations, if they are alike.
     fn alike(&mut self, parts: [Id; 3]) -> Option<Id> {
         let recorded = self.recorded;
         match parts.map(|part| recorded.node(part)) {
@@ -217,7 +217,7 @@ impl Packer<'_> {
         self.swizzled(vector, turn)
     }
 
-    /// A power is left to numbers, since its bounds are those of a function.
+    /// A power remains scalar, since its bounds are those of a function.
     fn binary(&mut self, operation: Binary, operands: [[Id; 3]; 2]) -> Option<Id> {
         use Binary::{Add, Divide, Max, Min, Multiply, Subtract};
         if ![Add, Subtract, Multiply, Divide, Min, Max].contains(&operation) {
@@ -252,7 +252,7 @@ impl Packer<'_> {
         ((a, b) == turned).then(|| self.packed.add(Node::Cross(a, b)))
     }
 
-    /// a and b of the product of these, turned like this.
+    /// a and b of the product of these, rotated like this.
     fn turned_product(&self, id: Id, turns: [[usize; 3]; 2]) -> Option<(Id, Id)> {
         match self.packed.node(id) {
             Node::Binary(Binary::Multiply, a, b) => {
@@ -263,7 +263,7 @@ impl Packer<'_> {
         }
     }
 
-    /// The vector that `id` is a turned copy of, and how it is turned.
+    /// The vector of which `id` is a rotated copy, and the rotation.
     fn unturned(&self, id: Id) -> (Id, [usize; 3]) {
         match self.packed.node(id) {
             Node::Swizzle(vector, turn) => (*vector, *turn),
@@ -275,7 +275,7 @@ impl Packer<'_> {
         if turn == [0, 1, 2] { vector } else { self.packed.add(Node::Swizzle(vector, turn)) }
     }
 
-    /// The vector, or that of three equal numbers.
+    /// The vector, or three equal scalars as one.
     fn widened(&mut self, id: Id) -> Id {
         match self.packed.kind(id) {
             Kind::Number => self.packed.add(Node::Vector([id; 3])),

@@ -1,4 +1,4 @@
-//! Generated shaders are valid, go through to other languages, and can be read.
+//! Generated shaders are valid, translate to other languages, and are readable.
 
 #[path = "shared/bodies.rs"]
 mod bodies;
@@ -57,18 +57,18 @@ fn wgsl_is_valid_and_becomes_hlsl_msl_and_spir_v() {
         let (options, pipeline) = (hlsl::Options::default(), hlsl::PipelineOptions { entry_point: None });
         let mut written = String::new();
         let mut writer = hlsl::Writer::new(&mut written, &options, &pipeline);
-        writer.write(&module, &info, None).expect("HLSL can say it");
+        writer.write(&module, &info, None).expect("it translates to HLSL");
         assert!(written.contains("reflect_"), "{written}");
         let metal =
             msl::write_string(&module, &info, &msl::Options::default(), &msl::PipelineOptions::default());
-        assert!(metal.expect("MSL can say it").0.contains("reflect_"));
+        assert!(metal.expect("it translates to MSL").0.contains("reflect_"));
         let words =
-            spv::write_vec(&module, &info, &spv::Options::default(), None).expect("SPIR-V can say it");
+            spv::write_vec(&module, &info, &spv::Options::default(), None).expect("it translates to SPIR-V");
         assert_eq!(words[0], 0x0723_0203, "SPIR-V's mark");
     }
 }
 
-/// naga reads GLSL of the desktop only, of which GLSL ES 3.00 is a part as far as these functions go.
+/// naga reads only desktop GLSL, which contains GLSL ES 3.00 as far as these functions are concerned.
 #[test]
 fn glsl_is_valid() {
     for shading in shadings() {

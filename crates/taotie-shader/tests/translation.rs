@@ -1,4 +1,4 @@
-//! Shaders go through to other languages, bound where their documentation says.
+//! Shaders translate to other languages, with the documented bindings.
 #![cfg(feature = "translate")]
 
 use taotie::image::Sampler;
@@ -17,14 +17,14 @@ fn shader(language: Language) -> PixelShader {
 }
 
 fn text(to: Translation) -> String {
-    String::from_utf8(translate(&shader(Language::Wgsl), to).expect("it can be said")).expect("it is text")
+    String::from_utf8(translate(&shader(Language::Wgsl), to).expect("it translates")).expect("it is UTF-8")
 }
 
 #[test]
 fn hlsl_has_registers_and_spaces() {
     let text = text(Translation::Hlsl);
     for slot in shader(Language::Wgsl).interface.textures {
-        // Space 0 goes without saying.
+        // Space 0 is implicit.
         let space = if slot.group == 0 { String::new() } else { format!(", space{}", slot.group) };
         let place = format!(": register(t{}{space})", slot.binding);
         assert!(
@@ -52,7 +52,7 @@ fn metal_numbers_things_by_their_places_in_the_interface() {
 
 #[test]
 fn spir_v_holds_both_entry_points() {
-    let bytes = translate(&shader(Language::Wgsl), Translation::SpirV).expect("it can be said");
+    let bytes = translate(&shader(Language::Wgsl), Translation::SpirV).expect("it translates");
     let has = |name: &str| bytes.windows(name.len()).any(|window| window == name.as_bytes());
     assert!(bytes.len().is_multiple_of(4) && has("vertex_main") && has("fragment_main"));
 }

@@ -1,5 +1,5 @@
-//! The object and the numbers that Taotie is shown on: a bronze *jue* made by code alone, with its demo pictures, and
-//! the tables of Guo and Wang 2025 recomputed.
+//! The object and the numbers that demonstrate Taotie: a procedurally generated bronze *jue* with its demo pictures,
+//! and the tables of Guo and Wang 2025, recomputed.
 //!
 //! ```
 //! let mesh = taotie_study::jue::low_mesh();

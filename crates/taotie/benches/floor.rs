@@ -1,15 +1,15 @@
-//! How near a frame comes to what this machine can do: `cargo bench -p taotie --bench floor`.
+//! Compares a frame with the limits of this machine: `cargo bench -p taotie --bench floor`.
 //!
-//! The floor is measured in two parts. *Arithmetic*: the formulas of one pixel of `cook-torrance` with a colour map, a
-//! normal map and one lamp, from barycentric weights to the code of the picture, over packs whose inputs lie in the
-//! nearest cache, and counted by a number type that counts. *Texels*: the loads of the texels around each pixel, tile by
-//! tile, from maps as large as the frame's, and nothing else. A frame cannot take less than the longer of the two;
-//! it would take their sum if nothing overlapped. Beside them stands a frame, all on one thread.
+//! The lower bound is measured in two parts. *Arithmetic*: the formulas of one pixel of `cook-torrance` with a colour
+//! map, a normal map and one light, from barycentric weights to the 8-bit code, over packs whose inputs are in the L1
+//! cache; the operations are counted by a counting number type. *Texels*: only the loads of the texels around each
+//! pixel, tile by tile, from maps as large as the frame's. A frame cannot take less than the longer of the two; it
+//! would take their sum if nothing overlapped. They are compared with a frame, all on one thread.
 
-#![allow(missing_docs, clippy::print_stdout, reason = "a program that talks")]
+#![allow(missing_docs, clippy::print_stdout, reason = "a program that prints")]
 
 #[path = "../tests/common/scenes.rs"]
-#[allow(dead_code, reason = "the golden pictures use the rest")]
+#[allow(dead_code, reason = "the golden images use the rest")]
 mod scenes;
 
 use fearless_simd::{Level, Simd, f32x8, f32x16, prelude::*};
@@ -30,29 +30,29 @@ use taotie::shade::{
 };
 use taotie::surface::tangent_normal;
 
-/// Texels across each map.
+/// Side length of each map, in texels.
 const TEXTURE_SIZE: usize = 2048;
-/// Pixels of the timed kernel: few enough for the nearest cache.
+/// Pixels of the timed kernel: few enough for the L1 cache.
 const PIXELS: usize = 64;
-/// Numbers of a pixel that come from elsewhere.
+/// Inputs of a pixel that come from elsewhere.
 const INPUTS: usize = 12;
-/// Rounds in which all measurements take turns, and runs of each; the fastest counts.
+/// Rounds that interleave all measurements, and runs of each; the fastest counts.
 const ROUNDS: usize = 5;
 const RUNS: usize = 10;
-/// Pixels across the picture.
+/// Width and height of the image, in pixels.
 const SIDE: u32 = 1024;
 
-/// What one triangle gives all its pixels.
+/// The values shared by all pixels of a triangle.
 struct Constants<L> {
     planes: [[L; 3]; 3],
-    /// Positions, normals, tangents: the first corner's, and how far the others are.
+    /// Positions, normals, tangents: those of the first corner, and the differences to the others.
     corners: [[Vec3<L>; 3]; 3],
     uvs: [[L; 3]; 2],
-    /// The codes of four colours and four vectors, of two levels.
+    /// The codes of four colours and four vectors, from two levels.
     texels: [[L; 8]; 2],
 }
 
-/// The formulas of a pixel. `at` holds its place and numbers that stand for what tables give.
+/// The formulas of a pixel. `at` contains its position, and numbers in place of table lookups.
 #[inline(always)]
 fn pixel<L: Lane>(at: [L; INPUTS], constants: &Constants<L>) -> Vec3<L> {
     let [x, y, ..] = at;
@@ -65,7 +65,7 @@ fn pixel<L: Lane>(at: [L; INPUTS], constants: &Constants<L>) -> Vec3<L> {
     let facet = positions[1].cross(positions[2]).normalize_or(normal);
     let v = (Vec3::new(zero, zero, x.lit(3.0)) - position).normalize_or(facet);
 
-    // The level of detail, and the places in two levels.
+    // The level of detail, and the positions in two levels.
     let [us, vs] = constants.uvs;
     let uv = [us[0] + along(us, bary.weights), vs[0] + along(vs, bary.weights)];
     let size = x.lit(TEXTURE_SIZE as f64);
@@ -127,19 +127,19 @@ fn pixel<L: Lane>(at: [L; INPUTS], constants: &Constants<L>) -> Vec3<L> {
     let l = to_light * (one / squared.sqrt());
     let reflected = reflect(Shading::CookTorrance, &sample, &Angles::new(n, v, l));
     let radiance = reflected * lights::inverse_square(squared) + color * x.lit(0.04);
-    // The film: within [0, 1], and a place in the table of codes.
+    // The film: clamped to [0, 1], and the position in the table of codes.
     Vec3::new(code(radiance.x), code(radiance.y), code(radiance.z))
 }
 
-// Functions, not closures handed to others: what is not inlined falls out of the SIMD level.
+// Functions, not closures passed to others: code that is not inlined loses the SIMD level.
 
-/// What corners hold, at a point.
+/// The interpolated corner values at a point.
 #[inline(always)]
 fn mix<L: Lane>([a, b, c]: [Vec3<L>; 3], w: [L; 3]) -> Vec3<L> {
     a + b * w[1] + c * w[2]
 }
 
-/// The change for changes of the weights.
+/// The change of the value for changes of the weights.
 #[inline(always)]
 fn change<L: Lane>([_, b, c]: [Vec3<L>; 3], w: [L; 3]) -> Vec3<L> {
     b * w[1] + c * w[2]
@@ -150,11 +150,11 @@ fn along<L: Lane>([_, b, c]: [L; 3], w: [L; 3]) -> L {
     b * w[1] + c * w[2]
 }
 
-/// The way from the texel before a coordinate to the next.
+/// The fraction of the way from the texel before a coordinate to the next.
 #[inline(always)]
 fn fraction<L: Lane>(u: L, size: L) -> L {
     let place = (u - u.floor()) * size - u.lit(0.5);
-    // The index takes as much again.
+    // The index costs as much again.
     let first = place.floor();
     (place - first) + (first.max(u.lit(0.0)).min(size) - first) * u.lit(0.0)
 }
@@ -170,7 +170,7 @@ fn code<L: Lane>(light: L) -> L {
     light.clamp(0.0, 1.0) * light.lit(4096.0)
 }
 
-/// A polynomial of as many terms as the renderer's.
+/// A polynomial with as many terms as the renderer's.
 #[inline(always)]
 fn linear<L: Lane>(code: L) -> L {
     let mut sum = code * code.lit(-2.96e-16) + code.lit(2.845e-13);
@@ -192,7 +192,7 @@ fn constants<L: Lane>(lift: impl Fn(f32) -> L) -> Constants<L> {
     }
 }
 
-/// Places of pixels, and numbers for the rest.
+/// Positions of pixels, and numbers for the remaining inputs.
 fn inputs() -> Vec<[f32; PIXELS]> {
     (0..INPUTS)
         .map(|k| std::array::from_fn(|i| if k < 2 { i as f32 } else { ((i * (k + 3)) % 17) as f32 / 17.0 }))
@@ -222,7 +222,7 @@ macro_rules! kernel {
 kernel!(draw_eights, f32x8, 8);
 kernel!(draw_sixteens, f32x16, 16);
 
-/// Nanoseconds a pixel of the formulas alone.
+/// Nanoseconds per pixel of the formulas only.
 fn arithmetic() -> f64 {
     const TIMES: usize = 2000;
     let (inputs, mut out) = (inputs(), [[0.0; PIXELS]; 3]);
@@ -243,7 +243,7 @@ fn maps() -> [Vec<[u8; 4]>; 4] {
     [map(TEXTURE_SIZE), map(TEXTURE_SIZE / 2), map(TEXTURE_SIZE), map(TEXTURE_SIZE / 2)]
 }
 
-/// Nanoseconds a pixel of loading the texels around it: in each map two neighbours in two rows.
+/// Nanoseconds per pixel of loading the texels around it: in each map two neighbours in two rows.
 fn texels(maps: &[Vec<[u8; 4]>; 4]) -> f64 {
     let side = SIDE as usize;
     fastest(side * side, || {
@@ -251,7 +251,7 @@ fn texels(maps: &[Vec<[u8; 4]>; 4]) -> f64 {
         for tile in 0..(side / 64) * (side / 64) {
             let (left, top) = (tile % (side / 64) * 64, tile / (side / 64) * 64);
             for (i, map) in maps.iter().enumerate() {
-                // Halfway between two levels a pixel covers √2 texels of the finer one across; in 256ths.
+                // Halfway between two levels, a pixel is √2 texels of the finer level wide; in 256ths.
                 let (size, step) = [(TEXTURE_SIZE, 362), (TEXTURE_SIZE / 2, 181)][i % 2];
                 for y in top..top + 64 {
                     let row = ((y * step) >> 8) * size;
@@ -290,11 +290,11 @@ fn sphere() -> Scene {
         (material.metallic_roughness_texture, material.occlusion_texture) = (None, None);
         material.roughness = 0.5;
     });
-    bronze.expect("the sphere is sound");
+    bronze.expect("the sphere is valid");
     scene
 }
 
-/// A whole picture, to be taken again and again.
+/// A whole image, rendered repeatedly.
 struct Studio {
     renderer: Renderer,
     camera: Camera,
@@ -308,22 +308,22 @@ impl Studio {
         let shading = Shading::CookTorrance;
         let settings =
             RenderSettings { width: SIDE, height: SIDE, samples: 1, shading, ..RenderSettings::default() };
-        let renderer = Renderer::new(scene, &settings.surface).expect("the scene is sound");
+        let renderer = Renderer::new(scene, &settings.surface).expect("the scene is valid");
         let lighting = Lighting { lights: vec![lamp()], ambient: Vec3::splat(0.04), environment: None };
         Self { renderer, camera: scenes::camera(25.0, 20.0, 3.29), lighting, settings, codes: Vec::new() }
     }
 
-    /// Takes it; how many pixels show the sphere.
+    /// Renders it; returns the number of pixels that show the sphere.
     fn draw(&mut self) -> usize {
         let development = Development { tone: ToneCurve::Linear, ..Development::default() };
         let shot = Shot { camera: &self.camera, lighting: &self.lighting, settings: &self.settings };
         let drawn = self.renderer.develop(&shot, &development, &mut self.codes, Progress::SILENT);
-        drawn.expect("the settings are sound");
+        drawn.expect("the settings are valid");
         self.codes.iter().filter(|code| code[3] > 0).count()
     }
 }
 
-/// Nanoseconds of a run over its `count` pixels.
+/// Nanoseconds per pixel of a run over `count` pixels.
 fn fastest(count: usize, mut run: impl FnMut()) -> f64 {
     let times = (0..RUNS).map(|_| {
         let start = Instant::now();
@@ -334,7 +334,7 @@ fn fastest(count: usize, mut run: impl FnMut()) -> f64 {
 }
 
 thread_local! {
-    /// Additions and multiplications, divisions and roots, and all else.
+    /// Additions and multiplications, divisions and roots, and all other operations.
     static COUNTS: Cell<[u64; 3]> = const { Cell::new([0; 3]) };
 }
 
@@ -346,7 +346,7 @@ fn count(kind: usize) {
     });
 }
 
-/// A number that counts what is done with it.
+/// A number that counts the operations on it.
 #[derive(Debug, Clone, Copy)]
 struct Counted(f32);
 
@@ -449,7 +449,7 @@ fn counts() -> [u64; 3] {
 fn main() {
     let [sums, divisions, others] = counts();
     let (maps, scene) = (maps(), sphere());
-    // Everything that runs in parallel takes the caller's pool.
+    // All parallel code uses the caller's pool.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
     let (mut studio, mut best) = (Studio::new(scene), [f64::INFINITY; 3]);
     let shaded = studio.draw();
@@ -462,12 +462,12 @@ fn main() {
     let [arithmetic, texels, frame] = best;
     let (together, apart) = (arithmetic.max(texels), arithmetic + texels);
     println!("one pixel of `cook-torrance`: {sums} additions and multiplications, {divisions} divisions and");
-    println!("roots, {others} comparisons, choices and roundings; 16 texels, loaded as 8 pairs");
+    println!("roots, {others} comparisons, selects and roundings; 16 texels, loaded as 8 pairs");
     let row = |what: &str, time: f64| println!("{what:<44}{time:>8.2} ns");
     row("arithmetic", arithmetic);
     row("texels", texels);
-    row("floor, if all overlaps", together);
-    row("floor, if nothing overlaps", apart);
-    row(&format!("a frame, each of {shaded} shaded pixels"), frame);
-    println!("times the floors: {:.2} and {:.2}", frame / together, frame / apart);
+    row("lower bound, if everything overlaps", together);
+    row("lower bound, if nothing overlaps", apart);
+    row(&format!("a frame, per pixel of {shaded} shaded"), frame);
+    println!("relative to the bounds: {:.2} and {:.2}", frame / together, frame / apart);
 }

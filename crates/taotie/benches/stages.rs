@@ -1,12 +1,12 @@
-//! Milliseconds per stage of a fixed picture: an embossed sphere under one light, by `ggx`, at one sample a pixel.
+//! Milliseconds per stage of a fixed image: an embossed sphere under one light, by `ggx`, at one sample per pixel.
 //!
-//! Everything but `whole-frame-all-threads` runs on one thread, so that `clip-and-bin`, `raster`, `texture` and
-//! `shade` add up to `whole-frame` but for the resolve into the picture; `film` comes after it.
+//! Everything except `whole-frame-all-threads` runs on one thread, so that `clip-and-bin`, `raster`, `texture` and
+//! `shade` add up to `whole-frame`, except for the resolve into the image; `film` comes after it.
 
-#![allow(missing_docs, reason = "criterion's macros make public functions")]
+#![allow(missing_docs, reason = "criterion's macros generate public functions")]
 
 #[path = "../tests/common/scenes.rs"]
-#[allow(dead_code, reason = "the golden pictures use the rest")]
+#[allow(dead_code, reason = "the golden images use the rest")]
 mod scenes;
 
 use criterion::{
@@ -21,23 +21,23 @@ use taotie::raster::{Tile, TilePlane, TileSample};
 use taotie::render::{Lighting, Pass, Prepared, RenderSettings, Shot, Stages, VisibleSpan, batches};
 use taotie::scene::{Camera, NormalSpace};
 
-/// Texels across each of the four textures.
+/// Side length of each of the four textures, in texels.
 const TEXTURE_SIZE: u32 = 2048;
 
-/// From here the unit sphere covers about 60 % of the picture.
+/// From here, the unit sphere covers about 60 % of the image.
 const DISTANCE: f64 = 3.29;
 
-/// What the stages of one picture took.
+/// The times of the stages of one image.
 #[derive(Default)]
 struct Times {
     raster: Duration,
     texture: Duration,
     shade: Duration,
-    /// How many pixels show the sphere.
+    /// The number of pixels that show the sphere.
     fragments: usize,
 }
 
-/// Runs the stages as the renderer does, batch by batch, so that each finds its data in the caches.
+/// Runs the stages like the renderer, batch by batch, so that each finds its data in the caches.
 fn stages(stages: &Stages<'_>) -> Times {
     let mut times = Times::default();
     let mut plane = TilePlane::default();
@@ -46,7 +46,7 @@ fn stages(stages: &Stages<'_>) -> Times {
         let tile = Tile::new(stages.viewport(), index);
         let at = TileSample { tile: &tile, offset: stages.viewport().pattern.offsets()[0] };
         let start = Instant::now();
-        let visible = stages.visible(at, &mut plane).expect("the SIMD level is there");
+        let visible = stages.visible(at, &mut plane).expect("the SIMD level is supported");
         times.raster += start.elapsed();
         times.fragments += visible.iter().map(VisibleSpan::len).sum::<usize>();
         for (draw, visible) in stages.runs(&visible) {
@@ -80,20 +80,20 @@ fn lighting() -> Lighting {
 fn sphere(criterion: &mut Criterion, name: &str, columns: usize, rows: usize) {
     let mut scene = scenes::embossed_sphere_with(NormalSpace::Tangent, TEXTURE_SIZE, TEXTURE_SIZE);
     let mesh = taotie::mesh::Mesh::sphere(1.0, columns, rows);
-    scene.edit(|scene| scene.meshes = vec![mesh]).expect("the sphere is sound");
+    scene.edit(|scene| scene.meshes = vec![mesh]).expect("the sphere is valid");
     let settings = RenderSettings { samples: 1, ..RenderSettings::default() };
-    let prepared = Prepared::new(scene, &settings.surface).expect("the scene is sound");
+    let prepared = Prepared::new(scene, &settings.surface).expect("the scene is valid");
     let (camera, lighting) = (camera(), lighting());
     let shot = Shot { camera: &camera, lighting: &lighting, settings: &settings };
-    let new_pass = || Pass::new(&prepared, &shot).expect("the settings are sound");
-    let frame = || new_pass().render(Progress::SILENT).expect("the picture fits");
+    let new_pass = || Pass::new(&prepared, &shot).expect("the settings are valid");
+    let frame = || new_pass().render(Progress::SILENT).expect("the image fits");
 
     let pass = new_pass();
     let covered = stages(pass.stages()).fragments as f64 / f64::from(settings.width * settings.height);
-    assert!((0.55..0.65).contains(&covered), "the sphere covers {covered} of the picture");
+    assert!((0.55..0.65).contains(&covered), "the sphere covers {covered} of the image");
 
     let mut group = group(criterion, name);
-    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread is to be had");
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread is available");
     group.bench_function("clip-and-bin", |b| b.iter(|| one_thread.install(new_pass)));
     let mut stage = |name: &str, time: fn(&Times) -> Duration| {
         let run = || time(&one_thread.install(|| stages(pass.stages())));

@@ -1,4 +1,5 @@
-//! Two meshes of one object, a low-poly one and its high-poly reference: how far off are the normals of the first?
+//! Compares two meshes of one object: how far do the normals of the low-poly mesh deviate from its high-poly
+//! reference?
 //!
 //! ```text
 //! cargo run --release -p taotie --example compare
@@ -11,7 +12,7 @@ use taotie::surface::SurfaceMethod;
 use taotie::{Progress, Result};
 
 /// Prints the mean angle between the normals of a coarse sphere and those of a fine one.
-#[allow(clippy::print_stdout, reason = "an example talks")]
+#[allow(clippy::print_stdout, reason = "an example prints")]
 pub fn main() -> Result<()> {
     for (method, degrees) in compare()? {
         println!("{method:<8} {degrees:>6.2}°");
@@ -19,7 +20,7 @@ pub fn main() -> Result<()> {
     Ok(())
 }
 
-/// Returns each method with its mean angular error, degrees.
+/// Returns each method with its mean angular error in degrees.
 pub fn compare() -> Result<Vec<(String, f64)>> {
     let [low, high] = [[24, 12], [512, 256]]
         .map(|[columns, rows]| Scene::of_mesh(Mesh::sphere(1.0, columns, rows), Material::default()));

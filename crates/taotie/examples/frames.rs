@@ -1,16 +1,16 @@
-//! Milliseconds a frame of a model that turns: the side of Taotie in `make bench-render`.
+//! Milliseconds per frame of a rotating model: Taotie's part in `make bench-render`.
 //!
 //! ```text
 //! cargo run --release -p taotie --example frames -- model.glb --environment room.hdr --frames 20
 //! ```
 //!
 //! The model is read and prepared once. It is seen by the file's first camera under the file's lights. From frame to
-//! frame it turns by 0.01 radians about +y (camera, lights and environment go the other way), is drawn and developed
-//! to 8-bit sRGB on an opaque background, which is what a GPU's frame read back is. One line of JSON tells the times.
-//! `--keep FILE` writes the filtered environment, which `--environment` also takes.
-//! With `--ask` it waits for lines `WIDTH HEIGHT FRAMES [PNG]` and answers each so.
+//! frame it rotates by 0.01 radians about +y (camera, lights and environment rotate the other way), is drawn and
+//! developed to 8-bit sRGB on an opaque background, comparable to reading back a GPU's frame. Prints one line of JSON
+//! with the times. `--keep FILE` writes the filtered environment, which `--environment` also accepts. With `--ask` it
+//! waits for lines `WIDTH HEIGHT FRAMES [PNG]` and answers each in this format.
 
-#![allow(clippy::print_stdout, reason = "an example talks")]
+#![allow(clippy::print_stdout, reason = "an example prints")]
 
 use std::io::BufRead;
 use std::path::{Path, PathBuf};
@@ -28,25 +28,25 @@ use taotie::shade::environment::Environment;
 use taotie::shade::{Energy, Shading};
 use taotie::{Error, Result};
 
-/// Radians from frame to frame, counter-clockwise as seen from above.
+/// Radians between frames, counter-clockwise as seen from above.
 const STEP: f64 = 0.01;
 
-/// Frames before those that are timed, at most, and the milliseconds after which no more of them begins.
+/// The maximum number of untimed frames before the timed ones, and the milliseconds after which no more are started.
 const WARM_UP: usize = 3;
 const WARM_ENOUGH: f64 = 300.0;
 
-/// Behind the model: about the codes 13, 13, 15.
+/// The background of the model: about the codes 13, 13, 15.
 const BACKGROUND: Vec3 = Vec3::new(0.004_025, 0.004_025, 0.004_777);
 
 const USAGE: &str = "frames MODEL [--shading NAME] [--environment FILE] [--keep FILE] [--ambient X] [--width N] \
     [--height N] [--frames N] [--threads N] [--simd NAME] [--plain] [--png FILE] [--ask]";
 
-/// What is asked for.
+/// The command-line options.
 struct Options {
     model: PathBuf,
-    /// A picture, or what was kept of one.
+    /// An image, or a filtered environment written by `--keep`.
     environment: Option<PathBuf>,
-    /// Where the environment is kept for another run, filtered.
+    /// The file for the filtered environment, for another run.
     keep: Option<PathBuf>,
     ambient: f32,
     threads: usize,
@@ -56,12 +56,12 @@ struct Options {
     png: Option<PathBuf>,
 }
 
-/// What is timed at once.
+/// The frames timed together.
 struct Request {
     width: u32,
     height: u32,
     frames: usize,
-    /// Where one more frame, not turned, is written to.
+    /// The file for one more frame, not rotated.
     png: Option<PathBuf>,
 }
 
@@ -107,7 +107,7 @@ fn options(mut args: impl Iterator<Item = String>) -> Result<Options> {
     Ok(options)
 }
 
-/// Leaves out what other renderers do not do.
+/// Disables everything that other renderers do not do.
 fn plain(settings: &mut RenderSettings) {
     settings.energy = Energy::Single;
     settings.specular_aa = false;
@@ -169,13 +169,13 @@ fn environment(path: &Path) -> Result<Environment> {
     }
 }
 
-/// A prepared model with all that it is seen by.
+/// A prepared model with its view and lighting.
 struct Studio {
     renderer: Renderer,
     camera: Camera,
     lighting: Lighting,
     settings: RenderSettings,
-    /// The last picture, 8-bit sRGB.
+    /// The last image, 8-bit sRGB.
     codes: Vec<[u8; 4]>,
 }
 
@@ -205,7 +205,7 @@ impl Studio {
         Ok(())
     }
 
-    /// Takes the picture of the model turned by `angle` radians.
+    /// Renders the model rotated by `angle` radians.
     fn frame(&mut self, angle: f64, background: Option<Vec3>) -> Result<()> {
         let camera = Camera {
             world_from_view: Mat4::rotation_about(Vec3::new(0.0, 1.0, 0.0), -angle)
@@ -271,7 +271,7 @@ fn report(times: &[f64], coverage: f64) {
     );
 }
 
-/// The peak of resident memory, MiB; 0 where the system does not tell.
+/// The peak resident memory in MiB; 0 if the system does not report it.
 fn peak_mib() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));

@@ -1,9 +1,9 @@
-//! A scan becomes a light asset, and says how far it is from the scan.
+//! Bakes a scan to a light asset, and reports its deviation from the scan.
 //!
 //! ```text
 //! cargo run --release -p taotie --example scan_to_asset -- scan.ply scan.glb
 //! ```
-#![allow(clippy::print_stdout, reason = "an example talks")]
+#![allow(clippy::print_stdout, reason = "an example prints")]
 
 use std::path::Path;
 use taotie::asset::{BakeOptions, Baker, Limits, Packing, Requirement, Scan, VerifyOptions};
@@ -18,7 +18,7 @@ pub fn run(scan: &Path, asset: &Path, options: BakeOptions) -> Result<String> {
     let proof = written.verify(scan, &VerifyOptions::default(), progress)?;
     let met = proof.require(&[Requirement::mean_angle_deg(2.0), Requirement::missed(0.001)]);
     Ok(format!(
-        "{} triangles, {} bytes; normals off by {:.2}° on average; required: {}",
+        "{} triangles, {} bytes; mean normal error {:.2}°; required: {}",
         baked.levels().next().map_or(0, |mesh| mesh.triangles().len()),
         proof.figures.bytes_out,
         proof
@@ -33,7 +33,7 @@ pub fn run(scan: &Path, asset: &Path, options: BakeOptions) -> Result<String> {
 fn main() -> Result<()> {
     let files: Vec<String> = std::env::args().skip(1).collect();
     let [scan, asset] = files.as_slice() else {
-        return Err(Error::invalid("the arguments", "give the scan's file and the asset's"));
+        return Err(Error::invalid("the arguments", "expected the file of the scan and that of the asset"));
     };
     println!("{}", run(scan.as_ref(), asset.as_ref(), BakeOptions::default())?);
     Ok(())

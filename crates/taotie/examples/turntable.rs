@@ -1,6 +1,6 @@
-//! Pictures of a model from all around: `cargo run --release --example turntable -- model.glb turn 36`.
+//! Renders a model from all sides: `cargo run --release --example turntable -- model.glb turn 36`.
 //!
-//! Without a model a sphere turns. The pictures are `turn.000.png`, `turn.001.png` and so on.
+//! Without a model, a sphere rotates. The images are `turn.000.png`, `turn.001.png` and so on.
 
 use std::path::{Path, PathBuf};
 use taotie::film::Development;
@@ -11,7 +11,7 @@ use taotie::scene::{Material, Scene};
 use taotie::studio::{CameraOptions, Framing, LightOptions, Viewpoint};
 use taotie::{Progress, Result};
 
-/// Takes `count` pictures, `size` pixels wide and high; returns their files.
+/// Renders `count` images, `size` pixels wide and high; returns their files.
 pub fn turntable(scene: &Scene, count: u32, size: u32, output: &Path) -> Result<Vec<PathBuf>> {
     let framing = Framing { size: [size; 2], all_around: true };
     let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, scene)?;
@@ -28,7 +28,7 @@ pub fn turntable(scene: &Scene, count: u32, size: u32, output: &Path) -> Result<
     pictures.collect()
 }
 
-/// Reads the arguments: a model, where pictures go, and how many.
+/// Reads the arguments: a model, the folder of the images, and their number.
 pub fn main() -> Result<()> {
     let [model, output, count] = [1, 2, 3].map(|place| std::env::args().nth(place));
     let scene = match model {

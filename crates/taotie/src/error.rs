@@ -1,22 +1,22 @@
-//! The errors, sorted by who can correct them, and the notes that count what was corrected without an error.
+//! Errors, grouped by who can fix them, and counted warnings about what was corrected without an error.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-/// The result of anything that touches what a user wrote.
+/// The result of anything that processes user input.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// An error, sorted by who can mend it. Its text says where, what was wrong and what to do, in one line: control
-/// characters, as names in files may have, are shown as `\u{fffd}`.
+/// An error, grouped by who can fix it. Its message states the place, the problem and the remedy in one line: control
+/// characters, which names in files may contain, are shown as `\u{fffd}`.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The operating system refused: the path, the disk or the rights need attention.
+    /// The operating system refused: check the path, the disk or the permissions.
     ///
-    /// The text already holds what the system said, so this error has no [`source`](std::error::Error::source):
-    /// neither who prints the text alone nor who prints the whole chain loses or repeats it.
+    /// The message already includes the system's text, so this error has no [`source`](std::error::Error::source):
+    /// printing the message or printing the whole chain gives the same text, once.
     #[error("{}: {}", plain(path.display()), plain(cause))]
     Io {
         /// The file or folder concerned.
@@ -24,33 +24,33 @@ pub enum Error {
         /// The error of the operating system.
         cause: std::io::Error,
     },
-    /// A file does not hold what its format demands: the file needs attention.
+    /// A file violates its format: the file needs fixing.
     #[error("{}: {}: {}", plain(path.display()), plain(at), plain(what))]
     Parse {
         /// The file concerned.
         path: PathBuf,
-        /// The place in the file: a line, a byte, or an element such as `mesh 0, primitive 2, POSITION`.
+        /// The place in the file: a line, a byte offset, or an element such as `mesh 0, primitive 2, POSITION`.
         at: String,
-        /// The fault and its remedy.
+        /// The problem and its remedy.
         what: String,
     },
-    /// A value is outside what the call allows: the caller needs attention.
+    /// A value is outside its valid range: the caller needs to change it.
     #[error("{}: {}", plain(what), plain(why))]
     Invalid {
         /// The value or argument.
         what: String,
-        /// Why it cannot be used, and what can.
+        /// Why it is invalid, and what is valid.
         why: String,
     },
-    /// A file is sound but asks for something this program does not do.
+    /// A file is valid but requires something this program does not do.
     #[error("{} is not supported: {}", plain(what), plain(why))]
     Unsupported {
-        /// The feature asked for.
+        /// The requested feature.
         what: String,
         /// The alternative.
         why: String,
     },
-    /// The request is sound but larger than this program takes.
+    /// The request is valid but exceeds what this program accepts.
     #[error("{} is too large: {}", plain(what), plain(why))]
     Limit {
         /// The thing that is too large.
@@ -58,47 +58,47 @@ pub enum Error {
         /// The limit, and what to do.
         why: String,
     },
-    /// The caller wanted the work to stop: see [`crate::progress::Progress`]. Nothing is half done.
+    /// The caller cancelled the work: see [`crate::progress::Progress`]. Nothing is left half done.
     #[error("cancelled")]
     Cancelled,
 }
 
 impl Error {
-    /// An operating-system error at `path`.
+    /// Creates an operating-system error at `path`.
     pub fn io(path: impl AsRef<Path>, cause: std::io::Error) -> Self {
         Self::Io { path: path.as_ref().to_path_buf(), cause }
     }
 
-    /// A format error in `path`, at the place `at`.
+    /// Creates a format error in `path`, at the place `at`.
     pub fn parse(path: impl AsRef<Path>, at: impl Into<String>, what: impl Into<String>) -> Self {
         Self::Parse { path: path.as_ref().to_path_buf(), at: at.into(), what: what.into() }
     }
 
-    /// A value that cannot be used.
+    /// Creates an error for an invalid value.
     pub fn invalid(what: impl Into<String>, why: impl Into<String>) -> Self {
         Self::Invalid { what: what.into(), why: why.into() }
     }
 
-    /// A feature that is not there.
+    /// Creates an error for an unsupported feature.
     pub fn unsupported(what: impl Into<String>, why: impl Into<String>) -> Self {
         Self::Unsupported { what: what.into(), why: why.into() }
     }
 
-    /// Something that a cargo feature does which this build lacks.
+    /// Creates an error for something that needs a cargo feature missing from this build.
     pub(crate) fn needs_feature(what: impl Into<String>, feature: &str) -> Self {
         Self::unsupported(
             what,
-            format!("this build lacks it; turn on the feature `{feature}` of the crate taotie"),
+            format!("this build lacks it; enable the feature `{feature}` of the crate taotie"),
         )
     }
 
-    /// A request beyond a stated limit.
+    /// Creates an error for a request beyond a stated limit.
     pub fn limit(what: impl Into<String>, why: impl Into<String>) -> Self {
         Self::Limit { what: what.into(), why: why.into() }
     }
 
-    /// Returns the same error with the place before it, such as the file that holds the wrong value. Errors that name
-    /// their file already stay as they are.
+    /// Returns the same error prefixed with its place, such as the file that holds the invalid value. Errors that
+    /// already name their file are unchanged.
     ///
     /// ```
     /// let error = taotie::Error::invalid("roughness", "it must lie between 0 and 1");
@@ -116,7 +116,7 @@ impl Error {
     }
 }
 
-/// Returns a text in one line: control characters are replaced.
+/// Returns a text on one line, with control characters replaced.
 fn plain(text: impl Display) -> String {
     one_line(text.to_string()).into_owned()
 }
@@ -126,17 +126,17 @@ fn one_line<'a>(text: impl Into<Cow<'a, str>>) -> Cow<'a, str> {
     if text.contains(char::is_control) { text.replace(char::is_control, "\u{fffd}").into() } else { text }
 }
 
-/// Things that were wrong but could still be drawn, each counted once a kind, in order of first sight. Each is one line,
-/// as the text of an [`Error`] is.
+/// Problems that could be worked around, each kind with its count, in order of first occurrence. Each is one line,
+/// like the message of an [`Error`].
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Warnings {
     entries: Vec<(String, usize)>,
-    /// The place of each kind among the entries, so that a file may be wrong in any number of ways.
+    /// The index of each kind among the entries, so that a file may have any number of kinds of problems.
     places: HashMap<String, usize>,
 }
 
 impl Warnings {
-    /// Counts `count` more of `what`; a count of zero leaves no entry.
+    /// Adds `count` occurrences of `what`; a count of zero adds no entry.
     pub fn note(&mut self, what: impl Into<String>, count: usize) {
         if count == 0 {
             return;
@@ -151,19 +151,19 @@ impl Warnings {
         }
     }
 
-    /// Takes over all of `other`.
+    /// Adds all of `other`.
     pub fn absorb(&mut self, other: Warnings) {
         for (what, count) in other.entries {
             self.note(what, count);
         }
     }
 
-    /// The kinds and how often each was seen.
+    /// Returns the kinds and how often each occurred.
     pub fn iter(&self) -> impl Iterator<Item = (&str, usize)> {
         self.entries.iter().map(|(what, count)| (what.as_str(), *count))
     }
 
-    /// Says whether nothing was noted.
+    /// Returns true if nothing was noted.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }

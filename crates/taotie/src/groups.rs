@@ -1,6 +1,6 @@
-//! Values in groups, by the number of each group: counted first, then placed, so that nothing is sorted.
+//! Values grouped by group number: counted first, then placed, so that no sorting is needed.
 
-/// The values of each group one after the other, in the order in which they came.
+/// The values of each group, group after group, in the order they came in.
 #[derive(Debug)]
 pub(crate) struct Groups<T> {
     /// The start of each group in `values`, and the end of the last.
@@ -9,9 +9,10 @@ pub(crate) struct Groups<T> {
 }
 
 impl<T: Copy + Default> Groups<T> {
-    /// Takes values, each with its group below `count`. `entries` is called twice and gives the same both times.
+    /// Groups values, each given with its group, which is below `count`. `entries` is called twice and must give the
+    /// same both times.
     pub fn new<I: Iterator<Item = (usize, T)>>(count: usize, entries: impl Fn() -> I) -> Self {
-        // The start of group i waits at i + 1 and moves on to its end, which is the start of the next.
+        // The start of group i begins at index i + 1 and advances to the group's end, which is the start of the next.
         let mut starts = vec![0; count + 2];
         entries().for_each(|(group, _)| starts[group + 2] += 1);
         (2..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
@@ -25,12 +26,12 @@ impl<T: Copy + Default> Groups<T> {
         Self { starts, values }
     }
 
-    /// The number of groups.
+    /// Returns the number of groups.
     pub fn len(&self) -> usize {
         self.starts.len() - 1
     }
 
-    /// The values of a group.
+    /// Returns the values of a group.
     pub fn of(&self, group: usize) -> &[T] {
         &self.values[self.starts[group]..self.starts[group + 1]]
     }

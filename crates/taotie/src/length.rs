@@ -51,10 +51,10 @@ impl Unit {
     }
 }
 
-/// The units that a limit may be written in, with their metres.
+/// The units that a limit may be written in, with their size in metres.
 pub(crate) const OF_LIMITS: [(&str, f64); 7] = [
     ("um", 1e-6),
-    // The micro sign, and the Greek letter that looks like it.
+    // The micro sign, and the identical-looking Greek letter.
     ("\u{b5}m", 1e-6),
     ("\u{3bc}m", 1e-6),
     ("mm", 1e-3),
@@ -63,11 +63,13 @@ pub(crate) const OF_LIMITS: [(&str, f64); 7] = [
     ("in", INCH),
 ];
 
-/// The units that lengths are shown in, by the metres below which each is taken; the last for all that is longer.
+/// The display units of lengths, each with the length in metres below which it is used; the last covers all longer
+/// ones.
 const SHOWN: [(f64, &str, f64); 4] =
     [(1e-4, "µm", 1e-6), (0.1, "mm", 1e-3), (1.0, "cm", 1e-2), (f64::INFINITY, "m", 1.0)];
 
-/// Returns the unit that a length is shown in, and its metres: µm below 0.1 mm, mm below 10 cm, cm below 1 m, else m.
+/// Returns the display unit of a length and its size in metres: µm below 0.1 mm, mm below 10 cm, cm below 1 m, else
+/// m.
 pub(crate) fn shown_unit(metres: f64) -> (&'static str, f64) {
     let size = metres.abs();
     let found = SHOWN.iter().find(|(below, _, _)| size < *below && size > 0.0);
@@ -75,7 +77,7 @@ pub(crate) fn shown_unit(metres: f64) -> (&'static str, f64) {
     (name, *unit)
 }
 
-/// A length of a model as it is shown: in µm, mm, cm or m by its size, or in model units if the model's unit is unknown.
+/// A length of a model for display: in µm, mm, cm or m by its size, or in model units if the model's unit is unknown.
 ///
 /// ```
 /// use taotie::length::{ShownLength, Unit};
@@ -89,14 +91,14 @@ pub(crate) fn shown_unit(metres: f64) -> (&'static str, f64) {
 pub struct ShownLength {
     /// The number, rounded.
     pub value: f64,
-    /// The decimals that it is written with.
+    /// The number of decimals to write.
     pub decimals: usize,
     /// The unit's symbol.
     pub unit: &'static str,
 }
 
 impl ShownLength {
-    /// Rounds a length of a model with coordinates in `unit` to significant digits; 0 digits are taken as 1.
+    /// Rounds a length of a model with coordinates in `unit` to significant digits; 0 digits count as 1.
     pub fn of(length: f64, unit: Option<Unit>, digits: u8) -> Self {
         let (metres, (name, size)) = match unit {
             Some(unit) => {
@@ -119,7 +121,7 @@ impl fmt::Display for ShownLength {
     }
 }
 
-/// Returns the resolution of a texture whose texels have this width on the surface, dots per inch.
+/// Returns the resolution of a texture whose texels have this width on the surface, in dots per inch.
 ///
 /// ```
 /// use taotie::length::{Unit, dpi};
@@ -162,14 +164,15 @@ pub fn place_text(place: [f64; 3], size: f64, unit: Option<Unit>) -> String {
     let decimals = (3 - digits_before_point(size)).clamp(0, 12) as usize;
     let [x, y, z] = place.map(|v| {
         let text = format!("{:.decimals$}", (v * 1e12).round() / 1e12);
-        // What is rounded to zero has no sign.
+        // Values that round to zero get no sign.
         if text.parse() == Ok(0.0) { format!("{:.decimals$}", 0.0) } else { text }
     });
     let unit = unit.map_or_else(String::new, |unit| format!(" {}", unit.name()));
     format!("({x}, {y}, {z}){unit}")
 }
 
-/// Returns the least power of ten that a size does not exceed; of nothing, that of a billionth.
+/// Returns the exponent of the smallest power of ten that is at least the size; sizes below a billionth count as
+/// that.
 fn digits_before_point(size: f64) -> i32 {
     let text = format!("{:e}", size.max(1e-9));
     let (mantissa, exponent) = text.split_once('e').unwrap_or(("1", "0"));
@@ -185,7 +188,7 @@ fn rounded(value: f64, digits: u8) -> (f64, usize) {
             let decimals = usize::try_from(digits as i32 - 1 - exponent).unwrap_or(0);
             (text.parse().unwrap_or(value), decimals)
         }
-        // Infinite, or not a number.
+        // Infinite, or NaN.
         None => (value, 0),
     }
 }
@@ -233,7 +236,7 @@ mod tests {
         assert_eq!(all, [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("in", 0.0254)]);
         assert!(Unit::from_name("ft").unwrap_err().to_string().contains("unit of length `ft`"));
         let of_limits = |name: &str| OF_LIMITS.iter().find(|(own, _)| *own == name).map(|(_, size)| *size);
-        assert!(all.iter().all(|(name, size)| of_limits(name) == Some(*size)), "each is a unit of limits");
+        assert!(all.iter().all(|(name, size)| of_limits(name) == Some(*size)), "all are units of limits");
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Bakes high-poly scans to low-poly glTF with normal maps, renders them by physics, and measures the error.
+//! Bakes high-poly scans to low-poly glTF with normal maps, renders them with physically based shading, and measures
+//! the error.
 //!
 //! The crate is layered; a module imports only from lower layers and never from a sibling:
 //!
@@ -9,12 +10,12 @@
 //! L3   pixel
 //! L2   surface  shade  scene  raster  trace  film  compare
 //! L1   image           mesh
-//! L0   math         error  names  progress  parallel  length
+//! L0   math         error  names  progress  parallel  groups  length
 //! ```
 //!
-//! `raster` and `trace` find *hits*, never colours; `shade` turns numbers into numbers and never sees a scene;
-//! they meet in [`render`]. Only [`io`] reads paths. Nothing prints, and nothing depends on the machine: the same
-//! scene gives the same bits at every SIMD level and with any number of threads.
+//! `raster` and `trace` find *hits*, never colours; `shade` maps numbers to numbers and never sees a scene; they meet
+//! in [`render`]. Only [`io`] reads paths. Nothing prints, and results do not depend on the machine: the same scene
+//! gives the same bits at every SIMD level and with any number of threads.
 //!
 //! ```no_run
 //! use taotie::render::{RenderSettings, Shot, render};

@@ -9,21 +9,21 @@ pub trait Named: Copy + PartialEq + 'static {
     /// Every value with its name.
     const NAMES: &'static [(&'static str, Self)];
 
-    /// The name of this value.
+    /// Returns the name of this value.
     fn name(self) -> &'static str {
         Self::NAMES.iter().find(|(_, value)| *value == self).map_or("", |(name, _)| name)
     }
 
-    /// The value of this name.
+    /// Returns the value with this name.
     ///
     /// # Errors
-    /// [`Error::Invalid`] that lists the names.
+    /// [`Error::Invalid`] listing the valid names.
     fn from_name(name: &str) -> Result<Self> {
         Self::NAMES.iter().find(|(known, _)| *known == name).map(|(_, value)| *value).ok_or_else(|| {
             let known: Vec<&str> = Self::NAMES.iter().map(|(known, _)| *known).collect();
             Error::invalid(
-                format!("{} `{name}`", Self::WHAT),
-                format!("there is none of this name; choose one of: {}", known.join(", ")),
+                format!("unknown {} `{name}`", Self::WHAT),
+                format!("expected one of: {}", known.join(", ")),
             )
         })
     }

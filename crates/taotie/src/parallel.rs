@@ -1,14 +1,14 @@
-//! Loops over several threads, whose machinery is compiled once, whatever the loop does.
+//! Parallel loops whose machinery is compiled only once, for any loop body.
 //!
-//! Rayon's iterators are compiled anew for each loop that is written with them. Here a loop is a function that takes
-//! numbers, and every result stands in the order of the numbers, whatever the threads do.
+//! Rayon's iterators are compiled separately for each loop that uses them. Here a loop is a function of an index, and
+//! all results are in index order, regardless of scheduling.
 
 use crate::error::Result;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// The largest number of elements that a thread takes at once.
+/// The maximum number of elements a thread takes at a time.
 const LONGEST: usize = 4096;
 
 /// Calls `work` with each number below `count`.
@@ -16,21 +16,21 @@ pub(crate) fn each(count: usize, work: &(dyn Fn(usize) + Sync)) {
     (0..count).into_par_iter().with_max_len(1).for_each(work);
 }
 
-/// Calls `work` with each number below `count`, until it fails.
+/// Calls `work` with each number below `count`, until one call fails.
 ///
 /// # Errors
-/// One of those of the work.
+/// One of the errors of the work.
 pub(crate) fn try_each(count: usize, work: &(dyn Fn(usize) -> Result<()> + Sync)) -> Result<()> {
     (0..count).into_par_iter().with_max_len(1).try_for_each(work)
 }
 
-/// Calls `work` with pieces of `size` elements and the number of each; the last one may be shorter.
+/// Calls `work` with the index and elements of each piece of `size` elements; the last one may be shorter.
 pub(crate) fn pieces<T: Send>(all: &mut [T], size: usize, work: &(dyn Fn(usize, &mut [T]) + Sync)) {
     let pieces: Vec<Mutex<&mut [T]>> = all.chunks_mut(size.max(1)).map(Mutex::new).collect();
     each(pieces.len(), &|i| work(i, &mut pieces[i].lock().unwrap_or_else(PoisonError::into_inner)));
 }
 
-/// Calls `change` with each element and its number.
+/// Calls `change` with the index of each element and the element.
 pub(crate) fn change<T: Send>(all: &mut [T], change: impl Fn(usize, &mut T) + Sync) {
     let size = piece_size(all.len());
     pieces(all, size, &|piece, part| {
@@ -47,7 +47,7 @@ pub(crate) fn collect<T: Send + Default + Clone>(count: usize, value: impl Fn(us
     values
 }
 
-/// Returns the value of each number below `count`, where each is long work: one number at a time.
+/// Returns the value of each number below `count`, for expensive tasks: one number at a time.
 pub(crate) fn tasks<T: Send>(count: usize, task: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> {
     let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();
     pieces(&mut results, 1, &|i, slot| slot[0] = Some(task(i)));
@@ -64,13 +64,13 @@ pub(crate) fn filter(count: usize, is: impl Fn(usize) -> bool + Sync) -> Vec<usi
     parts.concat()
 }
 
-/// Returns for how many numbers below `count` `is` holds.
+/// Returns the count of numbers below `count` for which `is` holds.
 pub(crate) fn count(count: usize, is: impl Fn(usize) -> bool + Sync) -> usize {
     fold(count, |sum: &mut usize, i| *sum += usize::from(is(i))).into_iter().sum()
 }
 
-/// Returns sums over pieces of the numbers below `count`, in order; each begins with the default. The pieces depend on
-/// the number of threads.
+/// Returns sums over pieces of the numbers below `count`, in order; each starts from the default. The pieces depend
+/// on the number of threads.
 pub(crate) fn fold<T: Send + Default>(count: usize, add: impl Fn(&mut T, usize) + Sync) -> Vec<T> {
     let size = piece_size(count);
     tasks(count.div_ceil(size), &|piece| {
@@ -80,12 +80,12 @@ pub(crate) fn fold<T: Send + Default>(count: usize, add: impl Fn(&mut T, usize) 
     })
 }
 
-/// The number of elements that a thread takes at once: several pieces a thread, since some take longer than others.
+/// The number of elements a thread takes at a time: several pieces per thread, since some take longer than others.
 fn piece_size(count: usize) -> usize {
     count.div_ceil(rayon::current_num_threads() * 32).clamp(1, LONGEST)
 }
 
-/// Returns the first number below `count` for which `is` holds. Pieces behind one with such a number are left out.
+/// Returns the first number below `count` for which `is` holds. Pieces after one with such a number are skipped.
 pub(crate) fn first(count: usize, is: impl Fn(usize) -> bool + Sync) -> Option<usize> {
     let size = piece_size(count);
     let lowest = AtomicUsize::new(count);
@@ -99,10 +99,10 @@ pub(crate) fn first(count: usize, is: impl Fn(usize) -> bool + Sync) -> Option<u
     (lowest < count).then_some(lowest)
 }
 
-/// Returns the value of each number below `count`, where each is long work as in [`tasks`], until it fails.
+/// Returns the value of each number below `count`, for expensive tasks as in [`tasks`], until one fails.
 ///
 /// # Errors
-/// One of those of the work.
+/// One of the errors of the work.
 pub(crate) fn try_tasks<T: Send>(count: usize, task: &(dyn Fn(usize) -> Result<T> + Sync)) -> Result<Vec<T>> {
     let slots: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
     try_each(count, &|i| {
@@ -148,8 +148,8 @@ mod tests {
         for len in [0usize, 1, 63, 100_000] {
             for wanted in [0, 1, len / 2, len.saturating_sub(1), len] {
                 let expected = (wanted..len).next();
-                assert_eq!(first(len, |i| i >= wanted), expected, "one of {len} and all behind it");
-                assert_eq!(first(len, |i| i == wanted), expected, "one alone of {len}");
+                assert_eq!(first(len, |i| i >= wanted), expected, "one of {len} and all after it");
+                assert_eq!(first(len, |i| i == wanted), expected, "only one of {len}");
             }
         }
     }

@@ -6,15 +6,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
-/// The interval at which a listener is asked whether to go on, while work runs on other threads.
+/// How often a listener is asked whether to continue while work runs on other threads.
 const POLL: Duration = Duration::from_millis(20);
 
-/// A caller's function: takes the stage and the fraction of it that is done, in [0, 1], and returns whether to go on.
+/// A caller's function: takes the stage and its completed fraction, in [0, 1], and returns whether to continue.
 ///
-/// It is called from any thread, several at once.
+/// It may be called from any thread, and concurrently.
 pub type Listener<'a> = dyn Fn(&'static str, f64) -> bool + Sync + 'a;
 
-/// A line to the caller of long work: it tells how far the work has come and carries the wish to stop back.
+/// Reports progress to the caller and lets the caller cancel.
 ///
 /// ```
 /// use taotie::{Error, progress::Progress};
@@ -39,34 +39,34 @@ impl<'a> Progress<'a> {
     /// Reports to no listener and never stops.
     pub const SILENT: Progress<'static> = Progress { listener: None, stage: "", range: [0.0, 1.0] };
 
-    /// Tells `listener`.
+    /// Reports to `listener`.
     pub fn new(listener: &'a Listener<'a>) -> Self {
         Self { listener: Some(listener), ..Progress::SILENT }
     }
 
-    /// Returns the same progress line for a separate stage, from 0 to 1.
+    /// Returns the same progress reporter for a separate stage, from 0 to 1.
     pub fn stage(self, stage: &'static str) -> Self {
         Self { stage, range: [0.0, 1.0], ..self }
     }
 
-    /// Begins a stage: tells that nothing of it is done, and returns the line for it.
+    /// Begins a stage: reports 0 for it and returns its progress reporter.
     ///
     /// # Errors
-    /// [`Error::Cancelled`] where the listener wants the work to stop.
+    /// [`Error::Cancelled`] if the listener cancels the work.
     pub fn begin(self, stage: &'static str) -> Result<Self> {
         let begun = self.stage(stage);
         begun.at(0.0).map(|()| begun)
     }
 
-    /// Returns the same line for work that takes this stage from the fraction `from` to the fraction `to`.
+    /// Returns the progress reporter for work that takes this stage from the fraction `from` to the fraction `to`.
     pub fn part(self, from: f64, to: f64) -> Self {
         Self { range: [from, to].map(|fraction| self.overall(fraction)), ..self }
     }
 
-    /// Tells that the fraction `done` of the work, in [0, 1], is behind.
+    /// Reports that the fraction `done` of the work, in [0, 1], is complete.
     ///
     /// # Errors
-    /// [`Error::Cancelled`] where the listener wants the work to stop.
+    /// [`Error::Cancelled`] if the listener cancels the work.
     pub fn at(&self, done: f64) -> Result<()> {
         match self.listener {
             Some(listener) if !listener(self.stage, self.overall(done)) => Err(Error::Cancelled),
@@ -74,15 +74,15 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Does work on separate threads, as many as the caller's pool has, and asks the listener about every 20 ms whether
-    /// to go on, however long the work reports nothing. So long calls that cannot be split do not delay a cancel.
+    /// Runs work on separate threads, as many as the caller's pool has, and asks the listener about every 20 ms
+    /// whether to continue, even if the work reports nothing for longer. Long calls that cannot be split thus do not
+    /// delay cancellation.
     ///
-    /// The listener is called from the caller's thread alone. Without a listener that thread does the work itself.
+    /// The listener is called only from the caller's thread. Without a listener, that thread does the work itself.
     ///
     /// # Errors
-    /// Those of the work; [`Error::Cancelled`], at once, where the listener wants it to stop: the work then ends by
-    /// itself, where it next tells how far it is, and its result is dropped. [`Error::Limit`] where the system has no
-    /// more threads.
+    /// Those of the work; [`Error::Cancelled`], immediately, if the listener cancels: the work then stops at its next
+    /// progress report, and its result is dropped. [`Error::Limit`] if the system cannot start more threads.
     pub fn apart<T: Send + 'static>(
         self,
         work: impl FnOnce(Progress<'_>) -> Result<T> + Send + 'static,
@@ -95,19 +95,19 @@ impl<'a> Progress<'a> {
         let thread = std::thread::Builder::new()
             .spawn(move || begin.work(work, &news, &is_stopped))
             .map_err(|error| no_threads(&error))?;
-        let mut told = Told { stage: self.stage, fraction: self.overall(0.0) };
+        let mut reported = Report { stage: self.stage, fraction: self.overall(0.0) };
         loop {
             match received.recv_timeout(POLL) {
                 Ok(News::Done(result)) => return result,
-                Ok(News::Told(news)) => told = news,
+                Ok(News::Report(news)) => reported = news,
                 Err(RecvTimeoutError::Timeout) => {}
-                // It ended without a result, so it panicked: that goes on here.
+                // The thread ended without a result, so it panicked: propagate that panic.
                 Err(RecvTimeoutError::Disconnected) => match thread.join() {
                     Err(panic) => std::panic::resume_unwind(panic),
                     Ok(()) => return Err(Error::Cancelled),
                 },
             }
-            if !listener(told.stage, told.fraction) {
+            if !listener(reported.stage, reported.fraction) {
                 stopped.store(true, Ordering::Relaxed);
                 return Err(Error::Cancelled);
             }
@@ -120,15 +120,15 @@ impl<'a> Progress<'a> {
     }
 }
 
-/// The progress of work on other threads.
-struct Told {
+/// The latest progress of work on other threads.
+struct Report {
     stage: &'static str,
     fraction: f64,
 }
 
 /// A message from work on other threads to its caller.
 enum News<T> {
-    Told(Told),
+    Report(Report),
     Done(Result<T>),
 }
 
@@ -146,9 +146,9 @@ impl Begin {
         news: &mpsc::Sender<News<T>>,
         stopped: &AtomicBool,
     ) {
-        // A caller that has gone hears nothing; the work is stopped then.
+        // If the caller has gone, sending fails and the work stops.
         let listener = |stage: &'static str, fraction: f64| {
-            news.send(News::Told(Told { stage, fraction })).is_ok() && !stopped.load(Ordering::Relaxed)
+            news.send(News::Report(Report { stage, fraction })).is_ok() && !stopped.load(Ordering::Relaxed)
         };
         let progress = Progress { listener: Some(&listener), stage: self.stage, range: self.range };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build();
@@ -161,7 +161,7 @@ impl Begin {
 }
 
 fn no_threads(error: &dyn std::error::Error) -> Error {
-    Error::limit("the number of threads", format!("the system starts no more of them ({error}); use fewer"))
+    Error::limit("the number of threads", format!("the system cannot start more ({error}); use fewer"))
 }
 
 impl std::fmt::Debug for Progress<'_> {
@@ -177,9 +177,9 @@ mod tests {
 
     #[test]
     fn parts_of_parts_lie_within_their_stage() {
-        let told = Mutex::new(Vec::new());
+        let reported = Mutex::new(Vec::new());
         let listener = |stage: &'static str, done: f64| {
-            told.lock().unwrap().push((stage, done));
+            reported.lock().unwrap().push((stage, done));
             true
         };
         let second_half = Progress::new(&listener).stage("bake").part(0.5, 1.0);
@@ -187,14 +187,17 @@ mod tests {
         second_half.part(0.0, 0.5).at(1.0).unwrap();
         second_half.at(7.0).unwrap();
         second_half.stage("store").at(0.25).unwrap();
-        assert_eq!(*told.lock().unwrap(), [("bake", 0.75), ("bake", 0.75), ("bake", 1.0), ("store", 0.25)]);
+        assert_eq!(
+            *reported.lock().unwrap(),
+            [("bake", 0.75), ("bake", 0.75), ("bake", 1.0), ("store", 0.25)]
+        );
     }
 
     #[test]
     fn work_apart_tells_all_its_stages_and_gives_its_result() {
-        let told = Mutex::new(Vec::new());
+        let reported = Mutex::new(Vec::new());
         let listener = |stage: &'static str, done: f64| {
-            told.lock().unwrap().push((stage, done));
+            reported.lock().unwrap().push((stage, done));
             true
         };
         let result = Progress::new(&listener).apart(|progress| {
@@ -203,17 +206,17 @@ mod tests {
             Ok(rayon::current_num_threads())
         });
         assert_eq!(result.unwrap(), rayon::current_num_threads());
-        let mut told = told.into_inner().unwrap();
-        told.dedup();
-        told.retain(|(stage, _)| !stage.is_empty());
-        assert_eq!(told, [("read", 0.0), ("sort", 0.0), ("sort", 0.75)]);
+        let mut reported = reported.into_inner().unwrap();
+        reported.dedup();
+        reported.retain(|(stage, _)| !stage.is_empty());
+        assert_eq!(reported, [("read", 0.0), ("sort", 0.0), ("sort", 0.75)]);
     }
 
     #[test]
     fn work_that_says_nothing_does_not_delay_a_cancel() {
         let (release, held) = mpsc::channel::<()>();
         let result = Progress::new(&|_, _| false).apart(move |_| {
-            // It ends when the test does: not before the caller has come back.
+            // The work ends only after the test has: the caller returns first.
             let _ = held.recv();
             Ok(())
         });

@@ -1,13 +1,19 @@
-//! The rules that keep the house in order, checked on the source text: who may import whom, who may touch the
-//! system, how large a file may be, and how many arguments a function may take.
-#![allow(clippy::print_stderr)]
+//! The rules that keep the code base in order, checked on the source text: which modules may import one another,
+//! which may access the system, how long a file may be, and how many arguments a function may take.
+#![allow(clippy::print_stderr, clippy::print_stdout)]
 
 #[path = "architecture/arguments.rs"]
 mod arguments;
 #[path = "architecture/cycles.rs"]
 mod cycles;
+#[path = "architecture/english.rs"]
+mod english;
 #[path = "architecture/exceptions.rs"]
 mod exceptions;
+#[path = "architecture/figures.rs"]
+mod figures;
+#[path = "architecture/public_names.rs"]
+mod public_names;
 #[path = "architecture/scanner.rs"]
 mod scanner;
 
@@ -16,10 +22,11 @@ use scanner::{Found, scan};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Every module at the top of the crate with its layer. A module imports from lower layers only: those of one layer
+/// Every top-level module of the crate with its layer. A module imports only from lower layers; modules of the same
+/// layer
 /// never see each other.
 const LAYERS: [(&str, u32); 26] = [
-    // Everybody's ground: `math` too reports errors and has values chosen by name.
+    // The foundation of everything: `math` too reports errors and has values chosen by name.
     ("error", 0),
     ("names", 1),
     ("progress", 1),
@@ -48,11 +55,11 @@ const LAYERS: [(&str, u32); 26] = [
     ("comparison", 8),
 ];
 
-/// The names that the crate's root gives again, and the module that they come from.
+/// The names re-exported by the crate's root, and the modules that they come from.
 const RENAMED: [(&str, &str); 4] =
     [("Error", "error"), ("Result", "error"), ("Warnings", "error"), ("Progress", "progress")];
 
-/// Parts of `std` that meet the system, and who may use them.
+/// Parts of `std` that access the system, and the modules that may use them.
 const SYSTEM: [(&str, &[&str]); 6] = [
     ("env", &["io"]),
     ("fs", &["io"]),
@@ -62,17 +69,17 @@ const SYSTEM: [(&str, &[&str]); 6] = [
     ("time", &["io"]),
 ];
 
-/// The most arguments of a function, tuples opened.
+/// The most arguments of a function, counting the elements of tuples.
 const MOST_ARGUMENTS: usize = 4;
 
-/// The longest file.
+/// The most lines of a file.
 const MOST_LINES: usize = 600;
 
 fn source() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
 }
 
-/// Every Rust file below `folder` but in folders named `target`; sorted.
+/// Returns every Rust file in `folder`, at any depth, except in folders named `target`; sorted.
 fn rust_files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut waiting = vec![folder.to_path_buf()];
@@ -90,7 +97,7 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The module path of a file below `src`: `io/gltf/mod.rs` is `io`, `gltf`.
+/// Returns the module path of a file in `src`: `io/gltf/mod.rs` is `io`, `gltf`.
 fn module_of(file: &Path) -> Vec<String> {
     let parts = file.with_extension("");
     let mut parts: Vec<String> = parts.iter().map(|part| part.to_string_lossy().into_owned()).collect();
@@ -107,7 +114,7 @@ fn layer(module: &str) -> Result<u32, String> {
     })
 }
 
-/// What is wrong with the source text of the module `module`.
+/// Returns the violations in the source text of the module `module`.
 fn violations(module: &[String], text: &str) -> Vec<String> {
     let Some(own) = module.first() else { return Vec::new() };
     let wrong = |found: Found| match found {
@@ -124,9 +131,9 @@ fn violations(module: &[String], text: &str) -> Vec<String> {
 fn wrong_import(own: &str, path: &[String]) -> Option<String> {
     let part = |index: usize| path.get(index).map_or("", String::as_str);
     match part(0) {
-        // Only `pub(crate)` is as short as this.
+        // `pub(crate)` is the only path this short.
         "crate" if path.len() > 1 => wrong_layer(own, part(1)),
-        // A length of time is no clock.
+        // A duration does not read the clock.
         "std" if part(2) != "Duration" => {
             let (_, allowed) = SYSTEM.iter().find(|(name, _)| *name == part(1))?;
             let refused = !allowed.contains(&own);
@@ -184,12 +191,12 @@ fn every_file_of_the_workspace_opens_with_its_purpose_and_is_short() {
     {
         let text = std::fs::read_to_string(&file).expect("the file is readable");
         if !text.starts_with("//!") {
-            faults.push(format!("{}: it must open with `//!` and say what it is for", file.display()));
+            faults.push(format!("{}: missing `//!` comment that describes it", file.display()));
         }
         let lines = text.lines().count();
         if lines > MOST_LINES {
             faults.push(format!(
-                "{}: {lines} lines; at most {MOST_LINES}: split it by concept",
+                "{}: {lines} lines, at most {MOST_LINES}: split it by concept",
                 file.display()
             ));
         }
@@ -228,7 +235,7 @@ fn the_scanner_catches_what_is_wrong() {
     ]);
     for (own, texts) in cases {
         for (text, expected) in texts {
-            // As if in a file one level below.
+            // As if in a file one level deeper.
             let found = violations(&[own.to_string(), "part".to_string()], text);
             assert_eq!(found.len(), *expected, "{own}: {text}: {found:?}");
         }
@@ -243,7 +250,7 @@ fn the_missing_layer_is_explained() {
     assert_eq!(module_of(Path::new("lib.rs")), Vec::<String>::new());
 }
 
-/// The files of the crate's modules.
+/// Returns the files of the crate's modules.
 fn files() -> cycles::Files {
     let (source, mut files) = (source(), cycles::Files::default());
     for file in rust_files(&source) {
@@ -261,9 +268,9 @@ fn no_module_imports_itself_in_a_circle() {
     let faults = found.iter().filter(|files| !excepted(files)).map(|files| {
         format!("these files import one another; move what they share to a lower file: {}", files.join(", "))
     });
-    let mended = CIRCLES.iter().filter(|(circle, _)| !found.iter().any(|files| circle.iter().eq(files)));
-    let mended = mended.map(|(circle, _)| format!("no circle any more, strike it from CIRCLES: {circle:?}"));
-    report(&faults.chain(mended).collect::<Vec<_>>());
+    let fixed = CIRCLES.iter().filter(|(circle, _)| !found.iter().any(|files| circle.iter().eq(files)));
+    let fixed = fixed.map(|(circle, _)| format!("no longer a circle, remove it from CIRCLES: {circle:?}"));
+    report(&faults.chain(fixed).collect::<Vec<_>>());
 }
 
 #[test]
@@ -288,9 +295,9 @@ fn functions_take_few_arguments() {
             format!("{file}: `{name}` takes {count} arguments; bundle what travels together in a struct")
         });
     let listed = LONG_FUNCTIONS.iter().map(|(file, name)| (file.to_string(), name.to_string()));
-    let mended = listed.filter(|key| !found.contains_key(key));
-    let mended = mended.map(|(file, name)| format!("{file}: strike `{name}` from LONG_FUNCTIONS"));
-    report(&faults.chain(mended).collect::<Vec<_>>());
+    let fixed = listed.filter(|key| !found.contains_key(key));
+    let fixed = fixed.map(|(file, name)| format!("{file}: remove `{name}` from LONG_FUNCTIONS"));
+    report(&faults.chain(fixed).collect::<Vec<_>>());
 }
 
 #[test]

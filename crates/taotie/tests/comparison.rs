@@ -1,4 +1,4 @@
-//! What a comparison says of surfaces whose normals are known, what it refuses, and how it is stopped.
+//! Comparisons of surfaces with known normals: their results, the errors for invalid options, and cancellation.
 
 #[path = "../examples/compare.rs"]
 mod example;
@@ -32,7 +32,7 @@ fn the_example_finds_the_angle_of_facets() {
     let figures = example::compare().expect("both methods can be drawn");
     let [(facet, facets), (smooth, vertices)] = figures.as_slice() else { panic!("{figures:?}") };
     assert_eq!((facet.as_str(), smooth.as_str()), ("facet", "smooth"));
-    // Facets of 15° by 15° are off by up to 10.6° at their corners, and by 0 in their middle.
+    // Facets of 15° by 15° are off by up to 10.6° at their corners, and by 0 in the middle.
     assert!((3.0..6.0).contains(facets), "{facets}");
     assert!(*vertices < 0.5, "{vertices}");
 }
@@ -81,10 +81,13 @@ fn what_cannot_be_compared_is_refused() {
         (ComparisonOptions { methods: Vec::new(), ..options() }, "at least one"),
         (ComparisonOptions { methods: vec![factor], ..options() }, "only bump and bump-printed"),
         (ComparisonOptions { methods: vec![SurfaceMethod::Bump.into()], ..options() }, "none of the methods"),
-        (ComparisonOptions { baseline: Some(Shading::Ggx), ..options() }, "the baseline ggx: it is measured"),
+        (
+            ComparisonOptions { baseline: Some(Shading::Ggx), ..options() },
+            "the baseline ggx: there is nothing",
+        ),
         (ComparisonOptions { baseline: Some(Shading::Phong), ..options() }, "the baseline phong"),
         (ComparisonOptions { settings: endless, ..options() }, "4294967295"),
-        (ComparisonOptions { development: transparent, ..options() }, "before a background"),
+        (ComparisonOptions { development: transparent, ..options() }, "over a background"),
         (ComparisonOptions { points: SamplePoints::Pixels(vec![[64, 0]]), ..options() }, "64,0"),
     ];
     for (options, why) in wrong {
@@ -104,23 +107,23 @@ fn a_reference_elsewhere_is_warned_about() {
     let subject = Subject::new("ball", &scene).with_reference("other.ply", &elsewhere);
     let comparison = Comparison::of(&subject, &options(), Progress::SILENT).unwrap();
     let warnings = comparison.report().warnings;
-    assert!(warnings[0].what.starts_with("other.ply: place or size differs"), "{warnings:?}");
+    assert!(warnings[0].what.starts_with("other.ply: position or size differs"), "{warnings:?}");
 }
 
 #[test]
 fn progress_rises_to_the_end_and_stops_the_work() {
     let scene = ball();
     let subject = Subject::new("ball", &scene).with_reference("itself", &scene);
-    let told = Mutex::new(Vec::new());
+    let heard = Mutex::new(Vec::new());
     let listener = |stage: &'static str, done: f64| {
         assert_eq!(stage, "compare");
-        told.lock().unwrap().push(done);
+        heard.lock().unwrap().push(done);
         true
     };
     let all = ComparisonOptions { methods: vec![SurfaceMethod::Smooth.into()], ..options() };
     Comparison::of(&subject, &all, Progress::new(&listener)).unwrap();
-    let told = told.into_inner().unwrap();
-    assert!(told.len() > 4 && told.is_sorted(), "{told:?}");
+    let heard = heard.into_inner().unwrap();
+    assert!(heard.len() > 4 && heard.is_sorted(), "{heard:?}");
     let half = |_: &'static str, done: f64| done < 0.5;
     let stopped = Comparison::of(&subject, &all, Progress::new(&half));
     assert!(matches!(stopped, Err(Error::Cancelled)));

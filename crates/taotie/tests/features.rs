@@ -1,4 +1,4 @@
-//! What a build without a feature cannot read is an error that names the feature; with it, it is read.
+//! Formats whose feature is disabled give an error that names the feature; with the feature they are read.
 
 use std::path::{Path, PathBuf};
 use taotie::io::{decode_bitmap, load_model, read_bitmap};
@@ -41,7 +41,7 @@ fn required_extensions_name_their_feature() {
     assert_said("Draco", load_model(&own("meshes/patch-draco-sequential.glb")), draco);
 }
 
-/// What needs no feature is read in every build.
+/// Formats without a feature are read in every build.
 #[test]
 fn the_rest_is_read_always() {
     assert!(load_model(&own("meshes/patch.glb")).is_ok());

@@ -1,5 +1,5 @@
-//! Images by others: PngSuite decodes to the right numbers, damaged files end in one line, nothing panics. A program of
-//! its own, since the peak of its memory is looked at.
+//! Images by others: PngSuite decodes to the right numbers, damaged files end in a one-line error, nothing panics.
+//! This is a separate program, since its peak memory is checked.
 
 mod common;
 #[path = "common/files.rs"]
@@ -19,7 +19,7 @@ use taotie::io::{decode_bitmap, read_bitmap};
 
 const EXTENSIONS: [&str; 9] = ["png", "jpg", "jpeg", "webp", "avif", "ktx2", "tga", "hdr", "exr"];
 
-/// A picture of this repository.
+/// Returns the path of a picture in this repository.
 #[cfg(any(feature = "avif", feature = "webp", feature = "basis"))]
 fn own(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/pictures").join(name)
@@ -39,12 +39,13 @@ fn one_line(error: &taotie::Error, path: &Path) {
     assert!(text.contains(&*path.file_name().unwrap().to_string_lossy()), "{text}");
 }
 
-/// Width and height from the header itself.
+/// Returns width and height from the file's header.
 fn header_size(bytes: &[u8]) -> [u32; 2] {
     [16, 20].map(|at| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap()))
 }
 
-/// PngSuite's names end in colour type, its letter and the bits a sample, such as `2c16`; names with `x` are damaged.
+/// PngSuite's names end in colour type, its letter and the bits per sample, such as `2c16`; names with `x` are
+/// damaged.
 #[test]
 fn pngsuite_by_its_naming_rule() {
     for path in pngsuite() {
@@ -69,16 +70,16 @@ fn pngsuite_by_its_naming_rule() {
     }
 }
 
-/// Texels of 8 bits, as an 8-bit program would show them.
+/// Returns texels of 8 bits, as an 8-bit program would show them.
 fn as_u8(bitmap: &Bitmap) -> Vec<u8> {
     match bitmap.texels() {
         Texels::U8(t) => t.as_flattened().to_vec(),
         Texels::U16(t) => t.as_flattened().iter().map(|v| (v >> 8) as u8).collect(),
-        Texels::F32(_) => panic!("a PNG has no float"),
+        Texels::F32(_) => panic!("a PNG has no floats"),
     }
 }
 
-/// The dumps beside PngSuite come from another program.
+/// The dumps next to PngSuite were made by another program.
 #[test]
 fn pngsuite_texels_equal_the_dumps() {
     let Some(folder) = data_folder("pngsuite") else { return };
@@ -91,8 +92,8 @@ fn pngsuite_texels_equal_the_dumps() {
     assert!(!dumps.is_empty());
 }
 
-/// A name without the letter that says how a picture is stored: interlaced or not (`basi`, `basn`, `s05i`, `s05n`), in
-/// how many chunks (`oi1` …), compressed how hard (`z00` …).
+/// Returns a name without the letter for how the picture is stored: interlaced or not (`basi`, `basn`, `s05i`,
+/// `s05n`), in how many chunks (`oi1` …), at which compression level (`z00` …).
 fn picture_of(name: &str) -> String {
     let letter = match &name[..2] {
         "ba" | "s0" | "s3" | "s4" => 3,
@@ -126,7 +127,7 @@ fn lossless_webp_is_the_picture_it_was_made_from() {
     assert_eq!(webp, png);
 }
 
-/// Against libwebp's own decoder.
+/// Compares with libwebp's own decoder.
 #[cfg(feature = "webp")]
 #[test]
 fn lossy_webp_is_what_libwebp_makes_of_it() {
@@ -135,7 +136,7 @@ fn lossy_webp_is_what_libwebp_makes_of_it() {
     assert_eq!(as_u8(&webp), as_u8(&png));
 }
 
-/// Against libavif, which computes colours in integers, and of 10 bits takes the upper 8.
+/// Compares with libavif, which computes colours in integers, and takes the upper 8 of 10 bits.
 #[cfg(feature = "avif")]
 #[test]
 fn avif_is_what_libavif_makes_of_it() {
@@ -158,7 +159,7 @@ fn avif_is_what_libavif_makes_of_it() {
     }
 }
 
-/// Damaged files end in an error, or in an image.
+/// Damaged files end in an error or in an image.
 #[cfg(feature = "avif")]
 #[test]
 fn damaged_avif_does_not_panic() {
@@ -173,7 +174,7 @@ fn damaged_avif_does_not_panic() {
     assert!(refused.count() > seed.len() / 8);
 }
 
-/// Against Basis Universal's own transcoder: ETC1S with and without alpha, UASTC plain and under Zstandard.
+/// Compares with Basis Universal's own transcoder: ETC1S with and without alpha, UASTC plain and with Zstandard.
 #[cfg(feature = "basis")]
 #[test]
 fn ktx2_is_what_basis_universal_makes_of_it() {
@@ -181,7 +182,7 @@ fn ktx2_is_what_basis_universal_makes_of_it() {
         let [ktx2, png] = ["ktx2", "png"].map(|kind| read_bitmap(&own(&format!("{name}.{kind}"))).unwrap());
         assert_eq!((ktx2.width(), ktx2.height(), ktx2.channels()), (40, 24, channels), "{name}");
         assert!(as_u8(&ktx2) == as_u8(&png), "{name}");
-        // And that is the picture that was compressed, but for what the compression costs.
+        // It is the compressed picture, up to the compression loss.
         let waves = as_u8(&read_bitmap(&own("waves.png")).unwrap());
         let colors = as_u8(&ktx2).into_iter().zip(waves).enumerate().filter(|(i, _)| i % 4 < channels.into());
         let squares: Vec<f64> =
@@ -191,7 +192,7 @@ fn ktx2_is_what_basis_universal_makes_of_it() {
     }
 }
 
-/// A header may promise anything; none of it is allocated before it can be true.
+/// A header may claim anything; nothing is allocated before the claim can be true.
 #[cfg(feature = "basis")]
 #[test]
 fn ktx2_headers_that_cannot_be_true() {
@@ -213,12 +214,12 @@ fn ktx2_headers_that_cannot_be_true() {
     }
 }
 
-/// A picture of one colour takes few bytes at any size: it is read up to 4096 × 4096 and refused beyond.
+/// A picture of a single colour takes few bytes at any size: it is read up to 4096 × 4096 and refused beyond.
 #[cfg(feature = "webp")]
 #[test]
 fn plain_webp_is_read_and_a_bomb_is_not() {
     let plain = |side: u32| {
-        // RIFF, VP8L, its signature, width and height less one in 14 bits each, no transform, no cache, no groups,
+        // RIFF, VP8L, its signature, width and height minus one in 14 bits each, no transform, no cache, no groups,
         // and five codes of a single symbol, so that texels take no bits.
         let size = (side - 1) | (side - 1) << 14;
         let mut data = vec![0x2f];
@@ -252,7 +253,7 @@ fn images_of_every_folder_load_or_say_why() {
     memory_stayed_small();
 }
 
-/// Damaged OpenEXR files keep no extension; they are told by their first bytes.
+/// Damaged OpenEXR files have no extension; they are recognised by their first bytes.
 #[cfg(feature = "exr")]
 #[test]
 fn damaged_exr_files_end_in_one_line() {
@@ -274,7 +275,7 @@ fn damaged_exr_files_end_in_one_line() {
     memory_stayed_small();
 }
 
-/// Cut short or with bytes changed, small images load or fail; they never panic.
+/// Truncated or with bytes changed, small images load or fail; they never panic.
 #[test]
 fn damaged_variants_never_panic() {
     let folders = ["malformed-and-odd-inputs", "pngsuite"];
@@ -311,7 +312,7 @@ impl Random {
     }
 }
 
-/// Where the system tells the peak of this process's memory, it stayed under 3 GiB.
+/// Checks that this process's peak memory stayed under 3 GiB, if the system reports it.
 fn memory_stayed_small() {
     let Ok(status) = std::fs::read_to_string("/proc/self/status") else { return };
     let peak =

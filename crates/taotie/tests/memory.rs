@@ -1,4 +1,5 @@
-//! The memory that a bake is said to need, held against what it takes. The peak is that of the process, so this file has
+//! The memory estimate of a bake, compared with the memory it takes. The peak is that of the process, so this file
+//! has
 //! one test.
 
 use taotie::Progress;
@@ -10,7 +11,7 @@ use taotie::scene::{
     GreenChannel, Instance, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef, UvTransform,
 };
 
-/// A ball of a million triangles with a normal map, and without tangents.
+/// Returns a ball of a million triangles with a normal map, and without tangents.
 fn mapped_ball() -> Scene {
     let data = Mesh::sphere(1.0, 1000, 501).into_data();
     let texture =
@@ -27,7 +28,7 @@ fn mapped_ball() -> Scene {
     .unwrap()
 }
 
-/// The peak of this process's memory so far; `None` where the system does not tell.
+/// Returns this process's peak memory so far; `None` if the system does not report it.
 fn peak() -> Option<Bytes> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
@@ -44,6 +45,6 @@ fn tangents_of_a_scan_take_what_was_said() {
     file.into_scan(Progress::SILENT).unwrap();
     let Some(peak) = peak() else { return };
     let said = need.bytes();
-    assert!(peak <= said, "{peak} were taken, {said} were said");
-    assert!(Bytes(peak.0 * 2) >= said, "{peak} were taken, {said} were said");
+    assert!(peak <= said, "{peak} taken, {said} estimated");
+    assert!(Bytes(peak.0 * 2) >= said, "{peak} taken, {said} estimated");
 }

@@ -1,4 +1,5 @@
-//! The memory that a glTF file with its bytes in `data:` URIs is said to need, held against what it takes. The peak is that
+//! The memory estimate of a glTF file with its bytes in `data:` URIs, compared with the memory it takes. The peak is
+//! that
 //! of the process, so this file has one test.
 
 use std::fs::File;
@@ -12,7 +13,7 @@ const CORNERS: &str = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
 /// Letters of the large URI.
 const LETTERS: u64 = 48 << 20;
 
-/// Writes a triangle, and beside it a large buffer.
+/// Writes a triangle together with a large buffer.
 fn write(path: &Path) {
     let mut file = BufWriter::new(File::create(path).unwrap());
     let start = r#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
@@ -26,7 +27,7 @@ fn write(path: &Path) {
     write!(file, "\"}}]}}").unwrap();
 }
 
-/// The peak of this process's memory so far; `None` where the system does not tell.
+/// Returns this process's peak memory so far; `None` if the system does not report it.
 fn peak() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
@@ -55,6 +56,6 @@ fn data_uris_take_what_is_said() {
     }
     let (Some(before), Some(after)) = (before, peak()) else { return };
     let taken = after - before;
-    assert!(taken <= said, "{taken} bytes were taken, {said} were said");
-    assert!(taken * 2 >= said, "{taken} bytes were taken, {said} were said");
+    assert!(taken <= said, "{taken} bytes taken, {said} estimated");
+    assert!(taken * 2 >= said, "{taken} bytes taken, {said} estimated");
 }

@@ -1,4 +1,4 @@
-//! Options as JSON: a file of them says what a program sets.
+//! Options as JSON: files of them state what a program sets.
 #![cfg(feature = "serde")]
 
 use serde::Serialize;
@@ -30,14 +30,15 @@ use taotie::studio::{
 };
 use taotie::surface::{SurfaceMethod, TangentMethod};
 
-/// Asserts that a value is read as it was written. Numbers are printed whole, so that equal text is an equal value.
+/// Asserts that a value is read back as written. Numbers are printed in full, so that equal text means an equal
+/// value.
 fn assert_survives<T: Debug + Serialize + DeserializeOwned>(value: &T) {
     let json = to_string(value).unwrap();
     let read: T = from_str(&json).unwrap();
     assert_eq!(format!("{read:?}"), format!("{value:?}"), "{json}");
 }
 
-/// Asserts that the defaults survive, and that they stand for what is left out.
+/// Asserts that the defaults survive, and that they replace omitted options.
 fn assert_options<T: Default + Debug + Serialize + DeserializeOwned>() {
     assert_survives(&T::default());
     let empty: T = from_str("{}").unwrap();

@@ -1,4 +1,4 @@
-//! The example `turntable` takes pictures of an object that turns before a camera that stands still.
+//! The example `turntable` renders an object that turns in front of a fixed camera.
 
 #[path = "../examples/turntable.rs"]
 mod turntable;
@@ -8,10 +8,10 @@ use taotie::math::Vec3;
 use taotie::mesh::{Mesh, MeshData};
 use taotie::scene::{Material, Scene};
 
-/// Its `main` reads arguments, which a test has none of.
+/// Its `main` reads arguments, which a test does not have.
 const _: fn() -> taotie::Result<()> = turntable::main;
 
-/// A square in the plane z = 0.
+/// Returns a square in the plane z = 0.
 fn square() -> Scene {
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
     let mesh = Mesh::new(MeshData {
@@ -23,7 +23,7 @@ fn square() -> Scene {
     Scene::of_mesh(mesh.expect("the square is sound"), material).unwrap()
 }
 
-/// How many pixels show something.
+/// Counts the pixels that show something.
 fn covered(bitmap: &Bitmap) -> usize {
     let Texels::U8(texels) = bitmap.texels() else { panic!("8 bits were written") };
     texels.iter().filter(|texel| texel[3] > 0).count()

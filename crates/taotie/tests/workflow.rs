@@ -1,4 +1,4 @@
-//! The whole job as a program sees it: scan, bake, write, verify, require; and the cancelling of it.
+//! The whole workflow as a program sees it: scan, bake, write, verify, require; and cancellation.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use taotie::asset::{
     Asset, BakeOptions, Baker, Bytes, FLOOR_8_BIT, Figure, Limits, Lod, MeshSource, Packing, Proof,
-    RayDistance, Report, Requirement, Scan, ScanFile, VerifyOptions, Written,
+    RayDistance, Report, Requirement, Scan, ScanFile, VerifyOptions, WrittenAsset,
 };
 use taotie::bake::MapKind;
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
@@ -28,7 +28,7 @@ mod files;
 #[path = "../examples/scan_to_asset.rs"]
 mod scan_to_asset;
 
-/// A ball with waves of 2 % of its radius, without uvs.
+/// Returns a ball with waves of 2 % of its radius, without UVs.
 fn wavy(columns: usize, rows: usize) -> Mesh {
     let data = Mesh::sphere(1.0, columns, rows).into_data();
     let wave = |p: &Vec3| {
@@ -37,7 +37,7 @@ fn wavy(columns: usize, rows: usize) -> Mesh {
         (p * (1.0 + 0.02 * height)).to_f32()
     };
     let mut positions: Vec<Vec3> = data.positions.iter().map(wave).collect();
-    // The last column is the first, and each pole is one place: closed to the bit.
+    // The last column equals the first, and each pole is a single point: closed to the bit.
     for (j, row) in positions.chunks_exact_mut(columns + 1).enumerate() {
         row[columns] = row[0];
         if j == 0 || j == rows {
@@ -67,7 +67,7 @@ fn said(asset: &Asset) -> String {
     asset.warnings().iter().map(|(what, count)| format!("{what}: {count}\n")).collect()
 }
 
-/// Two balls in a scene of two nodes, with a texture of soft waves.
+/// Returns two balls in a scene of two nodes, with a texture of soft waves.
 fn textured() -> Scan {
     let wave = |v: u32| (100.0 + 80.0 * scalar::sin(f64::from(v) * 0.2)) as u8;
     let waves = (0..128u32 * 128).map(|i| [wave(i % 128), wave(i / 128), 90, 255]);
@@ -105,12 +105,12 @@ fn a_scan_that_is_smallest_as_it_is_is_packed() {
         let seen = &proof.figures.finest().unwrap().overview;
         assert!(seen.angles.unwrap().summary.mean <= 1.02 && seen.color.unwrap().summary.mean <= 1.02);
     }
-    // Without the scan's materials it is made anew.
+    // Without the scan's materials a new material is made.
     let asset = Baker::new(BakeOptions { carry: false, ..wanted }).bake(&scan, Progress::SILENT).unwrap();
     assert!(asset.trials().iter().all(|trial| !trial.is_scan));
 }
 
-/// Nothing that is baked moves.
+/// Baked assets do not move.
 #[test]
 fn a_scan_that_moves_is_packed_as_a_whole() {
     let moving =
@@ -150,7 +150,8 @@ fn a_scan_becomes_an_asset_with_its_proof() {
     let options = VerifyOptions { points: 20_000, map: 64, view: 64, ..VerifyOptions::default() };
     let proof = written.verify(&scan, &options, Progress::SILENT).unwrap();
     let (figures, finest) = (&proof.figures, proof.figures.finest().unwrap());
-    // Eight bits alone cost a sixth of a degree; texels of an 80th of the radius a degree of these waves.
+    // Eight bits by themselves cost a sixth of a degree; texels of an 80th of the radius cost a degree of these
+    // waves.
     let mean = finest.surface_angles.unwrap().mean;
     assert!((0.17..1.5).contains(&mean), "{mean}");
     assert!(mean < finest.without_map.unwrap().mean / 3.0, "the map gains: {figures:?}");
@@ -161,7 +162,7 @@ fn a_scan_becomes_an_asset_with_its_proof() {
 
     let met = proof.require(&[Requirement::mean_angle_deg(1.5), Requirement::bytes(10)]);
     assert_eq!(met.iter().map(|met| met.met).collect::<Vec<_>>(), [true, false]);
-    // A scan that is given up says the same.
+    // Passing the scan by value gives the same.
     let again = written.verify(scan, &options, Progress::SILENT).unwrap();
     assert_eq!(again.figures, proof.figures);
 }
@@ -179,8 +180,8 @@ fn what_could_not_be_measured_is_not_met() {
     assert_eq!((met[0].value, met[0].met), (None, false));
 }
 
-/// The finest level has the figures of the asset; coarser ones are worse, since the map was baked for the finest. What
-/// is required holds for every level, and what fails says at which.
+/// The finest level has the figures of the asset; coarser ones are worse, since the map was baked for the finest.
+/// Requirements apply to every level, and a failure states the level.
 #[test]
 fn every_level_is_measured_and_gated() {
     let folder = tempfile::tempdir().unwrap();
@@ -198,7 +199,7 @@ fn every_level_is_measured_and_gated() {
     let (figures, levels) = (&proof.figures, &proof.figures.levels);
     let triangles: Vec<usize> = asset.levels().map(|mesh| mesh.triangles().len()).collect();
     assert_eq!(levels.iter().map(|level| level.triangles).collect::<Vec<_>>(), triangles);
-    let [finest, middle, coarsest] = levels.as_slice() else { panic!("three levels were asked for") };
+    let [finest, middle, coarsest] = levels.as_slice() else { panic!("three levels were requested") };
     let means = [finest, middle, coarsest].map(|level| level.overview.angles.unwrap().summary.mean);
     assert!(means[0] < means[1] && means[1] < means[2], "{means:?}");
     assert!(
@@ -210,13 +211,13 @@ fn every_level_is_measured_and_gated() {
 
     let between = Requirement::mean_angle_deg((means[1] + means[2]) / 2.0);
     let met = proof.require(&[between, between.at_level(1), Requirement::missed(1.0)]);
-    let told: Vec<_> = met.iter().map(|met| (met.level, met.met)).collect();
+    let outcomes: Vec<_> = met.iter().map(|met| (met.level, met.met)).collect();
     let at = |level, is| (Some(level), is);
     // Coarser levels are never seen close up.
-    assert_eq!(told, [at(0, true), at(2, false), at(1, true), at(0, true)]);
+    assert_eq!(outcomes, [at(0, true), at(2, false), at(1, true), at(0, true)]);
 }
 
-/// Eight bits cost what they cost where a file has them, and nothing is said of them where it has not.
+/// Files with 8 bits report the error due to 8 bits; other files do not.
 #[test]
 fn the_floor_is_told_where_it_holds() {
     let folder = tempfile::tempdir().unwrap();
@@ -228,13 +229,13 @@ fn the_floor_is_told_where_it_holds() {
         Report::of(&written).unwrap().bake.unwrap().floor_8_bit
     };
     let sixteen = || BakeOptions { bits: 16, ..options() };
-    let beside = || BakeOptions { space: NormalSpace::Object, ..options() };
+    let separate = || BakeOptions { space: NormalSpace::Object, ..options() };
     assert_eq!(floor(options(), ImageCodec::Png), Some(FLOOR_8_BIT));
     assert_eq!(floor(sixteen(), ImageCodec::Png), None);
     if cfg!(feature = "basis") {
         assert_eq!(floor(options(), ImageCodec::Ktx2(0)), None, "it costs more");
     }
-    assert_eq!(floor(beside(), ImageCodec::Ktx2(0)), Some(FLOOR_8_BIT), "beside the asset it is a PNG");
+    assert_eq!(floor(separate(), ImageCodec::Ktx2(0)), Some(FLOOR_8_BIT), "next to the asset it is a PNG");
     assert_eq!(floor(BakeOptions { maps: vec![MapKind::Height], ..options() }, ImageCodec::Png), None);
 }
 
@@ -245,9 +246,9 @@ fn all_can_be_sent_anywhere() {
     is_free::<Scan>();
     is_free::<Baker>();
     is_free::<Asset>();
-    is_free::<Written>();
+    is_free::<WrittenAsset>();
     is_free::<Proof>();
-    // And is: a bake on another thread than the one that asked for it.
+    // And they are sent: a bake on another thread than the caller's.
     let (baker, scan) = (Baker::new(BakeOptions { size: 32, ..options() }), small());
     let asset = std::thread::spawn(move || baker.bake(scan, Progress::SILENT)).join().unwrap().unwrap();
     assert!(asset.counts().samples > 0);
@@ -272,7 +273,7 @@ fn the_example_runs_on_a_file() {
     assert!(source.contains(&format!("scan.glb (sha256:{hash})")), "{source}");
 }
 
-/// A ball of loose triangles, each of this part of its size, which no simplification can follow with few.
+/// Returns a ball of loose triangles, each scaled by `part`, which simplification to few triangles cannot follow.
 fn in_pieces(ball: Mesh, part: f32) -> Scan {
     let shrunk = |t: usize| {
         let corners = ball.corners(t);
@@ -292,13 +293,13 @@ fn a_mesh_that_lost_the_shape_of_its_scan_is_an_error() {
     let error = bake(options()).unwrap_err().to_string();
     assert!(error.starts_with("a low-poly mesh of ") && error.contains("lost the scan's shape: "), "{error}");
     assert!(
-        error.contains("farther than 2.0 % of the diagonal") && error.contains("ask for more"),
+        error.contains("farther than 2.0 % of the diagonal") && error.contains("use more triangles"),
         "{error}"
     );
     bake(BakeOptions { triangles: 9_500, size: 512, ..options() }).unwrap();
 }
 
-/// Meshes that lost the shape are not near enough, whatever their normals are, and the search goes on.
+/// Meshes that lost the shape are not close enough, whatever their normals are, and the search goes on.
 #[test]
 fn a_search_passes_over_meshes_that_lost_the_shape() {
     let search = |scan: Scan| {
@@ -308,7 +309,7 @@ fn a_search_passes_over_meshes_that_lost_the_shape() {
     let found = search(in_pieces(wavy(100, 50), 0.9)).unwrap();
     assert!(found.trials().iter().all(|trial| trial.triangles >= 5_000), "{:?}", found.trials());
     assert!(said(&found).contains("not considered: a low-poly mesh of "), "{}", said(&found));
-    // Where no simplification is like the scan, all of its triangles are.
+    // If no simplification is like the scan, all of its triangles are used.
     let scan = in_pieces(wavy(50, 25), 0.3);
     let all = scan.mesh().triangles().len();
     let found = search(scan).unwrap();
@@ -355,9 +356,12 @@ fn what_is_asked_for_and_not_used_is_told() {
         ..BakeOptions::default()
     };
     let said = said(&Baker::new(asked.clone()).bake(colored(2), Progress::SILENT).unwrap());
-    for part in
-        ["base colour, on 100.0 %", "16 bits are not used", "distance of occlusion", "roughness is not read"]
-    {
+    for part in [
+        "base colour, on 100.0 %",
+        "16 bits have no effect",
+        "distance of occlusion",
+        "roughness has no effect",
+    ] {
         assert!(said.contains(part), "{part}: {said}");
     }
     let error = Baker::new(BakeOptions { lods: vec![Lod::Triangles(300)], ..asked })
@@ -381,9 +385,9 @@ fn every_file_that_is_written_was_foreseen() {
     ];
     for packing in packings {
         let written = asset.write(&path, &packing, Progress::SILENT).unwrap();
-        let foreseen = baker.may_write(&path, &packing);
-        assert!(written.files().len() > 4 && foreseen[0] == path, "{:?}", written.files());
-        let missing: Vec<_> = written.files().iter().filter(|file| !foreseen.contains(file)).collect();
+        let expected = baker.may_write(&path, &packing);
+        assert!(written.files().len() > 4 && expected[0] == path, "{:?}", written.files());
+        let missing: Vec<_> = written.files().iter().filter(|file| !expected.contains(file)).collect();
         assert!(missing.is_empty(), "{missing:?}");
     }
 }
@@ -416,8 +420,8 @@ fn files_of_the_low_poly_mesh_are_not_written_over() {
     let before = std::fs::read(&buffer).unwrap();
     let source = Some(MeshSource::File(path.clone()));
     let baker = Baker::new(BakeOptions { low: source, size: 32, ..options() });
-    let is_refused = |error: Error| error.to_string().contains("which is read");
-    // Known beforehand, it is refused as soon as the mesh is read.
+    let is_refused = |error: Error| error.to_string().contains("it would overwrite the input");
+    // If it is known beforehand, it is refused as soon as the mesh is read.
     let files = FileSet::new();
     files.claim(&buffer).unwrap();
     let heard = Mutex::new(Vec::new());
@@ -436,8 +440,8 @@ fn files_of_the_low_poly_mesh_are_not_written_over() {
     assert_eq!(names(folder.path()), ["low.bin", "low.gltf"]);
 }
 
-/// Reads nothing, bakes and writes.
-fn job(mesh: &Mesh, options: &BakeOptions, folder: &Path, progress: Progress<'_>) -> Result<Written> {
+/// Bakes and writes without reading files.
+fn job(mesh: &Mesh, options: &BakeOptions, folder: &Path, progress: Progress<'_>) -> Result<WrittenAsset> {
     let scan = Scan::from_mesh(mesh.clone(), progress)?;
     let asset = Baker::new(options.clone()).bake(scan, progress)?;
     asset.write(
@@ -486,7 +490,8 @@ fn a_cancel_in_any_stage_leaves_no_file() {
     }
 }
 
-/// A listener is asked every 20 ms, so that a cancel takes effect within 100 ms; a machine that is busy with other
+/// A listener is called every 20 ms, so that a cancellation takes effect within 100 ms; a machine that is busy with
+/// other
 /// tests may take longer to wake a thread, hence the wider bound.
 const MOST: Duration = Duration::from_millis(250);
 
@@ -512,12 +517,12 @@ fn a_bake_of_a_million_triangles_is_cancelled_at_any_moment() {
             let ended = job(&mesh, &options, folder.path(), Progress::new(&listener));
             (ended, Instant::now())
         });
-        assert!(matches!(ended.0, Err(Error::Cancelled)), "after {moment:?} it was done already");
+        assert!(matches!(ended.0, Err(Error::Cancelled)), "already done after {moment:?}");
         delays.push(ended.1 - since.into_inner().unwrap().expect("it was stopped"));
         assert_eq!(names(folder.path()), [""; 0]);
     }
     assert!(delays.iter().all(|delay| *delay < MOST), "{delays:?}");
-    // The middle one is not at the mercy of a busy machine.
+    // The median does not depend on how busy the machine is.
     delays.sort();
     assert!(delays[3] < Duration::from_millis(100), "{delays:?}");
 }
@@ -536,10 +541,10 @@ fn a_search_is_one_stage_that_rises() {
     let parts: Vec<f64> =
         heard.iter().filter(|(stage, _)| *stage == "search").map(|(_, done)| *done).collect();
     assert!(parts.is_sorted() && parts[0] == 0.0 && parts[parts.len() - 1] > 0.3, "{parts:?}");
-    assert!(!heard.iter().any(|(stage, _)| *stage == "bake"), "candidates have no stages of their own");
+    assert!(!heard.iter().any(|(stage, _)| *stage == "bake"), "candidates have no separate stages");
 }
 
-/// Where a search does without a map, levels of detail are those of the vertex normals.
+/// If a search decides against a map, the levels of detail use the vertex normals.
 #[test]
 fn a_search_may_have_levels_of_detail_without_a_map() {
     let wanted = BakeOptions {

@@ -1,6 +1,6 @@
 //! `docs/as-printed.md`: its computed tables, and its pictures.
 //!
-//! The page is written by hand but for what stands between `<!-- computed: NAME -->` and `<!-- end -->`.
+//! The page is written by hand, except for the text between `<!-- computed: NAME -->` and `<!-- end -->`.
 
 mod pictures;
 mod tables;
@@ -12,10 +12,10 @@ use std::path::Path;
 
 const PAGE: &str = "docs/as-printed.md";
 
-/// The page with its tables renewed, and its pictures, below the repository's `root`.
+/// Returns the page with its tables updated, and its pictures, below the repository's `root`.
 ///
 /// # Errors
-/// Where the page cannot be read or names a table that there is not.
+/// If the page cannot be read or has an unknown table.
 pub fn generated(root: &Path) -> Result<Generated> {
     let mut generated = page(root)?;
     for (name, picture) in pictures::all()? {
@@ -25,7 +25,7 @@ pub fn generated(root: &Path) -> Result<Generated> {
     Ok(generated)
 }
 
-/// The page alone.
+/// Returns just the page.
 fn page(root: &Path) -> Result<Generated> {
     computed::page(root, PAGE, tables::table)
 }
@@ -35,15 +35,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_kept_page_and_its_pictures_are_fresh() {
+    fn the_committed_page_and_its_pictures_are_up_to_date() {
         let stale =
-            generated(&crate::root()).and_then(|generated| generated.stale()).expect("all is readable");
-        assert!(stale.is_empty(), "`make docs` renews {stale:?}");
+            generated(&crate::root()).and_then(|generated| generated.stale()).expect("all are readable");
+        assert!(stale.is_empty(), "run `make docs` to update {stale:?}");
     }
 
     #[test]
     fn the_page_shows_every_picture_and_every_table() {
-        let text = std::fs::read_to_string(crate::root().join(PAGE)).expect("the page is there");
+        let text = std::fs::read_to_string(crate::root().join(PAGE)).expect("the page exists");
         for (name, _) in pictures::PICTURES {
             assert!(text.contains(&format!("](images/as-printed-{name}.png)")), "{name}");
         }

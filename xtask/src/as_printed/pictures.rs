@@ -1,4 +1,4 @@
-//! The demo's jue by each printed model and the one that is meant, in the same light.
+//! The demo's jue by each printed model and by the intended one, in the same light.
 
 use crate::generated::Picture;
 use anyhow::Result;
@@ -18,17 +18,17 @@ pub const PICTURES: [(&str, Shading); 6] = [
     ("ggx", Shading::Ggx),
 ];
 
-/// Pixels along a side.
+/// The side of the pictures, pixels.
 const SIDE: u32 = 400;
-/// Texels along a side of the jue's maps.
+/// The side of the jue's maps, texels.
 const MAPS: u32 = 1024;
-/// Behind the vessel.
+/// The background.
 const GROUND: f32 = 0.055;
 
-/// All pictures by name.
+/// Renders all pictures, by name.
 ///
 /// # Errors
-/// None that is known: the scene is made by code.
+/// None are expected, since the scene is generated.
 pub fn all() -> Result<Vec<(&'static str, Picture)>> {
     let scene = taotie_study::jue::scene(MAPS);
     let camera = camera(&scene);
@@ -37,7 +37,7 @@ pub fn all() -> Result<Vec<(&'static str, Picture)>> {
     PICTURES.into_iter().map(take).collect()
 }
 
-/// Looks at the cup, above the legs.
+/// Returns a camera that looks at the cup, above the legs.
 fn camera(scene: &Scene) -> Camera {
     let bounds = scene.bounds().expect("the jue has triangles");
     let (low, high) = (bounds.min.y + 0.38 * (bounds.max.y - bounds.min.y), bounds.max.y);

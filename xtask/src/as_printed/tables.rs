@@ -1,4 +1,4 @@
-//! What each model gives back in a white furnace, as Markdown tables.
+//! The light that each model reflects in a white furnace, as Markdown tables.
 
 use taotie::math::Vec3;
 use taotie::names::Named;
@@ -18,22 +18,22 @@ pub const TABLES: [(&str, Lines); 5] = [
     ("ggx-metal", ggx_metal),
 ];
 
-/// The lines of a table; `None` where there is none of this name.
+/// Returns the lines of a table; `None` if there is no table with this name.
 pub fn table(name: &str) -> Option<String> {
     TABLES.iter().find(|(known, _)| *known == name).map(|(_, lines)| lines())
 }
 
-/// Cosines of the angle between normal and viewer.
+/// The cosines of the angles between normal and viewer.
 const N_DOT_V: [f64; 5] = [1.0, 0.7, 0.4, 0.2, 0.1];
 
-/// A printed model and the one that is meant.
+/// A printed model and the intended one.
 type Pair = [Shading; 2];
 
 const COOK_TORRANCE: Pair = [Shading::CookTorrancePrinted, Shading::CookTorrance];
 const BLINN_PHONG: Pair = [Shading::BlinnPhongPrinted, Shading::BlinnPhong];
 const GGX: Pair = [Shading::GgxPrinted, Shading::Ggx];
 
-/// A mirror-white metal; its highlight alone, where the model knows of k_d and k_s.
+/// Returns a white mirror metal, with only the highlight for models with k_d and k_s.
 fn white() -> MaterialSample<f64> {
     let (white, black) = (Vec3::splat(1.0), Vec3::splat(0.0));
     MaterialSample {
@@ -77,7 +77,7 @@ fn by_roughness(sample: MaterialSample<f64>) -> String {
     by_angle("roughness", &GGX, &rows)
 }
 
-/// The material of the paper's Table 1, without its ambient light.
+/// Returns the table for the material of the paper's Table 1, without its ambient light.
 fn guo_wang_2025() -> String {
     let preset = preset("guo-wang-2025").expect("the paper's material is a preset");
     let color =
@@ -99,7 +99,7 @@ fn guo_wang_2025() -> String {
     lines
 }
 
-/// A row for each material sample and model, a column for each angle, and one for light from everywhere to everywhere.
+/// Returns a row for each material sample and model, with a column for each angle and one for all directions.
 fn by_angle(parameter: &str, pair: &Pair, samples: &[(String, MaterialSample<f64>)]) -> String {
     let angles = N_DOT_V.map(|n_dot_v| format!("n·v = {n_dot_v}"));
     let mut titles = vec![parameter, "model"];

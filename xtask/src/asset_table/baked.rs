@@ -1,31 +1,31 @@
-//! The figures of a bake, out of its report.
+//! The figures of a bake, read from its report.
 
 use serde_json::{Value, json};
 
-/// Beginnings of warnings that the list of what is left out holds already.
-const TOLD_ALREADY: &str = "left out: the scan's ";
-/// What warnings of something lost say.
-const WORDS: [&str; 4] = ["ignored", "left out", "lost", "baked at rest"];
+/// The start of warnings about properties that are already listed as left out.
+const ALREADY_LISTED: &str = "left out: the scan's ";
+/// Words in warnings about losses.
+const WORDS: [&str; 6] = ["ignored", "skipped", "dropped", "left out", "lost", "baked at rest"];
 
-/// What is told of a bake.
+/// The figures of a bake.
 #[derive(Debug, PartialEq)]
 pub struct Baked {
-    /// Triangles of scan and asset.
+    /// The triangles of scan and asset.
     pub triangles: [u64; 2],
-    /// Bytes of scan and asset, each with all its files.
+    /// The bytes of scan and asset, each with all its files.
     pub bytes: [u64; 2],
-    /// Degrees between the normals shown and the scan's: mean, and 95 % quantile; `None` where there was no point.
+    /// The degrees between the normals of asset and scan: mean and 95th percentile; `None` if there were no points.
     pub angles: Option<[f64; 2]>,
-    /// The mean of CIEDE2000; `None` where the scan says nothing of its material.
+    /// The mean CIEDE2000 difference; `None` if the scan does not specify its material.
     pub color: Option<f64>,
-    /// The properties that the asset has.
+    /// The properties carried over to the asset.
     pub carried: Vec<String>,
-    /// Those that it has not, and other losses that are told.
+    /// The properties that the asset lacks, and other reported losses.
     pub lost: Vec<String>,
 }
 
 impl Baked {
-    /// Reads a report; `None` where it lacks a figure.
+    /// Reads a report; `None` if a figure is missing.
     pub fn of(report: &Value) -> Option<Self> {
         let whole = |path: &str| report.pointer(path)?.as_u64();
         let number = |path: &str| report.pointer(path)?.as_f64();
@@ -40,7 +40,7 @@ impl Baked {
         })
     }
 
-    /// The same as JSON.
+    /// Returns the figures as JSON.
     pub fn json(&self) -> Value {
         let Self { triangles, bytes, angles, color, carried, lost } = self;
         json!({
@@ -54,21 +54,21 @@ fn texts(list: &Value) -> Option<Vec<String>> {
     list.as_array()?.iter().map(|text| text.as_str().map(str::to_owned)).collect()
 }
 
-/// Properties left out, each with its part of the surface.
+/// Returns the properties left out, each with its share of the surface.
 fn left(list: &Value) -> Option<Vec<String>> {
     let text =
         |left: &Value| Some(format!("{} ({:.1} %)", left["what"].as_str()?, left["part"].as_f64()? * 100.0));
     list.as_array()?.iter().map(text).collect()
 }
 
-/// Warnings of something lost, each with its count where that is not 1.
+/// Returns the warnings about losses, each with its count if that is not 1.
 fn losses(list: &Value) -> Option<Vec<String>> {
     let texts = list.as_array()?.iter().map(|warning| {
         let (what, count) = (warning["what"].as_str()?, warning["count"].as_u64()?);
         Some(if count == 1 { what.to_owned() } else { format!("{what} ({count} times)") })
     });
     let is_loss =
-        |what: &String| WORDS.iter().any(|word| what.contains(word)) && !what.starts_with(TOLD_ALREADY);
+        |what: &String| WORDS.iter().any(|word| what.contains(word)) && !what.starts_with(ALREADY_LISTED);
     let texts: Option<Vec<String>> = texts.collect();
     Some(texts?.into_iter().filter(is_loss).collect())
 }
@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_report_tells_its_figures_and_losses() {
+    fn figures_and_losses_are_read_from_a_report() {
         let report = json!({
             "high_triangles": 4510, "triangles": [451, 90],
             "carried": ["base colour"], "left": [{"what": "clearcoat", "part": 0.25}],
@@ -88,15 +88,15 @@ mod tests {
             },
             "warnings": [
                 {"count": 1, "what": "left out: the scan's clearcoat, on 25.0 % of its surface"},
-                {"count": 2, "what": "small parts, left out since so few triangles were wanted"},
-                {"count": 1, "what": "the extension KHR_materials_transmission is ignored"},
+                {"count": 2, "what": "small parts, left out because too few triangles were requested"},
+                {"count": 1, "what": "ignored extension KHR_materials_transmission"},
                 {"count": 5, "what": "open (boundary) edges of the scan"},
             ],
         });
         let lost = [
             "clearcoat (25.0 %)",
-            "small parts, left out since so few triangles were wanted (2 times)",
-            "the extension KHR_materials_transmission is ignored",
+            "small parts, left out because too few triangles were requested (2 times)",
+            "ignored extension KHR_materials_transmission",
         ];
         let expected = Baked {
             triangles: [4510, 451],

@@ -1,5 +1,4 @@
-//! `docs/assets-table.md`: every glTF model below some folders, baked by the command to a small asset, and what its
-//! report tells.
+//! `docs/assets-table.md`: all glTF models in some folders, baked to small assets, with figures from the reports.
 
 mod baked;
 mod models;
@@ -19,41 +18,41 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 const PAGE: &str = "docs/assets-table.md";
-/// Texels along a side of the maps.
+/// The side of the maps, texels.
 const SIZE: &str = "512";
-/// A scan has so many times the triangles of its asset.
+/// The ratio of the triangles of a scan to those of its asset.
 const FEWER: u64 = 10;
-/// The fewest triangles that the command makes.
+/// The minimum number of triangles that the command produces.
 const FEWEST: u64 = 4;
 
-/// What is baked, by what, and where the rows go.
+/// The models, the program and the output of the rows.
 #[derive(clap::Args)]
 pub struct AssetTableArgs {
-    /// Folders of glTF models, taken with all folders below.
+    /// Folders of glTF models, including subfolders.
     #[arg(long, value_name = "FOLDER", required = true, num_args = 1..)]
     models: Vec<PathBuf>,
-    /// The command that bakes.
+    /// The baking program.
     #[arg(long, value_name = "PATH", default_value = "target/release/taotie")]
     program: PathBuf,
-    /// Bake only models whose path holds one of these texts; prints the rows and leaves the page alone.
+    /// Bake only models whose path contains one of these texts; print the rows instead of updating the page.
     #[arg(long, value_name = "TEXT", num_args = 1..)]
     only: Vec<String>,
-    /// Seconds that a bake may take.
+    /// Time limit of a bake in seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = 600)]
     limit: u64,
-    /// Print the rows as JSON and leave the page alone.
+    /// Print the rows as JSON instead of updating the page.
     #[arg(long)]
     json: bool,
 }
 
-/// Bakes every model. A bake that fails is a row with its sentence.
+/// Bakes every model. The row of a failed bake has its error message.
 ///
 /// # Errors
-/// Where a folder cannot be listed, or the program does not start.
+/// If a folder cannot be listed, or the program does not start.
 pub fn rows(args: &AssetTableArgs) -> Result<Vec<Row>> {
     let models = models::below(&args.models, &args.only)?;
     if models.is_empty() {
-        bail!("no .gltf or .glb with these names below {:?}", args.models);
+        bail!("no .gltf or .glb files with these names in {:?}", args.models);
     }
     let baked = models.iter().enumerate().map(|(i, model)| {
         let row = row(args, model).with_context(|| model.path.display().to_string())?;
@@ -63,10 +62,10 @@ pub fn rows(args: &AssetTableArgs) -> Result<Vec<Row>> {
     baked.collect()
 }
 
-/// Returns what is to be printed; `None` where the page is to be renewed.
+/// Returns the text to print; `None` if the page is to be updated.
 ///
 /// # Errors
-/// None that numbers and texts could cause.
+/// None that numbers and text could cause.
 pub fn printed(args: &AssetTableArgs, rows: &[Row]) -> Result<Option<String>> {
     Ok(match (args.json, args.only.is_empty()) {
         (true, _) => Some(serde_json::to_string_pretty(&rows.iter().map(Row::json).collect::<Vec<_>>())?),
@@ -75,10 +74,10 @@ pub fn printed(args: &AssetTableArgs, rows: &[Row]) -> Result<Option<String>> {
     })
 }
 
-/// The page with its tables renewed, below the repository's `root`.
+/// Returns the page with its tables updated, below the repository's `root`.
 ///
 /// # Errors
-/// Where the page cannot be read.
+/// If the page cannot be read.
 pub fn generated(root: &Path, rows: &[Row]) -> Result<Generated> {
     computed::page(root, PAGE, |name| match name {
         "assets" => Some(row::table(rows)),
@@ -91,7 +90,7 @@ fn row(args: &AssetTableArgs, model: &Model) -> Result<Row> {
     let folder = tempfile::tempdir()?;
     let limited = Limited { program: &args.program, folder: folder.path(), limit: limit(args) };
     let outcome = match bake(&limited, &model.path)? {
-        Ok(report) => Baked::of(&report).ok_or_else(|| "its report lacks figures".to_owned()),
+        Ok(report) => Baked::of(&report).ok_or_else(|| "its report has missing figures".to_owned()),
         Err(sentence) => Err(sentence.replace(&model.path.display().to_string(), &model.file_name())),
     };
     Ok(Row { model: model.name.clone(), outcome })
@@ -101,10 +100,10 @@ fn limit(args: &AssetTableArgs) -> Duration {
     Duration::from_secs(args.limit)
 }
 
-/// The report of a bake to a tenth of the triangles, or the sentence by which the command declines.
+/// Returns the report of a bake to a tenth of the triangles, or the error message of the command.
 fn bake(limited: &Limited<'_>, model: &Path) -> Result<Result<Value, String>> {
     let model = model.as_os_str();
-    let inspected = match told(limited, &["inspect".as_ref(), model, "--json".as_ref()])? {
+    let inspected = match json_of(limited, &["inspect".as_ref(), model, "--json".as_ref()])? {
         Ok(report) => report,
         Err(sentence) => return Ok(Err(sentence)),
     };
@@ -113,16 +112,16 @@ fn bake(limited: &Limited<'_>, model: &Path) -> Result<Result<Value, String>> {
     let out = limited.folder.join("out.glb");
     let to = ["bake".as_ref(), model, "-o".as_ref(), out.as_os_str()];
     let options = ["--triangles", &wanted, "--size", SIZE, "--json"].map(AsRef::as_ref);
-    told(limited, &[&to[..], &options].concat())
+    json_of(limited, &[&to[..], &options].concat())
 }
 
-/// What a run prints as JSON, or the sentence by which it ended.
-fn told(limited: &Limited<'_>, arguments: &[&std::ffi::OsStr]) -> Result<Result<Value, String>> {
-    let said = limited.run(arguments)?;
-    Ok(match said.ending {
-        Ending::Fine => serde_json::from_str(&said.stdout).map_err(|error| format!("no report: {error}")),
-        Ending::Failed => Err(said.sentence()),
-        Ending::TooLong => Err(format!("not done after {} s", limited.limit.as_secs())),
+/// Returns the JSON output of a run, or its error message.
+fn json_of(limited: &Limited<'_>, arguments: &[&std::ffi::OsStr]) -> Result<Result<Value, String>> {
+    let output = limited.run(arguments)?;
+    Ok(match output.ending {
+        Ending::Fine => serde_json::from_str(&output.stdout).map_err(|error| format!("no report: {error}")),
+        Ending::Failed => Err(output.sentence()),
+        Ending::TooLong => Err(format!("not finished after {} s", limited.limit.as_secs())),
     })
 }
 
@@ -131,7 +130,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_page_has_a_place_for_what_is_computed() -> Result<()> {
+    fn the_page_has_a_place_for_computed_parts() -> Result<()> {
         let text = std::fs::read_to_string(crate::root().join(PAGE))?;
         for name in ["assets", "assets-count"] {
             assert_eq!(text.matches(&computed::start(name)).count(), 1, "{name}");

@@ -1,4 +1,4 @@
-//! The models that are baked.
+//! The models to bake.
 
 use anyhow::{Context, Result};
 use std::fs;
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// A glTF file.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Model {
-    /// Its path below the folder that was named, that folder's name first, with `/` on every system.
+    /// Its path below the given folder, starting with that folder's name, with `/` on every system.
     pub name: String,
     /// Its path.
     pub path: PathBuf,
@@ -21,20 +21,20 @@ impl Model {
         Self { name: parts.join("/"), path }
     }
 
-    /// The name of the file alone.
+    /// Returns just the file name.
     pub fn file_name(&self) -> String {
         self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 }
 
-/// All `.gltf` and `.glb` below the folders whose name holds one of the texts, or all where there is no text; sorted.
+/// Returns the `.gltf` and `.glb` files in the folders, sorted. With `only`, names must contain one of its texts.
 ///
 /// # Errors
-/// Where a folder cannot be listed.
+/// If a folder cannot be listed.
 pub fn below(folders: &[PathBuf], only: &[String]) -> Result<Vec<Model>> {
     let mut models = Vec::new();
     for folder in folders {
-        // `.` and `..` have a name only so.
+        // So that `.` and `..` have names.
         let folder = folder.canonicalize().with_context(|| folder.display().to_string())?;
         let found = files(&folder)?.into_iter().filter(|path| is_gltf(path));
         models.extend(found.map(|path| Model::new(&folder, path)));
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn models_are_found_below_in_the_order_of_their_names() -> Result<()> {
+    fn models_are_found_in_subfolders_and_sorted_by_name() -> Result<()> {
         let place = tempfile::tempdir()?;
         let folder = place.path().join("shared");
         fs::create_dir_all(folder.join("b/deep"))?;

@@ -1,4 +1,4 @@
-//! Runs of the command that end in time.
+//! Runs the command with a time limit.
 
 use anyhow::{Context, Result};
 use std::ffi::OsStr;
@@ -8,46 +8,46 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread;
 use std::time::Duration;
 
-/// Between two looks at whether a run has ended.
+/// The interval between checks whether a run has ended.
 const STEP: Duration = Duration::from_millis(20);
 
-/// A program and its bounds.
+/// A program and its limits.
 pub struct Limited<'a> {
     /// The program.
     pub program: &'a Path,
-    /// A folder for what it prints.
+    /// A folder for its output.
     pub folder: &'a Path,
-    /// The time after which it is ended.
+    /// The time after which it is killed.
     pub limit: Duration,
 }
 
-/// How a run ended.
+/// The way a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
     /// With exit code 0.
     Fine,
-    /// In any other way of its own.
+    /// With a failure.
     Failed,
-    /// By us.
+    /// Killed after the time limit.
     TooLong,
 }
 
-/// What a run said.
+/// The output of a run.
 #[derive(Debug)]
 pub struct Said {
-    /// How it ended.
+    /// The way it ended.
     pub ending: Ending,
-    /// What it printed.
+    /// Its standard output.
     pub stdout: String,
-    /// What it told beside.
+    /// Its standard error.
     pub stderr: String,
 }
 
 impl Limited<'_> {
-    /// Runs the program with these arguments. What it prints goes through files: pipes that nobody empties would stop it.
+    /// Runs the program with these arguments. Its output goes to files, since full pipes would block it.
     ///
     /// # Errors
-    /// Where it does not start, or its output cannot be kept.
+    /// If it does not start, or its output cannot be stored.
     pub fn run(&self, arguments: &[&OsStr]) -> Result<Said> {
         let [out, err] = ["stdout", "stderr"].map(|name| self.folder.join(name));
         let mut child = Command::new(self.program)
@@ -56,7 +56,7 @@ impl Limited<'_> {
             .stdout(File::create(&out)?)
             .stderr(File::create(&err)?)
             .spawn()
-            .with_context(|| format!("{} does not start", self.program.display()))?;
+            .with_context(|| format!("{}: cannot be started", self.program.display()))?;
         let ending = match self.wait(&mut child)? {
             Some(status) if status.success() => Ending::Fine,
             Some(_) => Ending::Failed,
@@ -66,7 +66,7 @@ impl Limited<'_> {
         Ok(Said { ending, stdout: read(out)?, stderr: read(err)? })
     }
 
-    /// Waits for the end; ends it where it takes too long, which is `None`.
+    /// Waits for the end; kills the process and returns `None` if it takes too long.
     fn wait(&self, child: &mut Child) -> Result<Option<ExitStatus>> {
         for _ in 0..=self.limit.as_millis() / STEP.as_millis() {
             if let Some(status) = child.try_wait()? {
@@ -81,9 +81,9 @@ impl Limited<'_> {
 }
 
 impl Said {
-    /// The last line that it told, without the program's name.
+    /// Returns the last line of standard error, without the program's name.
     pub fn sentence(&self) -> String {
-        let line = self.stderr.trim_end().lines().last().unwrap_or("it failed without a word");
+        let line = self.stderr.trim_end().lines().last().unwrap_or("failed without a message");
         line.strip_prefix("taotie: error: ").unwrap_or(line).to_owned()
     }
 }
@@ -108,7 +108,7 @@ mod tests {
         );
         let failed = shell("echo 'more' >&2; echo 'taotie: error: no triangles' >&2; exit 2", long)?;
         assert_eq!((failed.ending, failed.sentence().as_str()), (Ending::Failed, "no triangles"));
-        assert_eq!(shell("exit 3", long)?.sentence(), "it failed without a word");
+        assert_eq!(shell("exit 3", long)?.sentence(), "failed without a message");
         assert_eq!(shell("exec sleep 60", Duration::from_millis(100))?.ending, Ending::TooLong);
         Ok(())
     }

@@ -1,24 +1,24 @@
-//! The table: a model a row.
+//! The table, with one row per model.
 
 use super::baked::Baked;
 use serde_json::{Value, json};
 use std::fmt::{self, Display, Formatter};
 
 const HEAD: &str = "\
-| model | triangles | of the asset | kB | of the asset | mean ° | p95 ° | ΔE00 | carried | told as lost |
+| model | triangles | of the asset | kB | of the asset | mean ° | p95 ° | ΔE00 | carried | reported as lost |
 |---|--:|--:|--:|--:|--:|--:|--:|---|---|
 ";
 
-/// What became of a model.
+/// The result for a model.
 pub struct Row {
     /// The model's name.
     pub model: String,
-    /// Its figures, or the sentence by which the command declines.
+    /// Its figures, or the error message of the command.
     pub outcome: Result<Baked, String>,
 }
 
 impl Row {
-    /// The same as JSON.
+    /// Returns the row as JSON.
     pub fn json(&self) -> Value {
         match &self.outcome {
             Ok(baked) => json!({ "model": self.model, "baked": baked.json() }),
@@ -27,7 +27,7 @@ impl Row {
     }
 }
 
-/// For people who wait.
+/// The progress line on the terminal.
 impl Display for Row {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match &self.outcome {
@@ -39,21 +39,18 @@ impl Display for Row {
     }
 }
 
-/// The table in Markdown.
+/// Returns the table in Markdown.
 pub fn table(rows: &[Row]) -> String {
     let lines = rows.iter().map(|row| format!("| {} |\n", cells(row).map(|cell| plain(&cell)).join(" | ")));
     HEAD.to_owned() + &lines.collect::<String>()
 }
 
-/// A sentence that counts the rows.
+/// Returns a sentence with the counts of rows.
 pub fn count(rows: &[Row]) -> String {
     let baked = rows.iter().filter_map(|row| row.outcome.as_ref().ok());
     let (baked, lossy) = (baked.clone().count(), baked.filter(|baked| !baked.lost.is_empty()).count());
     let refused = rows.len() - baked;
-    format!(
-        "{} files: {baked} baked, {lossy} of them with a loss that is told, {refused} refused.\n",
-        rows.len()
-    )
+    format!("{} files: {baked} baked, {lossy} of them with a reported loss, {refused} refused.\n", rows.len())
 }
 
 fn cells(row: &Row) -> [String; 10] {
@@ -74,12 +71,12 @@ fn cells(row: &Row) -> [String; 10] {
     }
 }
 
-/// A text that stays in its cell.
+/// Escapes text for a table cell.
 fn plain(text: &str) -> String {
     text.replace('|', "\\|").replace(['\n', '\r'], " ")
 }
 
-/// 1234567 as 1,234,567.
+/// Formats 1234567 as 1,234,567.
 fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let comma = |i: usize| if i > 0 && (digits.len() - i).is_multiple_of(3) { "," } else { "" };
@@ -123,8 +120,8 @@ mod tests {
     }
 
     #[test]
-    fn rows_are_counted_and_go_as_json() {
-        assert_eq!(count(&rows()), "2 files: 1 baked, 0 of them with a loss that is told, 1 refused.\n");
+    fn rows_are_counted_and_written_as_json() {
+        assert_eq!(count(&rows()), "2 files: 1 baked, 0 of them with a reported loss, 1 refused.\n");
         let [baked, refused] = rows().map(|row| row.json());
         assert_eq!((&baked["baked"]["bytes"][1], &refused["model"]), (&json!(80_040), &json!("points")));
         assert_eq!(rows()[0].to_string(), "bottle: 999 triangles, 1.23°");

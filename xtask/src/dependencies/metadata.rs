@@ -1,15 +1,16 @@
-//! The dependencies as cargo tells them.
+//! The dependencies according to cargo.
 
+use super::cargo;
 use anyhow::{Context, Result};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The system whose crates are looked into; those of others need not be on this machine.
+/// The platform whose crates are examined; those of others may be missing on this machine.
 const PLATFORM: &str = "x86_64-unknown-linux-gnu";
 
-/// The packages that are built on one system.
+/// The packages built on one platform.
 #[derive(Debug, Deserialize)]
 pub struct Metadata {
     /// All packages.
@@ -20,13 +21,13 @@ pub struct Metadata {
 /// A package.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Package {
-    /// Its identity in the graph.
+    /// Its id in the dependency graph.
     pub id: String,
     /// Its name.
     pub name: String,
-    /// Its licence, an SPDX expression.
+    /// Its licence as an SPDX expression.
     pub license: Option<String>,
-    /// Where it comes from; `None` for a crate of this workspace.
+    /// Its source; `None` for a crate of this workspace.
     pub source: Option<String>,
     /// Its Cargo.toml.
     pub manifest_path: PathBuf,
@@ -51,40 +52,40 @@ struct Dependency {
 
 #[derive(Debug, Deserialize)]
 struct DependencyKind {
-    /// `None` for a plain dependency, else `dev` or `build`.
+    /// `None` for a normal dependency, otherwise `dev` or `build`.
     kind: Option<String>,
 }
 
-/// The packages of Cargo.lock, those of all systems.
+/// The packages in Cargo.lock, for all platforms.
 #[derive(Debug, Deserialize)]
 pub struct Lock {
     /// All packages.
     pub package: Vec<Locked>,
 }
 
-/// A package of Cargo.lock.
+/// A package in Cargo.lock.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Locked {
     /// Its name.
     pub name: String,
     /// Its version.
     pub version: String,
-    /// Where it comes from; `None` for a crate of this workspace.
+    /// Its source; `None` for a crate of this workspace.
     pub source: Option<String>,
 }
 
 impl Metadata {
-    /// Asks cargo.
+    /// Runs `cargo metadata`.
     ///
     /// # Errors
-    /// Where cargo does not answer.
+    /// If cargo fails.
     pub fn read(root: &Path) -> Result<Self> {
         let line = ["metadata", "--format-version", "1", "--locked", "--filter-platform", PLATFORM];
-        serde_json::from_str(&super::output(root, &line)?).context("cargo metadata is of another form")
+        serde_json::from_str(&cargo::output(root, &line)?).context("unexpected format of cargo metadata")
     }
 
-    /// Returns the packages that go into the program `name`, by name, each with the dependencies of this workspace
-    /// through which it came.
+    /// Returns the packages built into the program `name`, by name, each with the direct dependencies of this
+    /// workspace that require it.
     pub fn built_into(&self, name: &str) -> BTreeMap<&str, BTreeSet<&str>> {
         let mut reached = BTreeMap::new();
         let ours: Vec<&Package> = self.of_workspace(name);
@@ -99,7 +100,7 @@ impl Metadata {
         reached
     }
 
-    /// Returns `true` where the build script of a package compiles another language.
+    /// Returns `true` if the build script of a package compiles another language.
     pub fn compiles_others(&self, id: &str) -> bool {
         let compilers = |kind: &str, name: &str| kind == "build" && (name == "cc" || name == "cmake");
         self.dependencies(id).any(|dependency| {
@@ -108,7 +109,7 @@ impl Metadata {
         })
     }
 
-    /// The crates of this workspace that go into `name`, itself among them.
+    /// Returns the crates of this workspace built into `name`, including itself.
     fn of_workspace(&self, name: &str) -> Vec<&Package> {
         let root = self.packages.iter().find(|package| package.name == name && package.source.is_none());
         let mut ids = BTreeSet::new();
@@ -121,7 +122,7 @@ impl Metadata {
             .collect()
     }
 
-    /// Visits a package and all plain dependencies below it once.
+    /// Visits a package and all normal dependencies below it once.
     fn walk<'a>(&'a self, id: &'a str, seen: &mut BTreeSet<&'a str>, visit: &mut impl FnMut(&'a str)) {
         if seen.insert(id) {
             visit(id);
@@ -147,7 +148,7 @@ impl Lock {
     /// Reads Cargo.lock.
     ///
     /// # Errors
-    /// Where it cannot be read.
+    /// If it cannot be read.
     pub fn read(root: &Path) -> Result<Self> {
         let text = fs::read_to_string(root.join("Cargo.lock")).context("Cargo.lock")?;
         toml::from_str(&text).context("Cargo.lock")

@@ -1,21 +1,21 @@
-//! The dependencies of Taotie: whether `deny.toml` allows them, and which of them are not safe Rust.
+//! Checks that `deny.toml` allows the dependencies of Taotie, and lists those that are not safe Rust.
 
+mod cargo;
 mod metadata;
 mod policy;
 mod unsafe_code;
 
 use crate::computed;
 use crate::generated::Generated;
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use metadata::{Lock, Metadata};
 use policy::Policy;
 use std::path::Path;
-use std::process::Command;
 
-/// Returns what `deny.toml` does not allow, a line each.
+/// Returns the violations of `deny.toml`, one line each.
 ///
 /// # Errors
-/// Where cargo does not tell the dependencies, or a file cannot be read.
+/// If cargo fails, or a file cannot be read.
 pub fn faults(root: &Path) -> Result<Vec<String>> {
     let policy = Policy::read(root)?;
     let lock = Lock::read(root)?;
@@ -23,10 +23,10 @@ pub fn faults(root: &Path) -> Result<Vec<String>> {
     Ok([licenses, policy.bans.faults(&lock.package), policy.sources.faults(&lock.package)].concat())
 }
 
-/// `docs/security.md` with its tables as of today.
+/// Returns `docs/security.md` with its tables updated.
 ///
 /// # Errors
-/// As [`faults`]; where the counts of fuzzing cannot be had.
+/// As for [`faults`], and if the fuzzing counts are not available.
 pub fn generated(root: &Path) -> Result<Generated> {
     let crates = unsafe_code::table(&Metadata::read(root)?)?;
     let fuzzing = fuzzing(root)?;
@@ -37,20 +37,9 @@ pub fn generated(root: &Path) -> Result<Generated> {
     })
 }
 
-/// The counts of all fuzzing, as its own program prints them.
+/// Returns the counts of all fuzzing, printed by the fuzzing program.
 fn fuzzing(root: &Path) -> Result<String> {
-    output(root, &["run", "--release", "--quiet", "--package", "taotie-fuzz", "--", "table"])
-}
-
-/// Runs cargo and returns what it prints.
-fn output(root: &Path, arguments: &[&str]) -> Result<String> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output =
-        Command::new(cargo).args(arguments).current_dir(root).output().context("cargo cannot be run")?;
-    if !output.status.success() {
-        bail!("cargo {}: {}", arguments.join(" "), String::from_utf8_lossy(&output.stderr).trim());
-    }
-    String::from_utf8(output.stdout).context("cargo printed no text")
+    cargo::output(root, &["run", "--release", "--quiet", "--package", "taotie-fuzz", "--", "table"])
 }
 
 #[cfg(test)]
@@ -62,7 +51,7 @@ mod tests {
         assert_eq!(faults(&crate::root()).unwrap(), [""; 0]);
     }
 
-    /// The program that users build holds C or C++ in three places and much unsafe Rust, but none of its own.
+    /// The program that users build contains C or C++ in a few places and much unsafe Rust, but none in our crates.
     #[test]
     fn crates_that_are_not_safe_rust_are_found() {
         let table = unsafe_code::table(&Metadata::read(&crate::root()).unwrap()).unwrap();

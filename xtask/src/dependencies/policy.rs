@@ -1,4 +1,4 @@
-//! The rules of `deny.toml`, as far as they can be held without cargo-deny.
+//! The rules of `deny.toml`, as far as they can be checked without cargo-deny.
 
 use super::metadata::{Locked, Package};
 use anyhow::{Context, Result};
@@ -11,11 +11,11 @@ use std::path::Path;
 /// The rules.
 #[derive(Debug, Deserialize)]
 pub struct Policy {
-    /// Of licences.
+    /// For licences.
     pub licenses: Licenses,
-    /// Of versions.
+    /// For versions.
     pub bans: Bans,
-    /// Of origins.
+    /// For sources.
     pub sources: Sources,
 }
 
@@ -34,7 +34,7 @@ struct Exception {
     allow: Vec<String>,
 }
 
-/// The versions that packages may have beside the newest.
+/// The duplicate versions that packages may have.
 #[derive(Debug, Deserialize)]
 pub struct Bans {
     #[serde(default)]
@@ -48,7 +48,7 @@ struct Skip {
     spec: String,
 }
 
-/// Where packages may come from.
+/// The allowed sources of packages.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct Sources {
@@ -59,7 +59,7 @@ impl Policy {
     /// Reads `deny.toml`.
     ///
     /// # Errors
-    /// Where it cannot be read.
+    /// If it cannot be read.
     pub fn read(root: &Path) -> Result<Self> {
         let text = fs::read_to_string(root.join("deny.toml")).context("deny.toml")?;
         toml::from_str(&text).context("deny.toml")
@@ -67,14 +67,14 @@ impl Policy {
 }
 
 impl Licenses {
-    /// Returns the packages whose licence is not allowed.
+    /// Returns the packages with licences that are not allowed.
     pub fn faults(&self, packages: &[Package]) -> Vec<String> {
         let refused = packages.iter().filter(|package| !self.allows(package));
-        let told = |package: &Package| {
+        let message = |package: &Package| {
             let license = package.license.as_deref().unwrap_or("none");
-            format!("{}: its licence is not allowed by deny.toml: {license}", package.name)
+            format!("{}: licence not allowed by deny.toml: {license}", package.name)
         };
-        refused.map(told).collect()
+        refused.map(message).collect()
     }
 
     fn allows(&self, package: &Package) -> bool {
@@ -88,21 +88,21 @@ impl Licenses {
 }
 
 impl Bans {
-    /// Returns the packages that are there in several versions without being skipped, and what is skipped for nothing.
+    /// Returns the packages with several versions that are not skipped, and unnecessary entries of `skip`.
     pub fn faults(&self, packages: &[Locked]) -> Vec<String> {
         let mut versions: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
         packages.iter().for_each(|it| versions.entry(&it.name).or_default().push(&it.version));
         let several = |left: &[&str]| left.len() > 1;
         let faults = versions.iter().filter_map(|(name, all)| {
             let left: Vec<&str> = all.iter().copied().filter(|version| !self.skips(name, version)).collect();
-            several(&left).then(|| format!("{name}: it is there in several versions: {}", left.join(", ")))
+            several(&left).then(|| format!("{name}: several versions: {}", left.join(", ")))
         });
         let idle = self.skip.iter().filter(|skip| {
             !versions
                 .iter()
                 .any(|(name, all)| several(all) && all.iter().any(|version| skip.is_of(name, version)))
         });
-        faults.chain(idle.map(|skip| format!("{}: strike it from `skip` in deny.toml", skip.spec))).collect()
+        faults.chain(idle.map(|skip| format!("{}: remove it from `skip` in deny.toml", skip.spec))).collect()
     }
 
     fn skips(&self, name: &str, version: &str) -> bool {
@@ -119,7 +119,7 @@ impl Skip {
 }
 
 impl Sources {
-    /// Returns the packages that come from elsewhere.
+    /// Returns the packages from other sources.
     pub fn faults(&self, packages: &[Locked]) -> Vec<String> {
         let allowed = |source: &str| {
             source
@@ -128,7 +128,7 @@ impl Sources {
         };
         let other = packages.iter().filter_map(|package| Some((package, package.source.as_deref()?)));
         let other = other.filter(|(_, source)| !allowed(source));
-        other.map(|(package, source)| format!("{}: it comes from {source}", package.name)).collect()
+        other.map(|(package, source)| format!("{}: source not allowed: {source}", package.name)).collect()
     }
 }
 
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn licences_are_held() {
+    fn licences_are_checked() {
         let faults = |name: &str, license: Option<&str>| {
             let (name, license) = (name.to_owned(), license.map(str::to_owned));
             let package =
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn versions_and_sources_are_held() {
+    fn versions_and_sources_are_checked() {
         let locked = |name: &str, version: &str, source: &str| {
             let [name, version, source] = [name, version, source].map(str::to_owned);
             Locked { name, version, source: (!source.is_empty()).then_some(source) }
@@ -167,11 +167,11 @@ mod tests {
         let twice = [locked("twice", "1.2.0", known), locked("twice", "2.0.0", known)];
         assert_eq!(policy().bans.faults(&twice), [""; 0]);
         let other = [locked("twice", "3.0.0", known), locked("twice", "2.0.0", known)];
-        assert_eq!(policy().bans.faults(&other).len(), 2, "two versions, and a line for nothing");
+        assert_eq!(policy().bans.faults(&other).len(), 2, "two versions, and an unnecessary entry");
         let once = policy().bans.faults(&twice[..1]);
-        assert_eq!(once, ["twice@1: strike it from `skip` in deny.toml"]);
+        assert_eq!(once, ["twice@1: remove it from `skip` in deny.toml"]);
         let sources =
             [locked("a", "1.0.0", known), locked("ours", "1.0.0", ""), locked("b", "1.0.0", "git+https://b")];
-        assert_eq!(policy().sources.faults(&sources), ["b: it comes from git+https://b"]);
+        assert_eq!(policy().sources.faults(&sources), ["b: source not allowed: git+https://b"]);
     }
 }

@@ -1,4 +1,4 @@
-//! The crates built into the command that hold unsafe Rust or compile C or C++.
+//! The crates built into the command that contain unsafe Rust or compile C or C++.
 
 use super::metadata::{Metadata, Package};
 use anyhow::{Context, Result};
@@ -9,16 +9,16 @@ use std::path::Path;
 /// The program that users build.
 const PROGRAM: &str = "taotie-cli";
 
-/// The words with which unsafe code begins.
+/// The keywords that start unsafe code.
 const BEGINS: [&str; 5] = ["unsafe {", "unsafe fn", "unsafe impl", "unsafe extern", "unsafe trait"];
 
-/// The most doors that are named.
+/// The maximum number of direct dependencies that are listed.
 const MOST_DOORS: usize = 3;
 
-/// Returns the table: a line for each crate that is not safe Rust alone, by name.
+/// Returns the table, with a line for each crate that is not entirely safe Rust, by name.
 ///
 /// # Errors
-/// Where the source of a crate cannot be read.
+/// If the source of a crate cannot be read.
 pub fn table(metadata: &Metadata) -> Result<String> {
     let built = metadata.built_into(PROGRAM);
     let mut lines = BTreeSet::new();
@@ -34,7 +34,7 @@ pub fn table(metadata: &Metadata) -> Result<String> {
     Ok(lines.into_iter().fold(head.to_owned(), |text, line| text + &line + "\n"))
 }
 
-/// The names of some dependencies.
+/// Lists the names of some dependencies.
 fn named(doors: &BTreeSet<&str>) -> String {
     let some: Vec<String> = doors.iter().take(MOST_DOORS).map(|door| format!("`{door}`")).collect();
     let rest = doors.len().saturating_sub(MOST_DOORS);
@@ -42,7 +42,7 @@ fn named(doors: &BTreeSet<&str>) -> String {
     format!("{}{rest}", some.join(", "))
 }
 
-/// The lines of a package's `src` in which unsafe code begins.
+/// Counts the lines in a package's `src` that start unsafe code.
 fn unsafe_lines(package: &Package) -> Result<usize> {
     let folder = package.manifest_path.parent().unwrap_or(Path::new("")).join("src");
     let mut count = 0;
@@ -65,7 +65,7 @@ fn visit(folder: &Path, see: &mut impl FnMut(&str)) -> Result<()> {
     Ok(())
 }
 
-/// Returns `true` for a line in which unsafe code begins, comments left out.
+/// Returns `true` for a line that starts unsafe code outside comments.
 fn begins_unsafe(line: &str) -> bool {
     let code = line.split("//").next().unwrap_or_default();
     BEGINS.iter().any(|begin| code.contains(begin))
@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn comments_and_lints_are_no_unsafe_code() {
+    fn comments_and_lints_are_not_unsafe_code() {
         for line in ["let a = unsafe { b() };", "pub unsafe fn f() {", "unsafe impl Send for A {}"] {
             assert!(begins_unsafe(line), "{line}");
         }

@@ -1,6 +1,6 @@
-//! What white surfaces return of the light that arrives, by quadrature.
+//! The share of incoming light that white surfaces reflect, by quadrature.
 
-use super::row;
+use crate::computed::row;
 use taotie::math::Vec3;
 use taotie::shade::dfg::{self, Dfg};
 use taotie::shade::furnace::Furnace;
@@ -9,8 +9,8 @@ use taotie::shade::{MaterialSample, Shading, compensation};
 const ROUGHNESS: [f64; 6] = [0.1, 0.2, 0.4, 0.6, 0.8, 1.0];
 const N_DOT_V: [f64; 4] = [0.1, 0.3, 0.6, 1.0];
 
-/// Per roughness: the least that white metals return with single scattering, and the largest error of 1 with
-/// compensation, over the angles.
+/// Returns for each roughness the albedo of white surfaces that is farthest from 1 over the angles, with single
+/// scattering and with compensation.
 pub fn table() -> String {
     let mut text = row(&[
         "roughness",
@@ -38,7 +38,7 @@ pub fn table() -> String {
     text
 }
 
-/// What is farthest from 1 over the angles.
+/// Returns the albedo farthest from 1 over the angles.
 fn lost(shading: Shading, metallic: f64, roughness: f64, compensated: bool) -> String {
     let albedo = |n_dot_v: f64| {
         let s = white(shading, metallic, roughness, compensated.then_some(n_dot_v));

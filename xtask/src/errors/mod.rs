@@ -1,4 +1,4 @@
-//! `docs/errors.md`: how far each approximation lies from the reference integrator, or from exact integrals.
+//! `docs/errors.md`: the error of each approximation compared with the reference integrator or with exact integrals.
 
 mod energy;
 mod relief;
@@ -12,11 +12,11 @@ use std::path::Path;
 
 const PAGE: &str = "docs/errors.md";
 
-/// The page with its tables renewed, below the repository's `root`. The table of environments in files is renewed only
-/// where their folder is named, and kept as it is otherwise.
+/// Returns the page with its tables updated, below the repository's `root`. The table of environments from files is
+/// updated only if their folder is given.
 ///
 /// # Errors
-/// Where the page or an environment cannot be read.
+/// If the page or an environment cannot be read.
 pub fn generated(root: &Path, environments: Option<&Path>) -> Result<Generated> {
     let kept = std::fs::read_to_string(root.join(PAGE)).unwrap_or_default();
     let studio = split_sum::table(&[Sky::studio()?])?;
@@ -32,13 +32,4 @@ pub fn generated(root: &Path, environments: Option<&Path>) -> Result<Generated> 
         "relief" => Some(relief.clone()),
         _ => None,
     })
-}
-
-fn squared(x: f64) -> f64 {
-    x * x
-}
-
-/// A row of a table.
-fn row(cells: &[String]) -> String {
-    format!("| {} |\n", cells.join(" | "))
 }

@@ -1,21 +1,21 @@
-//! Normal maps against the reference integrator: what is lost where relief is finer than a pixel.
+//! Normal maps compared with the reference integrator: the loss when relief is finer than a pixel.
 
-use super::{row, squared};
+use crate::computed::row;
 use anyhow::Result;
 use taotie::Progress;
 use taotie::image::Image;
-use taotie::math::Vec3;
+use taotie::math::{Lane, Vec3};
 use taotie::render::{Lighting, Pass, Prepared, ReferenceSettings, RenderSettings, Shot, reference};
 use taotie::scene::{Camera, Falloff, Light, LightKind, Orbit, Scene, from_view};
 use taotie_study::jue;
 
 const ROUGHNESS: [f32; 5] = [0.15, 0.25, 0.4, 0.6, 0.9];
 
-/// Pixels of a picture's side: far below what the map's 1024 texels would need.
+/// The side of the pictures in pixels: far too small for the map's 1024 texels.
 const SIDE: u32 = 128;
 const SPP: u32 = 1024;
 
-/// A row a roughness: error with one sample and with four, with and without specular antialiasing.
+/// Returns a row per roughness: the error with one and with four samples, without and with specular antialiasing.
 pub fn table() -> Result<String> {
     let titles = ["roughness", "1 sample, off", "1 sample, on", "4 samples, off", "4 samples, on"];
     let mut text = row(&titles.map(String::from));
@@ -67,13 +67,13 @@ fn lamp(camera: &Camera) -> Lighting {
     Lighting { lights: vec![light], ..Lighting::default() }
 }
 
-/// Root mean square error of the light over whole pixels, relative to its root mean square.
+/// Returns the root mean square error of radiance over fully covered pixels, relative to its root mean square.
 fn relative_error(ours: &Image, truth: &Image) -> f64 {
     let (mut error, mut light) = (0.0, 0.0);
     for (a, b) in ours.pixels().iter().zip(truth.pixels()).filter(|(a, b)| a[3] == 1.0 && b[3] > 0.999) {
         for c in 0..3 {
-            error += squared(f64::from(a[c] - b[c]));
-            light += squared(f64::from(b[c]));
+            error += f64::from(a[c] - b[c]).squared();
+            light += f64::from(b[c]).squared();
         }
     }
     (error / light).sqrt()

@@ -1,13 +1,13 @@
-//! The split sum against the reference integrator, on a metal sphere.
+//! The split sum compared with the reference integrator, on a metal sphere.
 
-use super::{row, squared};
+use crate::computed::row;
 use anyhow::{Context, Result};
 use std::path::Path;
 use taotie::Progress;
 use taotie::film::{Development, develop16};
 use taotie::image::Image;
 use taotie::io::{decode_environment, read_bytes};
-use taotie::math::{Mat4, Vec3};
+use taotie::math::{Lane, Mat4, Vec3};
 use taotie::mesh::Mesh;
 use taotie::render::{
     EnvironmentLight, Lighting, Pass, Prepared, ReferenceSettings, RenderSettings, Shot, reference,
@@ -17,11 +17,11 @@ use taotie::shade::environment::{Environment, studio};
 
 const ROUGHNESS: [f32; 7] = [0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0];
 
-/// Pixels of a picture's side, and paths a pixel of the reference.
+/// The side of the pictures in pixels, and the paths per pixel of the reference.
 const SIDE: u32 = 64;
 const SPP: u32 = 1024;
 
-/// An environment by name.
+/// A named environment.
 pub struct Sky {
     name: String,
     light: EnvironmentLight,
@@ -34,12 +34,12 @@ impl Sky {
         Ok(Self { name: name.into(), light })
     }
 
-    /// The one that is built in.
+    /// Returns the built-in studio.
     pub fn studio() -> Result<Self> {
         Self::new("studio", studio())
     }
 
-    /// Every `.hdr` and `.exr` of a folder.
+    /// Returns all `.hdr` and `.exr` files of a folder.
     pub fn all_in(folder: &Path) -> Result<Vec<Self>> {
         let entries = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
         let mut paths = entries.map(|entry| Ok(entry?.path())).collect::<std::io::Result<Vec<_>>>()?;
@@ -53,7 +53,7 @@ impl Sky {
     }
 }
 
-/// A row a roughness: for each environment the error relative to the light, and as it is seen.
+/// Returns a row per roughness: for each environment, the error relative to the light, and in the developed picture.
 pub fn table(skies: &[Sky]) -> Result<String> {
     let mut titles = vec!["roughness".to_owned()];
     titles.extend(skies.iter().map(|sky| sky.name.clone()));
@@ -102,8 +102,8 @@ fn bronze_sphere(roughness: f32) -> Scene {
     Scene::new(data).expect("one mesh and one material")
 }
 
-/// Root mean square error over the whole pixels of the sphere: of the light, relative to its root mean square, and of
-/// the developed picture, relative to white.
+/// Returns the root mean square errors over the fully covered pixels of the sphere: of radiance, relative to its root
+/// mean square, and of the developed picture, relative to white.
 fn compare(ours: &Image, truth: &Image) -> Result<(f64, f64)> {
     let covered: Vec<usize> = (0..ours.pixels().len())
         .filter(|i| ours.pixels()[*i][3] > 0.999 && truth.pixels()[*i][3] > 0.999)
@@ -111,15 +111,15 @@ fn compare(ours: &Image, truth: &Image) -> Result<(f64, f64)> {
     let (mut error, mut light) = (0.0, 0.0);
     for (a, b) in covered.iter().map(|i| (ours.pixels()[*i], truth.pixels()[*i])) {
         for c in 0..3 {
-            error += squared(f64::from(a[c] - b[c]));
-            light += squared(f64::from(b[c]));
+            error += f64::from(a[c] - b[c]).squared();
+            light += f64::from(b[c]).squared();
         }
     }
     let development = Development { background: Some(Vec3::splat(0.0)), ..Development::default() };
     let [seen, wanted] = [develop16(ours, &development)?, develop16(truth, &development)?];
     let apart = covered
         .iter()
-        .map(|i| (0..3).map(|c| squared(f64::from(seen[*i][c]) - f64::from(wanted[*i][c]))).sum::<f64>());
+        .map(|i| (0..3).map(|c| (f64::from(seen[*i][c]) - f64::from(wanted[*i][c])).squared()).sum::<f64>());
     let seen = (apart.sum::<f64>() / (3 * covered.len()) as f64).sqrt() / 65535.0;
     Ok(((error / light).sqrt(), seen))
 }

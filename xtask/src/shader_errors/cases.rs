@@ -1,4 +1,4 @@
-//! The surfaces that are measured: models, surface methods and layers, with random factors.
+//! The measured surfaces: models, surface methods and layers, with random factors.
 
 use super::random::Random;
 use taotie::image::Sampler;
@@ -9,23 +9,23 @@ use taotie::scene::{
 };
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
-use taotie_shader::{NormalMethod, SurfaceFactors, Variant, VariantOptions};
+use taotie_shader::{SurfaceFactors, Variant, VariantOptions};
 
-/// The layers of a surface, or what else it has beside glTF's values.
+/// The layers of a surface, and other values in addition to those of glTF.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layers {
     pub name: &'static str,
     pub clearcoat: bool,
     pub sheen: bool,
     pub anisotropy: bool,
-    /// `true` where F0, F82 and the parameters of classic models are authored.
+    /// `true` if F0, F82 and the parameters of classic models are authored.
     pub authored: bool,
 }
 
 const NONE: Layers =
     Layers { name: "none", clearcoat: false, sheen: false, anisotropy: false, authored: false };
 
-/// The layers that `ggx` takes.
+/// The layers that `ggx` supports.
 const OF_GGX: [Layers; 4] = [
     Layers { name: "clearcoat", clearcoat: true, ..NONE },
     Layers { name: "sheen", sheen: true, ..NONE },
@@ -35,47 +35,39 @@ const OF_GGX: [Layers; 4] = [
 
 const AUTHORED: Layers = Layers { name: "authored", authored: true, ..NONE };
 
-/// A surface that is measured.
+/// A measured surface.
 #[derive(Debug, Clone, Copy)]
 pub struct Case {
     pub shading: Shading,
-    pub method: NormalMethod,
+    pub method: SurfaceMethod,
     pub layers: Layers,
 }
 
-/// All models by all methods, `ggx` with each layer and all of them, and all models with authored parameters.
+/// Returns all models with all methods, `ggx` with each layer and all layers, and all models with authored values.
 pub fn all() -> Vec<Case> {
     let mut cases = Vec::new();
     for (_, shading) in Shading::NAMES.iter().copied() {
         let layered: &[Layers] = if shading == Shading::Ggx { &OF_GGX } else { &[] };
         for layers in [NONE].iter().chain(layered) {
-            cases.extend(NormalMethod::ALL.map(|method| Case { shading, method, layers: *layers }));
+            cases.extend(SurfaceMethod::ALL.map(|method| Case { shading, method, layers: *layers }));
         }
-        cases.push(Case { shading, method: NormalMethod::Smooth, layers: AUTHORED });
+        cases.push(Case { shading, method: SurfaceMethod::Smooth, layers: AUTHORED });
     }
     cases
 }
 
-/// The columns of the matrix that takes the object-space map to the world: a rotation whose numbers are exact.
+/// The columns of the matrix from the object-space map to world space: a rotation with exact numbers.
 pub const NORMAL_MATRIX: [[f32; 3]; 3] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
 
 const IDENTITY: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 impl Case {
-    /// The name of the surface method.
+    /// Returns the name of the surface method.
     pub fn method_name(&self) -> &'static str {
-        match self.method {
-            NormalMethod::Facet => SurfaceMethod::Facet,
-            NormalMethod::Smooth => SurfaceMethod::Smooth,
-            NormalMethod::Bump => SurfaceMethod::Bump,
-            NormalMethod::BumpPrinted => SurfaceMethod::BumpPrinted,
-            NormalMethod::ObjectMap => SurfaceMethod::ObjectNormal,
-            NormalMethod::TangentMap => SurfaceMethod::TangentNormal,
-        }
-        .name()
+        self.method.name()
     }
 
-    /// The choices beside the material.
+    /// Returns the options other than the material.
     pub fn options(&self) -> VariantOptions {
         VariantOptions {
             shading: self.shading,
@@ -87,13 +79,13 @@ impl Case {
         }
     }
 
-    /// The variant whose shader it is; factors do not matter to it.
+    /// Returns the variant of its shader, which does not depend on factors.
     pub fn variant(&self) -> Variant {
         Variant::new(&self.material(&mut Random::new(1)), &self.options())
     }
 
-    /// A material with every texture that there is but for those of layers it lacks. Occlusion is red of the
-    /// metallic-roughness texture, so that all textures fit into the sixteen that WebGL 2 promises.
+    /// Returns a material with all textures except those of layers it lacks. Occlusion is the red channel of the
+    /// metallic-roughness texture, so that all textures fit into the sixteen guaranteed by WebGL 2.
     pub fn material(&self, random: &mut Random) -> Material {
         let mut near_one = || (0.7 + 0.3 * random.next()) as f32;
         let mut material = Material {
@@ -122,7 +114,7 @@ impl Case {
 
     fn normal_map(&self, scale: f32) -> NormalMap {
         let space = match self.method {
-            NormalMethod::ObjectMap => NormalSpace::Object,
+            SurfaceMethod::ObjectNormal => NormalSpace::Object,
             _ => NormalSpace::Tangent,
         };
         NormalMap { texture: texture(), scale, space, green: GreenChannel::Down }
@@ -159,12 +151,12 @@ impl Case {
         }
     }
 
-    /// The surface as its host knows it.
+    /// Returns the factors of the surface.
     pub fn factors<'m>(&self, material: &'m Material) -> SurfaceFactors<'m> {
-        // The paper's normals are in object space, which is the world here. Heights change by a third from texel to
-        // texel: slopes of about one.
+        // The paper's normals are in object space, which is world space here. Heights change by a third between
+        // texels, which gives slopes of about one.
         let (matrix, bump) = match self.method {
-            NormalMethod::BumpPrinted => (IDENTITY, 1.0),
+            SurfaceMethod::BumpPrinted => (IDENTITY, 1.0),
             _ => (NORMAL_MATRIX, 0.03),
         };
         let normal_matrix = matrix.map(taotie::math::Vec3::from_array);
@@ -172,7 +164,7 @@ impl Case {
     }
 }
 
-/// The one place that all textures have.
+/// Returns the reference that all textures share.
 fn texture() -> TextureRef {
     TextureRef { texture: 0, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() }
 }

@@ -1,12 +1,12 @@
 //! Generated shaders with an entry point that reads the vertex values of each pixel from a picture.
 //!
-//! The text is that of [`pixel_shader`] with nothing changed but which function is called first.
+//! The text is that of [`pixel_shader`], with only the entry point changed.
 
 use super::cases::Case;
 use super::points::BLOCKS;
 use taotie_shader::{Interface, Language, PixelShader, pixel_shader};
 
-/// A shader over points in WGSL, with the entry points `points_vertex` and `points_fragment`.
+/// Returns a shader over points in WGSL, with the entry points `points_vertex` and `points_fragment`.
 pub fn wgsl(case: &Case) -> PixelShader {
     let mut shader = pixel_shader(&case.variant(), Language::Wgsl);
     let arguments = arguments(&shader.interface);
@@ -46,7 +46,7 @@ void main() {
 }
 ";
 
-/// A fragment shader over points in GLSL ES.
+/// Returns a fragment shader over points in GLSL ES.
 pub fn glsl(case: &Case) -> PixelShader {
     let mut shader = pixel_shader(&case.variant(), Language::GlslEs);
     let arguments = arguments(&shader.interface);
@@ -73,7 +73,7 @@ void main() {{
     shader
 }
 
-/// The values that are interpolated elsewhere.
+/// Returns the values that are normally interpolated.
 fn arguments(interface: &Interface) -> String {
     let argument = |name: &str| match name {
         "position" => "a.xyz",

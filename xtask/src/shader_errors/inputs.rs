@@ -1,13 +1,14 @@
-//! The buffers and pictures that both graphics interfaces bind.
+//! The buffers and pictures that both graphics APIs bind.
 
 use super::cases::Case;
 use super::lighting::{self, Lighting};
 use super::points::{OBJECT_NORMALS, Points, WIDTH};
 use super::random::Random;
-use taotie::scene::Material;
+use taotie::scene::{Material, TextureRole};
 use taotie::shade::dfg;
 use taotie::shade::environment::Environment;
-use taotie_shader::{EnvironmentAtlas, MOST_LIGHTS, NormalMethod, TextureRole, light_numbers, opaque};
+use taotie::surface::SurfaceMethod;
+use taotie_shader::{EnvironmentAtlas, MOST_LIGHTS, light_numbers, opaque};
 
 /// A picture of floats.
 pub struct Picture {
@@ -21,7 +22,7 @@ pub struct Draw {
     pub points: Points,
 }
 
-/// All that is measured, whatever the surface.
+/// The inputs of all measurements, independent of the surface.
 pub struct Inputs {
     pub sky: Environment,
     pub draws: Vec<Draw>,
@@ -32,9 +33,9 @@ pub struct Inputs {
     pub levels: Vec<[f32; 4]>,
 }
 
-/// The number of a half float that is neither negative nor infinite.
+/// Converts a half float that is neither negative nor infinite.
 fn half(bits: u16) -> f32 {
-    // 2¹¹²: the difference of the exponents' biases.
+    // 2¹¹²: the difference between the exponent biases.
     f32::from_bits(u32::from(bits) << 13) * f32::from_bits((112 + 127) << 23)
 }
 
@@ -43,7 +44,7 @@ fn halves(size: [usize; 2], texels: impl Iterator<Item = [u16; 4]>) -> Picture {
 }
 
 impl Inputs {
-    /// Makes `rows` rows of points under each kind of light.
+    /// Creates `rows` rows of points under each kind of light.
     pub fn new(rows: usize) -> Self {
         let (sky, mut random) = (lighting::sky(), Random::new(17));
         let draws = lighting::kinds().map(|lighting| {
@@ -64,12 +65,12 @@ impl Inputs {
         }
     }
 
-    /// The number of points.
+    /// Returns the number of points.
     pub fn points(&self) -> usize {
         self.draws.iter().map(|draw| draw.points.len()).sum()
     }
 
-    /// The factors of a surface under each kind of light: others for each.
+    /// Returns the factors of a surface under each kind of light, which differ between them.
     pub fn materials(&self, case: &Case) -> Vec<Material> {
         let draws = self.draws.iter().enumerate();
         draws
@@ -81,7 +82,7 @@ impl Inputs {
             .collect()
     }
 
-    /// A picture that is the same in all draws.
+    /// Returns a picture that is the same in all draws.
     pub fn shared(&self, name: &str) -> Option<&Picture> {
         match name {
             "albedo_tables" => Some(&self.albedo_tables),
@@ -92,19 +93,19 @@ impl Inputs {
     }
 }
 
-/// The picture that a surface has for a texture.
+/// Returns the picture that a surface uses for a texture.
 pub fn picture_of<'n>(case: &Case, texture: &'n str) -> &'n str {
-    let object = case.method == NormalMethod::ObjectMap && texture == TextureRole::Normal.name();
+    let object = case.method == SurfaceMethod::ObjectNormal && texture == TextureRole::Normal.name();
     if object { OBJECT_NORMALS } else { texture }
 }
 
 impl Draw {
-    /// Points across and down.
+    /// Returns the points across and down.
     pub fn size(&self) -> [usize; 2] {
         [WIDTH, self.points.rows]
     }
 
-    /// The bytes of a buffer of the frame, by its name.
+    /// Returns the bytes of a buffer of the frame, by name.
     pub fn buffer(&self, name: &str, inputs: &Inputs) -> Vec<u8> {
         match name {
             "frame" => self.lighting.frame(&inputs.sky).bytes(),
@@ -118,12 +119,12 @@ impl Draw {
     }
 }
 
-/// Numbers as bytes, little-endian.
+/// Converts numbers to little-endian bytes.
 pub fn bytes(numbers: &[f32]) -> Vec<u8> {
     numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
 }
 
-/// Bytes as numbers.
+/// Converts bytes to numbers.
 pub fn numbers(bytes: &[u8]) -> Vec<[f32; 4]> {
     let number = |four: &[u8]| f32::from_le_bytes([four[0], four[1], four[2], four[3]]);
     let four = |texel: &[u8]| {

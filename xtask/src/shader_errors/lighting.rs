@@ -1,4 +1,4 @@
-//! The kinds of light that points are measured under, and the sky.
+//! The kinds of light under which points are measured, and the sky.
 
 use taotie::image::Image;
 use taotie::math::Vec3;
@@ -10,9 +10,9 @@ use taotie_shader::FrameFactors;
 #[derive(Debug, Clone)]
 pub struct Lighting {
     pub lights: Vec<LightSource<f32>>,
-    /// Radiance from all around, linear RGB.
+    /// Ambient radiance, linear RGB.
     pub ambient: Vec3,
-    /// Multiplies emission.
+    /// The factor of emission.
     pub emission: f32,
     /// The factor of the environment's radiance.
     pub intensity: f32,
@@ -20,11 +20,11 @@ pub struct Lighting {
     pub eye: [f32; 4],
 }
 
-/// The turn of the environment.
+/// The rotation of the environment.
 pub const TURN: Turn<f32> = Turn { sin: 0.6, cos: 0.8 };
 
-/// Each kind of light by itself, and all together: a sun, a lamp whose light ends, a spot, the sky with ambient light
-/// and emission.
+/// Returns each kind of light separately, and all together: a sun, a lamp with a limited range, a spot, and the sky
+/// with ambient light and emission.
 pub fn kinds() -> [Lighting; 5] {
     let dark =
         Lighting { lights: Vec::new(), ambient: Vec3::splat(0.0), emission: 0.0, intensity: 0.0, eye: NEAR };
@@ -66,7 +66,7 @@ fn lights() -> [LightSource<f32>; 3] {
 }
 
 impl Lighting {
-    /// The frame's uniforms.
+    /// Returns the uniforms of the frame.
     pub fn frame(&self, sky: &Environment) -> FrameFactors {
         let maps = sky.maps();
         FrameFactors {
@@ -83,14 +83,14 @@ impl Lighting {
     }
 }
 
-/// A sky with a soft sun.
+/// Returns a sky with a soft sun.
 pub fn sky() -> Environment {
-    let mut image = Image::new(128, 64, [1.0; 4]).expect("the size is sound");
+    let mut image = Image::new(128, 64, [1.0; 4]).expect("the size is valid");
     for (i, pixel) in image.pixels_mut().iter_mut().enumerate() {
         let (u, v) = ((i % 128) as f32 / 128.0, (i / 128) as f32 / 64.0);
         let (across, down) = (u - 0.7, v - 0.3);
         let sun = 6.0 / (1.0 + 80.0 * (across * across + down * down));
         *pixel = [0.3 + sun, 0.4 + 0.3 * (1.0 - v) + sun, 0.5 + 0.5 * (1.0 - v) + sun, 1.0];
     }
-    Environment::new(image).expect("the picture is sound")
+    Environment::new(image).expect("the picture is valid")
 }

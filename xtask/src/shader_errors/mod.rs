@@ -1,5 +1,5 @@
-//! `docs/shaders.md`: how far the shaders lie from the pixel program in `f64`, at random points, on the machines that play
-//! a graphics processor.
+//! `docs/shaders.md`: the differences between the shaders and the pixel program in `f64` at random points, on
+//! emulated GPUs.
 
 mod cases;
 mod harness;
@@ -40,7 +40,7 @@ struct Measured {
     glsl: Tally,
 }
 
-/// The measurements, and the machines they were made on.
+/// The measurements, and the drivers used.
 struct Run {
     measured: Vec<Measured>,
     vulkan: String,
@@ -48,10 +48,10 @@ struct Run {
     points: usize,
 }
 
-/// The page with its table renewed, below the repository's `root`.
+/// Returns the page with its table updated, below the repository's `root`.
 ///
 /// # Errors
-/// Where there is no Vulkan driver or no Chromium, where they refuse a shader, and where the page cannot be read.
+/// If there is no Vulkan driver or no Chromium, if they reject a shader, or if the page cannot be read.
 pub fn generated(root: &Path) -> Result<Generated> {
     let table = run(root, &cases::all(), ROWS)?.table();
     computed::page(root, PAGE, |name| (name == "points").then(|| table.clone()))
@@ -80,7 +80,7 @@ fn run(root: &Path, cases: &[Case], rows: usize) -> Result<Run> {
     Ok(Run { measured, vulkan: vulkan.name.clone(), browser: browser.name()?, points: inputs.points() })
 }
 
-/// The radiance of all points by the pixel program, draw by draw.
+/// Returns the radiance of all points by the pixel program, draw by draw.
 fn radiance<L: Number + From<f32> + Send>(case: &Case, inputs: &Inputs) -> Vec<[L; 3]> {
     let materials = inputs.materials(case);
     let draws = inputs.draws.iter().zip(&materials);
@@ -110,7 +110,7 @@ impl Run {
         text + &format!("\nDifferences above 1e-3: {}.\n", self.beyond())
     }
 
-    /// The numbers of channels of all surfaces that differ by more than 1e-3.
+    /// Returns the numbers of channels of all surfaces that differ by more than 1e-3.
     fn beyond(&self) -> String {
         let beyond = |side: fn(&Measured) -> &Tally| -> usize {
             self.measured.iter().map(|measured| side(measured).beyond).sum()

@@ -1,8 +1,8 @@
-//! Random points of surfaces, as pictures that shaders read: one texel of each a pixel.
+//! Random surface points, as pictures that shaders read: one texel of each picture per pixel.
 //!
-//! A shader sees changes to the next pixels within squares of two by two. So the four points of a square lie in one
-//! plane, as those of a triangle do. Their numbers are multiples of 2⁻¹⁶: sums and differences are exact in 32 bits, and
-//! all sides compute with the same changes.
+//! Shaders compute derivatives within squares of two by two pixels. The four points of a square therefore lie in one
+//! plane, like those of a triangle. Their coordinates are multiples of 2⁻¹⁶: sums and differences are exact in 32
+//! bits, so all implementations use the same derivatives.
 
 use super::cases::NORMAL_MATRIX;
 use super::lighting::Lighting;
@@ -11,24 +11,24 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use taotie::math::{Vec3, scalar};
 use taotie::pixel::Place;
-use taotie_shader::TextureRole;
+use taotie::scene::TextureRole;
 
-/// Points in a row.
+/// Points per row.
 pub const WIDTH: usize = 256;
 
-/// The pictures of a point's vertex values, below one another.
+/// The number of pictures for a point's vertex values, stacked vertically.
 pub const BLOCKS: usize = 5;
 
-/// The name of the normal map in object space.
+/// The name of the object-space normal map.
 pub const OBJECT_NORMALS: &str = "object_normal_texture";
 
 /// Points under a kind of light.
 pub struct Points {
     /// Rows of points, an even number.
     pub rows: usize,
-    /// Position and handedness; normal, and 1 where the front is seen; tangent; uv; colour.
+    /// Position and handedness; normal, and 1 if the front is visible; tangent; uv; colour.
     pub inputs: Vec<[f32; 4]>,
-    /// The texels of each point, by the name of the texture.
+    /// The texels of each point, by texture name.
     pub textures: BTreeMap<&'static str, Vec<[f32; 4]>>,
 }
 
@@ -54,7 +54,7 @@ struct Square {
     front: bool,
 }
 
-/// The nearest multiples of 2⁻¹⁶.
+/// Rounds to the nearest multiples of 2⁻¹⁶.
 fn on_grid(vector: Vec3<f64>) -> Vec3<f64> {
     vector.map(|component| (component * 65536.0).round() / 65536.0)
 }
@@ -64,13 +64,13 @@ fn texel(vector: Vec3<f64>, w: f64) -> [f32; 4] {
     [x, y, z, w as f32]
 }
 
-/// A direction as normal maps store it.
+/// Encodes a direction like normal maps.
 fn stored(normal: Vec3<f64>) -> Vec3<f64> {
     normal * 0.5 + Vec3::splat(0.5)
 }
 
 impl Points {
-    /// Makes points under a kind of light.
+    /// Creates points under a kind of light.
     pub fn new(rows: usize, lighting: &Lighting, random: &mut Random) -> Self {
         let mut points =
             Self { rows, inputs: vec![[0.0; 4]; BLOCKS * rows * WIDTH], textures: BTreeMap::new() };
@@ -86,7 +86,7 @@ impl Points {
         points
     }
 
-    /// The number of points.
+    /// Returns the number of points.
     pub fn len(&self) -> usize {
         self.rows * WIDTH
     }
@@ -107,7 +107,7 @@ impl Points {
         rows.into_iter().enumerate().for_each(|(block, row)| self.inputs[block * all + at] = row);
     }
 
-    /// The vertex values of point `at`.
+    /// Returns the vertex values of point `at`.
     pub fn point(&self, at: usize) -> Point {
         let all = self.len();
         let row = |block: usize| self.inputs[block * all + at];
@@ -140,13 +140,13 @@ impl Points {
     }
 }
 
-/// A direction near another, most often very near.
+/// Returns a direction near another one, usually very near.
 fn tilted(n: Vec3<f64>, random: &mut Random) -> Vec3<f64> {
     let share = random.next();
     (n + random.unit() * (0.9 * share * share)).normalize()
 }
 
-/// The variance of a texel of a normal map.
+/// Returns the variance of a normal map texel.
 fn variance(random: &mut Random) -> f64 {
     (0.4 * random.next() - 0.2).max(0.0)
 }
@@ -174,7 +174,7 @@ impl Square {
         let v = if w == 0.0 { eye } else { (eye - position).normalize() };
         let any = random.unit();
         let mut facet = if any.dot(v) < 0.0 { -any } else { any };
-        // A quarter of the squares lie where a light's highlight is.
+        // A quarter of the squares are in the highlight of a light.
         let light = lighting.lights.first().filter(|_| random.next() < 0.25);
         if let Some(light) = light {
             let l = match light.place {
@@ -196,7 +196,7 @@ impl Square {
             let direction = along * scalar::cos(angle) + across * scalar::sin(angle);
             on_grid(direction * random.between(0.01, 0.03))
         };
-        // Some 1.5 to 3 radians apart, either way round.
+        // About 1.5 to 3 radians apart, in either direction.
         let mut position_step = [step(0.3), step(2.6)];
         if random.next() < 0.5 {
             position_step.reverse();
@@ -212,7 +212,7 @@ impl Square {
         }
     }
 
-    /// The square with one of its points for the first.
+    /// Returns the square with one of its other points as the first.
     fn at(&self, [across, down]: [usize; 2]) -> Self {
         let moved = |from: Vec3<f64>, [x, y]: [Vec3<f64>; 2]| from + x * across as f64 + y * down as f64;
         Self {

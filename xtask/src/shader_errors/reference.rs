@@ -1,18 +1,18 @@
-//! The radiance of points by the pixel program, in `f64`, which is the truth, and in `f32`.
+//! The radiance of points by the pixel program, in `f64` as the ground truth, and in `f32`.
 
 use super::cases::Case;
 use super::lighting::{Lighting, TURN};
 use super::points::{OBJECT_NORMALS, Point, Points, WIDTH};
 use taotie::math::{Number, Vec3, scalar};
 use taotie::pixel::{
-    AnisotropyInputs, CoatInputs, EnvironmentSource, Geometry, LayerInputs, MappedNormal, MaterialUniforms,
-    MaterialValues, NormalSource, PixelInputs, SheenInputs, Surroundings, anisotropy_turn, height_derivative,
-    height_step, occluded,
+    AnisotropyInputs, CoatInputs, EnvironmentSource, Geometry, IncidentLight, LayerInputs, MappedNormal,
+    MaterialUniforms, MaterialValues, NormalValues, PixelInputs, SheenInputs, anisotropy_turn,
+    height_derivative, height_step, occluded,
 };
-use taotie::scene::{GreenChannel, Material, NormalMap};
+use taotie::scene::{Material, NormalMap, TextureRole};
 use taotie::shade::environment::Environment;
 use taotie::shade::{SubPixelVariance, curvature_variance};
-use taotie_shader::{NormalMethod, TextureRole};
+use taotie::surface::SurfaceMethod;
 
 /// Points of a surface under a kind of light.
 #[derive(Clone, Copy)]
@@ -24,7 +24,7 @@ pub struct Scene<'s> {
     pub sky: &'s Environment,
 }
 
-/// A point of a scene, in numbers of one precision.
+/// A point of a scene, in one precision.
 struct At<'s, L> {
     scene: Scene<'s>,
     at: usize,
@@ -32,7 +32,7 @@ struct At<'s, L> {
 }
 
 impl Scene<'_> {
-    /// The radiance of point `at`, linear RGB.
+    /// Returns the radiance of point `at`, linear RGB.
     pub fn radiance<L: Number + From<f32>>(&self, at: usize) -> Vec3<L> {
         let point = At { scene: *self, at, of: <L as From<f32>>::from };
         point.inputs().radiance(&point.light())
@@ -52,7 +52,7 @@ impl<L: Number> At<'_, L> {
         self.scene.points.point(self.at)
     }
 
-    /// The changes of a vertex value to the next points of the square, x and y.
+    /// Returns the differences of a vertex value to the next points of the square in x and y.
     fn steps(&self, value: impl Fn(Point) -> Vec3) -> [Vec3<L>; 2] {
         let first = self.at - self.at % 2 - (self.at / WIDTH % 2) * WIDTH;
         let of = |at: usize| self.vector(value(self.scene.points.point(at)));
@@ -60,7 +60,7 @@ impl<L: Number> At<'_, L> {
     }
 
     fn texel(&self, role: TextureRole) -> [L; 4] {
-        let object = role == TextureRole::Normal && self.scene.case.method == NormalMethod::ObjectMap;
+        let object = role == TextureRole::Normal && self.scene.case.method == SurfaceMethod::ObjectNormal;
         let name = if object { OBJECT_NORMALS } else { role.name() };
         self.scene.points.textures[name][self.at].map(self.of)
     }
@@ -88,7 +88,7 @@ impl<L: Number> At<'_, L> {
         }
     }
 
-    /// The height's derivatives by u and v.
+    /// Returns the derivatives of the height by u and v.
     fn slopes(&self) -> [L; 2] {
         let Points { rows, textures, .. } = self.scene.points;
         let heights = &textures[TextureRole::Height.name()];
@@ -99,51 +99,50 @@ impl<L: Number> At<'_, L> {
         [by_u, height_derivative(height(x, y + 1), height(x, y + rows - 1), step(*rows))]
     }
 
-    fn normal(&self) -> NormalSource<L> {
+    /// Returns the inputs of the surface method.
+    fn normal(&self) -> NormalValues<L> {
         let (case, material) = (self.scene.case, self.scene.material);
         let factors = case.factors(material);
-        let normal_matrix = factors.normal_matrix.map(|column| self.vector(column));
         let bump = (self.of)(factors.bump);
+        let none = NormalValues {
+            normal_matrix: factors.normal_matrix.map(|column| self.vector(column)),
+            ..NormalValues::none(bump)
+        };
         match case.method {
-            NormalMethod::Facet => NormalSource::Facet,
-            NormalMethod::Smooth => NormalSource::Smooth,
-            NormalMethod::Bump => {
+            SurfaceMethod::Facet | SurfaceMethod::Smooth => none,
+            SurfaceMethod::Bump => {
                 let [by_u, by_v] = self.slopes().map(|slope| slope * bump);
                 let [dx, dy] = self.steps(|point| point.uv);
                 let dh = [by_u * dx.x + by_v * dx.y, by_u * dy.x + by_v * dy.y];
-                NormalSource::Bump { dp: self.steps(|point| point.position), dh }
+                NormalValues { dp: self.steps(|point| point.position), dh, ..none }
             }
-            NormalMethod::BumpPrinted => {
+            SurfaceMethod::BumpPrinted => {
                 let [by_u, _] = self.slopes();
-                let grey = by_u * (bump.lit(255.0) / bump.lit(WIDTH as f64));
-                NormalSource::BumpPrinted { factor: bump, grey, normal_matrix }
+                NormalValues { printed: [bump, by_u * (bump.lit(255.0) / bump.lit(WIDTH as f64))], ..none }
             }
-            NormalMethod::ObjectMap => {
-                NormalSource::ObjectMap { stored: self.color(TextureRole::Normal), normal_matrix }
-            }
-            NormalMethod::TangentMap => {
-                NormalSource::TangentMap(self.mapped(TextureRole::Normal, material.normal))
+            SurfaceMethod::ObjectNormal | SurfaceMethod::TangentNormal => {
+                NormalValues { texel: self.mapped(TextureRole::Normal, material.normal), ..none }
             }
         }
     }
 
     fn mapped(&self, role: TextureRole, map: Option<NormalMap>) -> MappedNormal<L> {
-        let down = map.is_some_and(|map| map.green == GreenChannel::Down);
+        let green = map.map_or(1.0, |map| map.green.sign());
         MappedNormal {
             stored: self.color(role),
             scale: (self.of)(map.map_or(1.0, |map| map.scale)),
-            green: (self.of)(if down { -1.0 } else { 1.0 }),
+            green: (self.of)(green),
         }
     }
 
-    /// The variance within the pixel, with that of a normal map.
+    /// Returns the variance within the pixel, including that of a normal map.
     fn hidden(&self, role: Option<TextureRole>, scale: f32) -> SubPixelVariance<L> {
         let (case, zero) = (self.scene.case, (self.of)(0.0));
         if case.shading.is_printed() {
             return SubPixelVariance { curvature: zero, normal_variance: zero };
         }
         let [dx, dy] = self.steps(|point| point.normal);
-        let bends = case.method != NormalMethod::Facet;
+        let bends = case.method != SurfaceMethod::Facet;
         let scale = (self.of)(scale);
         SubPixelVariance {
             curvature: if bends { curvature_variance(dx, dy) } else { zero },
@@ -154,7 +153,7 @@ impl<L: Number> At<'_, L> {
     fn values(&self) -> MaterialValues<L> {
         let (case, material) = (self.scene.case, self.scene.material);
         let of = self.of;
-        let is_mapped = matches!(case.method, NormalMethod::ObjectMap | NormalMethod::TangentMap);
+        let is_mapped = matches!(case.method, SurfaceMethod::ObjectNormal | SurfaceMethod::TangentNormal);
         let scale = material.normal.map_or(1.0, |map| map.scale);
         let hidden = self.hidden(is_mapped.then_some(TextureRole::Normal), scale);
         let [occlusion, roughness, metallic, _] = self.texel(TextureRole::MetallicRoughness);
@@ -192,7 +191,7 @@ impl<L: Number> At<'_, L> {
             }),
             anisotropy: material.anisotropy.map(|anisotropy| {
                 let [red, green, blue, _] = self.texel(TextureRole::Anisotropy);
-                // In the 32 bits that files and uniforms hold.
+                // In 32 bits, like files and uniforms.
                 let angle = f64::from(anisotropy.rotation as f32);
                 let own = [scalar::cos(angle) as f32, scalar::sin(angle) as f32].map(of);
                 let turn = anisotropy_turn(own, [red, green]);
@@ -203,11 +202,11 @@ impl<L: Number> At<'_, L> {
 
     fn inputs(&self) -> PixelInputs<L> {
         let (case, material) = (self.scene.case, self.scene.material);
-        let softened =
-            matches!(case.method, NormalMethod::Bump | NormalMethod::ObjectMap | NormalMethod::TangentMap);
+        let softened = case.method.is_mapped();
         PixelInputs {
             shading: case.shading,
             geometry: self.geometry(),
+            method: case.method,
             normal: self.normal(),
             turns: true,
             softened: softened && !case.shading.is_printed(),
@@ -218,7 +217,7 @@ impl<L: Number> At<'_, L> {
         }
     }
 
-    fn light(&self) -> Surroundings<'_, L> {
+    fn light(&self) -> IncidentLight<'_, L> {
         let (lighting, position) = (self.scene.lighting, self.vector(self.point().position));
         let arriving = lighting.lights.iter().map(|light| light.map(self.of).incidence(position)).collect();
         let environment = EnvironmentSource {
@@ -226,6 +225,6 @@ impl<L: Number> At<'_, L> {
             turn: TURN.map(self.of),
             intensity: (self.of)(lighting.intensity),
         };
-        Surroundings { arriving, ambient: self.vector(lighting.ambient), environment: Some(environment) }
+        IncidentLight { arriving, ambient: self.vector(lighting.ambient), environment: Some(environment) }
     }
 }

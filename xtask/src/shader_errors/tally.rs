@@ -1,25 +1,25 @@
-//! Relative differences of radiance.
+//! Statistics of relative differences in radiance.
 
 use std::fmt;
 
-/// The least radiance whose relative difference counts.
+/// The minimum radiance for which differences count.
 const LEAST: f64 = 1e-3;
 
-/// The relative differences of radiance where it is above 1e-3, channel by channel.
+/// The relative differences of radiances above 1e-3, by channel.
 #[derive(Debug, Clone, Default)]
 pub struct Tally {
-    /// The channels that count.
+    /// The number of channels that count.
     pub count: usize,
     pub largest: f64,
     sum: f64,
-    /// The number of the point that differs most.
+    /// The index of the point with the largest difference.
     pub worst: usize,
-    /// The channels that differ by more than 1e-3.
+    /// The number of channels that differ by more than 1e-3.
     pub beyond: usize,
 }
 
 impl Tally {
-    /// The differences of `found` from `truth`.
+    /// Collects the differences between `found` and `truth`.
     pub fn new(truth: &[[f64; 3]], found: impl Iterator<Item = [f64; 3]>) -> Self {
         let mut tally = Self::default();
         let mut points = 0;
@@ -27,7 +27,7 @@ impl Tally {
             (0..3).for_each(|channel| tally.add(at, truth[channel], found[channel]));
             points += 1;
         }
-        // What is lacking is as wrong as can be.
+        // Missing points count as infinitely wrong.
         if points < truth.len() {
             tally.largest = f64::INFINITY;
         }
@@ -48,13 +48,13 @@ impl Tally {
         }
     }
 
-    /// The mean difference.
+    /// Returns the mean difference.
     pub fn mean(&self) -> f64 {
         self.sum / self.count.max(1) as f64
     }
 }
 
-/// The two cells of a table.
+/// Writes two cells of the table.
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:.1e} | {:.1e}", self.largest, self.mean())

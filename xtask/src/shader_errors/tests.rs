@@ -1,17 +1,16 @@
-//! Shaders at random points against the pixel program.
-#![allow(clippy::print_stderr, reason = "tests say what they found and why they are skipped")]
+//! Compares shaders with the pixel program at random points.
+#![allow(clippy::print_stderr, reason = "tests report their findings and why they are skipped")]
 
 use super::*;
 use taotie::shade::Shading;
-use taotie_shader::NormalMethod;
+use taotie::surface::SurfaceMethod;
 
-/// The largest relative difference of radiance that shaders have, but where `f32` itself has one about as large: they may
-/// have 1.5 times that.
+/// The largest allowed relative difference of radiance for shaders, or 1.5 times that of `f32` if this is larger.
 const LARGEST: f64 = 1e-3;
 const OF_SINGLE: f64 = 1.5;
-/// The largest that `f32` has.
+/// The largest allowed difference for `f32`.
 const LARGEST_OF_SINGLE: f64 = 5e-3;
-/// The share of channels that may lie beyond 1e-3.
+/// The share of channels that may differ by more than 1e-3.
 const BEYOND: f64 = 6e-4;
 
 fn check(cases: &[Case], rows: usize) {
@@ -42,13 +41,13 @@ fn check(cases: &[Case], rows: usize) {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
-/// 2,560 points of a few surfaces.
+/// Uses 2,560 points of a few surfaces.
 #[test]
 fn shaders_have_the_radiance_of_the_pixel_program() {
     let wanted = |case: &Case| match (case.shading, case.method) {
-        (Shading::Ggx, NormalMethod::TangentMap) => case.layers.name == "all",
-        (Shading::CookTorrance, NormalMethod::Bump) => true,
-        (Shading::BlinnPhong, NormalMethod::ObjectMap) => true,
+        (Shading::Ggx, SurfaceMethod::TangentNormal) => case.layers.name == "all",
+        (Shading::CookTorrance, SurfaceMethod::Bump) => true,
+        (Shading::BlinnPhong, SurfaceMethod::ObjectNormal) => true,
         _ => false,
     };
     let cases: Vec<Case> = cases::all().into_iter().filter(wanted).collect();

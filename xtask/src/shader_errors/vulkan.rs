@@ -1,4 +1,4 @@
-//! Points by WGSL on a Vulkan driver, through wgpu.
+//! Evaluates points with WGSL on a Vulkan driver, through wgpu.
 
 use super::cases::Case;
 use super::harness;
@@ -13,7 +13,7 @@ use wgpu::{Extent3d, Features, RenderPipeline, ShaderStages, TextureFormat, Text
 /// The format of points and of radiance.
 const FORMAT: TextureFormat = TextureFormat::Rgba32Float;
 
-/// A graphics processor, or a program that plays one, with the points on it.
+/// A GPU, or an emulated one, with the points uploaded.
 pub struct Vulkan<'i> {
     /// The name of the driver.
     pub name: String,
@@ -38,7 +38,7 @@ struct Pipeline {
     layouts: [BindGroupLayout; 3],
 }
 
-/// The driver that plays a graphics processor, else the first there is.
+/// Returns an emulated GPU if there is one, otherwise the first driver.
 fn adapter() -> Result<wgpu::Adapter> {
     let backends = wgpu::Backends::VULKAN;
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
@@ -48,15 +48,15 @@ fn adapter() -> Result<wgpu::Adapter> {
     });
     let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
     adapters.sort_by_key(|adapter| adapter.get_info().device_type != wgpu::DeviceType::Cpu);
-    let none = || anyhow!("no Vulkan driver; `make tools` installs one where it can");
+    let none = || anyhow!("no Vulkan driver; `make tools` installs one if possible");
     adapters.into_iter().next().ok_or_else(none)
 }
 
 impl<'i> Vulkan<'i> {
-    /// Finds a driver and hands it the points.
+    /// Finds a driver and uploads the points.
     ///
     /// # Errors
-    /// Where there is no driver, or it fails.
+    /// If there is no driver, or it fails.
     pub fn new(inputs: &'i Inputs) -> Result<Self> {
         let adapter = adapter()?;
         let info = adapter.get_info();
@@ -129,10 +129,10 @@ impl<'i> Vulkan<'i> {
         buffer
     }
 
-    /// The radiance of all points of a surface, draw by draw.
+    /// Returns the radiance of all points of a surface, draw by draw.
     ///
     /// # Errors
-    /// Where the driver refuses the shader or fails.
+    /// If the driver rejects the shader or fails.
     pub fn radiance(&self, case: &Case) -> Result<Vec<[f32; 4]>> {
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let pipeline = self.pipeline(harness::wgsl(case));
@@ -181,7 +181,7 @@ impl<'i> Vulkan<'i> {
         Pipeline { pipeline, interface, layouts }
     }
 
-    /// The layout of a group: what the interface binds, or the points.
+    /// Returns the layout of a group: the bindings of the interface, or the points.
     fn layout(&self, interface: &Interface, group: u32) -> BindGroupLayout {
         let buffers = interface.buffers.iter().filter(|slot| slot.group == group);
         let mut entries: Vec<_> = buffers.map(|slot| entry(slot.binding, buffer(slot.storage))).collect();
@@ -197,7 +197,7 @@ impl<'i> Vulkan<'i> {
         self.device.create_bind_group_layout(&descriptor)
     }
 
-    /// Draws all points, and copies them to a buffer.
+    /// Draws all points and copies the result to a buffer.
     fn draw(&self, case: &Case, pipeline: &Pipeline) -> Buffer {
         let size = self.inputs.points() as u64 * 16;
         let read = self.device.create_buffer(&wgpu::BufferDescriptor {
@@ -290,7 +290,7 @@ impl<'i> Vulkan<'i> {
     fn read(&self, buffer: &Buffer) -> Result<Vec<[f32; 4]>> {
         let (sender, receiver) = mpsc::channel();
         buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-            // Nobody listens any more where waiting has failed.
+            // The receiver is gone if waiting has failed.
             let _ = sender.send(result);
         });
         self.device.poll(wgpu::PollType::wait_indefinitely())?;

@@ -1,4 +1,4 @@
-//! Points by GLSL ES in Chromium, which plays a graphics processor by SwiftShader.
+//! Evaluates points with GLSL ES in Chromium, which emulates a GPU with SwiftShader.
 
 use super::cases::Case;
 use super::harness::{VERTEX_GLSL, glsl};
@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Names of the browser that all of them have been given.
+/// Common names of the browser.
 const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
 /// Node with its packages, and a browser.
@@ -21,7 +21,7 @@ impl WebGl {
     /// Finds node, its packages and a browser, below the repository's `root`.
     ///
     /// # Errors
-    /// Where one is missing.
+    /// If one of them is missing.
     pub fn find(root: &Path) -> Result<Self> {
         let scripts = root.join("tests/browser");
         let node = Command::new("node").arg("--version").output().is_ok_and(|output| output.status.success());
@@ -37,20 +37,20 @@ impl WebGl {
         Ok(Self { scripts, browser })
     }
 
-    /// The name and version of the browser.
+    /// Returns the name and version of the browser.
     ///
     /// # Errors
-    /// Where it does not start.
+    /// If it does not start.
     pub fn name(&self) -> Result<String> {
         let output = Command::new(&self.browser).arg("--version").output()?;
-        let told = String::from_utf8_lossy(&output.stdout);
-        Ok(told.split_whitespace().take(2).collect::<Vec<_>>().join(" "))
+        let version = String::from_utf8_lossy(&output.stdout);
+        Ok(version.split_whitespace().take(2).collect::<Vec<_>>().join(" "))
     }
 
-    /// The radiance of all points of each surface, draw by draw.
+    /// Returns the radiance of all points of each surface, draw by draw.
     ///
     /// # Errors
-    /// Where a file cannot be written, or the browser refuses a shader.
+    /// If a file cannot be written, or the browser rejects a shader.
     pub fn radiance(&self, cases: &[Case], inputs: &Inputs) -> Result<Drawn> {
         let folder = tempfile::tempdir()?;
         let written = Written { folder: folder.path(), inputs };
@@ -60,30 +60,30 @@ impl WebGl {
         node.arg("shader_points.mjs").current_dir(&self.scripts);
         let output = node.env("BROWSER", &self.browser).env("FOLDER", folder.path()).output()?;
         if !output.status.success() {
-            let [told, wrong] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
-            bail!("shader_points.mjs: {told}{wrong}");
+            let [out, err] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+            bail!("shader_points.mjs: {out}{err}");
         }
         Ok(Drawn { folder })
     }
 }
 
-/// The radiance that the browser drew, a file for each surface.
+/// The radiance drawn by the browser, with a file for each surface.
 pub struct Drawn {
     folder: tempfile::TempDir,
 }
 
 impl Drawn {
-    /// The radiance of surface number `case`.
+    /// Returns the radiance of surface number `case`.
     ///
     /// # Errors
-    /// Where its file cannot be read.
+    /// If its file cannot be read.
     pub fn radiance(&self, case: usize) -> Result<Vec<[f32; 4]>> {
         let path = self.folder.path().join(format!("{case}.bin"));
         Ok(numbers(&std::fs::read(&path).with_context(|| path.display().to_string())?))
     }
 }
 
-/// The folder that the script reads, and its content.
+/// The folder that the script reads, and its inputs.
 struct Written<'i> {
     folder: &'i Path,
     inputs: &'i Inputs,

@@ -1,14 +1,14 @@
-//! The content of a collection's file, as it stands there.
+//! The content of a collection's file, as written.
 
-use super::RunSettings;
-use super::tables::{Keys, Lines, Switch};
+use super::lines::Lines;
 use glob::{MatchOptions, Pattern};
 use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
 use taotie::Result;
 use taotie::asset::Bytes;
-use toml::Spanned;
+use toml::{Spanned, Table, Value};
 
 /// The whole file.
 #[derive(Debug, Deserialize)]
@@ -16,17 +16,17 @@ use toml::Spanned;
 pub struct Content {
     /// The collection's name.
     pub title: Option<String>,
-    /// Where it is published.
+    /// The URL it is published at.
     pub address: Option<String>,
-    /// The folder that everything is written to.
+    /// The folder for all output.
     pub output: PathBuf,
-    /// Where scans are looked for.
+    /// Where to look for scans.
     pub source: Vec<Spanned<Source>>,
-    /// What is made of them.
+    /// Options for all scans.
     pub made: Made,
-    /// How they are worked through.
+    /// How to run the work.
     pub run: Run,
-    /// What is made of some of them.
+    /// Options for some scans.
     pub overrides: Vec<Override>,
 }
 
@@ -69,7 +69,20 @@ struct OneOverride {
     require: Option<Vec<Spanned<String>>>,
 }
 
-/// What is made of scans.
+/// A table whose keys carry their positions.
+pub type Keys = BTreeMap<Spanned<String>, Value>;
+
+/// A table, or a switch: `false` for none, `true` for the defaults.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged)]
+pub enum Switch {
+    /// Not made, or made with the defaults.
+    Is(bool),
+    /// Made with these options.
+    With(Table),
+}
+
+/// Options of what to make from scans.
 #[derive(Debug, Default)]
 pub struct Made {
     pub scan: Option<Keys>,
@@ -83,19 +96,19 @@ pub struct Made {
     pub require: Option<Vec<Spanned<String>>>,
 }
 
-/// A place where scans are looked for: one of its three fields.
+/// A place to look for scans: exactly one of the three fields is set.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Source {
-    /// A folder: every model below it.
+    /// A folder: every model in it, at any depth.
     pub folder: Option<PathBuf>,
-    /// A pattern of paths.
+    /// A path pattern.
     pub glob: Option<String>,
-    /// A CSV or JSONL file that names models.
+    /// A CSV or JSONL file that lists models.
     pub list: Option<PathBuf>,
 }
 
-/// How scans are worked through.
+/// How to run the work.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Run {
@@ -104,11 +117,22 @@ pub struct Run {
     time_limit: Option<Spanned<String>>,
 }
 
-/// What is made of the scans whose ids match a pattern.
+/// How to run the work on a collection, as far as its file states it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct RunSettings {
+    /// The largest number of concurrent processes.
+    pub jobs: Option<usize>,
+    /// The most memory for all processes together.
+    pub memory: Option<Bytes>,
+    /// The longest time per asset.
+    pub time_limit: Option<Duration>,
+}
+
+/// Options for the scans whose ids match a pattern.
 #[derive(Debug)]
 pub struct Override {
     id: Spanned<String>,
-    /// What is made of them.
+    /// The options.
     pub made: Spanned<Made>,
 }
 
@@ -127,7 +151,7 @@ impl From<Whole> for Content {
 }
 
 impl Content {
-    /// Refuses what no value can be read of.
+    /// Checks everything that deserialising cannot.
     ///
     /// # Errors
     /// [`taotie::Error::Parse`] with the line.
@@ -140,7 +164,7 @@ impl Content {
             let count =
                 usize::from(folder.is_some()) + usize::from(glob.is_some()) + usize::from(list.is_some());
             if count != 1 {
-                return Err(lines.parse(source.span(), "a source is one of `folder`, `glob` and `list`"));
+                return Err(lines.parse(source.span(), "a source must be one of `folder`, `glob` and `list`"));
             }
             if let Some(Err(error)) = glob.as_deref().map(Pattern::new) {
                 return Err(lines.parse(source.span(), &format!("glob: {error}")));
@@ -149,7 +173,7 @@ impl Content {
         self.run.check(lines)
     }
 
-    /// Returns the place of the options for all scans.
+    /// Returns the position of the options for all scans.
     pub fn span_of_choices(&self) -> std::ops::Range<usize> {
         let tables = [&self.made.scan, &self.made.bake, &self.made.packing, &self.made.verify];
         let keys = tables.into_iter().flatten().flat_map(|keys| keys.keys()).map(Spanned::span);
@@ -166,7 +190,7 @@ impl Override {
         Self { id, made: Spanned::new(span, made) }
     }
 
-    /// Returns the pattern of ids.
+    /// Returns the id pattern.
     ///
     /// # Errors
     /// [`taotie::Error::Parse`] with the line.
@@ -174,7 +198,7 @@ impl Override {
         Pattern::new(self.id.get_ref()).map_err(|error| lines.parse(self.id.span(), &format!("id: {error}")))
     }
 
-    /// Says whether a pattern covers an id: `*` stays within a folder, `**` does not.
+    /// Returns true if a pattern covers an id: `*` stays within a folder, `**` does not.
     pub fn covers(pattern: &Pattern, id: &str) -> bool {
         let options = MatchOptions { require_literal_separator: true, ..MatchOptions::default() };
         pattern.matches_with(id, options)
@@ -184,7 +208,7 @@ impl Override {
 impl Run {
     fn check(&self, lines: Lines<'_>) -> Result<()> {
         if let Some(jobs) = self.jobs.as_ref().filter(|jobs| *jobs.get_ref() == 0) {
-            return Err(lines.parse(jobs.span(), "jobs: at least one process is needed"));
+            return Err(lines.parse(jobs.span(), "jobs: use at least one process"));
         }
         if let Some(memory) = &self.memory {
             let read = memory.get_ref().parse::<Bytes>();
@@ -197,7 +221,7 @@ impl Run {
         Ok(())
     }
 
-    /// Returns what was checked.
+    /// Returns the checked settings.
     pub fn settings(&self) -> RunSettings {
         RunSettings {
             jobs: self.jobs.as_ref().map(|jobs| *jobs.get_ref()),
@@ -210,9 +234,9 @@ impl Run {
 /// Reads a time such as `90s`, `15m`, `2h` or `1h30m`; a bare number is seconds.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// A message.
 pub fn duration(text: &str) -> std::result::Result<Duration, String> {
-    let wrong = || format!("`{text}` is no time; write it as 90s, 15m, 2h or 1h30m");
+    let wrong = || format!("invalid time `{text}`: use e.g. 90s, 15m, 2h or 1h30m");
     let (mut seconds, mut number) = (0.0, String::new());
     for letter in text.trim().chars() {
         let unit = match letter {

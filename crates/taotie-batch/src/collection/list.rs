@@ -1,13 +1,13 @@
-//! Lists of scans: CSV with a head, or a JSON object a line.
+//! Lists of scans: CSV with a header, or one JSON object per line.
 
-use super::sources::Scan;
+use super::scan::Scan;
 use crate::input::slashed;
 use serde::Deserialize;
 use std::path::Path;
 use taotie::io::read_bytes;
 use taotie::{Error, Result, Warnings};
 
-/// The columns that are read.
+/// The columns that are read; all others are ignored.
 const COLUMNS: [&str; 3] = ["path", "id", "title"];
 
 /// A line of a list.
@@ -18,7 +18,7 @@ struct Entry {
     title: Option<String>,
 }
 
-/// Reads a list, whose paths are relative to its own folder.
+/// Reads a list; its paths are relative to its own folder.
 ///
 /// # Errors
 /// [`Error::Parse`] with the line.
@@ -28,7 +28,7 @@ pub fn read(path: &Path) -> Result<(Vec<Scan>, Warnings)> {
     match extension.as_deref() {
         Some("csv") => of_csv(path, &bytes),
         Some("jsonl" | "ndjson") => of_jsonl(path, &bytes),
-        _ => Err(Error::unsupported(path.display().to_string(), "lists are read from .csv and .jsonl")),
+        _ => Err(Error::unsupported(path.display().to_string(), "lists must be .csv or .jsonl")),
     }
 }
 
@@ -43,12 +43,12 @@ fn of_csv(path: &Path, bytes: &[u8]) -> Result<(Vec<Scan>, Warnings)> {
         return Err(Error::parse(
             path,
             "line 1",
-            "the first line names the columns; one of them must be `path`",
+            "missing column `path`: the first line must name the columns",
         ));
     }
     let mut warnings = Warnings::default();
     for column in head.iter().filter(|column| !COLUMNS.contains(column)) {
-        warnings.note(format!("{}: the column `{column}` is not read", path.display()), 1);
+        warnings.note(format!("{}: ignored unknown column `{column}`", path.display()), 1);
     }
     let entries = reader.deserialize::<Entry>().map(|entry| entry.map_err(wrong));
     let scans = entries.map(|entry| entry.map(|entry| entry.scan(path))).collect::<Result<_>>()?;
@@ -61,7 +61,7 @@ fn of_jsonl(path: &Path, bytes: &[u8]) -> Result<(Vec<Scan>, Warnings)> {
     let read = |(number, line): (usize, &str)| {
         let entry: serde_json::Result<Entry> = serde_json::from_str(line);
         entry.map(|entry| entry.scan(path)).map_err(|error| {
-            Error::parse(path, format!("line {}", number + 1), format!("{error}; write {{\"path\": …}}"))
+            Error::parse(path, format!("line {}", number + 1), format!("{error}; expected {{\"path\": …}}"))
         })
     };
     Ok((lines.map(read).collect::<Result<_>>()?, Warnings::default()))
@@ -71,7 +71,7 @@ impl Entry {
     fn scan(self, list: &Path) -> Scan {
         let own = list.parent().unwrap_or(Path::new("")).join(&self.path);
         let words = |text: Option<String>| text.filter(|text| !text.is_empty());
-        // Neither `..` nor the root can be part of an id.
+        // Drop `..` and the root: neither can be part of an id.
         let named = Path::new(&self.path).components();
         let named = named.filter(|part| matches!(part, std::path::Component::Normal(_)));
         let id = words(self.id).unwrap_or_else(|| slashed(&named.collect::<std::path::PathBuf>()));

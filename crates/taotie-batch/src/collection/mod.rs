@@ -1,24 +1,25 @@
-//! `collection.toml`: where the scans of a collection lie, and what is made of them.
+//! `collection.toml`: where the scans of a collection are, and what to make from them.
 
 mod content;
+mod lines;
 mod list;
+mod scan;
 mod sources;
 mod tables;
 
 use crate::settings::Settings;
 use content::{Content, Override};
 use glob::Pattern;
+use lines::Lines;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 use tables::Choices;
-use taotie::asset::Bytes;
 use taotie::io::read_bytes;
-use taotie::{Error, Result, Warnings};
+use taotie::{Error, Result};
 
-pub use content::duration;
-pub use sources::Scan;
+pub use content::{RunSettings, duration};
+pub use scan::{Found, Scan};
 
-/// A collection as its file describes it, checked.
+/// A collection as described by its file, checked.
 #[derive(Debug)]
 pub struct Collection {
     path: PathBuf,
@@ -27,46 +28,27 @@ pub struct Collection {
     overrides: Vec<(Pattern, Choices)>,
 }
 
-/// How a collection is worked through, where its file says so.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct RunSettings {
-    /// The most processes at once.
-    pub jobs: Option<usize>,
-    /// The most memory of all processes.
-    pub memory: Option<Bytes>,
-    /// The longest time for an asset.
-    pub time_limit: Option<Duration>,
-}
-
-/// The scans of a collection, and what was wrong with its lists.
-#[derive(Debug, Default)]
-pub struct Found {
-    /// The scans, by id.
-    pub scans: Vec<Scan>,
-    /// What is not read of lists.
-    pub warnings: Warnings,
-}
-
 impl Collection {
-    /// Reads a collection's file, and checks all of it.
+    /// Reads a collection's file and checks all of it.
     ///
     /// # Errors
-    /// [`Error::Parse`] with the line; [`Error::Io`] where a file is not there.
+    /// [`Error::Parse`] with the line; [`Error::Io`] if a file does not exist.
     pub fn read(path: &Path) -> Result<Self> {
         let text = String::from_utf8(read_bytes(path)?).map_err(|error| {
             let at = format!("byte {}", error.utf8_error().valid_up_to());
-            Error::parse(path, at, "it is not text in UTF-8")
+            Error::parse(path, at, "not valid UTF-8")
         })?;
         Self::parse(&text, path)
     }
 
-    /// Reads the text of a collection's file, whose paths are relative to the folder of `path`.
+    /// Parses the text of a collection's file; paths are relative to the folder of `path`.
     ///
     /// # Errors
     /// As [`Collection::read`].
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
-        let lines = tables::Lines { text, path };
+        let lines = Lines { text, path };
         let content: Content = lines.read()?;
+        tables::check(lines)?;
         let choices = Choices::of(&content.made, lines)?;
         let mut overrides = Vec::with_capacity(content.overrides.len());
         for one in &content.overrides {
@@ -77,8 +59,8 @@ impl Collection {
         Ok(read)
     }
 
-    /// Checks every set of settings that may come to be.
-    fn check(&self, lines: tables::Lines<'_>) -> Result<()> {
+    /// Checks every set of settings that can arise.
+    fn check(&self, lines: Lines<'_>) -> Result<()> {
         self.content.check(lines)?;
         let checked = |settings: Result<Settings>| self.checked(settings?).map(drop);
         checked(self.combined(&[])).map_err(|error| lines.within(self.content.span_of_choices(), error))?;
@@ -88,56 +70,56 @@ impl Collection {
         Ok(())
     }
 
-    /// Returns the file.
+    /// Returns the collection's file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Returns the folder of the file, from which all paths start.
+    /// Returns the folder of the file, which all paths are relative to.
     pub fn folder(&self) -> &Path {
         self.path.parent().unwrap_or(Path::new(""))
     }
 
-    /// Returns the folder that everything is written to.
+    /// Returns the output folder.
     pub fn output(&self) -> PathBuf {
         self.folder().join(self.relative_output())
     }
 
-    /// Returns the same folder as the collection's file says it.
+    /// Returns the output folder as written in the collection's file.
     pub fn relative_output(&self) -> &Path {
         &self.content.output
     }
 
-    /// Returns the collection's name, as its page shows it.
+    /// Returns the collection's title, as its page shows it.
     pub fn title(&self) -> String {
         let own = || self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         self.content.title.clone().unwrap_or_else(own)
     }
 
-    /// Returns where the collection is published, an address of the web; `None` where that is not said.
+    /// Returns the URL that the collection is published at; `None` if unspecified.
     pub fn address(&self) -> Option<&str> {
         self.content.address.as_deref()
     }
 
-    /// Returns how the collection is worked through.
+    /// Returns how to run the work on the collection.
     pub fn run(&self) -> RunSettings {
         self.content.run.settings()
     }
 
-    /// Looks for the scans.
+    /// Finds the scans.
     ///
     /// # Errors
-    /// [`Error::Io`] where a folder or a list is not there; [`Error::Invalid`] where two scans have one id, or there is
-    /// none at all.
+    /// [`Error::Io`] if a folder or a list does not exist; [`Error::Invalid`] if two scans have the same id, or if
+    /// there are none at all.
     pub fn scans(&self) -> Result<Found> {
         sources::find(&self.content.source, self.folder(), &self.output())
     }
 
-    /// Returns what is made of the asset with this id: later overrides go before earlier ones. Paths in it are relative
-    /// to the collection's folder.
+    /// Returns the settings of the asset with this id: later overrides take precedence. Paths in it are relative to
+    /// the collection's folder.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where overrides contradict one another.
+    /// [`Error::Invalid`] if overrides contradict one another.
     pub fn settings(&self, id: &str) -> Result<Settings> {
         let chosen = self.overrides.iter().filter(|(pattern, _)| Override::covers(pattern, id));
         let chosen: Vec<_> = chosen.map(|(_, choices)| choices).collect();

@@ -1,8 +1,8 @@
 //! The scans of a collection.
 
-use super::Found;
 use super::content::Source;
 use super::list;
+use super::scan::{Found, Scan};
 use crate::input::slashed;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,34 +10,24 @@ use taotie::{Error, Result, Warnings};
 use toml::Spanned;
 use walkdir::WalkDir;
 
-/// The extensions of files that are models, in lower case.
+/// The file extensions of models, in lower case.
 pub const MODEL_EXTENSIONS: [&str; 5] = ["gltf", "glb", "obj", "ply", "stl"];
 
-/// A scan of a collection.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Scan {
-    /// Its name in the collection, with `/` between folders.
-    pub id: String,
-    /// Its file, relative to the folder of the collection's file.
-    pub path: PathBuf,
-    /// What people call it.
-    pub title: Option<String>,
-}
-
-/// A way to look for scans.
+/// A search for scans.
 struct Search<'a> {
-    /// The folder that paths start from.
+    /// The folder that paths are relative to.
     folder: &'a Path,
-    /// The folder that is written to, in which nothing is looked for.
+    /// The output folder, which is not searched.
     output: Option<PathBuf>,
     found: BTreeMap<String, Scan>,
     warnings: Warnings,
 }
 
-/// Looks for the scans of all sources.
+/// Finds the scans of all sources.
 ///
 /// # Errors
-/// [`Error::Io`] where a folder or a list is not there; [`Error::Invalid`] where two scans have one id, or there is none.
+/// [`Error::Io`] if a folder or a list does not exist; [`Error::Invalid`] if two scans have the same id, or there are
+/// none.
 pub fn find(sources: &[Spanned<Source>], folder: &Path, output: &Path) -> Result<Found> {
     let output = output.canonicalize().ok();
     let mut search = Search { folder, output, found: BTreeMap::new(), warnings: Warnings::default() };
@@ -47,7 +37,7 @@ pub fn find(sources: &[Spanned<Source>], folder: &Path, output: &Path) -> Result
     match search.found.is_empty() {
         true => Err(Error::invalid(
             "[[source]]",
-            "no model is found; models are .gltf, .glb, .obj, .ply and .stl",
+            "no models found; models are .gltf, .glb, .obj, .ply and .stl files",
         )),
         false => Ok(Found { scans: search.found.into_values().collect(), warnings: search.warnings }),
     }
@@ -69,7 +59,7 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Takes every model below a folder; ids are relative to it.
+    /// Adds every model in a folder, at any depth; ids are relative to it.
     fn read_folder(&mut self, folder: &Path) -> Result<()> {
         for entry in WalkDir::new(folder).follow_links(true).sort_by_file_name() {
             let entry = entry.map_err(|error| not_walked(folder, error))?;
@@ -81,7 +71,7 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Takes every file that matches a pattern; ids are relative to the part of it that has no wildcard.
+    /// Adds every file that matches a pattern; ids are relative to the part of it without wildcards.
     fn read_glob(&mut self, pattern: &str) -> Result<()> {
         let whole = self.folder.join(pattern);
         let fixed: PathBuf = whole.components().take_while(|part| !has_wildcard(part.as_os_str())).collect();
@@ -103,14 +93,14 @@ impl Search<'_> {
             scan.path = path.to_path_buf();
         }
         if scan.id.split('/').any(|part| matches!(part, "" | "." | "..")) || scan.id.contains('\\') {
-            return Err(Error::invalid(format!("the id `{}`", scan.id), "write names with / between them"));
+            return Err(Error::invalid(format!("the id `{}`", scan.id), "use names separated by /"));
         }
         let path = scan.path.clone();
         match self.found.insert(scan.id.clone(), scan) {
             Some(before) if before.path != path => Err(Error::invalid(
                 format!("the id `{}`", before.id),
                 format!(
-                    "both {} and {} have it; give ids in a list, or name one folder above both",
+                    "used by both {} and {}; set ids in a list, or use one folder above both",
                     before.path.display(),
                     path.display()
                 ),
@@ -119,7 +109,7 @@ impl Search<'_> {
         }
     }
 
-    /// Says whether a file was written by us.
+    /// Returns true if a file is in our output folder.
     fn is_own(&self, path: &Path) -> bool {
         let inside = |output: &PathBuf| path.canonicalize().is_ok_and(|path| path.starts_with(output));
         self.output.as_ref().is_some_and(inside)
@@ -129,7 +119,7 @@ impl Search<'_> {
 fn not_walked(folder: &Path, error: walkdir::Error) -> Error {
     let path = error.path().unwrap_or(folder).to_path_buf();
     let cause = error.into_io_error();
-    Error::io(path, cause.unwrap_or_else(|| std::io::Error::other("folders link to one another in a circle")))
+    Error::io(path, cause.unwrap_or_else(|| std::io::Error::other("folder links form a loop")))
 }
 
 fn is_model(path: &Path) -> bool {

@@ -1,40 +1,16 @@
-//! Tables of options: read twice, once into the library's own structs, whose errors tell the line, and once as they are,
-//! to be laid over one another.
+//! Tables of options. They are read twice: into the library's own structs, whose errors carry the line, and as raw
+//! tables, to be merged.
 
-use super::content::{Content, Made};
+use super::content::{Keys, Made, Switch};
+use super::lines::Lines;
 use crate::settings::{AssetSettings, Settings, Thumbnail, Turntable, ViewerPage};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
-use std::ops::Range;
-use std::path::Path;
 use taotie::asset::{BakeOptions, Packing, Requirement, ScanOptions, VerifyOptions};
 use taotie::{Error, Result};
 use toml::{Spanned, Table, Value};
 
-/// A table whose keys know where they stand.
-pub type Keys = BTreeMap<Spanned<String>, Value>;
-
-/// A table, or `false` for none and `true` for all as it is by default.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(untagged)]
-pub enum Switch {
-    /// Made, by default, or not made.
-    Is(bool),
-    /// Made so.
-    With(Table),
-}
-
-/// The text of a file, by which places become lines.
-#[derive(Debug, Clone, Copy)]
-pub struct Lines<'a> {
-    /// The whole text.
-    pub text: &'a str,
-    /// Its file.
-    pub path: &'a Path,
-}
-
-/// What one place of a collection's file chooses.
+/// The options that one part of a collection's file sets.
 #[derive(Debug, Clone, Default)]
 pub struct Choices {
     scan: Table,
@@ -48,52 +24,7 @@ pub struct Choices {
     require: Option<Vec<Requirement>>,
 }
 
-impl Lines<'_> {
-    /// Reads the file's text.
-    ///
-    /// # Errors
-    /// [`Error::Parse`] with the line.
-    pub fn read(&self) -> Result<Content> {
-        // What the library's own structs do not take is told with its line.
-        let typed: std::result::Result<Typed, _> = toml::from_str(self.text);
-        let read = toml::from_str(self.text).map_err(|error| self.of(&error))?;
-        typed.map_err(|error| self.of(&error))?;
-        Ok(read)
-    }
-
-    fn of(&self, error: &toml::de::Error) -> Error {
-        self.parse(error.span().unwrap_or(0..0), error.message())
-    }
-
-    /// Returns an error at a place of the text.
-    pub fn parse(&self, span: Range<usize>, what: &str) -> Error {
-        let before = self.text.get(..span.start).unwrap_or_default();
-        Error::parse(self.path, format!("line {}", before.matches('\n').count() + 1), what.replace('\n', " "))
-    }
-
-    /// Returns an error of values that stand at a place of the text.
-    pub fn within(&self, span: Range<usize>, error: Error) -> Error {
-        self.parse(span, &error.to_string())
-    }
-
-    /// Refuses keys that a struct does not have; returns the table.
-    fn known<T: Default + Serialize>(&self, (name, table): (&str, &Option<Keys>)) -> Result<Table> {
-        let known = serde_json::to_value(T::default()).unwrap_or_default();
-        let known: Vec<&String> = known.as_object().map(|map| map.keys().collect()).unwrap_or_default();
-        let keys = table.iter().flatten();
-        let read = |(key, value): (&Spanned<String>, &Value)| match known.contains(&key.get_ref()) {
-            true => Ok((key.get_ref().clone(), value.clone())),
-            false => {
-                let known = known.iter().map(|key| key.as_str()).collect::<Vec<_>>().join(", ");
-                let what = format!("[{name}] has no `{}`; it has {known}", key.get_ref());
-                Err(self.parse(key.span(), &what))
-            }
-        };
-        keys.map(read).collect()
-    }
-}
-
-/// The same file as the library's own structs see it: what they refuse is refused with its line.
+/// The same file as the library's own structs: their errors carry the line.
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Typed {
@@ -109,8 +40,16 @@ struct Typed {
     _overrides: Vec<Self>,
 }
 
+/// Checks that the library's own structs accept the values.
+///
+/// # Errors
+/// [`Error::Parse`] with the line.
+pub fn check(lines: Lines<'_>) -> Result<()> {
+    lines.read::<Typed>().map(drop)
+}
+
 impl Choices {
-    /// Reads what one place chooses.
+    /// Reads the options that one part of the file sets.
     ///
     /// # Errors
     /// [`Error::Parse`] with the line.
@@ -124,10 +63,10 @@ impl Choices {
             Ok::<_, Error>(read.concat())
         });
         let choices = Self {
-            scan: lines.known::<ScanOptions>(("scan", &made.scan))?,
-            bake: lines.known::<BakeOptions>(("bake", &made.bake))?,
-            packing: lines.known::<Packing>(("packing", &made.packing))?,
-            verify: lines.known::<VerifyOptions>(("verify", &made.verify))?,
+            scan: known::<ScanOptions>(lines, ("scan", &made.scan))?,
+            bake: known::<BakeOptions>(lines, ("bake", &made.bake))?,
+            packing: known::<Packing>(lines, ("packing", &made.packing))?,
+            verify: known::<VerifyOptions>(lines, ("verify", &made.verify))?,
             report: made.report,
             thumbnail: made.thumbnail.as_ref().map(|switch| switch.get_ref().clone()),
             turntable: made.turntable.as_ref().map(|switch| switch.get_ref().clone()),
@@ -148,10 +87,26 @@ impl Choices {
     }
 }
 
-/// Lays choices over one another, later ones above earlier ones.
+/// Refuses keys that a struct does not have; returns the table.
+fn known<T: Default + Serialize>(lines: Lines<'_>, (name, table): (&str, &Option<Keys>)) -> Result<Table> {
+    let known = serde_json::to_value(T::default()).unwrap_or_default();
+    let known: Vec<&String> = known.as_object().map(|map| map.keys().collect()).unwrap_or_default();
+    let keys = table.iter().flatten();
+    let read = |(key, value): (&Spanned<String>, &Value)| match known.contains(&key.get_ref()) {
+        true => Ok((key.get_ref().clone(), value.clone())),
+        false => {
+            let known = known.iter().map(|key| key.as_str()).collect::<Vec<_>>().join(", ");
+            let what = format!("unknown key `{}` in [{name}]; expected one of {known}", key.get_ref());
+            Err(lines.parse(key.span(), &what))
+        }
+    };
+    keys.map(read).collect()
+}
+
+/// Merges choices; later ones take precedence.
 ///
 /// # Errors
-/// [`Error::Invalid`] where they contradict one another.
+/// [`Error::Invalid`] if they contradict one another.
 pub fn settings<'a>(choices: impl Iterator<Item = &'a Choices>) -> Result<Settings> {
     let choices: Vec<_> = choices.collect();
     let mut defaults = Settings::default();
@@ -190,7 +145,7 @@ fn part_or<T: DeserializeOwned + Default>(
     part(&all)
 }
 
-/// Reads a part that is made or not, of switches that lie over one another.
+/// Merges the switches of an optional part.
 fn part<T: DeserializeOwned + Default>(
     switches: &[&Option<Switch>],
 ) -> std::result::Result<Option<T>, toml::de::Error> {

@@ -1,6 +1,6 @@
-//! What is known of a collection, and where that is written down.
+//! The known state of a collection, and where it is recorded.
 
-use super::plan::Todo;
+use super::todo::Todo;
 use crate::address::VERSION;
 use crate::job::Outcome;
 use crate::manifest::{History, Manifest, Shard};
@@ -11,28 +11,28 @@ use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 use taotie::{Result, Warnings};
 
-/// What is known of a collection, and where that is written down.
+/// The known state of a collection, and where it is recorded.
 pub struct Books {
     /// The files.
     pub store: Store,
     manifest: Manifest,
-    /// What all manifests say.
+    /// The content of all manifests.
     pub history: History,
-    /// What was wrong with manifests, and links that could not be made.
+    /// Malformed manifest lines, and links that could not be created.
     pub warnings: Warnings,
 }
 
-/// What a process took.
+/// The resources that a process used.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Took {
-    /// Time.
+    /// Time, in seconds.
     pub seconds: f64,
-    /// Memory that was foreseen.
+    /// Memory, as estimated beforehand.
     pub forecast: Option<u64>,
 }
 
 impl Books {
-    /// Opens the manifest, and reads what all of them say.
+    /// Opens the manifest, and reads all manifests.
     ///
     /// # Errors
     /// As [`Manifest::open`] and [`History::read`].
@@ -71,23 +71,23 @@ impl Books {
         }
     }
 
-    /// Writes a record down, and makes the links of what it names. Where a file system has no links, that is a warning:
-    /// the objects are there.
+    /// Appends a record to the manifest, and creates links to the files it names. On a file system without links that
+    /// is only a warning: the objects exist.
     ///
     /// # Errors
-    /// Where the system refuses.
+    /// Write errors.
     pub fn add(&mut self, record: &Record) -> Result<()> {
         if record.state.is_made()
             && let Err(error) = self.store.link(&record.id, &record.parts)
         {
-            self.warnings.note(format!("a link cannot be made: {error}"), 1);
+            self.warnings.note(format!("could not create a link: {error}"), 1);
         }
         self.manifest.add(record)?;
         self.history.add(record.clone());
         Ok(())
     }
 
-    /// Returns the last states of these assets, counted.
+    /// Counts the latest states of these assets.
     pub fn states(&self, ids: &[String]) -> BTreeMap<State, usize> {
         let mut states = BTreeMap::new();
         for record in ids.iter().filter_map(|id| self.history.last.get(id)) {
@@ -97,7 +97,7 @@ impl Books {
     }
 }
 
-/// Returns seconds since 1970.
+/// Returns the seconds since 1970.
 pub fn now() -> u64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs())
 }

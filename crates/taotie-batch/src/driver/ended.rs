@@ -1,30 +1,30 @@
-//! How a process ended, in a sentence.
+//! How a process ended, as a sentence.
 
-use super::plan::Todo;
 use super::running::Running;
+use super::todo::Todo;
 use crate::job::Outcome;
 use crate::record::State;
 use std::process::ExitStatus;
 use taotie::asset::Bytes;
 
-/// Waits for the end of a process that has closed its stdout; returns what became of its job.
+/// Waits for the end of a process that has closed its stdout; returns the outcome of its job.
 pub fn outcome(ended: &mut Running) -> Outcome {
     let waited = ended.process.wait();
     let peak = ended.peak;
     let outcome = match (waited, ended.outcome.take()) {
         (Ok((status, _)), Some(outcome)) if status.success() => outcome,
         (Ok((status, said)), _) => failed(sentence(ended, status, &said)),
-        (Err(error), _) => failed(format!("its process was lost: {error}")),
+        (Err(error), _) => failed(format!("lost its process: {error}")),
     };
     Outcome { peak_bytes: outcome.peak_bytes.max(peak), ..outcome }
 }
 
-/// Returns what became of a job whose process could not be started.
+/// Returns the outcome of a job whose process could not be started.
 pub fn without_process(error: &std::io::Error, todo: &Todo) -> Outcome {
-    failed(format!("{}: its process could not be started: {error}", todo.scan.id))
+    failed(format!("{}: could not start its process: {error}", todo.scan.id))
 }
 
-/// Returns the outcome of a job that did not come to its end.
+/// Returns the outcome of a job that did not finish.
 pub fn failed(error: String) -> Outcome {
     Outcome {
         state: State::Failed,
@@ -39,31 +39,31 @@ pub fn failed(error: String) -> Outcome {
     }
 }
 
-/// Says what ended a process before its job was done.
+/// Describes how a process ended before its job was done.
 fn sentence(ended: &Running, status: ExitStatus, said: &str) -> String {
     let stage = &ended.stage;
     if let Some(limit) = ended.exceeded {
         let seconds = limit.as_secs_f64();
         return format!(
-            "it took longer than {seconds:.0} s and was ended in the stage `{stage}`; raise --time-limit, or ask for less"
+            "took longer than {seconds:.0} s, stopped in stage `{stage}`; raise --time-limit, or ask for less"
         );
     }
     if said.contains("memory allocation of") {
-        let foreseen = ended.forecast.map_or("not known yet".into(), |bytes| Bytes(bytes).to_string());
+        let estimate = ended.forecast.map_or("not known yet".into(), |bytes| Bytes(bytes).to_string());
         return format!(
-            "it ran out of memory in the stage `{stage}`, where {foreseen} were foreseen; give more memory, or ask for less"
+            "ran out of memory in stage `{stage}` (estimate: {estimate}); allow more memory, or ask for less"
         );
     }
     let how = match signal(status) {
-        Some(9) => "was killed (signal 9), as systems do where memory is short".to_owned(),
-        Some(number) => format!("was ended by signal {number}"),
+        Some(9) => "was killed (signal 9), often a sign of low memory".to_owned(),
+        Some(number) => format!("was killed by signal {number}"),
         None => match status.code() {
             Some(code) => format!("crashed with code {code}"),
             None => "crashed".to_owned(),
         },
     };
     let words = last_words(said);
-    format!("its process {how} in the stage `{stage}`{words}")
+    format!("its process {how} in stage `{stage}`{words}")
 }
 
 #[cfg(unix)]
@@ -76,7 +76,7 @@ fn signal(_: ExitStatus) -> Option<i32> {
     None
 }
 
-/// Returns the last line that a process said, without what could rule a terminal.
+/// Returns the last line of a process's stderr, without control characters.
 fn last_words(said: &str) -> String {
     const MOST: usize = 300;
     let line = said.lines().rev().find(|line| !line.trim().is_empty() && !line.starts_with("note: "));

@@ -1,21 +1,22 @@
-//! The driver: starts a process for each asset that is to be done, and writes down what became of it. It holds no asset.
+//! The driver: starts a process for each asset to be made, and records the outcome. It never loads an asset itself.
 
 mod books;
 mod ended;
 mod ledger;
+mod options;
 mod plan;
 mod process;
 mod remake;
 mod remote;
 mod running;
+mod todo;
 
 use crate::collection::Collection;
 use crate::job::{Job, Message, Outcome};
-use crate::manifest::Shard;
 use crate::record::{Record, State};
 use books::{Books, Took};
 use ledger::Ledger;
-use plan::{Plan, Todo};
+use plan::Plan;
 use process::{Heard, Start};
 use running::{Phase, Running};
 use std::collections::{BTreeMap, VecDeque};
@@ -25,72 +26,57 @@ use std::time::{Duration, Instant};
 use taotie::asset::{Bytes, Limits};
 use taotie::io::free_memory;
 use taotie::{Error, Result, Warnings};
+use todo::Todo;
 
+pub use options::DriveOptions;
 pub use process::Worker;
 pub use remake::remake;
 pub use remote::{Planned, Remote, Told};
 
-/// The interval at which processes are looked at, and the caller is asked whether to go on.
+/// How often processes are checked, and the caller is asked whether to go on.
 const POLL: Duration = Duration::from_millis(50);
 
-/// How a collection is worked through. What is `None` is as the collection's file says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct DriveOptions {
-    /// The most processes at once; as many as the machine has threads where nobody says.
-    pub jobs: Option<usize>,
-    /// The most memory of all processes; what is free where nobody says.
-    pub memory: Option<Bytes>,
-    /// The longest time for an asset; by the scan's size where nobody says.
-    pub time_limit: Option<Duration>,
-    /// The part of the collection to do; `None` for all.
-    pub shard: Option<Shard>,
-    /// `true` where what failed or was refused is attempted again.
-    pub retry_failed: bool,
-    /// `true` where files outside the folders of models may be read.
-    pub allow_outside: bool,
-}
-
-/// What the caller hears of the work.
+/// A progress event for the caller.
 #[derive(Debug, Clone, Copy)]
 pub enum Event<'a> {
-    /// So many assets are to be done; so many are known from before.
+    /// The work is planned: the number of assets to be made, and of those already known.
     Planned {
-        /// To be done.
+        /// Assets to be made.
         todo: usize,
-        /// Known.
+        /// Assets already known.
         known: usize,
     },
     /// An attempt has ended.
     Ended(&'a Record),
-    /// The work goes on.
+    /// The work is in progress.
     Running {
-        /// The part that is done, [0, 1].
+        /// The fraction done, [0, 1].
         fraction: f64,
-        /// The time left, where it can be told.
+        /// The time left, if it can be estimated.
         left: Option<Duration>,
-        /// Processes at work.
+        /// Processes running.
         processes: usize,
     },
 }
 
-/// What became of a collection, or of a shard of it.
+/// The outcome of the work on a collection or a shard of it.
 #[derive(Debug, Clone, Default)]
 pub struct Summary {
-    /// The last state of each asset, counted.
+    /// The number of assets in each final state.
     pub states: BTreeMap<State, usize>,
-    /// Attempts of this call.
+    /// Attempts made by this call.
     pub attempts: usize,
-    /// Assets that were known from before.
+    /// Assets that were already known.
     pub known: usize,
-    /// What was wrong with lists, manifests and overrides.
+    /// Warnings about lists, manifests and overrides.
     pub warnings: Warnings,
 }
 
-/// Does what is to be done of a collection. `hear` returns whether to go on, and is asked every 50 ms.
+/// Makes all outstanding assets of a collection. `hear` is called every 50 ms and returns true to go on.
 ///
 /// # Errors
-/// [`Error::Cancelled`] where `hear` wants the work to stop: all processes have ended then. Those of the collection, and
-/// of writing the manifest. What is wrong with an asset is a record.
+/// [`Error::Cancelled`] if `hear` returns false: all processes have ended by then. Errors of the collection, and
+/// write errors of the manifest. A problem with an asset is recorded, not returned.
 pub fn drive(
     collection: &Collection,
     options: &DriveOptions,
@@ -102,7 +88,7 @@ pub fn drive(
     let plan = Plan::of(collection, &found.scans, &books, options)?;
     let mut summary = Summary { known: plan.known, warnings: found.warnings, ..Summary::default() };
     for pattern in collection.unused_overrides(&found.scans) {
-        summary.warnings.note(format!("the override for `{pattern}` covers no asset"), 1);
+        summary.warnings.note(format!("the override for `{pattern}` matches no asset"), 1);
     }
     let ids = plan.ids.clone();
     let mut driver = Driver::new(collection, options, worker, books);
@@ -136,7 +122,7 @@ struct Driver<'a> {
     start: Instant,
     begun: u64,
     attempts: usize,
-    /// The cost of all that was to be done, and of what is done.
+    /// The cost of all the work, and of the part that is done.
     all: f64,
     done: f64,
 }
@@ -186,8 +172,8 @@ impl<'a> Driver<'a> {
         Ok(())
     }
 
-    /// Starts processes while there is room. None is started while one waits for memory, so that large ones come to
-    /// their turn.
+    /// Starts processes while there is room. None starts while another waits for memory, so that large ones get their
+    /// turn.
     fn start_more(&mut self, hear: &mut dyn FnMut(Event<'_>) -> bool) -> Result<()> {
         while self.running.len() < self.jobs && self.running.iter().all(|one| one.phase != Phase::Waiting) {
             let Some(next) = self.queue.front() else { return Ok(()) };
@@ -254,7 +240,7 @@ impl<'a> Driver<'a> {
         }
     }
 
-    /// Lets processes begin their work for which there is memory; where none is at work, one at least.
+    /// Lets processes begin baking while there is memory; always at least one.
     fn let_go(&mut self) {
         while let Some(at) = self.next_to_go() {
             let forecast = self.running[at].forecast.unwrap_or(0);
@@ -276,7 +262,7 @@ impl<'a> Driver<'a> {
         if self.running.is_empty() || !self.running.iter().all(waiting) {
             return None;
         }
-        // All wait for one another's memory: the first one goes, the others begin again after it.
+        // All are waiting for one another's memory: the first proceeds, the others start over after it.
         for one in self.running.drain(1..).rev() {
             self.ledger.give_back(one.reserved);
             self.queue.push_front(one.give_up());
@@ -284,7 +270,7 @@ impl<'a> Driver<'a> {
         Some(0)
     }
 
-    /// Returns how many processes of such a forecast will be at work at once.
+    /// Returns how many processes with such an estimate will run concurrently.
     fn side_by_side(&self, forecast: u64) -> usize {
         let left = self.queue.len() + self.running.len();
         self.jobs.min(left).min(self.ledger.holds(forecast))
@@ -316,7 +302,7 @@ impl<'a> Driver<'a> {
     }
 }
 
-/// Returns a folder by a name that the system takes.
+/// Returns the folder's path, `.` if it is empty.
 pub fn nonempty(folder: &Path) -> PathBuf {
     if folder.as_os_str().is_empty() { ".".into() } else { folder.to_path_buf() }
 }

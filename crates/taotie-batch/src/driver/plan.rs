@@ -1,7 +1,8 @@
-//! What is to be done of a collection.
+//! The outstanding work on a collection.
 
 use super::DriveOptions;
 use super::books::{Books, now};
+use super::todo::Todo;
 use crate::address::{self, VERSION};
 use crate::collection::{Collection, Scan};
 use crate::input::InputFile;
@@ -11,42 +12,19 @@ use crate::settings::Settings;
 use std::path::Path;
 use taotie::Result;
 
-/// What is to be done, and what is not.
+/// The outstanding work, and the assets that need none.
 pub struct Plan {
     /// Assets to be made, the largest first.
     pub todo: Vec<Todo>,
-    /// Assets that exist and are judged again, since their requirements or the version of records have changed.
+    /// Existing assets to be judged again, since their requirements or the record version have changed.
     pub judged: Vec<Record>,
-    /// The number of those that stay as they are.
+    /// The number of assets that stay as they are.
     pub known: usize,
     /// All assets of the shard.
     pub ids: Vec<String>,
 }
 
-/// An asset to be made.
-#[derive(Debug, Clone)]
-pub struct Todo {
-    /// The scan.
-    pub scan: Scan,
-    /// What is made of it.
-    pub settings: Settings,
-    /// The SHA-256 of that, but for requirements.
-    pub settings_hash: String,
-    /// The scan's own file, not read yet; none where it is not there.
-    pub input: Vec<InputFile>,
-    /// Its length.
-    pub bytes: u64,
-}
-
-impl Todo {
-    /// Returns what its work costs beside that of others: a part for each asset, and a part for its size.
-    pub fn cost(&self) -> f64 {
-        const EACH: u64 = 1 << 18;
-        (EACH + self.bytes) as f64
-    }
-}
-
-/// What is to be done of one asset.
+/// The action due for one asset.
 enum Due {
     Making(Box<Todo>),
     Judging(Box<Record>),
@@ -54,10 +32,10 @@ enum Due {
 }
 
 impl Plan {
-    /// Holds a collection against what is known of it.
+    /// Compares a collection with its known state.
     ///
     /// # Errors
-    /// Those of settings that contradict one another.
+    /// Settings that contradict one another.
     pub fn of(
         collection: &Collection,
         scans: &[Scan],
@@ -114,7 +92,8 @@ fn due(todo: Todo, (folder, books): (&Path, &Books), retry: bool) -> Due {
     }
 }
 
-/// Returns the record of an asset that is judged again: its requirements, its name or the version of records have changed.
+/// Returns the record of an asset that is judged again: its requirements, its title or the record version have
+/// changed.
 fn judged(last: &Record, todo: &Todo, object: &AssetObject) -> Record {
     let required = object.figures.require(&todo.settings.require);
     Record {

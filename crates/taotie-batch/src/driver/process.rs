@@ -1,4 +1,4 @@
-//! The process of an asset, as its driver sees it.
+//! The process of an asset, as seen by its driver.
 
 use crate::job::{Go, Job, Message};
 use serde::Serialize;
@@ -10,8 +10,8 @@ use std::sync::mpsc::Sender;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// The program that does a job: it reads [`Job`] and [`Go`] from its stdin, a line of JSON each, writes [`Message`]s to
-/// its stdout, and ends when its stdin ends.
+/// The program that does a job: it reads [`Job`] and [`Go`] from its stdin, one line of JSON each, writes
+/// [`Message`]s to its stdout, and exits at the end of its stdin.
 #[derive(Debug, Clone)]
 pub struct Worker {
     /// The program.
@@ -20,39 +20,40 @@ pub struct Worker {
     pub arguments: Vec<OsString>,
 }
 
-/// Something that a process said; nothing where it has closed its stdout.
+/// A message from a process; `said` is `None` once it has closed its stdout.
 pub struct Heard {
     /// The process.
     pub number: u64,
-    /// What it said.
+    /// The message.
     pub said: Option<Message>,
 }
 
-/// A process at work on an asset. It ends when its stdin is closed: so it outlives no driver, however that ends.
+/// A process at work on an asset. It exits when its stdin is closed, so it never outlives its driver, however that
+/// ends.
 pub struct Process {
-    /// Its number among all of the driver's.
+    /// Its number among the driver's processes.
     pub number: u64,
     child: Child,
     stdin: Option<ChildStdin>,
     complaints: Option<JoinHandle<String>>,
 }
 
-/// The start of a process.
+/// How to start a process.
 #[derive(Clone, Copy)]
 pub struct Start<'a> {
     /// The program.
     pub worker: &'a Worker,
-    /// The folder that it runs in.
+    /// Its working folder.
     pub folder: &'a Path,
-    /// Its number among all of the driver's.
+    /// Its number among the driver's processes.
     pub number: u64,
 }
 
 impl Start<'_> {
-    /// Starts a process, and tells it its job.
+    /// Starts a process and sends it its job.
     ///
     /// # Errors
-    /// Those of the system.
+    /// System errors.
     pub fn process(self, job: &Job, heard: &Sender<Heard>) -> io::Result<Process> {
         let Self { worker, folder, number } = self;
         let mut command = Command::new(&worker.program);
@@ -70,41 +71,41 @@ impl Start<'_> {
         let complaints =
             stderr.map(|stderr| thread::Builder::new().spawn(move || tail(stderr))).transpose()?;
         let mut process = Process { number, child, stdin, complaints };
-        // Where it has ended already, that is heard.
-        let _ = process.tell(job);
+        // If it has already ended, its closed stdout reports that.
+        let _ = process.send(job);
         Ok(process)
     }
 }
 
 impl Process {
-    /// Lets it begin its work.
+    /// Lets it begin baking.
     pub fn go(&mut self, threads: usize) {
-        // Where it has ended, that is heard.
-        let _ = self.tell(&Go { threads });
+        // If it has ended, its closed stdout reports that.
+        let _ = self.send(&Go { threads });
     }
 
-    fn tell(&mut self, what: &impl Serialize) -> io::Result<()> {
+    fn send(&mut self, what: &impl Serialize) -> io::Result<()> {
         let Some(stdin) = &mut self.stdin else { return Ok(()) };
         let mut line = serde_json::to_vec(what)?;
         line.push(b'\n');
         stdin.write_all(&line).and_then(|()| stdin.flush())
     }
 
-    /// Returns its number in the system.
+    /// Returns its process id.
     pub fn id(&self) -> u32 {
         self.child.id()
     }
 
-    /// Ends it at once.
+    /// Kills it.
     pub fn kill(&mut self) {
-        // It may have ended.
+        // It may have already ended.
         let _ = self.child.kill();
     }
 
-    /// Waits for its end; returns how it ended and the last that it said to its stderr.
+    /// Waits for its end; returns its exit status and the tail of its stderr.
     ///
     /// # Errors
-    /// Those of the system.
+    /// System errors.
     pub fn wait(&mut self) -> io::Result<(ExitStatus, String)> {
         drop(self.stdin.take());
         let status = self.child.wait()?;
@@ -112,7 +113,7 @@ impl Process {
         Ok((status, said.unwrap_or_default()))
     }
 
-    /// Lets it end in order: nothing half written is left. One that does not is killed.
+    /// Lets it end in an orderly way, leaving nothing half written. If it does not end in time, it is killed.
     pub fn end(mut self) {
         const MOST: Duration = Duration::from_secs(5);
         drop(self.stdin.take());
@@ -128,7 +129,7 @@ impl Process {
     }
 }
 
-/// Hands on what a process says, until it closes its stdout. Lines that say nothing are passed over.
+/// Forwards a process's messages until it closes its stdout. Malformed lines are skipped.
 fn listen(stdout: ChildStdout, number: u64, heard: &Sender<Heard>) {
     let lines = BufReader::new(stdout).split(b'\n').map_while(Result::ok);
     let messages = lines.filter_map(|line| serde_json::from_slice(&line).ok());
@@ -138,7 +139,7 @@ fn listen(stdout: ChildStdout, number: u64, heard: &Sender<Heard>) {
     let _ = heard.send(Heard { number, said: None });
 }
 
-/// Reads all that a process complains of; returns the last of it.
+/// Reads all of a process's stderr; returns the last part of it.
 fn tail(mut stderr: ChildStderr) -> String {
     const MOST: usize = 1 << 13;
     let (mut kept, mut block) = (Vec::new(), [0; 4096]);

@@ -1,4 +1,4 @@
-//! An asset made once more, to be held against what is there.
+//! Making an asset again, to compare it with the existing one.
 
 use super::process::{Heard, Start, Worker};
 use super::{POLL, nonempty};
@@ -9,10 +9,10 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use taotie::asset::Limits;
 use taotie::{Error, Result};
 
-/// Makes an asset anew in a folder of its own, which is removed afterwards. `hear` returns whether to go on.
+/// Makes an asset again in a temporary folder. `hear` returns true to go on.
 ///
 /// # Errors
-/// [`Error::Cancelled`]; [`Error::Io`] where no folder or no process can be made.
+/// [`Error::Cancelled`]; [`Error::Io`] if the folder or the process cannot be created.
 pub fn remake(
     record: &Record,
     collection: &Collection,
@@ -52,6 +52,6 @@ pub fn remake(
         }
     }
     let ended = process.wait().map_err(|e| Error::io(&worker.program, e))?;
-    let lost = || Error::invalid(&record.id, format!("its process ended without a word: {}", ended.1));
+    let lost = || Error::invalid(&record.id, format!("its process ended without a result: {}", ended.1));
     outcome.ok_or_else(lost)
 }

@@ -1,7 +1,8 @@
-//! A collection whose processes others start, on other machines too: its plan, and its books.
+//! A collection whose processes are started by others, possibly on other machines: its plan and its books.
 
 use super::books::{Books, Took};
-use super::plan::{Plan, Todo};
+use super::plan::Plan;
+use super::todo::Todo;
 use super::{DriveOptions, Summary, ended, ledger, nonempty};
 use crate::collection::Collection;
 use crate::job::{Job, Outcome};
@@ -12,44 +13,44 @@ use std::path::PathBuf;
 use taotie::asset::Limits;
 use taotie::{Error, Result};
 
-/// A collection whose processes others start. Nobody else writes to its manifest meanwhile.
+/// A collection whose processes are started by others. It has exclusive write access to its manifest.
 pub struct Remote {
     books: Books,
     todo: BTreeMap<String, Todo>,
-    /// The jobs to be done, the largest first.
+    /// The jobs to be done, largest first.
     pub planned: Vec<Planned>,
     summary: Summary,
     ids: Vec<String>,
 }
 
-/// A job that others start.
+/// A job to be started by others.
 #[derive(Debug, Clone, Serialize)]
 pub struct Planned {
-    /// The job, to be written to the process as a line of JSON.
+    /// The job, to be sent to the process as a line of JSON.
     pub job: Job,
-    /// The folder that its process runs in.
+    /// The working folder of its process.
     pub folder: PathBuf,
-    /// The memory of reading its scan, until its forecast is known.
+    /// The memory for reading its scan, until its estimate is known.
     pub reading: u64,
 }
 
-/// What became of a job that others started.
+/// The outcome of a job that was started by others.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Told {
     /// The asset.
     pub id: String,
-    /// What its process said at its end; nothing where it did not come to that.
+    /// The final message of its process; `None` if it did not get that far.
     pub outcome: Option<Outcome>,
-    /// Why it did not.
+    /// Why it did not get that far.
     pub error: Option<String>,
     /// The time it took.
     pub seconds: f64,
-    /// The memory that it foresaw.
+    /// Its memory, as it estimated it.
     pub forecast: Option<u64>,
 }
 
 impl Remote {
-    /// Opens the books of a collection, and plans what is to be done. `threads` is the most that a job will get.
+    /// Opens the books of a collection and plans the outstanding work. `threads` is the most that a job will get.
     ///
     /// # Errors
     /// As [`super::drive`].
@@ -84,15 +85,15 @@ impl Remote {
         Ok(Self { books, todo, planned, summary, ids: plan.ids })
     }
 
-    /// Writes down what became of a job; returns the record.
+    /// Records the outcome of a job; returns the record.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a job that was not planned, or was told of before; those of writing.
-    pub fn add(&mut self, told: Told) -> Result<Record> {
-        let Told { id, outcome, error, seconds, forecast } = told;
+    /// [`Error::Invalid`] for a job that was not planned, or has been reported before; write errors.
+    pub fn add(&mut self, report: Told) -> Result<Record> {
+        let Told { id, outcome, error, seconds, forecast } = report;
         let todo = self.todo.remove(&id);
-        let todo = todo.ok_or_else(|| Error::invalid(id, "no such job is waited for"))?;
-        let lost = || ended::failed(error.unwrap_or_else(|| "its process ended without a word".into()));
+        let todo = todo.ok_or_else(|| Error::invalid(id, "not a pending job"))?;
+        let lost = || ended::failed(error.unwrap_or_else(|| "its process ended without a result".into()));
         let outcome = outcome.unwrap_or_else(lost);
         let record = self.books.record(todo, outcome, Took { seconds, forecast });
         self.books.add(&record)?;
@@ -100,7 +101,7 @@ impl Remote {
         Ok(record)
     }
 
-    /// Returns what became of the collection.
+    /// Returns the outcome of the work on the collection.
     pub fn summary(&self) -> Summary {
         let mut summary = Summary { states: self.books.states(&self.ids), ..self.summary.clone() };
         summary.warnings.absorb(self.books.warnings.clone());

@@ -1,61 +1,61 @@
-//! An asset that a process is at work on.
+//! An asset with a running process.
 
-use super::plan::Todo;
 use super::process::Process;
+use super::todo::Todo;
 use crate::job::{Message, Outcome};
 use crate::memory::peak_of;
 use std::time::{Duration, Instant};
 use taotie::asset::ScanSize;
 
-/// How far a process is.
+/// The phase of a process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
-    /// It reads the scan.
+    /// It is reading the scan.
     Reading,
-    /// It knows what memory it needs, and waits for it.
+    /// It has estimated its memory, and is waiting for it.
     Waiting,
-    /// It bakes.
+    /// It is baking.
     Working,
 }
 
-/// An asset that a process is at work on.
+/// An asset with a running process.
 pub struct Running {
     /// The asset.
     pub todo: Todo,
     /// The process.
     pub process: Process,
-    /// How far it is.
+    /// Its phase.
     pub phase: Phase,
-    /// The start.
+    /// When it started.
     pub start: Instant,
-    /// The memory promised to it.
+    /// The memory reserved for it.
     pub reserved: u64,
-    /// The memory that it foresees.
+    /// Its own estimate of the memory it needs.
     pub forecast: Option<u64>,
-    /// The most memory that was seen.
+    /// The highest memory use observed.
     pub peak: Option<u64>,
-    /// The address of what it makes.
+    /// The content address of what it makes.
     pub address: Option<String>,
-    /// The stage that it is at.
+    /// Its current stage.
     pub stage: String,
-    /// What it said at its end.
+    /// Its final message.
     pub outcome: Option<Outcome>,
     /// The time limit that it has exceeded.
     pub exceeded: Option<Duration>,
     triangles: u64,
-    /// The time that it has worked, but for the phase that runs.
+    /// The time it has worked, excluding the current phase.
     spent: Duration,
     since: Instant,
     patience: Duration,
 }
 
-/// Returns the time in which any scan of so many bytes can be read, many times over.
+/// Returns a generous time limit for reading a scan of `bytes` bytes.
 pub fn patience_to_read(bytes: u64) -> Duration {
     Duration::from_secs(600 + (bytes >> 20))
 }
 
 impl Running {
-    /// Takes a process that has just begun.
+    /// Creates the entry of a process that has just started.
     pub fn new(todo: Todo, process: Process, reserved: u64, patience: Duration) -> Self {
         let start = Instant::now();
         Self {
@@ -77,7 +77,7 @@ impl Running {
         }
     }
 
-    /// Takes the forecast; the time that it waits for memory does not count.
+    /// Records the memory estimate; the time spent waiting for memory does not count.
     pub fn wait_for_memory(&mut self, forecast: u64, triangles: u64) {
         self.spent += self.since.elapsed();
         self.phase = Phase::Waiting;
@@ -85,7 +85,7 @@ impl Running {
         self.triangles = triangles;
     }
 
-    /// Takes what the process tells.
+    /// Handles a message of the process.
     pub fn hear(&mut self, message: Message) {
         match message {
             Message::Address { address } => self.address = Some(address),
@@ -95,8 +95,8 @@ impl Running {
         }
     }
 
-    /// Returns the time in which any scan of its size can be baked, many times over: a bake of a million triangles takes
-    /// about ten seconds on one core.
+    /// Returns a generous time limit for baking a scan of its size: a bake of a million triangles takes about ten
+    /// seconds on one core.
     pub fn patience_to_work(&self) -> Duration {
         let searching = if self.todo.settings.searches() { 16 } else { 1 };
         let largest = ScanSize { detail_side: u32::MAX, ..ScanSize::default() };
@@ -105,19 +105,19 @@ impl Running {
         Duration::from_secs(searching * (1200 + 180 * (self.triangles >> 20) + 60 * texels * rays))
     }
 
-    /// Returns what is left of a limit on the whole.
+    /// Returns the time left of a limit on the whole work.
     pub fn left_of(&self, limit: Duration) -> Duration {
         limit.saturating_sub(self.spent)
     }
 
-    /// Lets it begin its work.
+    /// Lets it begin baking.
     pub fn go(&mut self, threads: usize, reserved: u64, patience: Duration) {
         (self.phase, self.reserved, self.patience) = (Phase::Working, reserved, patience);
         self.since = Instant::now();
         self.process.go(threads);
     }
 
-    /// Looks at its memory and its time; ends it where that is over.
+    /// Checks its memory and its time; kills it when the time is up.
     pub fn look(&mut self) {
         self.peak = self.peak.max(peak_of(self.process.id()));
         let is_late = self.phase != Phase::Waiting && self.since.elapsed() > self.patience;
@@ -127,7 +127,7 @@ impl Running {
         }
     }
 
-    /// Ends it, and returns what is to be done again.
+    /// Ends it; returns the asset so that it can be made again.
     pub fn give_up(self) -> Todo {
         let Self { todo, process, .. } = self;
         process.end();

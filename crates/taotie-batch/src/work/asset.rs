@@ -1,19 +1,19 @@
 //! An asset and its proof, as one object.
 
-use super::{Work, named};
+use super::context::Work;
 use crate::address::VERSION;
 use crate::objects::{AssetObject, entries};
 use crate::record::SCHEMA;
 use std::path::PathBuf;
 use taotie::Result;
-use taotie::asset::{Baker, Certificate, Proof, Report, ScanFile, Signature, Warning, Written};
+use taotie::asset::{Baker, Certificate, Proof, Report, ScanFile, Signature, Warning, WrittenAsset};
 use taotie::io::FileSet;
 use taotie_report::bake_page;
 
-/// Bakes a scan, proves it, and writes all of it to an address.
+/// Bakes a scan, proves it, and writes all files to an address.
 ///
 /// # Errors
-/// Those of each step. Then nothing of it is left.
+/// Errors of any step; in that case no files are left behind.
 pub fn make(work: &Work<'_>, file: ScanFile, address: &str) -> Result<AssetObject> {
     let (job, progress) = (work.job, work.progress);
     let settings = &job.settings.asset;
@@ -33,7 +33,7 @@ pub fn make(work: &Work<'_>, file: ScanFile, address: &str) -> Result<AssetObjec
     report.certificate = Some(certificate?);
     let mut all = written.files().to_vec();
     if settings.report {
-        all.extend(told(report.clone(), &proof, &written, &files)?);
+        all.extend(page(report.clone(), &proof, &written, &files)?);
     }
     progress.begin("commit")?;
     files.commit()?;
@@ -48,12 +48,12 @@ pub fn make(work: &Work<'_>, file: ScanFile, address: &str) -> Result<AssetObjec
         warnings: report.warnings,
         files: entries(&named(&all))?,
     };
-    work.store.tell(address, &object, &(work.host.files)())?;
+    work.store.complete(address, &object, &(work.host.files)())?;
     Ok(object)
 }
 
-/// Writes the report: a page and JSON. Neither states folders or times, which others do not share.
-fn told(mut report: Report, proof: &Proof, written: &Written, files: &FileSet) -> Result<[PathBuf; 2]> {
+/// Writes the report: a page and JSON. Neither contains paths or times, which vary between machines.
+fn page(mut report: Report, proof: &Proof, written: &WrittenAsset, files: &FileSet) -> Result<[PathBuf; 2]> {
     let [html, json] = ["report.html", "report.json"].map(|kind| written.path().with_extension(kind));
     report.files.extend([html.clone(), json.clone()]);
     files.write_text(
@@ -62,4 +62,10 @@ fn told(mut report: Report, proof: &Proof, written: &Written, files: &FileSet) -
     )?;
     files.write_text(&json, &serde_json::to_string_pretty(&report).expect("all keys are text"))?;
     Ok([html, json])
+}
+
+/// Pairs paths with their file names.
+fn named(files: &[PathBuf]) -> Vec<(String, PathBuf)> {
+    let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    files.iter().map(|path| (name(path), path.clone())).collect()
 }

@@ -1,13 +1,13 @@
-//! The stages of a job: the time of each.
+//! The stages of a job, with their times.
 
 use crate::job::Message;
 use crate::record::Stage;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Hears of stages, tells the driver, and measures them.
+/// Receives stages, reports them to the driver, and times them.
 pub struct Clock<'a> {
-    tell: &'a (dyn Fn(Message) + Sync),
+    send: &'a (dyn Fn(Message) + Sync),
     heard: Mutex<Heard>,
 }
 
@@ -18,23 +18,23 @@ struct Heard {
 }
 
 impl<'a> Clock<'a> {
-    /// Makes a clock that has heard of nothing.
-    pub fn new(tell: &'a (dyn Fn(Message) + Sync)) -> Self {
-        Self { tell, heard: Mutex::default() }
+    /// Creates a clock without any stages.
+    pub fn new(send: &'a (dyn Fn(Message) + Sync)) -> Self {
+        Self { send, heard: Mutex::default() }
     }
 
-    /// Hears of a stage; lets the work go on.
+    /// Starts a stage; always returns true, so that the work goes on.
     pub fn hear(&self, stage: &'static str) -> bool {
         let mut heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
         if !stage.is_empty() && heard.running.is_none_or(|(running, _)| running != stage) {
             heard.end();
             heard.running = Some((stage, Instant::now()));
-            (self.tell)(Message::Stage { stage: stage.into() });
+            (self.send)(Message::Stage { stage: stage.into() });
         }
         true
     }
 
-    /// Ends the stage that runs; returns all of them.
+    /// Ends the current stage; returns all of them.
     pub fn done(&self) -> Vec<Stage> {
         let mut heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
         heard.end();

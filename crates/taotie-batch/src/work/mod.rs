@@ -2,6 +2,7 @@
 
 mod asset;
 mod clock;
+mod context;
 mod pictures;
 mod viewer;
 
@@ -12,27 +13,19 @@ use crate::record::{Part, ShortFigures, State};
 use crate::store::Store;
 use crate::{address, input};
 use clock::Clock;
+use context::Work;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
-use taotie::asset::{Baker, Bytes, Met, Requirement, ScanFile, Warning};
+use std::path::Path;
+use taotie::asset::{Baker, Bytes, Requirement, RequirementOutcome, ScanFile, Warning};
 use taotie::io::FileSet;
 use taotie::{Error, Progress, Result};
 
-/// What a process has beside its job: a way to its driver, and to signals.
-#[derive(Clone, Copy)]
-pub struct Host<'a> {
-    /// Makes a set of files that signals stop.
-    pub files: &'a (dyn Fn() -> FileSet + Sync),
-    /// Tells the driver something.
-    pub tell: &'a (dyn Fn(Message) + Sync),
-    /// Waits for the driver's word that the work may begin.
-    pub go: &'a (dyn Fn() -> Go + Sync),
-}
+pub use context::Host;
 
-/// Does a job; tells the driver of it, and returns how it ended. Paths are relative to the current folder.
+/// Does a job, reporting progress to the driver; returns the outcome. Paths are relative to the current folder.
 pub fn run(job: &Job, host: Host<'_>) -> Outcome {
-    let clock = Clock::new(host.tell);
+    let clock = Clock::new(host.send);
     let mut made = Made::default();
     let listener = |stage: &'static str, _: f64| clock.hear(stage);
     let work = Work { job, host, store: Store::new(&job.output), progress: Progress::new(&listener) };
@@ -55,22 +48,14 @@ pub fn run(job: &Job, host: Host<'_>) -> Outcome {
     }
 }
 
-/// What is done of a job.
+/// The results of a job so far.
 #[derive(Default)]
 struct Made {
     input: Vec<input::InputFile>,
     figures: Option<ShortFigures>,
-    required: Vec<Met>,
+    required: Vec<RequirementOutcome>,
     warnings: Vec<Warning>,
     parts: Vec<Part>,
-}
-
-/// A job at work.
-struct Work<'a> {
-    job: &'a Job,
-    host: Host<'a>,
-    store: Store,
-    progress: Progress<'a>,
 }
 
 impl Work<'_> {
@@ -83,7 +68,7 @@ impl Work<'_> {
         self.progress.begin("hash")?;
         made.input = input::read(file.files(), &settings.asset, &job.limits)?;
         let at = address::of_asset(&settings.asset, &made.input);
-        (self.host.tell)(Message::Address { address: at.clone() });
+        (self.host.send)(Message::Address { address: at.clone() });
         let known = self.store.object::<AssetObject>(&at).filter(|_| job.reuse);
         let reused = known.is_some();
         let (object, threads) = match known {
@@ -101,21 +86,20 @@ impl Work<'_> {
         threads.install(|| self.derive(&model, &at, made))
     }
 
-    /// Foresees the memory of the work, and waits until there is so much; returns the threads that it may have.
+    /// Estimates the memory of the work, and waits until that much is free; returns a pool of the threads it may use.
     fn admitted(&self, most: &ThreadPool, file: &ScanFile) -> Result<ThreadPool> {
         let triangles = file.size().triangles;
         let need = most.install(|| self.need(file));
         self.job.limits.check(format!("a bake of {triangles} triangles"), need)?;
-        (self.host.tell)(Message::Forecast { bytes: need.0, triangles });
+        (self.host.send)(Message::Forecast { bytes: need.0, triangles });
         let Go { threads } = (self.host.go)();
-        memory::bound_process(need)
-            .map_err(|error| Error::invalid("the limit of memory", error.to_string()))?;
+        memory::bound_process(need).map_err(|error| Error::invalid("the memory limit", error.to_string()))?;
         pool(threads)
     }
 
-    /// Foresees the memory of the bake with its proof, and what is made of it beside: pages and pictures.
+    /// Estimates the memory of the bake with its proof, and of everything derived from it: pages and pictures.
     fn need(&self, file: &ScanFile) -> Bytes {
-        /// The part of the whole that these, and what the allocator keeps between stages, take.
+        /// The fraction (one in …) for derived files and for what the allocator keeps between stages.
         const BESIDE: u64 = 6;
         let settings = &self.job.settings.asset;
         let baker = Baker::new(settings.bake.clone());
@@ -126,7 +110,7 @@ impl Work<'_> {
         Bytes(bytes.saturating_add(bytes / BESIDE))
     }
 
-    /// Makes what an asset's file is shown by.
+    /// Makes the files that present the asset: pictures and a page.
     fn derive(&self, model: &Path, asset: &str, made: &mut Made) -> Result<()> {
         let settings = &self.job.settings;
         if let Some(thumbnail) = &settings.thumbnail {
@@ -148,7 +132,7 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// Makes one file of an asset's, unless it is there.
+    /// Makes one derived file, unless it already exists.
     fn derived(
         &self,
         of: Derived<'_>,
@@ -166,42 +150,22 @@ impl Work<'_> {
         write(&path, &files)?;
         files.commit()?;
         let object = DerivedObject::of(of.kind, vec![(name, path)])?;
-        self.store.tell(&at, &object, &(self.host.files)())?;
+        self.store.complete(&at, &object, &(self.host.files)())?;
         Ok(object.into_part(at, false))
-    }
-
-    /// Returns the name of the scan's file without its extension, after which files are named.
-    fn stem(&self) -> String {
-        let stem = self.job.scan.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        if stem.is_empty() { "asset".into() } else { stem }
-    }
-
-    /// Returns the most memory that showing an asset may take.
-    fn limit(&self) -> Option<Bytes> {
-        self.job.limits.memory
     }
 }
 
-/// A file that is made of an asset's own.
+/// A file derived from an asset's own files.
 #[derive(Clone, Copy)]
 struct Derived<'a> {
     kind: &'static str,
     /// The asset's address.
     asset: &'a str,
-    /// The end of its name.
+    /// The suffix of its name.
     ending: &'static str,
 }
 
 fn pool(threads: usize) -> Result<ThreadPool> {
     let built = ThreadPoolBuilder::new().num_threads(threads.max(1)).build();
     built.map_err(|error| Error::limit(format!("{threads} threads"), format!("{error}; use fewer")))
-}
-
-/// A file to be written, in a set.
-type Target<'a> = (&'a Path, &'a FileSet);
-
-/// Returns names with paths in a folder.
-fn named(files: &[PathBuf]) -> Vec<(String, PathBuf)> {
-    let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    files.iter().map(|path| (name(path), path.clone())).collect()
 }

@@ -1,6 +1,6 @@
 //! Pictures of an asset.
 
-use super::{Target, Work};
+use super::context::{Target, Work};
 use crate::settings::{Thumbnail, Turntable};
 use taotie::asset::Limits;
 use taotie::film::Development;
@@ -11,7 +11,7 @@ use taotie::scene::Scene;
 use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, View, Viewpoint};
 use taotie::{Progress, Result};
 
-/// A model that pictures are taken of.
+/// A model to be rendered.
 struct Sitter {
     renderer: Renderer,
     settings: RenderSettings,
@@ -20,7 +20,7 @@ struct Sitter {
 /// Writes a picture of a model as lossless WebP.
 ///
 /// # Errors
-/// Those of reading and of writing.
+/// Read and write errors.
 pub fn thumbnail(
     model: &std::path::Path,
     (path, files): Target<'_>,
@@ -34,10 +34,10 @@ pub fn thumbnail(
     files.write_bytes(path, &io::encode_webp_bitmap(&bitmap)?)
 }
 
-/// Writes a model that turns once as an animated PNG.
+/// Writes one turn of a model as an animated PNG.
 ///
 /// # Errors
-/// Those of reading and of writing.
+/// Read and write errors.
 pub fn turntable(
     model: &std::path::Path,
     (path, files): Target<'_>,

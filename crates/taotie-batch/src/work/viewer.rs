@@ -1,6 +1,6 @@
 //! The page that shows an asset in a browser.
 
-use super::{Target, Work};
+use super::context::{Target, Work};
 use std::path::Path;
 use taotie::Result;
 use taotie::asset::Limits;
@@ -9,7 +9,7 @@ use taotie_report::viewer::AssetSubject;
 /// Writes the page of a model.
 ///
 /// # Errors
-/// Those of reading and of writing.
+/// Read and write errors.
 pub fn page(model: &Path, (path, files): Target<'_>, work: &Work<'_>) -> Result<()> {
     let limits = Limits { memory: work.limit(), ..Limits::default() };
     let subject = AssetSubject { path: model, title: &work.stem(), limits: &limits, errors: None };

@@ -18,7 +18,7 @@ use taotie::bake::MapKind;
 use taotie::io::{CodecKind, CodecSet, FileSet, TextureCodecs};
 use taotie::names::Named;
 
-/// Options that choose what a search would.
+/// Options that fix what a search would choose.
 const BY_HAND: [&str; 5] = ["low", "triangles", "size", "bits", "meshopt"];
 
 const EXAMPLES: &str = "\
@@ -30,9 +30,9 @@ Examples:
   taotie bake scan.ply -o scan.glb --preset web --max-gpu-memory 64MB
   taotie bake scan.ply -o scan.glb --error 0.9 --require standard,bytes=3MB
 
-Without --low the smallest asset that looks like the scan is found: made from it, or the scan itself, packed. \
-The asset is read back and measured against the scan: \
-OUT.report.html and OUT.report.json, beside OUT, hold its normal error in degrees, its shape error, and where they are.";
+Without --low, finds the smallest asset that looks like the scan: made from it, or the scan itself, packed. \
+The asset is read back and measured against the scan: OUT.report.html and OUT.report.json, next to OUT, \
+state its normal error in degrees, its shape error, and where they occur.";
 
 /// Bakes a high-poly scan to the smallest glTF asset that looks the same, and measures the error.
 #[derive(Args)]
@@ -40,114 +40,117 @@ OUT.report.html and OUT.report.json, beside OUT, hold its normal error in degree
 pub struct BakeArgs {
     /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl)
     pub high: PathBuf,
-    /// The asset to write (.glb, or .gltf with its files beside it). A .png, .webp or .exr gets the maps alone, for a --low with UVs: the
-    /// first, normals if not asked otherwise, in OUT, each other beside it, such as OUT.ao.png
+    /// The asset to write: .glb, or .gltf with its files next to it. A .png, .webp or .exr gets only the maps, for a
+    /// --low with UVs: the first (by default the normal map) in OUT, the others next to it, such as OUT.ao.png
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// The low-poly mesh; its UVs and triangles stay as they are. So do meshes, materials, skins and animations of
-    /// glTF: each material gets maps of its own. Made from the scan if not given
+    /// The low-poly mesh; its UVs and triangles are kept, as are meshes, materials, skins and animations of glTF:
+    /// each material gets its own maps [default: made from the scan]
     #[arg(long, value_name = "LOW")]
     pub low: Option<PathBuf>,
     #[command(flatten)]
     pub scan: ScanArgs,
 
-    /// Triangles of the low-poly mesh; nothing is searched for then. 50000 if only the size or the packing is given
+    /// Triangles of the low-poly mesh; turns the search off [default: 50000 if only size or packing is given]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..), help_heading = "Low-poly mesh", conflicts_with = "low")]
     pub triangles: Option<u32>,
-    /// Target and ceilings for a use: web (mean 1°, 100,000 triangles, 80 MB on the graphics card), archive (mean 0.1°, no
-    /// ceilings), or engine (mean 0.5°, 50,000 triangles, 32 MB, textures in KTX2). --error, --require, --images and ceilings
-    /// override them, as --lods does the levels of detail of engine; --error stands for all limits of angles
+    /// Target and ceilings for a use: web (mean 1°, 100,000 triangles, 80 MB on the graphics card), archive (mean
+    /// 0.1°, no ceilings), or engine (mean 0.5°, 50,000 triangles, 32 MB, textures in KTX2). --error (all angle
+    /// limits), --require, --images and explicit ceilings override them; --lods overrides the levels of detail of
+    /// engine
     #[arg(long, value_name = "web|archive|engine", value_parser = options::named::<Preset>, help_heading = "Search", conflicts_with_all = BY_HAND)]
     pub preset: Option<Preset>,
-    /// Find the smallest asset with a mean normal error, as seen, of at most DEG degrees: made from the scan, or the scan itself,
-    /// packed. Triangles, bits of vertices, normal map or none, sizes, formats and qualities are chosen by what they cost.
-    /// Without it, and unless triangles, size or packing are given, the target is that of --preset, or what --require states of
-    /// angles and colours as seen, or `visually-lossless`
+    /// Find the smallest asset with a mean normal error, as seen, of at most DEG degrees: made from the scan, or the
+    /// scan itself, packed. The search chooses triangles, vertex bits, normal map or none, sizes, formats and
+    /// qualities by their cost [default, unless triangles, size or packing are given: the target of --preset, or the
+    /// limits of --require on angles and colours as seen, or `visually-lossless`]
     #[arg(long, value_name = "DEG", value_parser = degrees, help_heading = "Search", conflicts_with_all = BY_HAND)]
     pub error: Option<f64>,
-    /// Find the asset nearest to the scan with at most SIZE bytes, such as 500kB. With --error, --preset or --require, one that
-    /// meets them is enough. Exit with 1 if none is that small
+    /// Find the asset closest to the scan within SIZE bytes, such as 500kB. With --error, --preset or --require, an
+    /// asset that meets them is good enough. Exit with 1 if none is that small
     #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Search", conflicts_with_all = BY_HAND, conflicts_with_all = ["lods", "no_verify"])]
     pub bytes: Option<u64>,
-    /// The most triangles of an asset that is searched for. Exit with 1 if it has more
+    /// Maximum number of triangles of the asset that a search finds. Exit with 1 if it has more
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..), help_heading = "Search", conflicts_with_all = BY_HAND)]
     pub max_triangles: Option<u32>,
-    /// Maximum memory of the asset on a graphics card, such as 64MB: vertices, and textures with mip levels at four bytes per
-    /// texel, one of KTX2. Exit with 1 if it takes more
+    /// Maximum memory of the asset on a graphics card, such as 64MB: vertices, and textures with mip levels at four
+    /// bytes per texel, or one with KTX2. Exit with 1 if it takes more
     #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Search", conflicts_with_all = BY_HAND)]
     pub max_gpu_memory: Option<u64>,
     /// Write every trial of the search as CSV: bytes, memory on the graphics card, triangles, maps, degrees, ΔE
     #[arg(long, value_name = "FILE.csv", help_heading = "Search", conflicts_with_all = BY_HAND)]
     pub trials: Option<PathBuf>,
-    /// Coarser levels of detail in the same file (MSFT_lod), separated by commas. 128px is the lightest one that meets the target
-    /// where the object fills 128² pixels, 32 to 511; 5000 has so many triangles, and is shown where it meets the target. With
-    /// --preset engine: 256px,128px,64px
+    /// Coarser levels of detail in the same file (MSFT_lod), separated by commas. Npx (32 to 511) is the lightest
+    /// level that meets the target when the object fills N² pixels; N is a level of N triangles, shown at the size at
+    /// which it meets the target [default: none; 256px,128px,64px with --preset engine]
     #[arg(long, value_name = "Npx|N,...", value_delimiter = ',', help_heading = "Low-poly mesh")]
     pub lods: Vec<Lod>,
 
-    /// Width and height of the maps, texels: one number, two as in 2048x1024 for a --low with UVs, or auto: the smallest power
-    /// of two, 256 to 8192, that preserves the scan's detail [default: 2048]
+    /// Width and height of the maps, texels: one number, two as in 2048x1024 for a --low with UVs, or auto: the
+    /// smallest power of two, 256 to 8192, that preserves the scan's detail [default: 2048]
     #[arg(long, value_name = "N|WxH|auto", value_parser = options::map_size, help_heading = "Maps")]
     pub size: Option<[u32; 2]>,
-    /// Maps to bake, separated by commas: auto (normal, and whatever varies in the scan's materials), normal, ao (ambient
-    /// occlusion), albedo (base colour), height, bent (bent normals), curvature, roughness (widened by fine relief),
-    /// metallic-roughness, emission, alpha, occlusion (the scan's own texture)
+    /// Maps to bake, separated by commas: auto (normal, and all that varies in the scan's materials), normal, ao
+    /// (ambient occlusion), albedo (base colour), height, bent (bent normals), curvature, roughness (widened by fine
+    /// relief), metallic-roughness, emission, alpha, occlusion (the scan's own texture)
     #[arg(long, value_name = "auto|MAP,...", value_delimiter = ',', default_value = "auto", value_parser = map, help_heading = "Maps")]
     pub maps: Vec<Auto<MapKind>>,
-    /// Space of the normal map. glTF has only tangent space, so an object-space map is written beside the asset
+    /// Space of the normal map. glTF has only tangent space, so an object-space map is written next to the asset
     #[arg(long, value_enum, default_value_t = Space::Tangent, help_heading = "Maps")]
     pub space: Space,
-    /// Direction of green in maps for other programs: down (DirectX) also writes OUT.normal.png, and OUT.bent.png so. The
-    /// asset's own normal map points up, as glTF demands; maps alone point down then
+    /// Direction of green in maps for other programs: down (DirectX) adds OUT.normal.png, and also applies to
+    /// OUT.bent.png and to standalone maps. The asset's own normal map always points up, as glTF requires
     #[arg(long, value_enum, default_value_t = Green::Up, help_heading = "Maps")]
     pub green: Green,
     /// Samples per texel
     #[arg(long, value_name = "K", default_value = "4", value_parser = ["1", "4", "9", "16", "25", "36", "49", "64"], help_heading = "Maps")]
     pub samples: String,
-    /// Bits per channel of normal maps; 8 if not given. 8-bit maps are dithered where they would show bands
+    /// Bits per channel of normal maps; 8-bit maps are dithered where they would show banding [default: 8]
     #[arg(long, value_parser = ["8", "16"], help_heading = "Maps")]
     pub bits: Option<String>,
     /// Padding around UV islands, 0 to 16384 texels; auto fills the whole map
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = dilation, help_heading = "Maps")]
     pub dilation: Auto<u32>,
-    /// Rays per texel over the hemisphere, for ao and bent; 64 if not given
+    /// Rays per texel over the hemisphere, for ao and bent [default: 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Maps")]
     pub ao_rays: Option<u32>,
-    /// Largest distance at which the scan occludes, for ao and bent, model units; any distance if not given
+    /// Maximum distance at which the scan occludes, for ao and bent, model units [default: unlimited]
     #[arg(long, value_name = "X", value_parser = positive, help_heading = "Maps")]
     pub ao_distance: Option<f64>,
-    /// Roughness of the scan's surface, [0, 1]; that of its material if not given
+    /// Roughness of the scan's surface, 0 to 1 [default: that of its material]
     #[arg(long, value_name = "X", value_parser = fraction, help_heading = "Maps")]
     pub roughness: Option<f64>,
 
     /// Length of the projection rays, model units; auto measures the gap between the meshes
     #[arg(long, value_name = "auto|X", default_value = "auto", value_parser = distance, help_heading = "Rays", conflicts_with = "cage")]
     pub ray_distance: Auto<f64>,
-    /// The low-poly mesh with its vertices moved outward: projection rays begin there
+    /// The low-poly mesh with its vertices moved outward, where projection rays start
     #[arg(long, value_name = "FILE", requires = "low", help_heading = "Rays")]
     pub cage: Option<PathBuf>,
 
-    /// Image formats of textures. In a search, those to choose from: names separated by commas, or auto for those of --codecs.
-    /// Else one format: png, webp (lossless), ktx2 (UASTC under Zstandard), or with a quality: webp:85, jpeg:85 and avif:80 (base
-    /// colour and emission; all else stays lossless), ktx2:2 (λ of rate–distortion optimisation, 1 to 64, of all but normals). Those of
-    /// colours, normals and numbers: jpeg:90/webp/webp:75. With a quality, nothing is searched
+    /// Image formats of textures. For a search, the candidates: names separated by commas, or auto for those of
+    /// --codecs. Otherwise one format: png, webp (lossless), ktx2 (UASTC with Zstandard), or with a quality: webp:85,
+    /// jpeg:85 and avif:80 (base colour and emission; the rest stays lossless), ktx2:2 (λ of rate–distortion
+    /// optimisation, 1 to 64, for all but normals). Separate formats for colours, normals and numbers:
+    /// jpeg:90/webp/webp:75. A quality turns the search off
     #[arg(long, value_name = "auto|FORMAT[:QUALITY],...", value_parser = super::images::images, default_value = "auto", help_heading = "File")]
     pub images: Images,
-    /// Compress geometry by meshoptimizer
+    /// Compress geometry with meshoptimizer
     #[arg(long, help_heading = "File")]
     pub meshopt: bool,
-    /// Codecs of a search, and the extension of --meshopt: portable (PNG, JPEG, WebP, EXT_meshopt_compression), or web-latest for the
-    /// newest web viewers (AVIF as well, KHR_meshopt_compression). --images names formats itself
+    /// Codecs for a search, and the extension for --meshopt: portable (PNG, JPEG, WebP, EXT_meshopt_compression), or
+    /// web-latest for the newest web viewers (also AVIF, KHR_meshopt_compression). --images overrides the image
+    /// formats
     #[arg(long, value_name = "portable|web-latest", value_parser = options::named::<CodecSet>, default_value = "portable", help_heading = "File")]
     pub codecs: CodecSet,
-    /// XMP metadata (JSON-LD, such as dc:title or dc:rights) to add to that of the scan. Where the scan has no
-    /// copyright notice, dc:rights becomes the asset's
+    /// XMP metadata (JSON-LD, such as dc:title or dc:rights) to add to the scan's. If the scan has no copyright
+    /// notice, dc:rights becomes the asset's
     #[arg(long, value_name = "FILE.json", help_heading = "File")]
     pub provenance: Option<PathBuf>,
 
     #[command(flatten)]
     pub proof: ProofArgs,
-    /// Do not measure the error and write no report
+    /// Do not measure the error or write a report
     #[arg(long, help_heading = "Proof", conflicts_with_all = ["require", "proof_points", "proof_view", "date", "operator"])]
     pub no_verify: bool,
 
@@ -162,7 +165,7 @@ pub struct BakeArgs {
 pub enum Auto<T> {
     /// The program's choice.
     Auto,
-    /// The value asked for.
+    /// An explicit value.
     Given(T),
 }
 
@@ -178,7 +181,7 @@ fn dilation(text: &str) -> Result<Auto<u32>, String> {
         "auto" => Ok(Auto::Auto),
         _ => match text.parse() {
             Ok(texels) if texels <= 16_384 => Ok(Auto::Given(texels)),
-            _ => Err("write auto, or a number of texels from 0 to 16384".into()),
+            _ => Err("expected auto or 0 to 16384 texels".into()),
         },
     }
 }
@@ -201,7 +204,7 @@ fn degrees(text: &str) -> Result<f64, String> {
 }
 
 impl<T> Auto<T> {
-    /// Returns the value asked for.
+    /// Returns the explicit value.
     fn given(self) -> Option<T> {
         match self {
             Self::Auto => None,
@@ -211,12 +214,12 @@ impl<T> Auto<T> {
 }
 
 impl BakeArgs {
-    /// Refuses options that cannot work together, before any work is done.
+    /// Rejects options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
         let extension = self.output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         if !matches!(extension.as_deref(), Some("glb" | "gltf" | "png" | "webp" | "exr")) {
             bail!(
-                "{}: assets are written as .glb or .gltf, maps alone as .png, .webp or .exr",
+                "{}: unsupported format; write assets as .glb or .gltf, standalone maps as .png, .webp or .exr",
                 self.output.display()
             );
         }
@@ -227,12 +230,12 @@ impl BakeArgs {
         let mut inputs = [Some(&self.high), self.low.as_ref(), self.cage.as_ref()].into_iter().flatten();
         if let Some(input) = inputs.find(|input| same(input)) {
             let (output, input) = (self.output.display(), input.display());
-            bail!("{output}: it would be written over {input}, which is read; give another name or folder");
+            bail!("{output}: it would overwrite the input {input}; choose another name or folder");
         }
         let [width, height] = self.size();
         let size = if width == height { width.to_string() } else { format!("{width}x{height}") };
         if width != height && self.low.is_none() {
-            bail!("--size {size}: atlases that are made are square; give one number, or --low with UVs");
+            bail!("--size {size}: generated atlases are square; give one number, or --low with UVs");
         }
         self.check_search()?;
         if !self.searches()
@@ -242,12 +245,12 @@ impl BakeArgs {
         }
         if self.formats().has(CodecKind::Ktx2) && !self.size().iter().all(|side| side.is_multiple_of(4)) {
             bail!(
-                "--size {size}: KTX2 needs a multiple of 4; choose another size or another format in --images"
+                "--size {size}: KTX2 needs multiples of 4; choose another size, or another format in --images"
             );
         }
         self.check_levels()?;
         if self.green == Green::Down && (self.space == Space::Object || !self.bakes_normals()) {
-            bail!("--green down: no normal or bent map in tangent space is baked; bake one, or leave it out");
+            bail!("--green down: no normal or bent map is baked in tangent space; bake one, or leave it out");
         }
         self.check_unread()?;
         self.proof.signature().check()?;
@@ -255,7 +258,7 @@ impl BakeArgs {
         Ok(self.packing().check()?)
     }
 
-    /// Says whether maps are written without a model.
+    /// Returns true if only maps are written, without a model.
     fn is_alone(&self) -> bool {
         ["png", "webp", "exr"].into_iter().any(|extension| self.has_extension(extension))
     }
@@ -264,7 +267,7 @@ impl BakeArgs {
         self.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
     }
 
-    /// Refuses what only a model has, where maps are written alone.
+    /// Rejects options that need a model if only maps are written.
     fn check_alone(&self) -> Result<()> {
         let given = [
             ("--lods", !self.lods.is_empty()),
@@ -283,33 +286,31 @@ impl BakeArgs {
         let output = self.output.display();
         match given.iter().find(|(_, given)| *given) {
             Some((option, _)) if self.is_alone() => {
-                bail!("{option}: {output} gets maps alone, without a model; leave it out, or write a .glb")
+                bail!("{option}: {output} holds only maps, not a model; leave it out, or write a .glb")
             }
             None if self.is_alone() && self.low.is_none() => {
-                bail!(
-                    "{output}: maps alone need the mesh that they are for: give --low with UVs, or write a .glb"
-                )
+                bail!("{output}: standalone maps need a mesh with UVs: give one with --low, or write a .glb")
             }
             _ => self.check_depth(),
         }
     }
 
-    /// Refuses maps of 16 bits in a file that holds 8.
+    /// Rejects 16-bit maps in an 8-bit file format.
     fn check_depth(&self) -> Result<()> {
         let deep = [MapKind::Height, MapKind::Curvature];
         let maps = self.maps();
         match maps.iter().find(|map| deep.contains(map)) {
             _ if self.has_extension("exr") && self.bits.is_some() => {
-                bail!("--bits: an .exr holds floats; leave it out, or write a .png")
+                bail!("--bits: an .exr stores floats; leave it out, or write a .png")
             }
             _ if !self.has_extension("webp") => Ok(()),
-            Some(map) => bail!("--maps {}: it needs 16 bits and WebP holds 8; write a .png", map.name()),
-            None if self.bits() == 16 => bail!("--bits 16: WebP holds 8 bits; write a .png, or take 8"),
+            Some(map) => bail!("--maps {}: it needs 16 bits, and WebP stores 8; write a .png", map.name()),
+            None if self.bits() == 16 => bail!("--bits 16: WebP stores 8 bits; write a .png, or use 8"),
             None => Ok(()),
         }
     }
 
-    /// Refuses options that nothing reads.
+    /// Rejects options that have no effect.
     fn check_unread(&self) -> Result<()> {
         let (maps, carries) = (self.maps(), self.carries());
         let bakes = |map: MapKind| maps.contains(&map);
@@ -320,36 +321,36 @@ impl BakeArgs {
         }
         let has_texture = self.low.is_some() || carries || maps.iter().any(|map| self.is_inside(*map));
         if self.images != Images::Auto && !has_texture {
-            bail!("--images: the asset holds no texture; leave it out, or add such a map to --maps");
+            bail!("--images: the asset has no textures; leave it out, or add a map to --maps that is one");
         }
         self.check_loss()?;
-        let beside = self.space == Space::Object || self.green == Green::Down || bakes(MapKind::Bent);
+        let separate = self.space == Space::Object || self.green == Green::Down || bakes(MapKind::Bent);
         let kind = self.formats().normals.kind();
-        if self.bits() == 16 && kind != CodecKind::Png && bakes(MapKind::Normal) && !beside {
-            bail!("--bits 16: {kind} holds 8 bits; write PNG, or take 8");
+        if self.bits() == 16 && kind != CodecKind::Png && bakes(MapKind::Normal) && !separate {
+            bail!("--bits 16: {kind} stores 8 bits; write PNG, or use 8");
         }
         Ok(())
     }
 
-    /// Refuses a loss that no texture has.
+    /// Rejects a quality that applies to no texture.
     fn check_loss(&self) -> Result<()> {
         let codecs = self.formats();
         if codecs.colors.number().is_some() && !self.may_lose() {
             bail!(
-                "--images {codecs}: the asset holds no texture but normals, which its loss leaves alone; use {}",
+                "--images {codecs}: the only textures are normals, which the quality does not affect; use {}",
                 codecs.normals
             );
         }
         Ok(())
     }
 
-    /// Says whether the asset may hold textures other than normals.
+    /// Returns true if the asset may hold textures other than normals.
     fn may_lose(&self) -> bool {
         let is_lossy = |map: &MapKind| *map != MapKind::Normal && self.is_inside(*map);
         self.low.is_some() || self.carries() || self.maps().iter().any(is_lossy)
     }
 
-    /// Says whether a map lies inside of the asset, and not beside it.
+    /// Returns true if a map is stored in the asset rather than next to it.
     fn is_inside(&self, map: MapKind) -> bool {
         match map {
             MapKind::Normal => self.space == Space::Tangent,
@@ -357,7 +358,7 @@ impl BakeArgs {
         }
     }
 
-    /// Refuses files that cannot be written, or that are read.
+    /// Rejects outputs that cannot be written or that are inputs.
     pub fn claim(&self, files: &FileSet) -> Result<()> {
         let read = [Some(&self.high), self.low.as_ref(), self.cage.as_ref(), self.provenance.as_ref()];
         files.protect(read.into_iter().flatten())?;
@@ -368,7 +369,7 @@ impl BakeArgs {
         if let Some(path) = &self.trials {
             let written = asset.iter().chain(&reports).find(|written| *written == path);
             if written.is_some() || path.extension().is_none_or(|extension| extension != "csv") {
-                bail!("--trials {}: name another file, with the ending .csv", path.display());
+                bail!("--trials {}: choose another file, with the extension .csv", path.display());
             }
             files.claim(path)?;
         }
@@ -381,18 +382,18 @@ impl BakeArgs {
         ["report.html", "report.json"].map(|kind| self.output.with_extension(kind))
     }
 
-    /// Returns the model that the report shows; `None` where no file holds it with its normal map.
+    /// Returns the model that the report shows; `None` if no file holds it with its normal map.
     pub fn shown_model(&self) -> Option<&Path> {
         (!self.is_alone() && self.space == Space::Tangent).then_some(&self.output)
     }
 
-    /// Refuses requirements of levels of detail that are not asked for.
+    /// Rejects requirements on levels of detail that are not made.
     fn check_levels(&self) -> Result<()> {
         let coarsest = self.lods().len();
         for requirement in self.proof.requirements() {
             if let Some(level) = requirement.level.filter(|level| *level > coarsest) {
                 bail!(
-                    "--require {}@{level}: the coarsest level of detail is {coarsest}; --lods asks for more",
+                    "--require {}@{level}: the coarsest level of detail is {coarsest}; add more with --lods",
                     requirement.name()
                 );
             }
@@ -411,7 +412,7 @@ impl BakeArgs {
         }
     }
 
-    /// Returns the options of a bake that searches for nothing.
+    /// Returns the options of a bake without a search.
     pub(super) fn unsearched(&self) -> BakeOptions {
         BakeOptions {
             low: self.low.clone().map(MeshSource::File),
@@ -435,7 +436,7 @@ impl BakeArgs {
         }
     }
 
-    /// Returns the coarser levels of detail: those of the preset if none are named.
+    /// Returns the coarser levels of detail, by default those of the preset.
     fn lods(&self) -> Vec<Lod> {
         let has_budget = self.proof.requirements().iter().any(|required| required.figure == Figure::Bytes);
         let is_open = self.lods.is_empty() && self.bytes.is_none() && !has_budget;
@@ -443,19 +444,19 @@ impl BakeArgs {
         of_preset.unwrap_or_else(|| self.lods.clone())
     }
 
-    /// Says whether the maps of the scan's own materials are baked beside those that are named.
+    /// Returns true if the maps of the scan's own materials are baked in addition to the named ones.
     fn carries(&self) -> bool {
         self.maps.contains(&Auto::Auto)
     }
 
-    /// Returns the maps that are asked for by name; `auto` asks for normals at least.
+    /// Returns the maps requested by name; `auto` implies normals.
     pub(super) fn maps(&self) -> Vec<MapKind> {
         let named = self.maps.iter().filter_map(|map| map.given());
         let normal = self.carries().then_some(MapKind::Normal);
         normal.into_iter().chain(named).collect()
     }
 
-    /// Says whether maps of normals are baked, which alone have a choice of bits.
+    /// Returns true if normal or bent maps are baked, the only ones with a choice of bits.
     fn bakes_normals(&self) -> bool {
         self.maps().iter().any(|map| matches!(map, MapKind::Normal | MapKind::Bent))
     }
@@ -480,7 +481,7 @@ impl BakeArgs {
         }
     }
 
-    /// Returns the image formats that a search chooses from; none if nothing is searched for.
+    /// Returns the image formats that a search chooses from; empty without a search.
     fn kinds(&self) -> Vec<CodecKind> {
         match (&self.images, self.preset) {
             _ if !self.searches() => Vec::new(),
@@ -505,7 +506,7 @@ impl BakeArgs {
         }
     }
 
-    /// Returns the formats of textures if nothing is searched for; PNG if it is.
+    /// Returns the formats of textures without a search; PNG with one.
     fn formats(&self) -> TextureCodecs {
         if self.searches() {
             return TextureCodecs::default();

@@ -1,8 +1,8 @@
-//! What a search chose, and what it beat, in one line.
+//! One line about a search: the chosen trial, and those it beat.
 
 use taotie::asset::{Report, Trial};
 
-/// Returns a line about the trial that was chosen, and the smallest of each other kind; `None` without a search.
+/// Returns a line about the chosen trial and the smallest of each other kind; `None` without a search.
 pub fn line(report: &Report) -> Option<String> {
     let trials = &report.trials;
     let chosen = trials.iter().find(|trial| trial.is_chosen)?;
@@ -14,8 +14,8 @@ pub fn line(report: &Report) -> Option<String> {
         of_kind().next()?;
         Some(match (smallest, nearest) {
             (Some(other), _) => format!("{kind}: {}", kilobytes(other.bytes)),
-            (None, Some(nearest)) => format!("{kind}: not near enough, {}", differences(nearest)),
-            (None, None) => format!("{kind}: beyond a ceiling"),
+            (None, Some(nearest)) => format!("{kind}: not close enough, {}", differences(nearest)),
+            (None, None) => format!("{kind}: exceeds a ceiling"),
         })
     });
     let others: Vec<String> = others.collect();
@@ -31,7 +31,7 @@ pub fn line(report: &Report) -> Option<String> {
     };
     let beaten = if others.is_empty() { String::new() } else { format!(" ({})", others.join("; ")) };
     Some(format!(
-        "chosen of {} trials: {}, {triangles} triangles{maps}, {}, {}{beaten}",
+        "chosen from {} trials: {}, {triangles} triangles{maps}, {}, {}{beaten}",
         trials.len(),
         chosen.kind(),
         kilobytes(bytes),
@@ -39,7 +39,7 @@ pub fn line(report: &Report) -> Option<String> {
     ))
 }
 
-/// Returns what is seen of differences on average.
+/// Returns the mean visible differences.
 fn differences(trial: &Trial) -> String {
     let color = trial.mean_color.map_or_else(String::new, |color| format!(" and ΔE {color:.2}"));
     format!("{:.2}°{color}", trial.mean_angle)

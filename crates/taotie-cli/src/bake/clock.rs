@@ -6,14 +6,14 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use taotie::asset::StageTime;
 
-/// Hears of stages, shows how far they are and how long all of them will take, and measures them.
+/// Shows the progress of stages and the time left of all of them, and measures their times.
 #[derive(Default)]
 pub struct Clock {
-    told: Mutex<Told>,
+    state: Mutex<State>,
 }
 
 #[derive(Default)]
-struct Told {
+struct State {
     done: Vec<StageTime>,
     running: Option<Running>,
     expected: Option<Expected>,
@@ -25,7 +25,7 @@ struct Expected {
     start: Instant,
 }
 
-/// The stage that runs.
+/// The running stage.
 struct Running {
     stage: &'static str,
     start: Instant,
@@ -33,33 +33,33 @@ struct Running {
 }
 
 impl Clock {
-    /// Expects the stages of a schedule from now on.
+    /// Sets the schedule of the stages to come.
     pub fn expect(&self, schedule: Schedule) {
-        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-        told.expected = Some(Expected { schedule, start: Instant::now() });
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.expected = Some(Expected { schedule, start: Instant::now() });
     }
 
-    /// Hears that a fraction of a stage is done.
+    /// Updates the fraction of a stage that is done.
     pub fn hear(&self, stage: &'static str, fraction: f64) {
-        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-        if !stage.is_empty() && told.running.as_ref().is_none_or(|running| running.stage != stage) {
-            told.end();
-            told.running = Some(Running { stage, start: Instant::now(), bar: Bar::new(stage) });
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        if !stage.is_empty() && state.running.as_ref().is_none_or(|running| running.stage != stage) {
+            state.end();
+            state.running = Some(Running { stage, start: Instant::now(), bar: Bar::new(stage) });
         }
-        if let Some(running) = &told.running {
-            running.bar.tell(fraction, told.left(running.stage, fraction));
+        if let Some(running) = &state.running {
+            running.bar.show(fraction, state.left(running.stage, fraction));
         }
     }
 
-    /// Ends the stage that runs; gives back all stages that are done, in order.
+    /// Ends the running stage; returns all completed stages, in order.
     pub fn done(&self) -> Vec<StageTime> {
-        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-        told.end();
-        told.done.clone()
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.end();
+        state.done.clone()
     }
 }
 
-impl Told {
+impl State {
     /// Returns the time left of all stages.
     fn left(&self, stage: &str, fraction: f64) -> Option<Duration> {
         let Expected { schedule, start } = self.expected.as_ref()?;

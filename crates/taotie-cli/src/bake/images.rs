@@ -5,19 +5,19 @@ use taotie::Error;
 use taotie::io::{CodecKind, TextureCodecs};
 use taotie::names::Named;
 
-/// The formats of textures: those to choose from, or one for each.
+/// The formats of textures: candidates for a search, or fixed ones.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Images {
     /// The program's choice.
     Auto,
-    /// Of some kinds, with a loss that a search chooses.
+    /// Candidate formats; a search chooses the quality.
     Kinds(Vec<CodecKind>),
-    /// With a given loss.
+    /// Formats with a given quality.
     Given(TextureCodecs),
 }
 
 impl Images {
-    /// Returns the kinds to choose from; empty for the program's own choice.
+    /// Returns the formats to choose from; empty for the program's choice.
     pub fn kinds(&self) -> Vec<CodecKind> {
         match self {
             Self::Kinds(kinds) => kinds.clone(),
@@ -25,10 +25,10 @@ impl Images {
         }
     }
 
-    /// Returns the formats of a bake that searches for nothing.
+    /// Returns the formats of a bake without a search.
     ///
     /// # Errors
-    /// Several kinds, and JPEG or AVIF without a quality.
+    /// Several formats, and JPEG or AVIF without a quality.
     pub fn codecs(&self) -> Result<TextureCodecs, String> {
         match self {
             Self::Auto => Ok(TextureCodecs::default()),
@@ -39,13 +39,13 @@ impl Images {
                     let codec = kind.least_lossy().ok_or_else(without)?;
                     Ok(codec.into())
                 }
-                _ => Err("nothing is searched for with these options; specify one format".into()),
+                _ => Err("these options run no search; specify one format".into()),
             },
         }
     }
 }
 
-/// Reads `auto`, names of formats separated by commas, or formats with their loss.
+/// Parses `auto`, names of formats separated by commas, or formats with their quality.
 pub fn images(text: &str) -> Result<Images, String> {
     if text == "auto" {
         return Ok(Images::Auto);
@@ -53,7 +53,7 @@ pub fn images(text: &str) -> Result<Images, String> {
     let is_no_name = |name: &str| name.trim() == "auto" || name.contains([':', '/']);
     if text.contains(',') && text.split(',').any(is_no_name) {
         return Err(
-            "a list holds names only: write webp,png, or one format with its loss, such as webp:85".into()
+            "a list takes names only: write webp,png, or one format with its quality, such as webp:85".into(),
         );
     }
     if text.contains([':', '/']) {

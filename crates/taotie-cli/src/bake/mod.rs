@@ -18,7 +18,7 @@ use anyhow::Result;
 use clock::Clock;
 use schedule::Schedule;
 use taotie::asset::{
-    Baker, Certificate, Limits, Need, Proof, Report, Requirement, ScanFile, Warning, Written,
+    Baker, Certificate, Limits, MemoryEstimate, Proof, Report, Requirement, ScanFile, Warning, WrittenAsset,
 };
 use taotie::io::FileSet;
 use taotie::{Progress, Warnings};
@@ -71,7 +71,7 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
     report.stages = clock.done();
     if let Some(proof) = proved {
         let proof = proof?;
-        tell(args, &mut report, (&written, &proof))?;
+        add_proof(args, &mut report, (&written, &proof))?;
         let shown = args.shown_model().map(|path| files.current(path));
         let page = bake_page::page(&report, &proof, Some(written.asset()))?;
         let (page, warnings) = match &shown {
@@ -88,8 +88,8 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
     Ok(report)
 }
 
-/// Says how much memory the bake of a scan needs before it begins.
-fn check_memory(args: &BakeArgs, baked: &Need, limits: Limits) -> Result<()> {
+/// Checks and prints the memory that the bake of a scan needs, before it starts.
+fn check_memory(args: &BakeArgs, baked: &MemoryEstimate, limits: Limits) -> Result<()> {
     let written = baked.with_packing(&args.packing());
     let need = match (args.no_verify, args.shown_model()) {
         (true, _) => written,
@@ -102,8 +102,8 @@ fn check_memory(args: &BakeArgs, baked: &Need, limits: Limits) -> Result<()> {
     Ok(())
 }
 
-/// Puts what was measured into the report.
-fn tell(args: &BakeArgs, report: &mut Report, (written, proof): (&Written, &Proof)) -> Result<()> {
+/// Adds the measurements to the report.
+fn add_proof(args: &BakeArgs, report: &mut Report, (written, proof): (&WrittenAsset, &Proof)) -> Result<()> {
     let (options, signature) = (args.proof_options(), args.proof.signature());
     console::say_warnings(&proof.warnings);
     report.warnings.extend(Warning::list(&proof.warnings));

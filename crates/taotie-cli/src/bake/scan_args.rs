@@ -1,4 +1,4 @@
-//! The options of reading a scan.
+//! The options for reading a scan.
 
 use crate::options::named;
 use clap::{Args, ValueEnum};
@@ -6,22 +6,22 @@ use taotie::asset::ScanOptions;
 use taotie::length::Unit;
 use taotie::scene::GreenChannel;
 
-/// How a scan is read where its file leaves room for doubt.
+/// How to read a scan whose file is ambiguous.
 #[derive(Args)]
 pub struct ScanArgs {
-    /// Angle between facets from which an edge is hard, degrees, for a scan without normals or with one for each facet
+    /// Minimum angle between facets of a hard edge, degrees, for a scan without normals or with one normal per facet
     /// [default: smooth, except the hard edges of modelled shapes]
     #[arg(long, value_name = "DEG", value_parser = crease_angle, help_heading = "Scan")]
     pub crease_angle: Option<f64>,
-    /// Keep the facets of such a scan flat, as --crease-angle 0 does
+    /// Keep the facets of such a scan flat, like --crease-angle 0
     #[arg(long, help_heading = "Scan", conflicts_with = "crease_angle")]
     pub flat: bool,
-    /// Direction of green in the scan's normal maps: up (OpenGL), down (DirectX), or auto, which trusts the file unless the
-    /// pixels contradict it
+    /// Direction of green in the scan's normal maps: up (OpenGL), down (DirectX), or auto, which trusts the file
+    /// unless the pixels contradict it
     #[arg(long, value_enum, default_value_t = ScanGreen::Auto, hide_possible_values = true, value_name = "auto|up|down", help_heading = "Scan")]
     pub scan_green: ScanGreen,
-    /// Unit of the scan's coordinates, also of one in glTF that is not in metres. The asset is in metres then, as glTF
-    /// requires, and lengths of the proof have units [default: m for glTF, else unknown]
+    /// Unit of the scan's coordinates, even of a glTF that is not in metres. The asset is then in metres, as glTF
+    /// requires, and lengths in the proof have units [default: m for glTF, otherwise unknown]
     #[arg(long, value_name = "mm|cm|m|in", value_parser = named::<Unit>, help_heading = "Scan")]
     pub unit: Option<Unit>,
 }
@@ -29,7 +29,7 @@ pub struct ScanArgs {
 /// The direction of green in a scan's normal maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ScanGreen {
-    /// As the file says, unless the pixels contradict it.
+    /// As the file states, unless the pixels contradict it.
     Auto,
     /// +Y.
     Up,
@@ -38,7 +38,7 @@ pub enum ScanGreen {
 }
 
 impl ScanArgs {
-    /// Returns the options of reading the scan.
+    /// Returns the options for reading the scan.
     pub fn options(&self) -> ScanOptions {
         let crease_angle_deg = if self.flat { Some(0.0) } else { self.crease_angle };
         let green = match self.scan_green {

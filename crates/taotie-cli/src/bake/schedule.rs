@@ -1,22 +1,22 @@
-//! The time left of a whole bake: what its stages cost beside one another, held against the time that those behind took.
+//! Estimates the remaining time of a bake from the relative costs of its stages and the time of completed ones.
 
 use std::time::Duration;
 use taotie::asset::{BakeOptions, Lod, ScanSize};
 use taotie::bake::MapKind;
 
-/// The part of the work that has to be behind before the rest is foretold.
+/// Fraction of the work to finish before estimating the remaining time.
 const LEAST: f64 = 0.02;
 
-/// The stages of a bake in their order, each with its cost.
+/// The stages of a bake in order, each with its cost.
 ///
-/// Costs are milliseconds as measured on two cores. Only their proportions count: how fast a machine is shows in the
-/// stages behind.
+/// Costs are milliseconds measured on two cores. Only their proportions matter: the completed stages show how fast
+/// the machine is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Schedule {
     stages: Vec<(&'static str, f64)>,
 }
 
-/// What a bake is to do, as far as its time depends on it.
+/// The work of a bake, as far as its time depends on it.
 struct Work<'a> {
     options: &'a BakeOptions,
     /// Millions of triangles of the scan.
@@ -28,7 +28,8 @@ struct Work<'a> {
 }
 
 impl Schedule {
-    /// Makes the schedule of all that follows reading the scan; `None` for a search, whose number of trials nobody knows.
+    /// Makes the schedule of everything after reading the scan; `None` for a search, whose number of trials is
+    /// unknown.
     pub fn of(options: &BakeOptions, scan: ScanSize, is_packed: bool) -> Option<Self> {
         if options.searches() {
             return None;
@@ -39,8 +40,8 @@ impl Schedule {
         Some(Self { stages: work.making().into_iter().chain(work.writing()).chain(work.proving()).collect() })
     }
 
-    /// Returns the time left after `elapsed`, where `fraction` of a stage is done; `None` for stages that are not in the
-    /// schedule, and before there is enough to judge by.
+    /// Returns the time left after `elapsed`, with `fraction` of a stage done; `None` for stages that are not in the
+    /// schedule, and before enough is done for an estimate.
     pub fn left(&self, elapsed: Duration, stage: &str, fraction: f64) -> Option<Duration> {
         let at = self.stages.iter().position(|(name, _)| *name == stage)?;
         let cost = |stages: &[(&str, f64)]| stages.iter().map(|(_, cost)| cost).sum::<f64>();
@@ -70,7 +71,8 @@ impl Work<'_> {
         ]
     }
 
-    /// Returns the cost of a million texels: projection rays and lookups for each sample, and rays over the hemisphere.
+    /// Returns the cost of a million texels: projection rays and lookups for each sample, and rays over the
+    /// hemisphere.
     fn samples(&self) -> f64 {
         let is_sky = |map: &MapKind| matches!(map, MapKind::Occlusion | MapKind::Bent);
         let sky = if self.options.maps.iter().any(is_sky) { f64::from(self.options.ao_rays) } else { 0.0 };
@@ -79,8 +81,8 @@ impl Work<'_> {
         samples * (500.0 + material + 250.0 * sky)
     }
 
-    /// Returns the cost of coarser levels: of triangles, two maps of a quarter of the texels and looks at a few sizes; for pixels,
-    /// twice as many as are tried.
+    /// Returns the cost of coarser levels: for triangles, two maps of a quarter of the texels and views at a few
+    /// sizes; for pixels, two maps per try.
     fn levels(&self) -> f64 {
         const TRIES: f64 = 9.0;
         let of_map = 0.25 * self.texels * self.samples() + 300.0;
@@ -117,34 +119,34 @@ mod tests {
     }
 
     fn schedule(options: &BakeOptions) -> Schedule {
-        Schedule::of(options, scan(1_000_000), false).expect("it is no search")
+        Schedule::of(options, scan(1_000_000), false).expect("not a search")
     }
 
-    /// Runs a bake on a clock of its own, on which each stage takes `pace` times its cost in milliseconds, in tenths.
-    /// Returns what was foretold and what was true, seconds.
+    /// Simulates a bake in tenths of stages, each of which takes `pace` times its cost in milliseconds.
+    /// Returns the estimated and the true time left, seconds.
     fn course(schedule: &Schedule, pace: impl Fn(&str) -> f64) -> Vec<[f64; 2]> {
         let time = |(name, cost): &(&'static str, f64)| cost * pace(name) * 1e-3;
         let all: f64 = schedule.stages.iter().map(time).sum();
-        let (mut passed, mut told) = (0.0, Vec::new());
+        let (mut passed, mut estimates) = (0.0, Vec::new());
         for stage in &schedule.stages {
             for tenth in 0..=10 {
                 let fraction = f64::from(tenth) / 10.0;
                 let now = passed + time(stage) * fraction;
                 let left = schedule.left(Duration::from_secs_f64(now), stage.0, fraction);
-                told.extend(left.map(|left| [left.as_secs_f64(), all - now]));
+                estimates.extend(left.map(|left| [left.as_secs_f64(), all - now]));
             }
             passed += time(stage);
         }
-        told
+        estimates
     }
 
     #[test]
     fn on_a_machine_of_any_speed_the_time_left_is_that_of_all_stages() {
         for pace in [0.5, 1.0, 7.0] {
-            let told = course(&schedule(&BakeOptions::default()), |_| pace);
-            assert!(told.len() > 50);
-            for [told, truth] in told {
-                assert!((told - truth).abs() < 1e-6, "{told} {truth}");
+            let estimates = course(&schedule(&BakeOptions::default()), |_| pace);
+            assert!(estimates.len() > 50);
+            for [estimate, truth] in estimates {
+                assert!((estimate - truth).abs() < 1e-6, "{estimate} {truth}");
             }
         }
     }
@@ -152,8 +154,8 @@ mod tests {
     #[test]
     fn a_stage_that_takes_longer_than_foretold_is_made_up_for() {
         let slow = |stage: &str| if stage == "bake" { 3.0 } else { 1.0 };
-        let told = course(&schedule(&BakeOptions::default()), slow);
-        let [first, last] = [told[0], told[told.len() - 1]];
+        let estimates = course(&schedule(&BakeOptions::default()), slow);
+        let [first, last] = [estimates[0], estimates[estimates.len() - 1]];
         assert!(first[0] < first[1], "{first:?}");
         assert!(last[0].abs() < 1e-6 && last[1].abs() < 1e-6, "{last:?}");
     }

@@ -10,7 +10,8 @@ use taotie::io::CodecSet;
 use taotie::names::Named;
 
 impl BakeArgs {
-    /// Returns the requirements that the smallest asset is searched for; `None` if nothing is, or only a number of bytes is given.
+    /// Returns the requirements of a search for the smallest asset; `None` without one, or with only a number of
+    /// bytes.
     pub(super) fn goal(&self) -> Option<Vec<Requirement>> {
         let is_asked = self.asked().is_some();
         if !is_asked && self.is_by_hand() {
@@ -25,7 +26,7 @@ impl BakeArgs {
         }
     }
 
-    /// Returns what is asked of the differences: by the preset, unless an option limits the same figure.
+    /// Returns the limits on differences: those of the preset, unless an option limits the same figure.
     fn target(&self) -> Vec<Requirement> {
         let asked = self.error.map(Requirement::mean_angle_deg).into_iter().chain(self.proof.requirements());
         let asked: Vec<Requirement> = asked.collect();
@@ -34,7 +35,7 @@ impl BakeArgs {
         kept.chain(asked.iter().copied()).collect()
     }
 
-    /// Returns the ceilings of the options, else of the preset.
+    /// Returns the ceilings of the options, otherwise of the preset.
     fn ceilings(&self) -> Vec<Requirement> {
         let triangles = self.max_triangles.map(f64::from).map(|most| (Figure::Triangles, most));
         let gpu_memory = self.max_gpu_memory.map(|most| (Figure::GpuMemory, most as f64));
@@ -47,8 +48,8 @@ impl BakeArgs {
         kept.chain(given.iter().copied()).collect()
     }
 
-    /// Returns `true` if one of these requirements limits the same figure of the finest level as that of a preset; `--error` stands
-    /// for all limits of angles.
+    /// Returns `true` if one of `others` limits the same figure of the finest level as `own` of a preset; `--error`
+    /// overrides all angle limits.
     fn overrides(&self, own: &Requirement, others: &[Requirement]) -> bool {
         let is_finest = |other: &Requirement| other.level.is_none_or(|level| level == 0);
         let is_angle = matches!(own.figure, Figure::MeanAngle | Figure::P95Angle);
@@ -60,7 +61,7 @@ impl BakeArgs {
         self.preset.into_iter().flat_map(|preset| preset.requirements())
     }
 
-    /// Returns the options of the proof, which judges ceilings and the number of bytes, too.
+    /// Returns the options of the proof, which also checks ceilings and the number of bytes.
     pub(super) fn proof_options(&self) -> VerifyOptions {
         let mut options = self.proof.options();
         options.requirements.extend(self.ceilings());
@@ -68,35 +69,35 @@ impl BakeArgs {
         options
     }
 
-    /// Refuses a search that could not find anything.
+    /// Rejects a search that could not find anything.
     pub(super) fn check_search(&self) -> Result<()> {
         if self.trials.is_some() && !self.searches() {
-            bail!("--trials: nothing is searched for with these options; leave it out");
+            bail!("--trials: these options run no search; leave it out");
         }
         if self.codecs != CodecSet::Portable && !self.searches() && !self.meshopt {
             bail!(
-                "--codecs {}: nothing is searched for with these options, and geometry is not compressed; add --meshopt",
+                "--codecs {}: these options run no search and do not compress geometry; add --meshopt",
                 self.codecs.name()
             );
         }
         let Some(option) = self.asked() else { return Ok(()) };
         if self.space == Space::Object || !self.maps().contains(&MapKind::Normal) {
             bail!(
-                "{option} needs a normal map in tangent space: add normal to --maps, leave out --space object"
+                "{option} needs a normal map in tangent space: add normal to --maps, and leave out --space object"
             );
         }
         if matches!(self.images, Images::Given(_)) {
-            bail!("{option} chooses the loss of images: leave out the quality in --images");
+            bail!("{option} chooses the quality of images: leave it out of --images");
         }
         Ok(())
     }
 
-    /// Returns `true` if an asset is searched for.
+    /// Returns `true` if these options run a search.
     pub(super) fn searches(&self) -> bool {
         self.goal().is_some() || self.bytes.is_some()
     }
 
-    /// Returns the option that asks for a search.
+    /// Returns the option that requests a search.
     fn asked(&self) -> Option<&'static str> {
         let given = [
             ("--error", self.error.is_some()),
@@ -108,7 +109,7 @@ impl BakeArgs {
         given.into_iter().find(|(_, given)| *given).map(|(option, _)| option)
     }
 
-    /// Returns `true` if triangles, size or packing are given, or something is asked for that no search can judge.
+    /// Returns `true` if triangles, size or packing are given, or an option that a search does not support.
     fn is_by_hand(&self) -> bool {
         let is_given = self.triangles.is_some() || self.size.is_some() || self.meshopt || self.bits.is_some();
         let is_unsearched = self.green == Green::Down || !self.unsearched().may_search();
@@ -116,7 +117,7 @@ impl BakeArgs {
     }
 }
 
-/// Returns `true` for a limit of what the asset takes, not of how it looks.
+/// Returns `true` for a limit on the asset's resources rather than its appearance.
 fn is_ceiling(required: &Requirement) -> bool {
     required.figure.looking() == Looking::Files
 }

@@ -1,16 +1,16 @@
-//! A bake in plain words.
+//! The text that a bake prints.
 
 use super::{choice, worst};
 use std::fmt::Write;
 use taotie::asset::{
-    BakeFigures, Figures, LevelFigures, MaterialFigures, Met, PartFigures, Report, ViewFigures,
+    BakeFigures, Figures, LevelFigures, MaterialFigures, PartFigures, Report, RequirementOutcome, ViewFigures,
 };
 use taotie::compare::Summary;
 use taotie::length::{ShownLength, place_text, texel_text};
 use taotie_report::summary;
 use taotie_report::table::Table;
 
-/// Returns the report as aligned lines for people.
+/// Formats the report as aligned lines.
 pub fn of(report: &Report) -> String {
     let triangles: Vec<String> = report.triangles.iter().map(ToString::to_string).collect();
     let mut text = format!("{} triangles onto {}", report.high_triangles, triangles.join(", "));
@@ -87,10 +87,10 @@ fn on_surface(level: &LevelFigures, bake: Option<&BakeFigures>, table: &mut Tabl
         table.row(["normal error on the surface".into(), summary::text(angles, 3, "°")]);
     }
     if let Some([floor, _]) = bake.and_then(|bake| bake.floor_8_bit) {
-        table.row([String::new(), format!("storing normals in 8 bits alone costs {floor}° on average")]);
+        table.row([String::new(), format!("8-bit storage of normals accounts for {floor}° on average")]);
     }
     if let Some(plain) = &level.without_map {
-        let mean = format!("mean {:.3}°, by vertex normals alone", plain.mean);
+        let mean = format!("mean {:.3}°, from vertex normals only", plain.mean);
         table.row(["error without normal map".into(), mean]);
     }
     let Some(bake) = bake else { return };
@@ -107,7 +107,7 @@ fn shape(figures: &Figures, level: &LevelFigures, table: &mut Table) {
     let LevelFigures { hausdorff, hausdorff_of_diagonal, silhouette, coverage, .. } = level;
     let length = |length: f64| ShownLength::of(length, figures.unit, 3);
     let distances = format!(
-        "between {} and {} at most ({} of the diagonal), RMS {} ({})",
+        "maximum between {} and {} ({} of the diagonal), RMS {} ({})",
         length(hausdorff.lower),
         length(hausdorff.upper),
         percent(hausdorff_of_diagonal.upper),
@@ -144,10 +144,7 @@ fn shape(figures: &Figures, level: &LevelFigures, table: &mut Table) {
 fn material(figures: &MaterialFigures, table: &mut Table) {
     if figures.not_finite > 0.0 {
         let part = percent(figures.not_finite);
-        table.row([
-            "material not finite".into(),
-            format!("at {part} of the points, which have no difference"),
-        ]);
+        table.row(["material not finite".into(), format!("at {part} of the points, which are not compared")]);
     }
     let Some(color) = &figures.color else { return };
     table.row(["colour error on the surface (ΔE00)".into(), summary::text(color, 2, "")]);
@@ -169,7 +166,7 @@ fn levels(figures: &Figures, table: &mut Table) {
     }
 }
 
-/// Tells of the triangles of one material.
+/// Describes the triangles of one material.
 fn of_part(figures: &PartFigures) -> String {
     let (angles, missed) = (mean_and_p95(figures.angles.as_ref()), percent(figures.missed));
     format!(
@@ -189,8 +186,8 @@ fn of_level(figures: &LevelFigures) -> String {
     let seen = mean_and_p95(figures.overview.angles.as_ref().map(|angles| &angles.summary));
     let surface = mean_and_p95(figures.surface_angles.as_ref());
     format!(
-        "{} triangles, as seen where it fills {:.0}² pixels: normal error mean {seen}, on the surface mean {surface}; shape error at most {} of the \
-         diagonal; {}",
+        "{} triangles, as seen at {:.0}² pixels: normal error mean {seen}, on the surface mean {surface}; \
+         shape error at most {} of the diagonal; {}",
         figures.triangles,
         figures.overview.across,
         percent(figures.hausdorff_of_diagonal.upper),
@@ -198,8 +195,8 @@ fn of_level(figures: &LevelFigures) -> String {
     )
 }
 
-/// Tells a requirement's outcome, and at which level where there are several.
-fn requirement(met: &Met, triangles: &[usize]) -> String {
+/// Formats a requirement's outcome, with its level if there are several.
+fn requirement(met: &RequirementOutcome, triangles: &[usize]) -> String {
     let verdict = match met.met {
         true => "met",
         false if met.is_undecided() => "UNDECIDED",
@@ -209,7 +206,7 @@ fn requirement(met: &Met, triangles: &[usize]) -> String {
         (None, _) | (_, 0..=1) => String::new(),
         (Some(level), _) => match triangles.get(level) {
             Some(count) => format!(" of level {level} ({count} triangles)"),
-            None => format!(" of level {level}, which is not there,"),
+            None => format!(" of level {level}, which does not exist,"),
         },
     };
     format!("{verdict}: {}{level} {}", met.name(), met.text())

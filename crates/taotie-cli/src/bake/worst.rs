@@ -1,4 +1,4 @@
-//! The worst parts of an asset, and how much of it is beyond limits, in plain words.
+//! The worst parts of an asset, and its share beyond limits, as text.
 
 use taotie::asset::{Beyond, Figures, WorstParts};
 use taotie::length::place_text;
@@ -32,7 +32,7 @@ pub fn parts(figures: &Figures, parts: &WorstParts, table: &mut Table) {
         let name = |number: usize| format!("island {number} of {}", islands.count);
         let mut text = worst(islands, &name, &place);
         if islands.skipped > 0 {
-            text += &format!("; {} islands are too small to be compared", islands.skipped);
+            text += &format!("; {} islands are too small to compare", islands.skipped);
         }
         table.row(["worst UV island".into(), text]);
     }

@@ -1,4 +1,4 @@
-//! The books of a collection whose processes others start, such as `taotie.ray`: plan, manifest and page.
+//! Bookkeeping of a collection whose processes are started by others, such as `taotie.ray`: plan, manifest and page.
 
 use super::{BatchArgs, outcome, states_json};
 use crate::{Outcome, console};
@@ -7,11 +7,11 @@ use serde_json::json;
 use std::io::{self, BufRead};
 use taotie_batch::{Collection, Remote, Told, write_page};
 
-/// The subcommand that keeps them. It is not for users.
+/// The subcommand that does it; not for users.
 pub const BOOK: &str = "batch-book";
 
-/// Prints a line for each job that is to be done, and then an empty one; reads a line for each that has ended, and prints
-/// its state; writes the page and prints a summary at the end of stdin. Every line is JSON.
+/// Prints a line for each job to do, then an empty one; reads a line for each finished job, and prints its state; at
+/// the end of stdin, writes the page and prints a summary. Every line is JSON.
 pub fn run(args: &BatchArgs) -> Result<Outcome> {
     args.check()?;
     let collection = Collection::read(&args.collection)?;
@@ -21,8 +21,8 @@ pub fn run(args: &BatchArgs) -> Result<Outcome> {
     }
     console::result("")?;
     for line in io::stdin().lock().lines() {
-        let told: Told = serde_json::from_str(&line?).context("stdin: the end of a job is wanted")?;
-        let record = remote.add(told)?;
+        let ended: Told = serde_json::from_str(&line?).context("stdin: expected the end of a job")?;
+        let record = remote.add(ended)?;
         console::result(
             &json!({ "id": record.id, "state": record.state, "error": record.error }).to_string(),
         )?;

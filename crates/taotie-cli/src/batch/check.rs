@@ -1,11 +1,14 @@
-//! `taotie batch --check`: what was written, held against the manifest.
+//! `taotie batch --check`: compares the written files with the manifest.
 
-use super::{BatchArgs, SCHEMA, worker};
+use super::{BatchArgs, worker};
 use crate::console::{self, Bar};
 use crate::{Outcome, stop};
 use anyhow::Result;
 use serde_json::json;
 use taotie_batch::{Audit, AuditOptions, Collection, Fault, audit};
+
+/// Version of the JSON that `--check --json` prints.
+const SCHEMA: u32 = 1;
 
 /// Runs the audit.
 pub fn run(args: &BatchArgs, collection: &Collection) -> Result<Outcome> {
@@ -19,11 +22,11 @@ pub fn run(args: &BatchArgs, collection: &Collection) -> Result<Outcome> {
     drop(bar);
     drop(held);
     let audit = audit?;
-    tell(args, &audit)?;
+    print(args, &audit)?;
     Ok(if audit.faults.is_empty() { Outcome::Fine } else { Outcome::Different })
 }
 
-fn tell(args: &BatchArgs, audit: &Audit) -> Result<()> {
+fn print(args: &BatchArgs, audit: &Audit) -> Result<()> {
     let Audit { assets, files, proofs, faults } = audit;
     if args.json {
         let fault = |fault: &Fault| json!({ "id": fault.id, "what": fault.what });
@@ -42,5 +45,5 @@ fn tell(args: &BatchArgs, audit: &Audit) -> Result<()> {
         console::result(&format!("{id}: {what}"))?;
     }
     let count = faults.len();
-    console::result(&format!("{assets} assets: {files} files read, {proofs} baked anew, {count} faults"))
+    console::result(&format!("{assets} assets: {files} files read, {proofs} re-baked, {count} faults"))
 }

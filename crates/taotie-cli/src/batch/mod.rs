@@ -3,7 +3,7 @@
 mod args;
 mod book;
 mod check;
-mod told;
+mod listener;
 mod worker;
 
 pub use args::BatchArgs;
@@ -12,10 +12,10 @@ pub use worker::{WORKER, run as work};
 
 use crate::{Outcome, console, stop};
 use anyhow::Result;
+use listener::Listener;
 use serde_json::json;
 use std::path::PathBuf;
 use taotie_batch::{Collection, State, Summary, drive, write_page};
-use told::Told;
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
@@ -31,20 +31,20 @@ pub fn run(args: &BatchArgs) -> Result<Outcome> {
         true => None,
         false => Some(work_through(args, &collection)?),
     };
-    // Shards do not know of one another; who comes last writes the page.
+    // Shards do not know of one another: a later run without --shard writes the page.
     let pages = if args.shard.is_none() { write_page(&collection)? } else { Vec::new() };
-    tell(args, summary.as_ref(), &pages)?;
+    print(args, summary.as_ref(), &pages)?;
     Ok(summary.map_or(Outcome::Fine, |summary| outcome(&summary)))
 }
 
 fn work_through(args: &BatchArgs, collection: &Collection) -> Result<Summary> {
     let held = stop::hold();
-    let mut told = Told::default();
+    let mut listener = Listener::default();
     let summary = drive(collection, &args.options(), &worker::worker()?, &mut |event| {
-        told.hear(event);
+        listener.hear(event);
         !stop::is_ending()
     });
-    drop(told);
+    drop(listener);
     drop(held);
     let summary = summary?;
     console::say_warnings(&summary.warnings);
@@ -60,8 +60,8 @@ fn outcome(summary: &Summary) -> Outcome {
     }
 }
 
-/// Prints what became of the collection.
-fn tell(args: &BatchArgs, summary: Option<&Summary>, pages: &[PathBuf]) -> Result<()> {
+/// Prints the outcome of the collection.
+fn print(args: &BatchArgs, summary: Option<&Summary>, pages: &[PathBuf]) -> Result<()> {
     if args.json {
         let report = json!({
             "schema": SCHEMA,
@@ -78,7 +78,7 @@ fn tell(args: &BatchArgs, summary: Option<&Summary>, pages: &[PathBuf]) -> Resul
     if let Some(summary) = summary {
         let counted = State::ALL.iter().filter_map(|state| Some((state, summary.states.get(state)?)));
         let counts: Vec<String> = counted.map(|(state, count)| format!("{count} {}", state.name())).collect();
-        console::result(&format!("{} ({} known before)", counts.join(", "), summary.known))?;
+        console::result(&format!("{} ({} from earlier runs)", counts.join(", "), summary.known))?;
     }
     pages.first().map_or(Ok(()), |page| console::result(&page.display().to_string()))
 }

@@ -1,4 +1,4 @@
-//! The process of one asset: what the driver of a collection starts.
+//! The process of one asset, started by the driver of a collection.
 
 use crate::stop;
 use anyhow::{Context, Result};
@@ -8,50 +8,50 @@ use std::sync::mpsc::{self, Receiver};
 use std::sync::{Mutex, PoisonError};
 use taotie_batch::{Go, Host, Job, Message, Worker};
 
-/// The subcommand that is such a process. It is not for users.
+/// The subcommand of such a process; not for users.
 pub const WORKER: &str = "batch-worker";
 
-/// Names the Python that this command runs in, as a package of it.
+/// Environment variable with the Python interpreter, if this command runs in a Python package.
 const PYTHON: &str = "TAOTIE_PYTHON";
 
-/// Returns how this program is started as the process of an asset.
+/// Returns the command that starts this program as the process of an asset.
 pub fn worker() -> Result<Worker> {
-    // As a Python package, this is Python, whose module is started.
+    // In a Python package the executable is Python: start its module.
     let (program, module): (_, &[&str]) = match std::env::var_os(PYTHON) {
         Some(python) => (python.into(), &["-m", "taotie"]),
-        None => (std::env::current_exe().context("the program's own file is not known")?, &[]),
+        None => (std::env::current_exe().context("cannot find the program's own executable")?, &[]),
     };
     let arguments = module.iter().chain([&WORKER]).map(OsString::from).collect();
     Ok(Worker { program, arguments })
 }
 
-/// Does the job that stands on stdin. When stdin ends the driver is gone, and so is this process, at once.
+/// Does the job given on stdin. When stdin ends, the driver is gone, and this process ends immediately.
 pub fn run() -> Result<()> {
     let (job, go) = listen()?;
     let (stdout, go) = (Mutex::new(io::stdout()), Mutex::new(go));
-    let tell = |message: Message| {
+    let send = |message: Message| {
         let mut line = serde_json::to_vec(&message).unwrap_or_default();
         line.push(b'\n');
         let mut stdout = stdout.lock().unwrap_or_else(PoisonError::into_inner);
-        // A driver that has gone hears nothing.
+        // Errors are ignored: the driver may be gone.
         let _ = stdout.write_all(&line).and_then(|()| stdout.flush());
     };
     let wait = || {
         let said = go.lock().unwrap_or_else(PoisonError::into_inner).recv();
         said.unwrap_or_else(|_| stop::wait())
     };
-    let host = Host { files: &stop::files, tell: &tell, go: &wait };
+    let host = Host { files: &stop::files, send: &send, go: &wait };
     let outcome = taotie_batch::work(&job, host);
-    tell(Message::Ended(Box::new(outcome)));
+    send(Message::Ended(Box::new(outcome)));
     Ok(())
 }
 
-/// Reads the job; begins a thread that waits for the word to begin, and for the end of stdin.
+/// Reads the job; starts a thread that waits for the go-ahead, and for the end of stdin.
 fn listen() -> Result<(Job, Receiver<Go>)> {
     let mut line = String::new();
     io::stdin().read_line(&mut line)?;
     let job = serde_json::from_str(&line)
-        .context("stdin: a job is wanted; this subcommand is for `taotie batch`")?;
+        .context("stdin: expected a job; this subcommand is for `taotie batch`")?;
     let (sender, receiver) = mpsc::channel();
     let waiting = move || {
         for line in io::stdin().lock().lines().map_while(Result::ok) {

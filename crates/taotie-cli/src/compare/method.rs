@@ -1,9 +1,9 @@
-//! Methods as they are written on the command line.
+//! Methods in the notation of the command line.
 
 use crate::options;
 use taotie::comparison::Method;
 
-/// `NAME` or `NAME:FACTOR`.
+/// Parses `NAME` or `NAME:FACTOR`.
 pub fn parse(value: &str) -> Result<Method, String> {
     let (name, factor) = match value.split_once(':') {
         Some((name, factor)) => (name, Some(options::number(factor)? as f32)),

@@ -1,4 +1,4 @@
-//! `taotie compare`: one model by several surface methods, in pictures, tables and angles.
+//! `taotie compare`: one model with several surface methods, in pictures, tables and angles.
 
 mod args;
 mod method;
@@ -42,7 +42,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     Ok(())
 }
 
-/// The model that is compared, and where to.
+/// The model to compare, and the output.
 struct Places<'a> {
     model: &'a Path,
     output: &'a Path,
@@ -53,7 +53,7 @@ fn compare_files(args: &CompareArgs, places: &Places<'_>) -> Result<Written> {
     let Places { model, output, files } = *places;
     let limits = args.running.limits.limits();
     let [width, height] = args.size;
-    let title = format!("a comparison in pictures of {width}x{height}");
+    let title = format!("a comparison with {width}x{height} pictures");
     let (of_pictures, settings) = (options(args)?.image_bytes(), options(args)?.settings);
     limits.check(title.as_str(), Bytes(of_pictures))?;
     let mut loaded = studio::load(model, &args.material, args.bump_scale, &limits)?;
@@ -98,13 +98,13 @@ fn compare_files(args: &CompareArgs, places: &Places<'_>) -> Result<Written> {
     Ok(written)
 }
 
-/// Refuses files that are read.
+/// Rejects outputs that are inputs.
 fn reserve(files: &FileSet, options: &ComparisonOptions, output: &Path) -> Result<()> {
     let all = comparison::possible_files(options, output);
     Ok(all.iter().try_for_each(|path| files.reserve(path))?)
 }
 
-/// All options but camera and light.
+/// Returns all options except camera and light.
 fn options(args: &CompareArgs) -> Result<ComparisonOptions> {
     Ok(ComparisonOptions {
         methods: args.methods(),
@@ -118,7 +118,7 @@ fn options(args: &CompareArgs) -> Result<ComparisonOptions> {
     })
 }
 
-/// The options of the files, which repeat what the library does not know.
+/// Returns the options of the written files, with facts unknown to the library.
 fn page_options(args: &CompareArgs, model: &Path) -> comparison::Options {
     comparison::Options {
         title: model.file_name().unwrap_or_default().to_string_lossy().into_owned(),

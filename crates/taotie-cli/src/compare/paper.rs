@@ -9,7 +9,7 @@ use taotie_study::paper::Study;
 /// Prints the study as text or JSON; with `out`, writes it to that folder, as files of a set.
 ///
 /// # Errors
-/// Where the folder cannot be made or written to.
+/// If the folder cannot be created or written to.
 pub fn run(json: bool, set: &FileSet, out: Option<&Path>) -> Result<()> {
     let study = Study::new();
     let files = out.map(|folder| study.write(set, folder)).transpose()?.unwrap_or_default();

@@ -1,16 +1,16 @@
-//! Sample points as they are written on the command line.
+//! Sample points in the notation of the command line.
 
 use taotie::comparison::SamplePoints;
 
-/// The most points: more are a picture, not a table.
+/// Maximum number of points: more would be a picture, not a table.
 const MOST: usize = 1000;
 
-/// `N`, or `X,Y;X,Y`.
+/// Parses `N`, or `X,Y;X,Y`.
 pub fn parse(value: &str) -> Result<SamplePoints, String> {
     if let Ok(count) = value.trim().parse::<usize>() {
         return match count {
             0..=MOST => Ok(SamplePoints::Spread(count)),
-            _ => Err(format!("at most {MOST} points are listed")),
+            _ => Err(format!("at most {MOST} points can be listed")),
         };
     }
     let pixels: Result<Vec<_>, _> = value.split(';').map(pixel).collect();
@@ -18,7 +18,8 @@ pub fn parse(value: &str) -> Result<SamplePoints, String> {
 }
 
 fn pixel(text: &str) -> Result<[u32; 2], String> {
-    let wrong = || format!("`{text}` is no pixel; write how many points, or pixels such as 320,200;100,50");
+    let wrong =
+        || format!("`{text}` is not a pixel; give a number of points, or pixels such as 320,200;100,50");
     let (x, y) = text.split_once(',').ok_or_else(wrong)?;
     let number = |text: &str| text.trim().parse::<u32>().map_err(|_| wrong());
     Ok([number(x)?, number(y)?])

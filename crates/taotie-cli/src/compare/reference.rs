@@ -8,7 +8,7 @@ use taotie::comparison::dress_reference;
 use taotie::scene::Scene;
 use taotie::{Warnings, io};
 
-/// A reference, and the files that it was read from beside its own.
+/// A reference, and the other files that it was read from.
 pub struct Reference {
     /// The reference.
     pub scene: Scene,
@@ -16,11 +16,11 @@ pub struct Reference {
     pub files: Vec<PathBuf>,
 }
 
-/// Reads the reference, made of the material asked for, else of what it says itself, else of what the model is made of;
-/// with the factors asked for.
+/// Reads the reference with the requested material, otherwise its own, otherwise the model's; applies the requested
+/// factors.
 ///
 /// # Errors
-/// The reader's, and those of the material.
+/// Those of the reader and of the material.
 pub fn load(path: &Path, args: &CompareArgs, model: &Scene, warnings: &mut Warnings) -> Result<Reference> {
     let mut loaded = io::load_model_within(path, &args.running.limits.limits())?;
     let args = &args.material;
@@ -37,7 +37,7 @@ pub fn load(path: &Path, args: &CompareArgs, model: &Scene, warnings: &mut Warni
 fn dress_as_chosen(scene: &mut Scene, choice: &str) -> Result<()> {
     let own = scene.materials().to_vec();
     studio::apply_choice(choice, scene)?;
-    // Relief that the material brings along is the model's; this one's is geometry.
+    // Relief in the material belongs to the model; the reference has its relief as geometry.
     Ok(scene.edit(|scene| {
         for (material, own) in scene.materials.iter_mut().zip(own) {
             (material.normal, material.height) = (own.normal, own.height);

@@ -6,12 +6,13 @@ use taotie_report::comparison::Document;
 use taotie_report::summary::figures;
 use taotie_report::table::Table;
 
-/// The angular errors, each shading's picture errors, and what was not drawn.
+/// Returns the angular errors, the picture errors of each shading, and the skipped methods.
 pub fn of(report: &Document) -> String {
     let mut text = if report.is_compared() { surfaces(report) } else { String::new() };
     if let Some(model) = report.methods[0].models.first() {
         let gap = if text.is_empty() { "" } else { "\n" };
-        text += &format!("{gap}Pictures of each surface against its own under {}\n", model.baseline);
+        text +=
+            &format!("{gap}Pictures of each surface compared with its picture under {}\n", model.baseline);
         text += &models(report).lines(0);
     }
     if !report.skipped.is_empty() || !report.notes.is_empty() {
@@ -26,7 +27,7 @@ pub fn of(report: &Document) -> String {
     text
 }
 
-/// The figures of surfaces against one another.
+/// Returns the figures that compare surfaces with one another.
 fn surfaces(report: &Document) -> String {
     let mut text = format!("Angular error against {}, degrees\n", report.against);
     text += &angles(report).lines(0);

@@ -20,9 +20,9 @@ Examples:
   taotie diff scan_normals.png baked_normals.png --metric angle --heat angle.png --heat-top 5
   taotie diff high.normals.exr low.normals.exr --json
 
-Pictures are compared as a screen shows them: sRGB, laid over --background; float files are linear \
-and encoded first. Normals are compared by the angle between them, without texels that have alpha 0 \
-or hold no unit vector (padding around UV islands).
+Pictures are compared as displayed: in sRGB, over --background; float files are linear and are encoded \
+first. Normals are compared by the angle between them, except texels with alpha 0 or without a unit \
+vector (padding around UV islands).
 
 Exit code: 0 fine, 1 worse than --threshold, 2 error";
 
@@ -35,35 +35,35 @@ pub struct DiffArgs {
     /// The second picture, of the same size
     pub b: PathBuf,
 
-    /// The metric to compute; all that apply if not given: angle (between normals, degrees), flip (what the eye sees
-    /// when one picture is flipped to the other: 0 alike, 1 most different), ssim (structural similarity: 1 alike),
-    /// psnr (peak signal-to-noise ratio, decibels: infinite where equal) or rmse (root mean square error of the encoded
-    /// channels, [0, 1])
+    /// The metric to compute: angle (between normals, degrees), flip (perceived difference when flipping between the
+    /// pictures: 0 alike, 1 most different), ssim (structural similarity: 1 alike), psnr (peak signal-to-noise ratio,
+    /// decibels: infinite if equal) or rmse (root mean square error of the encoded channels, 0 to 1) [default: all
+    /// that apply]
     #[arg(long, value_parser = options::named::<Metric>)]
     pub metric: Option<Metric>,
-    /// Exit with 1 where the metric is worse: a mean angle (degrees), mean FLIP error or RMSE above X, an SSIM or
+    /// Exit with 1 if the metric is worse: a mean angle (degrees), mean FLIP error or RMSE above X, or an SSIM or
     /// PSNR (dB) below X
     #[arg(long, value_name = "X", value_parser = options::number, requires = "metric", allow_negative_numbers = true)]
     pub threshold: Option<f64>,
     /// Meaning of the numbers in the files
     #[arg(long, value_enum, default_value_t = Encoding::Auto)]
     pub encoding: Encoding,
-    /// Colour behind transparent pictures; black if not given
+    /// Colour behind transparent pictures [default: black]
     #[arg(long, value_name = "COLOR", value_parser = options::color)]
     pub background: Option<Vec3>,
-    /// Pixels per degree of the viewer's sight, for FLIP; 67 if not given: a screen 0.7 m and 3840 pixels wide, seen from
-    /// 0.7 m
+    /// Pixels per degree of visual angle, for FLIP [default: 67, a screen 0.7 m and 3840 pixels wide, seen from 0.7
+    /// m]
     #[arg(long, value_name = "N", value_parser = options::number)]
     pub pixels_per_degree: Option<f64>,
 
-    /// Write a heat map of the difference (PNG), of --metric, else of FLIP or the angle
+    /// Write a heat map of the difference (PNG): of --metric, otherwise of FLIP or the angle
     #[arg(long, value_name = "OUT", help_heading = "Heat map")]
     pub heat: Option<PathBuf>,
-    /// The difference shown by the last colour of the heat map; if not given 1 for FLIP and SSIM, else the 95 % quantile
+    /// The difference at the last colour of the heat map [default: 1 for FLIP and SSIM, otherwise the 95 % quantile]
     #[arg(long, value_name = "X", value_parser = options::number, requires = "heat", help_heading = "Heat map")]
     pub heat_top: Option<f64>,
 
-    /// Largest amount of memory to use, such as 4G; the machine's free memory if not given
+    /// Maximum memory to use, such as 4G [default: the machine's free memory]
     #[arg(long, value_name = "BYTES", value_parser = options::memory, help_heading = "Running")]
     pub memory_limit: Option<Bytes>,
     #[command(flatten)]
@@ -73,9 +73,9 @@ pub struct DiffArgs {
 /// The meaning of the numbers in the files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Encoding {
-    /// Normals where both files look like normal maps, else colors
+    /// Normals if both files look like normal maps, otherwise colours
     Auto,
-    /// Colors
+    /// Colours
     Color,
     /// Unit vectors n as (n + 1) / 2: normal maps
     Unit,
@@ -95,12 +95,12 @@ impl From<Encoding> for diff::Encoding {
 }
 
 impl DiffArgs {
-    /// Returns the limits, with what the machine has free where none is set.
+    /// Returns the limits; memory defaults to what the machine has free.
     pub fn limits(&self) -> Limits {
         Limits { memory: self.memory_limit, ..Limits::default() }.or_free()
     }
 
-    /// The same for the library.
+    /// Returns the options for the library.
     pub fn options(&self) -> DiffOptions {
         DiffOptions {
             metric: self.metric,
@@ -110,12 +110,12 @@ impl DiffArgs {
         }
     }
 
-    /// Returns what FLIP assumes; 67 if not given, without the fraction that nobody writes.
+    /// Returns the pixels per degree for FLIP, by default rounded to 67.
     pub fn pixels_per_degree(&self) -> f64 {
         self.pixels_per_degree.unwrap_or(f64::from(PIXELS_PER_DEGREE.round()))
     }
 
-    /// Notes options that a comparison of normals does not read.
+    /// Adds a warning for each option that has no effect on a comparison of normals.
     pub fn note_unread(&self, content: &ImageContent, warnings: &mut Warnings) {
         if matches!(content, ImageContent::Pictures(_)) {
             return;
@@ -125,17 +125,17 @@ impl DiffArgs {
             ("--pixels-per-degree", self.pixels_per_degree.is_some()),
         ];
         for (option, _) in unread.iter().filter(|(_, given)| *given) {
-            warnings.note(format!("{option} is not read: normals are compared by their angle"), 1);
+            warnings.note(format!("{option} has no effect: normals are compared by angle"), 1);
         }
     }
 
-    /// Refuses options that cannot work together, before any work is done.
+    /// Rejects options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
         if self.heat_top.is_some_and(|top| top <= 0.0) {
             bail!("--heat-top: the top of the scale must be above 0");
         }
         if self.pixels_per_degree.is_some() && self.metric.is_some_and(|metric| metric != Metric::Flip) {
-            bail!("--pixels-per-degree: only FLIP reads it; leave it out, or take --metric flip");
+            bail!("--pixels-per-degree: only FLIP uses it; leave it out, or use --metric flip");
         }
         self.check_meaning()?;
         let Some(heat) = &self.heat else { return Ok(()) };
@@ -145,7 +145,7 @@ impl DiffArgs {
         Ok(())
     }
 
-    /// Refuses a heat map that cannot be written, or that is read.
+    /// Rejects a heat map that cannot be written or that is an input.
     pub fn claim(&self, files: &FileSet) -> Result<()> {
         files.protect([&self.a, &self.b])?;
         Ok(self.heat.iter().try_for_each(|heat| files.claim(heat))?)
@@ -154,13 +154,10 @@ impl DiffArgs {
     fn check_meaning(&self) -> Result<()> {
         match (self.metric, self.encoding) {
             (Some(Metric::Angle), Encoding::Color) => {
-                bail!("--metric angle measures normals, but --encoding color says that the files hold colors")
+                bail!("--metric angle compares normals, but --encoding color specifies colours")
             }
             (Some(metric), Encoding::Unit | Encoding::Signed) if metric != Metric::Angle => {
-                bail!(
-                    "--metric {} looks at colors, but --encoding says that the files hold normals",
-                    metric.name()
-                )
+                bail!("--metric {} compares colours, but --encoding specifies normals", metric.name())
             }
             _ => Ok(()),
         }

@@ -1,4 +1,4 @@
-//! The picture of where two files differ, with its scale below.
+//! The heat map of where two files differ, with its scale below.
 
 use super::args::DiffArgs;
 use anyhow::Result;
@@ -7,7 +7,7 @@ use taotie::comparison::diff::ImagePair;
 use taotie::io::FileSet;
 use taotie_report::heat_map::HeatMap;
 
-/// Writes, as a file of a set, the heat map of the metric asked for, else of FLIP or of the angle.
+/// Writes the heat map of the requested metric, otherwise of FLIP or the angle, as a file of a set.
 pub fn write(set: &FileSet, args: &DiffArgs, path: &Path, pair: &ImagePair) -> Result<()> {
     let shown = pair.difference_map(&args.options())?;
     let top = args.heat_top.map_or(shown.top, |top| top as f32);

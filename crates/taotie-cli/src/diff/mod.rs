@@ -1,6 +1,6 @@
 //! `taotie diff`: the difference of two pictures, or of the normals that two maps hold.
 //!
-//! [`Report`] is what came of it; the text and the JSON are two ways to print it.
+//! [`Report`] is the result; the text and the JSON are two ways to print it.
 
 mod args;
 mod heat;
@@ -11,7 +11,7 @@ pub use args::DiffArgs;
 use crate::console::{self, Bar};
 use crate::{Outcome, stop};
 use anyhow::{Result, bail};
-use report::Report;
+use report::{Files, Report};
 use taotie::asset::Bytes;
 use taotie::comparison::diff::{DiffOptions, Encoding, ImagePair, Metric, NamedBitmap, guessed_encoding};
 use taotie::image::Bitmap;
@@ -25,7 +25,7 @@ pub fn run(args: &DiffArgs) -> Result<Outcome> {
     args.claim(&files)?;
     let report = args.run.in_pool(|| compare(args, &files))??;
     match print(args, &report) {
-        // A reader that went away still gets the exit code.
+        // The exit code stays the same if the pipe is closed.
         Err(error) if !console::is_broken_pipe(&error) => return Err(error),
         _ => {}
     }
@@ -44,14 +44,8 @@ fn print(args: &DiffArgs, report: &Report) -> Result<()> {
     console::result(report.text().trim_end())
 }
 
-/// The two files as they are stored.
-struct Files {
-    names: [String; 2],
-    bitmaps: [Bitmap; 2],
-}
-
 fn compare(args: &DiffArgs, set: &FileSet) -> Result<Report> {
-    /// The bytes of the program itself.
+    /// Memory of the program itself, bytes.
     const PROGRAM: u64 = 32 << 20;
     let limits = args.limits();
     let names = [&args.a, &args.b].map(|path| path.display().to_string());
@@ -81,7 +75,7 @@ fn compare(args: &DiffArgs, set: &FileSet) -> Result<Report> {
     Ok(Report::new(args, &files, &pair, figures))
 }
 
-/// Refuses what is to be compared as normals and does not look so, by the option that says more.
+/// Rejects files to compare as normals that do not look like normal maps, naming the option that decides.
 fn check_normals(images: [NamedBitmap<'_>; 2], options: &DiffOptions) -> Result<()> {
     let same_size = |a: &Bitmap, b: &Bitmap| (a.width(), a.height()) == (b.width(), b.height());
     let guessing = options.metric == Some(Metric::Angle) && options.encoding == Encoding::Auto;
@@ -91,7 +85,7 @@ fn check_normals(images: [NamedBitmap<'_>; 2], options: &DiffOptions) -> Result<
     for image in images {
         if guessed_encoding(image.bitmap)?.is_none() {
             bail!(
-                "{}: it does not look like a normal map; if it is one, say how it stores normals: --encoding unit or signed",
+                "{}: it does not look like a normal map; if it is one, specify --encoding unit or signed",
                 image.name
             );
         }

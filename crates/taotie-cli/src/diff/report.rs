@@ -1,6 +1,5 @@
 //! The report on two files, for people and for machines.
 
-use super::Files;
 use super::args::DiffArgs;
 use crate::console;
 use serde::{Serialize, Serializer};
@@ -8,14 +7,24 @@ use std::fmt::Write;
 use taotie::Warnings;
 use taotie::compare::NormalEncoding;
 use taotie::comparison::diff::{DiffFigures, ImageContent, ImagePair};
+use taotie::image::Bitmap;
 use taotie::names::Named;
 use taotie_report::summary;
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
 
-/// The mean angle, degrees, that storing normals in 8 bits alone makes (`laws::bake::eight_bits_cost_a_sixth_of_a_degree`).
+/// The mean angle that 8-bit storage of normals accounts for, degrees
+/// (`laws::bake::eight_bits_cost_a_sixth_of_a_degree`).
 const FLOOR_OF_8_BITS: f64 = 0.17;
+
+/// The two files as they are stored.
+pub struct Files {
+    /// Their paths.
+    pub names: [String; 2],
+    /// Their content.
+    pub bitmaps: [Bitmap; 2],
+}
 
 /// The report on two files.
 #[derive(Serialize)]
@@ -33,7 +42,7 @@ pub struct Report {
     left_out: usize,
     metrics: DiffFigures,
     pixels_per_degree: f64,
-    /// The limit that was demanded.
+    /// The requested limit.
     pub threshold: Option<Threshold>,
     heat: Option<String>,
     /// Warnings with their counts.
@@ -55,7 +64,7 @@ struct File {
     not_unit: Option<usize>,
 }
 
-/// A limit and whether it was kept.
+/// A limit and whether it was exceeded.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Threshold {
     metric: &'static str,
@@ -69,7 +78,7 @@ fn counted<S: Serializer>(warnings: &Warnings, serializer: S) -> Result<S::Ok, S
 }
 
 impl Report {
-    /// The report on two files that were measured.
+    /// Makes the report on two compared files.
     pub fn new(args: &DiffArgs, files: &Files, pair: &ImagePair, metrics: DiffFigures) -> Self {
         let [a, b] = &files.bitmaps;
         let count = a.texels().len();
@@ -97,7 +106,7 @@ impl Report {
         }
     }
 
-    /// The report for people.
+    /// Returns the report as text.
     pub fn text(&self) -> String {
         let mut text = format!("a         {}\nb         {}\n", self.a.text(), self.b.text());
         let _ =
@@ -125,7 +134,7 @@ impl Report {
         if let Some(angle) = &m.angle {
             let _ = writeln!(text, "angle  {}", summary::text(angle, 3, "°"));
             let _ =
-                writeln!(text, "       storing normals in 8 bits alone costs {FLOOR_OF_8_BITS}° on average");
+                writeln!(text, "       8-bit storage of normals accounts for {FLOOR_OF_8_BITS}° on average");
         }
         if let Some(rmse) = m.rmse {
             let _ = writeln!(text, "rmse   {rmse:.5}");
@@ -178,7 +187,7 @@ impl File {
         {
             let _ = write!(
                 text,
-                ", {normals} normals; {transparent} texels transparent, {not_unit} no unit vector"
+                ", {normals} normals; {transparent} texels transparent, {not_unit} without a unit vector"
             );
         }
         text

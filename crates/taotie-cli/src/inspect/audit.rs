@@ -1,7 +1,8 @@
-//! The report of `taotie inspect --audit`: the model against the schema of an auditor.
+//! The report of `taotie inspect --audit`: checks a model against the schema of an auditor.
 
 use super::InspectArgs;
-use super::text::{clean, warnings};
+use super::text::warnings;
+use super::values::clean;
 use crate::{Outcome, console};
 use anyhow::Result;
 use serde::Serialize;
@@ -16,14 +17,14 @@ use taotie_report::table::Table;
 /// Version of the JSON that `--audit --json` prints.
 const SCHEMA: u32 = 1;
 
-/// The report as it is printed.
+/// The printed report.
 #[derive(Debug, Serialize)]
 struct Report {
     /// [`SCHEMA`].
     schema: u32,
-    /// Of the program.
+    /// Version of the program.
     version: &'static str,
-    /// The path asked for.
+    /// The path as given.
     model: String,
     /// The path of the schema.
     audit_schema: String,
@@ -31,7 +32,7 @@ struct Report {
     audit: Audit,
 }
 
-/// Audits a model by the schema in a file.
+/// Audits a model against the schema in a file.
 pub fn run(args: &InspectArgs, schema_path: &Path) -> Result<Outcome> {
     let limits = args.limits.limits();
     let schema = AuditSchema::parse(&io::read_bytes(schema_path)?, schema_path.display())?;
@@ -52,7 +53,7 @@ pub fn run(args: &InspectArgs, schema_path: &Path) -> Result<Outcome> {
         false => console::result(text(&report).trim_end()),
     };
     match printed {
-        // A reader that went away still gets the exit code.
+        // The exit code stays the same if the pipe is closed.
         Err(error) if !console::is_broken_pipe(&error) => return Err(error),
         _ => {}
     }
@@ -68,7 +69,7 @@ fn check_memory(
     Ok(limits.check(args.model.display().to_string(), Bytes(need))?)
 }
 
-/// The report for people.
+/// Returns the report as text.
 fn text(report: &Report) -> String {
     let audit = &report.audit;
     let mut head = Table::untitled(&["", ""]);

@@ -1,6 +1,6 @@
 //! The section on bytes by content.
 
-use super::text::{short, thousands};
+use super::values::{short, thousands};
 use taotie::io::GltfSizes;
 use taotie_report::table::Table;
 

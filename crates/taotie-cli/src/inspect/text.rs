@@ -1,27 +1,23 @@
-//! The report for people: sections of aligned lines.
+//! The report as text: sections of aligned lines.
 
-use super::{Report, sizes, words};
-use crate::console;
+use super::report::Report;
+use super::values::{clean, number, numbers, percent, short, thousands, yes_or_no};
+use super::{sizes, words};
 use std::collections::BTreeSet;
 use taotie::inspection::{
     AnimationReport, Counted, Counts, Extent, Inspection, Listed, MaterialReport, MeshReport,
     NormalMapReport, Normals, TangentHealth, TextureReport,
 };
 use taotie::io::XmpEvent;
+use taotie::names::Named;
 use taotie::surface::GreenVerdict;
 use taotie_report::table::Table;
 
-/// The longest name that is shown whole, in characters.
-const NAME: usize = 40;
-
-/// The longest other text of a file that is shown whole, in characters.
-const TEXT: usize = 400;
-
-/// The whole report.
-pub fn of(told: &Report) -> String {
-    let report = &told.inspection;
+/// Returns the whole report.
+pub fn of(printed: &Report) -> String {
+    let report = &printed.inspection;
     let sections = [
-        ("", head(&told.model, report)),
+        ("", head(&printed.model, report)),
         ("Counts", counts(&report.counts)),
         ("Bytes", report.sizes.as_ref().map(sizes::lines).unwrap_or_default()),
         ("Meshes", meshes(&report.meshes)),
@@ -36,7 +32,7 @@ pub fn of(told: &Report) -> String {
         ("Extensions", extensions(report)),
         ("Missing files", report.missing_files.iter().map(|file| format!("  {}\n", clean(file))).collect()),
         ("Warnings", warnings(&report.warnings)),
-        ("Hints", told.hints.iter().map(|hint| format!("  {}\n", clean(hint))).collect()),
+        ("Hints", printed.hints.iter().map(|hint| format!("  {}\n", clean(hint))).collect()),
     ];
     let filled = sections.into_iter().filter(|(_, lines)| !lines.is_empty());
     let titled =
@@ -114,9 +110,9 @@ fn meshes(meshes: &[MeshReport]) -> String {
     table.filled_lines(2)
 }
 
-/// The first numbers of a list, and an ellipsis where there are more.
+/// Returns the first numbers of a list, with an ellipsis if there are more.
 fn numbered(all: &[usize]) -> String {
-    /// So many fit a line.
+    /// The number that fits on a line.
     const MOST: usize = 16;
     let more = (all.len() > MOST).then(|| "…".to_owned());
     all.iter().take(MOST).map(usize::to_string).chain(more).collect::<Vec<_>>().join(" ")
@@ -171,7 +167,7 @@ fn tangents(meshes: &[MeshReport]) -> String {
 fn agreement(health: &TangentHealth) -> String {
     let Some(agreement) = &health.mikktspace else { return "no normal map".into() };
     format!(
-        "mean {:.2}°, max {:.2}°, {} corners of other handedness",
+        "mean {:.2}°, max {:.2}°, {} corners of opposite handedness",
         agreement.mean_degrees,
         agreement.max_degrees,
         thousands(agreement.other_handedness)
@@ -252,7 +248,7 @@ fn normal_map(map: &NormalMapReport) -> String {
         "normal map by its pixels: {kind}{green}{}; drawn as {}-space, green {}, scale {}",
         invalid.unwrap_or_default(),
         words::space(map.space),
-        words::green(map.green),
+        map.green.name(),
         map.scale
     )
 }
@@ -304,88 +300,11 @@ fn history(all: &[XmpEvent]) -> String {
     table.filled_lines(2)
 }
 
-/// Each warning with its count.
+/// Lists each warning with its count.
 pub fn warnings(all: &[Counted]) -> String {
     let mut table = Table::untitled(&[">", ""]);
     for warning in all {
         table.row([format!("{}×", thousands(warning.count)), clean(&warning.what)]);
     }
     table.lines(2)
-}
-
-/// Text of a file without control characters, which could rule the terminal: at most [`TEXT`] characters.
-pub fn clean(text: &str) -> String {
-    cut(text, TEXT)
-}
-
-/// At most [`NAME`] characters.
-pub(super) fn short(name: &str) -> String {
-    cut(name, NAME)
-}
-
-/// At most so many characters, without those that could rule the terminal.
-fn cut(text: &str, most: usize) -> String {
-    match text.char_indices().nth(most) {
-        Some(_) => console::plain(&text.chars().take(most - 1).chain(['…']).collect::<String>()),
-        None => console::plain(text),
-    }
-}
-
-fn yes_or_no(there: bool) -> String {
-    if there { "yes".into() } else { "no".into() }
-}
-
-/// Digits in groups of three.
-pub(super) fn thousands(count: impl ToString) -> String {
-    let digits = count.to_string();
-    let start = digits.len() % 3;
-    let (first, rest) = digits.split_at(start);
-    let groups = rest.as_bytes().chunks(3).map(|group| String::from_utf8_lossy(group).into_owned());
-    let groups = std::iter::once(first.to_owned()).filter(|first| !first.is_empty()).chain(groups);
-    groups.collect::<Vec<_>>().join(",")
-}
-
-fn percent(fraction: f64) -> String {
-    format!("{:.1} %", 100.0 * fraction)
-}
-
-fn numbers(values: &[f64]) -> String {
-    values.iter().map(|value| number(*value)).collect::<Vec<_>>().join(" ")
-}
-
-/// About six digits, without trailing zeros.
-fn number(value: f64) -> String {
-    if value != 0.0 && !(1e-4..1e9).contains(&value.abs()) {
-        return format!("{value:.4e}");
-    }
-    let decimals = match value.abs() {
-        large if large >= 1e5 => 0,
-        large if large >= 1e2 => 3,
-        _ => 6,
-    };
-    let text = format!("{value:.decimals$}");
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    if text == "-0" { "0".into() } else { text.into() }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_readable() {
-        let counts = [0, 999, 1000, 1_234_567].map(thousands);
-        assert_eq!(counts, ["0", "999", "1,000", "1,234,567"]);
-        let values = [0.0, -0.0, 1.0, 0.1_f64 + 0.2, -1234.5678, 1.5e-7, 123_456.7, 1e12].map(number);
-        assert_eq!(values, ["0", "0", "1", "0.3", "-1234.568", "1.5000e-7", "123457", "1.0000e12"]);
-        assert_eq!(percent(1.0 / 3.0), "33.3 %");
-    }
-
-    #[test]
-    fn names_cannot_rule_the_terminal() {
-        assert_eq!(clean("a\u{1b}[31m\nb"), "a\u{fffd}[31m\u{fffd}b");
-        assert_eq!(short(&"x".repeat(50)).chars().count(), NAME);
-        assert_eq!(short("Suzanne"), "Suzanne");
-        assert_eq!(clean(&"x".repeat(1 << 17)).chars().count(), TEXT);
-    }
 }

@@ -1,10 +1,11 @@
 //! Layers of materials and hints in words.
 
 use taotie::inspection::{AnisotropyReport, ClearcoatReport, Hint, LayersReport};
-use taotie::scene::{GreenChannel, NormalSpace};
+use taotie::names::Named;
+use taotie::scene::NormalSpace;
 use taotie::surface::{GreenVerdict, NormalMapKind};
 
-/// Returns a suggestion, or `None` where this program has no option for it.
+/// Returns a suggestion, or `None` if this program has no option for it.
 pub fn hint(hint: &Hint) -> Option<String> {
     Some(match hint {
         Hint::NoNormalMap { material } => {
@@ -14,11 +15,11 @@ pub fn hint(hint: &Hint) -> Option<String> {
             let (drawn, kind) = (space(*drawn), space(*by_pixels));
             format!(
                 "the pixels of the normal map of '{material}' look {kind}-space, but it is drawn as {drawn}-space; \
-                 give it as --normal-map FILE --normal-space {kind}"
+                 use --normal-map FILE --normal-space {kind}"
             )
         }
         Hint::OtherGreen { material, drawn, by_pixels } => {
-            let (drawn, found) = (green(*drawn), green(*by_pixels));
+            let (drawn, found) = (drawn.name(), by_pixels.name());
             format!(
                 "the pixels of the normal map of '{material}' look green-{found}, but it is drawn green-{drawn}; \
                  try --green {found}"
@@ -40,24 +41,16 @@ pub fn space(space: NormalSpace) -> &'static str {
     }
 }
 
-/// The green direction of a normal map.
-pub fn green(green: GreenChannel) -> &'static str {
-    match green {
-        GreenChannel::Up => "up",
-        GreenChannel::Down => "down",
-    }
-}
-
 /// The kind of a normal map.
 pub fn kind(kind: NormalMapKind) -> &'static str {
     match kind {
         NormalMapKind::Tangent => "tangent-space",
         NormalMapKind::Object => "object-space",
-        NormalMapKind::No => "no normal map",
+        NormalMapKind::No => "not a normal map",
     }
 }
 
-/// The green direction that pixels say.
+/// The green direction that pixels indicate.
 pub fn verdict(verdict: GreenVerdict) -> &'static str {
     match verdict {
         GreenVerdict::Up => "up",

@@ -1,4 +1,4 @@
-//! The map that is converted: its content and its green, as options or its pixels say.
+//! The map to convert: its content and green direction, from options or guessed from its pixels.
 
 use super::args::{From, NormalsArgs};
 use crate::console;
@@ -9,7 +9,7 @@ use taotie::normal_map::{MapContent, MapSource, guessed_content};
 use taotie::scene::{GreenChannel, NormalSpace};
 use taotie::surface::{GreenVerdict, green_direction};
 
-/// Reads the map and decides what it holds; says what was guessed.
+/// Reads the map and determines its content; prints what was guessed.
 pub fn read(args: &NormalsArgs) -> Result<MapSource> {
     let bitmap = io::read_bitmap_within(&args.input, &args.limits.limits())?;
     let content = match args.from {
@@ -26,7 +26,7 @@ pub fn read(args: &NormalsArgs) -> Result<MapSource> {
     Ok(MapSource { bitmap, content, green })
 }
 
-/// The name on the command line.
+/// Returns the name on the command line.
 pub fn content_name(content: MapContent) -> &'static str {
     match content {
         MapContent::Heights => "height",
@@ -34,7 +34,7 @@ pub fn content_name(content: MapContent) -> &'static str {
     }
 }
 
-/// The name on the command line.
+/// Returns the name on the command line.
 pub fn space_name(space: NormalSpace) -> &'static str {
     match space {
         NormalSpace::Tangent => "tangent",
@@ -45,7 +45,7 @@ pub fn space_name(space: NormalSpace) -> &'static str {
 fn guess(args: &NormalsArgs, bitmap: &Bitmap) -> Result<MapContent> {
     let path = args.input.display();
     let Some(content) = guessed_content(bitmap) else {
-        bail!("{path}: it looks neither like a normal map nor like heights; say what it is with --from")
+        bail!("{path}: it looks like neither a normal map nor heights; specify its content with --from")
     };
     let name = match content {
         MapContent::Normals(NormalSpace::Tangent) => "a tangent-space normal map",
@@ -64,7 +64,7 @@ fn guessed_green(args: &NormalsArgs, bitmap: &Bitmap) -> GreenChannel {
         GreenVerdict::Down => (GreenChannel::Down, "down"),
         GreenVerdict::Unclear => {
             console::say(&format!(
-                "taotie: {path}: the direction of green is unclear from its pixels; taken as up, see --green-in"
+                "taotie: {path}: the direction of green is unclear from its pixels; assuming up, see --green-in"
             ));
             return GreenChannel::Up;
         }

@@ -9,8 +9,8 @@ use taotie::bake::{TexelGrid, TexelSurface};
 use taotie::io::{self, FileSet, Loaded};
 use taotie::normal_map::lay_out;
 
-/// The mesh of the model asked for on a map of `size`, with the frames that the renderer gives it; `None` where no model
-/// was asked for. Its files are kept from being written over.
+/// Lays out the requested mesh on a map of `size`, with the tangent frames of the renderer; `None` without a model.
+/// Protects its files from being overwritten.
 pub fn laid_out(
     args: &NormalsArgs,
     files: &FileSet,
@@ -31,7 +31,7 @@ pub fn laid_out(
     Ok(Some(surface))
 }
 
-/// The number of the mesh asked for, or of the only one.
+/// Returns the number of the requested mesh, or of the only one.
 fn part(args: &NormalsArgs, path: &Path, loaded: &Loaded) -> Result<usize> {
     let count = loaded.scene.meshes().len();
     let names: Vec<&str> = (0..count).map(|i| loaded.mesh_names.get(i).map_or("", String::as_str)).collect();

@@ -1,4 +1,4 @@
-//! `taotie normals`: normal maps from heights and from one another.
+//! `taotie normals`: makes normal maps from heights, and converts them.
 
 mod args;
 mod input;
@@ -59,18 +59,18 @@ fn options(args: &NormalsArgs) -> ConversionOptions {
     }
 }
 
-/// Refuses what lacks an option, by the option's name.
+/// Rejects a conversion that lacks an option, naming it.
 fn check(source: &MapSource, options: &ConversionOptions, surface: Option<&TexelSurface>) -> Result<()> {
     let what = match (source.content, options.space) {
         (MapContent::Heights, _) if options.height_scale.is_none() => bail!(
             "--height-scale is needed for heights: the height of white in texels, or in model units with --mesh"
         ),
-        (MapContent::Heights, Some(NormalSpace::Object)) => "for object space",
-        (MapContent::Normals(own), Some(space)) if own != space => "between tangent and object space",
+        (MapContent::Heights, Some(NormalSpace::Object)) => "object space needs the mesh",
+        (MapContent::Normals(own), Some(space)) if own != space => "changing the space needs the mesh",
         _ => return Ok(()),
     };
     if surface.is_none() {
-        bail!("{what} the mesh has to be known; name the model with --mesh");
+        bail!("{what}; name the model with --mesh");
     }
     Ok(())
 }

@@ -8,6 +8,7 @@ use serde::Serialize;
 use std::fmt::Write;
 use taotie::Warnings;
 use taotie::compare::{Field, Summary};
+use taotie::names::Named;
 use taotie::normal_map::{Conversion, MapSource};
 use taotie::scene::GreenChannel;
 use taotie_report::summary;
@@ -32,15 +33,15 @@ pub struct Report {
     green: &'static str,
     bits: u8,
     dither: bool,
-    /// Degrees between the exact normals and the stored ones; `None` where the map holds no normal.
+    /// Degrees between the exact normals and the stored ones; `None` if the map holds no normal.
     stored: Option<Summary>,
-    /// Degrees between the input's normals and those that come back from the output.
+    /// Degrees between the input's normals and those converted back from the output.
     round_trip: Option<Summary>,
     warnings: serde_json::Value,
 }
 
 impl Report {
-    /// The report on a conversion.
+    /// Makes the report on a conversion.
     pub fn new(args: &NormalsArgs, input: &MapSource, made: &Conversion, warnings: &Warnings) -> Self {
         Self {
             schema: SCHEMA,
@@ -50,8 +51,8 @@ impl Report {
             size: [made.bitmap.width(), made.bitmap.height()],
             from: content_name(input.content),
             to: space_name(made.space),
-            green_in: green_name(input.green),
-            green: green_name(args.green.unwrap_or(Green::Up).into()),
+            green_in: input.green.name(),
+            green: GreenChannel::from(args.green.unwrap_or(Green::Up)).name(),
             bits: made.bitmap.bits(),
             dither: args.dither,
             stored: made.stored.summary(),
@@ -60,7 +61,7 @@ impl Report {
         }
     }
 
-    /// The report for people.
+    /// Returns the report as text.
     pub fn text(&self) -> String {
         let mut text = format!(
             "wrote {}: {}x{}, {} bits, {} space",
@@ -76,12 +77,5 @@ impl Report {
             }
         }
         text
-    }
-}
-
-fn green_name(green: GreenChannel) -> &'static str {
-    match green {
-        GreenChannel::Up => "up",
-        GreenChannel::Down => "down",
     }
 }

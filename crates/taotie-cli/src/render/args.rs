@@ -1,8 +1,8 @@
 //! The options of `taotie render`.
 
 use super::device::Device;
+use super::formats::Formats;
 use super::integrator::IntegratorArgs;
-use super::output::Formats;
 use super::plan::MotionArgs;
 use crate::options;
 use crate::studio::{
@@ -32,8 +32,8 @@ Examples:
 pub struct RenderArgs {
     /// The model: .gltf, .glb, .obj, .ply or .stl
     pub model: PathBuf,
-    /// The picture to write: .png (sRGB) or .exr (linear). With several pictures a .png or .gif holds them as an
-    /// animation, and numbered pictures are written beside it
+    /// The picture to write: .png (sRGB) or .exr (linear). With several pictures, a .png or .gif holds them as an
+    /// animation, and numbered pictures are written next to it
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
 
@@ -53,22 +53,22 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub motion: MotionArgs,
 
-    /// Width and height of the picture, pixels; one number stands for both
+    /// Width and height of the picture, pixels, or one number for both
     #[arg(long, value_name = "N|WxH", value_parser = options::size, default_value = "1024x1024", help_heading = "Picture")]
     pub size: [u32; 2],
     #[command(flatten)]
     pub film: FilmArgs,
-    /// Bits per channel of a PNG; 8 if not given
+    /// Bits per channel of a PNG [default: 8]
     #[arg(long, value_parser = ["8", "16"], help_heading = "Picture")]
     pub bits: Option<String>,
-    /// Also write output variables (AOVs), unfiltered, as OUT.NAME.exr and OUT.NAME.png, separated by commas: normals,
-    /// depth, albedo, uv, triangle
+    /// Also write output variables (AOVs), unfiltered, as OUT.NAME.exr and OUT.NAME.png, separated by commas:
+    /// normals, depth, albedo, uv, triangle
     #[arg(long = "aov", value_name = "LIST", value_delimiter = ',', value_parser = options::word, help_heading = "Picture")]
     pub aovs: Vec<String>,
 
     #[command(flatten)]
     pub integrator: IntegratorArgs,
-    /// Machine that draws; the processor if not given, since only its images have the same bits everywhere
+    /// Device to render on; only images from the CPU are bit-identical everywhere
     #[arg(long, value_enum, default_value_t = Device::Cpu, help_heading = "Integrator")]
     pub device: Device,
 
@@ -77,10 +77,10 @@ pub struct RenderArgs {
 }
 
 impl RenderArgs {
-    /// Refuses options that cannot work together, before any work is done.
+    /// Rejects options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
         if let Some(unknown) = self.aovs.iter().find(|name| !Aovs::NAMES.contains(&name.as_str())) {
-            bail!("--aov {unknown}: there is no such output; choose from: {}", Aovs::NAMES.join(", "));
+            bail!("--aov {unknown}: unknown output variable; expected one of: {}", Aovs::NAMES.join(", "));
         }
         self.surface.check(Some(&self.material))?;
         self.material.check(&[self.surface.shading])?;
@@ -88,14 +88,19 @@ impl RenderArgs {
         self.light.check()?;
         self.camera.check()?;
         self.film.check(self.light.show_env)?;
-        self.integrator.check(self)?;
-        self.device.check(self)?;
+        self.integrator.check(&self.film, &self.reflection)?;
+        self.device.check(&self.integrator, &self.aovs)?;
         self.running.check()?;
         self.motion.check()?;
-        self.check_picture(Formats::of(self)?.still)
+        self.check_picture(self.formats()?.still)
     }
 
-    /// Refuses a picture that cannot be written, or that is read.
+    /// Returns the file formats of the pictures.
+    pub fn formats(&self) -> Result<Formats> {
+        Formats::of(&self.output, self.bits.as_deref(), self.motion.takes_several())
+    }
+
+    /// Rejects a picture that cannot be written or that is an input.
     pub fn claim(&self, files: &FileSet) -> Result<()> {
         files.protect([&self.model])?;
         files.protect(studio::material_files(&self.material)?)?;
@@ -103,7 +108,8 @@ impl RenderArgs {
         Ok(files.claim(&self.output)?)
     }
 
-    /// Notes what is asked for and not seen in this model: shadows without lights, heights that normal maps hide.
+    /// Adds a warning for each option without effect on this model: shadows without lights, heights behind normal
+    /// maps.
     pub fn note_unread(&self, scene: &Scene, warnings: &mut Warnings) {
         self.light.note_unread(scene, warnings);
         let maps = [SurfaceMethod::ObjectNormal, SurfaceMethod::TangentNormal];
@@ -116,20 +122,23 @@ impl RenderArgs {
             && lifted.peek().is_some()
             && lifted.all(|m| m.normal.is_some())
         {
-            warnings.note("heights are not read: a normal map goes first; add --surface bump to see them", 1);
+            warnings.note(
+                "heights have no effect: a normal map takes precedence; add --surface bump to use them",
+                1,
+            );
         }
     }
 
-    /// Refuses what a picture of this format does not have.
+    /// Rejects options that a picture of this format does not support.
     fn check_picture(&self, format: ImageFormat) -> Result<()> {
         if format != ImageFormat::Exr {
             return Ok(());
         }
         if self.motion.turntable.is_some() && self.motion.fps.is_some() {
-            bail!("--fps: .exr pictures of a turn are no animation; leave it out, or write a .png or .gif");
+            bail!("--fps has no effect for .exr turntables; write .png or .gif for an animation");
         }
         if self.bits.is_some() {
-            bail!("--bits: an .exr holds 32-bit floats; leave it out, or write a .png");
+            bail!("--bits: an .exr stores 32-bit floats; leave it out, or write a .png");
         }
         self.film.check_linear()
     }
@@ -146,7 +155,7 @@ impl RenderArgs {
                 simd: self.running.simd,
                 ..shown.surface
             },
-            // Paths of light cannot but be cut off.
+            // Path tracing always has shadows.
             shadows: self.light.shadows || self.integrator.reference().is_some(),
             ground: self.ground,
             aovs: !self.aovs.is_empty(),
@@ -154,7 +163,7 @@ impl RenderArgs {
         })
     }
 
-    /// Returns the part of the scene that has to fit into the picture.
+    /// Returns the part of the scene that must fit into the picture.
     pub fn framing(&self) -> Framing {
         Framing { size: self.size, all_around: self.motion.turntable.is_some() }
     }

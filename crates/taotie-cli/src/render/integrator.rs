@@ -1,7 +1,7 @@
 //! The choice of renderer: rasteriser or path tracer.
 
-use super::RenderArgs;
 use crate::options;
+use crate::studio::{FilmArgs, ReflectionArgs};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use serde_json::json;
@@ -15,17 +15,17 @@ pub struct IntegratorArgs {
     /// Renderer
     #[arg(long, value_enum, default_value_t = Integrator::Raster)]
     pub integrator: Integrator,
-    /// Paths per pixel of `reference`, 64 if not given; four times as many halve the noise at least
+    /// Paths per pixel of `reference`; four times as many at least halve the noise [default: 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub spp: Option<u32>,
-    /// Reflections of light after the first one in `reference`, 4 if not given; 0 is direct light only
+    /// Reflections of light after the first one in `reference`; 0 is direct light only [default: 4]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(ReferenceSettings::MOST_BOUNCES)))]
     pub bounces: Option<u32>,
-    /// Seed of the noise of `reference`
+    /// Seed of the noise of `reference` [default: 0]
     #[arg(long, value_name = "N")]
     pub seed: Option<u32>,
-    /// Meaning of a mapped normal in `reference`: classic (if not given), or microfacet, a groove of two facets that
-    /// conserves energy and leaves no black pixels
+    /// Meaning of a mapped normal in `reference`: classic, or microfacet, a groove of two facets that conserves
+    /// energy and leaves no black pixels [default: classic]
     #[arg(long, value_name = "HOW", value_parser = options::named::<NormalMapping>)]
     pub normal_mapping: Option<NormalMapping>,
 }
@@ -35,13 +35,13 @@ pub struct IntegratorArgs {
 pub enum Integrator {
     /// Rasteriser: fast, direct light and environment
     Raster,
-    /// Path tracer: slow, the reference, with shadows and light from surface to surface
+    /// Path tracer: slow, the reference, with shadows and interreflections
     Reference,
 }
 
 impl IntegratorArgs {
-    /// Refuses what the chosen integrator does not read.
-    pub fn check(&self, args: &RenderArgs) -> Result<()> {
+    /// Rejects options that the chosen integrator does not use.
+    pub fn check(&self, film: &FilmArgs, reflection: &ReflectionArgs) -> Result<()> {
         match self.integrator {
             Integrator::Raster => {
                 let given = [
@@ -52,14 +52,14 @@ impl IntegratorArgs {
                 ];
                 if let Some((option, _)) = given.iter().find(|(_, given)| *given) {
                     bail!(
-                        "{option}: the rasteriser follows no paths; add --integrator reference or leave it out"
+                        "{option}: the rasteriser traces no paths; add --integrator reference or leave it out"
                     );
                 }
             }
-            Integrator::Reference if args.film.samples.is_some() => {
+            Integrator::Reference if film.samples.is_some() => {
                 bail!("--samples: --integrator reference takes the number of paths per pixel from --spp N");
             }
-            Integrator::Reference if args.reflection.specular_aa.is_some() => {
+            Integrator::Reference if reflection.specular_aa.is_some() => {
                 bail!("--specular-aa: --integrator reference averages many paths instead; leave it out");
             }
             Integrator::Reference => {}

@@ -1,27 +1,30 @@
-//! `taotie render`: a model in, a picture or an animation out.
+//! `taotie render`: renders a model to a picture or an animation.
 
 mod args;
 mod device;
+mod formats;
 mod integrator;
+mod machine;
 mod output;
 mod plan;
 mod sequence;
+mod watch;
 
 pub use args::RenderArgs;
 
 use crate::studio::{self, Motion};
 use crate::{console, stop};
 use anyhow::Result;
-use device::Machine;
+use machine::Machine;
 use sequence::{Setting, Shooting};
 use serde_json::json;
 use std::path::PathBuf;
-use std::time::Instant;
 use taotie::Warnings;
 use taotie::asset::Bytes;
 use taotie::io::FileSet;
 use taotie::names::Named;
 use taotie::render::{image_bytes, pixel_bytes};
+use watch::Watch;
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 4;
@@ -48,7 +51,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let files = stop::files();
     args.claim(&files)?;
     let report = args.running.run.in_pool(|| render(args, &files))??;
-    report.machine.tell(args);
+    report.machine.report(args);
     console::say_warnings(&report.warnings);
     if args.running.run.json {
         return console::result(&serde_json::to_string_pretty(&report.json(args))?);
@@ -132,27 +135,5 @@ impl Report {
             "seconds": seconds,
             "warnings": console::json_warnings(&self.warnings),
         })
-    }
-}
-
-/// Sums the time of each stage.
-struct Watch {
-    last: Instant,
-    laps: Vec<(&'static str, f64)>,
-}
-
-impl Watch {
-    fn new() -> Self {
-        Self { last: Instant::now(), laps: Vec::new() }
-    }
-
-    fn lap(&mut self, stage: &'static str) {
-        let now = Instant::now();
-        let seconds = now.duration_since(self.last).as_secs_f64();
-        self.last = now;
-        match self.laps.iter_mut().find(|(known, _)| *known == stage) {
-            Some((_, total)) => *total += seconds,
-            None => self.laps.push((stage, seconds)),
-        }
     }
 }

@@ -1,49 +1,17 @@
 //! Developing pictures and writing them.
 
 use super::RenderArgs;
-use anyhow::{Result, bail};
+use anyhow::Result;
 use std::path::{Path, PathBuf};
 use taotie::film::{Development, ToneCurve};
 use taotie::image::Image;
 use taotie::io::{AnimationFormat, FileSet, ImageFormat};
 use taotie::render::{Frame, HeldPixels};
 
-/// The file formats of the pictures of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Formats {
-    /// Each of them.
-    pub still: ImageFormat,
-    /// All together, where there are several and the format can move.
-    pub moving: Option<AnimationFormat>,
-}
-
-impl Formats {
-    /// Chooses the formats by the output's extension.
-    pub fn of(args: &RenderArgs) -> Result<Self> {
-        let extension = args.output.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        let png = if args.bits.as_deref() == Some("16") { ImageFormat::Png16 } else { ImageFormat::Png8 };
-        let (still, moving) = match extension.as_str() {
-            "png" => (png, Some(AnimationFormat::Png)),
-            "gif" => (png, Some(AnimationFormat::Gif)),
-            "exr" => (ImageFormat::Exr, None),
-            _ => bail!(
-                "{}: pictures are written as .png or .exr, animations as .png or .gif",
-                args.output.display()
-            ),
-        };
-        let several = args.motion.takes_several();
-        if !several && moving == Some(AnimationFormat::Gif) {
-            let path = args.output.display();
-            bail!("{path}: a .gif holds an animation; add --turntable, --frames or --fps, or write a .png");
-        }
-        Ok(Self { still, moving: moving.filter(|_| several) })
-    }
-}
-
-/// Returns the form in which pixels are held until they are written.
+/// Returns how pixels are held until they are written.
 pub fn held(args: &RenderArgs) -> Result<HeldPixels> {
     let is_raster = args.integrator.reference().is_none();
-    Ok(match Formats::of(args)?.still {
+    Ok(match args.formats()?.still {
         ImageFormat::Png8 if is_raster && args.aovs.is_empty() => HeldPixels::Codes,
         ImageFormat::Png8 => HeldPixels::Light8,
         ImageFormat::Png16 => HeldPixels::Light16,
@@ -51,12 +19,12 @@ pub fn held(args: &RenderArgs) -> Result<HeldPixels> {
     })
 }
 
-/// Returns the bytes of the pictures of a GIF that wait until there is one for each thread.
+/// Returns the memory of GIF pictures that wait until there is one for each thread, bytes.
 pub fn waiting_bytes(args: &RenderArgs) -> Result<u64> {
-    /// Codes, and what choosing their colours takes.
+    /// Codes, and memory for choosing their colours.
     const PIXEL: u64 = 5;
     let [width, height] = args.size.map(u64::from);
-    let pictures = match Formats::of(args)?.moving {
+    let pictures = match args.formats()?.moving {
         Some(AnimationFormat::Gif) => rayon::current_num_threads() as u64,
         _ => 0,
     };
@@ -76,21 +44,21 @@ pub fn numbered(path: &Path, format: ImageFormat, index: usize, count: usize) ->
     path.with_extension(format!("{index:0digits$}.{}", extension(format)))
 }
 
-/// Returns the files of a picture at `path`: its own, and those of the output variables asked for.
+/// Returns the files of a picture at `path`: its own, and those of the requested output variables.
 pub fn targets(args: &RenderArgs, path: &Path) -> Vec<PathBuf> {
     let variables = args.aovs.iter().flat_map(|name| variable(path, name));
     std::iter::once(path.to_path_buf()).chain(variables).collect()
 }
 
-/// Returns the files of an output variable: exact, and to be looked at.
+/// Returns the files of an output variable: the exact values, and a preview.
 fn variable(path: &Path, name: &str) -> [PathBuf; 2] {
     ["exr", "png"].map(|extension| path.with_extension(format!("{name}.{extension}")))
 }
 
-/// Writes a frame and the output variables asked for as files of a set; returns the files.
+/// Writes a frame and the requested output variables as files of a set; returns the files.
 pub fn write(set: &FileSet, args: &RenderArgs, path: &Path, frame: &Frame) -> Result<Vec<PathBuf>> {
     let development = args.film.development(args.running.simd)?;
-    set.write_image(path, &frame.color, &development, Formats::of(args)?.still)?;
+    set.write_image(path, &frame.color, &development, args.formats()?.still)?;
     let mut files = vec![path.to_path_buf()];
     let named = frame.aovs.iter().flat_map(|aovs| aovs.named());
     for (name, image) in named.filter(|(name, _)| args.aovs.iter().any(|asked| asked == name)) {
@@ -103,7 +71,7 @@ pub fn write(set: &FileSet, args: &RenderArgs, path: &Path, frame: &Frame) -> Re
     Ok(files)
 }
 
-/// An output variable brought into [0, 1], so that its PNG shows something.
+/// Maps an output variable to [0, 1] for its PNG preview.
 fn to_look_at(name: &str, image: &Image) -> Image {
     let mut picture = image.clone();
     let (near, far) = range(image);
@@ -116,20 +84,20 @@ fn to_look_at(name: &str, image: &Image) -> Image {
             "triangle" => false_color(x as u32),
             _ => continue,
         };
-        // What is written goes through the sRGB curve, which must not change these numbers.
+        // Undo the sRGB curve that is applied when writing, so that these numbers are stored unchanged.
         let [r, g, b] = encoded.map(|v| taotie::math::srgb::linear_from_srgb(f64::from(v)) as f32);
         *pixel = [r, g, b, a];
     }
     picture
 }
 
-/// Least and greatest first channel where something was seen.
+/// Returns the minimum and maximum of the first channel over covered pixels.
 fn range(image: &Image) -> (f32, f32) {
     let seen = image.pixels().iter().filter(|pixel| pixel[3] != 0.0).map(|pixel| pixel[0]);
     seen.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
 }
 
-/// A colour that neighbours in number do not share.
+/// Returns a colour that differs between consecutive numbers.
 fn false_color(id: u32) -> [f32; 3] {
     let hash = id.wrapping_add(1).wrapping_mul(0x9e37_79b1);
     let hash = (hash ^ (hash >> 15)).wrapping_mul(0x85eb_ca77);

@@ -1,8 +1,9 @@
 //! The pictures of a run, one after another.
 
-use super::device::{Drawer, Machine};
-use super::output::{self, Formats};
-use super::{RenderArgs, Watch};
+use super::formats::Formats;
+use super::machine::{Drawer, Machine};
+use super::watch::Watch;
+use super::{RenderArgs, output};
 use crate::console::Bar;
 use crate::studio::{self, Motion, Viewpoint};
 use anyhow::{Context, Result};
@@ -43,9 +44,9 @@ pub struct Shooting<'a> {
     development: Development,
     plan: &'a Sequence,
     environment: Option<EnvironmentLight>,
-    /// The machine that draws.
+    /// The device to render on.
     pub machine: Machine,
-    /// The set that the pictures go to.
+    /// The set that the pictures are written to.
     set: FileSet,
     /// The camera and the light of the first picture.
     pub setting: Option<Setting>,
@@ -57,7 +58,7 @@ pub struct Shooting<'a> {
 }
 
 impl<'a> Shooting<'a> {
-    /// The pictures of `plan`.
+    /// Sets up the pictures of `plan`.
     pub fn new(
         args: &'a RenderArgs,
         settings: RenderSettings,
@@ -65,7 +66,7 @@ impl<'a> Shooting<'a> {
         watch: Watch,
     ) -> Result<Self> {
         let development = args.film.development(args.running.simd)?;
-        let formats = Formats::of(args)?;
+        let formats = args.formats()?;
         Ok(Self {
             args,
             settings,
@@ -82,12 +83,12 @@ impl<'a> Shooting<'a> {
         })
     }
 
-    /// With light from all around.
+    /// Adds the light of an environment.
     pub fn within(self, environment: Option<EnvironmentLight>) -> Self {
         Self { environment, ..self }
     }
 
-    /// As files of a set, none of which may be one that is read.
+    /// Writes the pictures as files of a set, none of which may be an input.
     pub fn into_set(self, set: &FileSet) -> Result<Self> {
         let paths = (0..self.plan.shots.len()).map(|index| self.path(index));
         for path in paths.flat_map(|path| output::targets(self.args, &path)) {
@@ -104,7 +105,7 @@ impl<'a> Shooting<'a> {
         }
     }
 
-    /// Renders and writes all of them; returns the files.
+    /// Renders and writes all pictures; returns the files.
     pub fn take(
         &mut self,
         scene: &mut Scene,
@@ -169,11 +170,11 @@ impl<'a> Shooting<'a> {
         self.setting.get_or_insert_with(|| Setting::new(&camera, &lighting));
         let (before, count) = (self.done as f64, self.plan.shots.len() as f64);
         let bar = stage.bar;
-        let told = |_: &str, part: f64| {
+        let listener = |_: &str, part: f64| {
             bar.set((before + part) / count);
             true
         };
-        let progress = Progress::new(&told);
+        let progress = Progress::new(&listener);
         let shot = Shot { camera: &camera, lighting: &lighting, settings };
         let drawer = &mut stage.drawer;
         let picture = match self.args.integrator.reference() {
@@ -215,14 +216,14 @@ impl<'a> Shooting<'a> {
     }
 }
 
-/// A picture that is to be written.
+/// A picture to write.
 enum Picture {
     Linear(Frame),
     /// 8 bits a channel, row by row.
     Developed(Vec<[u8; 4]>),
 }
 
-/// A pose of the scene, ready for pictures.
+/// A pose of the scene, ready to render.
 struct Stage<'a> {
     drawer: Drawer<'a>,
     viewpoint: &'a Viewpoint,

@@ -15,22 +15,22 @@ Examples:
   taotie shader model.glb --target glsl-es -o model-shaders
   taotie shader model.glb --material 0 --env studio --target spirv -o model-spirv
 
-Writes the shader of each material with a .json of its bindings and values, the tables of albedos that it \
-reads, and index.html, which says how to bind all that.";
+Writes the shader of each material with a .json of its bindings and values, the albedo tables that it \
+reads, and index.html, which explains how to bind them.";
 
 /// Writes the shaders of a model's materials, or of a plain one, as `taotie render` computes them.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct ShaderArgs {
-    /// The model: .gltf, .glb, .obj, .ply or .stl; a plain material if not given
+    /// The model: .gltf, .glb, .obj, .ply or .stl [default: a plain material]
     pub model: Option<PathBuf>,
-    /// The folder to write to; made where it is not there
+    /// Folder to write to; created if missing
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
     /// Language of the shaders
     #[arg(long, value_enum)]
     pub target: Target,
-    /// The material of the model, by name or by number from 0; every one that is used if not given
+    /// The material of the model, by name or by number from 0 [default: every one that is used]
     #[arg(long, value_name = "NAME|N", requires = "model")]
     pub material: Option<String>,
     /// Material variant of the file (KHR_materials_variants)
@@ -41,7 +41,7 @@ pub struct ShaderArgs {
     pub surface: SurfaceArgs,
     #[command(flatten)]
     pub reflection: ReflectionArgs,
-    /// Environment light, whose maps are written too: `studio`, which is built in, an equirectangular .hdr or .exr, or
+    /// Environment light, whose maps are also written: `studio` (built in), an equirectangular .hdr or .exr, or
     /// `none`
     #[arg(long, value_name = "FILE|studio|none", help_heading = "Light")]
     pub env: Option<String>,
@@ -54,16 +54,16 @@ pub struct ShaderArgs {
 }
 
 impl ShaderArgs {
-    /// Refuses options that cannot work together, before any work is done.
+    /// Rejects options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
         self.reflection.check(&[self.surface.shading])?;
         if self.model.is_none() && self.surface.bump_scale.is_some() {
-            bail!("--bump-scale: without a model there are no heights; name one");
+            bail!("--bump-scale: there are no heights without a model; name one");
         }
         self.surface.check(None)
     }
 
-    /// Returns the files that are named to be read.
+    /// Returns the input files.
     pub fn sources(&self) -> impl Iterator<Item = PathBuf> {
         let environment = match self.environment().source {
             Some(EnvironmentSource::File(path)) => Some(path),
@@ -72,13 +72,13 @@ impl ShaderArgs {
         self.model.clone().into_iter().chain(environment)
     }
 
-    /// Returns the environment asked for.
+    /// Returns the requested environment.
     pub fn environment(&self) -> EnvironmentOptions {
         let source = self.env.as_deref().and_then(EnvironmentSource::named);
         EnvironmentOptions { source, ..EnvironmentOptions::default() }
     }
 
-    /// Returns the materials asked for.
+    /// Returns the requested materials.
     pub fn materials(&self) -> MaterialOptions {
         MaterialOptions { variant: self.variant.clone(), ..MaterialOptions::default() }
     }

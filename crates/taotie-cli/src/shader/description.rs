@@ -1,8 +1,8 @@
-//! A shader and all that its host has to know: the content of its .json.
+//! A shader and everything its host needs to know: the content of its .json.
 
 use super::ShaderArgs;
 use super::file::NamedFile;
-use super::subject::{Drawn, Model, plain_material, surface_name};
+use super::subject::{Drawn, Model, plain_material};
 use super::tables::{self, BinaryTexture, EnvironmentDescription};
 use super::values::{SurfaceValues, plain, values};
 use anyhow::Result;
@@ -10,14 +10,14 @@ use serde::Serialize;
 use taotie::names::Named;
 use taotie_shader::{Interface, buffer_size};
 
-/// Version of the JSON beside a shader.
+/// Version of the JSON of a shader.
 const SCHEMA: u32 = 1;
 
-/// A shader and all that its host has to know.
+/// A shader and everything its host needs to know.
 #[derive(Serialize)]
 pub struct Description {
     schema: u32,
-    /// Of the program.
+    /// Version of the program.
     version: &'static str,
     /// The name that its files begin with.
     pub name: String,
@@ -35,16 +35,16 @@ pub struct Description {
     pub frame_bytes: usize,
     /// The size of the uniform buffer `material`, bytes.
     pub material_bytes: usize,
-    /// The texture `albedo_tables`, where the shader reads it.
+    /// The texture `albedo_tables`, if the shader reads it.
     pub tables: Option<BinaryTexture>,
-    /// The environment, where the shader reads one.
+    /// The environment, if the shader reads one.
     pub environment: Option<EnvironmentDescription>,
     /// The values of a model's surfaces that are drawn by the shader, or of the plain material.
     pub surfaces: Vec<SurfaceValues>,
 }
 
 impl Description {
-    /// Writes the shader of a variant under a name; returns its files beside what is told of it.
+    /// Writes the shader of a variant under a name; returns its description and its files.
     pub fn new(
         args: &ShaderArgs,
         model: Option<&Model>,
@@ -61,7 +61,7 @@ impl Description {
             target: args.target.name(),
             files: files.iter().map(|file| file.name.clone()).collect(),
             shading: drawn.variant.shading().name(),
-            surface: surface_name(drawn.variant.method()),
+            surface: drawn.variant.method().name(),
             frame_bytes: buffer_size(&interface.frame),
             material_bytes: buffer_size(&interface.material),
             tables: reads("albedo_tables").then(tables::description),
@@ -75,7 +75,7 @@ impl Description {
         Ok((description, files))
     }
 
-    /// Says whether the shader reads the light of an environment.
+    /// Returns true if the shader reads the light of an environment.
     pub fn reads_environment(&self) -> bool {
         self.interface.textures.iter().any(|slot| slot.name == "environment_maps")
     }

@@ -1,4 +1,4 @@
-//! A file of the folder that is written.
+//! A file of the output folder.
 
 /// A file by its name in the folder.
 pub struct NamedFile {

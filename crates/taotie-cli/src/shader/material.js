@@ -1,4 +1,4 @@
-// Materials of three.js that draw by a shader of Taotie: of NAME.json and the files that it names, beside this module.
+// three.js materials that draw with a shader of Taotie: from NAME.json and its files, next to this module.
 //
 //     const material = await loadMaterial("NAME", { textures: { base_color_texture: texture } });
 //     material.light([0, 0, 1], [3, 3, 3]);
@@ -16,14 +16,14 @@ void main() {
 }
 `;
 
-// A file beside this module, as `text` or `arrayBuffer`.
+// Fetches a file next to this module, as `text` or `arrayBuffer`.
 async function fetched(name, kind) {
     const response = await fetch(new URL(name, import.meta.url));
     if (response.ok) return response[kind]();
     throw new Error(`${name}: ${response.status} ${response.statusText}`);
 }
 
-// A texture of a file of numbers, which is read texel by texel.
+// A texture from a file of numbers, which is read texel by texel.
 async function binaryTexture({ file, width, height, format }) {
     const isFloat = format === "rgba32float";
     const [kind, type] = isFloat ? [Float32Array, THREE.FloatType] : [Uint16Array, THREE.HalfFloatType];
@@ -38,7 +38,7 @@ async function allTextures({ interface: { textures }, tables, environment }, giv
     const files = { albedo_tables: tables, environment_maps: maps, environment_picture: picture };
     const found = textures.map(async ({ name }) => {
         const value = name in files ? await binaryTexture(files[name]) : given[name];
-        if (!value) throw new Error(`${name}: give this texture in \`textures\``);
+        if (!value) throw new Error(`${name}: pass this texture in \`textures\``);
         return [name, { value }];
     });
     return Object.fromEntries(await Promise.all(found));
@@ -51,22 +51,22 @@ function filled(bytes, fields, values) {
     return numbers;
 }
 
-// A uniform block of numbers, which are written anew with each frame.
+// A uniform block of numbers, which are rewritten with each frame.
 const block = (name, numbers) => new THREE.UniformsGroup().setName(name).add(new THREE.Uniform(numbers));
 
-// Makes the material of NAME.json. `textures` are those of three.js by the names of their slots, from the top row as
-// GLTFLoader has them, normal maps by `normalTexture`. `surface` is the number of the model's surface whose values are
-// taken, `ambient` the radiance from all around.
+// Makes the material of NAME.json. `textures` are three.js textures by the names of their slots, top row first as
+// in GLTFLoader, normal maps made by `normalTexture`. `surface` is the number of the model's surface whose values are
+// used, `ambient` the radiance from all around.
 export async function loadMaterial(name, { textures = {}, surface = 0, ambient = [0, 0, 0] } = {}) {
     const shader = JSON.parse(await fetched(`${name}.json`, "text"));
     const source = async (end) => (await fetched(name + end, "text")).replace(/^#version 300 es\n/, "");
-    const { interface: told, environment } = shader;
+    const { interface: inputs, environment } = shader;
     const { uniforms: values = {}, double_sided = false, alpha = "opaque" } = shader.surfaces[surface] ?? {};
     const counted = { environment_levels: environment?.count, smoothest_alpha: environment?.smoothest_alpha };
     const straight = { ambient, spacing: 1, environment_cos: 1, environment_intensity: 1 };
-    const frame = filled(shader.frame_bytes, told.frame, { ...straight, ...counted });
+    const frame = filled(shader.frame_bytes, inputs.frame, { ...straight, ...counted });
     const [lights, levels] = [new Float32Array(16 * 16), new Float32Array(environment?.levels.flat() ?? [])];
-    const factors = filled(shader.material_bytes, told.material, values);
+    const factors = filled(shader.material_bytes, inputs.material, values);
     const numbers = { frame, lights, environment_levels: levels, material: factors };
     const material = new THREE.RawShaderMaterial({
         name,
@@ -74,11 +74,11 @@ export async function loadMaterial(name, { textures = {}, surface = 0, ambient =
         vertexShader: await source(".vert"),
         fragmentShader: `#define main radiance_main\n${await source(".frag")}${ENCODED}`,
         uniforms: await allTextures(shader, textures),
-        uniformsGroups: told.buffers.map((buffer) => block(buffer.block, numbers[buffer.name])),
+        uniformsGroups: inputs.buffers.map((buffer) => block(buffer.block, numbers[buffer.name])),
         side: double_sided ? THREE.DoubleSide : THREE.FrontSide,
         transparent: alpha === "blend",
     });
-    const place = Object.fromEntries(told.frame.map(({ name, offset }) => [name, offset / 4]));
+    const place = Object.fromEntries(inputs.frame.map(({ name, offset }) => [name, offset / 4]));
     // One light from infinitely far: the direction to it, and its irradiance in linear RGB.
     material.light = (towards, color) => {
         const to = new THREE.Vector3(...towards).normalize();
@@ -91,13 +91,13 @@ export async function loadMaterial(name, { textures = {}, surface = 0, ambient =
         frame.set(clip.elements, place.clip_from_world);
         frame.set(camera.isPerspectiveCamera ? [...eye, 1] : [...back, 0], place.eye);
     };
-    return Object.assign(material, { vertex: told.vertex });
+    return Object.assign(material, { vertex: inputs.vertex });
 }
 
 // The geometry of a mesh in world space, with the attributes that the material reads.
 export function worldGeometry(mesh, material) {
     mesh.updateWorldMatrix(true, false);
-    if (mesh.matrixWorld.determinant() < 0) throw new Error("a mirrored mesh: turn its triangles round first");
+    if (mesh.matrixWorld.determinant() < 0) throw new Error("a mirrored mesh: flip its triangles first");
     const geometry = mesh.geometry.clone().applyMatrix4(mesh.matrixWorld);
     for (const { name } of material.vertex) {
         const attribute = geometry.attributes[name] ?? geometry.attributes[name.replace(/^uv0$/, "uv")];
@@ -107,7 +107,7 @@ export function worldGeometry(mesh, material) {
     return geometry;
 }
 
-// The next level of a normal map: means of vectors. Sides that are odd lose their last row or column.
+// The next level of a normal map: means of vectors. Odd sides lose their last row or column.
 function halved({ vectors, width, height }) {
     const [w, h] = [width, height].map((side) => Math.max(1, side >> 1));
     const at = (x, y, c) => vectors[3 * (Math.min(y, height - 1) * width + Math.min(x, width - 1)) + c];
@@ -129,7 +129,7 @@ function texels({ vectors, width, height }) {
     return { data, width, height };
 }
 
-// A normal map whose levels say how far their vectors diverge, of an ordinary texture.
+// Makes a normal map whose levels hold how far their vectors diverge, from an ordinary texture.
 export function normalTexture({ image, wrapS, wrapT }) {
     const { width, height } = image;
     const context = new OffscreenCanvas(width, height).getContext("2d");

@@ -1,4 +1,4 @@
-//! `taotie shader`: the pixel shaders of a model's materials, or of a plain one, and all that binds them.
+//! `taotie shader`: the pixel shaders of a model's materials, or of a plain one, and everything needed to bind them.
 
 mod args;
 mod description;
@@ -26,13 +26,13 @@ use target::Target;
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
 
-/// The module that makes materials of three.js.
+/// The module that makes three.js materials.
 const HOST: &str = include_str!("material.js");
 
-/// The most textures that every WebGL 2 can bind to a fragment shader.
+/// Number of textures that every WebGL 2 implementation can bind to a fragment shader.
 const MOST_TEXTURES: usize = 16;
 
-/// All that is written.
+/// Everything to write.
 struct Bundle {
     shaders: Vec<Description>,
     files: Vec<NamedFile>,
@@ -82,7 +82,7 @@ impl Bundle {
         let (shader, files) = Description::new(args, model, drawn, name)?;
         let many = args.target == Target::GlslEs && shader.interface.textures.len() > MOST_TEXTURES;
         self.warnings
-            .note("shaders with more textures than every WebGL 2 can bind, which are 16", usize::from(many));
+            .note("shaders with more than the 16 textures that every WebGL 2 can bind", usize::from(many));
         self.files.extend(files);
         self.shaders.push(shader);
         Ok(())
@@ -94,11 +94,11 @@ impl Bundle {
         }
     }
 
-    /// Adds the environment where a shader reads it.
+    /// Adds the environment if a shader reads it.
     fn add_environment(&mut self, args: &ShaderArgs) -> Result<()> {
         let is_read = self.shaders.iter().any(Description::reads_environment);
         let unread = args.environment().source.is_some() && !is_read;
-        self.warnings.note("--env is not read: no surface reflects it", usize::from(unread));
+        self.warnings.note("--env has no effect: no surface reflects it", usize::from(unread));
         if !is_read {
             return Ok(());
         }
@@ -113,7 +113,7 @@ impl Bundle {
         Ok(())
     }
 
-    /// Adds what tells of the shaders, and the host of three.js.
+    /// Adds the descriptions of the shaders, and the three.js host.
     fn add_texts(&mut self, args: &ShaderArgs) -> Result<()> {
         for shader in &self.shaders {
             let text = serde_json::to_string_pretty(shader)? + "\n";
@@ -128,7 +128,7 @@ impl Bundle {
         Ok(())
     }
 
-    /// The paths of all files.
+    /// Returns the paths of all files.
     fn paths(&self, args: &ShaderArgs) -> impl Iterator<Item = String> {
         self.files.iter().map(|file| args.output.join(&file.name).display().to_string())
     }

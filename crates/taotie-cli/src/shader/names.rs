@@ -1,14 +1,14 @@
-//! Names of files, made of those of materials.
+//! File names, made from material names.
 
-/// The longest name, in characters.
+/// Maximum length of a name, characters.
 const LONGEST: usize = 60;
 
-/// Names that no two shaders share, whatever case the file system knows.
+/// Unique shader names, even on file systems that ignore case.
 #[derive(Default)]
 pub struct Names(Vec<String>);
 
 impl Names {
-    /// A name of letters, digits, `-` and `_` like the one wanted, with a number where it is taken.
+    /// Returns a name of letters, digits, `-` and `_` like the one wanted, with a number if it is taken.
     pub fn take(&mut self, wanted: &str) -> String {
         let plain = plain(wanted);
         let numbered = (2..).map(|number| format!("{plain}-{number}"));
@@ -19,7 +19,7 @@ impl Names {
     }
 }
 
-/// The name with nothing but ASCII letters, digits, `-` and `_`.
+/// Returns the name with only ASCII letters, digits, `-` and `_`.
 fn plain(wanted: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let words = wanted.split(|c| !is_plain(c)).filter(|word| !word.is_empty());

@@ -1,4 +1,4 @@
-//! The page that says how to bind shaders.
+//! The page that explains how to bind shaders.
 
 use super::ShaderArgs;
 use super::description::Description;
@@ -8,16 +8,16 @@ use taotie::names::Named;
 use taotie_report::{Cell, Column, Fact, Page, Section};
 use taotie_shader::{BufferSlot, TextureSlot, UniformField, ValueKind};
 
-/// The most surfaces whose values a table shows.
+/// Maximum number of surfaces whose values a table shows.
 const MOST_COLUMNS: usize = 8;
 
-/// Makes the page of shaders and of all `files` beside it.
+/// Makes the page of shaders and of all `files` next to it.
 pub fn page(args: &ShaderArgs, shaders: &[Description], files: &[&str]) -> Page {
     let model = args.model.as_ref().and_then(|path| path.file_name());
     let title = model.map_or("A plain material".into(), |name| name.to_string_lossy());
     let mut sections = vec![
         Section::Text { title: "How to bind them".into(), paragraphs: how(args.target) },
-        Section::Text { title: "What they read and write".into(), paragraphs: owned(&CONTRACT) },
+        Section::Text { title: "Inputs and outputs".into(), paragraphs: owned(&CONTRACT) },
         file_table(files),
     ];
     if let Some(shader) = shaders.first() {
@@ -30,7 +30,7 @@ pub fn page(args: &ShaderArgs, shaders: &[Description], files: &[&str]) -> Page 
         facts: facts(args, shaders),
         sections,
         footer: format!(
-            "Made by taotie {}. All of this is in the .json files too.",
+            "Made by taotie {}. The .json files also contain all of this.",
             env!("CARGO_PKG_VERSION")
         ),
         ..Page::default()
@@ -52,34 +52,34 @@ fn owned(paragraphs: &[&str]) -> Vec<String> {
     paragraphs.iter().map(|text| (*text).to_owned()).collect()
 }
 
-/// What every host has to know.
+/// Facts that every host needs to know.
 const CONTRACT: [&str; 5] = [
-    "Vertices are in world space. Positions are multiplied by frame.clip_from_world alone.",
-    "The fragment is linear RGB radiance that is not multiplied by alpha, and alpha. The host applies exposure, tone curve \
+    "Vertices are in world space. Positions are multiplied only by frame.clip_from_world.",
+    "The fragment is linear RGB radiance, not premultiplied by alpha, and alpha. The host applies exposure, tone curve \
      and the sRGB curve, and blends.",
     "Colour textures are decoded from sRGB before they are filtered. A normal map holds the variance of its vectors, \
      1 − |mean|², in the alpha of every level but the finest, where alpha is 0: means of unit vectors are stored without \
-     making them unit again. An ordinary mip chain with alpha 1 would blur every highlight.",
+     renormalising them. An ordinary mip chain with alpha 1 would blur every highlight.",
     "albedo-tables.bin is the texture albedo_tables: 64 texels across and 144 down, four 32-bit floats each, \
      little-endian, row by row. It is read texel by texel, without a sampler.",
     "A light is 16 floats: the position or the unit direction to it, its kind (0 infinitely far, 1 without falloff, 2 \
      falling off by the inverse square), its colour, its range, the unit axis of its cone, the cosines of the inner and \
-     the outer angle, and three that are not read. A light that is no spot has the cosines −2 and −3; one without a range \
-     has 1e18.",
+     the outer angle, and three unused. Lights other than spots have the cosines −2 and −3; lights without a range \
+     have 1e18.",
 ];
 
 fn how(target: Target) -> Vec<String> {
     owned(match target {
         Target::Wgsl => &[
             "The entry points are vertex_main and fragment_main. Bind the frame as group 0 and the material as group 1, as the \
-             tables below say.",
-            "The crate taotie-gpu binds these shaders by wgpu: it is a host to take over or to read.",
+             tables below show.",
+            "The crate taotie-gpu binds these shaders with wgpu: it is a host to use or to read.",
         ],
         Target::GlslEs => &[
-            "NAME.vert and NAME.frag are a program of WebGL 2. Buffers are the uniform blocks FrameBlock, LightBlock, \
+            "NAME.vert and NAME.frag form a WebGL 2 program. Buffers are the uniform blocks FrameBlock, LightBlock, \
              EnvironmentBlock and MaterialBlock, in the std140 layout; a texture with its sampler is one sampler2D.",
-            "material.js makes a material of three.js of NAME.json. Serve the folder, since browsers fetch nothing beside a \
-             page that is opened from disk, and let an import map name three:",
+            "material.js makes a three.js material from NAME.json. Serve the folder, since browsers fetch nothing for a \
+             page opened from disk, and name three in an import map:",
             "import { loadMaterial, worldGeometry } from \"./material.js\"; const material = await loadMaterial(\"NAME\", { \
              textures: { base_color_texture } }); material.light([0, 0, 1], [3, 3, 3]); scene.add(new \
              THREE.Mesh(worldGeometry(mesh, material), material));",
@@ -92,13 +92,13 @@ fn how(target: Target) -> Vec<String> {
         ],
         Target::Msl => &[
             "The entry points are vertex_main and fragment_main, for Metal 2.0. Buffers, textures and samplers are numbered by \
-             their places in the lists buffers and textures of the .json, from 0; a sampler has the number of its texture.",
-            "The buffer after the last holds the size of the lights in bytes as a 32-bit integer, where a shader asks for it. \
+             their positions in the lists buffers and textures of the .json, from 0; a sampler has the number of its texture.",
+            "The buffer after the last holds the size of the lights in bytes as a 32-bit integer, if a shader asks for it. \
              Vertices are attributes by their locations: keep their buffers above these.",
         ],
         Target::Spirv => &[
             "The module has the entry points vertex_main and fragment_main, for Vulkan 1.0. A resource of group g and binding b \
-             is binding b of descriptor set g. Clip space is WebGPU's, y up: the module turns y round.",
+             is binding b of descriptor set g. Clip space is WebGPU's, y up: the module flips y.",
         ],
     })
 }
@@ -118,8 +118,8 @@ fn content(name: &str) -> &'static str {
         "frag" => "the fragment shader",
         "vert" => "the vertex shader",
         "wgsl" | "hlsl" | "metal" | "spv" => "both shaders",
-        "json" => "what is bound, and a model's values",
-        "js" => "makes materials of three.js",
+        "json" => "the bindings, and a model's values",
+        "js" => "makes three.js materials",
         _ if name == super::tables::TABLES => "the tables of directional albedos",
         _ => "the environment as textures",
     }
@@ -140,7 +140,7 @@ fn shader_tables(shader: &Description) -> Vec<Section> {
     sections
 }
 
-/// What the table of values leaves out.
+/// Returns a note on the surfaces that the table of values leaves out.
 fn left_out(shader: &Description) -> String {
     match shader.surfaces.len() {
         count if count > MOST_COLUMNS => {
@@ -150,7 +150,7 @@ fn left_out(shader: &Description) -> String {
     }
 }
 
-/// The material of a column of values, and where it is.
+/// Returns the label of a column of values: its material and its instances.
 fn label(surface: &SurfaceValues) -> String {
     let SurfaceValues { material, number, instances, .. } = surface;
     let place = match instances.as_slice() {
@@ -219,7 +219,7 @@ fn texture_row(slot: &TextureSlot) -> Vec<Cell> {
     ]
 }
 
-/// A table of fields, with a column of values for each surface.
+/// Returns a table of fields, with a column of values for each surface.
 fn fields(title: &str, note: &str, fields: &[UniformField], surfaces: &[SurfaceValues]) -> Section {
     let row = |field: &UniformField| {
         let values = surfaces.iter().map(|surface| Cell::text(numbers(surface, &field.name)));

@@ -13,19 +13,19 @@ use taotie::scene::{
     GreenChannel, HeightMap, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform,
 };
 use taotie::surface::SurfaceMethod;
-use taotie_shader::{NormalMethod, Variant, VariantOptions};
+use taotie_shader::{Variant, VariantOptions};
 
-/// A variant, and what is drawn by it.
+/// A variant, and the instances that it draws.
 pub struct Drawn {
-    /// The name wanted for its files.
+    /// The preferred name of its files.
     pub name: String,
     /// The variant.
     pub variant: Variant,
-    /// The numbers of the instances that it draws; none where there is no model.
+    /// The numbers of the instances that it draws; empty without a model.
     pub instances: Vec<usize>,
 }
 
-/// A model whose surfaces are ready.
+/// A model with prepared surfaces.
 pub struct Model {
     prepared: Prepared,
     /// Files or names of its textures.
@@ -40,24 +40,24 @@ impl Model {
         warnings.absorb(loaded.warnings);
         let lifted = loaded.scene.materials().iter().any(|material| material.height.is_some());
         let unread = args.surface.bump_scale.is_some() && !lifted;
-        warnings.note("--bump-scale is not read: no material has a height map", usize::from(unread));
+        warnings.note("--bump-scale has no effect: no material has a height map", usize::from(unread));
         let prepared = Prepared::new(loaded.scene, &args.settings().surface)
             .with_context(|| path.display().to_string())?;
         warnings.absorb(prepared.warnings().clone());
         Ok(Self { prepared, texture_names: loaded.texture_names })
     }
 
-    /// The scene.
+    /// Returns the scene.
     pub fn scene(&self) -> &Scene {
         self.prepared.scene()
     }
 
-    /// Its surfaces, one for each instance.
+    /// Returns its surfaces, one for each instance.
     pub fn surfaces(&self) -> Vec<Surface<'_>> {
         self.prepared.surfaces()
     }
 
-    /// The variants of the materials asked for, in the order of the instances that they draw.
+    /// Returns the variants of the requested materials, in the order of the instances that they draw.
     pub fn drawn(&self, args: &ShaderArgs, path: &Path) -> Result<Vec<Drawn>> {
         let chosen = args.material.as_deref().map(|asked| self.choose(asked, path)).transpose()?;
         let instances = self.scene().instances().iter().enumerate();
@@ -67,13 +67,13 @@ impl Model {
             .collect();
         match (&args.material, asked_for.is_empty()) {
             (Some(asked), true) => {
-                bail!("{}: no mesh has the material `{asked}`; choose another", path.display())
+                bail!("{}: no mesh uses the material `{asked}`; choose another", path.display())
             }
             _ => Ok(self.grouped(args, &asked_for)),
         }
     }
 
-    /// The variants of these instances.
+    /// Returns the variants of these instances.
     fn grouped(&self, args: &ShaderArgs, instances: &[usize]) -> Vec<Drawn> {
         let (settings, environment) = (args.settings(), args.environment().source.is_some());
         let surfaces = self.surfaces();
@@ -90,7 +90,7 @@ impl Model {
         all
     }
 
-    /// The name of an instance's material, or its number where it has none.
+    /// Returns the name of an instance's material, or its number if it has none.
     fn name(&self, instance: usize) -> String {
         let number = self.scene().instances()[instance].material;
         match self.scene().materials()[number].name.as_str() {
@@ -99,7 +99,7 @@ impl Model {
         }
     }
 
-    /// The number of the material asked for, by name or number.
+    /// Returns the number of the requested material, by name or number.
     fn choose(&self, asked: &str, path: &Path) -> Result<usize> {
         let names: Vec<&str> =
             self.scene().materials().iter().map(|material| material.name.as_str()).collect();
@@ -108,17 +108,16 @@ impl Model {
     }
 }
 
-/// The variant of a plain material that has the map of the surface method.
+/// Returns the variant of a plain material with the map of the surface method.
 pub fn plain(args: &ShaderArgs) -> Drawn {
     let (settings, surface) = (args.settings(), args.surface.method.unwrap_or(SurfaceMethod::Smooth));
     let environment = args.environment().source.is_some();
-    let options =
-        VariantOptions { method: method(surface), ..VariantOptions::of_settings(&settings, environment) };
+    let options = VariantOptions { method: surface, ..VariantOptions::of_settings(&settings, environment) };
     let name = format!("{}-{}", settings.shading.name(), surface.name());
     Drawn { name, variant: Variant::new(&plain_material(args), &options), instances: Vec::new() }
 }
 
-/// The material without a model, with the map that the surface method reads.
+/// Returns the material without a model, with the map that the surface method reads.
 pub fn plain_material(args: &ShaderArgs) -> Material {
     let texture =
         TextureRef { texture: 0, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
@@ -132,21 +131,4 @@ pub fn plain_material(args: &ShaderArgs) -> Material {
         SurfaceMethod::ObjectNormal => Material { normal: normal(NormalSpace::Object), ..plain },
         SurfaceMethod::TangentNormal => Material { normal: normal(NormalSpace::Tangent), ..plain },
     }
-}
-
-fn method(surface: SurfaceMethod) -> NormalMethod {
-    match surface {
-        SurfaceMethod::Facet => NormalMethod::Facet,
-        SurfaceMethod::Smooth => NormalMethod::Smooth,
-        SurfaceMethod::Bump => NormalMethod::Bump,
-        SurfaceMethod::BumpPrinted => NormalMethod::BumpPrinted,
-        SurfaceMethod::ObjectNormal => NormalMethod::ObjectMap,
-        SurfaceMethod::TangentNormal => NormalMethod::TangentMap,
-    }
-}
-
-/// The name on the command line.
-pub fn surface_name(of: NormalMethod) -> &'static str {
-    let named = SurfaceMethod::NAMES.iter().find(|(_, surface)| method(*surface) == of);
-    named.map_or("", |(name, _)| name)
 }

@@ -1,4 +1,4 @@
-//! What shaders read beside a material: the tables of albedos and the maps of an environment, as files of numbers.
+//! Shader inputs besides a material: the albedo tables and the maps of an environment, as binary files.
 
 use super::file::NamedFile;
 use serde::Serialize;
@@ -7,14 +7,14 @@ use taotie::shade::dfg::{COLUMNS, ROWS, tables};
 use taotie::shade::environment::HalfPicture;
 use taotie_shader::{EnvironmentAtlas, opaque};
 
-/// The name of the file of the tables.
+/// The file name of the tables.
 pub const TABLES: &str = "albedo-tables.bin";
 
-/// The names of the files of an environment.
+/// The file names of an environment.
 const MAPS: &str = "environment-maps.bin";
 const PICTURE: &str = "environment-picture.bin";
 
-/// A texture in a file of numbers alone.
+/// A texture in a file of raw numbers.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct BinaryTexture {
     /// The name of the file.
@@ -29,7 +29,7 @@ pub struct BinaryTexture {
     pub meaning: &'static str,
 }
 
-/// The description of the tables of albedos.
+/// Returns the description of the albedo tables.
 pub fn description() -> BinaryTexture {
     BinaryTexture {
         file: TABLES,
@@ -37,12 +37,12 @@ pub fn description() -> BinaryTexture {
         height: 3 * ROWS,
         format: "rgba32float",
         meaning: "Directional albedos: columns go along the square root of n·v from 0 to 1, rows along the roughness from 0 \
-            to 1. 48 rows of GGX and 48 of Cook-Torrance hold what is multiplied by F0, by F90 and by the drop of F82, and \
+            to 1. 48 rows of GGX and 48 of Cook-Torrance hold the factors of F0, of F90 and of the drop of F82, and \
             Schlick's rise over a diffuse reflection; 48 rows of sheen hold its albedo in red.",
     }
 }
 
-/// The file of the tables of albedos.
+/// Returns the file of the albedo tables.
 pub fn file() -> NamedFile {
     let numbers = tables();
     let bytes: Vec<u8> = numbers.as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect();
@@ -64,7 +64,7 @@ pub struct EnvironmentDescription {
     pub smoothest_alpha: f32,
 }
 
-/// The description of an environment, and its files.
+/// Returns the description of an environment, and its files.
 pub fn environment(light: &EnvironmentLight) -> (EnvironmentDescription, [NamedFile; 2]) {
     let maps = light.environment.maps();
     let atlas = EnvironmentAtlas::new(&maps);
@@ -108,9 +108,9 @@ mod tests {
 
     #[test]
     fn the_file_of_tables_is_as_it_is_described() {
-        let told = description();
+        let described = description();
         let bytes = file().bytes;
-        assert_eq!(bytes.len(), told.width * told.height * 16);
+        assert_eq!(bytes.len(), described.width * described.height * 16);
         let first = f32::from_le_bytes([0, 1, 2, 3].map(|i| bytes[i]));
         assert_eq!(first, tables()[0][0]);
     }

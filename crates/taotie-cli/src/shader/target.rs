@@ -10,7 +10,7 @@ use taotie_shader::{Language, PixelShader, Translation, Variant, pixel_shader, t
 pub enum Target {
     /// WebGPU
     Wgsl,
-    /// GLSL ES 3.00, of WebGL 2; with a module that makes materials of three.js
+    /// GLSL ES 3.00 for WebGL 2, with a module that makes three.js materials
     GlslEs,
     /// Direct3D: shader model 5.1
     Hlsl,
@@ -22,14 +22,14 @@ pub enum Target {
 
 /// A shader in its language.
 pub struct Written {
-    /// The shader that it was made of.
+    /// The shader that it was made from.
     pub shader: PixelShader,
     /// Its files.
     pub files: Vec<NamedFile>,
 }
 
 impl Target {
-    /// The name on the command line.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Wgsl => "wgsl",

@@ -1,23 +1,23 @@
-//! The values of a model's surfaces, by the names that a shader has for them.
+//! The values of a model's surfaces, by their names in a shader.
 
 use super::subject::Model;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use taotie::image::{Encoding, MipFilter, TexelFilter, Wrap};
 use taotie::math::Vec3;
-use taotie::scene::{AlphaMode, Material, TextureRef};
-use taotie_shader::{Interface, SurfaceFactors, TextureRole, UniformField};
+use taotie::scene::{AlphaMode, Material, TextureRef, TextureRole};
+use taotie_shader::{Interface, SurfaceFactors, UniformField};
 
-/// The values of surfaces that share them.
+/// Values shared by some surfaces.
 #[derive(Serialize)]
 pub struct SurfaceValues {
     /// The name of the material; may be empty.
     pub material: String,
     /// Its number, from 0.
     pub number: usize,
-    /// The instances that are drawn so, from 0; none without a model.
+    /// The instances drawn with them, from 0; empty without a model.
     pub instances: Vec<usize>,
-    /// `true` where back faces are drawn.
+    /// `true` if back faces are drawn.
     pub double_sided: bool,
     /// `opaque`, `mask` or `blend`.
     pub alpha: &'static str,
@@ -38,15 +38,15 @@ pub struct TextureValue {
     pub encoding: &'static str,
     /// `repeat`, `mirror` or `clamp` along u and v.
     pub wrap: [&'static str; 2],
-    /// `nearest` or `linear`, where texels are larger than pixels.
+    /// `nearest` or `linear`, for texels larger than pixels.
     pub magnify: &'static str,
-    /// The same where they are smaller.
+    /// The same for smaller texels.
     pub minify: &'static str,
     /// `none`, `nearest` or `linear` between levels.
     pub levels: &'static str,
 }
 
-/// The values of the instances that a shader draws; instances with the same values share them.
+/// Returns the values of the instances that a shader draws; instances with the same values share them.
 pub fn values(model: &Model, instances: &[usize], interface: &Interface) -> Vec<SurfaceValues> {
     let surfaces = model.surfaces();
     let mut all: Vec<SurfaceValues> = Vec::new();
@@ -65,7 +65,7 @@ pub fn values(model: &Model, instances: &[usize], interface: &Interface) -> Vec<
     all
 }
 
-/// The values of a material that no model has, in object space as in the world.
+/// Returns the values of a material without a model, whose object space is world space.
 pub fn plain(material: &Material, interface: &Interface) -> SurfaceValues {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let bump = material.height.map_or(0.0, |map| map.scale);
@@ -73,7 +73,7 @@ pub fn plain(material: &Material, interface: &Interface) -> SurfaceValues {
     of_material(&SurfaceFactors { material, normal_matrix, bump, height_levels: 1 }, interface)
 }
 
-/// The values of a surface, but for its textures and where it is.
+/// Returns the values of a surface, except its textures and its place.
 fn of_material(factors: &SurfaceFactors<'_>, interface: &Interface) -> SurfaceValues {
     let material = factors.material;
     let bytes = interface.material_bytes(factors);
@@ -105,7 +105,7 @@ fn textures(
     used.collect()
 }
 
-/// The numbers of a field in the bytes of its buffer.
+/// Returns the numbers of a field in the bytes of its buffer.
 fn numbers(field: &UniformField, bytes: &[u8]) -> Vec<f32> {
     let words = bytes[field.offset..].as_chunks::<4>().0;
     words.iter().take(field.kind.numbers()).map(|word| f32::from_le_bytes(*word)).collect()

@@ -1,4 +1,4 @@
-//! The options of light, camera and film, shared by the subcommands that take pictures of a model.
+//! The options of light, camera and film, shared by the subcommands that render a model.
 
 use crate::limits::LimitArgs;
 use crate::running::RunArgs;
@@ -20,24 +20,24 @@ use taotie::studio::{CameraOptions, EnvironmentOptions, EnvironmentSource, Light
 #[command(next_help_heading = "Light")]
 pub struct LightArgs {
     /// A light: `point at=X,Y,Z`, `spot at=X,Y,Z toward=X,Y,Z angle=DEG`, or `directional from=AZIMUTH,ELEVATION`
-    /// (degrees, relative to the view), each with strength=, color=, falloff=none|inverse-square; may be repeated.
-    /// Without any: the file's lights, else key, fill and rim
+    /// (degrees, relative to the view), each with strength=, color=, falloff=none|inverse-square; may be repeated
+    /// [default: the file's lights, otherwise key, fill and rim]
     #[arg(long = "light", value_name = "SPEC")]
     pub lights: Vec<String>,
     /// Ambient light: radiance from all around, a colour or a linear grey value
     #[arg(long, value_name = "COLOR", value_parser = options::color)]
     pub ambient: Option<Vec3>,
-    /// Lights cast shadows
+    /// Let lights cast shadows
     #[arg(long)]
     pub shadows: bool,
-    /// Environment light: `studio`, which is built in, an equirectangular .hdr or .exr, or `none`. With one, only the
-    /// lights of --light and of the file are added
+    /// Environment light: `studio` (built in), an equirectangular .hdr or .exr, or `none`. With one, only the lights
+    /// of --light and of the file are added
     #[arg(long, value_name = "FILE|studio|none")]
     pub env: Option<String>,
     /// Turn the environment counterclockwise as seen from above, degrees
     #[arg(long, value_name = "DEG", value_parser = options::number, allow_negative_numbers = true)]
     pub env_rotate_deg: Option<f64>,
-    /// Factor of the environment's light; 1 if not given
+    /// Factor of the environment's light [default: 1]
     #[arg(long, value_name = "X", value_parser = options::number)]
     pub env_intensity: Option<f64>,
     /// Show the environment behind the model
@@ -46,7 +46,7 @@ pub struct LightArgs {
 }
 
 impl LightArgs {
-    /// Refuses values that cannot be used, before any work is done.
+    /// Rejects invalid values, before any work is done.
     pub fn check(&self) -> Result<()> {
         let of_environment = [
             ("--show-env", self.show_env),
@@ -55,7 +55,7 @@ impl LightArgs {
         ];
         let given = of_environment.iter().find(|(_, given)| *given);
         if let (Some((option, _)), None) = (given, self.environment_name()) {
-            bail!("{option}: there is no environment; name one by --env studio or --env FILE.hdr");
+            bail!("{option}: there is no environment; add --env studio or --env FILE.hdr");
         }
         match self.env_intensity {
             Some(factor) if factor < 0.0 => bail!("--env-intensity {factor}: it must be 0 or more"),
@@ -63,11 +63,11 @@ impl LightArgs {
         }
     }
 
-    /// Notes shadows that nothing casts.
+    /// Adds a warning for shadows that no light casts.
     pub fn note_unread(&self, scene: &Scene, warnings: &mut Warnings) {
         let only_environment = self.environment_name().is_some() && self.lights.is_empty();
         if self.shadows && only_environment && scene.lights().is_empty() {
-            warnings.note("--shadows is not read: no light shines beside the environment", 1);
+            warnings.note("--shadows has no effect: the environment is the only light", 1);
         }
     }
 
@@ -79,12 +79,12 @@ impl LightArgs {
         self.env_intensity.unwrap_or(1.0)
     }
 
-    /// The studio or a file; `None` where there is to be none.
+    /// Returns the studio or a file; `None` without an environment.
     fn environment_name(&self) -> Option<&str> {
         self.env.as_deref().filter(|name| EnvironmentSource::named(name).is_some())
     }
 
-    /// Returns the file of the environment; `None` for the studio and where there is to be none.
+    /// Returns the file of the environment; `None` for the studio or without an environment.
     pub fn environment_file(&self) -> Option<PathBuf> {
         match self.env.as_deref().and_then(EnvironmentSource::named) {
             Some(EnvironmentSource::File(path)) => Some(path),
@@ -92,7 +92,7 @@ impl LightArgs {
         }
     }
 
-    /// Reads the environment asked for and filters it, or takes it from the cache.
+    /// Reads the requested environment and filters it, or takes it from the cache.
     ///
     /// # Errors
     /// Those of the file.
@@ -106,7 +106,7 @@ impl LightArgs {
         options.load_within(limits, warnings).context("--env")
     }
 
-    /// Returns the environment as JSON for reports; null where there is none.
+    /// Returns the environment as JSON for reports; null if there is none.
     pub fn environment_json(&self) -> serde_json::Value {
         match self.environment_name() {
             None => serde_json::Value::Null,
@@ -119,10 +119,10 @@ impl LightArgs {
         }
     }
 
-    /// The lights asked for.
+    /// Returns the requested lights.
     ///
     /// # Errors
-    /// That a light cannot be read.
+    /// If a light cannot be parsed.
     pub fn options(&self) -> Result<LightOptions> {
         let light = |line: &String| {
             line.parse::<LightSpec>()
@@ -142,10 +142,10 @@ pub struct CameraArgs {
     /// A camera of the file by name
     #[arg(long, value_name = "NAME", conflicts_with = "orbit")]
     pub camera: Option<String>,
-    /// Look from AZIMUTH,ELEVATION in degrees at a distance in model units; without it the object fills the picture
+    /// Look from AZIMUTH,ELEVATION in degrees at DIST in model units; without DIST the object fills the picture
     #[arg(long, value_name = "AZ,EL[,DIST]", value_parser = options::numbers, allow_hyphen_values = true)]
     pub orbit: Option<std::vec::Vec<f64>>,
-    /// Point to look at; the object's middle if not given
+    /// Point to look at [default: the object's centre]
     #[arg(long, value_name = "X,Y,Z", value_parser = options::vector, allow_hyphen_values = true, conflicts_with = "camera")]
     pub target: Option<Vec3<f64>>,
     /// Vertical field of view, degrees
@@ -154,10 +154,10 @@ pub struct CameraArgs {
 }
 
 impl CameraArgs {
-    /// The camera asked for.
+    /// Returns the requested camera.
     ///
     /// # Errors
-    /// That the orbit has too few or too many numbers.
+    /// If the orbit has too few or too many numbers.
     pub fn options(&self) -> Result<CameraOptions> {
         let framed = CameraOptions {
             name: self.camera.clone(),
@@ -172,55 +172,55 @@ impl CameraArgs {
                 ([*azimuth, *elevation], Some(*distance))
             }
             Some(_) => bail!(
-                "--orbit: write AZIMUTH,ELEVATION or AZIMUTH,ELEVATION,DISTANCE with a distance above 0"
+                "--orbit: expected AZIMUTH,ELEVATION or AZIMUTH,ELEVATION,DISTANCE with a distance above 0"
             ),
         };
         let [azimuth, elevation] = degrees.map(f64::to_radians);
         Ok(CameraOptions { azimuth, elevation, distance, ..framed })
     }
 
-    /// Refuses values that cannot be used, before any work is done.
+    /// Rejects invalid values, before any work is done.
     pub fn check(&self) -> Result<()> {
         if !(self.fov_deg > 0.0 && self.fov_deg < 180.0) {
-            bail!("--fov-deg {}: the angle must lie between 0 and 180 degrees", self.fov_deg);
+            bail!("--fov-deg {}: the angle must be between 0 and 180 degrees", self.fov_deg);
         }
         Ok(())
     }
 }
 
-/// The background where none is asked for.
+/// The default background.
 const BACKGROUND: &str = "#2a2b2e";
 
 /// The development of a picture from light.
 #[derive(Args)]
 #[command(next_help_heading = "Picture")]
 pub struct FilmArgs {
-    /// Samples per pixel: 1, 4 or 16; 4 if not given
+    /// Samples per pixel: 1, 4 or 16 [default: 4]
     #[arg(long, value_name = "N")]
     pub samples: Option<u32>,
-    /// Tone curve: neutral (if not given), linear, reinhard, aces, agx
+    /// Tone curve: neutral, linear, reinhard, aces, agx [default: neutral]
     #[arg(long, value_parser = options::named::<ToneCurve>)]
     pub tone: Option<ToneCurve>,
-    /// Exposure in stops; 0 if not given
+    /// Exposure in stops [default: 0]
     #[arg(long, value_name = "STOPS", value_parser = options::number, allow_negative_numbers = true)]
     pub exposure: Option<f64>,
-    /// Background: a colour, #2a2b2e if not given, or `transparent`
+    /// Background: a colour or `transparent` [default: #2a2b2e]
     #[arg(long, value_name = "COLOR|transparent")]
     pub background: Option<String>,
 }
 
 impl FilmArgs {
-    /// Refuses values that cannot be used, before any work is done; a background needs that no environment `is_shown`.
+    /// Rejects invalid values, before any work is done, and a background if the environment `is_shown`.
     pub fn check(&self, is_shown: bool) -> Result<()> {
         taotie::raster::SamplePattern::new(self.samples())?;
         self.background()?;
         if is_shown && self.background.is_some() {
-            bail!("--background: --show-env puts the environment there; leave one of them out");
+            bail!("--background: --show-env shows the environment there; leave one of them out");
         }
         Ok(())
     }
 
-    /// Samples a pixel.
+    /// Returns the samples per pixel.
     pub fn samples(&self) -> u32 {
         self.samples.unwrap_or(4)
     }
@@ -231,12 +231,12 @@ impl FilmArgs {
         Ok(Development { exposure_stops, tone: self.tone(), background: self.background()?, simd })
     }
 
-    /// The tone curve.
+    /// Returns the tone curve.
     pub fn tone(&self) -> ToneCurve {
         self.tone.unwrap_or_default()
     }
 
-    /// Refuses what only a developed picture has; what leaves light as it is may be asked for.
+    /// Rejects options that only a developed picture has, unless their values leave light unchanged.
     pub fn check_linear(&self) -> Result<()> {
         let given = [
             ("--tone", self.tone.is_some_and(|tone| tone != ToneCurve::Linear)),
@@ -245,7 +245,7 @@ impl FilmArgs {
         ];
         match given.iter().find(|(_, given)| *given) {
             Some((option, _)) => {
-                bail!("{option}: an .exr holds light as it is, undeveloped; leave it out, or write a .png")
+                bail!("{option}: an .exr stores undeveloped linear light; leave it out, or write a .png")
             }
             None => Ok(()),
         }
@@ -273,7 +273,7 @@ pub struct RunningArgs {
 }
 
 impl RunningArgs {
-    /// Refuses values that cannot be used, before any work is done.
+    /// Rejects invalid values, before any work is done.
     pub fn check(&self) -> Result<()> {
         self.simd.check()?;
         Ok(())

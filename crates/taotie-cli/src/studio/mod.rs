@@ -1,6 +1,5 @@
-//! How a model is seen, as options of the command: its material, its light, where it is seen from, and how that becomes
-//! a picture. The subcommands that take pictures of a user's model have them in common; the work is done by
-//! [`taotie::studio`].
+//! How a model is shown, as options of the command: its material, its light, the viewpoint, and the development of
+//! the picture. Shared by the subcommands that render a user's model; [`taotie::studio`] does the work.
 
 mod args;
 mod surface_args;
@@ -20,8 +19,8 @@ use taotie::render::{EnvironmentLight, Lighting};
 use taotie::scene::Scene;
 use taotie::studio::{MaterialFile, View};
 
-/// Reads a model, chooses the variant asked for, and gives its materials what the options ask for. `height_scale` is
-/// the height of white in model units, where it was asked for.
+/// Reads a model, selects the requested variant, and applies the options to its materials. `height_scale` is the
+/// height of white in model units, if given.
 pub fn load(path: &Path, args: &MaterialArgs, height_scale: Option<f64>, limits: &Limits) -> Result<Loaded> {
     let loaded = taotie::studio::load_within(path, &args.options(height_scale), limits);
     let mut loaded = loaded.map_err(|error| of_material(args.material.as_deref(), error))?;
@@ -30,18 +29,18 @@ pub fn load(path: &Path, args: &MaterialArgs, height_scale: Option<f64>, limits:
     Ok(loaded)
 }
 
-/// Returns the files that are read for the materials asked for.
+/// Returns the files that are read for the requested materials.
 pub fn material_files(args: &MaterialArgs) -> Result<Vec<PathBuf>> {
     args.options(None).files().map_err(|error| of_material(args.material.as_deref(), error))
 }
 
-/// Puts a preset or what a TOML file asks for into every material of the scene.
+/// Applies a preset or a TOML file to every material of the scene.
 pub fn apply_choice(choice: &str, scene: &mut Scene) -> Result<()> {
     let applied = MaterialFile::choose(choice).and_then(|file| file.apply(scene));
     applied.map_err(|error| of_material(Some(choice), error))
 }
 
-/// An unknown material by the option that named it.
+/// Returns the error of an unknown material, naming the option.
 fn of_material(choice: Option<&str>, error: taotie::Error) -> anyhow::Error {
     match (choice, error) {
         (Some(choice), taotie::Error::Invalid { what, why }) if what == format!("material {choice}") => {
@@ -51,7 +50,7 @@ fn of_material(choice: Option<&str>, error: taotie::Error) -> anyhow::Error {
     }
 }
 
-/// The light on a scene in this view.
+/// Returns the light on a scene in this view.
 pub fn lighting(
     args: &LightArgs,
     environment: Option<&EnvironmentLight>,

@@ -1,4 +1,4 @@
-//! The options of surfaces, shared by the subcommands that take pictures of one.
+//! The options of surfaces, shared by the subcommands that render them.
 
 use crate::options;
 use anyhow::{Result, bail};
@@ -22,17 +22,18 @@ pub struct SurfaceArgs {
     /// cook-torrance-printed, blinn-phong-printed, ggx-printed
     #[arg(long, value_parser = options::named::<Shading>, default_value = "ggx")]
     pub shading: Shading,
-    /// Source of the shading normals: facet, smooth, bump, bump-printed, object-normal, tangent-normal; the best that the
-    /// material provides if not given
+    /// Source of the shading normals: facet, smooth, bump, bump-printed, object-normal, tangent-normal
+    /// [default: the best that the material provides]
     #[arg(id = "surface", long, value_name = "SURFACE", value_parser = options::named::<SurfaceMethod>)]
     pub method: Option<SurfaceMethod>,
-    /// Height of white for `bump`, model units; for `bump-printed` the factor s of Guo and Wang 2025, which has no unit
+    /// Height of white for `bump`, model units; for `bump-printed` the factor s of Guo and Wang 2025, which has no
+    /// unit
     #[arg(long, value_name = "X", value_parser = options::number, allow_negative_numbers = true)]
     pub bump_scale: Option<f64>,
 }
 
 impl SurfaceArgs {
-    /// Refuses what the method asked for does not read: a height of white, and maps of `material`.
+    /// Rejects options that the requested method does not use: a height of white, and maps of `material`.
     pub fn check(&self, material: Option<&MaterialArgs>) -> Result<()> {
         use SurfaceMethod::{Bump, BumpPrinted, ObjectNormal, TangentNormal};
         let Some(method) = self.method else { return Ok(()) };
@@ -45,7 +46,7 @@ impl SurfaceArgs {
         ];
         match unread.iter().find(|(_, is)| *is) {
             Some((option, _)) => {
-                bail!("{option}: --surface {} does not read it; leave one of them out", method.name())
+                bail!("{option}: --surface {} does not use it; leave one of them out", method.name())
             }
             None => Ok(()),
         }
@@ -63,7 +64,7 @@ impl SurfaceArgs {
 #[derive(Args)]
 #[command(next_help_heading = "Surface")]
 pub struct MaterialArgs {
-    /// Tangents: face, averaged, mikktspace; if not given those of the file, else mikktspace
+    /// Tangents: face, averaged, mikktspace [default: those of the file, otherwise mikktspace]
     #[arg(long, value_parser = options::named::<TangentMethod>)]
     pub tangents: Option<TangentMethod>,
     /// Material variant of the file (KHR_materials_variants)
@@ -81,10 +82,10 @@ pub struct MaterialArgs {
     /// Roughness of every material, [0, 1]; textures are multiplied by it
     #[arg(long, value_name = "X", value_parser = options::fraction)]
     pub roughness: Option<f64>,
-    /// Root mean square slope of every material, above 0, for cook-torrance; if not given the square of the roughness
+    /// Root mean square slope of every material, above 0, for cook-torrance [default: the square of the roughness]
     #[arg(long, value_name = "X", value_parser = options::positive)]
     pub slope: Option<f64>,
-    /// Exponent of every material, 0 or more, for phong and blinn-phong; if not given it follows from the roughness
+    /// Exponent of every material, 0 or more, for phong and blinn-phong [default: derived from the roughness]
     #[arg(long, value_name = "X", value_parser = options::at_least_0)]
     pub shininess: Option<f64>,
     /// A base colour texture for every material
@@ -96,7 +97,7 @@ pub struct MaterialArgs {
     /// Space of --normal-map
     #[arg(long, value_enum, default_value_t = Space::Tangent, requires = "normal_map")]
     pub normal_space: Space,
-    /// Direction of green in normal maps: up (OpenGL, glTF; if not given) or down (DirectX)
+    /// Direction of green in normal maps: up (OpenGL, glTF) or down (DirectX) [default: up]
     #[arg(long, value_enum)]
     pub green: Option<Green>,
     /// A height map for every material; white is high
@@ -144,20 +145,20 @@ impl From<Green> for GreenChannel {
 }
 
 impl MaterialArgs {
-    /// Notes tangents that nothing reads though a material would: no normal map is read, no highlight is stretched, and no
-    /// clearcoat has a normal map of its own.
+    /// Adds a warning for tangents that nothing uses although a material has a normal map: no normal map is read, no
+    /// material is anisotropic, and no clearcoat has its own normal map.
     pub fn note_tangents(&self, reads_normal_maps: bool, scene: &Scene, warnings: &mut Warnings) {
         let materials = scene.materials();
         let has_coat_map =
             |material: &Material| material.clearcoat.as_ref().is_some_and(|c| c.normal.is_some());
         let stretched = materials.iter().any(|m| m.anisotropy.is_some() || has_coat_map(m));
         let mapped = materials.iter().any(|material| material.normal.is_some());
-        // Without any map that is told where the model is read.
+        // Without any map, the warning is added when the model is read.
         let unread = self.tangents.is_some() && mapped && !stretched && !reads_normal_maps;
-        warnings.note("--tangents is not read: no normal map is read", usize::from(unread));
+        warnings.note("--tangents has no effect: no normal map is used", usize::from(unread));
     }
 
-    /// The materials asked for. `height_scale` is the height of white in model units, where it was asked for.
+    /// Returns the requested materials. `height_scale` is the height of white in model units, if given.
     pub fn options(&self, height_scale: Option<f64>) -> MaterialOptions {
         let maps = MapOptions {
             base_color: self.base_color_map.clone(),
@@ -173,7 +174,7 @@ impl MaterialArgs {
         MaterialOptions { variant, material, factors: self.factors(), maps, green: self.green().into() }
     }
 
-    /// The factors asked for.
+    /// Returns the requested factors.
     pub fn factors(&self) -> MaterialFactors {
         let number = |value: Option<f64>| value.map(|value| value as f32);
         MaterialFactors {
@@ -185,7 +186,7 @@ impl MaterialArgs {
         }
     }
 
-    /// Refuses factors that none of the reflectance models reads.
+    /// Rejects factors that none of the reflectance models uses.
     pub fn check(&self, shadings: &[Shading]) -> Result<()> {
         use Shading::{
             BlinnPhong, BlinnPhongClassic, BlinnPhongPrinted, CookTorrance, CookTorrancePrinted, Lambert,
@@ -202,7 +203,7 @@ impl MaterialArgs {
         ];
         match unread.iter().find(|(_, is, _)| *is) {
             Some((option, _, reader)) => {
-                bail!("{option}: the shading does not read it; leave it out, or take --shading {reader}")
+                bail!("{option}: the shading does not use it; leave it out, or use --shading {reader}")
             }
             None => Ok(()),
         }
@@ -212,7 +213,7 @@ impl MaterialArgs {
         self.green.unwrap_or(Green::Up)
     }
 
-    /// Returns the options as JSON for reports; null where nothing was asked for.
+    /// Returns the options as JSON for reports; null by default.
     pub fn json(&self) -> serde_json::Value {
         json!({
             "variant": self.variant,
@@ -236,25 +237,25 @@ impl MaterialArgs {
 #[derive(Args)]
 #[command(next_help_heading = "Surface")]
 pub struct ReflectionArgs {
-    /// Light between microfacets in ggx and cook-torrance: compensated (multiple scattering; if not given) or single
-    /// (lost)
+    /// Light between microfacets in ggx and cook-torrance: compensated (multiple scattering) or single (lost)
+    /// [default: compensated]
     #[arg(long, value_parser = options::named::<Energy>)]
     pub energy: Option<Energy>,
-    /// Specular antialiasing: relief finer than a pixel widens the highlight instead of sparkling; on if not given
+    /// Specular antialiasing: relief finer than a pixel widens the highlight instead of sparkling [default: on]
     #[arg(long, value_name = "on|off", value_parser = options::switch, action = ArgAction::Set)]
     pub specular_aa: Option<bool>,
-    /// Mapped normals that face away from the viewer: soften bends them until they are just seen, keep leaves them as in
-    /// the map [default: soften]
+    /// Mapped normals that face away from the viewer: soften bends them until they are just visible, keep leaves them
+    /// as in the map [default: soften]
     #[arg(long, value_name = "HOW", value_parser = options::named::<GrazingNormals>)]
     pub grazing_normals: Option<GrazingNormals>,
 }
 
 impl ReflectionArgs {
-    /// Refuses what none of the reflectance models reads.
+    /// Rejects options that none of the reflectance models uses.
     pub fn check(&self, shadings: &[Shading]) -> Result<()> {
         let compensates = |shading: &Shading| matches!(shading, Shading::Ggx | Shading::CookTorrance);
         if self.energy.is_some() && !shadings.iter().any(compensates) {
-            bail!("--energy: only ggx and cook-torrance read it; choose one of them with --shading");
+            bail!("--energy: only ggx and cook-torrance use it; choose one of them with --shading");
         }
         let corrections = [
             ("--specular-aa", self.specular_aa.is_some()),
@@ -263,7 +264,7 @@ impl ReflectionArgs {
         let given = corrections.iter().find(|(_, given)| *given);
         match given {
             Some((option, _)) if shadings.iter().all(|shading| shading.is_printed()) => {
-                bail!("{option}: the models as printed take no corrections; choose another with --shading")
+                bail!("{option}: the printed models take no corrections; choose another with --shading")
             }
             _ => Ok(()),
         }

@@ -1,20 +1,20 @@
-//! Options of the surface that find nothing in the model to act on: each is a warning.
+//! Surface options that have no effect on the model: each is a warning.
 
 use super::MaterialArgs;
 use taotie::Warnings;
 use taotie::scene::{Material, Scene};
 
-/// Notes each option that nothing of the scene reads. `height_scale` is the height of white, where it was asked for.
+/// Adds a warning for each option that has no effect on the scene. `height_scale` is the height of white, if given.
 pub fn note(args: &MaterialArgs, height_scale: Option<f64>, scene: &Scene, warnings: &mut Warnings) {
     let materials = scene.materials();
     let is_plain = scene.meshes().iter().all(|mesh| mesh.uvs().is_empty());
     let (mapped, lifted) = (materials.iter().any(has_normal_map), materials.iter().any(has_heights));
     let framed = mapped || materials.iter().any(|material| material.anisotropy.is_some());
     let unread = [
-        ("--green is not read: no material has a normal map", args.green.is_some() && !mapped),
-        ("--bump-scale is not read: no material has a height map", height_scale.is_some() && !lifted),
+        ("--green has no effect: no material has a normal map", args.green.is_some() && !mapped),
+        ("--bump-scale has no effect: no material has a height map", height_scale.is_some() && !lifted),
         (
-            "--tangents is not read: no material has a normal map or is anisotropic",
+            "--tangents has no effect: no material has a normal map or is anisotropic",
             args.tangents.is_some() && !framed,
         ),
         (

@@ -1,4 +1,4 @@
-//! Where the picture is taken from; what is wrong is told by the option that asked for it.
+//! The viewpoint of a picture; errors name the option that requested it.
 
 use super::CameraArgs;
 use crate::options;
@@ -10,14 +10,14 @@ use taotie::studio::{self, Framing, Motion, View};
 pub struct Viewpoint(studio::Viewpoint);
 
 impl Viewpoint {
-    /// The camera asked for: one of the file by name, an orbit, else the object framed.
+    /// Chooses the requested camera: one of the file by name, an orbit, otherwise one that frames the object.
     pub fn choose(args: &CameraArgs, framing: Framing, scene: &Scene) -> Result<Self> {
         check(args, scene)?;
         let chosen = studio::Viewpoint::choose(&args.options()?, framing, scene);
         chosen.map(Self).map_err(|error| of_option(args, error))
     }
 
-    /// As [`Viewpoint::choose`], framing all that the object fills in the course of its motion.
+    /// Like [`Viewpoint::choose`], but frames the whole extent of the object's motion.
     pub fn choose_moving(
         args: &CameraArgs,
         framing: Framing,
@@ -29,17 +29,17 @@ impl Viewpoint {
         chosen.map(Self).map_err(|error| of_option(args, error))
     }
 
-    /// Goes with a camera of the file that moves, where such a one was asked for.
+    /// Follows a moving camera of the file, if one was requested.
     pub fn follow(&mut self, args: &CameraArgs, scene: &Scene) -> Result<()> {
         self.0.follow(&args.options()?, scene).map_err(|error| of_option(args, error))
     }
 
-    /// The view after the object has turned by `turn` radians, as if it stood on a turntable.
+    /// Returns the view after the object has turned by `turn` radians, as on a turntable.
     pub fn at(&self, turn: f64) -> View<'_> {
         self.0.at(turn)
     }
 
-    /// The camera after the object has turned by `turn` radians.
+    /// Returns the camera after the object has turned by `turn` radians.
     pub fn camera(&self, turn: f64) -> Camera {
         self.at(turn).camera()
     }
@@ -47,7 +47,7 @@ impl Viewpoint {
 
 fn check(args: &CameraArgs, scene: &Scene) -> Result<()> {
     if scene.triangle_count() == 0 {
-        bail!("the model has no triangle to look at");
+        bail!("the model has no triangles to look at");
     }
     match &args.camera {
         Some(name) if scene.cameras().is_empty() => {

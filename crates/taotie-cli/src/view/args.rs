@@ -22,37 +22,37 @@ Examples:
   taotie view vase.glb --folder site --address https://museum.example/vase
   taotie view vase.glb --scan vase-scan.ply -o proof.html
 
-The page shows what `taotie render` draws with the same options, by any reflectance model and surface method; light and \
-camera are moved by mouse, finger or keys.";
+The page shows what `taotie render` draws with the same options, with any reflectance model and surface method; move \
+light and camera with the mouse, a finger or the keyboard.";
 
-/// Writes a model as one offline page to look at it in a browser; opens it where no file is named.
+/// Writes a model as a single offline web page; opens it in a browser if no file is named.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct ViewArgs {
     /// The model: .gltf, .glb, .obj, .ply or .stl
     pub model: PathBuf,
-    /// The page to write: .html. If not given it is written to the folder for temporary files and opened
+    /// The page to write: .html [default: a temporary file, which is opened]
     #[arg(short, long, value_name = "PAGE")]
     pub output: Option<PathBuf>,
-    /// Write the page and the model side by side into a folder, for a web server
+    /// Write the page and the model as separate files into a folder, for a web server
     #[arg(long, value_name = "DIR", conflicts_with = "output")]
     pub folder: Option<PathBuf>,
-    /// Where the folder will be published: writes IIIF manifests into it, `manifest.json` by version 4 of the Presentation
-    /// API, `manifest-3.json` by version 3
+    /// Address where the folder will be published: writes IIIF manifests into it, `manifest.json` for version 4 of
+    /// the Presentation API, `manifest-3.json` for version 3
     #[arg(long, value_name = "URL", requires = "folder", value_parser = web_address)]
     pub address: Option<String>,
-    /// The scan that the model stands for: the page shows the measured error on the model, but no part of the scan
+    /// The scan of the model: the page shows the measured error on the model, but no part of the scan
     #[arg(long, value_name = "SCAN")]
     pub scan: Option<PathBuf>,
-    /// Put the scan itself into the page, to be shown next to the model under a wipe
+    /// Put the scan itself into the page, shown next to the model under a wipe
     #[arg(long, requires = "scan")]
     pub publish_scan: bool,
     #[command(flatten)]
     pub reading: ScanArgs,
-    /// Views that the page offers: a JSON list of { "title", "text", "link" }, as a page saves it
+    /// Views that the page offers: a JSON list of { "title", "text", "link" }, as saved by a page
     #[arg(long, value_name = "FILE")]
     pub bookmarks: Option<PathBuf>,
-    /// Heading of the page; the file's name if not given
+    /// Heading of the page [default: the file's name]
     #[arg(long, value_name = "TEXT")]
     pub title: Option<String>,
 
@@ -75,21 +75,21 @@ pub struct ViewArgs {
     pub json: bool,
 }
 
-/// An address on the web, as IIIF wants it.
+/// Parses a web address, as IIIF requires it.
 fn web_address(text: &str) -> Result<String, String> {
     let is_whole = ["http://", "https://"].iter().any(|scheme| {
         text.strip_prefix(scheme).is_some_and(|rest| !rest.is_empty() && !rest.contains(['#', '?', ' ']))
     });
     is_whole
         .then(|| text.to_owned())
-        .ok_or_else(|| "no address of a folder that begins with http:// or https://".into())
+        .ok_or_else(|| "expected the address of a folder that begins with http:// or https://".into())
 }
 
 /// The picture that the first camera frames.
 pub const FRAMING: Framing = Framing { size: [1024, 1024], all_around: false };
 
 impl ViewArgs {
-    /// Refuses options that cannot work together, before any work is done.
+    /// Rejects options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
         let every: Vec<Shading> = <Shading as taotie::names::Named>::NAMES.iter().map(|(_, s)| *s).collect();
         self.material.check(&every)?;
@@ -102,7 +102,7 @@ impl ViewArgs {
         }
         if self.light.shadows {
             bail!(
-                "--shadows: the page draws those of its raking light, where it is asked to; leave it out, or take `taotie render`"
+                "--shadows: the page draws only those of its raking light; leave it out, or use `taotie render`"
             );
         }
         match &self.output {
@@ -113,7 +113,7 @@ impl ViewArgs {
         }
     }
 
-    /// Refuses an output that cannot be written, or that is read.
+    /// Rejects an output that cannot be written or that is an input.
     pub fn claim(&self, files: &FileSet) -> Result<()> {
         files.protect([&self.model])?;
         files.protect(&self.scan)?;
@@ -141,7 +141,7 @@ impl ViewArgs {
     pub fn bookmarks(&self) -> Result<Vec<Bookmark>> {
         let Some(path) = &self.bookmarks else { return Ok(Vec::new()) };
         let read = serde_json::from_slice(&read_bytes(path)?);
-        read.with_context(|| format!("--bookmarks {}: no list of bookmarks", path.display()))
+        read.with_context(|| format!("--bookmarks {}: not a list of bookmarks", path.display()))
     }
 
     /// Returns the heading of the page.

@@ -1,4 +1,4 @@
-//! `taotie view`: a model as a page that shows it in a browser.
+//! `taotie view`: a model as a web page.
 
 mod args;
 
@@ -21,7 +21,7 @@ use taotie_report::viewer::{self, ScanSubject, Subject, Viewer};
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
 
-/// How many times the scene is in memory: as it is, as it is written, compressed, and as text.
+/// Copies of the scene in memory: as it is, as it is written, compressed, and as text.
 const COPIES: u64 = 4;
 
 /// Runs the subcommand.
@@ -36,7 +36,7 @@ pub fn run(args: &ViewArgs) -> Result<()> {
     let opened = args.output.is_none() && args.folder.is_none();
     if let Some(page) = written.first().filter(|_| opened) {
         open::that(page)
-            .with_context(|| format!("{}: no browser opened it; name a page by -o", page.display()))?;
+            .with_context(|| format!("{}: no browser opened it; write a page with -o", page.display()))?;
     }
     if args.json {
         return console::result(&serde_json::to_string_pretty(&report(args, &written, &warnings))?);
@@ -99,7 +99,8 @@ struct ScanOfModel<'a> {
 }
 
 impl ShownScan {
-    /// Reads the scan of a model as the options say, else as the model records it; into metres if the model is.
+    /// Reads the scan of a model as the options specify, otherwise as the model records it; in metres if the model
+    /// is.
     fn read(
         of_model: ScanOfModel<'_>,
         args: &ViewArgs,
@@ -158,7 +159,7 @@ fn write(args: &ViewArgs, viewer: &Viewer, files: &FileSet) -> Result<Vec<PathBu
 /// The path of a page in a new folder for temporary files, which stays for the browser.
 fn temporary(args: &ViewArgs) -> Result<PathBuf> {
     let folder = tempfile::Builder::new().prefix("taotie-view-").tempdir();
-    let folder = folder.context("a folder for temporary files could not be made; name a page by -o")?;
+    let folder = folder.context("a temporary folder could not be created; write a page with -o")?;
     let stem = args.model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Ok(folder.keep().join(format!("{stem}.html")))
 }

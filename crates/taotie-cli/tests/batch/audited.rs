@@ -1,4 +1,4 @@
-//! `taotie batch --check`: what is not as it was written is found.
+//! `taotie batch --check`: finds changed files.
 
 use crate::collection::{Collection, ball, number};
 use crate::files::files_below;
@@ -22,8 +22,8 @@ fn an_audit_finds_what_was_changed() {
     let (code, report) = collection.report("--check --proofs 0");
     let faults = report["faults"].to_string();
     assert_eq!((code, report["faults"].as_array().unwrap().len()), (Some(1), 2), "{faults}");
-    assert!(faults.contains("its bytes are not those that were written"), "{faults}");
-    assert_eq!(number(&collection.report("").1, "/attempts"), 1.0, "what is gone is made again");
+    assert!(faults.contains("contents differ from what was written"), "{faults}");
+    assert_eq!(number(&collection.report("").1, "/attempts"), 1.0, "missing files are made again");
     let (_, report) = collection.report("--check --proofs 0");
     assert_eq!(report["faults"].as_array().unwrap().len(), 1, "{report}");
 }
@@ -41,13 +41,13 @@ fn a_proof_anew_finds_an_asset_that_is_another() {
     std::fs::write(&models[0], bytes).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     std::fs::write(&path, text.replace(&hash, &taotie::io::sha256(&models[0]).unwrap())).unwrap();
-    assert_eq!(collection.report("--check --proofs 0").0, Some(0), "hashes alone do not tell");
+    assert_eq!(collection.report("--check --proofs 0").0, Some(0), "hashes do not reveal it");
     let (code, report) = collection.report("--check");
     assert!(
-        code == Some(1) && report["faults"].to_string().contains("made anew, it has other bytes"),
+        code == Some(1) && report["faults"].to_string().contains("made again, its bytes differ"),
         "{report}"
     );
     collection.write("scans/ball0.obj", ball(0.05));
     let (_, report) = collection.report("--check");
-    assert!(report["faults"].to_string().contains("its scan is another now"), "{report}");
+    assert!(report["faults"].to_string().contains("the scan has changed since"), "{report}");
 }

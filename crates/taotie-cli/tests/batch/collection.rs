@@ -1,4 +1,4 @@
-//! A collection in a folder of its own.
+//! A collection in its own folder.
 
 use crate::balls::{Ball, SCAN};
 use crate::files::all_files_below;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
-/// What is made of balls, in little time.
+/// The options for balls, baked quickly.
 pub const QUICK: &str = "
 [bake]
 triangles = 100
@@ -23,7 +23,7 @@ view = 32
 size = 32
 ";
 
-/// A small ball; waves of other heights make other scans.
+/// A small ball; other wave heights make other scans.
 pub fn ball(waves: f64) -> String {
     Ball { rings: 16, meridians: 32, waves, ..SCAN }.obj()
 }
@@ -34,7 +34,7 @@ pub struct Collection {
 }
 
 impl Collection {
-    /// A collection of everything below `scans`.
+    /// Creates a collection of everything below `scans`.
     pub fn new(options: &str) -> Self {
         let folder = tempfile::tempdir().expect("temporary folders can be made");
         std::fs::create_dir(folder.path().join("scans")).expect("it can be written to");
@@ -43,7 +43,7 @@ impl Collection {
         collection
     }
 
-    /// One of so many balls.
+    /// Creates a collection of `count` balls.
     pub fn of_balls(count: usize) -> Self {
         let collection = Self::new(QUICK);
         for index in 0..count {
@@ -52,7 +52,7 @@ impl Collection {
         collection
     }
 
-    /// Writes `collection.toml` anew.
+    /// Rewrites `collection.toml`.
     pub fn configure(&self, options: &str) {
         let (top, tables) = options.split_at(options.find("\n[").unwrap_or(options.len()));
         let text = format!("output = \"out\"\n{top}\n[[source]]\nfolder = \"scans\"\n{tables}");
@@ -64,12 +64,12 @@ impl Collection {
         std::fs::write(self.path(name), content).expect("it can be written");
     }
 
-    /// The path of a file in it.
+    /// Returns the path of a file in it.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    /// The command, to be started.
+    /// Returns the command, to be started.
     pub fn command(&self, line: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_taotie"));
         command.arg("batch").args(line.split_whitespace()).current_dir(self.folder.path());
@@ -86,55 +86,55 @@ impl Collection {
     /// Works through it; returns the exit code and the report.
     pub fn report(&self, line: &str) -> (Option<i32>, Value) {
         let output = self.run(&format!("--json {line}"));
-        let told = String::from_utf8_lossy(&output.stderr);
+        let stderr = String::from_utf8_lossy(&output.stderr);
         let report = serde_json::from_slice(&output.stdout);
-        (output.status.code(), report.unwrap_or_else(|error| panic!("{error}: {told}")))
+        (output.status.code(), report.unwrap_or_else(|error| panic!("{error}: {stderr}")))
     }
 
-    /// All records, in order.
+    /// Returns all records, in order.
     pub fn records(&self) -> Vec<Value> {
         let text = std::fs::read(self.path("out/manifest.jsonl")).expect("there is a manifest");
         let lines = text.split(|byte| *byte == b'\n').filter(|line| !line.is_empty());
         lines.filter_map(|line| serde_json::from_slice(line).ok()).collect()
     }
 
-    /// The last record of each asset.
+    /// Returns the last record of each asset.
     pub fn last(&self) -> BTreeMap<String, Value> {
         self.records().into_iter().map(|record| (text(&record, "/id"), record)).collect()
     }
 
-    /// Says whether so many assets have a record.
+    /// Returns true if `count` assets have a record.
     pub fn is_complete(&self, count: usize) -> bool {
         self.path("out/manifest.jsonl").exists() && self.last().len() == count
     }
 
-    /// Every file of all objects with its bytes. Fails where anything is half done.
+    /// Returns every file of all objects with its bytes. Fails if anything is unfinished.
     pub fn objects(&self) -> BTreeMap<PathBuf, Vec<u8>> {
         objects(&self.path("out"))
     }
 }
 
-/// Every file of all objects of a collection's folder. Fails where anything hidden is left.
+/// Returns every file of all objects of a collection's folder. Fails if anything hidden is left.
 pub fn objects(root: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let files = all_files_below(&root.join("objects"));
     let hidden = files.iter().find(|path| path.to_string_lossy().contains("/.taotie"));
     assert_eq!(hidden, None, "a temporary file is left");
     let read = |path: &PathBuf| std::fs::read(path).expect("it can be read");
-    let name = |path: &PathBuf| path.strip_prefix(root).expect("it lies below").to_path_buf();
+    let name = |path: &PathBuf| path.strip_prefix(root).expect("it is below the root").to_path_buf();
     files.iter().map(|path| (name(path), read(path))).collect()
 }
 
-/// A text of a record.
+/// Returns a text of a record.
 pub fn text(record: &Value, path: &str) -> String {
     record.pointer(path).and_then(Value::as_str).unwrap_or_else(|| panic!("{path} in {record}")).to_owned()
 }
 
-/// A number of a record.
+/// Returns a number of a record.
 pub fn number(record: &Value, path: &str) -> f64 {
     record.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path} in {record}"))
 }
 
-/// Asserts that no object was made twice: what is there already is taken as it is.
+/// Asserts that no object was made twice: existing ones are reused.
 pub fn assert_nothing_twice(records: &[Value]) {
     let mut made = BTreeMap::new();
     for record in records {

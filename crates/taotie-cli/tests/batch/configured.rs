@@ -1,4 +1,4 @@
-//! `collection.toml`: what is wrong with it is told with its line, before any work.
+//! `collection.toml`: errors are reported with their line, before any work.
 
 use crate::collection::{Collection, QUICK, ball, text};
 
@@ -8,10 +8,10 @@ fn assert_told(text: &str, line: usize, why: &str) {
     collection.write("scans/a.obj", "");
     collection.write("collection.toml", text);
     let output = collection.run("");
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{told}");
-    assert!(told.contains(&format!("collection.toml: line {line}: ")) && told.contains(why), "{told}");
-    assert!(!collection.path("out").exists(), "nothing was begun");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{stderr}");
+    assert!(stderr.contains(&format!("collection.toml: line {line}: ")) && stderr.contains(why), "{stderr}");
+    assert!(!collection.path("out").exists(), "nothing was started");
 }
 
 #[test]
@@ -24,24 +24,28 @@ fn what_is_wrong_is_told_with_its_line() {
     assert_told(
         &format!("{source}[bake]\ntriangels = 5\n"),
         4,
-        "[bake] has no `triangels`; it has ao_distance, ",
+        "unknown key `triangels` in [bake]; expected one of ao_distance, ",
     );
     assert_told(&format!("{source}[bake]\ntriangles = \"many\"\n"), 4, "invalid type");
     assert_told(&format!("{source}[bake]\nmaps = [\"norm\"]\n"), 4, "unknown variant `norm`");
-    assert_told(&format!("{source}[bake]\nsize = 4\n"), 4, "give 16 to 16384 texels");
+    assert_told(&format!("{source}[bake]\nsize = 4\n"), 4, "use 16 to 16384 texels");
     assert_told(
         &format!("{source}[packing]\nimages = \"gif\"\n"),
         4,
-        "image format `gif`: there is none of this name",
+        "unknown image format `gif`: expected one of: ",
     );
-    assert_told(&format!("{source}[scan]\nunits = \"mm\"\n"), 4, "[scan] has no `units`; it has ");
+    assert_told(
+        &format!("{source}[scan]\nunits = \"mm\"\n"),
+        4,
+        "unknown key `units` in [scan]; expected one of ",
+    );
     assert_told(&format!("{source}[scan]\nunit = \"ft\"\n"), 4, "unknown variant `ft`");
     assert_told(&format!("{source}[scan]\ncrease_angle_deg = 181\n"), 4, "between 0 and 180 degrees");
     assert_told(&format!("{source}[thumbnail]\nsize = 4\n"), 1, "thumbnail: a size of 4");
     assert_told(&format!("{source}[thumbnail]\nwidth = 4\n"), 3, "width");
     assert_told(&format!("require = [\n\"mean-angle=2\",\n\"beauty=1\"]\n{source}"), 3, "beauty");
     assert_told(&format!("{source}[run]\nmemory = \"much\"\n"), 4, "memory: ");
-    assert_told(&format!("{source}[run]\ntime_limit = \"soon\"\n"), 4, "`soon` is no time");
+    assert_told(&format!("{source}[run]\ntime_limit = \"soon\"\n"), 4, "invalid time `soon`");
     assert_told(&format!("{source}[run]\njobs = 0\n"), 4, "at least one process");
     let over = "\n[[override]]\nid = \"a*\"\nbake.lods = [90000]\n";
     assert_told(&format!("{source}{over}"), 4, "the level of detail 90000");
@@ -49,7 +53,7 @@ fn what_is_wrong_is_told_with_its_line() {
     assert_told(
         &format!("{source}\n[[override]]\nid = \"a\"\nverify.sharp = 1\n"),
         6,
-        "[verify] has no `sharp`",
+        "unknown key `sharp` in [verify]",
     );
 }
 
@@ -67,11 +71,11 @@ fn lists_name_scans_with_ids_and_titles() {
     collection
         .write("collection.toml", format!("{lists}{QUICK}\n[[override]]\nid = \"c*\"\nreport = false\n"));
     let output = collection.run("");
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{told}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
     assert!(
-        told.contains("the column `rights` is not read") && told.contains("`c*` covers no asset"),
-        "{told}"
+        stderr.contains("ignored unknown column `rights`") && stderr.contains("`c*` matches no asset"),
+        "{stderr}"
     );
     let last = collection.last();
     assert_eq!(last.keys().collect::<Vec<_>>(), ["a.obj", "again", "b.obj", "first/a", "scans/b.obj"]);
@@ -80,11 +84,11 @@ fn lists_name_scans_with_ids_and_titles() {
         (&"A ball".into(), &"B, too".into())
     );
     collection.write("list.csv", "path,id\nscans/a.obj,x\nscans/b.obj,x\n");
-    let told = String::from_utf8_lossy(&collection.run("").stderr).into_owned();
-    assert!(told.contains("the id `x`: both scans/a.obj and scans/b.obj have it"), "{told}");
+    let stderr = String::from_utf8_lossy(&collection.run("").stderr).into_owned();
+    assert!(stderr.contains("the id `x`: used by both scans/a.obj and scans/b.obj"), "{stderr}");
     collection.write("list.csv", "file\nscans/a.obj\n");
-    let told = String::from_utf8_lossy(&collection.run("").stderr).into_owned();
-    assert!(told.contains("list.csv: line 1: ") && told.contains("`path`"), "{told}");
+    let stderr = String::from_utf8_lossy(&collection.run("").stderr).into_owned();
+    assert!(stderr.contains("list.csv: line 1: ") && stderr.contains("`path`"), "{stderr}");
 }
 
 #[test]

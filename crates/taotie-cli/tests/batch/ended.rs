@@ -10,11 +10,11 @@ use std::time::{Duration, Instant, SystemTime};
 type Files = BTreeMap<PathBuf, Vec<u8>>;
 
 fn send(signal: &str, process: u32) {
-    // It may have ended by itself.
+    // It may already have ended.
     let _ = Command::new("kill").args([signal, &process.to_string()]).output();
 }
 
-/// The processes that a driver has started.
+/// Returns the processes that a driver has started.
 #[cfg(target_os = "linux")]
 fn children(driver: &Child) -> Vec<u32> {
     let path = format!("/proc/{0}/task/{0}/children", driver.id());
@@ -25,21 +25,21 @@ fn children(driver: &Child) -> Vec<u32> {
 #[cfg(target_os = "linux")]
 fn is_running(process: u32) -> bool {
     let status = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
-    // One that has ended and that nobody has asked for is a zombie.
+    // A process that has ended and was not waited for is a zombie.
     status.rsplit_once(')').is_some_and(|(_, rest)| !rest.trim_start().starts_with('Z'))
 }
 
-/// Begins to work through a collection; comes back once processes are at work.
+/// Starts working through a collection; returns once processes are running.
 #[cfg(target_os = "linux")]
 fn begin(collection: &Collection) -> (Child, Vec<u32>) {
     let mut driver = collection.command("collection.toml --jobs 2 -q").spawn().expect("it starts");
     let start = Instant::now();
     loop {
         let found = children(&driver);
-        if !found.is_empty() || driver.try_wait().expect("it can be asked").is_some() {
+        if !found.is_empty() || driver.try_wait().expect("it can be polled").is_some() {
             return (driver, found);
         }
-        assert!(start.elapsed() < Duration::from_secs(20), "no process begins");
+        assert!(start.elapsed() < Duration::from_secs(20), "no process starts");
         std::thread::sleep(Duration::from_millis(1));
     }
 }
@@ -56,7 +56,7 @@ fn wait_for_end(processes: &[u32]) {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_signal_ends_driver_and_processes_and_the_next_call_goes_on() {
-    // So many that none of the calls is done before its signal comes.
+    // Enough that no call is done before its signal arrives.
     let collection = Collection::of_balls(24);
     for (signal, code) in [("-INT", 130), ("-TERM", 143)] {
         let (mut driver, _) = begin(&collection);
@@ -88,7 +88,7 @@ fn a_process_that_is_killed_costs_one_record() {
     collection.objects();
 }
 
-/// A process that hangs: it is stopped and never goes on.
+/// A process that hangs: it is stopped and never continues.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_process_that_hangs_costs_one_record() {
@@ -100,17 +100,17 @@ fn a_process_that_hangs_costs_one_record() {
         if let Some(first) = children(&driver).first() {
             break *first;
         }
-        assert!(start.elapsed() < Duration::from_secs(20), "no process begins");
+        assert!(start.elapsed() < Duration::from_secs(20), "no process starts");
     };
     send("-STOP", first);
     assert_eq!(driver.wait().expect("it ends").code(), Some(2));
     let records = collection.records();
     let hung = records.iter().find(|record| record["state"] == "failed").expect("one hung");
-    assert!(text(hung, "/error").starts_with("it took longer than 3 s"), "{hung}");
+    assert!(text(hung, "/error").starts_with("took longer than 3 s"), "{hung}");
     assert_eq!(records.iter().filter(|record| record["state"] == "done").count(), 1);
 }
 
-/// The system gives each process 150 MB, which is less than maps of 4096² take.
+/// The system gives each process 150 MB, which is less than maps of 4096² need.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_process_that_runs_out_of_memory_costs_one_record() {
@@ -123,7 +123,7 @@ fn a_process_that_runs_out_of_memory_costs_one_record() {
     let code = shell.output().expect("there is a shell").status.code();
     let last = collection.last();
     let error = text(&last["ball1.obj"], "/error");
-    assert!(code == Some(2) && error.starts_with("it ran out of memory in the stage `"), "{error}");
+    assert!(code == Some(2) && error.starts_with("ran out of memory in stage `"), "{error}");
     assert!(["ball0.obj", "ball2.obj"].iter().all(|id| last[*id]["state"] == "done"), "{last:?}");
 }
 
@@ -138,13 +138,13 @@ fn a_torn_line_is_passed_over() {
     drop(file);
     let (code, report) = collection.report("");
     assert_eq!((code, number(&report, "/known")), (Some(0), 1.0));
-    assert!(report["warnings"].to_string().contains("a line that is no record"), "{report}");
+    assert!(report["warnings"].to_string().contains("skipped a malformed record"), "{report}");
     collection.write("scans/new.obj", crate::collection::ball(0.04));
     assert_eq!(number(&collection.report("").1, "/attempts"), 1.0);
-    assert_eq!(collection.records().len(), 2, "what follows a torn line is whole");
+    assert_eq!(collection.records().len(), 2, "the line after a torn one is whole");
 }
 
-/// Kills driver and processes at random moments until all is done; what is there then is what an undisturbed run makes.
+/// Kills driver and processes at random moments until all is done; the result then is that of an undisturbed run.
 #[cfg(target_os = "linux")]
 fn kill(rounds: usize) {
     let undisturbed = Collection::of_balls(4);
@@ -173,7 +173,7 @@ fn kill(rounds: usize) {
     assert_same(&collection, &truth);
 }
 
-/// Ends the work, and asserts that nothing is missing, half done, done twice or other than it should be.
+/// Finishes the work, and asserts that nothing is missing, unfinished, duplicated or wrong.
 #[cfg(target_os = "linux")]
 fn assert_same(collection: &Collection, truth: &Files) {
     assert_whole(collection, truth);
@@ -193,19 +193,19 @@ fn whatever_is_killed_fifty_times_the_files_are_those_of_an_undisturbed_run() {
     kill(50);
 }
 
-/// Cuts files short that were written since then, as a disk does that loses its power and had promised too much.
+/// Truncates files written since then, like a disk that loses power before writing what it acknowledged.
 #[cfg(target_os = "linux")]
 fn lose(collection: &Collection, since: SystemTime, random: &mut fastrand::Rng) {
     for path in crate::files::all_files_below(&collection.path("out")) {
-        let about = std::fs::symlink_metadata(&path).expect("it is there");
+        let about = std::fs::symlink_metadata(&path).expect("it exists");
         if about.is_file() && about.modified().expect("it has a time") >= since && random.bool() {
             let file = std::fs::File::options().write(true).open(&path).expect("it can be written");
-            file.set_len(random.u64(0..=about.len())).expect("it can be cut");
+            file.set_len(random.u64(0..=about.len())).expect("it can be truncated");
         }
     }
 }
 
-/// Ends everything at once at random moments, and loses half of what was written since it began.
+/// Kills everything at the same time at random moments, and loses half of what was written since the start.
 #[cfg(target_os = "linux")]
 fn power_off(rounds: usize) {
     let undisturbed = Collection::of_balls(4);
@@ -231,7 +231,7 @@ fn power_off(rounds: usize) {
     assert_whole(&collection, &truth);
 }
 
-/// Ends the work, and asserts that nothing is missing, half done or other than it should be.
+/// Finishes the work, and asserts that nothing is missing, unfinished or wrong.
 #[cfg(target_os = "linux")]
 fn assert_whole(collection: &Collection, truth: &Files) {
     let (code, report) = collection.report("--retry-failed");
@@ -239,7 +239,7 @@ fn assert_whole(collection: &Collection, truth: &Files) {
     let made = collection.objects();
     assert!(made.keys().eq(truth.keys()), "{:?} {:?}", made.keys(), truth.keys());
     assert!(made == *truth, "a file has other bytes than in an undisturbed run");
-    assert_eq!(collection.report("--check").0, Some(0), "the manifest says what is there");
+    assert_eq!(collection.report("--check").0, Some(0), "the manifest matches the files");
 }
 
 #[cfg(target_os = "linux")]

@@ -1,5 +1,5 @@
-//! `taotie batch`: collections that go on where they were cut off, whatever ended them.
-#![allow(clippy::print_stdout, reason = "tests say what they found")]
+//! `taotie batch`: collections resume where they were interrupted, regardless of the cause.
+#![allow(clippy::print_stdout, reason = "tests print their findings")]
 
 #[allow(dead_code)]
 #[path = "../cli/balls.rs"]

@@ -1,4 +1,4 @@
-//! The collection's page, and what lies beside it.
+//! The collection's page, and the files next to it.
 
 use crate::collection::{Collection, QUICK};
 use crate::files::all_files_below;
@@ -48,7 +48,7 @@ fn nothing_that_is_written_names_a_folder_of_the_machine() {
     collection.write("scans/broken.obj", "v 1 2\n");
     collection.configure(&format!("report = true\nviewer = true\n{QUICK}"));
     let mut command = collection.command("--json");
-    // Named by its whole path, from another folder.
+    // Given by its full path, from another folder.
     let output = command.arg(collection.path("collection.toml")).current_dir(std::env::temp_dir()).output();
     let output = output.expect("the command runs");
     let folder = collection.path("").to_string_lossy().trim_end_matches('/').to_owned();

@@ -1,14 +1,14 @@
-//! A collection of the scans and models that lie in the shared data.
+//! A collection of the scans and models in the shared data.
 
 use crate::collection::{Collection, QUICK, text};
 use crate::files::data_files;
 
-/// Bakes every model below a folder of the shared data; asserts that each has a record with its state, and its sentence
-/// where it is not made. Returns how many are made and how many not.
+/// Bakes every model below a folder of the shared data; asserts that each has a record with its state, and an
+/// error message if it is not made. Returns the numbers of models made and not made.
 fn bake(folder: &str, extensions: &[&str]) -> Option<[usize; 2]> {
     let files = data_files(folder, extensions);
     let first = files.first()?;
-    let root = first.ancestors().find(|path| path.ends_with(folder)).expect("it lies below");
+    let root = first.ancestors().find(|path| path.ends_with(folder)).expect("it is below the folder");
     let collection = Collection::new("");
     let source = format!("output = \"out\"\n[[source]]\nfolder = {:?}\n{QUICK}", root.display().to_string());
     collection.write("collection.toml", source);
@@ -27,7 +27,7 @@ fn bake(folder: &str, extensions: &[&str]) -> Option<[usize; 2]> {
         if let (true, Some(peak), Some(forecast)) =
             (made, record["peak_bytes"].as_f64(), record["forecast_bytes"].as_f64())
         {
-            assert!(peak <= forecast, "{id}: {peak} taken, {forecast} foreseen");
+            assert!(peak <= forecast, "{id}: {peak} used, {forecast} estimated");
         }
         counts[usize::from(!made)] += 1;
     }

@@ -1,4 +1,4 @@
-//! What is done, and what is not done again.
+//! Which work is done, and which is not repeated.
 
 use crate::collection::{Collection, QUICK, assert_nothing_twice, ball, number, text};
 use serde_json::Value;
@@ -33,7 +33,7 @@ fn good_ones_are_done_once_and_each_bad_one_has_its_sentence() {
     #[cfg(unix)]
     {
         let link = collection.path("out/assets/ball0.obj/ball0.glb");
-        assert!(std::fs::read(link).unwrap().starts_with(b"glTF"), "a name that people can read");
+        assert!(std::fs::read(link).unwrap().starts_with(b"glTF"), "a readable name");
     }
     let before = (collection.records().len(), collection.objects());
     let (code, report) = collection.report("");
@@ -62,7 +62,7 @@ fn a_changed_option_redoes_what_it_touches_and_no_more() {
     collection.configure(&format!("{QUICK}{over}").replace("size = 32", "size = 48"));
     assert_eq!(number(&collection.report("").1, "/attempts"), 1.0, "one asset has other options");
     assert_eq!(reused("ball1.obj"), [("asset".into(), false), ("thumbnail".into(), false)]);
-    // Back again: all is there.
+    // Back to the first options: everything exists.
     collection.configure(QUICK);
     assert_eq!(number(&collection.report("").1, "/attempts"), 2.0);
     assert!(["ball0.obj", "ball1.obj"].iter().all(|id| reused(id).iter().all(|(_, reused)| *reused)));
@@ -77,17 +77,17 @@ fn requirements_are_judged_anew_without_a_bake() {
     collection.configure(&format!("require = [\"mean-angle=0.0001\"]\n{QUICK}"));
     let output = collection.run("");
     assert_eq!(output.status.code(), Some(1));
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(told.contains("ball0.obj: required-not-met: mean-angle is "), "{told}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(stderr.contains("ball0.obj: required-not-met: mean-angle is "), "{stderr}");
     let last = &collection.last()["ball0.obj"];
     assert_eq!((&last["state"], last["stages"].as_array().unwrap().len()), (&"required-not-met".into(), 0));
     assert_eq!(collection.objects(), before);
-    assert_eq!(collection.report("").0, Some(1), "it is known, and still not met");
+    assert_eq!(collection.report("").0, Some(1), "the record is known, and still not met");
     collection.configure(QUICK);
     assert_eq!(collection.report("").0, Some(0));
 }
 
-/// Rewrites all records as an earlier version of the program left them.
+/// Rewrites all records as an earlier version of the program wrote them.
 fn age(collection: &Collection) {
     let path = collection.path("out/manifest.jsonl");
     let text = std::fs::read_to_string(&path).unwrap();
@@ -102,7 +102,7 @@ fn records_of_an_earlier_version_are_judged_again() {
     age(&collection);
     let (code, report) = collection.report("--check --proofs 0");
     assert!(
-        code == Some(1) && report["faults"].to_string().contains("figures of another version"),
+        code == Some(1) && report["faults"].to_string().contains("another version's figures"),
         "{report}"
     );
     let (_, report) = collection.report("");
@@ -114,7 +114,7 @@ fn records_of_an_earlier_version_are_judged_again() {
         "{record}"
     );
     assert_eq!(number(&collection.report("").1, "/attempts"), 0.0);
-    // If the figures themselves are of an earlier version, the asset is made again.
+    // If the figures themselves are from an earlier version, the asset is made again.
     age(&collection);
     for (path, bytes) in collection.objects() {
         if path.ends_with("object.json") {
@@ -158,10 +158,10 @@ fn a_time_limit_costs_one_record() {
     let (code, report) = collection.report("--time-limit 8s");
     assert_eq!((code, states(&report)), (Some(2), [1.0, 0.0, 0.0, 1.0]), "{report}");
     let error = text(&collection.last()["ball1.obj"], "/error");
-    assert!(error.starts_with("it took longer than ") && error.contains("--time-limit"), "{error}");
+    assert!(error.starts_with("took longer than ") && error.contains("--time-limit"), "{error}");
     assert!(number(&collection.last()["ball1.obj"], "/seconds") < 30.0);
     collection.configure(QUICK);
-    assert_eq!(collection.report("").0, Some(0), "with other options it is another work");
+    assert_eq!(collection.report("").0, Some(0), "other options make it a different job");
 }
 
 #[test]
@@ -182,8 +182,8 @@ fn two_drivers_do_not_write_to_one_manifest() {
     let file = std::fs::File::open(collection.path("out/manifest.jsonl")).unwrap();
     file.lock().unwrap();
     let output = collection.run("");
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.code() == Some(2) && told.contains("another `taotie batch`"), "{told}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && stderr.contains("another `taotie batch`"), "{stderr}");
 }
 
 #[test]
@@ -195,9 +195,6 @@ fn turntables_and_pages_are_made_where_they_are_asked_for() {
     assert!(read("ball0.turn.png").windows(4).any(|chunk| chunk == b"acTL"), "an animated PNG");
     assert!(String::from_utf8_lossy(&read("ball0.html")).starts_with("<!doctype html>"));
     let report = String::from_utf8_lossy(&read("ball0.report.html")).into_owned();
-    assert!(
-        report.contains("Normal error")
-            && report.contains("The page of the collection states what is required")
-    );
+    assert!(report.contains("Normal error") && report.contains("The collection page lists the requirements"));
     assert!(read("ball0.webp").starts_with(b"RIFF"));
 }

@@ -1,14 +1,14 @@
-//! The page of a collection that `collection.test.mjs` looks at.
+//! The page of a collection that `collection.test.mjs` tests.
 
 use std::path::Path;
 use taotie::image::{Bitmap, Texels};
 use taotie::io::encode_webp_bitmap;
 use taotie_report::collection_page::{Entry, Gallery, html};
 
-/// The assets on the page.
+/// Number of assets on the page.
 const COUNT: usize = 10_000;
 
-/// Writes the page, and the one picture that all its assets have.
+/// Writes the page, and the one picture that all its assets share.
 pub fn write(folder: &Path) {
     let red = Bitmap::new(16, 16, 3, Texels::U8(vec![[200, 30, 30, 255]; 256])).expect("a picture");
     std::fs::write(folder.join("red.webp"), encode_webp_bitmap(&red).expect("WebP")).expect("it is writable");

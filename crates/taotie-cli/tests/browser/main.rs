@@ -1,8 +1,8 @@
-//! Pages in a real browser: the report page as a hand and an eye meet it, and written GLBs as three.js draws them.
+//! Pages in a real browser: the report page in use, and written GLBs as three.js draws them.
 //!
-//! Rust writes the pages and models, node leads the browser by the scripts of `tests/browser`. What they work on stays
-//! in `target/tmp`: `report-pages`, `same-in-threejs`, `shader-material` and `viewer`.
-#![allow(clippy::print_stdout, reason = "tests say what they found and why they are skipped")]
+//! Rust writes the pages and models, node drives the browser with the scripts of `tests/browser`. Their inputs
+//! stay in `target/tmp`: `report-pages`, `same-in-threejs`, `shader-material` and `viewer`.
+#![allow(clippy::print_stdout, reason = "tests print their findings and why they are skipped")]
 
 mod collection;
 #[allow(dead_code)]
@@ -21,10 +21,10 @@ mod viewer;
 use node::Node;
 use std::path::{Path, PathBuf};
 
-/// An empty folder of this name that outlives the test.
+/// Creates an empty folder of this name that outlives the test.
 fn empty_folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    // It is missing at first.
+    // It does not exist at first.
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).expect("the target folder is writable");
     folder
@@ -47,7 +47,7 @@ fn report_pages_do_what_a_hand_asks_for() {
     pages::write_all(&folder);
     pages::compare(&folder);
     let options = ["--test", "--test-reporter=spec", "--test-concurrency=2"];
-    // Named, since node is content where it finds no test.
+    // Named explicitly, since node succeeds if it finds no tests.
     let scripts = ["pictures.test.mjs", "page.test.mjs"];
     node.run(&[options.as_slice(), &scripts].concat(), &folder);
 }

@@ -1,4 +1,4 @@
-//! The report pages that the scripts of `tests/browser` look at.
+//! The report pages that the scripts of `tests/browser` test.
 
 use std::path::Path;
 use std::process::Command;
@@ -17,7 +17,7 @@ const GREY: [u8; 3] = [128, 128, 128];
 /// Side of the pictures, pixels.
 const SIDE: u32 = 64;
 
-/// A title that would like to be more than text.
+/// A title that tries to inject markup.
 const NASTY: &str = "</script><img src=x onerror=\"document.title='pwned'\">";
 
 /// A picture whose quarters have these colours: top left, top right, bottom left, bottom right.
@@ -129,7 +129,7 @@ fn certificate() -> Page {
             table("Further figures", words(&["figure", "shown by", "value", "interval"]), measured, 8),
             table("Files", words(&["file", "name", "bytes", "SHA-256"]), file.concat(), 4),
         ],
-        command_note: "To recompute this certificate, run this in a folder that holds the files above:"
+        command_note: "To recompute this certificate, run this in a folder containing the files above:"
             .into(),
         command:
             "taotie verify a-scan-with-a-rather-long-name.glb --scan a-scan-with-a-rather-long-name.ply "
@@ -138,7 +138,7 @@ fn certificate() -> Page {
     let feature = View { name: "Worst patch".into(), ..views().remove(1) };
     Page {
         title: "a-scan-with-a-rather-long-name.ply".into(),
-        subtitle: "The scan, and the low-poly asset made from it".into(),
+        subtitle: "The scan and the low-poly asset made from it".into(),
         statement: Some(statement),
         features: vec![feature],
         views: views(),
@@ -146,7 +146,7 @@ fn certificate() -> Page {
     }
 }
 
-/// Sections with nothing in them, and with too much.
+/// Sections with no content, and with too much.
 fn hollow() -> [Section; 4] {
     let rows = vec![vec![], vec![Cell::text("more"), Cell::text("than"), Cell::text("columns")]];
     let columns = vec![Column::words("x"), Column::words("y")];
@@ -163,18 +163,18 @@ fn hollow() -> [Section; 4] {
     [text, table(vec![], vec![]), table(columns, rows), histogram]
 }
 
-/// Views without a picture, with one, and with files that are none.
+/// Views without a picture, with one, and with files that are not pictures.
 fn odd() -> Vec<View> {
-    let alone = View { name: "alone".into(), pictures: vec![picture("x", [RED; 4])], ..View::default() };
+    let single = View { name: "single".into(), pictures: vec![picture("x", [RED; 4])], ..View::default() };
     let broken = Picture { label: "broken".into(), file: b"no picture".to_vec(), ..Picture::default() };
     let bad = View { name: "broken".into(), pictures: vec![broken.clone(), broken], ..View::default() };
     let bare = View { name: "bare".into(), legend: Some(Legend::default()), ..View::default() };
-    vec![bare, alone, bad]
+    vec![bare, single, bad]
 }
 
-/// Writes all pages but that of [`compare`] into a folder.
+/// Writes all pages except that of [`compare`] into a folder.
 pub fn write_all(folder: &Path) {
-    // Whole pictures of one colour tell which of the two is seen.
+    // Pictures of one colour reveal which of the two is visible.
     let whole = |label, color| picture(label, [color; 4]);
     let wipe = View { pictures: vec![whole("red", RED), whole("blue", BLUE)], ..View::default() };
     let of_views = |views| Page { views, ..Page::default() };
@@ -197,11 +197,11 @@ fn write(path: &Path, content: &[u8]) {
     std::fs::write(path, content).expect("the folder is writable");
 }
 
-/// A square that faces the camera, whose normal map tilts all of it.
+/// A square that faces the camera; its normal map tilts all of it.
 const SQUARE: &str = "mtllib square.mtl\nusemtl square\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n\
     vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 1\nf 1/1/1 2/2/1 3/3/1 4/4/1\n";
 
-/// Writes `compared/report.html` into a folder, by the command: `smooth` beside `tangent-normal`, which is darker.
+/// Writes `compared/report.html` into a folder with the command: `smooth` next to `tangent-normal`, which is darker.
 pub fn compare(folder: &Path) {
     write(&folder.join("square.obj"), SQUARE.as_bytes());
     write(&folder.join("square.mtl"), b"newmtl square\nKd 0.8 0.8 0.8\nnorm tilted.png\n");

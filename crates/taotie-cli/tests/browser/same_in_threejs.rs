@@ -21,10 +21,10 @@ use taotie::scene::{Orbit, Scene, fitting_distance};
 use taotie::surface::{TangentMethod, with_tangents};
 use taotie_study::jue;
 
-/// How far a FLIP may be above the measured one, as a factor: another Chromium rounds colours otherwise.
+/// How far a FLIP may exceed the measured one, as a factor: other Chromium versions round colours differently.
 const SLACK: f64 = 1.05;
 
-/// The orbit from which all models are looked at, at the distance of the vessel.
+/// Returns the orbit from which all models are viewed, at the distance of the vessel.
 pub fn orbit(scene: &Scene) -> Orbit {
     let [azimuth, elevation, fov_y] = [24.0f64, 15.0, 26.0].map(f64::to_radians);
     let target = scene.bounds().unwrap().center();
@@ -40,7 +40,7 @@ pub fn view(scene: &Scene, orbit: &Orbit) -> View {
     }
 }
 
-/// The vessel in clay and in bronze.
+/// Returns the vessel in clay and in bronze.
 pub fn materials(scene: &Scene) -> [GltfMaterial<'_>; 2] {
     let [color, orm, normal] = [0, 1, 2].map(|i| scene.textures()[i].bitmap());
     let clay = GltfMaterial {
@@ -99,7 +99,8 @@ fn the_vessel_looks_the_same() {
     }
 }
 
-/// Fails where the outline of a folder's `model.glb` in model-viewer differs from ours by more than a percent of its area; 0.6 were measured.
+/// Fails if the outline of a folder's `model.glb` in model-viewer differs from ours by more than a percent of its
+/// area; measured 0.6.
 fn assert_same_outline(node: &Node, folder: &Path, orbit: &Orbit) {
     let (size, covered) = ([512, 512], |texels: Vec<[u8; 4]>| texels.into_iter().map(|[.., a]| a > 127));
     let theirs = by_model_viewer(node, folder, orbit, size);
@@ -118,8 +119,8 @@ fn assert_same_outline(node: &Node, folder: &Path, orbit: &Orbit) {
     assert!(area > 10_000 && differ * 100 < area, "{}: {differ} of {area} pixels", folder.display());
 }
 
-/// Fails where the mean FLIP of the object between the two pictures of a folder's `model.glb` is above what was
-/// `measured` by more than [`SLACK`].
+/// Fails if the mean FLIP of the object between the two pictures of a folder's `model.glb` exceeds the `measured` one
+/// by more than [`SLACK`].
 fn assert_same(node: &Node, folder: &Path, view: &View, measured: f64) {
     let [theirs, ours] = [three(node, folder, view), ours(folder, view)];
     write_picture(&folder.join("three-averaged.png"), &theirs);
@@ -143,7 +144,7 @@ fn write_picture(path: &Path, picture: &DisplayImage) {
     write_png(path, &image).unwrap();
 }
 
-/// A scan and a low-poly mesh of the data.
+/// A scan and a low-poly mesh from the shared data.
 #[test]
 fn what_bake_writes_looks_the_same() {
     let Some(data) = common::data_folder("odedstein-meshes") else { return };

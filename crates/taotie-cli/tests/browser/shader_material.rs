@@ -1,4 +1,4 @@
-//! The material of three.js that `taotie shader` writes draws what the renderer draws.
+//! The three.js material that `taotie shader` writes draws what the renderer draws.
 
 use crate::empty_folder;
 use crate::node::Node;
@@ -19,17 +19,17 @@ use taotie_study::jue;
 /// The largest mean difference of a channel, codes of 255. Measured: 0.026 to 0.044.
 const MEAN: f64 = 0.06;
 
-/// The difference within which nearly all pixels lie, codes of 255, and how many may lie beyond. Measured with
-/// SwiftShader, which mixes texels of 8 bits by 8 bits: 0.0002 to 0.0012.
+/// The difference within which nearly all pixels are, codes of 255, and the share that may be beyond. Measured with
+/// SwiftShader, which interpolates 8-bit texels in 8 bits: 0.0002 to 0.0012.
 const NEAR: u8 = 3;
 const BEYOND: f64 = 0.0015;
 
-/// A material and a model that it is drawn by.
+/// A material and a shading model to draw it with.
 struct Case<'a> {
     name: &'a str,
     shading: &'a str,
     material: GltfMaterial<'a>,
-    /// The environment, where there is one.
+    /// The environment, if there is one.
     sky: Option<Image>,
 }
 
@@ -69,14 +69,14 @@ fn draw(names: &[&str]) {
     }
 }
 
-/// A normal map with as many bits as browsers read.
+/// Returns a normal map with the 8 bits that browsers read.
 pub fn in_8_bits(map: &Bitmap) -> Bitmap {
     let Texels::U16(texels) = map.texels() else { panic!("the vessel's normals have 16 bits") };
     let codes = texels.iter().map(|texel| texel.map(|v| ((u32::from(v) + 128) / 257) as u8)).collect();
     Bitmap::new(map.width(), map.height(), 3, Texels::U8(codes)).unwrap()
 }
 
-/// A sky that is bright above and to one side.
+/// Returns a sky that is bright above and to one side.
 fn sky() -> Image {
     let mut sky = Image::new(64, 32, [0.0, 0.0, 0.0, 1.0]).unwrap();
     for (i, pixel) in sky.pixels_mut().iter_mut().enumerate() {
@@ -92,7 +92,7 @@ fn write_sky(path: &Path, sky: &Image) {
     write_exr(path, (sky.width(), sky.height()), &[layer]).unwrap();
 }
 
-/// The environment of a case as the renderer takes it.
+/// Returns the environment of a case for the renderer.
 fn environment(case: &Case<'_>) -> Option<EnvironmentLight> {
     let environment = Arc::new(Environment::new(case.sky.clone()?).unwrap());
     Some(EnvironmentLight { environment, rotation: 0.0, intensity: 1.0, visible: false })

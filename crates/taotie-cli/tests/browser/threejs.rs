@@ -1,5 +1,5 @@
-//! The same GLB under the same camera and light, drawn by three.js in a browser and by us; by the materials of three.js,
-//! and by our shaders.
+//! The same GLB under the same camera and light, drawn by three.js in a browser and by us; with three.js materials,
+//! and with our shaders.
 
 use crate::node::Node;
 use serde_json::{Value, json};
@@ -13,19 +13,19 @@ use taotie::render::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings,
 use taotie::scene::{Camera, Falloff, Light, LightKind, Orbit, Projection};
 use taotie::shade::Energy;
 
-/// three.js draws so many times finer, and pixels are averaged: as many samples as ours, each with the texels of a
+/// Factor by which three.js draws finer, with pixels averaged: as many samples as ours, each with texels of a
 /// sample's size.
 const FINER: usize = 4;
 
 /// A camera, a light, and the size of the picture.
 pub struct View {
-    /// In perspective.
+    /// The camera, in perspective.
     pub camera: Camera,
     /// Unit direction in which the light travels, world space.
     pub direction: Vec3,
     /// Its irradiance.
     pub irradiance: f32,
-    /// Of the picture, pixels.
+    /// Size of the picture, pixels.
     pub size: [u32; 2],
 }
 
@@ -34,14 +34,14 @@ pub fn three(node: &Node, folder: &Path, view: &View) -> DisplayImage {
     averaged(&canvas(node, folder, "three.html", json_of(view, FINER)), view.size)
 }
 
-/// Returns three.js's picture of `model.glb` by the shader `name` in the folder `shaders`, one sample a pixel.
+/// Returns three.js's picture of `model.glb` with the shader `name` in the folder `shaders`, one sample a pixel.
 pub fn by_shader(node: &Node, folder: &Path, view: &View, name: &str) -> Vec<[u8; 4]> {
     let mut json = json_of(view, 1);
     json["shader"] = name.into();
     canvas(node, folder, "shader-material.html", json)
 }
 
-/// Returns model-viewer's picture of `model.glb` in a folder, seen along an orbit, and clear beside the model.
+/// Returns model-viewer's picture of `model.glb` in a folder, seen along an orbit, transparent outside the model.
 pub fn by_model_viewer(node: &Node, folder: &Path, orbit: &Orbit, size: [u32; 2]) -> Vec<[u8; 4]> {
     let json = json!({ "size": size, "orbit": {
         "fov_deg": orbit.fov_y.to_degrees(),
@@ -53,7 +53,7 @@ pub fn by_model_viewer(node: &Node, folder: &Path, orbit: &Orbit, size: [u32; 2]
     canvas(node, folder, "model-viewer.html", json)
 }
 
-/// The pixels that a page leaves.
+/// Returns the pixels that a page draws.
 fn canvas(node: &Node, folder: &Path, page: &str, view: Value) -> Vec<[u8; 4]> {
     std::fs::write(folder.join("view.json"), view.to_string()).unwrap();
     node.run(&["three.mjs", page], folder);
@@ -63,7 +63,7 @@ fn canvas(node: &Node, folder: &Path, page: &str, view: Value) -> Vec<[u8; 4]> {
     texels.clone()
 }
 
-/// The view as the pages read it, `finer` times as large.
+/// Returns the view in the format of the pages, `finer` times as large.
 fn json_of(view: &View, finer: usize) -> Value {
     let Projection::Perspective { fov_y, near, .. } = view.camera.projection else {
         panic!("the view is in perspective")
@@ -77,7 +77,7 @@ fn json_of(view: &View, finer: usize) -> Value {
     json!({ "size": fine, "camera": camera, "light": light })
 }
 
-/// Means of squares of pixels, in linear light.
+/// Averages squares of pixels, in linear light.
 fn averaged(texels: &[[u8; 4]], [width, height]: [u32; 2]) -> DisplayImage {
     let (width, height) = (width as usize, height as usize);
     let mean = |x: usize, y: usize, channel: usize| {
@@ -99,7 +99,7 @@ fn srgb_from_linear(v: f64) -> f64 {
     if v <= 0.0031308 { v * 12.92 } else { 1.055 * libm::pow(v, 1.0 / 2.4) - 0.055 }
 }
 
-/// Returns our picture of the same.
+/// Returns our picture of the same view.
 pub fn ours(folder: &Path, view: &View) -> DisplayImage {
     let settings = RenderSettings {
         samples: (FINER * FINER) as u32,
@@ -111,7 +111,7 @@ pub fn ours(folder: &Path, view: &View) -> DisplayImage {
     picture_of(&rendered(folder, view, settings, None), view.size)
 }
 
-/// Returns our picture by some settings, in an environment too where there is one, on black and without tone curve.
+/// Returns our picture with these settings and the environment, if any, on black and without tone curve.
 pub fn rendered(
     folder: &Path,
     view: &View,

@@ -1,4 +1,5 @@
-//! The pages of `taotie view`: what hand and keys do in them, and their pictures held against those of `taotie render`.
+//! The pages of `taotie view`: mouse, touch and keyboard input, and their pictures compared with those of `taotie
+//! render`.
 
 use crate::files::data_files;
 use crate::node::Node;
@@ -27,22 +28,23 @@ const MEAN: f64 = 1.0;
 /// The difference within which nearly all pixels of the object lie, codes of 255.
 const NEAR: u8 = 4;
 
-/// The shares of pixels that may lie beyond, by Chromium with SwiftShader and by Firefox with Mesa, of a few pictures: measured
-/// 0.0062 and 0.00095. SwiftShader places edges in sixteenths of a pixel, Mesa in 256ths. The largest in Firefox is a Phong
-/// highlight on relief beyond the unmapped horizon, which is as bright as its neighbours are dark.
+/// Maximum shares of pixels beyond [`NEAR`], for Chromium with SwiftShader and for Firefox with Mesa, of a few
+/// pictures: measured 0.0062 and 0.00095. SwiftShader places edges in sixteenths of a pixel, Mesa in 256ths. The
+/// largest in Firefox is a Phong highlight on relief beyond the unmapped horizon, which is as bright as its
+/// neighbours are dark.
 const FEW_BEYOND: [f64; 2] = [0.0065, 0.00105];
 
-/// The same of all pictures. Measured 0.0194 and 0.0170, on models whose roughness is a map: Mesa filters it in 8 bits. By
-/// Firefox the demo's vessel reaches 0.0041.
+/// The same for all pictures. Measured 0.0194 and 0.0170, on models whose roughness is a map: Mesa filters it in 8
+/// bits. In Firefox the demo's vessel reaches 0.0041.
 const BEYOND: [f64; 2] = [0.021, 0.0185];
 
-/// The same where shadows fall, whose edges are softer in the page. Measured on the demo's vessel: 0.234 and 0.0181; a page
-/// that draws none is 0.525 and 0.0363 away.
+/// The same with shadows, whose edges are softer in the page. Measured on the demo's vessel: 0.234 and 0.0181;
+/// a page without shadows is 0.525 and 0.0363 away.
 const SHADOW_MEAN: f64 = 0.27;
 const BEYOND_WITH_SHADOWS: f64 = 0.021;
 const BEYOND_WITHOUT_SHADOWS: f64 = 0.03;
 
-/// Colour behind the object, which no part of it has: the renderer's own.
+/// Colour behind the object, the renderer's default, which no part of the object has.
 const BACKGROUND: [u8; 3] = [0x2a, 0x2b, 0x2e];
 
 /// Pixels along a side.
@@ -55,15 +57,15 @@ struct Look<'a> {
     surface: &'a str,
 }
 
-/// A model, and the maps beside it. The renderer takes only those that a method reads.
+/// A model, and its separate maps. The renderer gets only those that a method reads.
 #[derive(Clone, Copy)]
 struct Subject<'a> {
     model: &'a Path,
     heights: Option<&'a Path>,
     object_normals: Option<&'a Path>,
-    /// Options of both.
+    /// Options of page and renderer.
     options: &'a str,
-    /// The shares of pixels that may lie beyond [`NEAR`], by browser.
+    /// Maximum shares of pixels beyond [`NEAR`], by browser.
     beyond: [f64; 2],
 }
 
@@ -87,7 +89,7 @@ impl Subject<'_> {
     }
 }
 
-/// All reflectance models by these surface methods.
+/// Returns all reflectance models with these surface methods.
 fn looks(surfaces: &[&'static str]) -> Vec<Look<'static>> {
     let of = |shading: &'static str| surfaces.iter().map(move |surface| Look { shading, surface });
     Shading::NAMES.iter().flat_map(|(shading, _)| of(shading)).collect()
@@ -114,12 +116,12 @@ fn words(line: &str) -> Vec<String> {
 struct Vessel {
     model: PathBuf,
     heights: PathBuf,
-    /// Its normals of tangent space, which are normals of object space to who takes them for that.
+    /// Its tangent-space normals, also used as if they were object-space normals.
     normals: PathBuf,
 }
 
 impl Vessel {
-    /// Writes the vessel in bronze, with maps of so many texels a side.
+    /// Writes the vessel in bronze, with maps of `texels` a side.
     fn write(folder: &Path, texels: u32) -> Self {
         let scene = jue::scene(texels);
         let mesh = with_tangents(&scene.meshes()[0], 0, TangentMethod::MikkTSpace).unwrap().mesh;
@@ -174,7 +176,7 @@ fn pages_do_what_hand_and_keys_ask_for() {
     }
 }
 
-/// A ball that is pressed flat, with its own normals or still with those of the ball.
+/// Returns a flattened ball, with its own normals or with those of the round ball.
 fn pressed(columns: usize, rows: usize, own: bool) -> Mesh {
     let mut data = Mesh::sphere(1.0, columns, rows).into_data();
     for v in 0..data.positions.len() {
@@ -185,7 +187,7 @@ fn pressed(columns: usize, rows: usize, own: bool) -> Mesh {
     Mesh::new(data).unwrap()
 }
 
-/// Writes the page of a coarse ball with wrong normals beside a fine one.
+/// Writes the page of a coarse ball with wrong normals next to a fine one.
 fn write_proof(folder: &Path) {
     for (name, mesh) in [("low.glb", pressed(32, 16, false)), ("high.glb", pressed(96, 48, true))] {
         let levels = [GltfLevel { mesh: &mesh, coverage: None }];
@@ -203,7 +205,7 @@ fn write_report(folder: &Path) {
     run(&[words("bake --triangles 300 --size 64"), vec![high, "-o".into(), baked]].concat(), folder);
 }
 
-/// The folder of the page's script, where its packages are installed.
+/// Returns the folder of the page's script, if its packages are installed.
 fn source() -> Option<PathBuf> {
     let viewer = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../viewer");
     let is_there = viewer.join("node_modules/esbuild").is_dir();
@@ -221,15 +223,15 @@ fn write_module(folder: &Path) {
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
 }
 
-/// The script that pages hold is built from what lies in `viewer`.
+/// The script in the pages is built from the sources in `viewer`.
 #[test]
 fn the_script_is_built_from_its_source() {
     let Some(viewer) = source() else { return };
     for script in ["check", "compare"] {
         let run =
             Command::new("npm").args(["run", "--silent", script]).current_dir(&viewer).output().unwrap();
-        let [told, wrong] = [&run.stdout, &run.stderr].map(|text| String::from_utf8_lossy(text));
-        assert!(run.status.success(), "npm run {script}: {told}{wrong}");
+        let [printed, wrong] = [&run.stdout, &run.stderr].map(|text| String::from_utf8_lossy(text));
+        assert!(run.status.success(), "npm run {script}: {printed}{wrong}");
     }
 }
 
@@ -261,7 +263,7 @@ fn the_page_draws_every_model_by_every_method() {
     }
 }
 
-/// Three models by others that have normal maps and are opaque: those of most triangles.
+/// Returns the three third-party models with the most triangles that have normal maps and are opaque.
 fn with_normal_maps() -> Vec<PathBuf> {
     let folders = ["khronos-gltf-sample-assets", "polyhaven-models"];
     let models = folders.iter().flat_map(|folder| data_files(folder, &["glb", "gltf"]));
@@ -276,12 +278,12 @@ fn with_normal_maps() -> Vec<PathBuf> {
         })
         .collect();
     found.sort();
-    // Copies of a model in other containers have as many.
+    // Copies of a model in other containers have the same number.
     found.dedup_by_key(|(triangles, _)| *triangles);
     found.into_iter().rev().take(3).map(|(_, path)| path).collect()
 }
 
-/// Fails where the page's pictures of a model differ from the renderer's in some browser.
+/// Fails if the page's pictures of a model differ from the renderer's in some browser.
 fn assert_same(folder: &Path, subject: &Subject<'_>, looks: &[Look<'_>]) {
     for node in &Node::all() {
         assert_same_in(&Pictures { node, folder, subject }, looks);
@@ -304,7 +306,7 @@ fn assert_same_in(pictures: &Pictures<'_>, looks: &[Look<'_>]) {
     }
 }
 
-/// Shadows are drawn from a map of depths; `taotie render` casts rays.
+/// The page draws shadows from a depth map; `taotie render` casts rays.
 #[test]
 fn shadows_lie_where_rays_cast_them() {
     let folder = empty_folder("viewer/shadows");
@@ -346,7 +348,7 @@ impl Pictures<'_> {
         run(&[self.arguments("view", &self.folder.join("view.html")), maps].concat(), self.folder);
     }
 
-    /// Takes pictures of the page; a link names `state` beside the look.
+    /// Takes pictures of the page; a link has `state` in addition to the look.
     fn draw(&self, looks: &[Look<'_>], state: &str) {
         let light = "light=raking&from=-60,25&strength=3&fill=0";
         let cases = looks.iter().map(|look| {
@@ -386,7 +388,7 @@ fn pixels(path: &Path) -> Vec<[u8; 4]> {
 /// The difference of two pictures of an object, codes of 255.
 #[derive(Debug)]
 struct Difference {
-    /// Of a channel, over the object.
+    /// Mean of a channel, over the object.
     mean: f64,
     /// The share of the object's pixels that differ by more than [`NEAR`] in some channel.
     beyond: f64,

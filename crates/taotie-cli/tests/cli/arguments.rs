@@ -1,18 +1,18 @@
-//! What is refused, in which words, and that nothing is written then.
+//! Refused arguments: their messages, and that nothing is written.
 
 use super::models::{TRIANGLE, gltf};
 use super::place::Place;
 use snapbox::data::Inline;
 use snapbox::str;
 
-/// Runs in `place` a line that has to be refused with `stderr`, and looks whether no file came or went.
+/// Runs a line in `place` that must be refused with `stderr`, and checks that no file was created or removed.
 fn refused(place: &Place, line: &str, stderr: Inline) {
     let before = place.files();
     place.taotie(line).assert().code(2).stdout_eq("").stderr_eq(stderr);
     assert_eq!(place.files(), before, "{line}");
 }
 
-/// As [`refused`], beside a sound model `a.obj`.
+/// Like [`refused`], next to a valid model `a.obj`.
 fn refused_beside_a_model(line: &str, stderr: Inline) {
     refused(&Place::with("a.obj", TRIANGLE), line, stderr);
 }
@@ -22,7 +22,7 @@ fn unknown_shading() {
     refused_beside_a_model(
         "render a.obj -o a.png --shading gxx",
         str![[r#"
-error: invalid value 'gxx' for '--shading <SHADING>': shading model `gxx`: there is none of this name; choose one of: lambert, phong, blinn-phong, blinn-phong-classic, cook-torrance, ggx, cook-torrance-printed, blinn-phong-printed, ggx-printed
+error: invalid value 'gxx' for '--shading <SHADING>': unknown shading model `gxx`: expected one of: lambert, phong, blinn-phong, blinn-phong-classic, cook-torrance, ggx, cook-torrance-printed, blinn-phong-printed, ggx-printed
 
 For more information, try '--help'.
 
@@ -35,7 +35,7 @@ fn unknown_surface() {
     refused_beside_a_model(
         "render a.obj -o a.png --surface rough",
         str![[r#"
-error: invalid value 'rough' for '--surface <SURFACE>': surface method `rough`: there is none of this name; choose one of: facet, smooth, bump, bump-printed, object-normal, tangent-normal
+error: invalid value 'rough' for '--surface <SURFACE>': unknown surface method `rough`: expected one of: facet, smooth, bump, bump-printed, object-normal, tangent-normal
 
 For more information, try '--help'.
 
@@ -48,7 +48,7 @@ fn unknown_preset() {
     refused_beside_a_model(
         "render a.obj -o a.png --material unobtainium",
         str![[r#"
-taotie: error: --material unobtainium: there is no preset of this name; name a .toml file or choose one of: guo-wang-2025, bronze, bronze-patina, copper, cu85zn15, brass, gold, silver, clay, plaster, marble
+taotie: error: --material unobtainium: no such preset; use a .toml file or one of: guo-wang-2025, bronze, bronze-patina, copper, cu85zn15, brass, gold, silver, clay, plaster, marble
 
 "#]],
     );
@@ -73,21 +73,21 @@ fn paths_without_the_integrator_that_follows_them() {
     refused_beside_a_model(
         "render a.obj -o a.png --spp 16",
         str![[r#"
-taotie: error: --spp: the rasteriser follows no paths; add --integrator reference or leave it out
+taotie: error: --spp: the rasteriser traces no paths; add --integrator reference or leave it out
 
 "#]],
     );
     refused_beside_a_model(
         "render a.obj -o a.png --integrator raster --bounces 2",
         str![[r#"
-taotie: error: --bounces: the rasteriser follows no paths; add --integrator reference or leave it out
+taotie: error: --bounces: the rasteriser traces no paths; add --integrator reference or leave it out
 
 "#]],
     );
     refused_beside_a_model(
         "render a.obj -o a.png --seed 2",
         str![[r#"
-taotie: error: --seed: the rasteriser follows no paths; add --integrator reference or leave it out
+taotie: error: --seed: the rasteriser traces no paths; add --integrator reference or leave it out
 
 "#]],
     );
@@ -98,14 +98,14 @@ fn a_way_of_normal_mapping_that_the_rasteriser_lacks() {
     refused_beside_a_model(
         "render a.obj -o a.png --normal-mapping microfacet",
         str![[r#"
-taotie: error: --normal-mapping: the rasteriser follows no paths; add --integrator reference or leave it out
+taotie: error: --normal-mapping: the rasteriser traces no paths; add --integrator reference or leave it out
 
 "#]],
     );
     refused_beside_a_model(
         "render a.obj -o a.png --integrator reference --normal-mapping deep",
         str![[r#"
-error: invalid value 'deep' for '--normal-mapping <HOW>': way of normal mapping `deep`: there is none of this name; choose one of: classic, microfacet
+error: invalid value 'deep' for '--normal-mapping <HOW>': unknown normal mapping mode `deep`: expected one of: classic, microfacet
 
 For more information, try '--help'.
 
@@ -153,7 +153,7 @@ fn a_size_that_is_none() {
     refused_beside_a_model(
         "render a.obj -o a.png --size huge",
         str![[r#"
-error: invalid value 'huge' for '--size <N|WxH>': write WIDTHxHEIGHT, such as 1920x1080, or one number for both
+error: invalid value 'huge' for '--size <N|WxH>': expected WIDTHxHEIGHT, such as 1920x1080, or one number for both
 
 For more information, try '--help'.
 
@@ -179,7 +179,7 @@ fn an_absurd_size() {
     refused_beside_a_model(
         "render a.obj -o a.png --size 100000x100000",
         str![[r#"
-error: invalid value '100000x100000' for '--size <N|WxH>': a picture of 100000x100000 is too large: at most 16384x16384
+error: invalid value '100000x100000' for '--size <N|WxH>': an image of 100000x100000 is too large: at most 16384x16384
 
 For more information, try '--help'.
 
@@ -192,7 +192,7 @@ fn unknown_samples() {
     refused_beside_a_model(
         "render a.obj -o a.png --samples 5",
         str![[r#"
-taotie: error: 5 samples a pixel: choose 1, 4 or 16
+taotie: error: 5 samples per pixel: expected 1, 4 or 16
 
 "#]],
     );
@@ -203,7 +203,7 @@ fn unknown_light() {
     let place = Place::with("a.obj", TRIANGLE);
     let arguments = ["render", "a.obj", "-o", "a.png", "--light", "sun from=0,0"];
     place.taotie_with(&arguments).assert().code(2).stdout_eq("").stderr_eq(str![[r#"
-taotie: error: --light "sun from=0,0": there is no light of the kind `sun`; choose point, spot or directional
+taotie: error: --light "sun from=0,0": unknown light `sun`; expected point, spot or directional
 
 "#]]);
     assert_eq!(place.files(), ["a.obj"]);
@@ -214,7 +214,7 @@ fn unknown_background() {
     refused_beside_a_model(
         "render a.obj -o a.png --background mauve-ish",
         str![[r#"
-taotie: error: --background: `mauve-ish` is no colour; write a CSS colour such as #d0c8b0 or a linear grey such as 0.5
+taotie: error: --background: `mauve-ish` is not a colour; use a CSS colour such as #d0c8b0 or a linear grey such as 0.5
 
 "#]],
     );
@@ -236,7 +236,7 @@ fn unknown_output_variable() {
     refused_beside_a_model(
         "render a.obj -o a.png --aov normals,curvature",
         str![[r#"
-taotie: error: --aov curvature: there is no such output; choose from: normals, depth, albedo, uv, triangle
+taotie: error: --aov curvature: unknown output variable; expected one of: normals, depth, albedo, uv, triangle
 
 "#]],
     );
@@ -247,7 +247,7 @@ fn unknown_simd_level() {
     refused_beside_a_model(
         "render a.obj -o a.png --simd mmx",
         str![[r#"
-error: invalid value 'mmx' for '--simd <SIMD>': SIMD level `mmx`: there is none of this name; choose one of: auto, scalar, sse2, avx2, avx512, neon
+error: invalid value 'mmx' for '--simd <SIMD>': unknown SIMD level `mmx`: expected one of: auto, scalar, sse2, avx2, avx512, neon
 
 For more information, try '--help'.
 
@@ -273,7 +273,7 @@ fn no_angle_of_view() {
     refused_beside_a_model(
         "render a.obj -o a.png --fov-deg 180",
         str![[r#"
-taotie: error: --fov-deg 180: the angle must lie between 0 and 180 degrees
+taotie: error: --fov-deg 180: the angle must be between 0 and 180 degrees
 
 "#]],
     );
@@ -320,7 +320,7 @@ fn a_model_of_an_unknown_format() {
         &Place::with("a.fbx", "Kaydara"),
         "render a.fbx -o a.png",
         str![[r#"
-taotie: error: a.fbx: the extension 'fbx' is not supported: models are read from .gltf, .glb, .obj, .ply and .stl
+taotie: error: a.fbx: the file extension 'fbx' is not supported: use .gltf, .glb, .obj, .ply or .stl
 
 "#]],
     );
@@ -334,7 +334,7 @@ fn a_model_that_is_a_folder() {
         &place,
         "render a.obj -o a.png",
         str![[r#"
-taotie: error: a.obj: it is not a regular file
+taotie: error: a.obj: not a regular file
 
 "#]],
     );
@@ -357,7 +357,7 @@ fn an_empty_mesh() {
         &Place::with("a.obj", ""),
         "render a.obj -o a.png",
         str![[r#"
-taotie: error: a.obj: whole file: no face (0 vertices); export triangles or polygons
+taotie: error: a.obj: whole file: no faces (0 vertices); export triangles or polygons
 
 "#]],
     );
@@ -365,7 +365,7 @@ taotie: error: a.obj: whole file: no face (0 vertices); export triangles or poly
         &Place::with("a.gltf", gltf(&[], &[])),
         "render a.gltf -o a.png",
         str![[r#"
-taotie: error: a.gltf: scene: there is nothing to draw: no node shows a triangle
+taotie: error: a.gltf: scene: nothing to draw: no node shows a triangle
 
 "#]],
     );
@@ -379,7 +379,7 @@ fn an_index_out_of_range() {
         &Place::with("a.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n"),
         "render a.obj -o a.png",
         str![[r#"
-taotie: error: a.obj: line 3: vertex index 9 is out of range, there are 2; mend the file
+taotie: error: a.obj: line 3: vertex index 9 is out of range: the count is 2; fix the file
 
 "#]],
     );
@@ -387,7 +387,7 @@ taotie: error: a.obj: line 3: vertex index 9 is out of range, there are 2; mend 
         &Place::with("a.gltf", gltf(&CORNERS, &[0, 1, 9])),
         "render a.gltf -o a.png",
         str![[r#"
-taotie: error: a.gltf: mesh 0, primitive 0: indices: index 2 names vertex 9, but there are 3
+taotie: error: a.gltf: mesh 0, primitive 0: indices: index 2 refers to vertex 9, but there are only 3
 
 "#]],
     );
@@ -399,7 +399,7 @@ fn a_position_that_is_nan() {
         &Place::with("a.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n"),
         "render a.obj -o a.png",
         str![[r#"
-taotie: error: a.obj: line 2: vertex position '1 nan 0' is infinite or NaN; mend the file
+taotie: error: a.obj: line 2: vertex position '1 nan 0' is infinite or NaN; fix the file
 
 "#]],
     );
@@ -422,7 +422,7 @@ fn a_model_in_one_point() {
         &place,
         "render a.gltf -o a.png",
         str![[r#"
-taotie: error: a.gltf: all its triangles lie in one point; there is nothing to see
+taotie: error: a.gltf: all its triangles are at one point; there is nothing to see
 
 "#]],
     );
@@ -433,7 +433,7 @@ fn an_output_folder_that_is_not_there() {
     refused_beside_a_model(
         "render a.obj -o no/such/a.png",
         str![[r#"
-taotie: error: no/such: there is no such folder; make it first
+taotie: error: no/such: the folder does not exist; create it first
 
 "#]],
     );
@@ -447,7 +447,7 @@ fn an_output_that_is_a_folder() {
         &place,
         "render a.obj -o a.png --size 8x8",
         str![[r#"
-taotie: error: a.png: it is a folder; give a file name
+taotie: error: a.png: expected a file, found a folder
 
 "#]],
     );
@@ -462,7 +462,7 @@ fn diff_of_other_sizes() {
         &place,
         "diff ball.png one.tga",
         str![[r#"
-taotie: error: ball.png is 192x192, one.tga is 1x1: only pictures of one size can be compared; resample one of them
+taotie: error: ball.png is 192x192, one.tga is 1x1: images must have the same size; resample one of them
 
 "#]],
     );
@@ -470,7 +470,7 @@ taotie: error: ball.png is 192x192, one.tga is 1x1: only pictures of one size ca
         &place,
         "diff one.tga one.tga --metric angle",
         str![[r#"
-taotie: error: one.tga: it does not look like a normal map; if it is one, say how it stores normals: --encoding unit or signed
+taotie: error: one.tga: it does not look like a normal map; if it is one, specify --encoding unit or signed
 
 "#]],
     );
@@ -478,7 +478,7 @@ taotie: error: one.tga: it does not look like a normal map; if it is one, say ho
         &place,
         "diff one.tga one.tga --metric ssim",
         str![[r#"
-taotie: error: pictures of 1x1: structural similarity looks through windows of 11x11 pixels; both sides must be as large
+taotie: error: pictures of 1x1: SSIM uses windows of 11x11 pixels; both sides must be at least that large
 
 "#]],
     );
@@ -499,7 +499,7 @@ fn diff_with_options_that_contradict() {
         &place,
         "diff a.png b.png --metric angle --encoding color",
         str![[r#"
-taotie: error: --metric angle measures normals, but --encoding color says that the files hold colors
+taotie: error: --metric angle compares normals, but --encoding color specifies colours
 
 "#]],
     );
@@ -507,7 +507,7 @@ taotie: error: --metric angle measures normals, but --encoding color says that t
         &place,
         "diff a.png b.png --metric flip --encoding unit",
         str![[r#"
-taotie: error: --metric flip looks at colors, but --encoding says that the files hold normals
+taotie: error: --metric flip compares colours, but --encoding specifies normals
 
 "#]],
     );
@@ -536,7 +536,7 @@ taotie: error: heat.jpg: heat maps are written as .png
         &place,
         "diff a.png b.png --heat none/heat.png",
         str![[r#"
-taotie: error: none: there is no such folder; make it first
+taotie: error: none: the folder does not exist; create it first
 
 "#]],
     );

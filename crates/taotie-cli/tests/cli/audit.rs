@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use snapbox::str;
 
-/// A square of two triangles in `a.gltf`, whose normal map is not there, and a schema in `s.json`.
+/// A square of two triangles in `a.gltf`, whose normal map is missing, and a schema in `s.json`.
 fn square_with(schema: &str) -> Place {
     let place = Place::with("a.gltf", square_json().to_string());
     place.write("s.json", schema);
@@ -58,9 +58,9 @@ Checks
   not tested  gutter width            not required
 
 Warnings
-  1×  the extension EXT_nobody_knows is ignored
-  1×  image 0 is left out: the file 'normals.png' is missing
-  1×  image 1 is left out: the file 'missing.png' is missing
+  1×  ignored extension EXT_nobody_knows
+  1×  skipped image 0: the file 'normals.png' is missing
+  1×  skipped image 1: the file 'missing.png' is missing
 
 "#]]);
     place.write(
@@ -116,8 +116,8 @@ fn json_has_every_check() {
     assert_eq!((*value, *minimum, *maximum), (Some(2.0), None, Some(1.0)));
 }
 
-/// Nodes, meshes and materials count though the scene does not show them; a triangle strip has two triangles less than
-/// corners; points have none.
+/// Nodes, meshes and materials count though the scene does not show them; a triangle strip has two triangles less
+/// than corners; points have none.
 #[test]
 fn the_document_is_counted_whole() {
     let place = Place::new();

@@ -1,4 +1,4 @@
-//! What `taotie bake` writes and says, and what it refuses.
+//! `taotie bake`: its files, its output and its errors.
 
 use super::balls::{Ball, LOW, SCAN};
 use super::models::TRIANGLE;
@@ -38,15 +38,15 @@ worst 1 % of the surface     [..]° around ([..], [..], [..])
 worst UV island              [..]° on island [..] of [..] ([..] % of the area) around ([..], [..], [..])[..]
 share of the surface         [..] % beyond 5° ([..] to [..]); [..] % beyond 10° ([..] to [..])
 normal error on the surface  mean [..]°, median [..]°, quartiles [..]° and [..]°, p95 [..]°, max [..]°
-                             storing normals in 8 bits alone costs 0.17° on average
-error without normal map     mean [..]°, by vertex normals alone
+                             8-bit storage of normals accounts for 0.17° on average
+error without normal map     mean [..]°, from vertex normals only
 ray missed                   0.000 % of the texels, 0.000 % of the samples (closest point used); no hit: 0.000 % of the samples
-shape error                  between [..] and [..] at most ([..] % of the diagonal), RMS [..] ([..] %)
+shape error                  maximum between [..] and [..] ([..] % of the diagonal), RMS [..] ([..] %)
 silhouette                   [..] pixels of 512 on average, [..] at most, which is [..] model units
 missed                       0.000 % of the scan, 0.000 % of the asset; [..] % of the scan within 0.5 % of the diagonal
 texel                        [..] model units wide (median)
 visual difference            FLIP [..], SSIM [..], mean of 8 views
-not compared                 colour and material, of which the scan says nothing
+not compared                 colour and material, which the scan does not specify
 bytes                        [..] in, [..] out
 required                     met: mean-angle is [..]°, at most 2°
 required                     met: missed is 0 %, at most 0.1 %
@@ -71,13 +71,13 @@ fn what_is_required_and_not_met_ends_with_one() {
     assert!(text.contains("NOT met: mean-angle is "), "{text}");
     assert!(text.contains("met: hausdorff is "), "{text}");
     let files = ["low.obj", "out.glb", "out.report.html", "out.report.json", "scan.obj"];
-    assert_eq!(place.files(), files, "the proof of a failure is of use");
+    assert_eq!(place.files(), files, "the proof of a failure is useful");
     let report: Value = serde_json::from_slice(&place.read("out.report.json")).unwrap();
     let required = &report["certificate"]["required"];
     assert_eq!((&required[0]["met"], &required[1]["met"]), (&json!(false), &json!(true)));
 }
 
-/// Every refusal: one plain line that names what is wrong, exit code 2, and nothing written.
+/// Every refusal: one line that states what is wrong, exit code 2, and nothing written.
 #[test]
 fn refusals() {
     let place = pair();
@@ -92,14 +92,11 @@ fn refusals() {
     let cases = [
         ("absent.obj -o out.glb", "absent.obj: No such file or directory"),
         ("scan.obj --low absent.obj -o out.glb", "absent.obj: No such file or directory"),
-        ("scan.obj -o out.obj", "out.obj: assets are written as .glb or .gltf"),
-        ("scan.obj -o out", "out: assets are written as .glb or .gltf"),
-        ("scan.obj -o absent/out.glb", "absent: there is no such folder; make it first"),
-        (
-            "scan.glb -o scan.glb",
-            "scan.glb: it would be written over scan.glb, which is read; give another name",
-        ),
-        ("scan.obj --low scan.glb -o scan.glb", "scan.glb: it would be written over scan.glb, which is read"),
+        ("scan.obj -o out.obj", "out.obj: unsupported format; write assets as .glb or .gltf"),
+        ("scan.obj -o out", "out: unsupported format; write assets as .glb or .gltf"),
+        ("scan.obj -o absent/out.glb", "absent: the folder does not exist; create it first"),
+        ("scan.glb -o scan.glb", "scan.glb: it would overwrite the input scan.glb; choose another name"),
+        ("scan.obj --low scan.glb -o scan.glb", "scan.glb: it would overwrite the input scan.glb"),
         (
             "scan.obj -o out.glb --lods 100,200",
             "the level of detail 200 after one of 100: each must have fewer triangles, or be for fewer pixels",
@@ -115,7 +112,7 @@ fn refusals() {
         ),
         (
             "scan.obj -o out.glb --memory-limit much",
-            "`much` is not an amount of memory; write it as 4G or 800M",
+            "invalid memory size `much`: use a number with a unit, e.g. 4G or 800M",
         ),
         (
             "scan.obj -o out.glb --error 1 --meshopt",
@@ -123,47 +120,41 @@ fn refusals() {
         ),
         (
             "scan.obj -o out.glb --triangles 100 --codecs web-latest",
-            "--codecs web-latest: nothing is searched for with these options, and geometry is not compressed; add --meshopt",
+            "--codecs web-latest: these options run no search and do not compress geometry; add --meshopt",
         ),
         ("scan.obj -o out.glb --error 1 --codecs latest", "portable, web-latest"),
         ("scan.obj -o out.glb --error 1 --space object", "--error needs a normal map in tangent space"),
         ("scan.obj -o out.glb --error 1 --maps ao", "--error needs a normal map in tangent space"),
         (
             "scan.obj -o out.glb --require mean-angle",
-            "`mean-angle`: write a figure and the most it may be, such as mean-angle=2",
+            "`mean-angle`: expected a figure and its limit, such as mean-angle=2",
         ),
-        (
-            "scan.obj -o out.glb --require beauty=1",
-            "`beauty`: there is none of this name; choose one of: mean-angle,",
-        ),
+        ("scan.obj -o out.glb --require beauty=1", "unknown figure `beauty`: expected one of: mean-angle,"),
         (
             "scan.obj -o out.glb --require bytes=1%",
-            "bytes is not measured in %; write a bare number, or one in B, kB,",
+            "bytes is not measured in %; use a bare number, or one in B, kB,",
         ),
-        ("scan.obj -o out.glb --require bytes@0=1", "bytes is a figure of the whole asset; leave out @0"),
+        ("scan.obj -o out.glb --require bytes@0=1", "bytes applies to the whole asset; omit @0"),
         (
             "scan.obj -o out.glb --lods 100 --require mean-angle=1,max-angle@2=9",
-            "--require max-angle@2: the coarsest level of detail is 1; --lods asks for more",
+            "--require max-angle@2: the coarsest level of detail is 1; add more with --lods",
         ),
         ("scan.obj -o out.glb --require bytes=1 --no-verify", "cannot be used with"),
-        (
-            "scan.obj -o out.glb --maps colour",
-            "map `colour`: there is none of this name; choose one of: normal, ao,",
-        ),
+        ("scan.obj -o out.glb --maps colour", "unknown map `colour`: expected one of: normal, ao,"),
         ("scan.obj -o out.glb --size 8", "8 is not in 16..=16384"),
         (
             "scan.obj -o out.glb --size 64x32",
-            "--size 64x32: atlases that are made are square; give one number, or --low with UVs",
+            "--size 64x32: generated atlases are square; give one number, or --low with UVs",
         ),
         (
             "scan.obj --low bare.obj -o out.glb --size 64x32",
-            "maps of 64×32: atlases that are made are square; give one number, or a low-poly mesh with uvs",
+            "maps of 64×32: generated atlases are square; use one number, or a low-poly mesh with uvs",
         ),
-        ("scan.obj -o out.glb --images ktx2 --size 50", "--size 50: KTX2 needs a multiple of 4"),
+        ("scan.obj -o out.glb --images ktx2 --size 50", "--size 50: KTX2 needs multiples of 4"),
         ("scan.obj -o out.glb --size 50 --trials t.csv", "cannot be used with"),
         (
             "scan.obj -o out.glb --green down --maps ao",
-            "--green down: no normal or bent map in tangent space",
+            "--green down: no normal or bent map is baked in tangent space",
         ),
         ("scan.obj -o out.glb --green down --space object", "--green down: no normal or bent map"),
         ("scan.obj -o out.glb --threads 0", "at least one thread is needed"),
@@ -174,14 +165,11 @@ fn refusals() {
             "scan.obj --low low.obj --cage low.obj -o out.glb",
             "vertices are not outside the low-poly mesh; move them outward",
         ),
-        (
-            "nan.obj -o out.glb",
-            "nan.obj: line 1: vertex position 'nan 1 0' is infinite or NaN; mend the file",
-        ),
-        ("point.obj -o out.glb", "point.obj: all its triangles lie in one point; there is nothing to bake"),
+        ("nan.obj -o out.glb", "nan.obj: line 1: vertex position 'nan 1 0' is infinite or NaN; fix the file"),
+        ("point.obj -o out.glb", "point.obj: all its triangles are at one point; there is nothing to bake"),
         (
             "scan.obj --low low.obj -o out.glb --size 32 --provenance list.json",
-            "list.json: XMP properties are a JSON object",
+            "list.json: expected a JSON object of XMP properties",
         ),
     ];
     for (line, why) in cases {
@@ -210,7 +198,7 @@ fn maps_stand_where_they_say_and_mean_what_they_say() {
         assert_eq!(maps[map]["file"], name);
         assert_eq!(bits(&name), wanted, "{map}");
     }
-    // The scan lies 0.06 outside; facets of the low-poly mesh sag by 0.002 at most.
+    // The scan is 0.06 outside; facets of the low-poly mesh sag by 0.002 at most.
     let [black, white] = ["black", "white"].map(|end| number(maps, &format!("/height/{end}")));
     assert!((0.057..0.0601).contains(&black) && (0.0599..0.064).contains(&white), "{maps}");
     assert_eq!(
@@ -232,7 +220,7 @@ fn maps_stand_where_they_say_and_mean_what_they_say() {
     let scene = load_model(&place.path("out.glb")).unwrap().scene;
     let orm = scene.materials()[0].metallic_roughness_texture.expect("it has one").texture;
     let [occlusion, roughness, ..] = scene.textures()[orm].bitmap().stored(64 * 128 + 64);
-    assert!(occlusion > 0.99, "nothing stands around a ball: {occlusion}");
+    assert!(occlusion > 0.99, "nothing occludes a ball: {occlusion}");
     assert!((roughness - 0.5).abs() < 0.01, "nothing is hidden within a texel: {roughness}");
 }
 
@@ -247,14 +235,14 @@ fn object_space_is_written_beside_and_proved() {
         "{}",
         report["proof"]["levels"][0]["surface_angles"]
     );
-    // As seen, too, the map is shown, though glTF cannot name it.
+    // The map is also shown as seen, although glTF cannot reference it.
     assert!(number(&report, "/proof/levels/0/overview/angles/summary/mean") < 2.5);
     let asset = document(&place, "out.glb");
-    assert!(asset["materials"][0]["normalTexture"].is_null(), "glTF would take it for tangent space");
+    assert!(asset["materials"][0]["normalTexture"].is_null(), "glTF would treat it as tangent space");
     assert_eq!(asset["asset"]["extras"]["maps"]["normal"]["file"], "out.normal.png");
     let map = read_bitmap(&place.path("out.normal.png")).unwrap();
     let Texels::U16(texels) = map.texels() else { panic!("16 bits were asked for") };
-    // A quarter around at the equator the ball faces along -z, but for its waves.
+    // A quarter around at the equator the ball faces along -z, except for its waves.
     let [r, g, b, _] = texels[64 * 128 + 32].map(|code| f64::from(code) / 32767.5 - 1.0);
     assert!(b < -0.9 && r.abs() < 0.4 && g.abs() < 0.4, "{r} {g} {b}");
 }
@@ -283,7 +271,8 @@ fn packed_forms() {
     }
 }
 
-/// A search may choose the newest codecs if it is told so, and packs an OBJ although glTF cannot say how its materials shine.
+/// A search may choose the newest codecs if allowed, and packs an OBJ although glTF cannot say how its
+/// materials shine.
 #[test]
 fn a_search_with_the_newest_codecs() {
     let place = pair();
@@ -299,7 +288,8 @@ fn a_search_with_the_newest_codecs() {
     assert!(is_required("KHR_meshopt_compression") && !is_required("EXT_meshopt_compression"), "{required}");
 }
 
-/// A preset is a target and ceilings, which other options override; what the proof finds beyond a ceiling is an error.
+/// A preset is a target and ceilings, which other options override; what the proof finds beyond a ceiling is an
+/// error.
 #[test]
 fn presets_and_ceilings() {
     let place = pair();
@@ -330,7 +320,7 @@ fn presets_and_ceilings() {
     assert!(goal(&small).ends_with(",gpu-memory=40000"), "{}", goal(&small));
 }
 
-/// The losses that are asked for reach the files.
+/// The requested qualities reach the files.
 #[test]
 fn lossy_textures() {
     let place = pair();
@@ -384,8 +374,8 @@ fn levels_of_detail_have_maps_that_suit_them() {
     assert!(across(0) == 512.0 && across(1) > 64.0 && across(2) <= across(1), "{}, {}", across(1), across(2));
 }
 
-/// A bake of three levels is measured and gated at each that is named: the first two are within a degree, the third, which lost the
-/// waves, is not. On the surface no level counts but the finest unless it is named.
+/// A bake of three levels is measured and gated at each that is named: the first two are within a degree, the third,
+/// which lost the waves, is not. On the surface no level counts but the finest unless it is named.
 #[test]
 fn the_level_that_fails_is_named() {
     let place = Place::with("scan.obj", SCAN.obj());
@@ -398,14 +388,14 @@ fn the_level_that_fails_is_named() {
     assert!(mean(0) < mean(1) && mean(1) < 1.0 && mean(2) > 2.0, "{} {} {}", mean(0), mean(1), mean(2));
     let triangles = |level: usize| report["triangles"][level].clone();
     for level in [1, 2] {
-        let row = format!("{} triangles, as seen where it fills ", triangles(level));
+        let row = format!("{} triangles, as seen at ", triangles(level));
         let mut lines = text.lines().filter(|line| line.starts_with(&format!("level {level} ")));
         assert!(lines.any(|line| line.contains(&row)), "{text}");
     }
     for (level, verdict) in ["met", "met", "NOT met"].into_iter().enumerate() {
-        let told =
+        let expected =
             format!(" {verdict}: surface-mean-angle of level {level} ({} triangles) is ", triangles(level));
-        assert!(text.contains(&told), "{told}: {text}");
+        assert!(text.contains(&expected), "{expected}: {text}");
         assert_eq!(report["certificate"]["required"][level]["level"], level);
     }
     place.taotie(&format!("{line} surface-mean-angle=1")).assert().success();
@@ -462,11 +452,11 @@ fn the_smallest_that_is_near_enough() {
     let is_near = |trial: &&Value| number(trial, "/mean_angle") <= 1.0;
     assert!(trials.iter().all(|trial| trial["is_near"] == is_near(&trial)), "{trials:?}");
     let near = trials.iter().filter(is_near);
-    let best = near.min_by_key(|trial| trial["bytes"].as_u64()).expect("one is near enough");
+    let best = near.min_by_key(|trial| trial["bytes"].as_u64()).expect("one is close enough");
     assert_eq!(
         (&best["size"], &best["triangles"]),
         (&report["size"][0], &report["triangles"][0]),
-        "the fewest bytes of all that are near enough"
+        "the fewest bytes of all that are close enough"
     );
     // The file also holds XMP metadata and names.
     let more = number(&report, "/proof/bytes_out") - number(best, "/bytes");
@@ -484,9 +474,9 @@ fn without_options_the_smallest_that_looks_the_same_is_found() {
     };
     let lossless = chosen(&report);
     assert!(number(&report, "/proof/bytes_out") < number(&report, "/proof/bytes_in") / 5.0);
-    let alone = place.json("bake scan.obj -o alone.glb --json --no-verify");
-    assert_eq!(chosen(&alone), lossless, "it is the goal of a bake without one");
-    // Half of the bytes are as near as they can be.
+    let single = place.json("bake scan.obj -o single.glb --json --no-verify");
+    assert_eq!(chosen(&single), lossless, "it is the goal of a bake without one");
+    // Half of the bytes are as close as possible.
     let half = number(&report, "/proof/bytes_out") * 0.5;
     let line = format!("bake scan.obj -o half.glb --json --bytes {half:.0}B");
     let report = place.json(&line);
@@ -494,10 +484,7 @@ fn without_options_the_smallest_that_looks_the_same_is_found() {
     let ratio = number(&chosen(&report), "/angle_ratio");
     assert!(ratio > 1.2 && chosen(&report)["is_near"] == false, "{ratio}");
     let few = place.taotie("bake scan.obj -o few.glb --bytes 1kB").assert().code(1);
-    assert!(
-        String::from_utf8_lossy(&few.get_output().stderr)
-            .contains("no asset that was tried has at most 1000")
-    );
+    assert!(String::from_utf8_lossy(&few.get_output().stderr).contains("no candidate has at most 1000"));
 }
 
 #[test]
@@ -544,7 +531,7 @@ fn rights_of_the_scan_are_kept_and_its_history_goes_on() {
         (&packet["dc:rights"], &packet["dc:creator"]),
         (&json!("in the public domain"), &json!("the wind"))
     );
-    assert_eq!(packet["dc:title"], "a round ball", "what is given goes before what the scan says");
+    assert_eq!(packet["dc:title"], "a round ball", "given properties override the scan's");
     let history = &packet["xmpMM:History"];
     assert_eq!(
         (&history["@type"], &history["rdf:_1"]["stEvt:action"]),
@@ -552,7 +539,7 @@ fn rights_of_the_scan_are_kept_and_its_history_goes_on() {
     );
     let parameters = history["rdf:_2"]["stEvt:parameters"].as_str().unwrap();
     assert!(parameters.contains("\"size\":64") && parameters.contains("cage.obj"), "{parameters}");
-    assert!(!parameters.contains("secret"), "folders are nobody's business: {parameters}");
+    assert!(!parameters.contains("secret"), "folders are private: {parameters}");
     let source = packet["dc:source"].to_string();
     assert!(source.contains("scan.glb (sha256:"), "{source}");
 }
@@ -584,6 +571,6 @@ fn green_points_down_beside_the_asset_alone() {
     assert_eq!(extras["normal"]["file"], "down.normal.png");
     assert_eq!(
         report["proof"]["levels"][0]["surface_angles"], up["proof"]["levels"][0]["surface_angles"],
-        "the asset is measured, not the map beside it"
+        "the asset is measured, not the map next to it"
     );
 }

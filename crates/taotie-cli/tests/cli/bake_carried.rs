@@ -1,4 +1,4 @@
-//! What of a scan's material `taotie bake` carries into the asset, and what it tells of the rest.
+//! Which parts of a scan's material `taotie bake` carries into the asset, and what it reports about the rest.
 
 use super::balls::{Ball, LOW, SCAN};
 use super::place::Place;
@@ -9,7 +9,7 @@ use taotie::math::{Mat4, Vec3};
 use taotie::mesh::Mesh;
 use taotie::scene::{AlphaMode, Clearcoat, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
 
-/// A ball with a colour for each vertex, red to one side and green to the other.
+/// Returns a ball with vertex colours, red on one side and green on the other.
 pub fn colored(ball: Ball) -> String {
     let color = |line: &str| match line.split(' ').collect::<Vec<_>>()[..] {
         ["v", x, _, _] => format!("{line} {}\n", if x.starts_with('-') { "1 0 0" } else { "0 1 0" }),
@@ -18,18 +18,18 @@ pub fn colored(ball: Ball) -> String {
     ball.obj().lines().map(color).collect()
 }
 
-/// What a bake with these words says on stderr; nothing is proved.
+/// Returns the stderr of a bake with these words, without a proof.
 fn said(place: &Place, line: &str) -> String {
     proved(place, &format!("{line} --no-verify"))
 }
 
-/// What a bake with these words says on stderr, with its proof and reports.
+/// Returns the stderr of a bake with these words, with its proof and reports.
 fn proved(place: &Place, line: &str) -> String {
     let assert = place.taotie(&format!("bake {line} -o out.glb --size 64")).assert().success();
     String::from_utf8_lossy(&assert.get_output().stderr).into_owned()
 }
 
-/// The only mesh of a file.
+/// Returns the only mesh of a file.
 fn mesh(place: &Place, name: &str) -> Mesh {
     load_model(&place.path(name)).unwrap().scene.meshes()[0].clone()
 }
@@ -53,7 +53,7 @@ fn coated() -> Material {
     Material { clearcoat: Some(coat), ..Material::default() }
 }
 
-/// The texels of a texture, as they are stored.
+/// Returns the stored texels of a texture.
 fn texels(scene: &Scene, texture: usize) -> impl Iterator<Item = [f32; 4]> {
     let bitmap = scene.textures()[texture].bitmap();
     (0..(bitmap.width() * bitmap.height()) as usize).map(move |i| bitmap.stored(i))
@@ -103,7 +103,7 @@ fn every_part_of_a_scan_counts() {
     let scene = load_model(&place.path("out.glb")).unwrap().scene;
     let material = &scene.materials()[0];
     assert!(material.emissive.iter().all(|v| (v - 2.0).abs() < 1e-3), "{:?}", material.emissive);
-    let glow = material.emissive_texture.expect("the lamp glows where it is");
+    let glow = material.emissive_texture.expect("the lamp glows");
     let greens: Vec<f32> = texels(&scene, glow.texture).map(|[_, green, ..]| green).collect();
     // Half of the strength in sRGB; nothing elsewhere.
     assert!(greens.iter().any(|v| (v - 0.735).abs() < 0.02) && greens.iter().any(|v| *v < 0.02));
@@ -128,7 +128,7 @@ fn metals_and_others_share_a_map() {
 fn masks_stay_masks_and_ktx2_leaves_their_alpha_to_png() {
     let place = Place::with("ball.obj", Ball { uv: LOW.uv, ..SCAN }.obj());
     place.write("low.obj", LOW.obj());
-    // The left half of the map is there, the right half is not.
+    // The left half of the map is opaque, the right half is cut out.
     let texels_of_mask = (0..256).map(|i| [255, 255, 255, if i % 16 < 8 { 255 } else { 10 }]).collect();
     let bitmap = Bitmap::new(16, 16, 4, Texels::U8(texels_of_mask)).unwrap();
     let (sampler, transform) = (Sampler::default(), UvTransform::default());
@@ -151,7 +151,7 @@ fn masks_stay_masks_and_ktx2_leaves_their_alpha_to_png() {
     let scene = load_model(&place.path("out.glb")).unwrap().scene;
     let material = &scene.materials()[0];
     assert_eq!(material.alpha, AlphaMode::Mask(0.25));
-    let color = material.base_color_texture.expect("alpha stands in it");
+    let color = material.base_color_texture.expect("it holds alpha");
     let there = texels(&scene, color.texture).filter(|[.., alpha]| *alpha >= 0.25).count();
     assert!((0.4..0.6).contains(&(there as f64 / (64.0 * 64.0))), "{there} of 64² texels");
 }
@@ -167,7 +167,7 @@ fn what_is_the_same_everywhere_is_a_factor() {
     let material = &scene.materials()[0];
     assert_eq!((material.emissive, material.base_color), (glowing.emissive, glowing.base_color));
     assert_eq!(material.clearcoat, glowing.clearcoat);
-    assert_eq!(scene.textures().len(), 1, "the normal map is all that is needed");
+    assert_eq!(scene.textures().len(), 1, "only the normal map is needed");
 }
 
 #[test]
@@ -177,7 +177,7 @@ fn a_low_poly_mesh_keeps_its_own_material() {
     place.write("low.mtl", "newmtl red\nKd 1 0 0\n");
     let said = said(&place, "scan.obj --low low.obj");
     assert!(
-        said.contains("base colour, on 100.0 % of its surface; that of the low-poly mesh stays\n"),
+        said.contains("base colour, on 100.0 % of its surface; the low-poly mesh's own is kept\n"),
         "{said}"
     );
     let scene = load_model(&place.path("out.glb")).unwrap().scene;
@@ -190,7 +190,7 @@ fn baked_colours_take_the_place_of_those_of_vertices() {
     let place = Place::with("scan.obj", colored(SCAN));
     place.write("low.obj", colored(LOW));
     let said = said(&place, "scan.obj --low low.obj --maps normal,albedo");
-    assert!(said.contains("vertex colours are left out: albedo is baked in their place"), "{said}");
+    assert!(said.contains("vertex colours are left out: baked albedo replaces them"), "{said}");
     assert!(mesh(&place, "out.glb").colors().is_empty());
 }
 
@@ -202,7 +202,7 @@ fn an_asset_larger_than_its_scan_is_told() {
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     let (scan, asset) = (place.read("scan.obj").len(), place.read("out.glb").len());
     assert!(asset > scan, "the case does not show it: {asset} of {scan} bytes");
-    let what = format!("the asset is larger than its scan: {asset} bytes, {scan} of the scan");
+    let what = format!("the asset is larger than its scan: {asset} bytes instead of {scan}");
     assert!(said.contains(&what), "{said}");
 }
 

@@ -1,4 +1,5 @@
-//! `taotie bake` onto a glTF file of several meshes and materials, or one that moves: all of it but the maps stays.
+//! `taotie bake` onto a glTF file of several meshes and materials, or one that moves: everything except the maps
+//! stays.
 
 use super::balls::{Ball, LOW, SCAN};
 use super::glb::{Glb, assert_same};
@@ -10,7 +11,7 @@ use taotie::math::Vec3;
 use taotie::mesh::{Mesh, MeshData};
 use taotie::surface::with_frames;
 
-/// A folder with the scan, and the low-poly mesh that fits it.
+/// Returns a folder with the scan, and the low-poly mesh that fits it.
 pub fn start() -> (Place, Mesh) {
     let place = Place::with("scan.obj", SCAN.obj());
     place.write("low.obj", LOW.obj());
@@ -18,7 +19,7 @@ pub fn start() -> (Place, Mesh) {
     (place, with_frames(&low, 0, None).unwrap().0.into_owned())
 }
 
-/// A document of that mesh alone, to which a test adds what it needs.
+/// Returns a document with only that mesh, to which a test adds what it needs.
 fn draft(low: &Mesh) -> GltfDraft {
     let levels = [GltfLevel { mesh: low, coverage: None }];
     GltfDraft::new(&GltfAsset { levels: &levels, ..GltfAsset::default() }, &GltfFormat::default()).unwrap()
@@ -62,12 +63,12 @@ fn primitive(draft: &mut GltfDraft, low: &Mesh, material: usize, x: f32) -> Valu
 /// The material whose triangles have no tangents.
 const BARE: usize = 1;
 
-/// A ship of three materials on two nodes, and a camera; the ball cut into three.
+/// Returns a ship of three materials on two nodes, and a camera: the ball cut into three.
 pub fn ship(low: &Mesh) -> Vec<u8> {
     ship_draft(low).encode_glb().unwrap()
 }
 
-/// Returns the same to be changed.
+/// Returns the same, to be modified.
 pub fn ship_draft(low: &Mesh) -> GltfDraft {
     let mut draft = draft(low);
     let [wood, iron, cloth] = [0, 1, 2].map(|material| {
@@ -109,7 +110,7 @@ pub fn ship_draft(low: &Mesh) -> GltfDraft {
     draft
 }
 
-/// What a bake of the scan onto a file says on stderr, and its report.
+/// Returns the stderr of a bake of the scan onto a file, and its report.
 fn baked(place: &Place, line: &str) -> (String, Value) {
     let assert =
         place.taotie(&format!("bake scan.obj --low low.glb --size 64 --json {line}")).assert().success();
@@ -145,7 +146,7 @@ fn three_materials_on_two_nodes_stay() {
     assert_eq!((maps.len(), scene.textures().len()), (3, 3), "one texture set a material");
     let materials = &after.json["materials"];
     let wood = json!({ "baseColorFactor": [0.5, 0.25, 0.125, 1.0], "roughnessFactor": 0.75 });
-    assert_eq!(materials[0]["pbrMetallicRoughness"], wood, "what nobody baked is not touched");
+    assert_eq!(materials[0]["pbrMetallicRoughness"], wood, "properties that are not baked are not changed");
     assert_eq!(
         (&materials[2]["doubleSided"], &materials[2]["extras"]),
         (&json!(true), &json!({ "weave": "twill" }))
@@ -196,7 +197,7 @@ fn images_of_the_file_that_stay_go_along() {
     let (place, low) = start();
     place.write("low.glb", ship(&low));
     baked(&place, "-o first.gltf --no-verify");
-    // Onto that, whose own normal maps are replaced by new ones, and stay where others are baked.
+    // Bakes onto that: its own normal maps are replaced by new ones, and stay if other maps are baked.
     std::fs::create_dir(place.path("sub")).unwrap();
     let again = |maps: &str, out: &str| {
         let line = format!("bake scan.obj --low first.gltf --size 64 --maps {maps} -o {out} --json");
@@ -218,10 +219,10 @@ fn images_of_the_file_that_stay_go_along() {
         assert_eq!(map(&own, a), map(&kept.scene, b), "{}", a.name);
     }
     let (report, replaced) = again("normal", "replaced.glb");
-    assert!(!report["proof"]["unseen"].to_string().contains("own normal map"), "it is baked anew");
+    assert!(!report["proof"]["unseen"].to_string().contains("own normal map"), "it is baked again");
     assert_eq!(replaced.scene.textures().len(), 3);
     let json = Glb::read(&place.read("replaced.glb")).json;
-    assert_eq!(json["images"].as_array().unwrap().len(), 3, "images that nothing names are left out");
+    assert_eq!(json["images"].as_array().unwrap().len(), 3, "unreferenced images are left out");
 }
 
 #[test]
@@ -244,9 +245,9 @@ fn what_cannot_be_kept_is_refused_before_the_bake() {
     let (place, low) = start();
     place.write("low.glb", ship(&low));
     place.write("other.obj", Ball { rings: 4, ..LOW }.obj());
-    let why = "low.glb: a low-poly mesh of 3 materials is not supported: ";
+    let why = "low.glb: a low-poly mesh with 3 materials is not supported: ";
     let said = refused(&place, "--lods 100");
-    assert!(said.contains(&format!("{why}its file stays as it is, and levels of detail")), "{said}");
+    assert!(said.contains(&format!("{why}its file is kept as is, and levels of detail")), "{said}");
     let said = refused(&place, "--cage other.obj");
     assert!(said.contains("other.obj: the cage: it has"), "{said}");
     let cage = Ball { radius: 1.2, ..LOW };
@@ -258,10 +259,10 @@ fn what_cannot_be_kept_is_refused_before_the_bake() {
     assert!(said.contains("triangles are in another order"), "{said}");
     let assert = place.taotie("bake scan.obj --low low.glb -o normal.png --size 64").assert().code(2);
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
-    assert!(said.contains(&format!("{why}maps alone are for one material")), "{said}");
+    assert!(said.contains(&format!("{why}standalone maps support only one material")), "{said}");
     assert!(!place.files().contains(&"normal.png".into()));
     let (said, _) = baked(&place, "-o out.glb --meshopt --no-verify");
-    assert!(said.contains("meshes are not compressed: the low-poly mesh's file stays as it is"), "{said}");
+    assert!(said.contains("meshes are not compressed: the low-poly mesh's file is kept as is"), "{said}");
 }
 
 #[test]
@@ -304,9 +305,12 @@ fn materials_of_an_obj_stay() {
     assert_eq!((loaded.scene.textures().len(), loaded.scene.triangle_count()), (3, 528));
     let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
     assert_eq!(report["proof"]["parts"].as_array().unwrap().len(), 3);
-    // As before where one mesh is needed.
+    // As before if one mesh is needed.
     let assert = place.taotie(&format!("{line} --lods 200 --no-verify")).assert().success();
-    assert!(String::from_utf8_lossy(&assert.get_output().stderr).contains("made one, the first"));
+    assert!(
+        String::from_utf8_lossy(&assert.get_output().stderr)
+            .contains("merged the materials of the low-poly mesh into the first")
+    );
 }
 
 #[test]
@@ -346,23 +350,20 @@ fn an_animation_stays() {
     );
     place.write("low.glb", draft.encode_glb().unwrap());
     let (said, report) = baked(&place, "-o out.glb");
-    assert!(
-        said.contains("the low-poly mesh moves (animations): it is baked and measured at rest"),
-        "{said}"
-    );
+    assert!(said.contains("the low-poly mesh moves (animations): baked and measured at rest"), "{said}");
     let [before, after] = ["low.glb", "out.glb"].map(|name| Glb::read(&place.read(name)));
     assert_same(&before, &after, &["nodes", "meshes", "animations"]);
     let unseen = report["proof"]["unseen"].to_string();
     assert!(unseen.contains("poses: an animated asset is compared at rest"), "{unseen}");
     assert_eq!(report["proof"]["parts"], json!([]), "it has one material");
     assert_eq!(load_model(&place.path("out.glb")).unwrap().rig.unwrap().animations()[0].name, "drift");
-    assert!(refused(&place, "--space object").contains("normals in object space do not follow its motion"));
+    assert!(refused(&place, "--space object").contains("object-space normals do not follow its motion"));
 }
 
 #[test]
 fn maps_alone_fit_the_file_as_its_model_does() {
     let (place, low) = start();
-    // A ball of half the height, which two nodes stretch, one of them turned round.
+    // A ball of half the height, which two nodes stretch, one of them turned around.
     let MeshData { positions, normals, uvs, triangles, .. } = low.into_data();
     let flat = positions.iter().map(|p| Vec3::new(p.x, p.y * 0.5, p.z)).collect();
     let normal = |n: &Vec3| Vec3::new(n.x, n.y * 2.0, n.z).to_f64().normalize_or(n.to_f64()).to_f32();

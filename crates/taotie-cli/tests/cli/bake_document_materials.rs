@@ -1,4 +1,5 @@
-//! `taotie bake` onto the materials of a glTF file that stays, whose extensions would hide what is baked, or be hidden.
+//! `taotie bake` onto the materials of a glTF file that stays, whose extensions would hide what is baked, or be
+//! hidden.
 
 use super::bake_document::{put, ship_draft, start};
 use super::glb::Glb;
@@ -49,7 +50,7 @@ fn a_layer_of_the_scan_stands_where_the_file_has_it_switched_off() {
         assert!(materials.len() == 3 && materials.iter().all(|m| m.clearcoat == Some(coat)), "{materials:?}");
         assert_valid(&place.path("out.glb"));
     }
-    // One of its own stays, and that is told.
+    // Its own layer stays, with a warning.
     write_ship(&place, &low, name, &json!({ "clearcoatFactor": 0.25 }));
     let report = report(&place, "scan.glb");
     assert_eq!((&report["carried"], &report["left"][0]["what"]), (&json!([]), &json!("clearcoat")));
@@ -57,8 +58,8 @@ fn a_layer_of_the_scan_stands_where_the_file_has_it_switched_off() {
     assert_eq!(json["materials"][0]["extensions"][name], json!({ "clearcoatFactor": 0.25 }));
 }
 
-/// Returns how often a report warns of this.
-fn told(report: &Value, what: &str) -> u64 {
+/// Returns how often a report warns about this.
+fn times_warned(report: &Value, what: &str) -> u64 {
     let warnings = report["warnings"].as_array().expect("there is a list");
     let text = |warning: &Value| warning["what"].as_str().is_some_and(|text| text.contains(what));
     warnings.iter().filter(|warning| text(warning)).map(|warning| warning["count"].as_u64().unwrap()).sum()
@@ -72,7 +73,7 @@ fn colours_and_gloss_that_would_hide_what_is_baked_go() {
     let after = |maps: &str| {
         let report = report(&place, &format!("scan.obj --maps {maps}"));
         (
-            told(&report, &format!("{name} of the low-poly mesh's materials is left out")),
+            times_warned(&report, &format!("dropped {name} of the low-poly mesh's materials")),
             Glb::read(&place.read("out.glb")).json,
         )
     };
@@ -93,9 +94,9 @@ fn maps_that_an_unlit_material_does_not_show_are_told() {
         let report = report(&place, &format!("scan.obj --maps {maps}"));
         let unlit = load_model(&place.path("out.glb")).unwrap().scene.materials().iter().all(|m| m.unlit);
         assert!(unlit, "the look of the file stays");
-        told(
+        times_warned(
             &report,
-            "materials are unlit (KHR_materials_unlit): of their maps viewers show the base colour alone",
+            "materials are unlit (KHR_materials_unlit): viewers show only their base colour map",
         )
     };
     assert_eq!(["normal,albedo", "albedo"].map(count), [3, 0]);

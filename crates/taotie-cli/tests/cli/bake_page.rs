@@ -5,7 +5,7 @@ use super::place::Place;
 use serde_json::Value;
 use std::collections::HashSet;
 
-/// A folder with a scan whose vertices are of one colour, and a low-poly mesh.
+/// Returns a folder with a scan whose vertices have one colour, and a low-poly mesh.
 fn colored() -> Place {
     let line = |line: &str| match line.starts_with("v ") {
         true => format!("{line} 0.8 0.3 0.1\n"),
@@ -16,7 +16,7 @@ fn colored() -> Place {
     place
 }
 
-/// The data of the page `out.report.html`.
+/// Returns the data of the page `out.report.html`.
 fn page(place: &Place) -> Value {
     let html = String::from_utf8(place.read("out.report.html")).expect("it is text");
     let (_, rest) = html.split_once("id=\"data\">").expect("it has data");
@@ -78,8 +78,8 @@ fn a_scan_without_colors_says_that_none_were_looked_at() {
     place.taotie("bake scan.obj --low low.obj -o out.glb --size 64").assert().success();
     let page = page(&place);
     let statement = &page["statement"];
-    assert_eq!(statement["verdict"]["text"], "Measured; nothing was required. The figures are below.");
-    let note = "Not compared: colour and material, of which the scan says nothing.";
+    assert_eq!(statement["verdict"]["text"], "Measured; no requirements were set. The figures are below.");
+    let note = "Not compared: colour and material, which the scan does not specify.";
     assert_eq!(statement["tables"][0]["note"], note);
     assert!(!names(&page["views"], "name").iter().any(|name| name.starts_with("full")));
 }

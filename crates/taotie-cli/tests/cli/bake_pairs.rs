@@ -1,16 +1,16 @@
-//! Pairs and scans that are not as they should be: each gets a plain warning or is refused, none is baked in silence.
+//! Faulty pairs and scans: each causes a clear warning or is refused, none is baked silently.
 
 use super::balls::{Ball, LOW, SCAN};
 use super::place::Place;
 
-/// What is said, one warning a line.
+/// Returns the warnings, one a line.
 fn said(place: &Place, line: &str) -> String {
     let assert = place.taotie(&format!("bake {line} -o out.glb --size 64")).assert().success();
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     said.lines().skip(1).map(|line| format!("{line}\n")).collect()
 }
 
-/// What is said of a pair that cannot be baked.
+/// Returns the error of a pair that cannot be baked.
 fn refused(obj: String) -> String {
     let place = Place::with("scan.obj", SCAN.obj());
     place.write("low.obj", obj);
@@ -49,7 +49,7 @@ fn moved() {
     assert_says(
         &said,
         &[
-            "the meshes lie apart: ",
+            "the meshes are apart: ",
             "2 % of the diagonal from the scan",
             "moved, scaled or posed differently?",
         ],
@@ -72,7 +72,7 @@ fn in_another_pose() {
         .collect();
     assert_says(
         &with_low(obj),
-        &["the meshes lie apart: ", "is one of them moved, scaled or posed differently?"],
+        &["the meshes are apart: ", "is one of them moved, scaled or posed differently?"],
     );
 }
 
@@ -80,7 +80,7 @@ fn in_another_pose() {
 fn far_apart() {
     let said = refused(Ball { center: [30.0, 0.0, 0.0], ..LOW }.obj());
     assert_says(&said, &["projection rays met the scan", "the meshes do not overlap: 100.0 %"]);
-    assert!(!said.contains("reverse"), "which side is nearer is chance: {said}");
+    assert!(!said.contains("reverse"), "which side is closer is random: {said}");
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn uvs_that_overlap() {
     let said = with_low(Ball { uv: Some(|u, v| [u.min(1.0 - u) * 2.0, v]), ..LOW }.obj());
     assert_says(
         &said,
-        &["of the map lies under more than one triangle: UV islands overlap", "unwrap the low-poly mesh"],
+        &["of the map is under more than one triangle: UV islands overlap", "unwrap the low-poly mesh"],
     );
 }
 
@@ -116,7 +116,7 @@ fn uvs_out_of_range() {
     let said = with_low(Ball { uv: Some(|u, v| [u * 0.9 - 0.5, v]), ..LOW }.obj());
     assert_says(
         &said,
-        &["vertices of the low-poly mesh with uvs outside of the map, which is repeated there ("],
+        &["vertices of the low-poly mesh with uvs outside the map, which is repeated there ("],
     );
     assert!(!said.contains("overlap"), "{said}");
 }

@@ -1,8 +1,8 @@
-//! Options of `taotie bake` about how a scan is read.
+//! Options of `taotie bake` for reading a scan.
 
 use super::place::Place;
 
-/// A hexagonal prism as STL, of which the facets are meant.
+/// Returns a hexagonal prism as STL, whose facets are intended.
 fn prism() -> String {
     let corner = |i: usize, z: f64| {
         let [x, y] =

@@ -1,9 +1,9 @@
-//! Balls to be baked: scans with waves on them, and low-poly meshes to stand for these.
+//! Balls to bake: scans with waves on them, and low-poly meshes for them.
 
 use std::fmt::Write;
 use taotie::math::scalar::{cos, sin};
 
-/// A corner of a triangle: the numbers of its place and of its uv.
+/// A corner of a triangle: the indices of its position and of its UV.
 type Corner = [usize; 2];
 
 /// A closed ball with triangles between rings and meridians.
@@ -12,14 +12,14 @@ pub struct Ball {
     pub rings: usize,
     pub meridians: usize,
     pub radius: f64,
-    /// How high waves stand on it, parts of the radius.
+    /// The height of its waves, as a fraction of the radius.
     pub waves: f64,
     pub center: [f64; 3],
-    /// The place on the map of a part of the way around and of the way up; `None` for no uvs.
+    /// Maps fractions of the way around and up to UVs; `None` for no UVs.
     pub uv: Option<fn(f64, f64) -> [f64; 2]>,
 }
 
-/// A scan of 9,024 triangles without uvs.
+/// A scan of 9,024 triangles without UVs.
 pub const SCAN: Ball =
     Ball { rings: 48, meridians: 96, radius: 1.0, waves: 0.01, center: [0.0; 3], uv: None };
 
@@ -27,12 +27,12 @@ pub const SCAN: Ball =
 pub const LOW: Ball = Ball { rings: 12, meridians: 24, waves: 0.0, uv: Some(|u, v| [u, v]), ..SCAN };
 
 impl Ball {
-    /// As an OBJ file.
+    /// Returns it as an OBJ file.
     pub fn obj(&self) -> String {
         self.obj_of(&self.faces())
     }
 
-    /// With these triangles instead of its own.
+    /// Returns it as an OBJ file with other triangles.
     pub fn obj_of(&self, faces: &[[Corner; 3]]) -> String {
         let mut text = String::new();
         for [x, y, z] in self.places() {
@@ -54,7 +54,7 @@ impl Ball {
         text
     }
 
-    /// Its triangles, which face outward; numbers begin at 1, as in the file.
+    /// Returns its triangles, which face outward; indices start at 1, as in the file.
     pub fn faces(&self) -> Vec<[Corner; 3]> {
         let mut faces = Vec::new();
         for i in 0..self.rings {

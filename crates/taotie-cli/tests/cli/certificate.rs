@@ -1,4 +1,4 @@
-//! The certificate: the same from `bake` and from the command that it states, on any machine.
+//! The certificate: identical from `bake` and from the command that it states, on any machine.
 
 use super::balls::{Ball, LOW, SCAN};
 use super::glb::Glb;
@@ -75,7 +75,7 @@ fn section<'a>(report: &'a str, name: &str) -> &'a str {
     &report[start..start + length]
 }
 
-/// `make bless` takes the certificate of today for right: other machines then have to find the same bytes.
+/// `make bless` accepts the current certificate: other machines must then find the same bytes.
 #[test]
 fn it_has_the_bytes_that_another_machine_found() {
     let place = pair();
@@ -100,7 +100,7 @@ fn it_holds_what_was_required_the_hashes_and_who_signed() {
         (&certificate["asset"][0]["name"], &certificate["asset"][0]["sha256"]),
         (&"out.glb".into(), &hash("out.glb"))
     );
-    // Maps next to the asset by their files, those within as they are stored.
+    // Maps next to the asset are hashed as files, embedded ones as stored.
     let maps = certificate["maps"].as_array().expect("a list");
     let of = |file: &str| {
         maps.iter().find(|map| map["file"] == file).unwrap_or_else(|| panic!("{file}: {maps:?}"))
@@ -163,7 +163,7 @@ fn a_signature_is_one_line() {
     assert!(said.contains("operator ` `: expected one line"), "{said}");
 }
 
-/// Runs a command on files that are named by their whole paths; no file and no result may name the folder.
+/// Runs a command on files given by their full paths; no file and no result may contain the folder.
 fn assert_names_no_folder(place: &Place, arguments: &[&str]) {
     let full = |argument: &&str| match place.path(argument).extension() {
         Some(_) if !argument.contains('=') => place.path(argument).to_string_lossy().into_owned(),
@@ -234,7 +234,7 @@ fn a_scan_elsewhere_is_refused_as_a_bake_does() {
     assert!(!place.files().contains(&"view.html".to_owned()));
 }
 
-/// A ball in few bytes, with a texture of noise that no lossless packing makes smaller.
+/// Returns a small ball with a noise texture that no lossless packing makes smaller.
 fn noisy_ball() -> Vec<u8> {
     const SIDE: u32 = 1536;
     let texel = |i: u32| {

@@ -1,4 +1,4 @@
-//! What `taotie compare` measures, writes and refuses.
+//! `taotie compare`: its measurements, its files and its errors.
 
 use super::pictures::write_square;
 use super::place::Place;
@@ -7,7 +7,7 @@ use taotie::image::Encoding;
 use taotie::io::PngSamples;
 use taotie::math::scalar;
 
-/// A square of side 2 that faces +z, its uvs upright, with the maps of `square.mtl`.
+/// A square of side 2 that faces +z, with upright UVs and the maps of `square.mtl`.
 const SQUARE: &str = "mtllib square.mtl\nusemtl square\n\
     v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 1\n\
     f 1/1/1 2/2/1 3/3/1 4/4/1\n";
@@ -98,7 +98,7 @@ fn bump_by_a_factor_raises_white_by_so_many_texels() {
     let slope = scalar::atan2(0.5, 1.0).to_degrees();
     for name in ["bump:16", "bump:-16"] {
         let angle = error(&report, name, "inner", "median");
-        assert!((angle - slope).abs() < 0.1, "{name}: {angle} against {slope}");
+        assert!((angle - slope).abs() < 0.1, "{name}: {angle} instead of {slope}");
     }
     // Higher to the right leans to the left.
     let x = |name: &str| {
@@ -107,7 +107,7 @@ fn bump_by_a_factor_raises_white_by_so_many_texels() {
         of["normal"][0].as_f64().unwrap()
     };
     assert!(x("bump:16") < -0.4 && x("bump:-16") > 0.4);
-    // Without a height map the colour's grey stands in, and is said to.
+    // Without a height map the grey of the colour is used, with a note.
     let report = compared(&place, "square.obj --method smooth,bump:16,bump");
     assert!((error(&report, "bump:16", "inner", "median") - slope).abs() < 0.5);
     assert!(report["notes"][0].as_str().unwrap().contains("grey of the base colour"));
@@ -147,7 +147,7 @@ fn every_file_is_there_and_named_in_the_report() {
     let page = String::from_utf8(place.read("out/report.html")).unwrap();
     assert!(page.contains("square.obj") && page.contains("data:image/png;base64,"));
     assert!(
-        page.contains("Nearest to reference: smooth, 0.00° off on average"),
+        page.contains("Closest to reference: smooth, with a mean error of 0.00°"),
         "the page opens with a verdict"
     );
 }
@@ -191,7 +191,7 @@ fn models_far_apart_are_warned_about() {
         .assert()
         .success();
     let talk = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
-    assert!(talk.contains("far.obj: place or size differs from the model's"), "{talk}");
+    assert!(talk.contains("far.obj: position or size differs from the model's"), "{talk}");
 }
 
 #[test]
@@ -200,19 +200,19 @@ fn shading_models_are_measured_against_a_baseline_on_the_same_surface() {
     let line = "square.obj --method tangent-normal --shading lambert,ggx --baseline ggx";
     let report = compared(&place, line);
     let [model] = method(&report, "tangent-normal")["models"].as_array().unwrap().as_slice() else {
-        panic!("one model beside the baseline: {report}")
+        panic!("one model in addition to the baseline: {report}")
     };
     assert_eq!((&model["shading"], &model["baseline"]), (&"lambert".into(), &"ggx".into()));
     let figures = &model["difference"];
-    // What `taotie diff` measures between the same two pictures.
+    // The same as `taotie diff` measures between the two pictures.
     let pictures = ["ggx", "lambert"].map(|shading| format!("out/tangent-normal.{shading}.png"));
     let apart = place.json(&format!("diff {} {} --encoding color --json", pictures[0], pictures[1]));
-    let [told, measured] = [figures, &apart["metrics"]].map(|of| of["rmse"].as_f64().expect("a number"));
-    assert!(told > 1e-3 && (told - measured).abs() < 1e-6, "{told} against {measured}");
+    let [reported, measured] = [figures, &apart["metrics"]].map(|of| of["rmse"].as_f64().expect("a number"));
+    assert!(reported > 1e-3 && (reported - measured).abs() < 1e-6, "{reported} against {measured}");
     place.read("out/tangent-normal.lambert-ggx.flip.png");
     let text = place.taotie(&format!("compare {line} {FRONT} -o out")).assert().success();
     let text = String::from_utf8_lossy(&text.get_output().stdout).into_owned();
-    assert!(text.contains("Pictures of each surface against its own under ggx"), "{text}");
+    assert!(text.contains("Pictures of each surface compared with its picture under ggx"), "{text}");
 }
 
 #[test]
@@ -267,17 +267,17 @@ fn tables_are_written_as_csv() {
     assert_eq!(angles[0][..5], ["method", "against", "pixels", "count", "mean_deg"]);
     let row = angles.iter().find(|row| row[0] == "tangent-normal" && row[2] == "inner").unwrap();
     assert_eq!(row[1], "reference");
-    let is = |written: &str, told: f64| {
+    let is = |written: &str, reported: f64| {
         let written: f64 = written.parse().expect("a number");
-        assert!((written - told).abs() < 1e-12, "{written} {told}");
+        assert!((written - reported).abs() < 1e-12, "{written} {reported}");
     };
     is(&row[4], error(&report, "tangent-normal", "inner", "mean"));
     let pictures = table("out/pictures.csv");
     let row = |sides: [&str; 4]| pictures.iter().find(|row| row[..4] == sides).expect("it is listed").clone();
-    let told = &method(&report, "smooth")["pictures"][1]["difference"]["rmse"];
-    is(&row(["smooth", "ggx", "reference", "ggx"])[4], told.as_f64().unwrap());
-    let told = &method(&report, "reference")["models"][0]["difference"]["ssim"];
-    is(&row(["reference", "ggx", "reference", "phong"])[6], told.as_f64().unwrap());
+    let reported = &method(&report, "smooth")["pictures"][1]["difference"]["rmse"];
+    is(&row(["smooth", "ggx", "reference", "ggx"])[4], reported.as_f64().unwrap());
+    let reported = &method(&report, "reference")["models"][0]["difference"]["ssim"];
+    is(&row(["reference", "ggx", "reference", "phong"])[6], reported.as_f64().unwrap());
     let points = table("out/points.csv");
     let methods = report["methods"].as_array().unwrap().len();
     assert_eq!(points.len(), 1 + 10 * methods);
@@ -292,14 +292,11 @@ fn refuses_in_one_line() {
         String::from_utf8(assert.get_output().stderr.clone()).unwrap()
     };
     let wrong = [
-        ("compare square.obj -o out --baseline ggx", "--shading names no other model"),
+        ("compare square.obj -o out --baseline ggx", "add another model to --shading"),
         ("compare square.obj -o out --baseline gxx", "cook-torrance"),
         ("compare --paper --exr -o out", "cannot be used with"),
-        ("compare square.obj -o out --method smooth", "a --reference, or a --baseline"),
-        (
-            "compare square.obj -o out --points 64,0 --size 64x64",
-            "pixel 64,0 lies outside the picture of 64×64",
-        ),
+        ("compare square.obj -o out --method smooth", "a --reference or a --baseline"),
+        ("compare square.obj -o out --points 64,0 --size 64x64", "pixel 64,0 is outside the 64×64 picture"),
         ("compare square.obj -o out --background transparent", "give a colour"),
         ("compare square.obj -o out --heat-top-deg 0", "above 0 and at most 180"),
         ("compare square.obj -o out --method smooth:5", "only bump and bump-printed"),
@@ -313,7 +310,7 @@ fn refuses_in_one_line() {
         ("compare square.obj", "--output"),
         ("compare -o out", "<MODEL>"),
         ("compare --paper square.obj", "cannot be used with"),
-        ("compare square.obj -o square.obj", "square.obj: it is a file; give a folder"),
+        ("compare square.obj -o square.obj", "square.obj: expected a folder, found a file"),
     ];
     for (line, words) in wrong {
         let talk = refused(line);
@@ -327,7 +324,7 @@ fn one_surface_is_enough_for_shading_models() {
     let line = format!("compare square.obj --method smooth --baseline lambert {FRONT} -o out");
     let assert = place.taotie(&line).assert().success().stderr_eq("");
     let text = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
-    assert!(text.starts_with("Pictures of each surface against its own under lambert\n"), "{text}");
+    assert!(text.starts_with("Pictures of each surface compared with its picture under lambert\n"), "{text}");
     let page = String::from_utf8(place.read("out/report.html")).unwrap();
     assert!(page.contains("Shading models on smooth") && page.contains("shading models: FLIP"));
     assert!(!page.contains("angular error\""), "nothing is measured against another surface");

@@ -1,4 +1,4 @@
-//! What `taotie compare --paper` says and writes.
+//! The output and files of `taotie compare --paper`.
 
 use super::place::Place;
 use serde::Deserialize;
@@ -12,14 +12,14 @@ Guo and Wang 2025, Tables 2 and 3, recomputed
   Guo Huifang and Wang Junxiu, "Analysis and application of Physically-Based Rendering (PBR) normal mapping
   technology in bronze wares", Intelligent Computer and Applications 15(6), 2025, pp. 122–126,
   doi:10.20169/j.issn.2095-2163.24121501.
-  N1 is the mesh's normal, N2 and N3 are those of the bump method with the factors s = 5 and s = 50, N4 is
-  that of the paper's own method; θ1, θ2 and θ3 are the angles of N2, N3 and N4 to N1; g is half the
-  difference of two grey levels of the height map.
-  The paper cuts off decimals: it prints four of a normal and two of an angle. So a printed number stands for
-  a range, and it agrees with others where some numbers in their ranges would be printed so. Angles are
-  arccos(a·b / (|a||b|)).
-  In each row g is the multiple of one half with which most of the row's numbers agree. N4 cannot be
-  recomputed: neither the mesh nor its textures were published.
+  N1 is the mesh normal, N2 and N3 are those of the bump method with factors s = 5 and s = 50, and N4 is that
+  of the paper's own method; θ1, θ2 and θ3 are the angles of N2, N3 and N4 to N1; g is half the difference
+  between two grey levels of the height map.
+  The paper truncates decimals: it prints four for normals and two for angles. A printed number therefore
+  represents a range, and agrees with others if some numbers in their ranges would be printed this way. Angles
+  are arccos(a·b / (|a||b|)).
+  In each row, g is the multiple of one half that agrees with most of the row's numbers. N4 cannot be
+  recomputed, since neither the mesh nor its textures were published.
 
 The law of N2 and N3: n + s · (g/255) · (1, 1, 0), with s = 5 and 50
   row   N2.x   N2.y   N3.x   N3.y     g  numbers that agree
@@ -109,31 +109,32 @@ Table 3, their angles in degrees
    10  θ1     3.98             3.97 to 3.98  agrees             3.97 to 3.98  agrees             yes
        θ2    36.25           36.24 to 36.26  agrees           36.24 to 36.26  agrees             yes
        θ3    34.30           34.28 to 34.30  agrees           34.28 to 34.30  agrees             –
-  23 of 30 printed angles follow from Table 2 as printed, 30 once 5 misprints are corrected. From N1 and g
-  alone the law gives 19 of the 20 angles θ1 and θ2 as printed.
+  23 of 30 printed angles follow from Table 2 as printed, and 30 after correcting 5 misprints. From just N1
+  and g, the law gives 19 of the 20 angles θ1 and θ2 as printed.
 
-Misprints, of the journal or of the copy that was transcribed
-  Table 2, row 1, N2.y: -0.3608 is printed, -0.6080 must be
-      g = 1.5 explains 8 of the row's 9 numbers and leaves y between -0.60809 and -0.60801.
-  Table 2, row 3, N3: (0.6356, 0.5562, 0.5562) is printed, (1.8042, 0.6356, 0.5562) must be
-      g = 6.5 explains 7 of the row's 9 numbers and leaves x between 1.80421 and 1.80426 and y between 0.63566
-      and 0.63571; y and z are printed a column too far left, and x is lost.
-  Table 2, row 4, N2.x: 0.5079 is printed, 0.5074 must be
-      g = -1 explains 8 of the row's 9 numbers and leaves x between 0.50739 and 0.50747.
-  Table 2, row 8, N1.x: 0.5614 is printed, 0.5314 must be
-      g = 13 explains 8 of the row's 9 numbers and leaves x between 0.53140 and 0.53148.
-  Table 3, row 2, θ2: 27.93 is printed, 27.98 must be
-      N1 and N3 follow the law with g = -2 in every number, and enclose 27.981° to 27.983°.
+Misprints in the journal or in the transcribed copy
+  Table 2, row 1, N2.y: printed -0.3608, should be -0.6080
+      g = 1.5 explains 8 of the row's 9 numbers and puts y between -0.60809 and -0.60801.
+  Table 2, row 3, N3: printed (0.6356, 0.5562, 0.5562), should be (1.8042, 0.6356, 0.5562)
+      g = 6.5 explains 7 of the row's 9 numbers and puts x between 1.80421 and 1.80426 and y between 0.63566
+      and 0.63571; y and z are printed one column too far left, and x is lost.
+  Table 2, row 4, N2.x: printed 0.5079, should be 0.5074
+      g = -1 explains 8 of the row's 9 numbers and puts x between 0.50739 and 0.50747.
+  Table 2, row 8, N1.x: printed 0.5614, should be 0.5314
+      g = 13 explains 8 of the row's 9 numbers and puts x between 0.53140 and 0.53148.
+  Table 3, row 2, θ2: printed 27.93, should be 27.98
+      all numbers of N1 and N3 follow the law with g = -2, and the angle is 27.981° to 27.983°.
 
 Conclusion
-  Bump 5 lies nearer to the paper's own method (N4) than bump 50: at 7 of 10 points, 24.5° against 36.6° on
-  average (as printed: 7 points, 23.3° and 37.7°). The paper says of its Figure 8 that bump 5 is far from its
-  own method and bump 50 much the same: Tables 2 and 3 do not support that.
-  The paper's bump method moves the normal along (1, 1, 0) of the object, whichever way the surface faces, and
-  does not normalise it: N1 is 0.998 to 1.000 long, N3 up to 5.84, and N4 0.87 to 1.00.
+  Bump 5 is closer to the paper's own method (N4) than bump 50: at 7 of 10 points, and with a mean of 24.5°
+  instead of 36.6° (as printed: 7 points, 23.3° and 37.7°). The paper states for its Figure 8 that bump 5 is
+  far from its own method and that bump 50 is much the same; Tables 2 and 3 do not support this.
+  The paper's bump method moves the normal along (1, 1, 0) in object space regardless of how the surface
+  faces, and does not normalise it: the length of N1 is 0.998 to 1.000, that of N3 up to 5.84, and that of N4
+  0.87 to 1.00.
 
 "#]]);
-    assert_eq!(place.files(), [""; 0], "nothing is written unasked");
+    assert_eq!(place.files(), [""; 0], "nothing is written without -o");
 }
 
 #[derive(Deserialize)]
@@ -249,8 +250,8 @@ fn the_json_document() {
 fn a_folder_gets_a_page_and_the_numbers() {
     let place = Place::new();
     let assert = place.taotie("compare --paper -o made").assert().success().stderr_eq("");
-    let told = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
-    assert!(told.ends_with("wrote made/paper.html\nwrote made/paper.json\n"), "{told}");
+    let printed = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
+    assert!(printed.ends_with("wrote made/paper.html\nwrote made/paper.json\n"), "{printed}");
     assert_eq!(place.files(), ["made"]);
     let stdout = place.taotie("compare --paper -o made --json").assert().success().stderr_eq("");
     assert!(stdout.get_output().stdout == place.read("made/paper.json"), "the file is what --json prints");

@@ -1,17 +1,17 @@
-//! The choice of the machine that draws.
+//! The choice of the device to render on.
 
 use super::models::TRIANGLE;
 use super::place::Place;
 use serde_json::Value;
 
-/// What a run said on stdout and stderr, and whether it succeeded.
+/// Runs a line; returns whether it succeeded, its stdout and its stderr.
 fn run(place: &Place, line: &str) -> (bool, String, String) {
     let output = place.taotie(line).output().expect("the command runs");
     let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
     (output.status.success(), out, err)
 }
 
-/// Says whether a graphics processor must be there.
+/// Returns true if a GPU is required.
 fn is_required() -> bool {
     std::env::var("CI").is_ok_and(|ci| ci == "true")
 }
@@ -21,7 +21,7 @@ fn a_graphics_processor_draws_or_is_asked_for() {
     let place = Place::with("a.obj", TRIANGLE);
     let (done, out, err) = run(&place, "render a.obj -o b.png --size 40x30 --device gpu --shadows --json");
     if !done && !is_required() {
-        assert!(err.contains("no graphics processor was found") && err.contains("install"), "{err}");
+        assert!(err.contains("no GPU was found") && err.contains("install"), "{err}");
         assert_eq!(place.files(), ["a.obj"]);
         return;
     }
@@ -29,18 +29,21 @@ fn a_graphics_processor_draws_or_is_asked_for() {
     assert_eq!(report["device"]["name"], "gpu");
     assert!(report["device"]["adapter"]["name"].is_string(), "{report}");
     assert_eq!(report["device"]["shadows"], "shader-rays");
-    assert!(err.contains("taotie: drawn by ") && err.contains("; shadows by rays in the shader\n"), "{err}");
+    assert!(
+        err.contains("taotie: rendered on ") && err.contains("; shadows by rays in the shader\n"),
+        "{err}"
+    );
     assert_eq!(place.files(), ["a.obj", "b.png"]);
 }
 
 #[test]
 fn who_leaves_the_choice_gets_all_that_is_asked_for() {
     let place = Place::with("a.obj", TRIANGLE);
-    let told = "taotie: drawn by the processor: output variables and the reference integrator are its work\n";
-    for (device, told) in [("cpu", ""), ("auto", told)] {
+    let reason = "taotie: rendered on the CPU: output variables and the reference integrator need it\n";
+    for (device, reason) in [("cpu", ""), ("auto", reason)] {
         let line = format!("render a.obj -o {device}.png --size 40x30 --aov depth --device {device} --json");
         let (done, out, err) = run(&place, &line);
-        assert!(done && err == told, "{err}");
+        assert!(done && err == reason, "{err}");
         let report: Value = serde_json::from_str(&out).unwrap();
         assert_eq!(report["device"], serde_json::json!({ "name": "cpu", "shadows": null }));
     }

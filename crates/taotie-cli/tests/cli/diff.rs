@@ -1,4 +1,4 @@
-//! What `taotie diff` says, and how it ends.
+//! The output and exit codes of `taotie diff`.
 
 use super::models::{Green, TRIANGLE, write_ball, write_relief};
 use super::pictures::write_square;
@@ -75,13 +75,13 @@ fn normal_maps_by_their_angle() {
     write_relief(&place.path("up.png"), Green::Up);
     write_relief(&place.path("down.png"), Green::Down);
     place.taotie("diff up.png down.png").assert().success().stderr_eq("").stdout_eq(str![[r#"
-a         up.png: 8 bits, 3 channels, unit normals; 0 texels transparent, 0 no unit vector
-b         down.png: 8 bits, 3 channels, unit normals; 0 texels transparent, 0 no unit vector
+a         up.png: 8 bits, 3 channels, unit normals; 0 texels transparent, 0 without a unit vector
+b         down.png: 8 bits, 3 channels, unit normals; 0 texels transparent, 0 without a unit vector
 size      192x192, compared as normals
 left out  0 texels without a normal in one of the files
 
 angle  mean 21.883°, median 19.381°, quartiles 9.420° and 37.874°, p95 49.687°, max 53.330°
-       storing normals in 8 bits alone costs 0.17° on average
+       8-bit storage of normals accounts for 0.17° on average
 
 "#]]);
     write_ball(&place.path("ball.png"));
@@ -165,13 +165,13 @@ fn a_heat_map_for_every_metric() {
         place.taotie(&line).assert().success().stderr_eq("");
     }
     let stdout = str![[r#"
-a         flat.exr: 32 bits, 4 channels, signed normals; 1 texels transparent, 0 no unit vector
-b         tilted.exr: 32 bits, 4 channels, signed normals; 1 texels transparent, 0 no unit vector
+a         flat.exr: 32 bits, 4 channels, signed normals; 1 texels transparent, 0 without a unit vector
+b         tilted.exr: 32 bits, 4 channels, signed normals; 1 texels transparent, 0 without a unit vector
 size      4x4, compared as normals
 left out  1 texels without a normal in one of the files
 
 angle  mean 3.000°, median 3.000°, quartiles 3.000° and 3.000°, p95 3.000°, max 3.000°
-       storing normals in 8 bits alone costs 0.17° on average
+       8-bit storage of normals accounts for 0.17° on average
 
 wrote angle.png
 
@@ -188,11 +188,11 @@ wrote angle.png
         let Texels::U8(texels) = bitmap.texels() else { panic!("8 bits") };
         texels[y * 260 + x]
     };
-    // Pictures stand in the middle: 128 + 4 pixels. The first texel is transparent, all others have the largest angle.
+    // Pictures are centred: 128 + 4 pixels. The first texel is transparent, all others have the largest angle.
     assert_eq!(pixel("angle.png", 128, 0), [96, 96, 96, 255]);
     let [r, g, b, _] = pixel("angle.png", 129, 0);
     assert!(r > 250 && g > 225 && b < 45, "viridis ends in yellow: {r} {g} {b}");
-    // SSIM has no number at the border.
+    // SSIM has no value at the border.
     assert_eq!(pixel("ssim.png", 110, 0), [96, 96, 96, 255]);
     assert_ne!(pixel("flip.png", 110, 0), [96, 96, 96, 255]);
 }

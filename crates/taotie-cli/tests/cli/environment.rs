@@ -1,4 +1,4 @@
-//! `--env`: what is read, what is refused, and what the cache keeps; and the list of materials.
+//! `--env`: inputs, errors and the cache; and the list of materials.
 
 use super::models::{TRIANGLE, square_json};
 use super::place::Place;
@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use taotie::image::Texels;
 use taotie::io::{ExrLayer, read_bitmap, write_exr};
 
-/// A square and an environment of one radiance, with a cache of its own.
+/// A square and an environment of one radiance, with its own cache.
 struct Room(Place);
 
 impl Room {
@@ -29,7 +29,7 @@ impl Room {
         entries.unwrap_or_default()
     }
 
-    /// The colour in the corner of a picture, where nothing stands.
+    /// Returns the colour in the corner of a picture, outside the model.
     fn corner(&self, line: &str) -> [u8; 4] {
         self.taotie(&format!("render a.gltf -o b.png --size 24x24 --orbit 0,0,9 --tone linear {line}"))
             .assert()
@@ -89,13 +89,13 @@ fn what_cannot_be_is_refused_in_one_line() {
 fn shadows_that_nothing_casts_are_told() {
     let room = Room::new();
     room.0.write("a.obj", TRIANGLE);
-    let told = |model: &str| {
+    let warns = |model: &str| {
         let assert =
             room.taotie(&format!("render {model} -o b.png --size 8x8 --env sky.exr --shadows")).assert();
         let said = String::from_utf8_lossy(&assert.success().get_output().stderr).into_owned();
-        said.contains("warning: --shadows is not read: no light shines beside the environment")
+        said.contains("warning: --shadows has no effect: the environment is the only light")
     };
-    assert!(told("a.obj") && !told("a.gltf"), "the second has a lamp");
+    assert!(warns("a.obj") && !warns("a.gltf"), "the second has a lamp");
 }
 
 #[test]

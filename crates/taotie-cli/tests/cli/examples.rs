@@ -1,4 +1,4 @@
-//! The examples on the help pages run as they stand there, but with small meshes and pictures.
+//! The examples on the help pages run as written, but with small meshes and pictures.
 
 use super::balls::{LOW, SCAN};
 use super::models::{Green, moving_square, write_ball, write_relief};
@@ -13,11 +13,11 @@ use taotie::io::{
 };
 use taotie::mesh::Mesh;
 
-/// A square with uvs.
+/// A square with UVs.
 const STATUE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
                       f 1/1/1 2/2/1 3/3/1 4/4/1\n";
 
-/// A folder with the files that the examples name.
+/// Returns a folder with the files that the examples use.
 fn place() -> Place {
     let place = Place::with("statue.obj", STATUE);
     pictures(&place);
@@ -48,7 +48,7 @@ fn pictures(place: &Place) {
     }
 }
 
-/// Writes a square picture in 16 bits: heights, or colours where there are three numbers a pixel.
+/// Writes a square picture in 16 bits: heights, or colours if there are three numbers a pixel.
 fn write_deep(place: &Place, name: &str, samples: &[u16]) {
     write_square(&place.path(name), PngSamples::U16(samples), Encoding::Linear);
 }
@@ -144,7 +144,7 @@ fn hundredth(count: &str) -> String {
     count.parse::<u32>().map_or_else(|_| count.to_owned(), |count| (count / 100).to_string())
 }
 
-/// All but `demo`, which makes two million triangles; the tests of models run it.
+/// All except `demo`, which makes two million triangles; the tests of models run it.
 const COMMANDS: [&str; 8] =
     ["bake", "render", "compare", "inspect", "normals", "diff", "shader", "materials"];
 

@@ -12,21 +12,21 @@ Usage: taotie [OPTIONS] <COMMAND>
 
 Commands:
   render       Renders a model to a picture or an animation
-  compare      Renders a model by several surface methods and measures their error
+  compare      Renders a model with several surface methods and measures their error
   bake         Bakes a high-poly scan to low-poly glTF with a normal map, and measures the error
-  verify       Compares an asset, made by any program, with its scan
-  batch        Bakes a whole collection: each scan in a process of its own, and nothing twice
+  verify       Compares an asset, made with any program, with its scan
+  batch        Bakes a whole collection: each scan in its own process, and nothing twice
   inspect      Lists the content of a model file and its defects
   normals      Makes normal maps from height maps, and converts normal maps
   diff         Measures the difference of two pictures or normal maps
   shader       Writes the shaders of a model's materials, or of a plain one
-  view         Writes a model as one offline page to look at it in a browser, or opens it
+  view         Writes a model as a single offline web page, or opens it in a browser
   materials    Lists the material presets for `--material`
-  demo         Renders the built-in bronze by every method and shading model, and measures the error
-  completions  Prints a script by which a shell completes subcommands and options
+  demo         Renders the built-in bronze with every method and model, and measures the error
+  completions  Prints a shell completion script for subcommands and options
 
 Options:
-  -q, --quiet    Print results and errors alone: no progress, messages or warnings
+  -q, --quiet    Print only results and errors: no progress, messages or warnings
   -h, --help     Print help
   -V, --version  Print version
 

@@ -1,4 +1,4 @@
-//! What `taotie inspect` says.
+//! The output of `taotie inspect`.
 
 use super::models::{Green, TRIANGLE, coated_square, square, square_json, write_ball, write_relief};
 use super::place::Place;
@@ -56,7 +56,7 @@ Uv sets
 
 Tangents of the file
   #  mesh    not unit  not perpendicular  mixed handedness  against MikkTSpace
-  0  square         0                  0                 0  mean 0.00°, max 0.00°, 0 corners of other handedness
+  0  square         0                  0                 0  mean 0.00°, max 0.00°, 0 corners of opposite handedness
 
 Materials
   0  stone: base colour 0.5 0.25 0.125 1, metallic 0, roughness 0.75, mask at 0.25, double-sided
@@ -78,8 +78,8 @@ Missing files
   missing.png
 
 Warnings
-  1×  the extension EXT_nobody_knows is ignored
-  1×  image 1 is left out: the file 'missing.png' is missing
+  1×  ignored extension EXT_nobody_knows
+  1×  skipped image 1: the file 'missing.png' is missing
 
 "#]]);
     assert_eq!(place.files(), ["a.gltf", "normals.png"]);
@@ -92,9 +92,9 @@ fn layers_of_a_material() {
     place.taotie("inspect a.gltf").assert().success().stdout_eq(str![[r#"
 ...
   0  stone: base colour 0.5 0.25 0.125 1, metallic 0, roughness 0.75, mask at 0.25, double-sided, ior 1.25, specular factor 0.5, specular colour 1 0.5 2, clearcoat 0.75 with roughness 0.125 and normal map scale 0.25, anisotropy 0.5 at 90.0°, sheen 0.5 0.25 0 with roughness 0.5
-      normal            normals.png  192×192  8-bit RGB  linear  uv 0
       specular-color    normals.png  192×192  8-bit RGB  sRGB    uv 0
       clearcoat-normal  normals.png  192×192  8-bit RGB  linear  uv 0
+      normal            normals.png  192×192  8-bit RGB  linear  uv 0
 ...
 "#]]);
 }
@@ -175,7 +175,7 @@ fn an_object_space_map_is_seen() {
 fn faults_of_tangents_are_counted() {
     let place = square_with_relief(Green::Up);
     let mut model = square_json();
-    // Positions taken for normals lean towards the tangents, which point along x.
+    // Positions used as normals lean towards the tangents, which point along x.
     model["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(0);
     place.write("a.gltf", model.to_string());
     let report = place.json("inspect a.gltf --json");

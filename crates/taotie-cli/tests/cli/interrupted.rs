@@ -8,11 +8,11 @@ use std::io::Read;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Large enough that each command is at work for a while.
+/// Large enough to keep each command busy for a while.
 const LARGE: Ball = Ball { rings: 400, meridians: 800, ..SCAN };
 
-/// The longest time from a signal to the end. A machine that is busy with other tests may take longer than the 200 ms
-/// that are promised, and that `benches/faults` holds.
+/// Maximum time from a signal to the end. A machine that is busy with other tests may take longer than the promised
+/// 200 ms, which `benches/faults` checks.
 const MOST: Duration = Duration::from_millis(500);
 
 /// A command and some of the files that it writes.
@@ -40,7 +40,7 @@ const JOBS: [Job; 4] = [
     },
 ];
 
-/// A folder with a scan and files of an earlier run.
+/// Returns a folder with a scan and files of an earlier run.
 fn place() -> Place {
     let place = Place::with("scan.obj", LARGE.obj());
     write_relief(&place.path("relief.png"), Green::Up);
@@ -48,7 +48,7 @@ fn place() -> Place {
     place
 }
 
-/// Every name of the place, once the files of the earlier run are known to be as they were.
+/// Returns every name in the place, after checking that the files of the earlier run are unchanged.
 fn names_of_kept(place: &Place) -> Vec<String> {
     let mut files = JOBS.iter().flat_map(|job| job.files);
     assert!(files.all(|name| place.read(name) == b"before"), "{:?}", place.files());
@@ -59,13 +59,13 @@ fn is_hidden(name: &str) -> bool {
     name.starts_with(".taotie")
 }
 
-/// Begins a command; comes back when it has begun to write.
+/// Starts a command; returns when it has started to write.
 fn begin(place: &Place, job: &Job) -> Child {
     let line: Vec<&str> = job.line.split_whitespace().collect();
     let mut process = place.process(&line);
     let mut child = process.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the command starts");
     while !place.files().iter().any(|name| is_hidden(name)) {
-        assert_eq!(child.try_wait().expect("it can be asked"), None, "{} ended early", job.line);
+        assert_eq!(child.try_wait().expect("it can be polled"), None, "{} ended early", job.line);
         std::thread::sleep(Duration::from_millis(1));
     }
     child
@@ -93,7 +93,7 @@ fn a_signal_ends_every_command_and_leaves_files_as_they_were() {
                 let mut stderr = child.stderr.take().expect("it is a pipe");
                 stderr.read_to_string(&mut said).expect("it is text");
                 assert_eq!(ended.code(), Some(code), "{} {signal}: {said}", job.line);
-                assert!(said.ends_with("taotie: interrupted; no file is half written\n"), "{said}");
+                assert!(said.ends_with("taotie: interrupted; no file is half-written\n"), "{said}");
                 assert!(took < MOST, "{} {signal}: {took:?}", job.line);
                 assert_eq!(names_of_kept(&place), before, "{} {signal}", job.line);
             }
@@ -101,16 +101,16 @@ fn a_signal_ends_every_command_and_leaves_files_as_they_were() {
     }
 }
 
-/// While the asset is proved it is written already, and not yet in its place.
+/// During the proof the asset is already written, but not yet in its place.
 #[test]
 fn a_signal_during_the_proof_keeps_the_asset_of_before() {
     let place = place();
     let before = names_of_kept(&place);
     let mut child = begin(&place, &JOBS[0]);
-    let hidden = place.files().into_iter().find(|name| is_hidden(name)).expect("it has begun");
+    let hidden = place.files().into_iter().find(|name| is_hidden(name)).expect("it has started");
     let asset = place.path(&hidden).join("new/out.glb");
     while !std::fs::metadata(&asset).is_ok_and(|about| about.len() > 0) {
-        assert_eq!(child.try_wait().expect("it can be asked"), None, "it ended early");
+        assert_eq!(child.try_wait().expect("it can be polled"), None, "it ended early");
         std::thread::sleep(Duration::from_millis(1));
     }
     send("-INT", &child);

@@ -1,6 +1,6 @@
 //! The documents that `--json` prints, as a program in another language would read them.
 //!
-//! A field more or less is a change of schema: it needs a new number, here and in the command.
+//! Adding or removing a field changes the schema: it needs a new number, here and in the command.
 #![allow(dead_code)]
 
 use super::models::{Green, coated_square, square, write_relief};
@@ -404,7 +404,7 @@ fn of_inspect_with_layers() {
     let sheen = material.sheen.as_ref().expect("it has sheen");
     assert_eq!((sheen.color, sheen.roughness), ([0.5, 0.25, 0.0], 0.5));
     let roles: Vec<&str> = material.textures.iter().map(|texture| texture.role.as_str()).collect();
-    assert_eq!(roles, ["normal", "specular-color", "clearcoat-normal"]);
+    assert_eq!(roles, ["specular-color", "clearcoat-normal", "normal"]);
 }
 
 #[derive(Deserialize)]

@@ -1,6 +1,6 @@
 //! The document that `taotie bake --json` prints, and writes as `OUT.report.json`.
 //!
-//! A field more or less is a change of schema: it needs a new number, here and in the command.
+//! Adding or removing a field changes the schema: it needs a new number, here and in the command.
 #![allow(dead_code)]
 
 use super::balls::{LOW, SCAN};
@@ -203,7 +203,7 @@ struct BakeFigures {
     unproved_maps: Vec<String>,
 }
 
-/// A figure that is estimated from samples.
+/// A figure estimated from samples.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Estimate {
@@ -496,7 +496,7 @@ fn of_a_pair() {
     assert!(level.resolution.as_ref().is_some_and(|resolution| resolution.texel > 0.0));
     assert!(level.material.color.is_none() && level.full_views.is_empty(), "the scan has no material");
     assert!(level.overview.color.is_none() && level.patches.color.is_none());
-    assert_eq!(proof.unseen, ["colour and material, of which the scan says nothing"]);
+    assert_eq!(proof.unseen, ["colour and material, which the scan does not specify"]);
     assert_eq!((bake.unproved_maps, bake.floor_8_bit), (vec!["heights".to_owned()], Some([0.17, 0.38])));
     assert!(proof.parts.is_empty() && normal.material.is_none(), "there is one material");
     assert_eq!(proof.bytes_out as usize, place.read("out.glb").len());

@@ -1,6 +1,6 @@
 //! The document that `taotie compare --json` prints, as a program in another language would read it.
 //!
-//! A field more or less is a change of schema: it needs a new number, here and in the command.
+//! Adding or removing a field changes the schema: it needs a new number, here and in the command.
 #![allow(dead_code)]
 
 use super::json::{Counted, Spread, parse};

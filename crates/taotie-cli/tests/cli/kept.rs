@@ -1,4 +1,4 @@
-//! Files that are read are never written over, and what cannot be written whole leaves all as it was.
+//! Inputs are never overwritten, and an incomplete write leaves all files as they were.
 
 use super::balls::{Ball, LOW, SCAN};
 use super::models::{Green, write_relief};
@@ -8,15 +8,15 @@ use std::collections::BTreeMap;
 use taotie::image::Encoding;
 use taotie::io::{GltfAsset, GltfFormat, GltfLevel, PngSamples, load_model, write_gltf};
 
-/// A scan that says its colour.
+/// A scan with a colour texture.
 const TEXTURED: Ball = Ball { uv: Some(|u, v| [u, v]), ..SCAN };
 
-/// Every file of the place with its content.
+/// Returns every file of the place with its content.
 fn content(place: &Place) -> BTreeMap<String, Vec<u8>> {
     place.files().into_iter().map(|name| (name.clone(), place.read(&name))).collect()
 }
 
-/// Runs a command that has to be refused, and to change nothing; returns what it says.
+/// Runs a command that must be refused and change nothing; returns its stderr.
 fn refused(place: &Place, line: &str) -> String {
     let before = content(place);
     let assert = place.taotie(line).assert().code(2);
@@ -25,11 +25,10 @@ fn refused(place: &Place, line: &str) -> String {
     said
 }
 
-/// Runs a command that would write `written` over `read`.
+/// Runs a command that would overwrite `read` with `written`.
 fn over(place: &Place, line: &str, [written, read]: [&str; 2]) {
     let said = refused(place, line);
-    let wanted =
-        format!("error: {written}: it would be written over {read}, which is read; give another name");
+    let wanted = format!("error: {written}: it would overwrite the input {read}; choose another name");
     assert!(said.contains(&wanted), "{line}: {said}");
 }
 
@@ -38,7 +37,7 @@ fn write_picture(place: &Place, name: &str, level: u8) {
     write_square(&place.path(name), PngSamples::U8(&samples), Encoding::Srgb);
 }
 
-/// A vase with a material library and a texture.
+/// Returns a vase with a material library and a texture.
 fn vase() -> Place {
     let place = Place::with("vase.obj", format!("mtllib vase.mtl\nusemtl clay\n{}", TEXTURED.obj()));
     place.write("vase.mtl", "newmtl clay\nKd 1 1 1\nmap_Kd vase_color.png\n");
@@ -56,7 +55,7 @@ fn a_bake_keeps_the_buffer_of_its_scan() {
     std::fs::rename(place.path("Box0.gltf"), place.path("Box.gltf")).unwrap();
     over(&place, "bake Box.gltf -o Box0.gltf --size 64", ["Box0.bin"; 2]);
     over(&place, "bake Box.gltf -o Box.gltf --size 64", ["Box.gltf"; 2]);
-    // Of the low-poly mesh and of the cage too, which are read later.
+    // Also those of the low-poly mesh and of the cage, which are read later.
     over(&place, "bake ball.obj --low Box.gltf -o Box0.gltf --size 64", ["Box0.bin"; 2]);
     over(&place, "bake ball.obj --low ball.obj --cage Box.gltf -o Box0.gltf --size 64", ["Box0.bin"; 2]);
 }
@@ -115,13 +114,13 @@ fn diff_normals_and_compare_keep_what_they_read() {
 #[test]
 fn a_name_too_long_for_the_report_is_told_before_the_work() {
     let place = Place::with("scan.obj", SCAN.obj());
-    // The asset's name would do, that of its report does not.
+    // The asset's name is short enough, that of its report is not.
     let name = format!("{}.glb", "n".repeat(246));
     let said = refused(&place, &format!("bake scan.obj -o {name} --size 64 --triangles 500"));
     assert!(said.contains(".report.html: "), "{said}");
 }
 
-/// Where no file may be larger than a limit, writing fails as on a full disk.
+/// With a limit on file sizes, writing fails as on a full disk.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_leaves_all_as_it_was() {

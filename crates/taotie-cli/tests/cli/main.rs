@@ -1,6 +1,7 @@
 //! The command's contract: exit codes, stdout, stderr and the files that a run leaves.
 //!
-//! After a wanted change of output, `SNAPSHOTS=overwrite cargo test -p taotie-cli --test cli` renews the snapshots.
+//! After an intended change of output, update the snapshots: `SNAPSHOTS=overwrite cargo test -p taotie-cli --test
+//! cli`.
 
 mod arguments;
 mod audit;

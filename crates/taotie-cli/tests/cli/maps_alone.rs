@@ -15,7 +15,7 @@ fn scan_and_low() -> Place {
     place
 }
 
-/// The options of all bakes that come off.
+/// The options of all successful bakes.
 const LINE: &str = "bake scan.obj --low low.obj --size 64";
 
 fn baked(place: &Place, options: &str) -> Value {
@@ -32,18 +32,18 @@ fn texels(place: &Place, name: &str) -> Vec<[u8; 4]> {
 fn the_map_is_that_of_a_model_and_measured_alike() {
     let place = scan_and_low();
     let with_model = baked(&place, "-o asset.gltf");
-    let alone = baked(&place, "-o normal.png");
+    let standalone = baked(&place, "-o normal.png");
     assert!(texels(&place, "normal.png") == texels(&place, "asset_normal.png"));
     let mean = |report: &Value| {
         report["proof"]["levels"][0]["surface_angles"]["mean"].as_f64().expect("it is measured")
     };
-    let [expected, measured] = [&with_model, &alone].map(mean);
-    assert!((expected - measured).abs() < 0.02 * expected, "{expected} with a model, {measured} alone");
-    let bare = alone["proof"]["levels"][0]["without_map"]["mean"].as_f64().expect("it is measured");
-    assert!(measured < 0.8 * bare, "the map was looked at: {measured} with it, {bare} without");
-    assert_eq!(alone["files"], json!(["normal.png", "normal.report.html", "normal.report.json"]));
+    let [expected, measured] = [&with_model, &standalone].map(mean);
+    assert!((expected - measured).abs() < 0.02 * expected, "{expected} with a model, {measured} standalone");
+    let bare = standalone["proof"]["levels"][0]["without_map"]["mean"].as_f64().expect("it is measured");
+    assert!(measured < 0.8 * bare, "the map was used: {measured} with it, {bare} without");
+    assert_eq!(standalone["files"], json!(["normal.png", "normal.report.html", "normal.report.json"]));
     assert_eq!(
-        (&alone["maps"][0]["map"], &alone["maps"][0]["file"]),
+        (&standalone["maps"][0]["map"], &standalone["maps"][0]["file"]),
         (&json!("normal"), &json!("normal.png"))
     );
 }
@@ -68,13 +68,13 @@ fn webp_holds_the_same_texels() {
     let report = baked(&place, "-o b.webp --maps normal,ao --ao-rays 4");
     assert_eq!((&report["files"][0], &report["files"][1]), (&json!("b.webp"), &json!("b.ao.webp")));
     assert!(texels(&place, "a.png") == texels(&place, "b.webp"));
-    // A grey PNG has one channel, a WebP three alike.
+    // A grey PNG has one channel, a WebP three equal ones.
     let red = |name: &str| texels(&place, name).iter().map(|texel| texel[0]).collect::<Vec<_>>();
     assert!(red("a.ao.png") == red("b.ao.webp"));
     assert!(report["proof"]["levels"][0]["surface_angles"]["mean"].is_number());
 }
 
-/// The numbers of an OpenEXR file.
+/// Returns the numbers of an OpenEXR file.
 fn numbers(place: &Place, name: &str) -> Vec<[f32; 4]> {
     let bitmap = read_bitmap(&place.path(name)).expect("it is a picture");
     let Texels::F32(texels) = bitmap.texels() else { panic!("{name}: floats") };
@@ -136,18 +136,18 @@ fn colours_are_measured_where_a_map_holds_them() {
     let place = Place::with("scan.obj", colored(SCAN));
     place.write("low.obj", LOW.obj());
     let with_model = baked(&place, "-o asset.glb");
-    let alone = baked(&place, "-o out.png");
-    assert_eq!(alone["files"][1], "out.albedo.png");
+    let standalone = baked(&place, "-o out.png");
+    assert_eq!(standalone["files"][1], "out.albedo.png");
     let color = |report: &Value| {
         report["proof"]["levels"][0]["material"]["color"]["mean"].as_f64().expect("it is measured")
     };
-    let [expected, measured] = [&with_model, &alone].map(color);
-    assert!((expected - measured).abs() < 0.05 * expected, "{expected} with a model, {measured} alone");
+    let [expected, measured] = [&with_model, &standalone].map(color);
+    assert!((expected - measured).abs() < 0.05 * expected, "{expected} with a model, {measured} standalone");
     let grey = baked(&place, "-o grey.png --maps normal");
     assert!(grey["proof"]["levels"][0]["material"]["color"].is_null(), "no map holds it");
     assert_eq!(grey["proof"]["levels"][0]["full_views"], json!([]));
     let unseen = grey["proof"]["unseen"].to_string();
-    assert!(unseen.contains("colour and material, of which no map is baked"), "{unseen}");
+    assert!(unseen.contains("colour and material, for which no map is baked"), "{unseen}");
 }
 
 #[test]
@@ -157,7 +157,7 @@ fn factors_that_no_map_holds_are_told() {
     let line = "bake scan.glb --low low.obj --size 64 -o out.png";
     let assert = place.taotie(line).assert().success();
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
-    assert!(said.contains("maps alone hold no factors of the scan's material: "), "{said}");
+    assert!(said.contains("standalone maps cannot store the scan's material factors: "), "{said}");
     let report: Value = serde_json::from_slice(&place.read("out.report.json")).expect("it is JSON");
     assert_eq!(report["carried"], json!([]));
 }
@@ -180,7 +180,7 @@ fn what_only_a_model_has_is_refused_before_the_work() {
     let place = scan_and_low();
     place.write("bare.obj", Ball { uv: None, ..LOW }.obj());
     place.write("rights.json", "{}");
-    let alone = "normal.png gets maps alone, without a model; leave it out, or write a .glb";
+    let standalone = "normal.png holds only maps, not a model; leave it out, or write a .glb";
     let options =
         ["--meshopt", "--lods 100", "--images webp", "--images jpeg:80", "--provenance rights.json"];
     let before = place.files();
@@ -191,16 +191,19 @@ fn what_only_a_model_has_is_refused_before_the_work() {
         assert_eq!(place.files(), before, "{line}");
     };
     for option in options {
-        refused(&format!("{LINE} -o normal.png {option}"), alone);
+        refused(&format!("{LINE} -o normal.png {option}"), standalone);
     }
     refused(
         "bake scan.obj -o normal.png --size 64",
-        "maps alone need the mesh that they are for: give --low",
+        "standalone maps need a mesh with UVs: give one with --low",
     );
-    refused("bake scan.obj -o normal.png --triangles 500", "--triangles: normal.png gets maps alone");
-    refused("bake scan.obj --low bare.obj -o normal.png --size 64", "maps alone: no file holds the uvs");
-    refused(&format!("{LINE} -o normal.tga"), "maps alone as .png, .webp or .exr");
-    refused(&format!("{LINE} -o normal.exr --bits 16"), "--bits: an .exr holds floats");
-    refused(&format!("{LINE} -o normal.webp --bits 16"), "--bits 16: WebP holds 8 bits; write a .png");
+    refused("bake scan.obj -o normal.png --triangles 500", "--triangles: normal.png holds only maps");
+    refused(
+        "bake scan.obj --low bare.obj -o normal.png --size 64",
+        "standalone maps: no file would store generated uvs",
+    );
+    refused(&format!("{LINE} -o normal.tga"), "standalone maps as .png, .webp or .exr");
+    refused(&format!("{LINE} -o normal.exr --bits 16"), "--bits: an .exr stores floats");
+    refused(&format!("{LINE} -o normal.webp --bits 16"), "--bits 16: WebP stores 8 bits; write a .png");
     refused(&format!("{LINE} -o normal.webp --maps normal,height"), "--maps height: it needs 16 bits");
 }

@@ -12,7 +12,7 @@ use taotie::math::{Vec3, scalar};
 /// One triangle.
 pub const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-/// A glTF file of one triangle mesh with these positions and indices.
+/// Returns a glTF file of one triangle mesh with these positions and indices.
 pub fn gltf(positions: &[[f32; 3]], indices: &[u16]) -> String {
     let position_bytes: Vec<u8> = positions.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
     let index_bytes: Vec<u8> = indices.iter().flat_map(|v| v.to_le_bytes()).collect();
@@ -40,8 +40,8 @@ pub fn gltf(positions: &[[f32; 3]], indices: &[u16]) -> String {
     .to_string()
 }
 
-/// A unit square with everything that a vertex can have, a normal map `normals.png`, a texture that is not there, a
-/// light, two cameras and an extension that nobody knows.
+/// Returns a unit square with everything that a vertex can have, a normal map `normals.png`, a missing texture, a
+/// light, two cameras and an unknown extension.
 pub fn square() -> String {
     let floats: [f32; 48] = [
         0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0, // positions
@@ -105,12 +105,12 @@ pub fn square() -> String {
     .to_string()
 }
 
-/// The JSON of [`square`], to change it.
+/// Returns the JSON of [`square`], to be modified.
 pub fn square_json() -> Value {
     serde_json::from_str(&square()).expect("it is JSON")
 }
 
-/// [`square`] with every layer that a material can have.
+/// Returns [`square`] with every layer that a material can have.
 pub fn coated_square() -> String {
     let mut json = square_json();
     json["materials"][0]["extensions"] = json!({
@@ -130,8 +130,8 @@ pub fn coated_square() -> String {
     json.to_string()
 }
 
-/// [`square`] with two animations of two seconds: in `rise` it goes two units up, in the other, which has no name, it
-/// turns by 90° about its lower left corner.
+/// Returns [`square`] with two animations of two seconds: in `rise` it moves two units up, in the other, which has no
+/// name, it turns by 90° about its lower left corner.
 pub fn moving_square() -> String {
     let mut json = square_json();
     let floats: [f32; 16] = [0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.6, 0.8];
@@ -155,7 +155,7 @@ pub fn moving_square() -> String {
     json.to_string()
 }
 
-/// Which way green points in [`write_relief`].
+/// The direction of green in [`write_relief`].
 #[derive(Clone, Copy, PartialEq)]
 pub enum Green {
     Up,
@@ -169,7 +169,7 @@ pub fn write_relief(path: &Path, green: Green) {
         let wave = |v: u32| f64::from(v) * std::f64::consts::TAU / 24.0;
         let (p, q) = (
             scalar::cos(wave(x)) * scalar::sin(wave(y)),
-            // Rows run down, heights are differentiated up.
+            // Rows go down, heights are differentiated upwards.
             -scalar::sin(wave(x)) * scalar::cos(wave(y)),
         );
         Vec3::new(-0.5 * p, -0.5 * q * sign, 1.0)

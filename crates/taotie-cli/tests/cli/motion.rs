@@ -17,7 +17,7 @@ fn picture(place: &Place, name: &str) -> Bitmap {
     read_bitmap(&place.path(name)).expect("it is a picture")
 }
 
-/// The mean row of all that is brighter than the ground.
+/// Returns the mean row of all pixels brighter than the background.
 fn height_of_what_is_seen(picture: &Bitmap) -> f64 {
     let Texels::U8(texels) = picture.texels() else { panic!("8 bits") };
     let lit = |i: &usize| texels[*i][..3].iter().any(|c| *c > 90);
@@ -38,7 +38,7 @@ b.png
 
 "#]]);
     assert_eq!(place.files(), ["a.obj", "b.000.png", "b.001.png", "b.002.png", "b.png"]);
-    // What knows no animation reads the first picture.
+    // Readers without animation support get the first picture.
     assert_eq!(picture(&place, "b.png").texels(), picture(&place, "b.000.png").texels());
     assert!(place.read("b.png").windows(4).any(|chunk| chunk == b"acTL"), "the PNG is animated");
 }
@@ -64,7 +64,7 @@ fn a_sequence_in_exr_does_not_move() {
     assert_eq!(place.files(), ["a.gltf", "b.000.exr", "b.001.exr", "normals.png"]);
 }
 
-/// The square rises by twice its size. The camera stands still, so the picture shows it lower at first than at last,
+/// The square rises by twice its size. The camera does not move, so the picture shows it lower at first than at last,
 /// and whole at both ends.
 #[test]
 fn the_camera_frames_the_whole_motion() {
@@ -157,7 +157,7 @@ Animations
     assert_eq!(report["animations"], expected);
 }
 
-/// Runs a line that has to be refused with `stderr`, and looks whether no file came.
+/// Runs a line that must be refused with `stderr`, and checks that no file was created.
 fn refused(line: &str, stderr: snapbox::data::Inline) {
     let place = moving();
     place.write("still.obj", TRIANGLE);
@@ -182,7 +182,7 @@ fn no_animation() {
     refused(
         "render still.obj -o b.png --frames 3",
         str![[r#"
-taotie: error: still.obj: it has no animation; leave out --animation, --time, --frames and --fps
+taotie: error: still.obj: the file has no animation; leave out --animation, --time, --frames and --fps
 
 "#]],
     );
@@ -193,7 +193,7 @@ fn animation_without_a_time() {
     refused(
         "render a.gltf -o b.png --animation rise",
         str![[r#"
-taotie: error: --animation: say when, by --time SECONDS, or all of it, by --frames N or --fps RATE
+taotie: error: --animation: choose a moment with --time SECONDS, or all of it with --frames N or --fps RATE
 
 "#]],
     );
@@ -215,7 +215,7 @@ fn rate_of_a_single_picture() {
     refused(
         "render a.gltf -o b.png --time 1 --fps 3",
         str![[r#"
-taotie: error: --fps: the picture at one --time has no rate; leave one of the two out
+taotie: error: --fps: a single picture at --time has no rate; leave one of the two out
 
 "#]],
     );
@@ -226,7 +226,7 @@ fn rate_of_nothing() {
     refused(
         "render a.gltf -o b.png --fps 0",
         str![[r#"
-taotie: error: --fps: the rate must lie above 0 and be 1000 at most
+taotie: error: --fps: the rate must be above 0 and at most 1000
 
 "#]],
     );
@@ -240,7 +240,7 @@ fn too_many_pictures() {
     json["buffers"][1]["uri"] = uri.into();
     let place = Place::with("a.gltf", json.to_string());
     place.taotie("render a.gltf -o b.png --fps 30").assert().code(2).stderr_eq(str![[r#"
-taotie: error: --fps 30: the animation lasts 131072 seconds, which is 3932160 pictures; 9999 at most
+taotie: error: --fps 30: the animation lasts 131072 seconds, which is 3932160 pictures; the maximum is 9999
 
 "#]]);
 }

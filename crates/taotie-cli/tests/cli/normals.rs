@@ -1,4 +1,4 @@
-//! What `taotie normals` writes and says.
+//! The files and output of `taotie normals`.
 
 use super::models::{Green, square_json, write_ball, write_relief};
 use super::pictures::write_square;
@@ -8,7 +8,7 @@ use snapbox::str;
 use taotie::image::{Bitmap, Encoding, Texels};
 use taotie::io::{PngSamples, read_bitmap};
 
-/// Uv of a square's corners, whose positions are (0, 0), (1, 0), (1, 1) and (0, 1).
+/// A square with UVs at its corners, whose positions are (0, 0), (1, 0), (1, 1) and (0, 1).
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
                       f 1/1/1 2/2/1 3/3/1 4/4/1\n";
 
@@ -130,7 +130,7 @@ fn bits_and_dithering() {
         (&report["bits"], &report["dither"], &report["round_trip"]),
         (&json!(8), &json!(true), &json!(null))
     );
-    assert_eq!(report["stored"]["max"], json!(0.0), "codes stay");
+    assert_eq!(report["stored"]["max"], json!(0.0), "codes do not change");
     assert_eq!(picture(&place, "a.png"), picture(&place, "narrow.png"));
 }
 
@@ -147,11 +147,11 @@ taotie: error: two.gltf: it has 2 meshes; choose one with --part: 0 square, 1 sq
 
 "#]]);
     place.taotie(&format!("{refused} --part 7")).assert().code(2).stdout_eq("").stderr_eq(str![[r#"
-taotie: error: two.gltf: there is no mesh `7`; choose from: 0 square, 1 square
+taotie: error: two.gltf: unknown mesh `7`; expected one of: 0 square, 1 square
 
 "#]]);
     place.taotie(&format!("{refused} --part square")).assert().code(2).stdout_eq("").stderr_eq(str![[r#"
-taotie: error: two.gltf: several meshes are named `square`; give the number: 0 square, 1 square
+taotie: error: two.gltf: several meshes are named `square`; use the number: 0 square, 1 square
 
 "#]]);
     place.taotie(&format!("{refused} --part 1")).assert().success();
@@ -163,7 +163,7 @@ fn shared_texels_are_said() {
     write_relief(&place.path("a.png"), Green::Up);
     let line = "normals a.png --from tangent --green-in up --to object --mesh twice.obj -o o.png";
     place.taotie(line).assert().success().stderr_eq(str![[r#"
-taotie: warning: texels under several triangles: the map holds the normal of the first alone (18336 times)
+taotie: warning: texels covered by several triangles: the map holds only the normal of the first (18336 times)
 
 "#]]);
 }
@@ -191,7 +191,7 @@ taotie: error: --height-scale is needed for heights: the height of white in texe
     refused(
         "normals color.tga -o n.png",
         str![[r#"
-taotie: error: color.tga: it looks neither like a normal map nor like heights; say what it is with --from
+taotie: error: color.tga: it looks like neither a normal map nor heights; specify its content with --from
 
 "#]],
     );
@@ -199,7 +199,7 @@ taotie: error: color.tga: it looks neither like a normal map nor like heights; s
         "normals ball.png --to tangent -o n.png",
         str![[r#"
 taotie: ball.png: its pixels look like an object-space normal map
-taotie: error: between tangent and object space the mesh has to be known; name the model with --mesh
+taotie: error: changing the space needs the mesh; name the model with --mesh
 
 "#]],
     );
@@ -215,7 +215,7 @@ taotie: error: plain.obj: uv set 0 for tangents: the mesh has 0
         "normals h.png --height-scale 1 --to object -o n.png",
         str![[r#"
 taotie: h.png: its pixels look like a height map
-taotie: error: for object space the mesh has to be known; name the model with --mesh
+taotie: error: object space needs the mesh; name the model with --mesh
 
 "#]],
     );

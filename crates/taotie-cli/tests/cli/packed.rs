@@ -1,4 +1,4 @@
-//! Models under compression, and what is said where it cannot be undone.
+//! Compressed models, and the errors if they cannot be decompressed.
 
 use super::models::square_json;
 use super::place::Place;
@@ -42,7 +42,7 @@ fn a_packed_stream_that_is_damaged() {
     let start = bytes.windows(5).position(|w| w == b"DRACO").expect("it is packed");
     bytes[start] = b'T';
     Place::with("a.glb", bytes).taotie("render a.glb -o b.png").assert().code(2).stderr_eq(str![[r#"
-taotie: error: a.glb: mesh 0, primitive 0: POSITION: accessor 1: it is compressed by Draco: its stream cannot be read (Invalid magic); save the model again
+taotie: error: a.glb: mesh 0, primitive 0: POSITION: accessor 1: Draco compression: cannot read the stream (Invalid magic); re-export the model
 
 "#]]);
 }

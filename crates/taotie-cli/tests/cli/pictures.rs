@@ -4,13 +4,13 @@ use std::path::Path;
 use taotie::image::Encoding;
 use taotie::io::{PngColor, PngImage, PngSamples, write_png};
 
-/// Writes a square of these samples: grey, or RGB where there are three for each pixel.
+/// Writes a square of these samples: grey, or RGB if there are three for each pixel.
 pub fn write_square(path: &Path, samples: PngSamples<'_>, encoding: Encoding) {
     let count = match samples {
         PngSamples::U8(samples) => samples.len(),
         PngSamples::U16(samples) => samples.len(),
     };
-    // Three times a square number is none itself.
+    // Three times a square number is not a square number.
     let (color, pixels) = match count.isqrt().pow(2) == count {
         true => (PngColor::Grey, count),
         false => (PngColor::Rgb, count / 3),

@@ -1,31 +1,31 @@
-//! A folder of its own for each test, in which the command runs.
+//! A separate folder for each test, in which the command runs.
 
 use serde_json::Value;
 use snapbox::cmd::Command;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// A folder that is removed at the end, and an empty one beside it for temporary files.
+/// A folder that is removed at the end, and a separate one for temporary files.
 pub struct Place {
     folder: TempDir,
     temporary: TempDir,
 }
 
 impl Place {
-    /// An empty folder.
+    /// Creates an empty folder.
     pub fn new() -> Self {
         let folder = || tempfile::tempdir().expect("temporary folders can be made");
         Self { folder: folder(), temporary: folder() }
     }
 
-    /// A folder with one file.
+    /// Creates a folder with one file.
     pub fn with(name: &str, content: impl AsRef<[u8]>) -> Self {
         let place = Self::new();
         place.write(name, content);
         place
     }
 
-    /// The path of a file in it.
+    /// Returns the path of a file in it.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
@@ -40,23 +40,23 @@ impl Place {
         std::fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
-    /// Every name in it, sorted; fails where anything was left among the temporary files.
+    /// Returns every name in it, sorted; fails if any temporary file is left.
     pub fn files(&self) -> Vec<String> {
         assert_eq!(names(self.temporary.path()), [""; 0], "temporary files are left");
         names(self.folder.path())
     }
 
-    /// The command with the words of `line`, which is run in the folder.
+    /// Returns the command with the words of `line`, to run in the folder.
     pub fn taotie(&self, line: &str) -> Command {
         self.taotie_with(&line.split_whitespace().collect::<Vec<_>>())
     }
 
-    /// The command with these arguments.
+    /// Returns the command with these arguments.
     pub fn taotie_with(&self, arguments: &[&str]) -> Command {
         Command::from_std(self.process(arguments))
     }
 
-    /// As [`Place::taotie_with`], to be started by hand.
+    /// Like [`Place::taotie_with`], to be started by hand.
     pub fn process(&self, arguments: &[&str]) -> std::process::Command {
         let mut process = std::process::Command::new(env!("CARGO_BIN_EXE_taotie"));
         process.args(arguments).args(quick_proof(arguments)).current_dir(self.folder.path());
@@ -64,14 +64,14 @@ impl Place {
         process
     }
 
-    /// Runs a command that has to succeed and gives its stdout as JSON.
+    /// Runs a command that must succeed, and returns its stdout as JSON.
     pub fn json(&self, line: &str) -> Value {
         let assert = self.taotie(line).assert().success();
         serde_json::from_slice(&assert.get_output().stdout).expect("stdout is one JSON document")
     }
 }
 
-/// Options for a proof that takes a tenth of the time, where the test does not say what it needs.
+/// Returns options for a proof in a tenth of the time, unless the test states what it needs.
 fn quick_proof(arguments: &[&str]) -> &'static [&'static str] {
     let asks =
         |argument: &&str| argument.starts_with("--proof-") || ["--no-verify", "--help"].contains(argument);

@@ -1,11 +1,11 @@
-//! What assets say of rights and history, as `taotie inspect` and other programs read it.
+//! Rights and history in assets, as `taotie inspect` and other programs read them.
 
 use super::balls::{LOW, SCAN};
 use super::place::Place;
 use super::validator;
 use serde_json::json;
 
-/// A title of two languages, rights and a creator with a comma in the name.
+/// A title with a language, rights and a creator with a comma in the name.
 const RIGHTS: &str = r#"{
     "dc:title": { "@type": "rdf:Alt", "rdf:_1": { "@language": "en", "@value": "A ball" } },
     "dc:rights": { "@type": "rdf:Alt", "rdf:_1": { "@language": "en", "@value": "CC0 1.0" } },
@@ -13,7 +13,7 @@ const RIGHTS: &str = r#"{
     "xmpRights:WebStatement": "https://museum.example/rights"
 }"#;
 
-/// A folder with a scan that was baked with [`RIGHTS`], and with the asset, which was baked once more.
+/// Returns a folder with a scan that was baked with [`RIGHTS`], and its asset, which was baked again.
 fn baked_twice() -> Place {
     let place = Place::with("scan.obj", SCAN.obj());
     place.write("low.obj", LOW.obj());
@@ -78,17 +78,14 @@ fn properties_are_checked_before_the_work() {
     place.write("bare.json", r#"{"title": "a"}"#);
     let before = place.files();
     let cases = [
-        ("list.json", "list.json: XMP properties are a JSON object"),
+        ("list.json", "list.json: expected a JSON object of XMP properties"),
         ("broken.json", "broken.json: line 1, column 14"),
-        (
-            "prefix.json",
-            "prefix.json: dcx:title: the prefix `dcx` is not known; add its namespace to @context",
-        ),
-        ("bare.json", "bare.json: title: `title` has no prefix; XMP properties are named as in dc:title"),
+        ("prefix.json", "prefix.json: dcx:title: unknown prefix `dcx`; add its namespace to @context"),
+        ("bare.json", "bare.json: title: `title` has no prefix; use a name such as dc:title"),
         ("gone.json", "gone.json: "),
     ];
     for (file, why) in cases {
-        // There is no scan, so whoever began with it would say so.
+        // There is no scan, so reading it first would be an error.
         let line = format!("bake scan.obj -o out.glb --provenance {file}");
         let assert = place.taotie(&line).assert().code(2).stdout_eq("");
         let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();

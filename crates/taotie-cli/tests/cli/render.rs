@@ -1,4 +1,4 @@
-//! What `taotie render` writes.
+//! The files of `taotie render`.
 
 use super::models::{Green, TRIANGLE, square, write_relief};
 use super::place::Place;
@@ -82,7 +82,7 @@ fn a_missing_texture_of_the_model_is_said_and_drawn_without() {
     place.write("a.mtl", "newmtl m\nKd 1 1 1\nnorm none.png\n");
     let line = "render a.obj -o b.png --size 16x16";
     place.taotie(line).assert().success().stdout_eq("b.png\n").stderr_eq(str![[r#"
-taotie: warning: texture 'none.png' is left out: it is not there
+taotie: warning: skipped texture 'none.png': file not found
 
 "#]]);
 }
@@ -129,6 +129,6 @@ fn the_reference_depends_on_its_seed_and_not_on_threads() {
     };
     let first = bytes("a.png", "--threads 1");
     assert!(first == bytes("b.png", "--threads 3 --simd scalar"));
-    assert!(first == bytes("c.png", "--seed 0 --bounces 4 --shadows"), "what holds if not given");
+    assert!(first == bytes("c.png", "--seed 0 --bounces 4 --shadows"), "these are the defaults");
     assert!(first != bytes("d.png", "--seed 1"));
 }

@@ -1,10 +1,10 @@
-//! Runs beside and after one another, and readers that go away.
+//! Concurrent and successive runs, and closed pipes.
 
 use super::models::TRIANGLE;
 use super::place::Place;
 use std::process::{Command, Stdio};
 
-/// Runs with a stdout that nobody reads; the exit code and stderr.
+/// Runs with a closed stdout; returns the exit code and stderr.
 fn unread(mut process: Command) -> (Option<i32>, String) {
     let (reader, writer) = std::io::pipe().expect("pipes can be made");
     drop(reader);

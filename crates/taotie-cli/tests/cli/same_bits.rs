@@ -11,13 +11,13 @@ use taotie::io::PngSamples;
 use taotie::math::SimdLevel;
 use taotie::names::Named;
 
-/// Numbers of threads: one, fewer than parts of the work, one that is no power of two, more than most machines have.
+/// Numbers of threads: one, fewer than parts of the work, one not a power of two, more than most machines have.
 const THREADS: [usize; 4] = [1, 2, 3, 7];
 
 /// Texels along a side of the scan's textures.
 const SIDE: u32 = 24;
 
-/// A folder with a ball that has colours, normals and roughness in textures.
+/// Returns a folder with a ball that has colours, normals and roughness in textures.
 fn textured() -> Place {
     let ball = Ball { rings: 24, meridians: 48, uv: Some(|u, v| [u, v]), ..SCAN };
     let place = Place::with("scan.obj", format!("mtllib scan.mtl\nusemtl clay\n{}", ball.obj()));
@@ -34,7 +34,7 @@ fn write_texture(place: &Place, name: &str, texel: impl Fn(u32, u32) -> [u8; 3])
     write_square(&place.path(name), PngSamples::U8(&samples), Encoding::Linear);
 }
 
-/// Runs commands in a new folder and gives all files that lie there afterwards, without times.
+/// Runs commands in a new folder and returns all files in it, without times.
 fn files(lines: &[String]) -> BTreeMap<String, Vec<u8>> {
     let place = textured();
     for line in lines {
@@ -54,7 +54,7 @@ fn files(lines: &[String]) -> BTreeMap<String, Vec<u8>> {
     files
 }
 
-/// A file without the times in it.
+/// Returns a file without the times in it.
 fn without_times(name: &str, bytes: Vec<u8>) -> Vec<u8> {
     match name.rsplit('.').next() {
         Some("json") => without_list(&text(bytes)).into_bytes(),
@@ -67,7 +67,7 @@ fn text(bytes: Vec<u8>) -> String {
     String::from_utf8(bytes).expect("it is text")
 }
 
-/// A document without its list of times: `stages` of a bake, `times` of a comparison.
+/// Returns a document without its list of times: `stages` of a bake, `times` of a comparison.
 fn without_list(document: &str) -> String {
     let lists = ["\n  \"stages\": [\n", "\n  \"times\": [\n"];
     let parts = lists.iter().find_map(|list| document.split_once(list));
@@ -78,7 +78,7 @@ fn without_list(document: &str) -> String {
     format!("{before}{after}")
 }
 
-/// A page without the rows of its table of times, where it has one.
+/// Returns a page without the rows of its table of times, if it has one.
 fn without_table(page: &str) -> String {
     let Some((before, rest)) = page.split_once("\"title\":\"Time\"") else { return page.to_owned() };
     let (times, rest) = rest.split_once("]]").expect("its rows end");
@@ -93,7 +93,7 @@ fn assert_same(how: &str, files: &BTreeMap<String, Vec<u8>>, first: &BTreeMap<St
     assert!(differ.is_empty(), "{how}: these files differ: {differ:?}");
 }
 
-/// The levels of this machine, each with each number of threads.
+/// Returns the SIMD levels of this machine, each with each number of threads.
 fn ways() -> Vec<String> {
     let levels: Vec<&str> = SimdLevel::available().into_iter().map(Named::name).collect();
     let with = |threads: &usize| {
@@ -114,8 +114,8 @@ fn an_asset_has_the_same_bytes_under_another_name() {
     assert_eq!(Glb::read(&a).json["meshes"][0]["name"], "scan", "it is named after its scan");
 }
 
-/// A bake takes the fastest level of the machine, at which its parts have the bits of every other: a law of rays, and
-/// tests of vertex normals and mip levels. Its levels of detail, maps, page and JSON are all looked at.
+/// A bake uses the fastest SIMD level of the machine, whose results have the same bits as at any other: a law of
+/// rays, and tests of vertex normals and mip levels. Compares levels of detail, maps, page and JSON.
 #[test]
 fn a_bake_writes_the_same_bytes_with_three_threads() {
     bake_alike(&[3]);
@@ -127,7 +127,7 @@ fn a_bake_writes_the_same_bytes_with_any_number_of_threads() {
     bake_alike(&THREADS[1..]);
 }
 
-/// Compares bakes by so many threads with one by a single thread.
+/// Compares bakes with these numbers of threads with a single-threaded one.
 fn bake_alike(threads: &[usize]) {
     let bake = "bake scan.obj -o out.gltf --triangles 600 --lods 200 --size 64 --maps auto,ao,height,bent";
     let run = |threads: usize| files(&[format!("{bake} --threads {threads}")]);
@@ -157,7 +157,7 @@ fn renders_are_the_same_bytes_at_every_level_with_any_number_of_threads() {
     ways[1..].iter().for_each(|how| assert_same(how, &files(&lines(how)), &first));
 }
 
-/// Each level and each number of threads, side by side.
+/// A selection of SIMD levels and numbers of threads.
 #[test]
 fn comparisons_are_the_same_bytes_at_every_level_with_any_number_of_threads() {
     let line = "compare scan.obj --reference high.obj -o out --size 48 --samples 1";

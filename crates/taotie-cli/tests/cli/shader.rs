@@ -1,4 +1,4 @@
-//! What `taotie shader` writes and says.
+//! The files and output of `taotie shader`.
 
 use super::models::{TRIANGLE, square_json};
 use super::place::Place;
@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use snapbox::str;
 use taotie::io::{ExrLayer, write_exr};
 
-/// Two squares with a material each, `stone` and the one that `change` makes of it.
+/// Returns two squares with a material each, `stone` and one that `change` makes from it.
 fn two_stones(change: impl FnOnce(&mut Value)) -> Place {
     let mut model = square_json();
     let mut other = model["materials"][0].clone();
@@ -21,9 +21,9 @@ fn two_stones(change: impl FnOnce(&mut Value)) -> Place {
     Place::with("a.gltf", model.to_string())
 }
 
-/// The names in a folder of a place, sorted.
+/// Returns the names in a folder of a place, sorted.
 fn names(place: &Place, folder: &str) -> Vec<String> {
-    let entries = std::fs::read_dir(place.path(folder)).expect("the folder is there");
+    let entries = std::fs::read_dir(place.path(folder)).expect("the folder exists");
     let mut names: Vec<String> =
         entries.map(|entry| entry.expect("readable").file_name().to_string_lossy().into_owned()).collect();
     names.sort();
@@ -47,16 +47,16 @@ out/index.html
 "#]]);
     let text = String::from_utf8(place.read("out/cook-torrance-tangent-normal.wgsl")).expect("it is text");
     assert!(text.contains("fn fragment_main(") && text.contains("normal_texture"), "{text}");
-    let told = read_json(&place, "out/cook-torrance-tangent-normal.json");
-    let kinds = [&told["shading"], &told["surface"], &told["target"]].map(Value::as_str);
+    let described = read_json(&place, "out/cook-torrance-tangent-normal.json");
+    let kinds = [&described["shading"], &described["surface"], &described["target"]].map(Value::as_str);
     assert_eq!(kinds, [Some("cook-torrance"), Some("tangent-normal"), Some("wgsl")]);
-    let plain = &told["surfaces"][0];
+    let plain = &described["surfaces"][0];
     assert_eq!((&plain["uniforms"]["metallic"], &plain["instances"]), (&json!([0.0]), &json!([])));
-    let tables = &told["tables"];
+    let tables = &described["tables"];
     let bytes = tables["width"].as_u64().unwrap() * tables["height"].as_u64().unwrap() * 16;
     assert_eq!(place.read("out/albedo-tables.bin").len() as u64, bytes);
     let names: Vec<_> =
-        told["interface"]["textures"].as_array().unwrap().iter().map(|t| &t["name"]).collect();
+        described["interface"]["textures"].as_array().unwrap().iter().map(|t| &t["name"]).collect();
     assert_eq!(names, ["albedo_tables", "normal_texture"]);
 }
 
@@ -132,7 +132,7 @@ fn other_variants_have_shaders_of_their_own() {
     );
 }
 
-/// The shaders of a report.
+/// Returns the shaders of a report.
 fn one_in(report: &Value) -> Value {
     report["shaders"].clone()
 }
@@ -147,12 +147,12 @@ fn a_material_that_is_not_there_is_an_error() {
     };
     let unknown = refused("marble");
     assert!(
-        unknown.contains("a.gltf: there is no material `marble`; choose from: 0 stone, 1 other, 2 nowhere"),
+        unknown.contains("a.gltf: unknown material `marble`; expected one of: 0 stone, 1 other, 2 nowhere"),
         "{unknown}"
     );
-    assert!(refused("7").contains("no material `7`"));
-    assert!(refused("nowhere").contains("no mesh has the material `nowhere`"));
-    assert!(!place.path("out").exists(), "nothing is left of a refused run");
+    assert!(refused("7").contains("unknown material `7`"));
+    assert!(refused("nowhere").contains("no mesh uses the material `nowhere`"));
+    assert!(!place.path("out").exists(), "a refused run leaves nothing");
 }
 
 #[test]
@@ -175,11 +175,11 @@ fn options_without_effect_are_told() {
         .success()
         .stderr_eq(str![[r#"
 ...
-taotie: warning: --bump-scale is not read: no material has a height map
+taotie: warning: --bump-scale has no effect: no material has a height map
 ...
 "#]]);
-    let told = read_json(&place, "out/material-0.json");
-    assert_eq!(told["surface"], "smooth", "as it is drawn");
+    let described = read_json(&place, "out/material-0.json");
+    assert_eq!(described["surface"], "smooth", "as it is drawn");
 }
 
 #[test]
@@ -192,14 +192,14 @@ fn an_environment_is_written_as_shaders_read_it() {
         place.taotie(line).env("TAOTIE_CACHE_DIR", place.path("cache")).assert().success().stderr_eq("");
     };
     run("shader --env sky.exr --target glsl-es -o out");
-    let told = read_json(&place, "out/ggx-smooth.json")["environment"].clone();
+    let described = read_json(&place, "out/ggx-smooth.json")["environment"].clone();
     for (texture, file) in [("maps", "environment-maps.bin"), ("picture", "environment-picture.bin")] {
-        let [width, height] = ["width", "height"].map(|side| told[texture][side].as_u64().unwrap());
-        assert_eq!(told[texture]["file"], file);
-        assert_eq!(place.read(&format!("out/{file}")).len() as u64, width * height * 8, "{told}");
+        let [width, height] = ["width", "height"].map(|side| described[texture][side].as_u64().unwrap());
+        assert_eq!(described[texture]["file"], file);
+        assert_eq!(place.read(&format!("out/{file}")).len() as u64, width * height * 8, "{described}");
     }
-    assert_eq!(told["levels"].as_array().map(Vec::len), Some(32));
-    assert!(told["count"].as_u64().unwrap() > 1 && told["smoothest_alpha"].as_f64().unwrap() > 0.0);
+    assert_eq!(described["levels"].as_array().map(Vec::len), Some(32));
+    assert!(described["count"].as_u64().unwrap() > 1 && described["smoothest_alpha"].as_f64().unwrap() > 0.0);
     run("shader --env none --target wgsl -o dark");
     assert!(read_json(&place, "dark/ggx-smooth.json")["environment"].is_null());
 }
@@ -208,7 +208,7 @@ fn an_environment_is_written_as_shaders_read_it() {
 fn nothing_that_is_read_is_written_over() {
     let place = Place::with("out", "a file");
     let assert = place.taotie("shader --target wgsl -o out").assert().code(2).stdout_eq("");
-    let told = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
-    assert!(told.contains("out: it is a file; give a folder"), "{told}");
+    let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+    assert!(said.contains("out: expected a folder, found a file"), "{said}");
     assert_eq!(place.read("out"), b"a file");
 }

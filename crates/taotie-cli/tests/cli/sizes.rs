@@ -1,4 +1,4 @@
-//! Sizes and lists in every form that people write them.
+//! Sizes and lists in every form that people use.
 
 use super::balls::{LOW, SCAN};
 use super::models::TRIANGLE;
@@ -6,7 +6,7 @@ use super::place::Place;
 use serde_json::{Value, json};
 use taotie::io::read_bitmap;
 
-/// Bakes with maps of this size; the report.
+/// Bakes with maps of this size; returns the report.
 fn bake(place: &Place, size: &str) -> Value {
     let line =
         ["bake", "scan.obj", "--low", "low.obj", "-o", "out.gltf", "--maps", "normal, height", "--json"];

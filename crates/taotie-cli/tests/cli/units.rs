@@ -1,4 +1,4 @@
-//! `--unit`: assets in metres, lengths with units, and figures that stay what they are without it.
+//! `--unit`: assets in metres, lengths with units, and figures that are the same without it.
 
 use super::bake_document::{put, ship, ship_draft, start};
 use super::balls::{Ball, SCAN};
@@ -15,7 +15,7 @@ fn ball() -> Place {
     Place::with("scan.obj", Ball { radius: 40.0, ..SCAN }.obj())
 }
 
-/// Returns what a proof says of the pair: not the unit and the bytes of the asset, which are other ones.
+/// Returns the proof of the pair without the unit and the bytes of the asset, which differ.
 fn figures(report: &Value) -> Value {
     let mut proof = report["proof"].clone();
     for name in ["unit", "metres_per_unit", "bytes_out"] {
@@ -68,11 +68,8 @@ fn an_asset_of_a_scan_in_millimetres_is_in_metres() {
         .taotie(&format!("verify out.glb --scan scan.obj {}", QUICK.trim_end_matches(" --json")))
         .assert();
     let text = String::from_utf8_lossy(&page.get_output().stdout).into_owned();
-    assert!(
-        text.contains(" dpi) wide") && text.contains(" mm at most (") && !text.contains("model units"),
-        "{text}"
-    );
-    // What is stated overrides the record: in inches the asset is far too small.
+    assert!(text.contains(" dpi) wide") && text.contains(" mm (") && !text.contains("model units"), "{text}");
+    // The option overrides the record: in inches the asset is far too small.
     let assert =
         place.taotie(&format!("verify out.glb --scan scan.obj --unit in {QUICK} --require missed=50%"));
     assert.assert().code(1);
@@ -113,7 +110,7 @@ fn packed_levels_of_detail_are_scaled_each() {
     assert_eq!(
         nodes[0]["extensions"]["MSFT_lod"]["ids"],
         json!([2]),
-        "the level has a map, and so a file, of its own"
+        "the level has its own map, and so its own file"
     );
     assert_eq!([&nodes[0]["children"], &nodes[2]["children"]], [&json!([1]), &json!([3])]);
     assert!(nodes[0]["scale"] == nodes[2]["scale"] && nodes[0]["scale"][0] == json!(0.0254), "{nodes}");
@@ -128,7 +125,7 @@ fn a_file_that_stays_is_in_metres_too() {
     place.write("low.glb", ship(&low));
     let plain = place.json(line);
 
-    // As large as the scan in inches: it is scaled, and that is noted.
+    // As large as the scan in inches: it is scaled, with a warning.
     let report = place.json(&format!("{line} --unit in"));
     assert_eq!(figures(&report), figures(&plain));
     let warnings = report["warnings"].to_string();
@@ -146,7 +143,7 @@ fn a_file_that_stays_is_in_metres_too() {
     let verified = place.json(&format!("verify out.glb --scan scan.obj {QUICK}"));
     assert_eq!(figures(&verified)["levels"], figures(&plain)["levels"]);
 
-    // In metres already: its nodes stay as they are.
+    // Already in metres: its nodes stay as they are.
     let mut draft = ship_draft(&low);
     let nodes = json!([
         { "name": "ship", "children": [1, 2], "scale": [0.0254, 0.0254, 0.0254] },

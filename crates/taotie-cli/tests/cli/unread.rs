@@ -1,12 +1,12 @@
-//! Nothing is ignored in silence: a table for each subcommand of options without effect, and of files that cannot be
-//! written. What the options alone show is refused; what only the files show is a warning.
+//! Nothing is ignored silently: a table for each subcommand of options without effect, and of files that cannot be
+//! written. If the options suffice to know, they are refused; if it depends on the files, there is a warning.
 
 use super::balls::{LOW, SCAN};
 use super::models::{Green, TRIANGLE, square_json, write_ball, write_relief};
 use super::place::Place;
 use serde_json::Value;
 
-/// Runs lines that have to be refused, each with its words, before anything is done.
+/// Runs lines that must be refused, each with its message, before anything is done.
 fn refused(place: &Place, command: &str, cases: &[(&str, &str)]) {
     let before = place.files();
     for (line, words) in cases {
@@ -17,7 +17,7 @@ fn refused(place: &Place, command: &str, cases: &[(&str, &str)]) {
     }
 }
 
-/// Runs lines that have to be done with a warning, which is on stderr with and without `--json`.
+/// Runs lines that must succeed with a warning, which is on stderr with and without `--json`.
 fn warned(place: &Place, command: &str, cases: &[(&str, &str)]) {
     for (line, words) in cases {
         for json in ["", "--json"] {
@@ -31,12 +31,12 @@ fn warned(place: &Place, command: &str, cases: &[(&str, &str)]) {
     }
 }
 
-/// Runs a line that has nothing to say against its options.
+/// Runs a line that must succeed without a warning.
 fn silent(place: &Place, line: &str) {
     place.taotie(line).assert().success().stderr_eq("");
 }
 
-/// A triangle, and a square with a normal map.
+/// Returns a triangle, and a square with a normal map.
 fn models() -> Place {
     let place = Place::with("a.obj", TRIANGLE);
     place.write("b.gltf", square_json().to_string());
@@ -50,59 +50,62 @@ fn of_render() {
     let place = models();
     std::fs::create_dir(place.path("c.png")).unwrap();
     let cases = [
-        ("a.obj -o o.png --env-rotate-deg 0", "--env-rotate-deg: there is no environment; name one"),
-        ("a.obj -o o.png --env-intensity 1", "--env-intensity: there is no environment; name one"),
+        ("a.obj -o o.png --env-rotate-deg 0", "--env-rotate-deg: there is no environment; add --env"),
+        ("a.obj -o o.png --env-intensity 1", "--env-intensity: there is no environment; add --env"),
         ("a.obj -o o.png --env none --env-intensity 2", "--env-intensity: there is no environment"),
-        ("a.obj -o o.png --show-env", "--show-env: there is no environment; name one"),
-        ("a.obj -o o.png --env studio --show-env --background red", "--background: --show-env puts"),
+        ("a.obj -o o.png --show-env", "--show-env: there is no environment; add --env"),
+        ("a.obj -o o.png --env studio --show-env --background red", "--background: --show-env shows"),
         ("a.obj -o o.png --normal-space object", "--normal-map <FILE>"),
         ("b.gltf -o o.png --camera front --fov-deg 20", "cannot be used with"),
         ("b.gltf -o o.png --camera front --target 0,0,0", "cannot be used with"),
         (
             "b.gltf -o o.png --surface smooth --normal-map ball.png",
-            "--normal-map: --surface smooth does not read it",
+            "--normal-map: --surface smooth does not use it",
         ),
         (
             "b.gltf -o o.png --surface facet --height-map ball.png",
-            "--height-map: --surface facet does not read it",
+            "--height-map: --surface facet does not use it",
         ),
         (
             "b.gltf -o o.png --surface tangent-normal --bump-scale 2",
             "--bump-scale: --surface tangent-normal does",
         ),
-        ("a.obj -o o.png --shading phong --energy single", "--energy: only ggx and cook-torrance read it"),
+        ("a.obj -o o.png --shading phong --energy single", "--energy: only ggx and cook-torrance use it"),
         (
             "a.obj -o o.png --shading ggx-printed --specular-aa on",
-            "--specular-aa: the models as printed take no",
+            "--specular-aa: the printed models take no",
         ),
         (
             "a.obj -o o.png --shading ggx-printed --grazing-normals keep",
-            "--grazing-normals: the models as printed",
+            "--grazing-normals: the printed models",
         ),
         (
             "a.obj -o o.png --integrator reference --specular-aa on",
             "--specular-aa: --integrator reference averages",
         ),
-        ("a.obj -o o.png --slope 0.3", "--slope: the shading does not read it"),
-        ("a.obj -o o.png --shininess 9", "--shininess: the shading does not read it"),
-        ("a.obj -o o.png --shading lambert --roughness 0", "--roughness: the shading does not read it"),
+        ("a.obj -o o.png --slope 0.3", "--slope: the shading does not use it"),
+        ("a.obj -o o.png --shininess 9", "--shininess: the shading does not use it"),
+        ("a.obj -o o.png --shading lambert --roughness 0", "--roughness: the shading does not use it"),
         ("a.obj -o o.png --roughness 2", "2 is not in [0, 1]"),
-        ("a.obj -o o.exr --turntable 2 --fps 8", "--fps: .exr pictures of a turn are no animation"),
-        ("a.obj -o o.exr --tone aces", "--tone: an .exr holds light as it is"),
-        ("a.obj -o o.exr --exposure 1", "--exposure: an .exr holds light as it is"),
-        ("a.obj -o o.exr --background white", "--background: an .exr holds light as it is"),
-        ("a.obj -o o.exr --bits 16", "--bits: an .exr holds 32-bit floats"),
-        ("a.obj -o c.png", "c.png: it is a folder; give a file name"),
-        ("a.obj -o none/o.png", "none: there is no such folder; make it first"),
+        ("a.obj -o o.exr --turntable 2 --fps 8", "--fps has no effect for .exr turntables"),
+        ("a.obj -o o.exr --tone aces", "--tone: an .exr stores undeveloped linear light"),
+        ("a.obj -o o.exr --exposure 1", "--exposure: an .exr stores undeveloped linear light"),
+        ("a.obj -o o.exr --background white", "--background: an .exr stores undeveloped linear light"),
+        ("a.obj -o o.exr --bits 16", "--bits: an .exr stores 32-bit floats"),
+        ("a.obj -o c.png", "c.png: expected a file, found a folder"),
+        ("a.obj -o none/o.png", "none: the folder does not exist; create it first"),
     ];
     refused(&place, "render", &cases);
     let cases = [
-        ("a.obj -o o.png --size 8x8 --green down", "--green is not read: no material has a normal map"),
+        ("a.obj -o o.png --size 8x8 --green down", "--green has no effect: no material has a normal map"),
         (
             "a.obj -o o.png --size 8x8 --bump-scale 2",
-            "--bump-scale is not read: no material has a height map",
+            "--bump-scale has no effect: no material has a height map",
         ),
-        ("a.obj -o o.png --size 8x8 --tangents face", "--tangents is not read: no material has a normal map"),
+        (
+            "a.obj -o o.png --size 8x8 --tangents face",
+            "--tangents has no effect: no material has a normal map",
+        ),
         (
             "a.obj -o o.png --size 8x8 --base-color-map ball.png",
             "--base-color-map shows one texel everywhere",
@@ -110,9 +113,12 @@ fn of_render() {
         ("a.obj -o o.png --size 8x8 --occlusion-map ball.png", "--occlusion-map shows one texel everywhere"),
         (
             "b.gltf -o o.png --size 8x8 --surface smooth --tangents face",
-            "--tangents is not read: no normal map is read",
+            "--tangents has no effect: no normal map is used",
         ),
-        ("b.gltf -o o.png --size 8x8 --height-map ball.png", "heights are not read: a normal map goes first"),
+        (
+            "b.gltf -o o.png --size 8x8 --height-map ball.png",
+            "heights have no effect: a normal map takes precedence",
+        ),
     ];
     warned(&place, "render", &cases);
     silent(
@@ -127,41 +133,41 @@ fn of_compare() {
     let place = models();
     place.write("file", "");
     let cases = [
-        (
-            "b.gltf -o out --method smooth",
-            "--method smooth: it is compared with nothing; name further methods",
-        ),
-        ("b.gltf -o out --method smooth,smooth", "--method smooth: it is compared with nothing"),
+        ("b.gltf -o out --method smooth", "--method smooth: nothing to compare it with; add more methods"),
+        ("b.gltf -o out --method smooth,smooth", "--method smooth: nothing to compare it with"),
         ("b.gltf -o out --match uv", "--reference <HIGH>"),
         (
             "b.gltf -o out --method smooth,facet --normal-map ball.png",
-            "--normal-map: no method of --method reads it",
+            "--normal-map: no method of --method uses it",
         ),
         (
             "b.gltf -o out --method smooth,facet --height-map ball.png",
-            "--height-map: no method of --method reads it",
+            "--height-map: no method of --method uses it",
         ),
         (
             "b.gltf -o out --method smooth,bump:5 --bump-scale 2",
-            "--bump-scale: no method of --method reads it",
+            "--bump-scale: no method of --method uses it",
         ),
         ("b.gltf -o out --env-rotate-deg 9", "--env-rotate-deg: there is no environment"),
         (
             "b.gltf -o out --shading phong,lambert --energy single",
-            "--energy: only ggx and cook-torrance read it",
+            "--energy: only ggx and cook-torrance use it",
         ),
         ("--paper --method smooth", "cannot be used with"),
         ("--paper --size 9x9", "cannot be used with"),
         ("--paper --env studio --threads 2", "cannot be used with"),
-        ("b.gltf -o file", "file: it is a file; give a folder"),
-        ("b.gltf -o file/out", "file: it is a file; give a folder"),
+        ("b.gltf -o file", "file: expected a folder, found a file"),
+        ("b.gltf -o file/out", "file: expected a folder, found a file"),
     ];
     refused(&place, "compare", &cases);
     let cases = [
-        ("a.obj -o out --size 16x16 --method smooth,facet --green down", "--green is not read: no material"),
+        (
+            "a.obj -o out --size 16x16 --method smooth,facet --green down",
+            "--green has no effect: no material",
+        ),
         (
             "b.gltf -o out --size 16x16 --method smooth,facet --tangents face",
-            "--tangents is not read: no normal map is read",
+            "--tangents has no effect: no normal map is used",
         ),
     ];
     warned(&place, "compare", &cases);
@@ -183,56 +189,56 @@ fn of_bake() {
             "scan.obj -o out.glb --ao-distance 1 --maps normal,height",
             "--ao-distance: neither ao nor bent is baked",
         ),
-        ("scan.obj -o out.glb --bits 16 --images webp", "--bits 16: WebP holds 8 bits"),
-        ("scan.obj -o out.glb --bits 16 --images ktx2", "--bits 16: KTX2 holds 8 bits"),
-        ("scan.obj -o out.glb --images ktx2:2 --size 1022", "--size 1022: KTX2 needs a multiple of 4"),
-        (
-            "scan.obj -o out.glb --size 64 --images webp,png",
-            "--images: nothing is searched for with these options",
-        ),
+        ("scan.obj -o out.glb --bits 16 --images webp", "--bits 16: WebP stores 8 bits"),
+        ("scan.obj -o out.glb --bits 16 --images ktx2", "--bits 16: KTX2 stores 8 bits"),
+        ("scan.obj -o out.glb --images ktx2:2 --size 1022", "--size 1022: KTX2 needs multiples of 4"),
+        ("scan.obj -o out.glb --size 64 --images webp,png", "--images: these options run no search"),
         ("scan.obj -o out.glb --size 64 --images jpeg", "--images: specify a quality, such as jpeg:85"),
         (
             "scan.obj -o out.glb --size 64 --maps height,bent --images webp",
-            "--images: the asset holds no texture",
+            "--images: the asset has no textures",
         ),
         (
             "scan.obj -o out.glb --maps normal --space object --images ktx2",
-            "--images: the asset holds no texture",
+            "--images: the asset has no textures",
         ),
         (
             "scan.obj -o out.glb --maps normal --images jpeg:80",
-            "--images jpeg:80: the asset holds no texture but normals",
+            "--images jpeg:80: the only textures are normals",
         ),
         ("scan.obj -o out.glb --images jpeg:0", "image format jpeg:0: use 1 to 100"),
-        ("scan.obj -o out.glb --images webp:80 --maps normal", "which its loss leaves alone; use webp"),
-        ("scan.obj -o out.glb --images ktx2:2 --maps normal,height", "which its loss leaves alone; use ktx2"),
+        ("scan.obj -o out.glb --images webp:80 --maps normal", "which the quality does not affect; use webp"),
+        (
+            "scan.obj -o out.glb --images ktx2:2 --maps normal,height",
+            "which the quality does not affect; use ktx2",
+        ),
         ("scan.obj -o out.glb --images ktx2:65", "image format ktx2:65: use 0 to 64"),
-        ("scan.obj -o out.glb --error 1 --images webp:80", "--error chooses the loss of images"),
-        ("scan.obj -o out.glb --images webp:85,png", "a list holds names only"),
-        ("scan.obj -o out.glb --trials out.report.json", "--trials out.report.json: name another file"),
+        ("scan.obj -o out.glb --error 1 --images webp:80", "--error chooses the quality of images"),
+        ("scan.obj -o out.glb --images webp:85,png", "a list takes names only"),
+        ("scan.obj -o out.glb --trials out.report.json", "--trials out.report.json: choose another file"),
         ("scan.obj -o out.glb --preset web --size 64", "cannot be used with"),
         (
             "scan.obj -o out.glb --preset games",
-            "there is none of this name; choose one of: web, archive, engine",
+            "unknown preset `games`: expected one of: web, archive, engine",
         ),
         ("scan.obj -o out.glb --max-triangles 100 --maps height", "--max-triangles needs a normal map"),
-        ("scan.obj -o a.glb", "a.report.html: it is a folder"),
-        ("scan.obj -o b.glb", "b.report.json: it is a folder"),
-        ("scan.obj -o c.glb", "c.glb: it is a folder"),
+        ("scan.obj -o a.glb", "a.report.html: expected a file, found a folder"),
+        ("scan.obj -o b.glb", "b.report.json: expected a file, found a folder"),
+        ("scan.obj -o c.glb", "c.glb: expected a file, found a folder"),
     ];
     refused(&place, "bake", &cases);
     let line = "scan.obj --low low.obj -o out.glb --size 32 --no-verify";
     let cases = [
-        (format!("{line} --maps normal --roughness 0.5"), "the roughness is not read"),
-        (format!("{line} --maps height --bits 16"), "16 bits are not used"),
-        (format!("{line} --maps height --space object"), "object space is not used"),
+        (format!("{line} --maps normal --roughness 0.5"), "the roughness has no effect"),
+        (format!("{line} --maps height --bits 16"), "16 bits have no effect"),
+        (format!("{line} --maps height --space object"), "object space has no effect"),
     ];
     let cases: Vec<(&str, &str)> = cases.iter().map(|(line, words)| (line.as_str(), *words)).collect();
     warned(&place, "bake", &cases);
     let line = format!("bake {line} --space object --bits 16 --images webp");
     let assert = place.taotie(&line).assert().success();
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
-    assert!(!said.contains("16 bits"), "the map beside the asset has them: {said}");
+    assert!(!said.contains("16 bits"), "the map next to the asset has them: {said}");
     place.taotie("bake scan.obj --low low.obj -o a.glb --size 32 --no-verify").assert().success();
     let line = "bake scan.obj -o out.glb --triangles 800 --size 64 --no-verify";
     for options in [
@@ -251,7 +257,7 @@ fn of_normals() {
         ("normals.png -o o.png --uv-set 1", "--mesh <MODEL>"),
         ("normals.png -o o.png --tangents face", "--mesh <MODEL>"),
         ("normals.png -o o.png --dilation 3", "--mesh <MODEL>"),
-        ("normals.png -o none/o.png", "none: there is no such folder; make it first"),
+        ("normals.png -o none/o.png", "none: the folder does not exist; create it first"),
     ];
     refused(&place, "normals", &cases);
     let tangent = "normals.png --from tangent --green-in up -o o.png";
@@ -259,12 +265,12 @@ fn of_normals() {
     let cases = [
         (
             format!("{object} --green-in up"),
-            "--green-in is not read: the input is no tangent-space normal map",
+            "--green-in has no effect: the input is not a tangent-space normal map",
         ),
-        (format!("{object} --green up"), "--green is not read: object-space normals have no green"),
-        (format!("{tangent} --height-scale 2"), "--height-scale is not read: the input holds no heights"),
-        (format!("{tangent} --border clamp"), "--border is not read: the input holds no heights"),
-        (format!("{tangent} --mesh b.gltf"), "--mesh is not read: the normals stay in their space"),
+        (format!("{object} --green up"), "--green has no effect: object-space normals have no green"),
+        (format!("{tangent} --height-scale 2"), "--height-scale has no effect: the input holds no heights"),
+        (format!("{tangent} --border clamp"), "--border has no effect: the input holds no heights"),
+        (format!("{tangent} --mesh b.gltf"), "--mesh has no effect: the normals stay in their space"),
     ];
     let cases: Vec<(&str, &str)> = cases.iter().map(|(line, words)| (line.as_str(), *words)).collect();
     warned(&place, "normals", &cases);
@@ -277,20 +283,17 @@ fn of_diff() {
     let cases = [
         (
             "ball.png normals.png --metric rmse --pixels-per-degree 30",
-            "--pixels-per-degree: only FLIP reads it",
+            "--pixels-per-degree: only FLIP uses it",
         ),
         ("ball.png normals.png --heat-top 1", "--heat <OUT>"),
         ("ball.png normals.png --threshold 1", "--metric <METRIC>"),
-        ("ball.png normals.png --heat none/o.png", "none: there is no such folder; make it first"),
+        ("ball.png normals.png --heat none/o.png", "none: the folder does not exist; create it first"),
     ];
     refused(&place, "diff", &cases);
     let line = "normals.png normals.png --encoding unit";
     let cases = [
-        (
-            format!("{line} --background white"),
-            "--background is not read: normals are compared by their angle",
-        ),
-        (format!("{line} --pixels-per-degree 30"), "--pixels-per-degree is not read: normals are compared"),
+        (format!("{line} --background white"), "--background has no effect: normals are compared by angle"),
+        (format!("{line} --pixels-per-degree 30"), "--pixels-per-degree has no effect: normals are compared"),
     ];
     let cases: Vec<(&str, &str)> = cases.iter().map(|(line, words)| (line.as_str(), *words)).collect();
     warned(&place, "diff", &cases);
@@ -302,13 +305,13 @@ fn of_materials_and_demo() {
     let place = Place::with("file", "");
     let cases = [
         ("materials --size 32", "--output <FILE.png>"),
-        ("materials -o none/swatches.png", "none: there is no such folder; make it first"),
-        ("demo --out file", "file: it is a file; give a folder"),
+        ("materials -o none/swatches.png", "none: the folder does not exist; create it first"),
+        ("demo --out file", "file: expected a folder, found a file"),
     ];
     refused(&place, "", &cases);
 }
 
-/// No one can make a file in `/proc`, not even the administrator.
+/// Nobody can create a file in `/proc`, not even root.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_folder_that_refuses_is_told_before_the_work() {

@@ -1,4 +1,4 @@
-//! Sets of materials that a file offers.
+//! Material variants of a file.
 
 use super::models::square_json;
 use super::place::Place;
@@ -7,7 +7,7 @@ use snapbox::str;
 use taotie::image::Texels;
 use taotie::io::read_bitmap;
 
-/// The square, black as authored and glowing in the variants `amber` and `jade`.
+/// Returns the square, black as authored and glowing in the variants `amber` and `jade`.
 fn variants() -> String {
     let mut json = square_json();
     let glow = |color: [f32; 3]| json!({ "emissiveFactor": color, "pbrMetallicRoughness": { "baseColorFactor": [0, 0, 0, 1] } });
@@ -57,9 +57,10 @@ fn bake_tells_that_they_are_left_out() {
     let place = Place::with("a.gltf", variants());
     let report = place.json("bake a.gltf -o b.glb --size 16 --no-verify --json");
     let warnings = report["warnings"].as_array().expect("a list");
-    let told =
-        warnings.iter().find(|warning| warning["what"].as_str().is_some_and(|w| w.contains("(variants)")));
-    assert_eq!(told.expect("a warning")["count"], 2, "{warnings:?}");
+    let left_out = warnings
+        .iter()
+        .find(|warning| warning["what"].as_str().is_some_and(|w| w.contains("material variants")));
+    assert_eq!(left_out.expect("a warning")["count"], 2, "{warnings:?}");
 }
 
 #[test]
@@ -68,7 +69,7 @@ fn an_unknown_one_is_refused() {
     for command in ["render a.gltf -o b.png", "compare a.gltf -o b"] {
         let line = format!("{command} --variant ruby");
         place.taotie(&line).assert().code(2).stderr_eq(str![[r#"
-taotie: error: a.gltf: variant 'ruby': the file has no such variant; it has: amber, jade
+taotie: error: a.gltf: unknown variant 'ruby': expected one of: amber, jade
 
 "#]]);
     }

@@ -1,10 +1,10 @@
-//! `taotie verify`: assets of any kind against their scans.
+//! `taotie verify`: compares assets of any kind with their scans.
 
 use crate::balls::{Ball, SCAN};
 use crate::place::Place;
 use serde_json::{Value, json};
 
-/// The triangles of a hexagonal prism, three corners each.
+/// Returns the triangles of a hexagonal prism, three corners each.
 fn prism() -> Vec<[f32; 3]> {
     let corner = |i: usize, z: f32| {
         let [x, y] =
@@ -73,7 +73,7 @@ fn an_asset_without_normals_and_uvs_is_flat_and_the_scan_is_read_as_asked() {
     write_gltf(&place, "low");
     let of = |options: &str| place.json(&format!("verify low.gltf --scan nut.stl --json {options}"));
     let flat = of("--flat -o flat.html");
-    assert!(mean_angle(&flat) < 0.01, "glTF demands flat normals: {}", mean_angle(&flat));
+    assert!(mean_angle(&flat) < 0.01, "glTF requires flat normals: {}", mean_angle(&flat));
     assert!(mean_angle(&of("--crease-angle 180")) > 5.0, "a smooth scan is not a nut");
     assert!(flat.pointer("/proof/levels/0/resolution").is_some_and(Value::is_null), "it has no texels");
     assert_eq!(place.files(), ["flat.html", "flat.json", "low.bin", "low.gltf", "nut.stl"]);

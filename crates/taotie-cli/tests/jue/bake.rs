@@ -1,4 +1,4 @@
-//! The bronze jue at a million triangles, simplified and baked: its relief is found again.
+//! The bronze jue at a million triangles, simplified and baked: its relief is recovered.
 
 use taotie::Progress;
 use taotie::bake::{
@@ -17,7 +17,7 @@ fn scan(mesh: Mesh) -> Scan {
     Scan::new(Scene::of_mesh(mesh, Material::default()).unwrap()).unwrap()
 }
 
-/// The relief's lines are two tenths of a millimetre wide; on a map of half this size each is but a texel.
+/// The relief's lines are two tenths of a millimetre wide; on a map of half this size each is only a texel.
 const SIZE: u32 = 4096;
 
 #[test]

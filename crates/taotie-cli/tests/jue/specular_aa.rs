@@ -1,4 +1,5 @@
-//! Relief finer than a pixel does not sparkle: a turntable of the demo's vessel, polished, against 64 samples a pixel.
+//! Relief finer than a pixel does not sparkle: a turntable of the demo's vessel, polished, compared with 64 samples a
+//! pixel.
 
 use taotie::film::{Development, develop8, develop16};
 use taotie::image::{Bitmap, Encoding, Image, Texels, Texture};
@@ -8,13 +9,13 @@ use taotie::render::{Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Camera, Falloff, Light, LightKind, Material, Orbit, Scene};
 use taotie_study::jue;
 
-/// Pictures of the turntable, and the angle between two.
+/// Number of pictures of the turntable, and the angle between two, degrees.
 const PICTURES: usize = 12;
 const STEP: f64 = 0.3;
 /// Pixels across and down.
 const SIDE: u32 = 256;
 
-/// The vessel with its normal map, of one polished metal.
+/// Returns the vessel with its normal map, made of one polished metal.
 fn polished_vessel() -> Scene {
     let mut scene = jue::scene(1024).into_data();
     for material in &mut scene.materials {
@@ -65,7 +66,7 @@ fn halved(image: &Image) -> Image {
     half
 }
 
-/// The turntable's pictures at `side` × `side` pixels, developed: display values in [0, 1], and linear ones.
+/// Renders the turntable's pictures at `side` × `side` pixels, in linear light.
 fn take(scene: &Scene, side: u32, samples: u32, specular_aa: bool) -> Vec<Image> {
     let camera = camera(scene);
     let settings =
@@ -78,12 +79,12 @@ fn take(scene: &Scene, side: u32, samples: u32, specular_aa: bool) -> Vec<Image>
     (0..PICTURES).map(picture).collect()
 }
 
-/// 64 samples a pixel.
+/// Renders the truth with 64 samples a pixel.
 fn truth(scene: &Scene, side: u32) -> Vec<Image> {
     take(scene, side * 2, 16, false).iter().map(halved).collect()
 }
 
-/// Luminance as shown, [0, 1].
+/// Returns the displayed luminance, [0, 1].
 fn shown(image: &Image) -> Vec<f64> {
     let development = Development { background: Some(Vec3::splat(0.0)), ..Development::default() };
     let codes = develop16(image, &development).unwrap();
@@ -105,7 +106,7 @@ struct Figures {
     flicker: f64,
     /// The root of the mean square of (picture − truth).
     error: f64,
-    /// Mean of the pictures over mean of the truth, where the truth is bright.
+    /// Mean of the pictures over mean of the truth, in its bright areas.
     highlights: f64,
     /// Mean of the pictures over mean of the truth.
     mean: f64,
@@ -144,7 +145,7 @@ fn covered(truths: &[Image]) -> Vec<usize> {
     (0..truths[0].pixels().len()).filter(|i| truths.iter().all(|t| t.pixels()[*i][3] == 1.0)).collect()
 }
 
-/// The figures of luminance by `of`.
+/// Returns the figures of luminance by `of`.
 fn figures(pictures: &[Image], truths: &[Image], of: fn(&Image) -> Vec<f64>) -> Figures {
     let every = |images: &[Image]| images.iter().map(of).collect::<Vec<_>>();
     compare(&every(pictures), &every(truths), &covered(truths))
@@ -160,25 +161,26 @@ fn polished_relief_sparkles_less_and_is_nearer_to_the_truth() {
         [&pictures[0], &pictures[1]].map(|pictures| figures(pictures, &truths, shown));
     println!("linear: {off:?} off, {on:?} on\nshown: {off_shown:?} off, {on_shown:?} on");
     let variance = |f: &Figures| f.flicker * f.flicker;
-    // Measured: 0.220 of the variance, 0.595 of the error; 0.732 of the light where the truth is brightest, off 0.710.
+    // Measured: 0.220 of the variance, 0.595 of the error; 0.732 of the light where the truth is brightest, off
+    // 0.710.
     assert!(variance(&on) < 0.24 * variance(&off), "{on:?} {off:?}");
     assert!(on.error < 0.62 * off.error, "{on:?} {off:?}");
     assert!(on.highlights > off.highlights + 0.015, "{on:?} {off:?}");
-    // Without it a quarter of the light is lost, measured 0.718. With it two fifths too much come, measured 1.394:
-    // facets that would be hidden or turned away are not known to a mean and its length.
+    // Without it a quarter of the light is lost, measured 0.718. With it there is two fifths too much, measured
+    // 1.394: a mean and its length do not account for facets that would be hidden or turned away.
     assert!((0.70..0.74).contains(&off.mean) && (1.0..1.42).contains(&on.mean), "{on:?} {off:?}");
-    // A display shows that excess where it was dark, and cuts the sparkle that is gone. Measured: flicker of 0.0815 for
-    // 0.0762, error of 0.2096 for 0.1461.
+    // A display shows that excess in dark areas, and clips the sparkle that is gone. Measured: flicker of 0.0815
+    // instead of 0.0762, error of 0.2096 instead of 0.1461.
     assert!(on_shown.flicker < 0.084 && on_shown.error < 0.215, "{on_shown:?} {off_shown:?}");
 }
 
-/// The greatest difference of codes of 255 between a picture with and without.
+/// Returns the maximum difference in codes of 255 between a picture with and without it.
 fn greatest_difference(scene: &Scene, camera: &Camera, lighting: &Lighting) -> u8 {
     let picture = |specular_aa| {
         let settings =
             RenderSettings { width: 128, height: 128, samples: 1, specular_aa, ..RenderSettings::default() };
         let image = render(scene, &Shot { camera, lighting, settings: &settings }).unwrap().color;
-        assert!(linear(&image).iter().any(|light| *light > 1.0), "a highlight is in the picture");
+        assert!(linear(&image).iter().any(|light| *light > 1.0), "the picture has a highlight");
         develop8(&image, &Development::default()).unwrap()
     };
     let (off, on) = (picture(false), picture(true));

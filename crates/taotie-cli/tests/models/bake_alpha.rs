@@ -1,4 +1,4 @@
-//! `taotie bake` on a model by others that is opaque, cut out and blended in parts: so is its asset.
+//! `taotie bake` on a third-party model with opaque, cut-out and blended parts: so are those of its asset.
 
 use crate::command::{json, number};
 use crate::files::data_files;
@@ -16,7 +16,7 @@ fn read(path: &Path) -> TexturedMesh {
     TexturedMesh::new(load_model(path).unwrap().scene).unwrap()
 }
 
-/// Returns the part of a mask's triangle that is there, [0, 1].
+/// Returns the visible fraction of a mask's triangle, [0, 1].
 fn part_there(surface: &TexturedMesh, triangle: u32, cutoff: f32) -> f64 {
     let is_there = |i: &u32| {
         let [u, v] = [i % SIDE, i / SIDE].map(|k| (k as f32 + 0.5) / SIDE as f32);
@@ -27,7 +27,7 @@ fn part_there(surface: &TexturedMesh, triangle: u32, cutoff: f32) -> f64 {
     (0..SIDE * SIDE).filter(is_there).count() as f64 / f64::from(SIDE * SIDE)
 }
 
-/// Returns the area of all masks, and what of it is there.
+/// Returns the area of all masks, and its visible part.
 fn mask_areas(surface: &TexturedMesh) -> [f64; 2] {
     let mesh = surface.mesh();
     let mut areas = [0.0; 2];
@@ -54,11 +54,11 @@ fn what_is_cut_out_or_blended_stays_so_and_the_rest_is_opaque() {
         validator::assert_valid(&out);
         let scene = load_model(&out).unwrap().scene;
         let shown = scene.instances().iter().map(|instance| scene.materials()[instance.material].alpha);
-        // Masks with three cutoffs are one.
+        // Masks with three cutoffs become one.
         let wanted = [AlphaMode::Opaque, AlphaMode::Mask(0.5), AlphaMode::Blend];
         assert!(shown.eq(wanted), "{name}");
         let [[all, there], [asset_all, asset_there]] = [&scan, &out].map(|path| mask_areas(&read(path)));
-        println!("{name}: {there:.4} of {all:.4} is there; {asset_there:.4} of {asset_all:.4} of the asset");
+        println!("{name}: {there:.4} of {all:.4} visible; {asset_there:.4} of {asset_all:.4} of the asset");
         assert!((asset_all / all - 1.0).abs() < 0.01, "{asset_all} of {all}");
         assert!((asset_there / there - 1.0).abs() < 0.01, "{asset_there} of {there}");
         assert!(there < 0.95 * all, "something is cut out");

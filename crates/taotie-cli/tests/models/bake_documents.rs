@@ -1,4 +1,4 @@
-//! `taotie bake` onto models by others that move.
+//! `taotie bake` onto third-party models that move.
 
 use crate::command::{json, number};
 use crate::files::data_files;
@@ -9,7 +9,7 @@ use std::process::Command;
 use taotie::io::load_model;
 use taotie::mesh::Mesh;
 
-/// The first mesh's first primitive with uvs that it lacks: seen from the side, front and back apart.
+/// Adds the missing UVs to the first mesh's first primitive: projected from the side, front and back apart.
 fn with_uvs(glb: &mut Glb) {
     let position = glb.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"].as_u64().unwrap();
     let (_, places) = glb.accessors().swap_remove(position as usize);
@@ -55,7 +55,7 @@ fn a_skin_and_its_animation_stay() {
             "the scan is the low-poly mesh"
         );
         let mut after = Glb::read(&std::fs::read(&out).unwrap());
-        // Given where no vertex has to be split for them.
+        // Tangents are written, since no vertex has to be split for them.
         let attributes = &mut after.json["meshes"][0]["primitives"][0]["attributes"];
         attributes.as_object_mut().unwrap().remove("TANGENT");
         assert_same(&glb, &after, &["nodes", "skins", "animations", "meshes", "scenes"]);
@@ -86,7 +86,7 @@ fn motion_without_uvs_is_refused() {
             .output()
             .expect("the command runs");
         let said = String::from_utf8_lossy(&run.stderr);
-        let why = "a low-poly mesh with a skin is not supported: some of it has no uvs, and making them would break";
+        let why = "a low-poly mesh with a skin is not supported: parts of it have no uvs, and adding them would break";
         assert!(said.contains(why), "{said}");
         assert_eq!((run.status.code(), std::fs::read_dir(folder.path()).unwrap().count()), (Some(2), 0));
     }

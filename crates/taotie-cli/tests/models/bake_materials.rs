@@ -1,12 +1,12 @@
-//! `taotie bake` on models by others whose materials have maps: what the scan shows is what its asset shows.
+//! `taotie bake` on third-party models whose materials have maps: the asset shows what the scan shows.
 
 use crate::command::{SMALL_VIEWS, json, number};
 use crate::files::data_files;
 
-/// The largest mean angles, degrees, between an asset's normals and those of its scan: near what was measured.
+/// The largest mean angles, degrees, between an asset's normals and those of its scan: close to the measured ones.
 struct Most {
-    /// Over the surface, as the proof tells it.
-    told: f64,
+    /// Over the surface, by the proof.
+    proved: f64,
     /// In pictures, away from silhouettes.
     seen: f64,
 }
@@ -19,7 +19,7 @@ struct Sides {
 
 const USUAL: Sides = Sides { map: "1024", picture: "640" };
 
-/// Bakes every scan of a folder and compares what is told of it with what is seen of it.
+/// Bakes every scan of a folder and compares the proved angles with those in pictures.
 fn relief_is_kept(model: &str, sides: &Sides, most: &Most) {
     for scan in data_files(model, &["gltf"]) {
         let folder = tempfile::tempdir().unwrap();
@@ -32,29 +32,29 @@ fn relief_is_kept(model: &str, sides: &Sides, most: &Most) {
                 .concat();
         let compared = json(&line, folder.path());
         let [smooth, mapped] = [0, 1].map(|i| number(&compared, &format!("/methods/{i}/error/inner/mean")));
-        let told = number(&baked, "/proof/levels/0/surface_angles/mean");
-        println!("{model}: told {told:.3}°, seen {mapped:.3}°, without the map {smooth:.3}°");
-        assert!(mapped <= most.seen && told <= most.told, "{model}: told {told}°, seen {mapped}°");
-        assert!(mapped < smooth / 2.0, "{model}: the map gains, {smooth}° without it");
+        let proved = number(&baked, "/proof/levels/0/surface_angles/mean");
+        println!("{model}: proved {proved:.3}°, seen {mapped:.3}°, without the map {smooth:.3}°");
+        assert!(mapped <= most.seen && proved <= most.proved, "{model}: proved {proved}°, seen {mapped}°");
+        assert!(mapped < smooth / 2.0, "{model}: the map helps, {smooth}° without it");
     }
 }
 
 #[test]
 fn relief_of_a_bottle_is_kept() {
-    relief_is_kept("khronos-gltf-sample-assets/WaterBottle", &USUAL, &Most { told: 1.5, seen: 1.0 });
+    relief_is_kept("khronos-gltf-sample-assets/WaterBottle", &USUAL, &Most { proved: 1.5, seen: 1.0 });
 }
 
 #[test]
 #[ignore = "takes half a minute"]
 fn relief_of_cups_is_kept() {
-    relief_is_kept("polyhaven-models/tea_set_01", &USUAL, &Most { told: 1.5, seen: 1.0 });
+    relief_is_kept("polyhaven-models/tea_set_01", &USUAL, &Most { proved: 1.5, seen: 1.0 });
 }
 
 /// Its map has more than three times as many texels as the asset's.
 #[test]
 #[ignore = "takes half a minute"]
 fn relief_of_a_camera_is_kept() {
-    relief_is_kept("polyhaven-models/Camera_01", &USUAL, &Most { told: 3.3, seen: 2.3 });
+    relief_is_kept("polyhaven-models/Camera_01", &USUAL, &Most { proved: 3.3, seen: 2.3 });
 }
 
 /// With as many texels as its map, and pixels that do not blur them, the asset is within a degree.
@@ -62,5 +62,5 @@ fn relief_of_a_camera_is_kept() {
 #[ignore = "bakes a map of 4096² texels"]
 fn relief_of_a_camera_is_within_a_degree_where_the_map_is_large_enough() {
     let sides = Sides { map: "4096", picture: "1024" };
-    relief_is_kept("polyhaven-models/Camera_01", &sides, &Most { told: 0.7, seen: 1.0 });
+    relief_is_kept("polyhaven-models/Camera_01", &sides, &Most { proved: 0.7, seen: 1.0 });
 }

@@ -1,5 +1,5 @@
-//! `taotie bake` on every glTF model by others: each property that a scan's materials say is in its asset, or the report
-//! names it as left out.
+//! `taotie bake` on every third-party glTF model: each property that a scan's materials specify is in its asset, or
+//! the report lists it as left out.
 
 use crate::files::data_files;
 use crate::material_looks::{Look, PROPERTIES, is_double_sided};
@@ -28,21 +28,21 @@ fn every_property_of_a_scan_is_in_its_asset_or_told_as_left_out() {
         "{} models, {baked} of them with {said} properties that are not a default material's",
         models.len()
     );
-    // Most of the samples say something of their material; where none does, nothing was tested.
+    // Most of the samples specify material properties; if none did, nothing would be tested.
     assert!(models.is_empty() || baked * 2 > models.len(), "{baked} of {} models", models.len());
 }
 
-/// What became of a model.
+/// The outcome of a model.
 #[derive(Default)]
 struct Outcome {
-    /// The number of properties that its materials say.
+    /// The number of properties that its materials specify.
     said: usize,
     faults: Vec<String>,
 }
 
 impl Outcome {
     fn of(model: &Path) -> Self {
-        // What cannot be read cannot be compared; that the command says so is tested with all commands.
+        // Unreadable models cannot be compared; the error is tested with all commands.
         let Ok(scan) = load_model(model) else { return refused(model) };
         let triangles = scan.scene.triangle_count();
         if triangles > MOST_TRIANGLES {
@@ -85,7 +85,7 @@ fn bake(model: &Path, asset: &Path, triangles: usize) -> Output {
         .expect("the command runs")
 }
 
-/// The fault of a bake that failed otherwise than by a last line that names the file.
+/// Returns the fault of a bake that failed without a last line that names the file.
 fn no_sentence(model: &Path, run: &Output) -> Option<String> {
     let said = String::from_utf8_lossy(&run.stderr);
     let is_told = said.lines().last().is_some_and(|line| line.starts_with("taotie: error: "));
@@ -94,7 +94,7 @@ fn no_sentence(model: &Path, run: &Output) -> Option<String> {
     (!is_fine).then(|| format!("{}: exit code {:?}\n{said}", model.display(), run.status.code()))
 }
 
-/// A scan, its asset, and what the report says.
+/// A scan, its asset, and the report.
 struct Bake<'a> {
     model: &'a Path,
     scan: &'a Loaded,
@@ -117,25 +117,25 @@ impl Bake<'_> {
         outcome
     }
 
-    /// A property that is neither kept nor told, or is told as carried and is not there.
+    /// Returns the fault of a property that is neither kept nor reported, or reported as carried and missing.
     fn fault(&self, name: &str, [scan, asset]: [&Look; 2]) -> Option<String> {
         let (is_kept, is_left) = (asset.keeps(scan), self.is_left(name));
         let is_carried = self.names("carried", None).any(|carried| carried == name);
         let is_honest = is_kept || (is_left && !is_carried);
         (!is_honest).then(|| {
-            let told = format!("carried: {is_carried}, left: {is_left}");
-            format!("{}: {name} of the scan {scan:?}, of the asset {asset:?}; {told}", self.model.display())
+            let status = format!("carried: {is_carried}, left: {is_left}");
+            format!("{}: {name} of the scan {scan:?}, of the asset {asset:?}; {status}", self.model.display())
         })
     }
 
-    /// Whether the report names the property as left out, to programs and to people.
+    /// Returns true if the report lists the property as left out, both as data and as a warning.
     fn is_left(&self, name: &str) -> bool {
         let warned = format!("left out: the scan's {name},");
         self.names("left", Some("what")).any(|left| left == name)
             && self.names("warnings", Some("what")).any(|warning| warning.starts_with(&warned))
     }
 
-    /// What the reader said of the scan's file, such as of extensions that it does not know, and the report does not.
+    /// Returns the warnings about unknown extensions of the scan's file that the report lacks.
     fn silent_warnings(&self) -> Vec<String> {
         let is_told = |what: &str| self.names("warnings", Some("what")).any(|warning| warning == what);
         let extensions = self.scan.warnings.iter().filter(|(what, _)| what.starts_with("the extension "));
@@ -143,7 +143,7 @@ impl Bake<'_> {
         silent.map(|(what, _)| format!("{}: not in the report: {what}", self.model.display())).collect()
     }
 
-    /// The texts of a list in the report, or those of a field of its items.
+    /// Returns the texts of a list in the report, or those of a field of its items.
     fn names(&self, list: &str, field: Option<&'static str>) -> impl Iterator<Item = &str> {
         let items = self.report[list].as_array().expect("a list");
         items.iter().map(move |item| field.map_or(item, |field| &item[field]).as_str().expect("a text"))

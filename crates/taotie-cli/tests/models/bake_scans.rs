@@ -1,5 +1,5 @@
-//! `taotie bake` on real scans: pairs of high-poly and low-poly meshes, and scans alone. What is written is proved by
-//! the command itself and once more here, against meshes read anew.
+//! `taotie bake` on real scans: pairs of high-poly and low-poly meshes, and single scans. The files are proved by the
+//! command itself and again here, against meshes read separately.
 
 use crate::command::{SMALL_VIEWS, json, number};
 use crate::common::absent;
@@ -10,12 +10,12 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Bakes and gives back the report.
+/// Bakes and returns the report.
 fn bake(args: &[&str], folder: &Path) -> Value {
     json(&[&["bake"], args, &SMALL_VIEWS].concat(), folder)
 }
 
-/// Folders of the data that hold `count` OBJ files, and these: the high-poly ones first.
+/// Returns the OBJ files of each folder of the data that holds `count` of them, the high-poly ones first.
 fn objects(count: usize) -> Vec<Vec<PathBuf>> {
     let mut folders = BTreeMap::<PathBuf, Vec<PathBuf>>::new();
     for file in data_files("odedstein-meshes", &["obj"]) {
@@ -30,15 +30,15 @@ fn objects(count: usize) -> Vec<Vec<PathBuf>> {
     found
 }
 
-/// Asserts that the proof finds the bake near its scan. Measured on five, at worst: a mean of 0.58° and a median of
-/// 0.16°, where the low-poly mesh alone has 13 times the mean, or `times` of it if its normals were fitted; 1.8e-5 of the
-/// texels missed.
+/// Asserts that the proof finds the bake close to its scan. Measured on five, at worst: a mean of 0.58° and a median
+/// of 0.16°, while the low-poly mesh without the map has 13 times the mean, or `times` of it if its normals were
+/// fitted; 1.8e-5 of the texels missed.
 fn assert_near(report: &Value, what: &str, times: f64) {
     let [mean, median] =
         ["mean", "median"].map(|of| number(report, &format!("/proof/levels/0/surface_angles/{of}")));
     let plain = number(report, "/proof/levels/0/without_map/mean");
     println!("{what}: mean {mean:.4}°, median {median:.4}°, without the map {plain:.4}°");
-    // Eight bits alone cost a sixth of a degree.
+    // Eight bits already cost a sixth of a degree.
     assert!(mean < 1.0 && median < 0.3 && mean < plain / times, "{what}: {report}");
     assert!(number(report, "/bake/missed_texels") < 1e-4, "{what}");
 }
@@ -50,8 +50,8 @@ fn pairs_are_baked_within_a_degree_and_nearly_without_a_miss() {
         let [high, low] = [&pair[0], &pair[1]].map(|path| path.to_str().expect("a path of text"));
         let report = bake(&[high, "--low", low, "-o", "out.glb", "--size", "1024"], folder.path());
         assert_near(&report, high, 8.0);
-        // That a scan came in facets is worth telling, and no fault of the pair. The koala's low-poly mesh, made by others,
-        // lacks 0.1 % of its scan and is 12.1° off in its worst window.
+        // A faceted scan deserves a warning, but is not a fault of the pair. The koala's low-poly mesh, made by
+        // others, lacks 0.1 % of its scan and is 12.1° off in its worst window.
         let known = ["smooth normals computed", "lacks parts of the scan", "in the worst 1 % of the surface"];
         let is_fault = |warning: &&Value| {
             let what = warning["what"].as_str().unwrap_or_default();
@@ -63,7 +63,7 @@ fn pairs_are_baked_within_a_degree_and_nearly_without_a_miss() {
         let patch = number(&report, "/proof/levels/0/patches/angle/mean");
         assert!(patch < 12.3, "{high}: {patch}°");
         validator::assert_valid(&folder.path().join("out.glb"));
-        // Packing sorts vertices anew and rounds directions by 0.05°; the proof must not take that for more.
+        // Packing reorders vertices and rounds directions by 0.05°; the proof must not count that as more.
         let packed = ["--low", low, "-o", "packed.glb", "--size", "1024", "--meshopt"];
         let packed = bake(&[&[high][..], &packed].concat(), folder.path());
         let [plain, packed] =
@@ -95,7 +95,7 @@ fn scans_alone_are_simplified_unwrapped_and_baked() {
     }
 }
 
-/// Corner by corner, wherever vertices were split.
+/// Returns true if the triangles agree corner by corner, regardless of split vertices.
 fn same_triangles(a: &taotie::mesh::Mesh, b: &taotie::mesh::Mesh) -> bool {
     a.triangles().len() == b.triangles().len()
         && (0..a.triangles().len()).all(|t| a.corners(t) == b.corners(t))

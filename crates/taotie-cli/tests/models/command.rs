@@ -1,13 +1,13 @@
-//! The command, and numbers in what it prints as JSON.
+//! The command, and numbers in its JSON output.
 
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-/// Options of a bake whose views nobody looks at.
+/// Options of a bake whose views are not used.
 pub const SMALL_VIEWS: [&str; 2] = ["--proof-view", "96"];
 
-/// Runs the command in a folder and gives back what it prints.
+/// Runs the command in a folder and returns its output.
 pub fn json(args: &[&str], folder: &Path) -> Value {
     let run = Command::new(env!("CARGO_BIN_EXE_taotie"))
         .args(args)

@@ -1,9 +1,9 @@
-//! What the demo shows: the order of the methods, and what moving does to each kind of map.
+//! The findings of the demo: the order of the methods, and the effect of motion on each kind of map.
 
 use serde_json::Value;
 use std::path::Path;
 
-/// The demo's report, and the folder it wrote to.
+/// Returns the demo's report, and the folder it wrote to.
 fn demo() -> (tempfile::TempDir, Value) {
     let folder = tempfile::tempdir().expect("temporary folders can be made");
     let demo = std::process::Command::new(env!("CARGO_BIN_EXE_taotie"))
@@ -16,7 +16,7 @@ fn demo() -> (tempfile::TempDir, Value) {
     (folder, report)
 }
 
-/// The mean angular error of a method away from silhouettes, degrees.
+/// Returns the mean angular error of a method away from silhouettes, degrees.
 fn inner_mean(comparison: &Value, name: &str) -> f64 {
     let methods = comparison["methods"].as_array().expect("a list of methods");
     let method = methods.iter().find(|method| method["method"] == name).expect("it was drawn");

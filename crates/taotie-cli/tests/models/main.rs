@@ -1,5 +1,5 @@
-//! The command on scans and models by others, on broken files, and its demo.
-#![allow(clippy::print_stdout, reason = "tests say what they found")]
+//! The command on third-party scans and models, on broken files, and its demo.
+#![allow(clippy::print_stdout, reason = "tests print their findings")]
 
 #[path = "../../../taotie/tests/common/mod.rs"]
 mod common;

@@ -1,15 +1,15 @@
-//! The properties of materials as glTF has them, read from a scene without any of the library's own rules of baking.
+//! The properties of materials as glTF has them, read from a scene without any of the library's own baking rules.
 
 use taotie::scene::{AlphaMode, Instance, Material, Scene, Specular};
 
 /// A property over a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Look {
-    /// That of a material of which nothing is said.
+    /// That of a material that does not specify it.
     Unsaid,
     /// One value.
     Value(Vec<f32>),
-    /// A texture, colours of vertices, or parts that differ.
+    /// A texture, vertex colours, or parts that differ.
     Varies,
 }
 
@@ -53,7 +53,7 @@ impl Look {
         if looks.all(|look| look == first) { first } else { Self::Varies }
     }
 
-    /// Says whether an asset that looks so can show what its scan shows. A texture may hold any value.
+    /// Returns true if an asset with this look can show what its scan shows. A texture may hold any value.
     pub fn keeps(&self, scan: &Self) -> bool {
         match (scan, self) {
             (Self::Unsaid, _) | (_, Self::Varies) => true,
@@ -63,7 +63,7 @@ impl Look {
     }
 }
 
-/// Says whether any part shows its back.
+/// Returns true if any part is double-sided.
 pub fn is_double_sided(scene: &Scene) -> bool {
     scene.instances().iter().any(|instance| Part::of(scene, instance).material.double_sided)
 }
@@ -152,12 +152,12 @@ fn sheen(part: &Part) -> Look {
     }
 }
 
-/// Its direction follows the uvs, which are new: no value of it is the scan's.
+/// Its direction follows the UVs, which are new: none of its values is the scan's.
 fn anisotropy(part: &Part) -> Look {
     varies(part.material.anisotropy.is_some_and(|anisotropy| anisotropy.strength > 0.0))
 }
 
-/// A loss that nobody tells is found: the readers and the rule that judge all other models.
+/// An unreported loss is found: tests the readers and the rule that judge all other models.
 #[test]
 fn a_property_that_is_lost_is_not_kept() {
     let shining = Material { emissive: [2.0, 0.0, 0.0], ior: 1.3, ..Material::default() };
@@ -165,7 +165,7 @@ fn a_property_that_is_lost_is_not_kept() {
     let of = |material: &Material, look: Reader| look(&Part { material, has_colors: false });
     let [red, darker] = [&shining, &dull].map(|material| of(material, emission));
     assert!(red.keeps(&red) && Look::Varies.keeps(&red) && !darker.keeps(&red) && !Look::Unsaid.keeps(&red));
-    assert!(!red.keeps(&Look::Varies), "one value is no texture");
+    assert!(!red.keeps(&Look::Varies), "one value is not a texture");
     let lost: Vec<&str> = PROPERTIES
         .into_iter()
         .filter(|(_, look)| !of(&dull, *look).keeps(&of(&shining, *look)))

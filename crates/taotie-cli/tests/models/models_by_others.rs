@@ -1,4 +1,4 @@
-//! Models and broken files by others: a picture, or one line that names the file.
+//! Third-party models and broken files: a picture, or one line that names the file.
 
 use crate::common::data_folder;
 use crate::files::{all_files_below, data_files};
@@ -8,7 +8,7 @@ use taotie::image::Texels;
 use taotie::io::read_bitmap;
 use tempfile::TempDir;
 
-/// How a run ended: the exit code, `None` where it crashed, and stderr.
+/// How a run ended: the exit code, `None` if it crashed, and stderr.
 struct Ending {
     code: Option<i32>,
     stderr: String,
@@ -36,19 +36,19 @@ fn render(folder: &Path, model: &Path, more: &[&Path]) -> Ending {
     run(folder, &arguments)
 }
 
-/// Whether anything can be seen in the transparent picture.
+/// Returns true if anything is visible in the transparent picture.
 fn shows_something(picture: &Path) -> bool {
     let bitmap = read_bitmap(picture).expect("the picture can be read");
     matches!(bitmap.texels(), Texels::U8(texels) if texels.iter().any(|texel| texel[3] > 0))
 }
 
-/// Whether the only line is an error that names the file.
+/// Returns true if the only line is an error that names the file.
 fn is_one_line_about(stderr: &str, file: &Path) -> bool {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     stderr.lines().count() == 1 && stderr.starts_with("taotie: error: ") && stderr.contains(&*name)
 }
 
-/// What is wrong with how a model was rendered.
+/// Returns the fault of a rendered model.
 fn fault(folder: &Path, model: &Path, ending: &Ending) -> Option<String> {
     let right = match ending.code {
         Some(0) => shows_something(&folder.join("out.png")),
@@ -59,7 +59,7 @@ fn fault(folder: &Path, model: &Path, ending: &Ending) -> Option<String> {
     (!right).then(|| format!("{name}: exit code {:?}\n{}", ending.code, ending.stderr))
 }
 
-/// What no file at all may do.
+/// Returns the fault of a run that crashed, which no file may cause.
 fn crash(file: &Path, ending: &Ending) -> Option<String> {
     let right = matches!(ending.code, Some(0 | 2)) && !ending.stderr.contains("panicked");
     (!right).then(|| format!("{}: exit code {:?}\n{}", file.display(), ending.code, ending.stderr))

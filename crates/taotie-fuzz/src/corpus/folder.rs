@@ -1,17 +1,18 @@
-//! Files of a folder that is given.
+//! Files from a user's folder.
 
-use super::{File, Seed};
+use super::seed::{File, Seed};
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The largest file that is taken, and the most bytes of all files beside it.
+/// The largest file that is used, and the most bytes of all its companion files together.
 const LARGEST: u64 = 1 << 20;
 
-/// Returns the files below `folder` that are small enough, each with those beside it in its own folder; by name.
+/// Returns the files in `folder`, at any depth, that are small enough, each with the files next to it; sorted by
+/// name.
 ///
 /// # Errors
-/// Where a file or folder cannot be read.
+/// If a file or folder cannot be read.
 pub fn seeds(folder: &Path) -> Result<Vec<Seed>> {
     let mut paths = Vec::new();
     list(folder, &mut paths)?;
@@ -19,14 +20,15 @@ pub fn seeds(folder: &Path) -> Result<Vec<Seed>> {
     let read = |path: &PathBuf| {
         let name = path.strip_prefix(folder).unwrap_or(path).to_string_lossy().replace('\\', "/");
         let bytes = fs::read(path).with_context(|| path.display().to_string())?;
-        Ok(Seed { name, bytes, beside: beside(path, &paths)? })
+        Ok(Seed { name, bytes, companions: companions(path, &paths)? })
     };
     paths.iter().map(read).collect()
 }
 
-/// Lists the files below `folder` that are small enough.
+/// Lists the files in `folder`, at any depth, that are small enough.
 fn list(folder: &Path, paths: &mut Vec<PathBuf>) -> Result<()> {
-    let entries = fs::read_dir(folder).with_context(|| format!("{}: cannot be listed", folder.display()))?;
+    let entries =
+        fs::read_dir(folder).with_context(|| format!("{}: could not be listed", folder.display()))?;
     for entry in entries {
         let entry = entry?;
         if entry.file_type()?.is_dir() {
@@ -38,8 +40,8 @@ fn list(folder: &Path, paths: &mut Vec<PathBuf>) -> Result<()> {
     Ok(())
 }
 
-/// The files in the folder of the model `path`, as far as they are small together; none beside what names no file.
-fn beside(path: &Path, all: &[PathBuf]) -> Result<Vec<File>> {
+/// Returns the files next to the model `path`, up to a total size; none for formats that do not reference files.
+fn companions(path: &Path, all: &[PathBuf]) -> Result<Vec<File>> {
     let names_files = path.extension().is_some_and(|e| e == "gltf" || e == "obj" || e == "ply");
     let mut left = LARGEST as usize;
     let mut files = Vec::new();
@@ -70,8 +72,8 @@ mod tests {
         let seeds = seeds(place.path()).unwrap();
         let names: Vec<&str> = seeds.iter().map(|seed| seed.name.as_str()).collect();
         assert_eq!(names, ["b.png", "m/a.bin", "m/a.gltf"]);
-        let beside: Vec<usize> = seeds.iter().map(|seed| seed.beside.len()).collect();
-        assert_eq!(beside, [0, 0, 1]);
+        let counts: Vec<usize> = seeds.iter().map(|seed| seed.companions.len()).collect();
+        assert_eq!(counts, [0, 0, 1]);
         assert!(super::seeds(&place.path().join("none")).is_err());
     }
 }

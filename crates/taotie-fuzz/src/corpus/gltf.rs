@@ -1,6 +1,6 @@
-//! glTF made by code, with all that the reader knows, and packed files of the library's tests.
+//! glTF built by code, with every feature that the reader supports, and packed files from the library's tests.
 
-use super::Seed;
+use super::seed::Seed;
 use base64::Engine;
 use serde_json::{Value, json};
 use taotie::math::Vec2;
@@ -10,33 +10,33 @@ use taotie::mesh::Mesh;
 pub fn seeds() -> Vec<Seed> {
     let (document, bytes) = Maker::default().whole();
     vec![
-        Seed::alone("whole.glb", glb(&document, &bytes)),
-        Seed::alone("whole.gltf", text(document, &bytes)),
-        Seed::alone("plain.glb", &include_bytes!("../../../taotie/tests/data/meshes/patch.glb")[..]),
-        Seed::alone(
+        Seed::single("whole.glb", glb(&document, &bytes)),
+        Seed::single("whole.gltf", text(document, &bytes)),
+        Seed::single("plain.glb", &include_bytes!("../../../taotie/tests/data/meshes/patch.glb")[..]),
+        Seed::single(
             "draco.glb",
             &include_bytes!("../../../taotie/tests/data/meshes/hill-draco-valence.glb")[..],
         ),
-        Seed::alone(
+        Seed::single(
             "draco-edgebreaker.glb",
             &include_bytes!("../../../taotie/tests/data/meshes/patch-draco-edgebreaker.glb")[..],
         ),
-        Seed::alone(
+        Seed::single(
             "draco-sequential.glb",
             &include_bytes!("../../../taotie/tests/data/meshes/patch-draco-sequential.glb")[..],
         ),
-        Seed::alone(
+        Seed::single(
             "meshopt-ext.glb",
             &include_bytes!("../../../taotie/tests/data/meshes/patch-meshopt-ext.glb")[..],
         ),
-        Seed::alone(
+        Seed::single(
             "meshopt-khr.glb",
             &include_bytes!("../../../taotie/tests/data/meshes/patch-meshopt-khr.glb")[..],
         ),
     ]
 }
 
-/// A buffer that is filled view by view, and the accessors on it.
+/// A buffer that is filled view by view, with its accessors.
 #[derive(Default)]
 struct Maker {
     bytes: Vec<u8>,
@@ -72,7 +72,7 @@ impl Maker {
         self.accessors.len() - 1
     }
 
-    /// Adds a sparse accessor that moves vertex 1, without a view of its own, and returns its number.
+    /// Adds a sparse accessor that moves vertex 1, without a buffer view for itself, and returns its number.
     fn sparse(&mut self, count: usize) -> usize {
         let indices = self.view(&[1, 0]);
         let values: Vec<u8> = [0.0f32, 0.25, 0.0].iter().flat_map(|v| v.to_le_bytes()).collect();
@@ -82,7 +82,7 @@ impl Maker {
         self.accessors.len() - 1
     }
 
-    /// The primitive of a ball with every attribute, a morph target, and a skin of two joints.
+    /// Returns the primitive of a ball with every attribute, a morph target, and a skin of two joints.
     fn primitive(&mut self, ball: &Mesh) -> Value {
         let count = ball.positions().len();
         let vectors =
@@ -106,7 +106,7 @@ impl Maker {
             "mappings": [{ "material": 1, "variants": [0] }] } } })
     }
 
-    /// Animations of node and weights, and the skin's matrices.
+    /// Returns animations of a node and of weights, and the skin's matrices.
     fn motion(&mut self) -> [Value; 2] {
         let identity: Vec<f32> = (0..16).map(|i| if i % 5 == 0 { 1.0 } else { 0.0 }).collect();
         let matrices = self.floats("MAT4", 16, &identity.repeat(2));
@@ -123,7 +123,7 @@ impl Maker {
         [animations, json!([{ "joints": [1, 2], "inverseBindMatrices": matrices }])]
     }
 
-    /// The document and its buffer.
+    /// Returns the document and its buffer.
     fn whole(mut self) -> (Value, Vec<u8>) {
         let primitive = self.primitive(&Mesh::sphere(1.0, 8, 5));
         let [animations, skins] = self.motion();
@@ -154,7 +154,7 @@ impl Maker {
     }
 }
 
-/// Two materials: one with every map and layer, and one that is see-through.
+/// Returns two materials: one with every map and layer, and one that is translucent.
 fn materials() -> Value {
     let map = json!({ "index": 0, "texCoord": 0, "extensions": { "KHR_texture_transform": {
         "offset": [0.25, 0.5], "rotation": 0.5, "scale": [2, 3] } } });
@@ -174,14 +174,14 @@ fn materials() -> Value {
             "extensions": { "KHR_materials_unlit": {} } }])
 }
 
-/// The document with its buffer in it as text.
+/// Returns the document with its buffer embedded as text.
 fn text(mut document: Value, bytes: &[u8]) -> Vec<u8> {
     let data = base64::engine::general_purpose::STANDARD.encode(bytes);
     document["buffers"][0]["uri"] = json!(format!("data:application/octet-stream;base64,{data}"));
     document.to_string().into_bytes()
 }
 
-/// The document and its buffer as a GLB.
+/// Returns the document and its buffer as a GLB.
 fn glb(document: &Value, bytes: &[u8]) -> Vec<u8> {
     let mut json = document.to_string().into_bytes();
     json.resize(json.len().next_multiple_of(4), b' ');

@@ -1,55 +1,21 @@
-//! Sound files that damage begins with: made by code, of the library's tests, and of a folder that is given.
+//! The sound files that damage starts from: built by code, from the library's tests, and from a user's folder.
 
 mod folder;
 mod gltf;
 mod pictures;
 mod scans;
+mod seed;
 mod texts;
 
 use anyhow::Result;
 use std::path::Path;
 
-/// A sound file.
-#[derive(Debug, Clone)]
-pub struct Seed {
-    /// Its name, by which findings know it; the extension tells which targets take it.
-    pub name: String,
-    /// Its content.
-    pub bytes: Vec<u8>,
-    /// The files that it names.
-    pub beside: Vec<File>,
-}
+pub use seed::Seed;
 
-/// A file that another one names.
-#[derive(Debug, Clone)]
-pub struct File {
-    /// Its name without folder.
-    pub name: String,
-    /// Its content.
-    pub bytes: Vec<u8>,
-}
-
-impl Seed {
-    /// A file that names no other.
-    fn alone(name: &str, bytes: impl Into<Vec<u8>>) -> Self {
-        Self { name: name.to_owned(), bytes: bytes.into(), beside: Vec::new() }
-    }
-
-    /// The extension, in lower case.
-    pub fn extension(&self) -> String {
-        self.name.rsplit('.').next().unwrap_or_default().to_ascii_lowercase()
-    }
-
-    /// The name without folders.
-    pub fn file_name(&self) -> &str {
-        self.name.rsplit('/').next().unwrap_or_default()
-    }
-}
-
-/// Returns all sound files: those made by code, and those below `folder`, always in the same order.
+/// Returns all sound files: those built by code, and those in `folder`, always in the same order.
 ///
 /// # Errors
-/// Where the folder cannot be read.
+/// If the folder cannot be read.
 pub fn seeds(folder: Option<&Path>) -> Result<Vec<Seed>> {
     let mut seeds = scans::seeds();
     seeds.extend(gltf::seeds());
@@ -71,7 +37,7 @@ mod tests {
     use taotie::shade::environment::Environment;
     use taotie::studio::{LightSpec, MaterialFile};
 
-    /// A file that is refused from the start would hide all that lies behind its reader's first check.
+    /// If a file were refused from the start, nothing after its reader's first check would be tested.
     #[test]
     fn every_seed_is_sound() {
         let folder = tempfile::tempdir().unwrap();
@@ -94,7 +60,7 @@ mod tests {
     }
 
     #[test]
-    fn every_target_has_seeds_and_every_seed_a_target_and_a_name_of_its_own() {
+    fn every_target_has_seeds_and_every_seed_a_target_and_a_unique_name() {
         let seeds = seeds(None).unwrap();
         for target in Target::value_variants() {
             assert!(seeds.iter().any(|seed| target.takes(seed)), "{target:?}");

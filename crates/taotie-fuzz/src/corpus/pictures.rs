@@ -1,6 +1,6 @@
-//! Pictures of every format that is read, environments among them.
+//! Pictures in every supported format, including environments.
 
-use super::Seed;
+use super::seed::Seed;
 use crate::mutation::{self, Mutation};
 use anyhow::Result;
 use image::{DynamicImage, ImageFormat};
@@ -16,27 +16,33 @@ pub const WAVES: &[u8] = include_bytes!("../../../taotie/tests/data/pictures/wav
 /// Returns all pictures.
 ///
 /// # Errors
-/// Where no temporary file can be written.
+/// If no temporary file can be written.
 pub fn seeds() -> Result<Vec<Seed>> {
     let mut seeds = vec![
-        Seed::alone("waves.png", WAVES),
-        Seed::alone("deep.png", deep_png()?),
-        Seed::alone("open.exr", exr(9, 7, &["R", "G", "B"])?),
-        Seed::alone("sky.exr", exr(8, 4, &["R", "G", "B", "A"])?),
-        Seed::alone("etc1s.ktx2", &include_bytes!("../../../taotie/tests/data/pictures/etc1s.ktx2")[..]),
-        Seed::alone(
+        Seed::single("waves.png", WAVES),
+        Seed::single("deep.png", deep_png()?),
+        Seed::single("open.exr", exr(9, 7, &["R", "G", "B"])?),
+        Seed::single("sky.exr", exr(8, 4, &["R", "G", "B", "A"])?),
+        Seed::single("etc1s.ktx2", &include_bytes!("../../../taotie/tests/data/pictures/etc1s.ktx2")[..]),
+        Seed::single(
             "alpha.ktx2",
             &include_bytes!("../../../taotie/tests/data/pictures/etc1s-alpha.ktx2")[..],
         ),
-        Seed::alone("uastc.ktx2", &include_bytes!("../../../taotie/tests/data/pictures/uastc-zstd.ktx2")[..]),
-        Seed::alone("lossy.webp", &include_bytes!("../../../taotie/tests/data/pictures/lossy.webp")[..]),
-        Seed::alone(
+        Seed::single(
+            "uastc.ktx2",
+            &include_bytes!("../../../taotie/tests/data/pictures/uastc-zstd.ktx2")[..],
+        ),
+        Seed::single("lossy.webp", &include_bytes!("../../../taotie/tests/data/pictures/lossy.webp")[..]),
+        Seed::single(
             "lossless.webp",
             &include_bytes!("../../../taotie/tests/data/pictures/lossless.webp")[..],
         ),
-        Seed::alone("chroma.avif", &include_bytes!("../../../taotie/tests/data/pictures/avif-420.avif")[..]),
-        Seed::alone("alpha.avif", &include_bytes!("../../../taotie/tests/data/pictures/avif-alpha.avif")[..]),
-        Seed::alone("light.environment", cached()),
+        Seed::single("chroma.avif", &include_bytes!("../../../taotie/tests/data/pictures/avif-420.avif")[..]),
+        Seed::single(
+            "alpha.avif",
+            &include_bytes!("../../../taotie/tests/data/pictures/avif-alpha.avif")[..],
+        ),
+        Seed::single("light.environment", cached()),
     ];
     let grey = image::GrayImage::from_fn(16, 8, |x, y| image::Luma([(x * y) as u8]));
     let grey = DynamicImage::ImageLuma8(grey);
@@ -49,18 +55,18 @@ pub fn seeds() -> Result<Vec<Seed>> {
     for (name, picture, format) in formats {
         let mut bytes = Cursor::new(Vec::new());
         picture.write_to(&mut bytes, format)?;
-        seeds.push(Seed::alone(name, bytes.into_inner()));
+        seeds.push(Seed::single(name, bytes.into_inner()));
     }
     Ok(seeds)
 }
 
-/// A PNG of 16 bits with alpha.
+/// Returns a 16-bit PNG with alpha.
 fn deep_png() -> Result<Vec<u8>> {
     let texels = (0..60u16).map(|i| [i * 1000, 65535 - i * 500, i * 7, 60000]).collect();
     Ok(encode_png_bitmap(&Bitmap::new(10, 6, 4, Texels::U16(texels))?, Encoding::Linear)?)
 }
 
-/// An OpenEXR picture of floats.
+/// Returns an OpenEXR picture of floats.
 fn exr(width: u32, height: u32, channels: &[&str]) -> Result<Vec<u8>> {
     let count = (width * height) as usize * channels.len();
     let samples: Vec<f32> = (0..count).map(|i| i as f32 / 100.0).collect();
@@ -70,7 +76,8 @@ fn exr(width: u32, height: u32, channels: &[&str]) -> Result<Vec<u8>> {
     Ok(std::fs::read(path)?)
 }
 
-/// An environment as the cache keeps it, of a few texels: the levels that [`Environment::new`] makes are megabytes.
+/// Returns an environment as stored in the cache, of a few texels: the levels that [`Environment::new`] makes are
+/// megabytes.
 fn cached() -> Vec<u8> {
     let mut bytes = b"taotie\0E".to_vec();
     bytes.extend(ENVIRONMENT_VERSION.to_le_bytes());
@@ -87,13 +94,13 @@ fn cached() -> Vec<u8> {
     mutation::changed(&bytes, &[Mutation::Mend])
 }
 
-/// Texels of one, as half floats after the exponent of their scale.
+/// Writes `count` texels of value one, as half floats after the exponent of their scale.
 fn put_texels(bytes: &mut Vec<u8>, count: usize) {
     bytes.extend(0i32.to_le_bytes());
     (0..3 * count).for_each(|_| bytes.extend(0x3c00u16.to_le_bytes()));
 }
 
-/// The roughnesses, squared, of which a cached environment holds the light.
+/// Returns the squared roughnesses that a cached environment stores light for.
 fn alphas() -> impl Iterator<Item = f64> {
     let sparse = (1..=6).rev().map(|n| 0.04 * pow(1.5, -f64::from(n)));
     sparse.chain((0..=24).map(|n| pow(0.04, 1.0 - f64::from(n) / 24.0)))

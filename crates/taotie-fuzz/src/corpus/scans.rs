@@ -1,24 +1,24 @@
-//! Scans made by code: OBJ with its MTL, PLY and STL, each as text and in binary.
+//! Scans built by code: OBJ with its MTL, PLY and STL, each as text and in binary.
 
-use super::{File, Seed};
+use super::seed::{File, Seed};
 use std::fmt::Write;
 use taotie::mesh::Mesh;
 
-/// All statements that materials of OBJ know.
+/// Every MTL statement that the reader supports.
 const MTL: &str = "newmtl m\nKa .1 .1 .1\nKd .5 .5 .5\nKs 1\nNs 20\nKe 0 0 0\nd .9\nTr .1\nPr .3\nPm .4\n\
     map_Kd -s 1 2 3 -o .1 -mm 0 1 a.png\nmap_Bump -bm 2 -imfchan g a.png\nnorm a.png\nmap_Pr a.png\n\
     map_Pm -clamp on a.png\nmap_d a.png\nmap_Ke a.png\nnewmtl n\nKd 1 0 0\n";
 
-/// An OBJ with all that the format knows beside triangles.
+/// An OBJ with every feature of the format in addition to triangles.
 const MIXED: &str = "mtllib a.mtl\no x\nv 0 0 0 .1 .2 .3\nv 1 0 0\nv 1 1 0 1\nv 0 1 0\nv .5 .5 1\nvt 0 0\nvt 1 0\nvt 1 1\n\
     vn 0 0 1\nusemtl m\nf 1/1/1 2/2/1 3/3/1\nf -5//1 -4//-1 -3//1 -2//1\nf 1 2 3 \\\n 4 5\ns 1\np 1\nl 1 2\n\
     g y\nusemtl n\nf 5/1/1 4/2/1 3/3/1\n";
 
-/// The facets of an STL of text.
+/// The facets of a text STL.
 const FACETS: &str = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n\
     endfacet\nfacet normal 0 1 0\nouter loop\nvertex 0 0 0\nvertex 0 0 1\nvertex 1 0 0\nendloop\nendfacet\nendsolid a\n";
 
-/// A PLY with colours, uvs at corners, polygons and strips.
+/// A PLY with colours, UVs at corners, polygons and strips.
 const PLY: &str = "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 4\nproperty float x\nproperty float y\n\
     property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement face 2\n\
     property list uchar int vertex_indices\nproperty list uchar float texcoord\nelement tristrips 1\n\
@@ -32,19 +32,19 @@ pub fn seeds() -> Vec<Seed> {
     let picture = File { name: "a.png".into(), bytes: super::pictures::WAVES.to_vec() };
     let materials = File { name: "a.mtl".into(), bytes: MTL.into() };
     vec![
-        Seed { beside: vec![materials, picture.clone()], ..Seed::alone("mixed.obj", MIXED) },
-        Seed::alone("ball.obj", obj(&ball)),
-        Seed::alone("utf16.obj", utf16),
-        Seed { beside: vec![picture.clone()], ..Seed::alone("all.mtl", MTL) },
-        Seed { beside: vec![picture], ..Seed::alone("text.ply", PLY) },
-        Seed::alone("little.ply", ply(&ball, false)),
-        Seed::alone("big.ply", ply(&ball, true)),
-        Seed::alone("text.stl", FACETS),
-        Seed::alone("binary.stl", stl(&ball)),
+        Seed { companions: vec![materials, picture.clone()], ..Seed::single("mixed.obj", MIXED) },
+        Seed::single("ball.obj", obj(&ball)),
+        Seed::single("utf16.obj", utf16),
+        Seed { companions: vec![picture.clone()], ..Seed::single("all.mtl", MTL) },
+        Seed { companions: vec![picture], ..Seed::single("text.ply", PLY) },
+        Seed::single("little.ply", ply(&ball, false)),
+        Seed::single("big.ply", ply(&ball, true)),
+        Seed::single("text.stl", FACETS),
+        Seed::single("binary.stl", stl(&ball)),
     ]
 }
 
-/// A mesh with its uvs and normals as OBJ.
+/// Writes a mesh with its UVs and normals as OBJ.
 fn obj(mesh: &Mesh) -> String {
     let mut text = String::from("mtllib none.mtl\n");
     for p in mesh.positions() {
@@ -63,7 +63,7 @@ fn obj(mesh: &Mesh) -> String {
     text
 }
 
-/// A mesh with colours as binary PLY.
+/// Writes a mesh with colours as binary PLY.
 fn ply(mesh: &Mesh, big: bool) -> Vec<u8> {
     let order = if big { "big" } else { "little" };
     let (vertices, faces) = (mesh.positions().len(), mesh.triangles().len());
@@ -90,7 +90,7 @@ fn ply(mesh: &Mesh, big: bool) -> Vec<u8> {
     bytes
 }
 
-/// A mesh as binary STL.
+/// Writes a mesh as binary STL.
 fn stl(mesh: &Mesh) -> Vec<u8> {
     let mut bytes = vec![b' '; 80];
     bytes.extend((mesh.triangles().len() as u32).to_le_bytes());

@@ -1,6 +1,6 @@
 //! Small texts: materials in TOML, provenance and options in JSON, light specifications.
 
-use super::Seed;
+use super::seed::Seed;
 use anyhow::Result;
 use taotie::asset::{BakeOptions, Lod};
 
@@ -18,17 +18,17 @@ const LIGHT: &str =
 /// Returns all texts.
 ///
 /// # Errors
-/// Where options cannot be written as JSON.
+/// If options cannot be written as JSON.
 pub fn seeds() -> Result<Vec<Seed>> {
     let options = serde_json::to_vec(&BakeOptions {
         lods: vec![Lod::Triangles(100), Lod::Triangles(50)],
         ..BakeOptions::default()
     })?;
     Ok(vec![
-        Seed::alone("bronze.toml", MATERIAL),
-        Seed::alone("classic.toml", CLASSIC),
-        Seed::alone("rights.provenance", PROVENANCE),
-        Seed::alone("bake.options", options),
-        Seed::alone("lights.light", LIGHT),
+        Seed::single("bronze.toml", MATERIAL),
+        Seed::single("classic.toml", CLASSIC),
+        Seed::single("rights.provenance", PROVENANCE),
+        Seed::single("bake.options", options),
+        Seed::single("lights.light", LIGHT),
     ])
 }

@@ -1,27 +1,27 @@
-//! Changes of bytes, whatever they mean.
+//! Changes of bytes, regardless of their meaning.
 
 use fastrand::Rng;
 use serde::{Deserialize, Serialize};
 
-/// The most bytes of a file after a change.
+/// The largest size of a file after a change.
 const MOST: usize = 1 << 24;
-/// Bytes at which headers mostly end.
+/// The size of a typical header.
 const HEAD: usize = 256;
 
-/// A change of bytes. Places beyond the end are not there.
+/// A change of bytes. Positions beyond the end are ignored.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ByteChange {
-    /// Cuts the file off.
+    /// Truncates the file.
     Truncate {
-        /// The bytes that stay.
+        /// The number of bytes kept.
         at: usize,
     },
-    /// Turns one bit over.
+    /// Flips one bit.
     Flip {
         /// The byte.
         at: usize,
-        /// The bit, 0 the lowest.
+        /// The bit; 0 is the lowest.
         bit: u8,
     },
     /// Writes an integer.
@@ -30,31 +30,31 @@ pub enum ByteChange {
         at: usize,
         /// Its number of bytes, 1 to 8.
         width: usize,
-        /// `true` for the highest byte first.
+        /// `true` for big-endian order.
         big: bool,
-        /// The integer, of which the lowest bytes are written.
+        /// The integer, truncated to its lowest bytes.
         value: u64,
     },
-    /// Takes bytes out.
+    /// Removes bytes.
     Remove {
-        /// The first.
+        /// The first byte.
         at: usize,
         /// Their number.
         count: usize,
     },
-    /// Copies bytes to between others.
+    /// Copies bytes and inserts the copy elsewhere.
     Copy {
-        /// The first.
+        /// The first byte.
         from: usize,
         /// Their number.
         count: usize,
-        /// The byte before which they are put.
+        /// The byte that they are inserted before.
         to: usize,
     },
 }
 
 impl ByteChange {
-    /// Chooses a change of a file of `length` bytes; every second one lies in its head.
+    /// Chooses a change of a file of `length` bytes; every second one is in its header.
     pub fn choose(rng: &mut Rng, length: usize) -> Self {
         let mut place = || {
             let within = if rng.bool() { length.min(HEAD) } else { length };
@@ -70,14 +70,14 @@ impl ByteChange {
         }
     }
 
-    /// Chooses an integer for the place `at`, mostly one that is aligned.
+    /// Chooses an integer at the position `at`, usually an aligned one.
     fn word(rng: &mut Rng, at: usize) -> Self {
         let width = 1 << rng.u32(..4);
         let at = if rng.u8(..4) > 0 { at / width * width } else { at };
         Self::Word { at, width, big: rng.bool(), value: extreme(rng) }
     }
 
-    /// Changes `bytes`.
+    /// Applies the change to `bytes`.
     pub fn apply(&self, bytes: &mut Vec<u8>) {
         let length = bytes.len();
         match *self {
@@ -99,12 +99,12 @@ impl ByteChange {
     }
 }
 
-/// The end of `count` bytes from `at`, in a file of `length`.
+/// Returns the end of `count` bytes from `at`, in a file of `length` bytes.
 fn end(at: usize, count: usize, length: usize) -> usize {
     at.saturating_add(count).min(length)
 }
 
-/// The bytes of an integer.
+/// Returns the bytes of an integer.
 fn digits(width: usize, big: bool, value: u64) -> Vec<u8> {
     let mut digits = value.to_le_bytes()[..width.min(8)].to_vec();
     if big {
@@ -113,12 +113,12 @@ fn digits(width: usize, big: bool, value: u64) -> Vec<u8> {
     digits
 }
 
-/// Writes over as many bytes from `at` as there are.
+/// Overwrites bytes from `at`, as far as the file extends.
 fn write_word(bytes: &mut [u8], at: usize, digits: &[u8]) {
     bytes.iter_mut().skip(at).zip(digits).for_each(|(byte, digit)| *byte = *digit);
 }
 
-/// Chooses an integer at the end of some range, or near one, or a small one, or any.
+/// Chooses an integer at or near the end of some range, a small one, or any.
 pub fn extreme(rng: &mut Rng) -> u64 {
     match rng.u8(..4) {
         0 => rng.u64(..17),

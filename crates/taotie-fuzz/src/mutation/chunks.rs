@@ -4,29 +4,29 @@ use fastrand::Rng;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// A change of chunks, which are counted from 0; one that is not there stays so.
+/// A change of chunks, which are numbered from 0; missing chunks are ignored.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ChunkChange {
-    /// Takes a chunk out.
+    /// Removes a chunk.
     Remove {
         /// The chunk.
         chunk: usize,
     },
-    /// Puts a copy of one chunk before another.
+    /// Inserts a copy of one chunk before another.
     Copy {
         /// The chunk.
         from: usize,
-        /// The chunk before which the copy is put.
+        /// The chunk that the copy is inserted before.
         to: usize,
     },
-    /// Writes an integer of 32 bits into a chunk, header included.
+    /// Writes a 32-bit integer into a chunk, header included.
     Word {
         /// The chunk.
         chunk: usize,
-        /// Bytes from its begin.
+        /// The offset from its start, in bytes.
         at: usize,
-        /// The integer, in the order of bytes of the format.
+        /// The integer, in the format's byte order.
         value: u32,
     },
 }
@@ -47,7 +47,7 @@ impl ChunkChange {
         })
     }
 
-    /// Changes the chunks of `bytes`.
+    /// Applies the change to the chunks of `bytes`.
     pub fn apply(&self, bytes: &mut Vec<u8>) {
         let chunks = chunks(bytes);
         match *self {
@@ -77,7 +77,8 @@ impl ChunkChange {
 /// The signature of PNG.
 pub const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// Where the chunks of a file lie, headers and checksums included; none for another format. The last may be cut off.
+/// Returns the ranges of a file's chunks, headers and checksums included; none for other formats. The last may be cut
+/// off.
 pub fn chunks(bytes: &[u8]) -> Vec<Range<usize>> {
     if bytes.starts_with(PNG) {
         return walk(bytes, PNG.len(), |head| {
@@ -94,7 +95,7 @@ pub fn chunks(bytes: &[u8]) -> Vec<Range<usize>> {
     Vec::new()
 }
 
-/// The chunks from `begin` on, whose lengths `length` reads from their first eight bytes.
+/// Returns the chunks from `begin`, whose lengths `length` reads from their first eight bytes.
 fn walk(bytes: &[u8], begin: usize, length: impl Fn([u8; 8]) -> usize) -> Vec<Range<usize>> {
     let (mut at, mut found) = (begin, Vec::new());
     while let Some(head) = bytes.get(at..at + 8) {

@@ -1,20 +1,20 @@
-//! The JSON that a file is, or that a GLB holds, and what lies behind it.
+//! The JSON of a file or of a GLB, and what follows it.
 
 use serde_json::Value;
 
 /// The bytes of a GLB before its JSON: its own header, and that of the chunk.
 const HEADER: usize = 20;
 
-/// A file whose JSON was read.
+/// A file with its parsed JSON.
 pub struct Document {
     /// The JSON.
     pub json: Value,
-    /// Of a GLB what follows the JSON; `None` for a file that is JSON alone.
+    /// The rest of a GLB after the JSON; `None` for a file that is only JSON.
     rest: Option<Vec<u8>>,
 }
 
 impl Document {
-    /// Reads a file; `None` where it holds no JSON.
+    /// Parses a file; `None` if it contains no JSON.
     pub fn of(bytes: &[u8]) -> Option<Self> {
         if !bytes.starts_with(b"glTF") {
             let is_json = matches!(bytes.trim_ascii_start().first(), Some(b'{' | b'['));

@@ -1,16 +1,16 @@
-//! Changes of JSON: numbers, references, names, and how much of it there is.
+//! Changes of JSON: numbers, references, names, and size.
 
 use super::document::Document;
 use fastrand::Rng;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// The most values and characters of a value that is repeated.
+/// The most values and characters of a repeated value.
 const MOST: usize = 1 << 16;
-/// The most values that are listed to choose one.
+/// The most values listed when choosing one.
 const MOST_LISTED: usize = 4096;
 
-/// Names that glTF knows, one that leads out of the folder, and text that terminals take for commands.
+/// Names from glTF, one that points out of the folder, and text that terminals interpret as commands.
 const NAMES: [&str; 22] = [
     "",
     "SCALAR",
@@ -40,39 +40,39 @@ const NAMES: [&str; 22] = [
 const CODES: [u64; 16] =
     [5120, 5121, 5122, 5123, 5124, 5125, 5126, 5127, 34962, 34963, 9728, 9729, 9987, 10497, 33071, 33648];
 
-/// A change of JSON. `at` is a JSON pointer (RFC 6901); what it does not find is not there.
+/// A change of JSON. `at` is a JSON pointer (RFC 6901); a pointer to a missing value is ignored.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum JsonChange {
-    /// Puts another value in the place of one.
+    /// Replaces a value.
     Set {
-        /// Its place.
+        /// Its position.
         at: String,
         /// The value.
         value: Value,
     },
-    /// Puts a copy of another value in the place of one.
+    /// Overwrites a value with a copy of another.
     Copy {
-        /// The place of the other.
+        /// The position of the value to copy.
         from: String,
-        /// The place that is overwritten.
+        /// The position that is overwritten.
         to: String,
     },
-    /// Takes a value out.
+    /// Removes a value.
     Remove {
-        /// Its place.
+        /// Its position.
         at: String,
     },
-    /// Repeats a text, or the elements of an array.
+    /// Repeats a string, or the elements of an array.
     Repeat {
-        /// Its place.
+        /// Its position.
         at: String,
-        /// The number of times that it stands there then.
+        /// The total number of repetitions.
         times: usize,
     },
-    /// Puts arrays around a value.
+    /// Wraps a value in arrays.
     Nest {
-        /// Its place.
+        /// Its position.
         at: String,
         /// Their number.
         depth: u8,
@@ -80,7 +80,7 @@ pub enum JsonChange {
 }
 
 impl JsonChange {
-    /// Chooses a change; `None` where the file holds no JSON.
+    /// Chooses a change; `None` if the file contains no JSON.
     pub fn choose(rng: &mut Rng, bytes: &[u8]) -> Option<Self> {
         let json = Document::of(bytes)?.json;
         let mut places = Vec::new();
@@ -96,7 +96,7 @@ impl JsonChange {
         })
     }
 
-    /// Changes the JSON in `bytes`.
+    /// Applies the change to the JSON in `bytes`.
     pub fn apply(&self, bytes: &mut Vec<u8>) {
         let Some(mut document) = Document::of(bytes) else { return };
         if self.change(&mut document.json).is_some() {
@@ -122,7 +122,7 @@ impl JsonChange {
     }
 }
 
-/// Lists the places of all values below and including `json`.
+/// Lists the positions of `json` and of all values in it.
 fn list(json: &Value, at: String, places: &mut Vec<String>) {
     if places.len() >= MOST_LISTED {
         return;
@@ -140,7 +140,7 @@ fn list(json: &Value, at: String, places: &mut Vec<String>) {
     places.push(at);
 }
 
-/// Takes the value at `at` out of its array or object.
+/// Removes the value at `at` from its array or object.
 fn remove(json: &mut Value, at: &str) -> Option<()> {
     let (parent, key) = at.rsplit_once('/')?;
     match json.pointer_mut(parent)? {
@@ -154,7 +154,7 @@ fn remove(json: &mut Value, at: &str) -> Option<()> {
     Some(())
 }
 
-/// Repeats a text, or the elements of an array, as often as it stays bearable.
+/// Repeats a string, or the elements of an array, up to a bearable size.
 fn repeat(value: &mut Value, times: usize) {
     let fitting = |length: usize| times.min(MOST / length.max(1));
     match value {
@@ -167,7 +167,7 @@ fn repeat(value: &mut Value, times: usize) {
     }
 }
 
-/// The values and characters of a value.
+/// Counts the values and characters of a value.
 fn size(value: &Value) -> usize {
     match value {
         Value::String(text) => text.len().max(1),
@@ -179,7 +179,7 @@ fn size(value: &Value) -> usize {
     }
 }
 
-/// Chooses a value to stand in the place of `old`: mostly of its kind.
+/// Chooses a replacement for `old`, usually of the same type.
 fn other(rng: &mut Rng, old: &Value) -> Value {
     match old {
         Value::Number(_) if rng.u8(..16) > 0 => number(rng, old),
@@ -195,7 +195,7 @@ fn other(rng: &mut Rng, old: &Value) -> Value {
     }
 }
 
-/// Chooses a number: one that means something, near the old one, or at the end of some range.
+/// Chooses a number: a meaningful one, one near the old one, or one at the end of some range.
 fn number(rng: &mut Rng, old: &Value) -> Value {
     let was = old.as_u64().unwrap_or(1);
     match rng.u8(..8) {
@@ -207,7 +207,7 @@ fn number(rng: &mut Rng, old: &Value) -> Value {
         5 => json!(super::bytes::extreme(rng)),
         6 => json!((super::bytes::extreme(rng) as i64).wrapping_neg()),
         _ => {
-            // Numbers that every parser of JSON reads to the same bits.
+            // Numbers that every JSON parser reads to the same bits.
             let huge = [0.5, -0.5, 1e-22, -1e-22, 1e10, 1e19, 1e20, 1e37, 1e38, 1e39, 1e154, 1e308, -1e308];
             json!(rng.choice(huge))
         }
@@ -236,7 +236,7 @@ mod tests {
         assert_eq!(changed(JsonChange::Repeat { at: at("/b"), times: 3 })["b"], "xyxyxy");
         assert_eq!(changed(JsonChange::Repeat { at: at("/a"), times: 2 })["a"], json!([1, 2, 1, 2]));
         assert_eq!(changed(JsonChange::Nest { at: at("/b"), depth: 2 })["b"], json!([["xy"]]));
-        assert_eq!(changed(JsonChange::Remove { at: at("/z/0") })["b"], "xy", "what is not there");
+        assert_eq!(changed(JsonChange::Remove { at: at("/z/0") })["b"], "xy", "missing values are ignored");
     }
 
     #[test]

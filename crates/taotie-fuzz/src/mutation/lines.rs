@@ -3,10 +3,10 @@
 use fastrand::Rng;
 use serde::{Deserialize, Serialize};
 
-/// The most lines of a file after a line was repeated.
+/// The most lines of a file after repeating a line.
 const MOST: usize = 1 << 16;
 
-/// Words that readers of text meet in damaged files.
+/// Words that text readers may meet in damaged files.
 const WORDS: [&str; 30] = [
     "",
     "0",
@@ -40,20 +40,20 @@ const WORDS: [&str; 30] = [
     "\u{e4}\0\u{1b}[2J",
 ];
 
-/// A change of text. Lines and words are counted from 0; words are parted by spaces.
+/// A change of text. Lines and words are numbered from 0; words are separated by spaces.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LineChange {
-    /// Puts another word in the place of one.
+    /// Replaces a word.
     Word {
         /// The line.
         line: usize,
-        /// The word in it.
+        /// The word in the line.
         word: usize,
-        /// The word that stands there then.
+        /// The new word.
         text: String,
     },
-    /// Takes a line out.
+    /// Removes a line.
     Remove {
         /// The line.
         line: usize,
@@ -62,20 +62,20 @@ pub enum LineChange {
     Repeat {
         /// The line.
         line: usize,
-        /// The number of times that it stands there then.
+        /// The total number of repetitions.
         times: usize,
     },
-    /// Puts a copy of one line before another.
+    /// Inserts a copy of one line before another.
     Copy {
         /// The line.
         from: usize,
-        /// The line before which the copy is put.
+        /// The line that the copy is inserted before.
         to: usize,
     },
 }
 
 impl LineChange {
-    /// Chooses a change; `None` for a file that does not begin as text.
+    /// Chooses a change; `None` for a file that does not start as text.
     pub fn choose(rng: &mut Rng, bytes: &[u8]) -> Option<Self> {
         let head = &bytes[..bytes.len().min(32)];
         if head.is_empty() || head.iter().any(|byte| !(byte.is_ascii_graphic() || byte.is_ascii_whitespace()))
@@ -95,7 +95,7 @@ impl LineChange {
         })
     }
 
-    /// Changes the text `bytes`.
+    /// Applies the change to the text `bytes`.
     pub fn apply(&self, bytes: &mut Vec<u8>) {
         let mut lines: Vec<Vec<u8>> = bytes.split(|byte| *byte == b'\n').map(<[u8]>::to_vec).collect();
         let count = lines.len();
@@ -117,7 +117,7 @@ impl LineChange {
     }
 }
 
-/// Chooses a word: one of those that trouble readers, or one of the file's own.
+/// Chooses a word: a troublesome one, or one from the file itself.
 fn text(rng: &mut Rng, bytes: &[u8]) -> String {
     if rng.u8(..4) > 0 {
         return rng.choice(WORDS).unwrap_or_default().to_owned();
@@ -126,7 +126,7 @@ fn text(rng: &mut Rng, bytes: &[u8]) -> String {
     String::from_utf8_lossy(rng.choice(words).unwrap_or_default()).into_owned()
 }
 
-/// The line with another word at the place `word`.
+/// Returns the line with another word at position `word`.
 fn with_word(line: &[u8], word: usize, text: &[u8]) -> Vec<u8> {
     let mut words: Vec<&[u8]> = line.split(|byte| *byte == b' ').collect();
     if let Some(place) = words.get_mut(word) {
@@ -148,7 +148,7 @@ mod tests {
         };
         let word = |line, word| LineChange::Word { line, word, text: "nan".into() };
         assert_eq!(changed(word(0, 1)), "v nan 1\nf 2\n");
-        assert_eq!(changed(word(1, 9)), "v 0 1\nf 2\n", "what is not there");
+        assert_eq!(changed(word(1, 9)), "v 0 1\nf 2\n", "missing words are ignored");
         assert_eq!(changed(LineChange::Remove { line: 0 }), "f 2\n");
         assert_eq!(changed(LineChange::Repeat { line: 1, times: 2 }), "v 0 1\nf 2\nf 2\n");
         assert_eq!(changed(LineChange::Copy { from: 1, to: 0 }), "f 2\nv 0 1\nf 2\n");

@@ -1,13 +1,13 @@
 //! Changes of a file, as data: a finding is the name of a sound file and a list of these.
 //!
-//! A change whose place is not there does nothing, so a list stays applicable when others are struck from it.
+//! A change whose position does not exist does nothing, so a list stays valid when other changes are removed from it.
 
 mod bytes;
 mod chunks;
 mod document;
 mod json;
 mod lines;
-mod mend;
+mod repair;
 
 use bytes::ByteChange;
 use chunks::ChunkChange;
@@ -16,34 +16,34 @@ use json::JsonChange;
 use lines::LineChange;
 use serde::{Deserialize, Serialize};
 
-/// The most changes of one file.
+/// The most changes to one file.
 const MOST: usize = 4;
 
-/// One change of a file.
+/// One change to a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mutation {
-    /// Of its bytes, whatever they mean.
+    /// Of its bytes, regardless of their meaning.
     Bytes(ByteChange),
-    /// Of the JSON that it is, or holds as a GLB.
+    /// Of its JSON, standalone or inside a GLB.
     Json(JsonChange),
     /// Of the chunks of a PNG, GLB or RIFF.
     Chunks(ChunkChange),
     /// Of its lines and their words.
     Lines(LineChange),
-    /// Makes lengths and checksums of the container right again, so that readers look further.
+    /// Corrects lengths and checksums of the container, so that readers look further.
     Mend,
 }
 
 impl Mutation {
-    /// Changes `bytes`.
+    /// Applies the change to `bytes`.
     pub fn apply(&self, bytes: &mut Vec<u8>) {
         match self {
             Self::Bytes(change) => change.apply(bytes),
             Self::Json(change) => change.apply(bytes),
             Self::Chunks(change) => change.apply(bytes),
             Self::Lines(change) => change.apply(bytes),
-            Self::Mend => mend::mend(bytes),
+            Self::Mend => repair::repair(bytes),
         }
     }
 
@@ -66,7 +66,7 @@ impl Mutation {
     }
 }
 
-/// Chooses changes of the file `sound`: seldom none, mostly one to four, each fitting what those before left.
+/// Chooses changes to the file `sound`: rarely none, usually one to four, each fitting the result of those before it.
 pub fn choose(rng: &mut Rng, sound: &[u8]) -> Vec<Mutation> {
     let (mut bytes, mut chosen) = (sound.to_vec(), Vec::new());
     for _ in 0..rng.usize(..=MOST) {
@@ -74,13 +74,13 @@ pub fn choose(rng: &mut Rng, sound: &[u8]) -> Vec<Mutation> {
         mutation.apply(&mut bytes);
         chosen.push(mutation);
     }
-    if mend::is_container(sound) && rng.u8(..4) > 0 {
+    if repair::is_container(sound) && rng.u8(..4) > 0 {
         chosen.push(Mutation::Mend);
     }
     chosen
 }
 
-/// Returns a copy of the file `sound` with these changes.
+/// Returns a copy of the file `sound` with these changes applied.
 pub fn changed(sound: &[u8], mutations: &[Mutation]) -> Vec<u8> {
     let mut bytes = sound.to_vec();
     mutations.iter().for_each(|mutation| mutation.apply(&mut bytes));
@@ -125,7 +125,7 @@ mod tests {
         assert_eq!(seen, [true; 5]);
     }
 
-    /// Struck changes leave others whose places may be gone.
+    /// Removing changes may leave others whose positions no longer exist.
     #[test]
     fn any_change_applies_to_any_file() {
         let sound: [&[u8]; 5] = [b"", b"x", b"{}", b"glTF\x02\0\0\0", b"RIFF\xff\xff\xff\xffWEBPVP8 "];

@@ -12,7 +12,7 @@ use taotie::names::Named;
 use taotie::scene::NormalSpace;
 use taotie::{Progress, Result};
 
-/// Bakes the file with options that its variant chooses. Whatever is written can be read again.
+/// Bakes the file with options chosen by its variant. Everything that is written must be readable again.
 pub fn bake(subject: &Subject<'_>) -> Held {
     let mut rng = Rng::with_seed(subject.variant);
     let options = options(&mut rng, subject.path);
@@ -37,15 +37,15 @@ fn baked(options: BakeOptions, from: &Path, to: &Path, packing: &Packing) -> Res
     written.verify(scan, &few, Progress::SILENT).map(drop)
 }
 
-/// Reads every level of what was written.
+/// Reads back every level of the written file.
 fn is_readable(path: &Path) -> Held {
     match load_levels(path) {
         Ok(levels) => levels.iter().try_for_each(is_consistent),
-        Err(error) => Err(format!("what was written cannot be read: {error}")),
+        Err(error) => Err(format!("the written file cannot be read: {error}")),
     }
 }
 
-/// Chooses coarser levels of detail of so many triangles.
+/// Chooses coarser levels of detail below `triangles` triangles.
 fn lods(rng: &mut Rng, triangles: u32) -> Vec<Lod> {
     match rng.u32(..6) {
         0 => vec![Lod::Pixels(rng.u32(32..512))],
@@ -54,7 +54,7 @@ fn lods(rng: &mut Rng, triangles: u32) -> Vec<Lod> {
     }
 }
 
-/// Chooses options of a small bake of the scan `path`, or onto it.
+/// Chooses options for a small bake of the scan `path`, or onto it.
 fn options(rng: &mut Rng, path: &Path) -> BakeOptions {
     let triangles = rng.u32(4..200);
     let onto = rng.u8(..4) == 0;
@@ -76,7 +76,7 @@ fn options(rng: &mut Rng, path: &Path) -> BakeOptions {
     }
 }
 
-/// Chooses maps, the normal map among them mostly.
+/// Chooses maps, usually including the normal map.
 fn maps(rng: &mut Rng) -> Vec<MapKind> {
     let all = MapKind::NAMES.iter().map(|(_, map)| *map);
     let mut maps: Vec<MapKind> = all.filter(|map| *map != MapKind::Normal && rng.u8(..4) == 0).collect();
@@ -86,7 +86,7 @@ fn maps(rng: &mut Rng) -> Vec<MapKind> {
     maps
 }
 
-/// Chooses a packing; KTX2 seldom, since it takes longest.
+/// Chooses a packing; KTX2 rarely, since it takes longest.
 fn packing(rng: &mut Rng) -> Packing {
     let images = match rng.u8(..16) {
         0 => ImageCodec::Ktx2(0),

@@ -11,7 +11,7 @@ use promises::Held;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// A reader, or a path that begins with one.
+/// A reader, or a path that starts with one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Target {
@@ -19,7 +19,7 @@ pub enum Target {
     Gltf,
     /// OBJ.
     Obj,
-    /// MTL, through an OBJ that names it.
+    /// MTL, through an OBJ that references it.
     Mtl,
     /// PLY.
     Ply,
@@ -29,7 +29,7 @@ pub enum Target {
     Picture,
     /// Environments from OpenEXR and Radiance HDR.
     Environment,
-    /// Environments as the cache keeps them.
+    /// Environments as stored in the cache.
     Cache,
     /// Materials in TOML.
     Material,
@@ -37,7 +37,7 @@ pub enum Target {
     Provenance,
     /// Options of a bake in JSON.
     Options,
-    /// Light specifications, one a line.
+    /// Light specifications, one per line.
     Light,
     /// Read, bake, write, read back, prove.
     Bake,
@@ -52,12 +52,12 @@ pub struct Subject<'a> {
     pub path: &'a Path,
     /// Its content.
     pub bytes: &'a [u8],
-    /// The seed of the options with which it is treated.
+    /// The seed for the options of later steps.
     pub variant: u64,
 }
 
 impl Target {
-    /// Returns `true` where files such as `seed` are read.
+    /// Returns `true` if the target reads files such as `seed`.
     pub fn takes(self, seed: &Seed) -> bool {
         let extensions: &[&str] = match self {
             Self::Gltf => &["gltf", "glb"],
@@ -82,15 +82,15 @@ impl Target {
         matches!(self, Self::Bake | Self::Render)
     }
 
-    /// Returns its name, as on the command line.
+    /// Returns its name, as used on the command line.
     pub fn name(self) -> String {
         self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
-    /// Reads a damaged file and treats it further.
+    /// Reads a damaged file and runs the later steps.
     ///
     /// # Errors
-    /// The promise that was not kept. Panics are the caller's.
+    /// The broken promise. Panics are left to the caller.
     pub fn run(self, subject: &Subject<'_>) -> Held {
         match self {
             Self::Gltf | Self::Obj | Self::Ply | Self::Stl => read::model(subject.path),

@@ -1,40 +1,40 @@
-//! The promises of every reader, whatever the file holds.
+//! The promises of every reader, for any file content.
 
 use std::path::Path;
 use taotie::io::{Bytes, Limits, Loaded, load_model_within};
 
-/// `Ok` where all promises were kept; else the one that was not.
+/// `Ok` if all promises were kept; otherwise the broken one.
 pub type Held = std::result::Result<(), String>;
 
-/// The memory that readers and bakes are told to keep to. What a run may allocate (`--memory`) is more by what the files and
-/// the harness itself take.
+/// The memory limit for readers and bakes. The limit of a run (`--memory`) is larger, by what the files and the
+/// harness itself take.
 const MEMORY: Bytes = Bytes(256 << 20);
 
-/// The triangles that readers and bakes are told to keep to: a few hundred bytes may name one mesh thousands of times, and
-/// to bake half a million triangles takes about the time that a run may take.
+/// The triangle limit for readers and bakes: a few hundred bytes may reference one mesh thousands of times, and
+/// baking half a million triangles takes about as long as a run may take.
 const TRIANGLES: u64 = 1 << 18;
 
-/// The limits that readers and bakes are told to keep to.
+/// Returns the limits for readers and bakes.
 pub fn limits() -> Limits {
     Limits { memory: Some(MEMORY), triangles: TRIANGLES, ..Limits::default() }
 }
 
-/// Holds that an error is one line.
+/// Checks that an error is a single line.
 pub fn error_is_told_well(error: &taotie::Error) -> Held {
     let text = error.to_string();
-    if text.contains('\n') { Err(format!("an error of several lines: {text:?}")) } else { Ok(()) }
+    if text.contains('\n') { Err(format!("an error with several lines: {text:?}")) } else { Ok(()) }
 }
 
-/// Holds that a model which a reader lets through is consistent.
+/// Checks that a model accepted by a reader is consistent.
 pub fn is_consistent(loaded: &Loaded) -> Held {
     let scene = &loaded.scene;
     let (meshes, materials) = (scene.meshes().len(), scene.materials().len());
     let promises = [
-        (scene.instances().iter().all(|i| i.mesh < meshes), "an instance of no mesh"),
-        (scene.instances().iter().all(|i| i.material < materials), "an instance of no material"),
+        (scene.instances().iter().all(|i| i.mesh < meshes), "an instance without a mesh"),
+        (scene.instances().iter().all(|i| i.material < materials), "an instance without a material"),
         (loaded.texture_names.len() == scene.textures().len(), "textures without names"),
-        (scene.meshes().iter().all(has_finite_places), "a vertex that is nowhere"),
-        (loaded.warnings.iter().all(|(what, _)| !what.contains('\n')), "a warning of several lines"),
+        (scene.meshes().iter().all(has_finite_places), "a vertex that is not finite"),
+        (loaded.warnings.iter().all(|(what, _)| !what.contains('\n')), "a warning with several lines"),
     ];
     promises.iter().find(|(kept, _)| !kept).map_or(Ok(()), |(_, what)| Err((*what).to_owned()))
 }
@@ -43,10 +43,10 @@ fn has_finite_places(mesh: &taotie::mesh::Mesh) -> bool {
     mesh.positions().iter().all(|p| p.to_array().iter().all(|v| v.is_finite()))
 }
 
-/// Loads a model; `None` where the reader refuses it.
+/// Loads a model; `None` if the reader refuses it.
 ///
 /// # Errors
-/// The promise that was not kept.
+/// The broken promise.
 pub fn load(path: &Path) -> Result<Option<Loaded>, String> {
     match load_model_within(path, &limits()) {
         Ok(loaded) => is_consistent(&loaded).map(|()| Some(loaded)),
@@ -54,7 +54,7 @@ pub fn load(path: &Path) -> Result<Option<Loaded>, String> {
     }
 }
 
-/// Drops what was read; an error has to be told well.
+/// Drops a successful result; checks the form of an error.
 pub fn either<T>(result: taotie::Result<T>) -> Held {
     result.map_or_else(|error| error_is_told_well(&error), |_| Ok(()))
 }

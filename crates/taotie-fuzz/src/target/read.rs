@@ -11,17 +11,17 @@ use taotie::scene::{Material, Scene};
 use taotie::shade::environment::Environment;
 use taotie::studio::{LightSpec, MaterialFile};
 
-/// A triangle with the material `m` of the file that is put in.
+/// A triangle with the material `m` of the file whose name is inserted.
 const TRIANGLE: &str = "mtllib {}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
 
-/// Reads a model, inspects it, and poses what moves.
+/// Reads a model, inspects it, and poses its animations.
 pub fn model(path: &Path) -> Held {
     let Some(loaded) = load(path)? else { return Ok(()) };
     let _ = Inspection::of(&loaded).hints();
     pose(loaded)
 }
 
-/// Poses at several times give a scene or an error.
+/// Poses at several times; each must give a scene or an error.
 fn pose(mut loaded: Loaded) -> Held {
     let Some(rig) = loaded.rig else { return Ok(()) };
     for animation in 0..rig.animations().len().min(4) {
@@ -33,7 +33,7 @@ fn pose(mut loaded: Loaded) -> Held {
     Ok(())
 }
 
-/// Reads a model whose materials are those of `path`.
+/// Reads a model with the materials of `path`.
 pub fn materials(path: &Path) -> Held {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let obj = path.with_file_name("triangle.obj");
@@ -46,20 +46,20 @@ pub fn picture(path: &Path) -> Held {
     either(read_bitmap_within(path, &limits()))
 }
 
-/// Decodes the picture of an environment.
+/// Decodes a picture as an environment.
 pub fn environment(subject: &Subject<'_>) -> Held {
     either(decode_environment_within(subject.bytes, subject.path, &limits()))
 }
 
-/// Reads an environment of the cache; what is taken is written as it was.
+/// Reads a cached environment; if accepted, it must be written back identically.
 pub fn cached(bytes: &[u8]) -> Held {
     match Environment::from_bytes(bytes) {
-        Ok(environment) if environment.to_bytes() != bytes => Err("an environment is read as another".into()),
+        Ok(environment) if environment.to_bytes() != bytes => Err("a cached environment changes".into()),
         result => either(result),
     }
 }
 
-/// Reads a material and puts it on a ball.
+/// Reads a material and applies it to a ball.
 pub fn material(path: &Path) -> Held {
     let material = match MaterialFile::choose(&path.to_string_lossy()) {
         Ok(material) => material,
@@ -69,7 +69,7 @@ pub fn material(path: &Path) -> Held {
     either(ball.and_then(|mut ball| material.apply(&mut ball)))
 }
 
-/// Reads the properties that an asset is to bear.
+/// Reads an asset's provenance properties.
 pub fn provenance(path: &Path) -> Held {
     either(Packing { provenance: Some(path.to_path_buf()), ..Packing::default() }.check())
 }
@@ -79,7 +79,7 @@ pub fn options(bytes: &[u8]) -> Held {
     serde_json::from_slice::<BakeOptions>(bytes).map_or(Ok(()), |options| either(options.check()))
 }
 
-/// Reads lights, one a line.
+/// Reads lights, one per line.
 pub fn lights(bytes: &[u8]) -> Held {
     String::from_utf8_lossy(bytes).lines().try_for_each(|line| either(line.parse::<LightSpec>()))
 }

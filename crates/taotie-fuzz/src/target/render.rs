@@ -13,7 +13,7 @@ use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions
 /// Pixels along each side.
 const SIDE: u32 = 16;
 
-/// Renders the file with settings that its variant chooses.
+/// Renders the file with settings chosen by its variant.
 pub fn render(subject: &Subject<'_>) -> Held {
     let loaded = match studio::load_within(subject.path, &MaterialOptions::default(), &limits()) {
         Ok(loaded) => loaded,
@@ -21,13 +21,13 @@ pub fn render(subject: &Subject<'_>) -> Held {
     };
     match frame(&loaded.scene, &settings(&mut Rng::with_seed(subject.variant))) {
         Ok(frame) if frame.color.pixels().as_flattened().iter().any(|v| v.is_nan()) => {
-            Err("a pixel that is no number".into())
+            Err("a NaN pixel".into())
         }
         rendered => either(rendered),
     }
 }
 
-/// Renders the scene in its own light.
+/// Renders the scene in its own lighting.
 fn frame(scene: &Scene, settings: &RenderSettings) -> Result<Frame> {
     let framing = Framing { size: [SIDE; 2], all_around: false };
     let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, scene)?;

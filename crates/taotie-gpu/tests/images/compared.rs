@@ -1,4 +1,4 @@
-//! An image by both, and how far they are apart.
+//! An image by GPU and CPU, and the difference between them.
 
 use crate::common::absent;
 use std::sync::{Arc, LazyLock};
@@ -10,13 +10,13 @@ use taotie::scene::{Camera, Light, Scene};
 use taotie::shade::environment::Environment;
 use taotie_gpu::{AdapterChoice, Gpu, GpuRenderer};
 
-/// The most of the mean difference, in codes of 8 bits.
+/// The maximum mean difference, in 8-bit codes.
 const MOST_MEAN: f64 = 0.5;
 
-/// The difference, in codes of 8 bits, that all pixels but one in a thousand keep.
+/// The maximum difference of all pixels except one in a thousand, in 8-bit codes.
 const MOST_OF_NEARLY_ALL: u8 = 3;
 
-/// The share of pixels that may differ by more.
+/// The fraction of pixels that may differ by more.
 const OUTLIERS: f64 = 0.001;
 
 static GPU: LazyLock<Result<Gpu, String>> =
@@ -25,7 +25,7 @@ static GPU: LazyLock<Result<Gpu, String>> =
 static SKY: LazyLock<Arc<Environment>> =
     LazyLock::new(|| Environment::new(crate::finishes::sky()).unwrap().into());
 
-/// The graphics processor of this machine, or `None` where there is none and the test has to be skipped.
+/// The GPU of this machine, or `None` if there is none and the test has to be skipped.
 pub fn gpu() -> Option<Gpu> {
     match &*GPU {
         Ok(gpu) => Some(gpu.clone()),
@@ -36,7 +36,7 @@ pub fn gpu() -> Option<Gpu> {
     }
 }
 
-/// An image that both are asked for.
+/// An image that both render.
 pub struct View {
     pub name: String,
     pub scene: Scene,
@@ -45,31 +45,31 @@ pub struct View {
     pub settings: RenderSettings,
 }
 
-/// The differences of two images, in codes of 8 bits: of each pixel that of its worst channel. Pixels count in which one
-/// of them shows anything.
+/// The differences of two images, in 8-bit codes: the worst channel of each pixel. Pixels that are empty in both
+/// images do not count.
 #[derive(Debug)]
 pub struct Difference {
     pub mean: f64,
-    /// The share of pixels that differ by more than [`MOST_OF_NEARLY_ALL`].
+    /// The fraction of pixels that differ by more than [`MOST_OF_NEARLY_ALL`].
     pub outliers: f64,
     pub most: u8,
 }
 
 impl View {
-    /// One sample a pixel under lights of every kind.
+    /// One sample per pixel under lights of every kind.
     pub fn new(name: impl Into<String>, scene: Scene, camera: Camera) -> Self {
         let lighting = lit(crate::scenes::every_light());
         let settings = RenderSettings { width: 480, height: 360, samples: 1, ..RenderSettings::default() };
         Self { name: name.into(), scene, camera, lighting, settings }
     }
 
-    /// With other settings.
+    /// The same with other settings.
     pub fn with(mut self, change: impl FnOnce(&mut RenderSettings)) -> Self {
         change(&mut self.settings);
         self
     }
 
-    /// Under a sky that is seen, instead of the ambient light.
+    /// Under a visible sky instead of the ambient light.
     pub fn under_sky(mut self) -> Self {
         let sky = EnvironmentLight { environment: SKY.clone(), rotation: 0.4, intensity: 0.8, visible: true };
         self.lighting.environment = Some(sky);
@@ -85,19 +85,19 @@ impl View {
         Prepared::new(self.scene.clone(), &self.settings.surface).unwrap()
     }
 
-    /// Renders it twice and measures the difference.
+    /// Renders it with both and measures the difference.
     pub fn difference(&self, gpu: &Gpu) -> Difference {
         let (prepared, shot) = (self.prepared(), self.shot());
         let codes = |frame: &taotie::render::Frame| develop8(&frame.color, &Development::default()).unwrap();
         let expected = Pass::new(&prepared, &shot).unwrap().render(Progress::SILENT).unwrap();
         let seen = expected.color.pixels().iter().filter(|pixel| pixel[3] > 0.0).count();
-        assert!(seen > expected.color.pixels().len() / 20, "{}: only {seen} pixels are seen", self.name);
+        assert!(seen > expected.color.pixels().len() / 20, "{}: only {seen} pixels are visible", self.name);
         let mut renderer = GpuRenderer::new(gpu, &prepared).unwrap();
         let found = renderer.render(&shot, Progress::SILENT).unwrap();
         Difference::of(&codes(&expected), &codes(&found))
     }
 
-    /// Renders it twice and refuses what is too far apart.
+    /// Renders it with both and fails if they differ too much.
     pub fn check(&self, gpu: &Gpu) {
         let difference = self.difference(gpu);
         let Difference { mean, outliers, most } = difference;
@@ -125,7 +125,7 @@ impl Difference {
     }
 }
 
-/// Lights over some ambient light.
+/// Lights with some ambient light.
 pub fn lit(lights: Vec<Light>) -> Lighting {
     Lighting { lights, ambient: Vec3::splat(0.08), environment: None }
 }

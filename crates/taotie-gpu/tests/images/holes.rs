@@ -8,7 +8,7 @@ use taotie::mesh::Mesh;
 use taotie::render::RenderSettings;
 use taotie::scene::{AlphaMode, Material, Scene, SceneData, TextureRef, UvTransform};
 
-/// A floor under a lattice whose vertices have opacities too, with the texture of its holes laid on as `holed` says.
+/// A floor under a lattice whose vertices also have opacities, with the texture of its holes mapped by `holed`.
 fn lattice_over_floor(holed: TextureRef) -> Scene {
     let holes = texture(16, Encoding::Srgb, |u, v| {
         let (x, y) = (u - 0.3, v - 0.5);
@@ -27,7 +27,7 @@ fn lattice_over_floor(holed: TextureRef) -> Scene {
         ..Material::default()
     };
     Scene::new(SceneData {
-        meshes: vec![floor, Mesh::new(lattice).expect("it is a mesh")],
+        meshes: vec![floor, Mesh::new(lattice).expect("it is a valid mesh")],
         materials: vec![Material::default(), material],
         textures: vec![holes],
         instances: vec![instance(0, 0, Mat4::IDENTITY), instance(1, 1, Mat4::IDENTITY)],

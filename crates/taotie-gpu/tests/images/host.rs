@@ -1,7 +1,7 @@
-//! The example of a host of one's own draws what the processor draws.
+//! The example of a custom host draws the same image as the CPU.
 
 #[path = "../../examples/wgpu_host.rs"]
-#[allow(dead_code, reason = "it has a `main` for whoever runs it")]
+#[allow(dead_code, reason = "its `main` is unused here")]
 mod wgpu_host;
 
 use crate::compared::gpu;
@@ -18,7 +18,7 @@ fn the_example_of_a_host_draws_what_the_processor_draws() {
     if gpu().is_none() {
         return;
     }
-    let (mesh, material) = (Mesh::sphere(0.9, 96, 48), preset("bronze").expect("it is there"));
+    let (mesh, material) = (Mesh::sphere(0.9, 96, 48), preset("bronze").expect("it exists"));
     let kind = LightKind::Directional { direction: Vec3::new(0.48, -0.64, -0.6) };
     let light = Light { name: String::new(), kind, color: Vec3::splat(3.0), falloff: Falloff::None };
     let source = LightSource::new(&light);
@@ -31,7 +31,7 @@ fn the_example_of_a_host_draws_what_the_processor_draws() {
     let lighting = Lighting { lights: vec![light], ambient: Vec3::splat(0.0), environment: None };
     let settings =
         RenderSettings { width: SIZE, height: SIZE, samples: 1, shadows: false, ..RenderSettings::default() };
-    let scene = Scene::of_mesh(mesh.clone(), material.clone()).expect("the scene is sound");
+    let scene = Scene::of_mesh(mesh.clone(), material.clone()).expect("the scene is valid");
     let shot = Shot { camera: &camera, lighting: &lighting, settings: &settings };
     let frame = render(&scene, &shot).expect("it renders");
 

@@ -1,4 +1,4 @@
-//! Scenes made by code: every surface method, every model, every layer, every kind of alpha.
+//! Procedural scenes: every surface method, every model, every layer, every kind of alpha.
 
 use crate::compared::{View, gpu};
 use crate::{finishes, scenes};

@@ -1,5 +1,5 @@
-//! Whole images by a graphics processor against those by the processor.
-#![allow(clippy::print_stdout, clippy::print_stderr, reason = "tests say what they found")]
+//! Compares whole images by a GPU with those by the CPU.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "tests report what they found")]
 
 #[path = "../../../taotie/tests/common/mod.rs"]
 mod common;

@@ -1,4 +1,4 @@
-//! Models by others.
+//! Third-party models.
 
 use crate::common::absent;
 use crate::compared::{View, gpu};
@@ -22,7 +22,7 @@ fn view(path: &Path, scene: Scene) -> View {
     view
 }
 
-/// The models of this name among those of Khronos.
+/// Khronos' sample models with this name.
 fn models(stem: &str) -> Vec<PathBuf> {
     let mut models = data_files("khronos-gltf-sample-assets", &["gltf", "glb"]);
     models.retain(|path| path.file_stem().is_some_and(|found| found == stem));
@@ -63,17 +63,17 @@ fn water_bottle_looks_as_on_the_processor() {
     check("WaterBottle");
 }
 
-/// Scanned statues with the normal maps that lie beside them.
+/// Scanned statues with the normal maps in the same folder.
 #[test]
 fn statues_look_as_on_the_processor() {
     let Some(gpu) = gpu() else { return };
-    let beside = |model: PathBuf| {
+    let mapped = |model: PathBuf| {
         let stem = model.file_stem()?.to_string_lossy().into_owned();
         let map = model.with_file_name(format!("{stem}_normals.png"));
         map.exists().then_some((model, map))
     };
     let statues: Vec<_> =
-        data_files("threedscans-keijiro", &["obj"]).into_iter().filter_map(beside).collect();
+        data_files("threedscans-keijiro", &["obj"]).into_iter().filter_map(mapped).collect();
     if statues.is_empty() {
         return absent("there is no statue with a normal map");
     }

@@ -1,4 +1,4 @@
-//! Images one after the other, what is refused, and what is told.
+//! Consecutive images, rejected features, and reported progress.
 
 use crate::compared::{Difference, View, gpu, lit};
 use crate::{finishes, scenes};
@@ -13,7 +13,7 @@ fn bosses() -> View {
 }
 
 /// The image of a new renderer.
-fn alone(gpu: &Gpu, view: &View) -> Vec<[f32; 4]> {
+fn fresh(gpu: &Gpu, view: &View) -> Vec<[f32; 4]> {
     let prepared = view.prepared();
     let mut renderer = GpuRenderer::new(gpu, &prepared).unwrap();
     renderer.render(&view.shot(), Progress::SILENT).unwrap().color.pixels().to_vec()
@@ -35,7 +35,7 @@ fn what_was_rendered_before_changes_no_bit() {
     let mut renderer = GpuRenderer::new(&gpu, &prepared).unwrap();
     for view in views.iter().chain(&views) {
         let kept = renderer.render(&view.shot(), Progress::SILENT).unwrap();
-        assert!(kept.color.pixels() == alone(&gpu, view), "{:?}", view.settings);
+        assert!(kept.color.pixels() == fresh(&gpu, view), "{:?}", view.settings);
     }
 }
 
@@ -77,7 +77,7 @@ fn who_cancels_gets_no_image_and_may_ask_again() {
     let cancelled = renderer.render(&view.shot(), Progress::new(&stop)).unwrap_err();
     assert!(matches!(cancelled, GpuError::Scene(taotie::Error::Cancelled)), "{cancelled}");
     let again = renderer.render(&view.shot(), Progress::SILENT).unwrap();
-    assert!(again.color.pixels() == alone(&gpu, &view));
+    assert!(again.color.pixels() == fresh(&gpu, &view));
 }
 
 /// Alpha, which no shader of an opaque surface changes.
@@ -89,14 +89,14 @@ fn silhouettes_are_those_of_the_processor() {
         let view = View::new("floor", floor, scenes::camera(30.0, 8.0, 4.0))
             .with(|settings| settings.samples = samples);
         let expected = taotie::render::render(&view.scene, &view.shot()).unwrap();
-        let found = alone(&gpu, &view);
+        let found = fresh(&gpu, &view);
         let pairs = expected.color.pixels().iter().zip(&found);
         let apart = pairs.filter(|(a, b)| (a[3] - b[3]).abs() > 1e-3).count();
         assert!(apart * 2000 < found.len(), "{samples} samples: {apart} of {} pixels", found.len());
     }
 }
 
-/// What tells images apart sees a roughness that is a tenth off.
+/// The measure of differences detects a roughness that is a tenth off.
 #[test]
 fn the_measure_finds_what_is_wrong() {
     let Some(_) = gpu() else { return };

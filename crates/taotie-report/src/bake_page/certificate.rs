@@ -1,19 +1,20 @@
-//! The certificate as the statement that opens a page.
+//! The certificate as the opening statement of a page.
 
 use crate::{Cell, Column, Fact, Notice, PlainTable, Statement, Tone};
 use taotie::asset::{
-    Certificate, Figure, FigureUnit, HashedFile, HashedMap, KeyFigure, Met, ScanOptions, Verdict,
+    Certificate, Figure, FigureUnit, HashedFile, HashedMap, KeyFigure, RequirementOutcome, ScanOptions,
+    Verdict,
 };
 use taotie::names::Named;
 use taotie::scene::GreenChannel;
 
-/// Rows of all tables of the statement, so that it fits one sheet; files that have no room are in a table below it.
+/// The maximum number of table rows, so that the statement fits one sheet; other files go in a table below it.
 const MOST_ROWS: usize = 22;
-/// Further figures and files that it lists in any case. All figures are in the tables below it.
+/// The minimum numbers of further figures and files that it lists. All figures are in the tables below it.
 const LEAST_FIGURES: usize = 4;
 const LEAST_FILES: usize = 4;
 
-/// Who judges the figures.
+/// The page that judges the figures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Judge {
     /// This page.
@@ -22,7 +23,7 @@ pub enum Judge {
     Collection,
 }
 
-/// Makes the statement of a certificate.
+/// Builds the statement for a certificate.
 pub fn statement(certificate: &Certificate, judge: Judge) -> Statement {
     let mut tables = Vec::new();
     if !certificate.required.is_empty() {
@@ -36,40 +37,42 @@ pub fn statement(certificate: &Certificate, judge: Judge) -> Statement {
         tables,
         command_note: match certificate.command {
             Some(_) => "To recompute this certificate and the `proof` section of the JSON report, byte for byte, run this in a \
-                        folder that holds the files above:"
+                        folder containing the files above:"
                 .into(),
-            None => "The certificate cannot be recomputed from a model's file: not all that was compared is part of one.".into(),
+            None => "This certificate cannot be recomputed from a model file, which lacks some of the compared data."
+                .into(),
         },
         command: certificate.command.clone().unwrap_or_default(),
     }
 }
 
-/// Makes the table of all files that the statement has no room for; `None` if it lists each.
+/// Builds the table of all files if the statement has no room for all of them; otherwise `None`.
 pub fn further_files(certificate: &Certificate) -> Option<crate::Section> {
     let rows = rows_of_files(certificate);
     (rows.len() > listed_files(certificate)).then(|| crate::Section::Table {
         title: "All files".into(),
-        note: "Maps in the model's own file are hashed as they are stored there.".into(),
+        note: "Maps embedded in the model file are hashed as stored.".into(),
         columns: columns_of_files(),
         rows,
     })
 }
 
 fn verdict(certificate: &Certificate, judge: Judge) -> Notice {
-    let count = |is: fn(&Met) -> bool| certificate.required.iter().filter(|met| is(met)).count();
+    let count =
+        |is: fn(&RequirementOutcome) -> bool| certificate.required.iter().filter(|met| is(met)).count();
     let (all, unmet) = (certificate.required.len(), count(|met| !met.met));
     match certificate.verdict {
         _ if judge == Judge::Collection => Notice::new(
-            "Measured. The page of the collection states what is required of this asset, and whether it is met.",
+            "Measured. The collection page lists the requirements for this asset and whether they are met.",
             Tone::Changed,
         ),
         Verdict::NothingRequired => {
-            Notice::new("Measured; nothing was required. The figures are below.", Tone::Changed)
+            Notice::new("Measured; no requirements were set. The figures are below.", Tone::Changed)
         }
         Verdict::Met => Notice::new("All requirements are met.", Tone::Good),
         Verdict::Undecided => Notice::new(
             format!(
-                "Not met: {unmet} of {all} requirements are undecided; the limit is within the interval."
+                "Not met: {unmet} of {all} requirements are undecided: the limit is within the interval."
             ),
             Tone::Bad,
         ),
@@ -82,7 +85,7 @@ fn facts(certificate: &Certificate) -> Vec<Fact> {
     let levels: Vec<String> = certificate.triangles.iter().map(|count| grouped(*count as u64)).collect();
     let options = &certificate.options;
     let images = format!(
-        "{} samples at first, images of {} × {}",
+        "{} initial samples, images of {} × {}",
         grouped(options.points as u64),
         options.view,
         options.view
@@ -101,7 +104,7 @@ fn facts(certificate: &Certificate) -> Vec<Fact> {
     facts
 }
 
-/// Returns how a scan was read, in words.
+/// Describes how a scan was read.
 fn reading(options: &ScanOptions) -> String {
     let crease_angle = options.crease_angle_deg.map(|angle| format!("hard edges from {angle}°"));
     let green = options.green.map(|green| match green {
@@ -132,8 +135,7 @@ fn requirements(certificate: &Certificate) -> PlainTable {
         title: "Requirements".into(),
         note: match has_levels {
             true => {
-                "Each level of detail is judged, level 0 is the finest; this is the worst of them. "
-                    .to_owned()
+                "Each level of detail is judged; the worst is shown. Level 0 is the finest. ".to_owned()
                     + INTERVALS
             }
             false => INTERVALS.into(),
@@ -149,12 +151,12 @@ fn requirements(certificate: &Certificate) -> PlainTable {
 const INTERVALS: &str = "Means and quantiles lie within their interval with a confidence of 99 %; the largest distance lies \
                          within proven bounds. A requirement is met only if the whole interval meets the limit.";
 
-/// Returns the worst outcome of each requirement over all levels, in order.
-fn worst(required: &[Met]) -> Vec<&Met> {
-    let mut worst: Vec<&Met> = Vec::new();
+/// Returns the worst result of each requirement over all levels, in order.
+fn worst(required: &[RequirementOutcome]) -> Vec<&RequirementOutcome> {
+    let mut worst: Vec<&RequirementOutcome> = Vec::new();
     for met in required {
-        let limit = |of: &Met| (of.figure, of.within, of.most, of.is_length);
-        let is_same = |known: &&mut &Met| limit(known) == limit(met);
+        let limit = |of: &RequirementOutcome| (of.figure, of.within, of.most, of.is_length);
+        let is_same = |known: &&mut &RequirementOutcome| limit(known) == limit(met);
         match worst.iter_mut().find(is_same) {
             Some(known) if is_worse(met, known) => *known = met,
             Some(_) => {}
@@ -164,7 +166,7 @@ fn worst(required: &[Met]) -> Vec<&Met> {
     worst
 }
 
-fn is_worse(a: &Met, b: &Met) -> bool {
+fn is_worse(a: &RequirementOutcome, b: &RequirementOutcome) -> bool {
     if a.met != b.met {
         return b.met;
     }
@@ -172,7 +174,7 @@ fn is_worse(a: &Met, b: &Met) -> bool {
     if a.figure.is_at_least() { of_a < of_b } else { of_a > of_b }
 }
 
-fn row_of_requirement(met: &Met, has_level: bool) -> Vec<Cell> {
+fn row_of_requirement(met: &RequirementOutcome, has_level: bool) -> Vec<Cell> {
     let (text, tone) = match met.met {
         true => ("met", Tone::Good),
         false if met.is_undecided() => ("undecided", Tone::Bad),
@@ -181,7 +183,7 @@ fn row_of_requirement(met: &Met, has_level: bool) -> Vec<Cell> {
     let bound = if met.figure.is_at_least() { "≥" } else { "≤" };
     let unit = met.unit();
     let limit = shown(unit, met.most);
-    // Five digits may hide that a limit is exceeded; then the outcome is stated with all of them.
+    // Five digits may hide that a limit is exceeded; the result is then shown with all digits.
     let value = match met.value.map(|value| shown(unit, value)) {
         None => "not measured".into(),
         Some(value) if !met.met && value == limit => met.text(),
@@ -199,13 +201,13 @@ fn row_of_requirement(met: &Met, has_level: bool) -> Vec<Cell> {
     row
 }
 
-/// Returns an interval in words; nothing if the value is exact.
+/// Returns an interval as text; an empty string if the value is exact.
 fn between(unit: FigureUnit, [low, high]: [f64; 2]) -> String {
     let [from, to] = [low, high].map(|bound| shown(unit, bound));
     if low == high { String::new() } else { format!("{from} to {to}") }
 }
 
-/// Returns a value in a unit: bytes with commas, and what rounding has left of nothing as 0.
+/// Returns a value in its unit: bytes with commas, and rounding residues as 0.
 fn shown(unit: FigureUnit, value: f64) -> String {
     const NOTHING: f64 = 1e-9;
     match unit.name {
@@ -215,13 +217,13 @@ fn shown(unit: FigureUnit, value: f64) -> String {
     }
 }
 
-/// Returns the title of a figure, with what it is a part of.
+/// Returns the title of a figure, with the quantity it is relative to.
 fn title(figure: Figure, title: &str, unit: FigureUnit) -> String {
     let of_diagonal = figure == Figure::Hausdorff && unit.name == "%";
     format!("{title}{}", if of_diagonal { ", of the diagonal" } else { "" })
 }
 
-/// Makes the table of the key figures that no requirement shows.
+/// Builds the table of the key figures that no requirement covers.
 fn figures(certificate: &Certificate) -> PlainTable {
     let has_row = |figure: &KeyFigure| {
         certificate
@@ -246,7 +248,7 @@ fn figures(certificate: &Certificate) -> PlainTable {
         title: if certificate.required.is_empty() { "Figures" } else { "Further figures" }.into(),
         note: match (unseen.is_empty(), is_single) {
             (true, true) => String::new(),
-            (true, false) => "Of the finest level of detail.".into(),
+            (true, false) => "For the finest level of detail.".into(),
             (false, _) => format!("Not compared: {}.", unseen.join("; ")),
         },
         columns: ["figure", "shown by", "value", "interval"].map(Column::words).to_vec(),
@@ -262,14 +264,14 @@ fn files(certificate: &Certificate) -> PlainTable {
     let further = format!(" {more} more are listed under “All files”.");
     PlainTable {
         title: "Files".into(),
-        note: "Maps in the model's own file are hashed as they are stored there.".to_owned()
+        note: "Maps embedded in the model file are hashed as stored.".to_owned()
             + if more > 0 { &further } else { "" },
         columns: columns_of_files(),
         rows,
     }
 }
 
-/// Returns the number of files for which the statement has room.
+/// Returns the number of files that fit in the statement.
 fn listed_files(certificate: &Certificate) -> usize {
     let others = worst(&certificate.required).len() + figures(certificate).rows.len();
     MOST_ROWS.saturating_sub(others).max(LEAST_FILES)
@@ -287,7 +289,7 @@ fn rows_of_files(certificate: &Certificate) -> Vec<Vec<Cell>> {
     let own = |what: &str, files: &[HashedFile]| files.first().map(|file| row(what.into(), file));
     let map = |map: &HashedMap| {
         let uses = if map.uses.is_empty() { "unused" } else { &map.uses };
-        let name = map.file.clone().unwrap_or_else(|| "in the model's file".into());
+        let name = map.file.clone().unwrap_or_else(|| "in the model file".into());
         let hash = map.sha256.clone().map_or_else(|| Cell::text("missing"), Cell::Code);
         let bytes = Cell::Number { value: map.bytes.map(|bytes| bytes as f64), digits: 0 };
         vec![Cell::text(format!("map: {uses}")), Cell::text(name), bytes, hash]
@@ -310,11 +312,11 @@ mod tests {
     }
 
     #[test]
-    fn values_are_shown_as_people_write_them() {
+    fn values_are_formatted_for_readers() {
         let [bytes, share] = [Figure::Bytes, Figure::Missed].map(Figure::unit);
         assert_eq!(shown(bytes, 5_000_000.0), "5,000,000 B");
         assert_eq!(between(share, [2.7e-20, 0.000_331_6]), "0 % to 0.03316 %");
-        assert_eq!(between(share, [0.1; 2]), "", "it is exact");
+        assert_eq!(between(share, [0.1; 2]), "", "the value is exact");
         assert!(
             title(Figure::Hausdorff, Figure::Hausdorff.title(), Figure::Hausdorff.unit())
                 .ends_with("of the diagonal")
@@ -322,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn the_worst_level_stands_for_all() {
+    fn the_worst_level_represents_all() {
         let level = |share: f64| {
             let mut level = LevelFigures::default();
             level.coverage.missed_interval = [share; 2];

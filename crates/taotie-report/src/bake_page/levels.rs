@@ -1,4 +1,4 @@
-//! Levels of detail: a table of their figures, and the view from which each differs most from the scan.
+//! Levels of detail: a table of their figures, and the view in which each differs most from the scan.
 
 use super::normal_errors::{cells, columns};
 use super::views::{GREY, side};
@@ -6,7 +6,7 @@ use crate::{Cell, Column, Section, View};
 use taotie::Result;
 use taotie::asset::{LevelFigures, Proof, ViewFigures, Views};
 
-/// Makes the table of all levels; `None` where there is one alone.
+/// Builds the table of all levels; `None` if there is only one.
 pub fn table(levels: &[LevelFigures]) -> Option<Section> {
     let further = [
         Column::numbers("seen at", "pixels across"),
@@ -19,9 +19,9 @@ pub fn table(levels: &[LevelFigures]) -> Option<Section> {
     ];
     (levels.len() > 1).then(|| Section::Table {
         title: "Levels of detail".into(),
-        note: "Each level as it was written and read back, against the scan. A level takes over from the one \
-               before where the object fills so many pixels of a screen of 3840 × 2160, and is seen as large as that in the overview. FLIP and SSIM are means of all grey \
-               views."
+        note: "Each level, as written and read back, compared with the scan. A level replaces the previous one when \
+               the object is “seen at” this size on a 3840 × 2160 screen, which is also its size in the overview. \
+               FLIP and SSIM are means over all grey views."
             .into(),
         columns: columns(Column::numbers("level", "")).into_iter().chain(further).collect(),
         rows: levels.iter().enumerate().map(row).collect(),
@@ -47,10 +47,10 @@ fn mean(views: &[ViewFigures], of: fn(&ViewFigures) -> f64) -> Cell {
     Cell::Number { value: (!views.is_empty()).then(|| sum / views.len() as f64), digits: 4 }
 }
 
-/// Makes a view of each coarser level, from the side where FLIP is largest.
+/// Builds a view of each coarser level, from the direction with the largest FLIP.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] where a picture has no pixels.
+/// [`taotie::Error::Invalid`] if a picture has no pixels.
 pub fn worst_views(proof: &Proof) -> Result<Vec<View>> {
     let worst = proof.coarser_views.iter().enumerate().map(|(i, shots)| worst_view(i + 1, shots));
     worst.filter_map(Result::transpose).collect()
@@ -61,7 +61,7 @@ fn worst_view(level: usize, shots: &Views) -> Result<Option<View>> {
     let Some(i) = (0..shots.figures.len()).max_by(by_flip) else { return Ok(None) };
     let view = side(shots, i, &GREY)?;
     let name = format!("level {level}, {}", view.name);
-    let note = format!("Level of detail {level} from the side where it differs most. {}", view.note);
+    let note = format!("Level of detail {level} from the direction in which it differs most. {}", view.note);
     Ok(Some(View { name, note, ..view }))
 }
 
@@ -77,9 +77,9 @@ mod tests {
             level.hausdorff_of_diagonal.upper = 0.01;
             level
         };
-        assert_eq!(table(&[level(300)]), None, "the other tables tell all of one level");
+        assert_eq!(table(&[level(300)]), None, "the other tables cover a single level");
         let Some(Section::Table { columns, rows, .. }) = table(&[level(300), level(20)]) else {
-            panic!("two levels are a table")
+            panic!("expected a table for two levels")
         };
         assert!(rows.len() == 2 && rows.iter().all(|row| row.len() == columns.len()));
         assert_eq!(rows[1][..2], [Cell::number(1.0, 0), Cell::number(20.0, 0)]);

@@ -1,4 +1,4 @@
-//! What a proof says of colour and material.
+//! The colour and material errors of a proof.
 
 use crate::heat_map::HeatMap;
 use crate::summary::figures;
@@ -7,13 +7,13 @@ use taotie::Result;
 use taotie::asset::MaterialFigures;
 use taotie::compare::{ColorMap, Field, Summary};
 
-/// The last colour of the map of colour errors stands for this difference.
+/// The colour difference at the end of the colour scale.
 const TOP: f32 = 10.0;
 
-/// Pixels along a side of the picture of that map, at most.
+/// The maximum side of the picture of that map, pixels.
 const MOST_SIDE: usize = 512;
 
-/// Makes the table of all differences; none where nothing was compared.
+/// Builds the table of all differences; `None` if nothing was compared.
 pub fn section(material: &MaterialFigures) -> Option<Section> {
     if material.color.is_none() && material.not_finite == 0.0 {
         return None;
@@ -34,27 +34,28 @@ pub fn section(material: &MaterialFigures) -> Option<Section> {
 }
 
 fn note(material: &MaterialFigures) -> String {
-    let note = "The difference of what asset and scan say of their material at the points of the normal error. Of two \
-                colours side by side, a CIEDE2000 of about 1 is just visible. A baked roughness is widened by the \
-                relief that is finer than a texel, which counts here as well.";
+    let note = "Differences between the materials of asset and scan, at the points where normal errors are measured. \
+                A CIEDE2000 difference of about 1 is just visible between adjacent colours. Baked roughness also \
+                includes relief finer than a texel, which is counted as a difference here.";
     let part = material.not_finite * 100.0;
     if part == 0.0 {
         return note.into();
     }
     format!(
-        "{note} At {part:.4} % of the points a value is not finite; what is not finite is in none of the figures."
+        "{note} At {part:.4} % of the points a value is not finite; such values are excluded from all figures."
     )
 }
 
-/// Makes the view of the colour error on the map.
+/// Builds the view of the colour error map.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] where the picture has no pixels.
+/// [`taotie::Error::Invalid`] if the picture has no pixels.
 pub fn view(field: &Field) -> Result<View> {
     let heat = HeatMap { field, title: "colour error", unit: "", map: ColorMap::Viridis, top: TOP };
     Ok(View {
         name: "colour error".into(),
-        note: "The difference of the base colours of asset and scan on the surface, CIEDE2000, laid out on the map.".into(),
+        note: "CIEDE2000 difference between the base colours of asset and scan, in the layout of the maps."
+            .into(),
         pictures: vec![Picture::to_look_at("colour error", "", &heat.plain().shrunk(MOST_SIDE))?],
         legend: Some(Legend::new("CIEDE2000", "", f64::from(TOP), ColorMap::Viridis)),
     })
@@ -65,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_that_are_not_finite_are_told() {
+    fn values_that_are_not_finite_are_reported() {
         let mut material = MaterialFigures::default();
         assert!(section(&material).is_none());
         material.not_finite = 0.25;

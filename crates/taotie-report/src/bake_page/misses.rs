@@ -1,10 +1,10 @@
-//! The map of missed rays as a picture.
+//! Draws the map of missed rays.
 
 use crate::sheet::{GROUND, Sheet};
 use taotie::asset::Misses;
 use taotie::bake::TexelStatus;
 
-/// Draws texels whose rays missed the scan: amber where the closest point was used, red where there was no hit.
+/// Draws texels whose rays missed the scan: amber if the closest point was used, red if there was no hit.
 pub fn misses(misses: &Misses) -> Sheet {
     const COVERED: [u8; 3] = [70, 90, 80];
     const CLOSEST: [u8; 3] = [240, 170, 40];

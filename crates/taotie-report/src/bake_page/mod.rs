@@ -1,4 +1,4 @@
-//! The proof of a bake as a page that opens from disk.
+//! The report page for the proof of a bake, which opens from disk.
 //!
 //! ```no_run
 //! use std::path::Path;
@@ -41,11 +41,11 @@ use std::path::Path;
 use taotie::asset::{Asset, Limits, Proof, Report, VerifyOptions};
 use taotie::{Result, Warnings};
 
-/// Pixels along a side of the pictures of the worst patches.
+/// The side of the pictures of the worst patches, pixels.
 const PATCH_VIEW: u32 = 384;
 
-/// Returns the options of a proof with the pictures that a page shows: maps of errors and the worst patches; without them if
-/// no page is wanted.
+/// Returns the options for a proof with the pictures that a page shows, which are error maps and the worst patches;
+/// without them if no page is wanted.
 pub fn options(options: VerifyOptions, is_wanted: bool) -> VerifyOptions {
     match is_wanted {
         true => VerifyOptions { patch_view: PATCH_VIEW, ..options },
@@ -53,17 +53,17 @@ pub fn options(options: VerifyOptions, is_wanted: bool) -> VerifyOptions {
     }
 }
 
-/// Makes the page of a proof: certificate, worst patches, views of scan and asset, maps, every figure, and warnings. `asset` is
-/// `None` if it was not baked here.
+/// Builds the page for a proof: certificate, worst patches, views of scan and asset, maps, all figures, and warnings.
+/// `asset` is `None` if it was not baked here.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] where a picture has no pixels.
+/// [`taotie::Error::Invalid`] if a picture has no pixels.
 pub fn page(report: &Report, proof: &Proof, asset: Option<&Asset>) -> Result<Page> {
     of(report, proof, (asset, Judge::Here))
 }
 
-/// Makes the page of a bake that is judged elsewhere, as the assets of a collection are: what is required of them may
-/// change, and the page does not.
+/// Builds the page for a bake that is judged elsewhere, such as an asset of a collection: the requirements may change
+/// while the page stays the same.
 ///
 /// # Errors
 /// As [`page`].
@@ -80,9 +80,9 @@ fn of(report: &Report, proof: &Proof, (asset, judge): (Option<&Asset>, Judge)) -
     Ok(Page {
         title: report.high.clone(),
         subtitle: match report.bake {
-            Some(_) if is_packed => "The scan, and the same packed into a smaller file".into(),
-            Some(_) => "The scan, and the low-poly asset made from it".into(),
-            None => "The scan, and an asset that stands for it".into(),
+            Some(_) if is_packed => "The scan, and the same scan packed into a smaller file".into(),
+            Some(_) => "The scan and the low-poly asset made from it".into(),
+            None => "The scan and an asset that represents it".into(),
         },
         statement: report.certificate.as_ref().map(|own| certificate::statement(own, judge)),
         features: patches::features(proof)?,
@@ -96,8 +96,8 @@ fn of(report: &Report, proof: &Proof, (asset, judge): (Option<&Asset>, Judge)) -
     })
 }
 
-/// Writes a page of a bake as one HTML document whose first view is the asset as it lies at `path`: by the shaders of
-/// Taotie, with the error of its normals on it. Where it cannot be shown, the page is without it, and a warning says why.
+/// Writes the page for a bake as one HTML document whose first view is the asset at `path`, drawn by the shaders of
+/// Taotie and with its normal error. If it cannot be shown, the page omits it and a warning gives the reason.
 pub fn html_with_asset(page: &Page, proof: &Proof, path: &Path) -> (String, Warnings) {
     let subject = AssetSubject {
         path,
@@ -109,7 +109,7 @@ pub fn html_with_asset(page: &Page, proof: &Proof, path: &Path) -> (String, Warn
         Ok(written) => written,
         Err(error) => {
             let mut warnings = Warnings::default();
-            warnings.note(format!("the report does not show the asset itself: {error}"), 1);
+            warnings.note(format!("the report has no 3D view of the asset: {error}"), 1);
             (crate::html(page), warnings)
         }
     }

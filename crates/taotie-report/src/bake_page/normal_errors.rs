@@ -1,10 +1,10 @@
-//! The columns that the tables of materials and of levels share: triangles, normal errors, and rays that met nothing.
+//! The columns shared by the tables of materials and of levels: triangles, normal errors, and missed rays.
 
 use crate::{Cell, Column};
 use taotie::asset::{LevelFigures, PartFigures};
 use taotie::compare::Summary;
 
-/// The figures of a row.
+/// The figures for a row.
 pub struct NormalErrors<'a> {
     triangles: usize,
     angles: Option<&'a Summary>,
@@ -34,7 +34,7 @@ impl<'a> From<&'a LevelFigures> for NormalErrors<'a> {
     }
 }
 
-/// Makes the columns behind that of `subject`, which names the row.
+/// Returns the columns, starting with `subject`, which names the row.
 pub fn columns(subject: Column) -> Vec<Column> {
     vec![
         subject,
@@ -47,7 +47,7 @@ pub fn columns(subject: Column) -> Vec<Column> {
     ]
 }
 
-/// Makes the cells behind that of `subject`.
+/// Returns the cells, starting with `subject`.
 pub fn cells<'a>(subject: Cell, figures: impl Into<NormalErrors<'a>>) -> Vec<Cell> {
     let figures = figures.into();
     let degrees = |value: Option<f64>| Cell::Number { value, digits: 3 };

@@ -3,8 +3,8 @@
 use crate::{Notice, Section, Tone};
 use taotie::asset::{Proof, Report, Warning};
 
-/// Makes the section of all warnings, each once: what the proof found comes first, then what was wrong with the files and
-/// the bake. `None` if there are none.
+/// Builds the section of all distinct warnings: first those of the proof, then those about the files and the bake.
+/// `None` if there are none.
 pub fn section(report: &Report, proof: &Proof) -> Option<Section> {
     let found = Warning::list(&proof.warnings);
     let (first, others): (Vec<&Warning>, Vec<&Warning>) =
@@ -18,7 +18,7 @@ pub fn section(report: &Report, proof: &Proof) -> Option<Section> {
     }
     (!notices.is_empty()).then(|| Section::Notices {
         title: "Warnings".into(),
-        note: "What the proof found comes first, then what was wrong with the files, and what was changed."
+        note: "Findings of the proof come first, then problems in the files and changes made to fix them."
             .into(),
         notices,
     })

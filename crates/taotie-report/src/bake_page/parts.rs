@@ -1,15 +1,15 @@
-//! The materials of an asset that has several: a table of their figures.
+//! The table of figures for each material of an asset with several.
 
 use super::normal_errors::{cells, columns};
 use crate::{Cell, Column, Section};
 use taotie::asset::PartFigures;
 
-/// Makes the table of all materials; `None` where there is one alone.
+/// Builds the table of all materials; `None` if there is only one.
 pub fn table(parts: &[PartFigures]) -> Option<Section> {
     (!parts.is_empty()).then(|| Section::Table {
         title: "Materials".into(),
-        note: "The triangles of each material of the low-poly mesh, with the maps that were baked for it; in the map of \
-               errors they stand one below the other in this order."
+        note: "The triangles of each material of the low-poly mesh, with the maps baked for it. The error map stacks \
+               the materials from top to bottom in this order."
             .into(),
         columns: columns(Column::words("material")),
         rows: parts.iter().map(|part| cells(Cell::text(part.material.as_str()), part)).collect(),

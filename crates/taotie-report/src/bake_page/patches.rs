@@ -9,12 +9,12 @@ use taotie::compare::ColorMap;
 use taotie::length::place_text;
 use taotie::proof::PatchQuantity;
 
-/// The last colour of a map stands for one of these: degrees, or CIEDE2000.
+/// Possible values at the end of a colour scale: degrees or CIEDE2000.
 const TOPS: [f32; 6] = [1.0, 2.0, 5.0, 10.0, 20.0, 45.0];
-/// It is at least this many times the mean of the patch.
+/// The end of the scale is at least this many times the mean of the patch.
 const OVER_MEAN: f64 = 3.0;
 
-/// Makes the pictures of all worst patches.
+/// Builds the pictures of all worst patches.
 ///
 /// # Errors
 /// [`taotie::Error::Invalid`] if a picture has no pixels.
@@ -40,9 +40,10 @@ fn feature(figures: &Figures, pictures: &PatchPictures) -> Result<View> {
     Ok(View {
         name: name.into(),
         note: format!(
-            "Close-up of the window of 1 % of the visible surface with the largest mean difference: {mean}, measured at points \
-             of the {surface} around {place}. Both are seen from the same direction, {look} and the same \
-             light, with a mean FLIP of {flip:.4}; the window fills two thirds of the width. Grey pixels have nothing to compare."
+            "Close-up of the window covering 1 % of the visible surface with the largest mean difference: {mean}, \
+             measured at points of the {surface} around {place}. Both are rendered from the same direction, {look} \
+             and under the same light; the mean FLIP is {flip:.4}. The window fills two thirds of the width. Grey \
+             pixels have nothing to compare."
         ),
         pictures: vec![
             Picture::to_look_at("scan", "", &Sheet::developed(scan))?,

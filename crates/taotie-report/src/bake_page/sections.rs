@@ -1,16 +1,17 @@
-//! The tables, histogram and texts of a proof.
+//! The tables, histogram and texts of a proof page.
 
 use super::{levels, material, parts, worst};
 use crate::summary::figures;
 use crate::{Cell, Column, Section, Series, Tone};
 use taotie::asset::{
-    BIN_WIDTH, BakeFigures, FigureUnit, Figures, LevelFigures, Met, PartFlip, Report, StageTime, ViewFigures,
+    BIN_WIDTH, BakeFigures, FigureUnit, Figures, LevelFigures, PartFlip, Report, RequirementOutcome,
+    StageTime, ViewFigures,
 };
 use taotie::compare::Summary;
 use taotie::length::{ShownLength, Unit, dpi};
 use taotie::proof::Estimate;
 
-/// Makes all sections in order.
+/// Builds all sections in order.
 pub fn sections(report: &Report, (proof, flips): (&Figures, &[PartFlip])) -> Vec<Section> {
     let mut sections = Vec::new();
     if report.triangles.len() > 1 && !report.required().is_empty() {
@@ -36,7 +37,7 @@ pub fn sections(report: &Report, (proof, flips): (&Figures, &[PartFlip])) -> Vec
 fn required(report: &Report) -> Section {
     Section::Table {
         title: "Requirements by level".into(),
-        note: "The outcomes of all requirements at each level of detail; level 0 is the finest.".into(),
+        note: "The result of each requirement at each level of detail; level 0 is the finest.".into(),
         columns: vec![
             Column::words("figure"),
             Column::words("level"),
@@ -49,7 +50,7 @@ fn required(report: &Report) -> Section {
     }
 }
 
-fn row_of_requirement(met: &Met) -> Vec<Cell> {
+fn row_of_requirement(met: &RequirementOutcome) -> Vec<Cell> {
     let (text, tone) = match met.met {
         true => ("met", Tone::Good),
         false if met.is_undecided() => ("undecided", Tone::Bad),
@@ -68,11 +69,11 @@ fn row_of_requirement(met: &Met) -> Vec<Cell> {
     ]
 }
 
-/// Returns the digits behind the point of a value and its limit: four, and as many more as it takes to see that a value
-/// which is too large is larger.
+/// Returns the number of decimals for a value and its limit: four, or more if needed to show that a value above the
+/// limit is larger.
 fn digits(met: bool, value: f64, most: f64) -> usize {
     const FEW: usize = 4;
-    /// As many as tell any two numbers from 0.1 on apart.
+    /// Enough to distinguish any two numbers of at least 0.1.
     const ALL: usize = 17;
     let differ = |digits: &usize| format!("{value:.digits$}") != format!("{most:.digits$}");
     if met || value <= most { FEW } else { (FEW..ALL).find(differ).unwrap_or(ALL) }
@@ -84,7 +85,7 @@ fn quantiles(title: &str) -> Vec<Column> {
     columns
 }
 
-/// Makes the row of a summary; none if nothing was measured.
+/// Builds the row for a summary; `None` if nothing was measured.
 fn row_of_summary(name: &str, summary: Option<&Summary>) -> Option<Vec<Cell>> {
     let numbers = figures(summary?).map(|value| Cell::number(value, 3));
     Some([Cell::text(name)].into_iter().chain(numbers).collect())
@@ -112,10 +113,10 @@ fn as_seen(level: &LevelFigures) -> Section {
     Section::Table {
         title: "As seen: overview and close-up".into(),
         note: format!(
-            "Differences at the same pixel of scan and asset, parallax and texture filtering included, outlines left out. \
-             Overview: {} random pixels of 32 fixed views in which the object fills 512 × 512 pixels. Worst 1 %: the window \
-             of one per cent of the visible surface with the largest mean, seen close up, as finely as the scan has detail. \
-             Largest values are maxima over these samples.",
+            "Differences between scan and asset at the same pixel, including parallax and texture filtering but not \
+             outlines. Overview: {} random pixels from 32 fixed views in which the object fills 512 × 512 pixels. \
+             Worst 1 %: the window covering 1 % of the visible surface with the largest mean, seen close up at the \
+             resolution of the scan's detail. Maxima are over these samples.",
             overview.pixels
         ),
         columns: quantiles("figure"),
@@ -134,13 +135,13 @@ fn on_surface(report: &Report, level: &LevelFigures) -> Section {
 }
 
 fn note_of_normals(bake: Option<&BakeFigures>) -> String {
-    let note = "The angle between the normals of asset and scan, at points spread evenly over the asset as it was \
-                written and read back: each point against the point of the scan that its projection ray meets. This is not \
-                what a viewer sees: parallax, filtering and silhouettes do not count.";
+    let note = "The angle between the normals of asset and scan, at points spread evenly over the asset as written \
+                and read back. Each point is compared with the point of the scan that its projection ray hits. \
+                This is not what a viewer sees: parallax, filtering and silhouettes are not included.";
     match bake.and_then(|bake| bake.floor_8_bit) {
         Some([mean, most]) => format!(
-            "{note} Storing normals in 8 bits alone costs {mean}° on average and {most}° at most; dithering raises the \
-             average a little and removes the steps in gentle curves."
+            "{note} The error floor of 8-bit normals is {mean}° on average and {most}° at most; dithering raises the \
+             average slightly but removes banding in gentle curves."
         ),
         None => note.into(),
     }
@@ -149,7 +150,7 @@ fn note_of_normals(bake: Option<&BakeFigures>) -> String {
 fn histogram(level: &LevelFigures) -> Section {
     Section::Histogram {
         title: "Histogram of normal error on the surface".into(),
-        note: "Points by their normal error; the last bin holds all that is larger.".into(),
+        note: "Number of points by normal error; the last bin includes all larger errors.".into(),
         unit: "°".into(),
         bin_width: BIN_WIDTH,
         last_is_open: true,
@@ -157,12 +158,12 @@ fn histogram(level: &LevelFigures) -> Section {
     }
 }
 
-/// Makes the row of a number with its unit.
+/// Builds the row for a number with its unit.
 fn row_of_number(name: &str, value: f64, (digits, unit): (usize, &str)) -> Vec<Cell> {
     vec![Cell::text(name), Cell::number(value, digits), Cell::text(unit)]
 }
 
-/// Makes the row of a length of the scan, in a unit of its size.
+/// Builds the row for a length on the scan, in a unit that suits its size.
 fn row_of_length(name: &str, length: f64, unit: Option<Unit>) -> Vec<Cell> {
     let ShownLength { value, decimals, unit } = ShownLength::of(length, unit, 4);
     row_of_number(name, value, (decimals, unit))
@@ -192,10 +193,10 @@ fn shape(level: &LevelFigures, unit: Option<Unit>) -> Section {
         row("silhouette, mean deviation", silhouette.mean_pixels, (3, "pixels of 512")),
         row("silhouette, largest deviation", silhouette.max_pixels, (2, "pixels of 512")),
         length("silhouette, largest deviation", silhouette.max_length),
-        row("scan with nothing in its place on the asset", coverage.missed_of_scan * 100.0, percent),
-        row("asset with nothing in its place on the scan", coverage.missed_of_asset * 100.0, percent),
+        row("scan without a counterpart on the asset", coverage.missed_of_scan * 100.0, percent),
+        row("asset without a counterpart on the scan", coverage.missed_of_asset * 100.0, percent),
         row("scan within 0.5 % of the diagonal of the asset", coverage.completeness * 100.0, percent),
-        row("scan that cannot be seen", coverage.hidden_of_scan * 100.0, percent),
+        row("hidden part of the scan", coverage.hidden_of_scan * 100.0, percent),
     ];
     if let Some(resolution) = &level.resolution {
         rows.push(length("texel, median width", resolution.texel));
@@ -203,13 +204,13 @@ fn shape(level: &LevelFigures, unit: Option<Unit>) -> Section {
             unit.map(|unit| row("texels, median resolution", dpi(resolution.texel, unit), (0, "dpi"))),
         );
         rows.push(row(
-            "surface where texels are twice as coarse as the scan",
+            "surface with texels over twice as coarse as the scan",
             resolution.share * 100.0,
             percent,
         ));
     }
-    let note = "Distances in both directions between what can be seen of the surfaces. The largest lies between two proven \
-                bounds; all other figures are of samples.";
+    let note = "Distances between the visible surfaces, in both directions. The largest distance lies between two \
+                proven bounds; all other figures are estimates from samples.";
     numbers("Shape and completeness", note, rows)
 }
 
@@ -219,13 +220,13 @@ fn rays(report: &Report, bake: &BakeFigures) -> Section {
         row_of_number("texels with a missed ray", bake.missed_texels * 100.0, percent),
         row_of_number("samples whose ray missed (closest point used)", bake.missed_samples * 100.0, percent),
         row_of_number("samples with no hit (low-poly normal used)", bake.lost_samples * 100.0, percent),
-        row_of_number("map covered by UV islands", bake.uv_use * 100.0, (1, "%")),
+        row_of_number("map area covered by UV islands", bake.uv_use * 100.0, (1, "%")),
     ];
     let ([width, height], carried) = (report.size, report.carried.join(", "));
     let carried =
         if carried.is_empty() { carried } else { format!("Carried over from the scan: {carried}. ") };
     let note = format!(
-        "Maps of {width} × {height}. {carried}A ray misses where it meets no surface of the scan that faces it."
+        "Maps of {width} × {height} texels. {carried}A ray misses if it hits no surface of the scan that faces it."
     );
     numbers("The bake", &note, rows)
 }
@@ -244,9 +245,9 @@ fn views(level: &LevelFigures) -> Section {
     let full = level.full_views.iter().map(|view| ("full", view));
     Section::Table {
         title: "Visual difference in images".into(),
-        note: "Pictures of scan and asset, compared pixel by pixel: FLIP is 0 and SSIM is 1 where they are equal. Both \
-               also count where the low-poly mesh lies beside the scan. Grey pictures show shape and normals alone; \
-               full ones the materials of both, where the scan says anything of its own."
+        note: "Renders of scan and asset, compared pixel by pixel; FLIP is 0 and SSIM is 1 for equal images. Both \
+               include misalignment between the low-poly mesh and the scan. Grey images show only shape and \
+               normals; full images show both with their materials, if the scan has any."
             .into(),
         columns: vec![
             Column::words("look"),
@@ -274,7 +275,7 @@ mod tests {
     use super::*;
     use taotie::asset::Requirement;
 
-    /// One level of which this share is missed.
+    /// One level with this share missed.
     fn missing(share: f64) -> Figures {
         let (mut figures, mut level) = (Figures::default(), LevelFigures::default());
         (level.coverage.missed_of_scan, level.coverage.missed_interval) = (share, [share; 2]);
@@ -283,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_required_is_told_in_its_unit() {
+    fn requirements_are_shown_in_their_unit() {
         let figures = missing(0.02);
         let row = |requirement| row_of_requirement(&figures.require(&[requirement])[0]);
         let missed = row(Requirement::missed(0.001));
@@ -297,7 +298,7 @@ mod tests {
     fn a_value_that_is_too_large_looks_larger() {
         let figures = missing(0.001_234_12);
         let row = |most| row_of_requirement(&figures.require(&[Requirement::missed(most)])[0]);
-        let told = |most| {
+        let shown = |most| {
             let row = row(most);
             let [
                 Cell::Number { value: Some(value), digits },
@@ -309,10 +310,10 @@ mod tests {
             assert_eq!(digits, same);
             [value, most].map(|number| format!("{number:.digits$}"))
         };
-        assert_eq!(told(0.001_234_1), ["0.123412", "0.123410"]);
-        assert_eq!(told(0.001), ["0.1234", "0.1000"]);
-        assert_eq!(told(0.001_234_2), ["0.1234", "0.1234"], "it is met");
-        let [value, most] = told(f64::from_bits(0.001_234_12f64.to_bits() - 1));
+        assert_eq!(shown(0.001_234_1), ["0.123412", "0.123410"]);
+        assert_eq!(shown(0.001), ["0.1234", "0.1000"]);
+        assert_eq!(shown(0.001_234_2), ["0.1234", "0.1234"], "the limit is met");
+        let [value, most] = shown(f64::from_bits(0.001_234_12f64.to_bits() - 1));
         assert_ne!(value, most);
     }
 }

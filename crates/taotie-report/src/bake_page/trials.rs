@@ -1,16 +1,16 @@
-//! What a search tried: bytes against degrees as a plot, and all numbers as CSV.
+//! The trials of a search: a plot of bytes against degrees, and all numbers as CSV.
 
 use crate::csv::{Csv, number};
 use crate::{Axis, PlotPoint, PointSeries, Section};
 use taotie::asset::{Report, Trial};
 use taotie::io::VertexBits;
 
-/// Angles below this, degrees, are drawn at it: a logarithmic axis has no zero.
+/// Smaller angles are drawn at this value, degrees, since a logarithmic axis has no zero.
 const LEAST_ANGLE: f64 = 0.001;
 
-/// Returns the plot of bytes against degrees; `None` if nothing was searched for.
+/// Returns the plot of bytes against degrees; `None` if there was no search.
 pub fn plot(report: &Report) -> Option<Section> {
-    // Without a pixel to compare there is no angle.
+    // There is no angle if there were no pixels to compare.
     let shown: Vec<Trial> =
         report.trials.iter().filter(|trial| trial.mean_angle.is_finite()).copied().collect();
     if shown.is_empty() {
@@ -22,8 +22,9 @@ pub fn plot(report: &Report) -> Option<Section> {
     };
     Some(Section::Plot {
         title: "Bytes against degrees".into(),
-        note: "Every file that the search made, read back and measured. Filled: within the limits of angles, colours and the \
-               device. Ring: beyond one of them. The line joins the fewest bytes for each mean angle; the cross marks the asset."
+        note: "Every file that the search wrote, read back and measured. Filled: within the limits for angles, \
+               colours and the device. Ring: beyond at least one limit. The line joins the smallest files for \
+               each mean angle; the cross marks the asset."
             .into(),
         x: Axis { name: "size".into(), unit: "kB".into() },
         y: Axis { name: "mean angle".into(), unit: "°".into() },
@@ -57,7 +58,7 @@ fn place(trial: &Trial) -> [f64; 2] {
     [trial.bytes as f64 / 1000.0, trial.mean_angle.max(LEAST_ANGLE)]
 }
 
-/// Returns the trials that no other beats in both bytes and mean angle, by rising bytes.
+/// Returns the trials that no other beats in both bytes and mean angle, by ascending bytes.
 fn frontier(trials: &[Trial]) -> Vec<[f64; 2]> {
     let mut places: Vec<[f64; 2]> = trials.iter().map(place).collect();
     places.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
@@ -139,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn the_frontier_leaves_out_what_another_beats() {
+    fn the_frontier_excludes_dominated_trials() {
         let trials =
             [trial(4000, 0.5), trial(1000, 3.0), trial(2000, 1.0), trial(3000, 2.0), trial(2000, 1.5)];
         assert_eq!(frontier(&trials), [[1.0, 3.0], [2.0, 1.0], [4.0, 0.5]]);

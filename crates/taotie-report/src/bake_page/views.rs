@@ -1,4 +1,4 @@
-//! The pictures of a proof: scan and asset from all sides, the maps, and the missed rays.
+//! The pictures of a proof: scan and asset from all directions, the maps, and the missed rays.
 
 use super::material;
 use super::misses::misses;
@@ -10,19 +10,19 @@ use taotie::asset::{Asset, Proof, Textures, Views};
 use taotie::compare::{ColorMap, Field};
 use taotie::names::Named;
 
-/// Pixels along a side of the pictures of maps; of several materials, of all of them side by side.
+/// The side of the pictures of maps, pixels; for several materials, of all of them together.
 const MAP: usize = 512;
-/// Pixels along a side of the pictures of maps of many materials.
+/// The minimum side of the picture of a map if there are many materials, pixels.
 const LEAST_MAP: usize = 128;
-/// The last colour of the map of errors stands for this many degrees.
+/// The angle at the end of the colour scale of the error map, degrees.
 const TOP: f32 = 10.0;
-/// The last colour of the map of lost detail stands for texels that are this many times as wide as the scan's.
+/// The ratio of texel widths, asset to scan, at the end of the colour scale of lost detail.
 const MOST_COARSE: f32 = 8.0;
 
-/// Makes all views, a tab each.
+/// Builds all views, one tab each.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] where a picture has no pixels.
+/// [`taotie::Error::Invalid`] if a picture has no pixels.
 pub fn views(proof: &Proof, asset: Option<&Asset>) -> Result<Vec<View>> {
     let mut views = sides(&proof.views, &GREY)?;
     if let Some(full) = &proof.full_views {
@@ -39,33 +39,34 @@ pub fn views(proof: &Proof, asset: Option<&Asset>) -> Result<Vec<View>> {
     Ok(views)
 }
 
-/// Makes the view of how much coarser than the scan's detail the asset's texels are.
+/// Builds the view that shows how much coarser the asset's texels are than the scan's detail.
 fn lost_detail(field: &Field) -> Result<View> {
     let (title, map) = ("times as wide as the scan's detail", ColorMap::Magma);
     let heat = HeatMap { field, title, unit: " ×", map, top: MOST_COARSE };
     Ok(View {
         name: "lost detail".into(),
-        note: "How many times wider the asset's texels are than the scan's finest detail there: a texel of its textures, or half \
-               its median edge, but at least 1/4096 of the object. Above 2 detail is lost."
+        note: "How many times wider the asset's texels are than the scan's finest detail at the same place: a texel \
+               of its textures or half its median edge length, but at least 1/4096 of the object. Above 2, detail \
+               is lost."
             .into(),
         pictures: vec![Picture::new("lost detail", "", &heat.plain())?],
-        legend: Some(Legend::new("Texel by the scan's detail", " ×", f64::from(MOST_COARSE), ColorMap::Magma)),
+        legend: Some(Legend::new("Texel width by scan detail", " ×", f64::from(MOST_COARSE), ColorMap::Magma)),
     })
 }
 
-/// Makes the view of the rays that missed the scan; `None` where none did.
+/// Builds the view of rays that missed the scan; `None` if none were recorded.
 fn missed_rays(material: &str, textures: &Textures) -> Result<Option<View>> {
     let Some(texels) = &textures.misses else { return Ok(None) };
     Ok(Some(View {
         name: named(material, "missed rays"),
-        note: "Texels with rays that missed the scan: amber used the scan's closest point, red had no hit."
+        note: "Texels whose rays missed the scan. Amber: the scan's closest point was used. Red: no hit."
             .into(),
         pictures: vec![Picture::new("missed rays", "", &misses(texels))?],
         legend: None,
     }))
 }
 
-/// Returns a name, with that of its material before it where the asset has several.
+/// Returns a name, prefixed by its material if the asset has several.
 fn named(material: &str, name: &str) -> String {
     if material.is_empty() { name.to_owned() } else { format!("{material}: {name}") }
 }
@@ -79,28 +80,28 @@ pub struct Look {
 /// One grey material.
 pub const GREY: Look = Look {
     name: "grey",
-    note: "Scan and asset in one grey material under the same light, without colours: shape and normals alone. FLIP is \
-           the difference that an observer sees.",
+    note: "Scan and asset in the same grey material under the same light, to show only shape and normals. FLIP \
+           estimates the difference that an observer perceives.",
 };
 
 const FULL: Look = Look {
     name: "full",
-    note: "Scan and asset in their own materials under the same light; where one is of metal, that of the built-in \
-           studio. FLIP is the difference that an observer sees.",
+    note: "Scan and asset in their own materials under the same light, that of the built-in studio if either is \
+           metallic. FLIP estimates the difference that an observer perceives.",
 };
 
-/// Makes a view of scan and asset from each side.
+/// Builds a view of scan and asset from each direction.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] where a picture has no pixels.
+/// [`taotie::Error::Invalid`] if a picture has no pixels.
 fn sides(shots: &Views, look: &Look) -> Result<Vec<View>> {
     (0..shots.figures.len()).map(|i| side(shots, i, look)).collect()
 }
 
-/// Makes the view of scan and asset from the side of this number.
+/// Builds the view of scan and asset from direction number `i`.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] where a picture has no pixels.
+/// [`taotie::Error::Invalid`] if a picture has no pixels.
 pub fn side(shots: &Views, i: usize, look: &Look) -> Result<View> {
     let figures = &shots.figures[i];
     let visual_difference = format!("FLIP {:.4}, SSIM {:.4}", figures.flip, figures.ssim);
@@ -116,7 +117,7 @@ pub fn side(shots: &Views, i: usize, look: &Look) -> Result<View> {
     })
 }
 
-/// The map of errors, then the baked maps of each material.
+/// The error map, then the baked maps of each material.
 fn maps(proof: &Proof, asset: Option<&Asset>) -> Result<Vec<Picture>> {
     let mut maps = Vec::new();
     let count = asset.map_or(1, |asset| asset.texture_sets().count().max(1));
@@ -132,15 +133,15 @@ fn maps(proof: &Proof, asset: Option<&Asset>) -> Result<Vec<Picture>> {
                 maps.push(Picture::to_look_at(named(material, name), "", &Sheet::preview(bitmap, side))?);
             }
         }
-        for beside in &textures.beside {
-            let name = named(material, beside.map.name());
-            maps.push(Picture::to_look_at(&name, "", &Sheet::preview(&beside.bitmap, side))?);
+        for separate in &textures.standalone {
+            let name = named(material, separate.map.name());
+            maps.push(Picture::to_look_at(&name, "", &Sheet::preview(&separate.bitmap, side))?);
         }
     }
     Ok(maps)
 }
 
-/// A view for each size: only pictures of one size can be laid over one another.
+/// Groups pictures into views by size, since only pictures of equal size can be overlaid.
 fn grouped(pictures: &[Picture]) -> Vec<View> {
     let mut groups: Vec<Vec<Picture>> = Vec::new();
     for picture in pictures {
@@ -155,8 +156,9 @@ fn grouped(pictures: &[Picture]) -> Vec<View> {
 fn view_of_maps(i: usize, pictures: Vec<Picture>) -> View {
     View {
         name: if i == 0 { "maps".into() } else { format!("maps {}", i + 1) },
-        note: "The angle between the normals of asset and scan on the surface, laid out on the map; and the baked maps."
-            .into(),
+        note:
+            "The angle between the normals of asset and scan, in the layout of the maps, and the baked maps."
+                .into(),
         pictures,
         legend: Some(Legend::new("Normal error", "°", f64::from(TOP), ColorMap::Viridis)),
     }

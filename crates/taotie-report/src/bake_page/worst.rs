@@ -1,16 +1,16 @@
-//! The worst parts of an asset, and how much of it is beyond limits.
+//! The worst parts of an asset, and the share of its surface beyond limits.
 
 use crate::{Cell, Column, Section};
 use taotie::asset::{Beyond, Figures, PartFlip, PartKind, WorstParts};
 use taotie::length::place_text;
 use taotie::proof::{Exceedance, PatchQuantity, Region, WorstRegions};
 
-/// Limits whose shares are shown: degrees, CIEDE2000 and per cent of the diagonal.
+/// The limits to report: degrees, CIEDE2000 and per cent of the diagonal.
 const ANGLES: &[f64] = &[1.0, 2.0, 5.0, 10.0, 20.0];
 const COLORS: &[f64] = &[1.0, 2.0, 3.0, 5.0, 10.0];
 const DISTANCES: &[f64] = &[0.1, 0.2, 0.5, 1.0];
 
-/// Makes the table of shares of the surface beyond limits; `None` if nothing was compared.
+/// Builds the table of the shares of the surface beyond limits; `None` if nothing was compared.
 pub fn beyond(beyond: &Beyond) -> Option<Section> {
     let curves = [
         ("angle between normals", "°", ANGLES, &beyond.angle),
@@ -23,8 +23,8 @@ pub fn beyond(beyond: &Beyond) -> Option<Section> {
     let rows: Vec<Vec<Cell>> = rows.collect();
     (!rows.is_empty()).then(|| Section::Table {
         title: "Share of the surface beyond limits".into(),
-        note: "Of the visible surface, seen close up, the worse of scan and asset; with its 99 % interval. \
-               --require within-5deg=99% demands that at most 1 % is beyond 5°."
+        note: "Share of the visible surface, seen close up, with its 99 % interval; the worse of scan and asset. \
+               --require within-5deg=99% requires that at most 1 % is beyond 5°."
             .into(),
         columns: vec![
             Column::words("figure"),
@@ -45,7 +45,7 @@ fn row(name: &str, (limit, unit): (f64, &str), curve: &Exceedance) -> Vec<Cell> 
     [Cell::text(name), Cell::number(limit, 1), Cell::text(unit)].into_iter().chain(percent).collect()
 }
 
-/// Makes the table of the worst UV island and the worst material with their FLIP; `None` if the asset has only one of each.
+/// Builds the table of the worst UV island and material with their FLIP; `None` if there is only one of each.
 pub fn parts(figures: &Figures, parts: &WorstParts, flips: &[PartFlip]) -> Option<Section> {
     let island = |number: usize| format!("UV island {number}");
     let material = |number: usize| parts.material_names.get(number).cloned().unwrap_or_default();
@@ -68,7 +68,7 @@ pub fn parts(figures: &Figures, parts: &WorstParts, flips: &[PartFlip]) -> Optio
             Column::numbers("at least", ""),
             Column::numbers("at most", ""),
             Column::numbers("share of the area", "%"),
-            Column::words("around"),
+            Column::words("location"),
             Column::numbers("FLIP of its worst window", ""),
         ],
         rows,
@@ -77,12 +77,12 @@ pub fn parts(figures: &Figures, parts: &WorstParts, flips: &[PartFlip]) -> Optio
 
 fn note(parts: &WorstParts) -> String {
     let mut note =
-        "The UV island and the material with the largest mean difference, seen close up, measured again at \
-                    points of their own; with 99 % intervals. FLIP is the mean over close-ups of scan and asset, \
-                    as those of the worst patches, of the 1 % of the surface in which the part differs most, at half as many pixels along a side."
+        "The UV island and the material with the largest mean difference, seen close up and measured again at \
+                    separate points, with 99 % intervals. FLIP is the mean over close-ups of the 1 % of the surface \
+                    where the part differs most, rendered like those of the worst patches at half the resolution."
             .to_owned();
     if let Some(WorstRegions { count, skipped, .. }) = &parts.islands {
-        note += &format!(" Of {count} UV islands {skipped} are too small to be compared.");
+        note += &format!(" {skipped} of {count} UV islands are too small to compare.");
     }
     note
 }

@@ -17,7 +17,7 @@ function markOfState(asset) {
 }
 
 /**
- * What is wrong with an asset, in its own words.
+ * The problems of an asset, as text.
  * @param {Asset} asset
  * @returns {string[]}
  */
@@ -32,11 +32,11 @@ function linksOf(asset) {
   const links = [
     ["view", asset.viewer],
     ["proof", asset.report],
-    ["turn", asset.turntable],
+    ["turntable", asset.turntable],
     ["model", asset.model],
   ];
-  const there = links.filter(([, address]) => address !== undefined);
-  return there.map(([text, address]) => el("a", { href: address ?? "", "aria-label": `${text}: ${nameOf(asset)}` }, text ?? ""));
+  const present = links.filter(([, address]) => address !== undefined);
+  return present.map(([text, address]) => el("a", { href: address ?? "", "aria-label": `${text}: ${nameOf(asset)}` }, text ?? ""));
 }
 
 /**
@@ -54,7 +54,7 @@ function plateOf(asset) {
 
 /**
  * @param {Asset} asset
- * @param {string} key The figure that the cards are sorted by.
+ * @param {string} key The figure by which the cards are sorted.
  */
 function cardOf(asset, key) {
   const shown = FIGURES.filter((figure) => figure.key === key || ["mean", "shape", "color", "bytes"].includes(figure.key));

@@ -1,5 +1,5 @@
 // @ts-check
-// What is shown, and in which order. The page's address keeps it, so that a view can be sent to others.
+// Filters and order. They are kept in the page's address, so that a view can be shared.
 
 /**
  * @typedef {{ words: string, states: Set<string>, key: string, down: boolean, table: boolean }} Choice
@@ -7,14 +7,14 @@
 
 /** @returns {Choice} */
 function choiceOfAddress() {
-  const said = new URLSearchParams(location.hash.slice(1));
-  const states = (said.get("state") ?? "").split(",").filter((name) => name !== "");
+  const link = new URLSearchParams(location.hash.slice(1));
+  const states = (link.get("state") ?? "").split(",").filter((name) => name !== "");
   return {
-    words: said.get("find") ?? "",
+    words: link.get("find") ?? "",
     states: new Set(states),
-    key: said.get("sort") ?? "worst",
-    down: said.get("down") !== "0",
-    table: said.get("as") === "table",
+    key: link.get("sort") ?? "worst",
+    down: link.get("down") !== "0",
+    table: link.get("as") === "table",
   };
 }
 
@@ -22,13 +22,13 @@ function choiceOfAddress() {
  * @param {Choice} choice
  */
 function keepChoice({ words, states, key, down, table }) {
-  const said = new URLSearchParams();
-  if (words) said.set("find", words);
-  if (states.size) said.set("state", [...states].join(","));
-  if (key !== "worst") said.set("sort", key);
-  if (!down) said.set("down", "0");
-  if (table) said.set("as", "table");
-  history.replaceState(null, "", "#" + said.toString());
+  const link = new URLSearchParams();
+  if (words) link.set("find", words);
+  if (states.size) link.set("state", [...states].join(","));
+  if (key !== "worst") link.set("sort", key);
+  if (!down) link.set("down", "0");
+  if (table) link.set("as", "table");
+  history.replaceState(null, "", "#" + link.toString());
 }
 
 /**
@@ -47,7 +47,7 @@ function chosen(assets, { words, states, key, down }) {
 }
 
 /**
- * The controls; they call `changed` after each change.
+ * The controls, which call `changed` after each change.
  * @param {Asset[]} assets
  * @param {Choice} choice
  * @param {() => void} changed
@@ -60,7 +60,7 @@ function toolsOf(assets, choice, changed) {
     changed();
   });
   const sort = /** @type {HTMLSelectElement} */ (el("select", {}));
-  sort.append(el("option", { value: "worst" }, "the worst first"), el("option", { value: "name" }, "name"));
+  sort.append(el("option", { value: "worst" }, "worst first"), el("option", { value: "name" }, "name"));
   sort.append(...FIGURES.map((figure) => el("option", { value: figure.key }, figure.name)));
   sort.value = choice.key;
   sort.addEventListener("change", () => {
@@ -68,7 +68,7 @@ function toolsOf(assets, choice, changed) {
     choice.down = sort.value !== "name";
     changed();
   });
-  const turn = button("\u2195", "Turn the order round", () => {
+  const turn = button("\u2195", "Reverse the order", () => {
     choice.down = !choice.down;
     changed();
   });

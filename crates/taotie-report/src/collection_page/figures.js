@@ -1,8 +1,8 @@
 // @ts-check
-// The figures of an asset, and the orders that they are sorted by.
+// The figures of an asset, and sorting by them.
 
 /**
- * An asset, as `mod.rs` documents it.
+ * An asset, as documented in `mod.rs`.
  * @typedef {{
  *   id: string, title?: string, state: string, error?: string, unmet?: string[], warnings?: string[],
  *   thumbnail?: string, turntable?: string, viewer?: string, report?: string, model?: string,
@@ -42,14 +42,14 @@ const FIGURES = [
   { name: "colour error, overview, mean", key: "color", of: (asset) => asset.mean_color, text: (value) => written(value, 2) + "\u202fΔE" },
   { name: "largest distance (Hausdorff), bound", key: "shape", of: (asset) => asset.hausdorff, text: percent },
   { name: "missed, close-up", key: "missed", of: (asset) => asset.missed, text: percent },
-  { name: "bytes of the asset", key: "bytes", of: (asset) => asset.bytes_out, text: bytes },
-  { name: "bytes of the scan", key: "scan", of: (asset) => asset.bytes_in, text: bytes },
+  { name: "size of the asset", key: "bytes", of: (asset) => asset.bytes_out, text: bytes },
+  { name: "size of the scan", key: "scan", of: (asset) => asset.bytes_in, text: bytes },
   { name: "triangles of the scan", key: "triangles", of: (asset) => asset.triangles_in, text: (value) => written(value, 0) },
   { name: "time", key: "time", of: (asset) => asset.seconds, text: time },
   { name: "memory", key: "memory", of: (asset) => asset.peak_bytes, text: bytes },
 ];
 
-/** The states, the worst first, with what they are called and how they look. */
+/** The states, worst first, with their labels and tones. */
 const STATES = [
   { name: "failed", text: "failed", tone: "bad" },
   { name: "refused", text: "refused", tone: "bad" },
@@ -67,7 +67,7 @@ function badness(asset) {
 }
 
 /**
- * Assets in an order: the worst first, by name, or by a figure; what has no figure comes last.
+ * Sorts assets: worst first, by name, or by a figure. Assets without the figure come last.
  * @param {Asset[]} assets
  * @param {string} key
  * @param {boolean} down

@@ -1,13 +1,13 @@
-//! A collection as IIIF viewers read it.
+//! A collection as an IIIF document.
 
 use super::{Entry, Gallery};
 use serde_json::{Value, json};
 
-/// The JSON-LD context of version 4 of the Presentation API, the first with scenes of models.
+/// The JSON-LD context of version 4 of the Presentation API, the first version with 3D scenes.
 const CONTEXT: &str = "http://iiif.io/api/presentation/4/context.json";
 
-/// Writes a collection as a IIIF Presentation API 4 collection: a manifest with one scene for each asset that is there.
-/// `address` is where the page will be published; IIIF wants whole addresses.
+/// Writes an IIIF Presentation API 4 collection: a manifest with one scene for each asset that has a model. `address`
+/// is where the page will be published, since IIIF requires absolute URLs.
 ///
 /// ```
 /// use taotie_report::collection_page::{Entry, Gallery, iiif};
@@ -30,7 +30,7 @@ pub fn iiif(gallery: &Gallery, address: &str) -> String {
     format!("{collection:#}")
 }
 
-/// Returns the manifest of an asset; `None` where it has no model.
+/// Returns the manifest of an asset; `None` if it has no model.
 fn manifest(asset: &Entry, base: &str) -> Option<Value> {
     let model = format!("{base}{}", asset.model.as_ref()?);
     let scene = format!("{model}#scene");
@@ -63,7 +63,7 @@ fn manifest(asset: &Entry, base: &str) -> Option<Value> {
     Some(manifest)
 }
 
-/// Returns a text in no language.
+/// Returns a language map for a text without a language.
 fn label(text: &str) -> Value {
     json!({ "none": [text] })
 }

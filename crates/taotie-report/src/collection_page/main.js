@@ -1,7 +1,7 @@
 // @ts-check
-// The page from its data. Only as many assets become elements as have been scrolled to.
+// Builds the page from its data. Elements are created for assets only as they are scrolled to.
 
-/** How many are added at once. */
+/** The number of assets added at a time. */
 const CHUNK = 100;
 
 /**
@@ -13,16 +13,16 @@ function factsOf(assets) {
   const angles = made.flatMap((asset) => (asset.mean_angle === undefined ? [] : [asset.mean_angle])).sort((a, b) => a - b);
   const facts = [
     ["Assets", written(assets.length, 0)],
-    ["Scans", bytes(sum((asset) => asset.bytes_in))],
-    ["Files of the assets", bytes(sum((asset) => asset.bytes_out))],
-    ...(angles.length ? [["Normal error, median of the means", degrees(angles[angles.length >> 1] ?? 0)]] : []),
-    ["Time of all processes", time(assets.reduce((all, asset) => all + (asset.seconds ?? 0), 0))],
+    ["Size of the scans", bytes(sum((asset) => asset.bytes_in))],
+    ["Size of the assets", bytes(sum((asset) => asset.bytes_out))],
+    ...(angles.length ? [["Mean normal error, median", degrees(angles[angles.length >> 1] ?? 0)]] : []),
+    ["Total processing time", time(assets.reduce((all, asset) => all + (asset.seconds ?? 0), 0))],
   ];
   return el("dl", {}, ...facts.map(([name, value]) => el("div", {}, el("dt", {}, name ?? ""), el("dd", {}, value ?? ""))));
 }
 
 /**
- * A list that grows while its end is seen.
+ * A list that grows while its end is visible.
  * @param {HTMLElement} list
  * @param {Asset[]} assets
  * @param {(asset: Asset) => HTMLElement} make
@@ -40,7 +40,7 @@ function growing(list, assets, make, end) {
   const watcher = new IntersectionObserver(
     (seen) => {
       if (!seen.some((entry) => entry.isIntersecting) || !grow()) return;
-      // What is still in sight is told of again.
+      // Observing again reports the end if it is still visible.
       watcher.unobserve(end);
       watcher.observe(end);
     },
@@ -64,7 +64,7 @@ function galleryOf({ title, version, assets }) {
     const status = tools.querySelector(".shown");
     if (status) status.textContent = shown.length === assets.length ? `${assets.length} assets` : `${shown.length} of ${assets.length} assets`;
     if (!shown.length) {
-      place.replaceChildren(...note("none", "Nothing is like that."));
+      place.replaceChildren(...note("none", "No assets match."));
       return;
     }
     if (!choice.table) {
@@ -92,11 +92,11 @@ function galleryOf({ title, version, assets }) {
   const tools = toolsOf(assets, choice, changed);
   show();
   return [
-    el("header", { class: "head" }, el("h1", {}, title), ...note("subtitle", "Scans, and the low-poly assets baked from them"), factsOf(assets)),
+    el("header", { class: "head" }, el("h1", {}, title), ...note("subtitle", "Scans and the low-poly assets baked from them"), factsOf(assets)),
     tools,
     place,
     end,
-    el("footer", {}, `Made by taotie ${version}. The same is in collection.json beside this page.`),
+    el("footer", {}, `Made by taotie ${version}. The same data is in collection.json next to this page.`),
   ];
 }
 

@@ -1,7 +1,7 @@
-//! A collection as one page: every asset with its picture and its figures, the worst first.
+//! A collection as one page: every asset with its picture and figures, worst first.
 //!
-//! The page opens from disk, at ten thousand assets too. It shows what its own data say, and pictures that lie beside it;
-//! it fetches nothing else.
+//! The page opens from disk, even with ten thousand assets. It shows its embedded data and pictures next to it, and
+//! fetches nothing else.
 
 mod iiif;
 
@@ -12,7 +12,7 @@ pub use iiif::iiif;
 
 const STYLE: [&str; 2] = [include_str!("../page.css"), include_str!("collection.css")];
 
-/// The script in parts; the last one begins.
+/// The parts of the script; the last one starts it.
 const SCRIPT: [&str; 8] = [
     "\"use strict\";\n",
     include_str!("../page/dom.js"),
@@ -24,7 +24,7 @@ const SCRIPT: [&str; 8] = [
     include_str!("main.js"),
 ];
 
-/// A collection as its page shows it.
+/// The content of a collection page.
 ///
 /// ```
 /// use taotie_report::collection_page::{Entry, Gallery, html};
@@ -41,50 +41,50 @@ pub struct Gallery {
     pub assets: Vec<Entry>,
 }
 
-/// An asset of a collection. Addresses are relative to the page; what is `None` is not there, or was not measured.
+/// An asset of a collection. Addresses are relative to the page; `None` means missing or not measured.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Entry {
-    /// Its name in the collection.
+    /// Its identifier in the collection.
     pub id: String,
-    /// What people call it.
+    /// Its display name.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub title: Option<String>,
     /// `done`, `required-not-met`, `refused`, `failed` or `waiting`.
     pub state: String,
-    /// Why it was not made.
+    /// The reason why it was not baked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
-    /// The requirements that are not met, in words.
+    /// Descriptions of the requirements that are not met.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unmet: Vec<String>,
-    /// What was wrong and put right.
+    /// Problems that were corrected.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
-    /// A picture.
+    /// Its picture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub thumbnail: Option<String>,
-    /// A moving picture.
+    /// Its turntable animation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turntable: Option<String>,
-    /// The page that shows it.
+    /// Its viewer page.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub viewer: Option<String>,
-    /// The page that tells of its proof.
+    /// The report page of its proof.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub report: Option<String>,
-    /// Its file.
+    /// Its model file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<String>,
-    /// Triangles of the scan.
+    /// The number of triangles of the scan.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub triangles_in: Option<usize>,
-    /// Triangles of the finest level.
+    /// The number of triangles of the finest level.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub triangles: Option<usize>,
-    /// Bytes of the scan.
+    /// The size of the scan, bytes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bytes_in: Option<u64>,
-    /// Bytes of the asset.
+    /// The size of the asset, bytes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bytes_out: Option<u64>,
     /// Mean normal error, degrees.
@@ -99,21 +99,21 @@ pub struct Entry {
     /// Mean colour error, CIEDE2000.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_color: Option<f64>,
-    /// Largest shape error as a part of the diagonal.
+    /// Largest shape error as a fraction of the diagonal.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hausdorff: Option<f64>,
-    /// The part of the texels with a missed ray.
+    /// The share of texels with a missed ray.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub missed: Option<f64>,
-    /// The time it took.
+    /// The processing time, seconds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
-    /// The most memory it took.
+    /// The peak memory use, bytes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peak_bytes: Option<u64>,
 }
 
-/// Writes the page as one HTML document. Pictures lie beside it, and nothing else is fetched.
+/// Writes the page as one HTML document. It loads the pictures next to it and fetches nothing else.
 pub fn html(gallery: &Gallery) -> String {
     let [style, script] = [STYLE.concat(), SCRIPT.concat()].map(|text| text.replace('\r', ""));
     let document = Document {
@@ -138,7 +138,7 @@ pub fn json(gallery: &Gallery) -> String {
     all.to_string()
 }
 
-/// Only this style sheet, this script, and pictures within the page or where it lies; no connection of any kind.
+/// Allows only this style sheet, this script, and pictures within the page or next to it; no connections.
 fn policy(style: &str, script: &str) -> String {
     let [style, script] = [style, script].map(sha256);
     format!(

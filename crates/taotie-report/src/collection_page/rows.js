@@ -1,8 +1,8 @@
 // @ts-check
-// Assets as rows of a table.
+// Assets as table rows.
 
 /**
- * @param {string} key The figure that rows are sorted by.
+ * @param {string} key The figure by which rows are sorted.
  * @param {boolean} down
  * @param {(key: string) => void} sort
  */
@@ -15,7 +15,7 @@ function rowsHead(key, down, sort) {
     const order = column.key === key ? (down ? "descending" : "ascending") : "none";
     return el("th", { scope: "col", "aria-sort": order, ...(column.numeric ? { class: "numeric" } : {}) }, label);
   });
-  return el("tr", {}, ...heads, el("th", { scope: "col" }, el("span", {}, "what is wrong")));
+  return el("tr", {}, ...heads, el("th", { scope: "col" }, el("span", {}, "problems")));
 }
 
 /**

@@ -1,4 +1,4 @@
-//! `report.json`: the library's report with what the caller adds.
+//! `report.json`: the library's report with the caller's additions.
 
 use super::Options;
 use serde::Serialize;
@@ -21,27 +21,27 @@ pub struct Document {
     pub kind: &'static str,
     /// Version of the program.
     pub version: &'static str,
-    /// Names and sizes of model and reference.
+    /// The names and sizes of model and reference.
     pub subject: SubjectReport,
     /// The surface that errors are measured against: `reference`, or the first method.
     pub against: String,
-    /// Camera, light, film and whatever else the pictures depend on.
+    /// Camera, light, film and all other inputs of the pictures.
     pub parameters: Value,
-    /// Of the covered samples, the part without a corresponding point on the reference, [0, 1].
+    /// The share of covered samples without a corresponding point on the reference, [0, 1].
     pub unmatched: f64,
-    /// The rules by which pixels and points are chosen, and the meaning of the figures.
+    /// The rules for choosing pixels and points, and the meaning of the figures.
     pub rules: Rules,
-    /// The methods in their order, then the reference.
+    /// The methods in order, then the reference.
     pub methods: Vec<MethodReport>,
-    /// Methods that could not be drawn.
+    /// Methods that could not be rendered.
     pub skipped: Vec<SkippedMethod>,
     /// Normals at sample points.
     pub points: Vec<PointReport>,
     /// Notes on maps that were derived from others.
     pub notes: Vec<String>,
-    /// The duration of each of `methods`: all that differs from run to run.
+    /// The duration of each of `methods`; everything else is the same in every run.
     pub times: Vec<MethodTime>,
-    /// Whatever could not be drawn as asked, counted.
+    /// Warnings about anything that could not be rendered as requested, with counts.
     pub warnings: Vec<CountedWarning>,
 }
 
@@ -49,7 +49,7 @@ impl Document {
     /// Adds the caller's options to the report of a comparison.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where a parameter cannot be written as JSON; every parameter can.
+    /// [`Error::Invalid`] if a parameter cannot be written as JSON, which does not occur.
     pub fn new(comparison: &Comparison, options: &Options) -> Result<Self> {
         let report = comparison.report();
         let mut parameters = serde_json::to_value(&report.parameters).map_err(not_json)?;
@@ -74,20 +74,20 @@ impl Document {
         })
     }
 
-    /// Returns the document as JSON, without an end of line.
+    /// Returns the document as JSON, without a trailing newline.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where a number cannot be written as JSON; every number can.
+    /// [`Error::Invalid`] if a number cannot be written as JSON, which does not occur.
     pub fn json(&self) -> Result<String> {
         serde_json::to_string_pretty(self).map_err(not_json)
     }
 
-    /// Returns `true` where a surface is measured against another; one alone is compared with its own pictures at most.
+    /// Returns `true` if a surface is measured against another; a single surface is at most compared with itself.
     pub fn is_compared(&self) -> bool {
         self.methods.iter().any(|method| method.error.is_some())
     }
 
-    /// Returns the figures of a method by its name.
+    /// Returns the figures of the method `name`.
     pub fn method(&self, name: &str) -> Option<&MethodReport> {
         self.methods.iter().find(|method| method.method == name)
     }

@@ -1,4 +1,4 @@
-//! The pictures of a comparison as files.
+//! Writes the pictures of a comparison as files.
 
 use crate::heat_map::HeatMap;
 use crate::sheet::{Cell, Sheet};
@@ -15,7 +15,7 @@ use taotie::shade::Shading;
 /// The longest side of a picture on the contact sheet, pixels.
 const CELL: usize = 320;
 
-/// Returns every file that a comparison may be written to.
+/// Returns all files that a comparison may write.
 pub fn possible_files(options: &ComparisonOptions, folder: &Path) -> Vec<PathBuf> {
     let stems = options.methods.iter().map(|method| method.file_stem()).chain(["reference".into()]);
     let of_shading = |shading: &Shading| [shading.name().to_owned(), format!("{}.flip", shading.name())];
@@ -39,7 +39,7 @@ pub fn possible_files(options: &ComparisonOptions, folder: &Path) -> Vec<PathBuf
     pictures.chain(others).map(|name| folder.join(name)).collect()
 }
 
-/// The folder that the pictures go to.
+/// The output folder.
 pub struct Files<'a> {
     set: &'a FileSet,
     folder: PathBuf,
@@ -50,10 +50,10 @@ pub struct Files<'a> {
 }
 
 impl<'a> Files<'a> {
-    /// Makes the folder where it is not there.
+    /// Creates the folder if necessary.
     ///
     /// # Errors
-    /// [`taotie::Error::Io`] where it cannot be made.
+    /// [`taotie::Error::Io`] if it cannot be created.
     pub fn new(set: &'a FileSet, folder: &Path, heat_top: f32) -> Result<Self> {
         set.claim_folder(folder)?;
         Ok(Self { set, folder: folder.to_path_buf(), heat_top, written: Vec::new() })
@@ -62,7 +62,7 @@ impl<'a> Files<'a> {
     /// Writes every picture and the contact sheet.
     ///
     /// # Errors
-    /// [`taotie::Error::Io`] where one cannot be written.
+    /// [`taotie::Error::Io`] if a file cannot be written.
     pub fn write(&mut self, comparison: &Comparison) -> Result<()> {
         for surface in &comparison.surfaces {
             for (shading, picture) in &surface.pictures {
@@ -87,7 +87,7 @@ impl<'a> Files<'a> {
     /// Writes the normals and angular errors of all surfaces as numbers.
     ///
     /// # Errors
-    /// [`Error::Io`] where a file cannot be written.
+    /// [`taotie::Error::Io`] if a file cannot be written.
     pub fn write_exact(&mut self, comparison: &Comparison) -> Result<()> {
         for surface in &comparison.surfaces {
             self.write_exr(&surface.exact_name("normals"), &surface.normals)?;
@@ -108,7 +108,7 @@ impl<'a> Files<'a> {
     /// Writes text into the folder.
     ///
     /// # Errors
-    /// [`taotie::Error::Io`] where it cannot be written.
+    /// [`taotie::Error::Io`] if it cannot be written.
     pub fn write_text(&mut self, name: &str, text: &str) -> Result<()> {
         let path = self.folder.join(name);
         self.set.write_text(&path, text)?;
@@ -150,17 +150,17 @@ impl<'a> Files<'a> {
     fn error_cell(&self, surface: &RenderedSurface) -> Cell {
         let Some(difference) = &surface.difference else {
             let blank = Sheet::blank(surface.normals.width() as usize, surface.normals.height() as usize);
-            return cell("error".into(), "the reference of the others".into(), &blank);
+            return cell("error".into(), "the reference for the others".into(), &blank);
         };
         let note = match difference.inner_angles.summary() {
             Some(summary) => format!("mean {:.2}°, 95 % below {:.1}°", summary.mean, summary.p95),
-            None => "no pixel away from silhouettes".into(),
+            None => "no pixels away from silhouettes".into(),
         };
         cell("error".into(), note, &HeatMap::of_angles(&difference.angles, self.heat_top).plain())
     }
 }
 
-/// Returns a field's numbers in all three channels; the fourth is 1 where there is one.
+/// Returns an image with a field's numbers in the first three channels; the fourth is 1 where there is a number.
 fn degrees(angles: &Field) -> Result<Image> {
     let mut image = Image::new(angles.width(), angles.height(), [0.0; 4])?;
     for (pixel, angle) in image.pixels_mut().iter_mut().zip(angles.values()) {

@@ -1,4 +1,4 @@
-//! The views of a single surface: its shading models beside one another.
+//! The views of a single surface: its shading models side by side.
 
 use crate::heat_map::HeatMap;
 use crate::sheet::Sheet;
@@ -8,10 +8,10 @@ use taotie::compare::ColorMap;
 use taotie::comparison::RenderedSurface;
 use taotie::names::Named;
 
-/// Makes the views of its pictures, and of their differences from the one under the baseline.
+/// Builds the views of its pictures, and of their differences from the baseline picture.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] where a picture has no pixels.
+/// [`taotie::Error::Invalid`] if a picture has no pixels.
 pub(super) fn views(surface: &RenderedSurface) -> Result<Vec<View>> {
     let pictures = surface
         .pictures
@@ -23,13 +23,13 @@ pub(super) fn views(surface: &RenderedSurface) -> Result<Vec<View>> {
     });
     let models = View {
         name: "shading models".into(),
-        note: format!("The surface by {} under each shading model, in the same light.", surface.id()),
+        note: format!("The surface method {} under each shading model, in the same light.", surface.id()),
         pictures: pictures.collect::<Result<_>>()?,
         legend: None,
     };
     let differences = View {
         name: "shading models: FLIP".into(),
-        note: "FLIP is the difference from the baseline that an observer sees.".into(),
+        note: "FLIP estimates the perceived difference from the baseline.".into(),
         pictures: flips.collect::<Result<_>>()?,
         legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)),
     };

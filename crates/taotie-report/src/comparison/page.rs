@@ -1,4 +1,4 @@
-//! `report.html`: the comparison as a page that opens from disk.
+//! `report.html`: the page for a comparison, which opens from disk.
 
 use super::{Document, Options, one_surface, picture_tables};
 use crate::heat_map::HeatMap;
@@ -9,16 +9,16 @@ use taotie::Result;
 use taotie::compare::{ColorMap, Summary};
 use taotie::comparison::{Comparison, MethodReport, ModelReport, RenderedSurface};
 
-/// Makes the page of a comparison, whose figures are in `report`.
+/// Builds the page for a comparison with the figures in `report`.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] where a picture has no pixels.
+/// [`taotie::Error::Invalid`] if a picture has no pixels.
 pub(super) fn page(comparison: &Comparison, report: &Document, options: &Options) -> Result<Page> {
     let subtitle = match &report.subject.reference {
         Some(reference) => format!("Surface methods measured against {reference}"),
         None if !report.is_compared() => format!("Shading models on {}", report.against),
         None => format!(
-            "Surface methods measured against the first one, {}, as there is no reference",
+            "Surface methods measured against the first one, {}, since there is no reference",
             report.against
         ),
     };
@@ -34,11 +34,11 @@ pub(super) fn page(comparison: &Comparison, report: &Document, options: &Options
     })
 }
 
-/// Returns the line that says which method comes nearest, what could not be drawn, and the warnings.
+/// Returns notices of the most accurate method, of methods that could not be rendered, and of warnings.
 fn notices(report: &Document) -> Vec<Notice> {
     let skipped = report.skipped.iter();
     let skipped =
-        skipped.map(|skipped| format!("{} could not be drawn: {}.", skipped.method, skipped.reason));
+        skipped.map(|skipped| format!("{} could not be rendered: {}.", skipped.method, skipped.reason));
     let warnings = report.warnings.iter().map(|warning| match warning.count {
         1 => warning.what.clone(),
         count => format!("{} ({count} times)", warning.what),
@@ -47,12 +47,14 @@ fn notices(report: &Document) -> Vec<Notice> {
     nearest(report).into_iter().chain(wrong).collect()
 }
 
-/// Returns the method with the least mean error away from silhouettes.
+/// Returns a notice of the method with the smallest mean error away from silhouettes.
 fn nearest(report: &Document) -> Option<Notice> {
     let errors = report.methods.iter().filter_map(|method| Some((method.inner_mean()?, &method.method)));
     let (mean, name) = errors.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
-    let text =
-        format!("Nearest to {}: {name}, {mean:.2}° off on average away from silhouettes.", report.against);
+    let text = format!(
+        "Closest to {}: {name}, with a mean error of {mean:.2}° away from silhouettes.",
+        report.against
+    );
     Some(Notice::new(text, Tone::Good))
 }
 
@@ -87,12 +89,12 @@ fn views(report: &Document, comparison: &Comparison, top: f32) -> Result<Vec<Vie
     let view = view("angular error".into(), note, comparison, &errors)?;
     let legend = Legend::new("Angular error", "°", f64::from(top), ColorMap::Viridis);
     views.push(View { legend: Some(legend), ..view });
-    // A surface that is compared with no other has no differences.
+    // A surface without a counterpart has no differences.
     views.retain(|view| !view.pictures.is_empty());
     Ok(views)
 }
 
-/// Returns the views of pictures and of their differences, for each shading model.
+/// Returns the views of pictures and of their differences for each shading model.
 fn picture_views(report: &Document, comparison: &Comparison) -> Result<Vec<View>> {
     let mut views = Vec::new();
     for (i, picture) in report.methods[0].pictures.iter().enumerate() {
@@ -106,7 +108,7 @@ fn picture_views(report: &Document, comparison: &Comparison) -> Result<Vec<View>
                 .as_ref()
                 .map(|difference| HeatMap::of_flip(&difference.pictures[i].flip).plain())
         };
-        let note = format!("FLIP is the difference from {} that an observer sees.", report.against);
+        let note = format!("FLIP estimates the perceived difference from {}.", report.against);
         let view = view(format!("{shading}: FLIP"), note, comparison, &flip)?;
         views.push(View { legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)), ..view });
     }
@@ -123,10 +125,10 @@ fn model_view(model: &ModelReport, i: usize, comparison: &Comparison) -> Result<
         Some(HeatMap::of_flip(&surface.model_differences.get(i)?.picture.flip).plain())
     };
     let note = format!(
-        "FLIP is the difference that an observer sees between each surface's picture under {shading} \
-                        and its own under {baseline}."
+        "FLIP estimates the perceived difference between each surface's picture under {shading} \
+                        and its picture under {baseline}."
     );
-    let view = view(format!("{shading}: FLIP to {baseline}"), note, comparison, &flip)?;
+    let view = view(format!("{shading}: FLIP against {baseline}"), note, comparison, &flip)?;
     Ok(View { legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)), ..view })
 }
 
@@ -176,8 +178,8 @@ fn error_table(report: &Document) -> Section {
     Section::Table {
         title: "Angular error".into(),
         note: format!(
-            "The angle to the normals of {}, over all pixels with a corresponding point there ({:.2} % of the samples have \
-             none). The columns named inner leave out pixels near silhouettes.",
+            "The angle to the normals of {}, over all pixels with a corresponding point there ({:.2} % of samples \
+             have none). Columns marked “inner” exclude pixels near silhouettes.",
             report.against,
             report.unmatched * 100.0
         ),
@@ -200,7 +202,7 @@ fn histogram(report: &Document) -> Section {
     });
     Section::Histogram {
         title: "Histograms of angular error".into(),
-        note: format!("Pixels by their angle to {}; one bin per degree.", report.against),
+        note: format!("Number of pixels by angle to {}; one bin per degree.", report.against),
         unit: "°".into(),
         bin_width: 1.0,
         last_is_open: true,
@@ -208,7 +210,7 @@ fn histogram(report: &Document) -> Section {
     }
 }
 
-/// Table 2 of Guo and Wang 2025 on this model.
+/// Table 2 of Guo and Wang 2025 for this model.
 fn normals_table(report: &Document) -> Section {
     let mut columns = point_columns();
     for method in &report.methods {
@@ -224,13 +226,13 @@ fn normals_table(report: &Document) -> Section {
     });
     Section::Table {
         title: "Normals at sample points".into(),
-        note: "Unit normals in world space, as Table 2 of Guo and Wang 2025 lists them.".into(),
+        note: "Unit normals in world space, in the form of Table 2 of Guo and Wang 2025.".into(),
         columns,
         rows: rows.collect(),
     }
 }
 
-/// Table 3 of Guo and Wang 2025 on this model.
+/// Table 3 of Guo and Wang 2025 for this model.
 fn angles_table(report: &Document) -> Section {
     let first = &report.methods[0].method;
     let mut columns = point_columns();
@@ -244,7 +246,9 @@ fn angles_table(report: &Document) -> Section {
     });
     Section::Table {
         title: format!("Angles to {first} at sample points"),
-        note: format!("Between each normal and that of {first}, as Table 3 of Guo and Wang 2025 lists them."),
+        note: format!(
+            "Between each normal and that of {first}, in the form of Table 3 of Guo and Wang 2025."
+        ),
         columns,
         rows: rows.collect(),
     }
@@ -262,7 +266,8 @@ fn remarks(report: &Document) -> Section {
     let mut paragraphs = report.rules.in_words();
     paragraphs.extend(report.notes.iter().cloned());
     let skipped = report.skipped.iter();
-    paragraphs
-        .extend(skipped.map(|skipped| format!("{} could not be drawn: {}.", skipped.method, skipped.reason)));
+    paragraphs.extend(
+        skipped.map(|skipped| format!("{} could not be rendered: {}.", skipped.method, skipped.reason)),
+    );
     Section::Text { title: "How it was measured".into(), paragraphs }
 }

@@ -5,7 +5,7 @@ use crate::summary;
 use crate::{Cell, Column, Section};
 use taotie::comparison::{MethodReport, ModelReport, PictureFigures};
 
-/// Returns the table of the pictures under one shading model against the surface that all are compared with.
+/// Returns the table comparing pictures under one shading model with those of the surface all are measured against.
 pub(super) fn of_surfaces(report: &Document, i: usize) -> Section {
     let row = |method: &MethodReport| {
         let difference = method.pictures[i].difference.as_ref()?;
@@ -13,13 +13,13 @@ pub(super) fn of_surfaces(report: &Document, i: usize) -> Section {
     };
     Section::Table {
         title: format!("Shaded pictures, {}", report.methods[0].pictures[i].shading),
-        note: format!("Against {}, over the whole picture.", report.against),
+        note: format!("Compared with {}, over the whole picture.", report.against),
         columns: [vec![Column::words("method")], columns()].concat(),
         rows: report.methods.iter().filter_map(row).collect(),
     }
 }
 
-/// Returns the table of the shading models against the baseline; `None` without one.
+/// Returns the table comparing the shading models with the baseline; `None` without a baseline.
 pub(super) fn of_models(report: &Document) -> Option<Section> {
     let baseline = &report.methods[0].models.first()?.baseline;
     let names = |method: &MethodReport, model: &ModelReport| {
@@ -31,7 +31,9 @@ pub(super) fn of_models(report: &Document) -> Option<Section> {
     let rows = report.methods.iter().flat_map(|method| method.models.iter().map(move |m| row(method, m)));
     Some(Section::Table {
         title: format!("Shading models against {baseline}"),
-        note: format!("Each surface's picture against its own under {baseline}, over the whole picture."),
+        note: format!(
+            "Each surface's picture compared with its picture under {baseline}, over the whole picture."
+        ),
         columns: [vec![Column::words("method"), Column::words("shading")], columns()].concat(),
         rows: rows.collect(),
     })

@@ -5,7 +5,7 @@ use crate::csv::{Csv, number};
 use taotie::compare::Summary;
 use taotie::comparison::{MethodReport, PictureFigures, PointNormal};
 
-/// Returns the tables with the names of their files.
+/// Returns the tables with their file names.
 pub(super) fn files(report: &Document) -> [(&'static str, String); 3] {
     [
         ("angles.csv", angles(report).text().to_owned()),
@@ -14,7 +14,7 @@ pub(super) fn files(report: &Document) -> [(&'static str, String); 3] {
     ]
 }
 
-/// Returns a row for each method over all pixels, and one over those away from silhouettes.
+/// Returns two rows for each method: over all pixels, and over those away from silhouettes.
 fn angles(report: &Document) -> Csv<8> {
     let columns = ["method", "against", "pixels", "count", "mean_deg", "median_deg", "p95_deg", "max_deg"];
     let mut csv = Csv::new(columns);
@@ -36,7 +36,7 @@ fn texts(summary: Option<&Summary>) -> [String; 4] {
     std::array::from_fn(|i| number(figures.map(|figures| figures[i])))
 }
 
-/// Returns a row for each picture and what it is measured against: another surface under the same shading model, and the
+/// Returns a row for each comparison of a picture: with another surface under the same shading model, and with the
 /// same surface under the baseline.
 fn pictures(report: &Document) -> Csv<11> {
     let mut csv = Csv::new([
@@ -75,7 +75,7 @@ fn compared<'a>(
     surfaces.chain(models)
 }
 
-/// Returns the cells of a comparison; equal pictures have no PSNR, which is infinite.
+/// Returns the cells of a comparison; equal pictures have no PSNR because it is infinite.
 fn row(names: [&str; 4], figures: &PictureFigures) -> [String; 11] {
     let [method, shading, against_method, against_shading] = names.map(str::to_owned);
     let [mean, median, p95, max] = texts(figures.flip.as_ref());
@@ -106,7 +106,7 @@ fn points(report: &Document) -> Csv<9> {
 }
 
 fn point_row(number_of: usize, [x, y]: [u32; 2], normal: &PointNormal) -> [String; 9] {
-    // As `f32`, so that the text is as short as the number.
+    // As `f32`, for the shortest text that reads back equal.
     let component = |axis: usize| normal.normal.map_or_else(String::new, |n| n[axis].to_string());
     let [nx, ny, nz] = [0, 1, 2].map(component);
     let (angle, error) = (number(normal.angle_to_first), number(normal.error));

@@ -1,8 +1,8 @@
 // @ts-check
-// Elements. Text from the data only ever becomes text: nothing here parses markup.
+// Elements. Text from the data is only ever inserted as text: nothing here parses markup.
 
 /**
- * An element with attributes and children.
+ * Creates an element with attributes and children.
  * @param {string} tag
  * @param {Record<string, string>} [attributes]
  * @param {...(Node | string)} children
@@ -16,7 +16,7 @@ function el(tag, attributes = {}, ...children) {
 }
 
 /**
- * An element of a drawing.
+ * Creates an element of a drawing.
  * @param {string} tag
  * @param {Record<string, string | number>} [attributes]
  * @param {...(Node | string)} children
@@ -30,9 +30,9 @@ function svg(tag, attributes = {}, ...children) {
 }
 
 /**
- * A button that does something.
+ * Creates a button with an action.
  * @param {string} text
- * @param {string} hint What it does, for those to whom the text does not say it.
+ * @param {string} hint A description of the action, for tooltips and screen readers.
  * @param {() => void} action
  * @returns {HTMLElement}
  */
@@ -43,7 +43,7 @@ function button(text, hint, action) {
 }
 
 /**
- * A paragraph, or nothing where there is nothing to say.
+ * Creates a paragraph, or nothing if the text is empty.
  * @param {string} kind Its class.
  * @param {string} text
  * @returns {HTMLElement[]}

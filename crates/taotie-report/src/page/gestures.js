@@ -1,9 +1,9 @@
 // @ts-check
-// What a hand does on a picture: wheel and pinch zoom about the pointer, a drag pans, a double click resets.
+// Gestures on a picture: wheel and pinch zoom about the pointer, dragging pans, a double click resets.
 
-/** @typedef {{ u: number, v: number }} Spot A point of a frame, in fractions of it. */
+/** @typedef {{ u: number, v: number }} Spot A point of a frame, in fractions of its size. */
 
-/** How long after a scroll of the page a wheel over a picture still means the page, milliseconds. */
+/** The time after scrolling the page during which the wheel over a picture still scrolls the page, milliseconds. */
 const SCROLLING = 180;
 
 let lastScroll = -SCROLLING;
@@ -28,12 +28,12 @@ function listenToGestures(frame, get, set) {
  */
 function onWheel(event, frame, get, set) {
   const lens = get();
-  // A page that is being scrolled goes on; so does one whose pictures are as small as they can be.
+  // Keep scrolling a page that is being scrolled, or whose pictures cannot be zoomed out further.
   if (performance.now() - lastScroll < SCROLLING || (lens.zoom === 1 && event.deltaY > 0)) return;
   event.preventDefault();
   const { u, v } = spot(frame, event);
   const lines = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 30 : 1;
-  // A trackpad's pinch comes as a wheel with Ctrl in small steps.
+  // A trackpad pinch arrives as a wheel event with Ctrl, in small steps.
   const speed = event.ctrlKey ? 0.01 : 0.002;
   set(zoomed(lens, Math.exp(-clamp(event.deltaY * lines, -400, 400) * speed), u, v));
 }

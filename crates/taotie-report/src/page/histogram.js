@@ -1,5 +1,5 @@
 // @ts-check
-// Histograms: one panel a series on the same axes, counted linearly or logarithmically in all at once.
+// Histograms: one panel per series on common axes, with linear or logarithmic counts in all of them.
 
 const PANEL = { width: 360, height: 150, left: 46, right: 10, top: 8, bottom: 26 };
 
@@ -27,7 +27,7 @@ function histogramOf(given) {
 }
 
 /**
- * Numbers to pixels for all panels of a histogram.
+ * Maps numbers to pixels for all panels of a histogram.
  * @param {Histogram} histogram
  * @param {boolean} logarithmic
  */
@@ -35,7 +35,7 @@ function axesOf({ series, bin_width }, logarithmic) {
   const bins = Math.max(1, ...series.map(({ counts }) => counts.length));
   const most = Math.max(1, ...series.flatMap(({ counts }) => counts));
   const [across, down] = [PANEL.width - PANEL.left - PANEL.right, PANEL.height - PANEL.top - PANEL.bottom];
-  // A count of one stands clear of none.
+  // A count of one is visibly above zero.
   const share = (/** @type {number} */ count) =>
     logarithmic ? (count > 0 ? (Math.log10(count) + 0.3) / (Math.log10(most) + 0.3) : 0) : count / most;
   return {
@@ -110,7 +110,7 @@ function valueMarks({ x, y, end, bins }, { bin_width, unit, last_is_open }) {
 }
 
 /**
- * A pointer over one panel reads the same bin of all.
+ * A pointer over one panel reads the same bin in all panels.
  * @param {HTMLElement} panels
  * @param {Histogram} histogram
  */

@@ -1,5 +1,5 @@
 // @ts-check
-// What the colours of a view mean.
+// The colour legend of a view.
 
 /**
  * @param {Legend} legend

@@ -1,8 +1,8 @@
 // @ts-check
-// The lens: which part of every picture is seen. All pictures share one, so they move in step.
+// The lens: the visible part of every picture. All pictures share one, so they move in step.
 
 /**
- * `zoom` is at least 1, where the whole picture is seen; `x` and `y` are the top left corner of what is seen, in
+ * `zoom` is at least 1, which shows the whole picture; `x` and `y` are the top left corner of the visible part, in
  * fractions of the picture.
  * @typedef {{ zoom: number, x: number, y: number }} Lens
  */
@@ -13,7 +13,7 @@ const MOST_ZOOM = 64;
 const WHOLE = { zoom: 1, x: 0, y: 0 };
 
 /**
- * The nearest lens that shows nothing beyond the picture.
+ * The nearest lens that stays within the picture.
  * @param {Lens} lens
  * @returns {Lens}
  */
@@ -24,7 +24,7 @@ function within({ zoom, x, y }) {
 }
 
 /**
- * Zooms by `factor`; the point (u, v) of the frame, in fractions of it, stays where it is.
+ * Zooms by `factor` about the point (u, v) of the frame, in fractions of its size.
  * @param {Lens} lens
  * @param {number} factor
  * @param {number} u
@@ -49,7 +49,7 @@ function panned(lens, du, dv) {
 }
 
 /**
- * Shows what the lens says in every frame below `place`: the style sheet places pictures by these numbers.
+ * Applies the lens to every frame below `place`: the style sheet positions pictures by these numbers.
  * @param {HTMLElement} place
  * @param {Lens} lens
  */
@@ -62,7 +62,7 @@ function showLens(place, { zoom, x, y }) {
 }
 
 /**
- * Whether a picture's pixel is larger than the screen's.
+ * Returns true if a picture's pixel is larger than a screen pixel.
  * @param {Element} frame
  * @param {number} zoom
  */

@@ -1,8 +1,8 @@
 // @ts-check
-// The page from its data.
+// Builds the page from its data.
 
 /**
- * The data, as `mod.rs` documents them. Missing numbers are null.
+ * The data, as documented in `data.rs`. Missing numbers are null.
  * @typedef {{ label: string, note: string, uri: string, width: number, height: number }} Picture
  * @typedef {{ title: string, unit: string, top: number, stops: [number, number, number][] }} Legend
  * @typedef {{ name: string, note: string, pictures: Picture[], legend: Legend | null, isModel?: boolean }} View
@@ -83,7 +83,7 @@ function sectionOf(section) {
 function main() {
   const data = document.getElementById("data")?.textContent ?? "";
   document.getElementById("report")?.replaceChildren(...contentOf(JSON.parse(data)));
-  // Frames have a size only now.
+  // Only now do frames have a size.
   dispatchEvent(new Event("resize"));
 }
 

@@ -1,13 +1,13 @@
 // @ts-check
-// The asset itself, where the page holds it: the element <taotie-viewer>, which another script defines.
+// The asset, if the page contains it: the element <taotie-viewer>, which is defined by another script.
 
 /**
- * The view of the asset; none where the page holds pictures alone.
+ * The view of the asset; none if the page contains only pictures.
  * @returns {View[]}
  */
 function modelViews() {
   if (!document.getElementById("taotie-data")) return [];
-  const note = "The asset as it was written, to be turned and lit by hand. \u201cShow\u201d has the error of its normals.";
+  const note = "The asset as written. Drag to rotate it or move the light; \u201cShow\u201d has its normal error.";
   return [{ name: "model", note, pictures: [], legend: null, isModel: true }];
 }
 
@@ -18,7 +18,7 @@ function modelViews() {
  */
 function modelPanelOf(view, hand) {
   const viewer = el("taotie-viewer", { class: "inline" });
-  // It hears of a new address after the page has read it.
+  // The page reads a new address first, then notifies the element.
   const listen = (/** @type {() => void} */ heard) => addEventListener("hashchange", heard);
   Object.assign(viewer, { address: { read: hand.model, write: hand.setModel, listen } });
   const element = el("div", { class: "view", role: "tabpanel", "aria-label": view.name }, ...note("note", view.note), viewer);

@@ -1,10 +1,10 @@
 // @ts-check
-// Numbers as they are written, and the round ones that axes are marked with.
+// Number formatting, and the round numbers of axis ticks.
 
 const MISSING = "\u2013";
 
 /**
- * With a fixed number of decimals and a thin space between thousands.
+ * Formats a number with a fixed number of decimals and a thin space between thousands.
  * @param {number | null} value
  * @param {number} digits
  */
@@ -17,7 +17,7 @@ function written(value, digits) {
 }
 
 /**
- * As short as it can be, for marks on an axis.
+ * Formats a number as briefly as possible, for axis ticks.
  * @param {number} value
  */
 function short(value) {

@@ -3,7 +3,7 @@
 
 const PLOT = { width: 720, height: 360, left: 56, right: 16, top: 12, bottom: 40 };
 
-/** Marks of the kinds, as paths around 0. */
+/** The markers of the kinds, as paths around the origin. */
 const SHAPES = ["M-4 0A4 4 0 1 0 4 0A4 4 0 1 0 -4 0Z", "M-3.7 -3.7H3.7V3.7H-3.7Z", "M0 -5L4.6 3.4H-4.6Z"];
 
 /**
@@ -38,7 +38,7 @@ function plotOf(plot) {
 }
 
 /**
- * Numbers to pixels.
+ * Maps numbers to pixels.
  * @param {Plot} plot
  */
 function logAxes({ series }) {
@@ -62,7 +62,8 @@ function logAxes({ series }) {
 }
 
 /**
- * Round numbers between two powers of ten: the powers if these are many, else 1, 2 and 5 times each, or more of a short range.
+ * Round numbers between two powers of ten: only the powers if there are many, else 1, 2 and 5 times each, or more
+ * in a short range.
  * @param {number} low
  * @param {number} high
  */

@@ -1,5 +1,5 @@
 // @ts-check
-// The statement that opens a page: on paper it fills one sheet. Its tables stay in their order.
+// The statement that opens a page; it fills one sheet when printed. Its tables cannot be re-sorted.
 
 /**
  * @param {Statement} statement
@@ -34,7 +34,7 @@ function plainTableOf({ title, note: about, columns, rows }) {
 }
 
 /**
- * Pictures side by side that are seen before all others.
+ * Pictures side by side, shown before all others.
  * @param {View} view
  * @returns {HTMLElement}
  */

@@ -1,5 +1,5 @@
 // @ts-check
-// Tables: sorted by a click on a column, copied as CSV; what is said of a cell is numbered and stands below.
+// Tables: sortable by clicking a column, and copied as CSV; notes on cells are numbered and shown below.
 
 /**
  * @param {Table} table
@@ -33,7 +33,7 @@ function tableOf({ title, note: about, columns, rows }) {
 }
 
 /**
- * Up, down, as it was.
+ * Cycles through ascending, descending and original order.
  * @param {{ column: number, down: boolean }} order
  * @param {number} column
  */
@@ -88,13 +88,13 @@ function markOf({ text, tone, why }, reasons) {
 }
 
 /**
- * What is said of cells, each once.
+ * The distinct notes on cells.
  * @param {Cell[][]} rows
  * @returns {string[]}
  */
 function reasonsOf(rows) {
-  const said = rows.flat().map((cell) => ("mark" in cell ? cell.mark.why : ""));
-  return [...new Set(said.filter((why) => why !== ""))];
+  const notes = rows.flat().map((cell) => ("mark" in cell ? cell.mark.why : ""));
+  return [...new Set(notes.filter((why) => why !== ""))];
 }
 
 /**
@@ -108,7 +108,7 @@ function textOf(cell) {
 }
 
 /**
- * The number in a cell, NaN where it has none.
+ * The number in a cell; NaN if it has none.
  * @param {Cell} cell
  */
 function valueOf(cell) {
@@ -117,7 +117,7 @@ function valueOf(cell) {
 }
 
 /**
- * Numbers by size, words by letter; what has no number comes last either way.
+ * Compares numbers by value and words alphabetically; cells without a number come last in both directions.
  * @param {Cell | undefined} a
  * @param {Cell | undefined} b
  * @param {boolean} down
@@ -132,7 +132,7 @@ function compare(a, b, down) {
 }
 
 /**
- * RFC 4180, numbers in full.
+ * Writes a table as CSV (RFC 4180) with unrounded numbers.
  * @param {Column[]} columns
  * @param {Cell[][]} rows
  * @returns {string}
@@ -151,7 +151,7 @@ function copyButton(text) {
   const element = el("button", { type: "button", class: "quiet" }, "Copy as CSV");
   element.addEventListener("click", async () => {
     const copied = await copy(text());
-    element.textContent = copied ? "Copied" : "The browser forbids copying";
+    element.textContent = copied ? "Copied" : "The browser blocked copying";
     setTimeout(() => (element.textContent = "Copy as CSV"), 1500);
   });
   return element;

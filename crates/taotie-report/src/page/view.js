@@ -1,8 +1,8 @@
 // @ts-check
-// One view: the wipe of two pictures, and all of them side by side.
+// One view: a wipe of two pictures, and all pictures side by side.
 
 /**
- * A view on the page. `choose` shows the pictures of these labels left and right of the handle.
+ * A view on the page. `choose` shows the pictures with these labels left and right of the handle.
  * @typedef {{
  *   element: HTMLElement,
  *   labels: string[],
@@ -12,7 +12,7 @@
  */
 
 /**
- * What a view asks of the viewer.
+ * The functions that a view calls on the viewer.
  * @typedef {{
  *   lens: () => Lens,
  *   setLens: (lens: Lens) => void,
@@ -102,7 +102,7 @@ function chooser(side, pictures, set) {
 }
 
 /**
- * @param {HTMLElement} frame The frame whose pixels 1:1 counts.
+ * @param {HTMLElement} frame The frame to which 1:1 refers.
  * @param {Hand} hand
  */
 function lensButtons(frame, hand) {
@@ -116,14 +116,14 @@ function lensButtons(frame, hand) {
     { class: "lens" },
     button("\u2212", "Zoom out", () => zoom(1 / 1.5)),
     button("+", "Zoom in", () => zoom(1.5)),
-    button("1:1", "1:1, one pixel of the picture for one of the screen, at least the whole picture", toPixels),
+    button("1:1", "1:1, one picture pixel per screen pixel, but at least the whole picture", toPixels),
     button("Whole", "Show whole pictures", () => hand.setLens(WHOLE)),
-    el("span", { class: "hint" }, "wheel or pinch zooms all pictures, drag moves them, double click resets"),
+    el("span", { class: "hint" }, "wheel or pinch to zoom all pictures, drag to move them, double-click to reset"),
   );
 }
 
 /**
- * A picture among the others.
+ * One of the pictures side by side.
  * @param {Picture} picture
  * @param {Hand} hand
  * @param {boolean} selectable

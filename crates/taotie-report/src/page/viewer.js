@@ -1,5 +1,5 @@
 // @ts-check
-// All views behind tabs. What is chosen stays chosen from view to view, and stands in the address.
+// All views behind tabs. Selections persist across views and are kept in the address.
 
 /** @typedef {{ view: string, left: string, right: string, wipe: number, lens: Lens, model: string }} Choice */
 
@@ -63,7 +63,7 @@ function viewerOf(views) {
 }
 
 /**
- * The labels shown left and right: those chosen, or the first and the last where a view has no such picture.
+ * The labels shown left and right: the selected ones, or the first and the last if a view has no such picture.
  * @param {string[]} labels
  * @param {Choice} choice
  */
@@ -74,7 +74,7 @@ function sides(labels, choice) {
 }
 
 /**
- * Tabs as WAI-ARIA describes them: one is in the order of tabulation, arrows go from one to the next.
+ * Tabs as described by WAI-ARIA: only the selected one is in the tab order, and arrow keys move between tabs.
  * @param {View[]} views
  * @param {(view: View) => void} choose
  */
@@ -106,23 +106,23 @@ function tabsOf(views, choose) {
 }
 
 /**
- * The choice that an address states; what it does not state is the usual.
+ * The selection stored in an address, with defaults for missing values.
  * @param {string} hash
  * @param {View[]} views
  * @returns {Choice}
  */
 function choiceFrom(hash, views) {
-  const said = new URLSearchParams(hash.slice(1));
+  const link = new URLSearchParams(hash.slice(1));
   const number = (/** @type {string} */ name, /** @type {number} */ usual) => {
-    const value = Number(said.get(name) ?? NaN);
+    const value = Number(link.get(name) ?? NaN);
     return Number.isFinite(value) ? value : usual;
   };
   return {
-    view: said.get("view") ?? views[0].name,
-    left: said.get("left") ?? "",
-    right: said.get("right") ?? "",
+    view: link.get("view") ?? views[0].name,
+    left: link.get("left") ?? "",
+    right: link.get("right") ?? "",
     wipe: clamp(number("wipe", 50), 0, 100),
-    model: said.get("model") ?? "",
+    model: link.get("model") ?? "",
     lens: within({ zoom: number("zoom", 1), x: number("x", 0), y: number("y", 0) }),
   };
 }
@@ -130,7 +130,7 @@ function choiceFrom(hash, views) {
 let rememberLater = 0;
 
 /**
- * Puts the choice into the address once the hand rests, so that it can be passed on.
+ * Puts the selection into the address once it stops changing, so that it can be shared.
  * @param {Choice} choice
  */
 function remember(choice) {
@@ -143,11 +143,11 @@ function remember(choice) {
  * @returns {string}
  */
 function hashOf({ view, left, right, wipe, lens, model }) {
-  const said = new URLSearchParams({ view });
-  if (left) said.set("left", left);
-  if (right) said.set("right", right);
-  if (wipe !== 50) said.set("wipe", wipe.toFixed(1));
-  if (lens.zoom > 1) for (const [name, value] of Object.entries(lens)) said.set(name, value.toFixed(4));
-  if (model) said.set("model", model);
-  return "#" + said;
+  const link = new URLSearchParams({ view });
+  if (left) link.set("left", left);
+  if (right) link.set("right", right);
+  if (wipe !== 50) link.set("wipe", wipe.toFixed(1));
+  if (lens.zoom > 1) for (const [name, value] of Object.entries(lens)) link.set(name, value.toFixed(4));
+  if (model) link.set("model", model);
+  return "#" + link;
 }

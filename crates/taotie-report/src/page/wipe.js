@@ -1,8 +1,8 @@
 // @ts-check
-// The wipe: two pictures in one frame, and a handle that uncovers the one or the other.
+// The wipe: two pictures in one frame, and a handle that reveals one or the other.
 
 /**
- * A frame that shows a part of a picture.
+ * A frame that shows part of a picture.
  * @param {...Node} children
  * @returns {HTMLElement}
  */
@@ -56,7 +56,7 @@ function handleOf(get, set) {
 }
 
 /**
- * Where a key takes the handle; `undefined` where it does not.
+ * The position to which a key moves the handle; `undefined` if it does not move it.
  * @param {KeyboardEvent} event
  * @param {number} percent
  * @returns {number | undefined}

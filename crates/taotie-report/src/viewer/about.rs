@@ -1,13 +1,13 @@
-//! What a file says of itself.
+//! The metadata in a model file.
 
 use crate::Fact;
 use taotie::io::{Loaded, xmp_rights, xmp_sources};
 
-/// Returns the source, the rights and the size of a model, as far as its file tells them.
+/// Returns the source, rights and size of a model, as far as its file states them.
 pub fn facts(loaded: &Loaded, file: &str) -> Vec<Fact> {
     let packet = loaded.xmp.first();
     let sources = packet.map(xmp_sources).unwrap_or_default().join("; ");
-    let said = [
+    let stated = [
         ("File", Some(file.to_owned())),
         ("Triangles", Some(loaded.scene.triangle_count().to_string())),
         ("Copyright", loaded.copyright.clone()),
@@ -15,5 +15,5 @@ pub fn facts(loaded: &Loaded, file: &str) -> Vec<Fact> {
         ("Source", Some(sources).filter(|text| !text.is_empty())),
         ("Made by", loaded.generator.clone()),
     ];
-    said.into_iter().filter_map(|(name, value)| Some(Fact::new(name, value?))).collect()
+    stated.into_iter().filter_map(|(name, value)| Some(Fact::new(name, value?))).collect()
 }

@@ -1,5 +1,4 @@
-//! The model as the page loads it: a GLB of one mesh a surface, in world space, with the normals and tangents that the
-//! renderer has.
+//! The model that the page loads: a world-space GLB with one mesh per surface and the renderer's tangent frames.
 
 use taotie::io::{GltfFormat, ImageCodec, encode_scene_as};
 use taotie::math::Mat4;
@@ -8,7 +7,7 @@ use taotie::render::{Prepared, Surface};
 use taotie::scene::{Classic, GreenChannel, Instance, Material, NormalMap, NormalSpace, Scene, SceneData};
 use taotie::{Result, Warnings};
 
-/// Returns the GLB of all surfaces; a mesh has the number of its surface as its name.
+/// Returns the GLB of all surfaces; each mesh is named by the index of its surface.
 pub(super) fn glb(prepared: &Prepared, warnings: &mut Warnings) -> Result<Vec<u8>> {
     let surfaces = prepared.surfaces();
     let meshes: Vec<Mesh> = surfaces.iter().map(mesh).collect::<Result<_>>()?;
@@ -23,11 +22,11 @@ pub(super) fn glb(prepared: &Prepared, warnings: &mut Warnings) -> Result<Vec<u8
     let written = Scene::new(SceneData {
         instances: shown.collect(),
         meshes,
-        materials: scene.materials().iter().map(said).collect(),
+        materials: scene.materials().iter().map(gltf_part).collect(),
         textures: scene.textures().to_vec(),
         ..SceneData::default()
     })?;
-    // WebP loses nothing here, and every browser reads it.
+    // WebP is lossless here, and all browsers support it.
     let format = GltfFormat {
         meshopt: true,
         images: ImageCodec::WebP.into(),
@@ -37,7 +36,7 @@ pub(super) fn glb(prepared: &Prepared, warnings: &mut Warnings) -> Result<Vec<u8
     encode_scene_as(&written, &names, &format, warnings)
 }
 
-/// A surface in world space, its triangles counter-clockwise.
+/// Returns a surface in world space, with counter-clockwise triangles.
 pub(super) fn mesh(surface: &Surface<'_>) -> Result<Mesh> {
     let turned = |[a, b, c]: &[u32; 3]| if surface.mirrored { [*a, *c, *b] } else { [*a, *b, *c] };
     Mesh::new(MeshData {
@@ -50,8 +49,8 @@ pub(super) fn mesh(surface: &Surface<'_>) -> Result<Mesh> {
     })
 }
 
-/// The part of a material that glTF can say. The page has the rest beside it.
-fn said(material: &Material) -> Material {
+/// Returns the part of a material that glTF can express. The page stores the rest separately.
+fn gltf_part(material: &Material) -> Material {
     Material {
         f0: None,
         f82: None,
@@ -62,7 +61,7 @@ fn said(material: &Material) -> Material {
     }
 }
 
-/// The material with green up in its normal maps of tangent space, as those of the GLB are.
+/// Returns the material with green up in its tangent-space normal maps, like those in the GLB.
 pub(super) fn with_green_up(material: &Material) -> Material {
     let up = |map: NormalMap| match map.space {
         NormalSpace::Tangent => NormalMap { green: GreenChannel::Up, ..map },

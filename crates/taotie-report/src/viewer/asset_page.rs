@@ -1,4 +1,4 @@
-//! The viewer of an asset as it lies on disk, under the light and by the camera that a picture has where nothing is said.
+//! The viewer of an asset file, with the default light and camera of a picture.
 
 use super::{MeasuredErrors, Subject, Viewer, facts};
 use crate::Fact;
@@ -13,34 +13,34 @@ use taotie::scene::Scene;
 use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, Viewpoint};
 use taotie::{Result, Warnings};
 
-/// Texels along a side of the textures that the page holds, at most.
+/// The maximum side of textures on the page, texels.
 pub const MOST_TEXTURE_SIDE: u32 = 2048;
 
-/// An asset as it lies on disk.
+/// An asset file.
 #[derive(Clone, Copy)]
 pub struct AssetSubject<'a> {
     /// Its file.
     pub path: &'a Path,
     /// The heading.
     pub title: &'a str,
-    /// How much may be read.
+    /// The limits for reading the file.
     pub limits: &'a Limits,
-    /// Its errors where they are known.
+    /// Its errors, if known.
     pub errors: Option<MeasuredErrors<'a>>,
 }
 
-/// The least that textures of a page are reduced to, texels along a side.
+/// The smallest side to which textures are reduced, texels.
 const LEAST_TEXTURE_SIDE: u32 = 128;
 
-/// Returns the bytes that a page of an asset of `bytes` may have: the asset in base64, and 3 MB for all else.
+/// Returns the maximum size of a page for an asset of `bytes`: the asset in base64, and 3 MB for everything else.
 pub fn most_page_bytes(bytes: u64) -> u64 {
     bytes / 100 * 134 + 3_000_000
 }
 
 impl AssetSubject<'_> {
-    /// Writes a page with its viewer. Textures of more than [`MOST_TEXTURE_SIDE`] texels along a side are taken smaller, and
-    /// smaller still where the page would have more than [`most_page_bytes`]; a fact of the page says so. What is wrong in the
-    /// file is not noted again: its proof has read it before.
+    /// Writes a page with the asset's viewer. Textures with sides above [`MOST_TEXTURE_SIDE`] texels are reduced, and
+    /// reduced further if the page would exceed [`most_page_bytes`]; a fact on the page states this. Problems in the
+    /// file are not reported again, since its proof has already read it.
     ///
     /// # Errors
     /// Those of [`studio::load_within`] and [`Viewer::new`].
@@ -53,7 +53,7 @@ impl AssetSubject<'_> {
         loop {
             let viewer = self.viewer((scene.clone(), unit), &facts, side)?;
             let page = write(&viewer);
-            // The estimate knows nothing of the page's pictures.
+            // The estimate does not include the page's pictures.
             let over = (page.len() as u64).saturating_sub(most);
             if over == 0 || side <= LEAST_TEXTURE_SIDE || scene.textures().is_empty() {
                 return Ok((page, viewer.warnings));
@@ -85,16 +85,16 @@ impl AssetSubject<'_> {
     }
 }
 
-/// Returns the largest side of textures, a power of two, whose bytes are likely to be at most `most`.
+/// Returns the largest texture side, a power of two, with an estimated size of at most `most` bytes.
 fn fitting_side(scene: &Scene, most: u64) -> u32 {
     let sides = std::iter::successors(Some(MOST_TEXTURE_SIDE), |side| Some(side / 2));
     let mut sides = sides.take_while(|side| *side >= LEAST_TEXTURE_SIDE);
     sides.find(|side| texture_bytes(scene, *side) <= most).unwrap_or(LEAST_TEXTURE_SIDE)
 }
 
-/// Estimates the bytes in base64 of textures of at most `side` texels along a side, from coarse levels of them.
+/// Estimates the size in base64 bytes of textures with sides of at most `side` texels, from their coarse levels.
 fn texture_bytes(scene: &Scene, side: u32) -> u64 {
-    /// Texels along a side of the levels that are encoded.
+    /// The side of the levels that are encoded, texels.
     const SAMPLE: u32 = 64;
     let bytes = |texture: &Texture| {
         let sample = shrunk(texture, SAMPLE);
@@ -102,7 +102,7 @@ fn texture_bytes(scene: &Scene, side: u32) -> u64 {
         let count = |width: u32, height: u32| f64::from(width) * f64::from(height);
         let mut sizes = (0..texture.levels()).map(|level| texture.level_size(level));
         let (width, height) = sizes.find(|(width, height)| *width.max(height) <= side).unwrap_or_default();
-        // Without an encoder for its texels: three bytes each.
+        // Three bytes per texel if its format cannot be encoded.
         let encoded = io::encode_webp_bitmap(bitmap).map_or(f64::INFINITY, |bytes| bytes.len() as f64);
         let each = (encoded / count(bitmap.width(), bitmap.height())).min(3.0);
         (each * count(width, height) * 4.0 / 3.0) as u64
@@ -110,15 +110,15 @@ fn texture_bytes(scene: &Scene, side: u32) -> u64 {
     scene.textures().iter().map(bytes).sum()
 }
 
-/// Takes coarser levels of textures that are too large for a page, and returns the fact that says so.
+/// Replaces textures that are too large for a page by coarser levels, and returns the fact stating this.
 fn shrink(scene: &mut Scene, side: u32) -> Result<Option<Fact>> {
     let is_large = |texture: &Texture| texture.width().max(texture.height()) > side;
     if !scene.textures().iter().any(is_large) {
         return Ok(None);
     }
     scene.edit(|data| data.textures.iter_mut().for_each(|texture| *texture = shrunk(texture, side)))?;
-    let said = format!("at most {side} × {side}; the asset's are larger");
-    Ok(Some(Fact::new("Textures of this page", said)))
+    let text = format!("at most {side} × {side}; those of the asset are larger");
+    Ok(Some(Fact::new("Textures on this page", text)))
 }
 
 fn shrunk(texture: &Texture, side: u32) -> Texture {
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn the_page_says_that_they_are() {
+    fn a_fact_reports_reduced_textures() {
         let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
         scene.add_texture(texture(16, 2048));
         assert!(shrink(&mut scene, 2048).unwrap().is_none());
@@ -166,7 +166,7 @@ mod tests {
     #[test]
     fn textures_are_as_large_as_their_bytes_allow() {
         let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
-        assert_eq!(fitting_side(&scene, 0), MOST_TEXTURE_SIDE, "there are none");
+        assert_eq!(fitting_side(&scene, 0), MOST_TEXTURE_SIDE, "there are no textures");
         let noise = (0..512u32 * 512).map(|i| taotie::math::sequence::hash(7, i).to_le_bytes());
         let bitmap = Bitmap::new(512, 512, 3, Texels::U8(noise.collect())).unwrap();
         scene.add_texture(Texture::new(bitmap, Encoding::Linear));

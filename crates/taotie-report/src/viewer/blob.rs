@@ -1,6 +1,5 @@
-//! Named bytes of a page: within it in base64, or as a file beside it.
+//! Named bytes of a page: embedded as base64, or as a file next to it.
 
-use super::PageFile;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
@@ -13,12 +12,21 @@ pub(super) struct Blob {
     bytes: Vec<u8>,
 }
 
+/// A file next to the page.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PageFile {
+    /// Its name.
+    pub name: String,
+    /// Its content.
+    pub bytes: Vec<u8>,
+}
+
 impl Blob {
     pub fn new(name: &'static str, bytes: Vec<u8>) -> Self {
         Self { name, bytes }
     }
 
-    /// The element that holds it, compressed.
+    /// Returns the element that contains it, compressed.
     pub fn element(&self) -> String {
         let text = STANDARD.encode(gzip(&self.bytes, self.compression()));
         format!("<script type=\"application/gzip\" id=\"taotie-{}\">{text}</script>\n", self.name)
@@ -28,12 +36,12 @@ impl Blob {
         matches!(self.name, "asset" | "scan")
     }
 
-    /// Models are packed already: a long search would find next to nothing.
+    /// Returns the compression level. Models are already packed, so a thorough search would gain next to nothing.
     fn compression(&self) -> Compression {
         if self.is_model() { Compression::fast() } else { Compression::default() }
     }
 
-    /// The file that holds it: models as they are, all else compressed.
+    /// Returns the file that contains it: models unchanged, everything else compressed.
     pub fn file(&self) -> PageFile {
         let (name, bytes) = (self.name, &self.bytes);
         match self.is_model() {
@@ -43,13 +51,13 @@ impl Blob {
     }
 }
 
-/// The bytes by the format of gzip, without a time.
+/// Compresses bytes as gzip, without a timestamp.
 fn gzip(bytes: &[u8], compression: Compression) -> Vec<u8> {
     let mut encoder = GzEncoder::new(Vec::new(), compression);
-    encoder.write_all(bytes).and_then(|()| encoder.finish()).expect("memory takes every byte")
+    encoder.write_all(bytes).and_then(|()| encoder.finish()).expect("writing to memory cannot fail")
 }
 
-/// The bytes of numbers, little-endian.
+/// Converts numbers to little-endian bytes.
 pub(super) fn bytes_of_words(words: impl Iterator<Item = u16>) -> Vec<u8> {
     words.flat_map(u16::to_le_bytes).collect()
 }
@@ -61,7 +69,7 @@ mod tests {
     use std::io::Read;
 
     #[test]
-    fn bytes_come_back() {
+    fn bytes_are_restored() {
         let blob = Blob::new("tables", vec![7; 1000]);
         let file = blob.file();
         assert_eq!(file.name, "tables.bin");
@@ -73,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn the_model_is_a_file_of_its_own() {
+    fn the_model_is_a_separate_file() {
         let file = Blob::new("asset", vec![1, 2]).file();
         assert_eq!((file.name.as_str(), file.bytes), ("asset.glb", vec![1, 2]));
     }

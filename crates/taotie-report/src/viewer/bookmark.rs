@@ -1,8 +1,8 @@
-//! Views of a page that are worth a title.
+//! Bookmarked views of a page.
 
 use serde::{Deserialize, Serialize};
 
-/// A view of a page with a title and a text.
+/// A view of a page, with a title and a text.
 ///
 /// ```
 /// use taotie_report::viewer::Bookmark;
@@ -15,9 +15,9 @@ use serde::{Deserialize, Serialize};
 pub struct Bookmark {
     /// The title.
     pub title: String,
-    /// What is to be seen there; may be empty.
+    /// A description of the view; may be empty.
     #[serde(default)]
     pub text: String,
-    /// The fragment of a link to it, without `#`.
+    /// The fragment of a link to the view, without `#`.
     pub link: String,
 }

@@ -1,11 +1,11 @@
-//! The first camera as an orbit around a point.
+//! The initial camera as an orbit around a point.
 
 use serde::Serialize;
 use taotie::Warnings;
 use taotie::math::{Vec3, scalar};
 use taotie::scene::{Bounds, Camera, Projection};
 
-/// A place on a sphere around a target, and the angle of view from there.
+/// A position on a sphere around a target, and the field of view from there.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(super) struct Orbit {
     /// Degrees to the right of the front, which is +z.
@@ -16,24 +16,24 @@ pub(super) struct Orbit {
     pub distance: f64,
     /// World space.
     pub target: [f64; 3],
-    /// The vertical angle of view, degrees, in a picture of this width over height or wider.
+    /// The vertical field of view in degrees, for pictures of this aspect ratio or wider.
     pub fov_y: f64,
     pub aspect: f64,
-    /// The middle and the radius of a sphere around the model.
+    /// The centre and radius of a sphere around the model.
     pub center: [f64; 3],
     pub radius: f64,
 }
 
-/// The vertical angle of view where the camera has none, degrees.
+/// The vertical field of view for cameras without one, degrees.
 const FOV_Y: f64 = 30.0;
 
 impl Orbit {
-    /// The orbit of a camera that looks at the model: around the point of its axis that is nearest to the middle.
+    /// Returns the orbit of a camera looking at the model, around the point of its axis nearest the model's centre.
     pub fn new(camera: &Camera, bounds: &Bounds, warnings: &mut Warnings) -> Self {
         let [right, back, eye] = [0, 2, 3].map(|axis| camera.world_from_view.axis(axis));
         let (center, radius) = (bounds.center(), bounds.diagonal() / 2.0);
         let lens = Lens::new(&camera.projection, warnings);
-        warnings.note("a camera that leans to a side is shown upright", usize::from(right.y.abs() > 1e-6));
+        warnings.note("a tilted camera is shown upright", usize::from(right.y.abs() > 1e-6));
         let seen = (eye - center).dot(back);
         let distance = match lens.half_height {
             Some(half) => half / scalar::tan(FOV_Y.to_radians() / 2.0),
@@ -54,11 +54,11 @@ impl Orbit {
     }
 }
 
-/// What is left of a projection.
+/// The parts of a projection that an orbit keeps.
 struct Lens {
     fov_y: f64,
     aspect: f64,
-    /// Half the height that a parallel projection shows.
+    /// Half the height of an orthographic view.
     half_height: Option<f64>,
 }
 
@@ -69,7 +69,7 @@ impl Lens {
                 Self { fov_y: fov_y.to_degrees(), aspect: aspect.unwrap_or(1.0), half_height: None }
             }
             Projection::Orthographic { half_width, half_height, .. } => {
-                warnings.note("a camera of parallel projection is shown in perspective", 1);
+                warnings.note("an orthographic camera is shown in perspective", 1);
                 let half_height = half_height.abs();
                 Self { fov_y: FOV_Y, aspect: half_width.abs() / half_height, half_height: Some(half_height) }
             }
@@ -83,7 +83,7 @@ mod tests {
     use taotie::scene;
 
     #[test]
-    fn an_orbit_comes_back() {
+    fn an_orbit_is_restored() {
         let target = Vec3::new(0.5, 0.25, -0.125);
         let (azimuth, elevation, fov_y) = (0.6, -0.3, 0.5);
         let placed = scene::Orbit { azimuth, elevation, distance: 4.0, target, fov_y };

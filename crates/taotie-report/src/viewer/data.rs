@@ -1,4 +1,4 @@
-//! The data of a page: all that its script reads beside the model.
+//! The data of a page: everything that its script reads apart from the model.
 
 use super::blob::Blob;
 use super::camera::Orbit;
@@ -19,7 +19,7 @@ use taotie::shade::Shading;
 use taotie::shade::dfg::{COLUMNS, tables};
 use taotie::{Result, Warnings};
 
-/// The data of a page, as `viewer/src/data.ts` declares it.
+/// The data of a page, as declared in `viewer/src/data.ts`.
 #[derive(Serialize)]
 pub(super) struct Data<'a> {
     version: &'static str,
@@ -30,12 +30,12 @@ pub(super) struct Data<'a> {
     camera: Option<Orbit>,
     light: Light,
     film: Film,
-    /// The names of reflectance models and of surface methods, and those shown first.
+    /// The names of reflectance models and of surface methods, and the ones shown initially.
     shadings: Vec<&'static str>,
     methods: Vec<&'static str>,
     shading: &'static str,
     method: Option<&'static str>,
-    /// Columns and rows of the tables of albedos.
+    /// The columns and rows of the albedo tables.
     tables: [usize; 2],
     frame: Option<FrameLayout>,
     texts: Texts,
@@ -44,10 +44,10 @@ pub(super) struct Data<'a> {
     errors: Option<Errors>,
 }
 
-/// A model of the page.
+/// A model on the page.
 #[derive(Serialize)]
 struct Model {
-    /// The names of its GLB and of its numbers among the page's bytes.
+    /// The blob names of its GLB and of its numbers.
     glb: &'static str,
     codes: &'static str,
     surfaces: Vec<SurfaceData>,
@@ -61,12 +61,12 @@ struct Film {
     tone: &'static str,
     /// Linear RGB.
     background: Option<[f32; 3]>,
-    /// The places of samples in a pixel that is drawn while nothing moves, 1/256 pixel.
+    /// The sample positions within a pixel while nothing moves, in 1/256 pixel.
     samples: Vec<[i32; 2]>,
 }
 
 impl Data<'_> {
-    /// What manifests tell of the page.
+    /// Returns the content of the page that manifests describe.
     pub fn outline(&self) -> Outline {
         Outline {
             title: self.title.into(),
@@ -78,13 +78,13 @@ impl Data<'_> {
         }
     }
 
-    /// The data as JSON.
+    /// Returns the data as JSON.
     pub fn json(&self) -> Vec<u8> {
         serde_json::to_vec(self).expect("the data have only text keys")
     }
 }
 
-/// The models of a page, while they are put together.
+/// The models of a page, during assembly.
 struct Models<'a> {
     settings: &'a RenderSettings,
     environment: bool,
@@ -113,7 +113,7 @@ impl Models<'_> {
     }
 }
 
-/// The data of a page, and its other bytes.
+/// Returns the data of a page and its other blobs.
 pub(super) fn data<'a>(subject: &Subject<'a>, warnings: &mut Warnings) -> Result<(Data<'a>, Vec<Blob>)> {
     let (prepared, settings) = (subject.prepared, subject.settings);
     let (light, blobs) = light(subject.lighting, warnings);

@@ -1,4 +1,4 @@
-//! The page's style and script in one document.
+//! Combines the viewer page's style and script into one document.
 
 use super::blob::Blob;
 use crate::Page;
@@ -10,21 +10,21 @@ const STYLE: &str = include_str!("page.css");
 /// The script that defines the element `<taotie-viewer>`, built from `viewer/`.
 pub const SCRIPT: &str = include_str!("bundle/viewer.js");
 
-/// The element that shows what the page holds, and the one that shows the files beside it.
+/// The element that shows the content of the page, and the one that shows the files next to it.
 const ALONE: &str = "<taotie-viewer></taotie-viewer>";
 const BESIDE: &str = "<taotie-viewer src=\"./\" linked></taotie-viewer>";
 
-/// The page with all that it shows.
-pub(super) fn alone(title: &str, blobs: &[Blob]) -> String {
+/// The self-contained page.
+pub(super) fn single_file(title: &str, blobs: &[Blob]) -> String {
     page(title, ["'none'", ALONE], &elements(blobs))
 }
 
-/// The page of a folder, which fetches what lies beside it.
-pub(super) fn beside(title: &str) -> String {
+/// The page for a folder, which fetches the files next to it.
+pub(super) fn linked(title: &str) -> String {
     page(title, ["'self'", BESIDE], "")
 }
 
-/// A report whose first view is the element.
+/// A report with the element as its first view.
 pub(super) fn within(page: &Page, blobs: &[Blob]) -> String {
     html_with(page, SCRIPT, &elements(blobs))
 }
@@ -33,13 +33,13 @@ fn elements(blobs: &[Blob]) -> String {
     blobs.par_iter().map(Blob::element).collect()
 }
 
-/// The page of an element, which may connect to `sources`.
+/// The page for an element, which may connect to `sources`.
 fn page(title: &str, [sources, element]: [&str; 2], data: &str) -> String {
     let main = format!("<main>{element}{WITHOUT_SCRIPT}</main>");
     Document { title, policy: policy(sources), style: STYLE, main: &main, data, scripts: &[SCRIPT] }.html()
 }
 
-/// Only this style sheet and this script. The decoder of meshes is compiled from the script's own bytes.
+/// Allows only this style sheet and this script. The mesh decoder is compiled from bytes in the script.
 fn policy(sources: &str) -> String {
     let [style, script] = [STYLE, SCRIPT].map(sha256);
     format!(
@@ -55,8 +55,8 @@ mod tests {
     #[test]
     fn no_text_breaks_out_of_its_place() {
         let nasty = "</title><script>alert(1)</script>{policy}";
-        let document = alone(nasty, &[Blob::new("data", b"</script>".to_vec())]);
-        // The script writes drawings with titles of their own.
+        let document = single_file(nasty, &[Blob::new("data", b"</script>".to_vec())]);
+        // The script contains drawings with their own titles.
         let (head, _) = document.split_once("<main>").unwrap();
         assert_eq!(head.matches("<title>").count(), 1);
         assert!(document.contains("&lt;/title&gt;&lt;script&gt;alert(1)&lt;/script&gt;{policy}</title>"));

@@ -1,14 +1,14 @@
-//! Images of half floats as bytes that compress well, without loss.
+//! Lossless encoding of half-float images as bytes that compress well.
 
-/// The channels as they are told: green, and the other two by their difference from it.
-const TOLD: [fn([u16; 3]) -> u16; 3] =
+/// The encoded channels: green, and the differences of red and blue from it.
+const CHANNELS: [fn([u16; 3]) -> u16; 3] =
     [|[_, g, _]| g, |[r, g, _]| r.wrapping_sub(g), |[_, g, b]| b.wrapping_sub(g)];
 
-/// Codes an image of half floats, `width` texels a row. Each number of a channel is told by its difference from what its
-/// neighbours let expect: left + above − above left, which is 0 outside the image. All lower bytes come first, then all
-/// upper ones.
+/// Encodes an image of half floats with `width` texels per row. Each number of a channel is stored as its difference
+/// from the prediction by its neighbours: left + above − above left, with 0 outside the image. All lower bytes come
+/// first, then all upper bytes.
 pub(super) fn coded(texels: &[[u16; 3]], width: usize) -> Vec<u8> {
-    let codes: Vec<u16> = TOLD.iter().flat_map(|told| differences(texels, width, told)).collect();
+    let codes: Vec<u16> = CHANNELS.iter().flat_map(|channel| differences(texels, width, channel)).collect();
     let [lower, upper] = [0, 1].map(|byte| codes.iter().map(move |code| code.to_le_bytes()[byte]));
     lower.chain(upper).collect()
 }
@@ -16,9 +16,9 @@ pub(super) fn coded(texels: &[[u16; 3]], width: usize) -> Vec<u8> {
 fn differences(
     texels: &[[u16; 3]],
     width: usize,
-    told: impl Fn([u16; 3]) -> u16,
+    channel: impl Fn([u16; 3]) -> u16,
 ) -> impl Iterator<Item = u16> {
-    let numbers: Vec<u16> = texels.iter().map(|texel| told(*texel)).collect();
+    let numbers: Vec<u16> = texels.iter().map(|texel| channel(*texel)).collect();
     let at = move |x: usize, y: usize| match (x, y) {
         (0, _) | (_, 0) => 0,
         (x, y) => numbers[(y - 1) * width + x - 1],
@@ -30,7 +30,7 @@ fn differences(
     })
 }
 
-/// Small differences of either sign as small numbers: 0, −1, 1, −2 become 0, 1, 2, 3.
+/// Maps small differences of either sign to small numbers: 0, −1, 1, −2 become 0, 1, 2, 3.
 fn folded(difference: u16) -> u16 {
     let signed = difference as i16;
     ((signed << 1) ^ (signed >> 15)) as u16
@@ -41,13 +41,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_slope_is_nothing_new() {
+    fn a_slope_is_predicted() {
         let texels: Vec<[u16; 3]> = (0..12u16).map(|i| [100 + i % 4 + 3 * (i / 4); 3]).collect();
         let codes = coded(&texels, 4);
         assert_eq!(codes.len(), 72);
-        // The first row and the first column say where it begins and how it rises.
+        // The first row and column contain the start and the slope.
         assert_eq!(codes[..12], [200, 2, 2, 2, 6, 0, 0, 0, 6, 0, 0, 0]);
-        assert!(codes[12..].iter().all(|code| *code == 0), "red and blue are green");
+        assert!(codes[12..].iter().all(|code| *code == 0), "red and blue equal green");
     }
 
     #[test]

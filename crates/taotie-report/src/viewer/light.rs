@@ -1,4 +1,4 @@
-//! The light of the page: lights as shaders read them, and an environment.
+//! The lighting of the page: lights in the form that shaders read, and an environment.
 
 use super::blob::Blob;
 use super::halves::coded;
@@ -8,17 +8,17 @@ use taotie::pixel::LightSource;
 use taotie::render::{EnvironmentLight, Lighting};
 use taotie_shader::{EnvironmentAtlas, MOST_LIGHTS, light_numbers};
 
-/// The light of the page.
+/// The lighting of the page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Light {
-    /// Sixteen numbers a light.
+    /// Sixteen numbers per light.
     pub lights: Vec<[f32; 16]>,
-    /// Radiance from all around.
+    /// Ambient radiance.
     pub ambient: [f32; 3],
     environment: Option<EnvironmentMaps>,
 }
 
-/// An environment, whose texels are in `environment_maps` and `environment_picture`.
+/// An environment; its texels are in `environment_maps` and `environment_picture`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct EnvironmentMaps {
     maps: [usize; 2],
@@ -31,10 +31,10 @@ struct EnvironmentMaps {
     intensity: f32,
 }
 
-/// The light as data, and the texels of its environment.
+/// Returns the lighting as data, and the texels of its environment.
 pub(super) fn light(lighting: &Lighting, warnings: &mut Warnings) -> (Light, Vec<Blob>) {
     let all = lighting.lights.len();
-    warnings.note("lights beyond the first 16, which the page leaves out", all.saturating_sub(MOST_LIGHTS));
+    warnings.note("skipped lights beyond the first 16", all.saturating_sub(MOST_LIGHTS));
     let lights = lighting.lights.iter().take(MOST_LIGHTS);
     let environment = lighting.environment.as_ref().map(environment);
     let (maps, blobs) = environment.map_or((None, Vec::new()), |(maps, blobs)| (Some(maps), blobs.into()));
@@ -49,7 +49,7 @@ pub(super) fn light(lighting: &Lighting, warnings: &mut Warnings) -> (Light, Vec
 fn environment(light: &EnvironmentLight) -> (EnvironmentMaps, [Blob; 2]) {
     let maps = light.environment.maps();
     let atlas = EnvironmentAtlas::new(&maps);
-    let told = EnvironmentMaps {
+    let described = EnvironmentMaps {
         maps: atlas.size,
         picture: [maps.picture.width, maps.picture.height],
         levels: atlas.table.to_vec(),
@@ -61,5 +61,5 @@ fn environment(light: &EnvironmentLight) -> (EnvironmentMaps, [Blob; 2]) {
     let colors: Vec<[u16; 3]> = atlas.texels.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect();
     let maps_blob = Blob::new("environment_maps", coded(&colors, atlas.size[0]));
     let picture = Blob::new("environment_picture", coded(maps.picture.texels, maps.picture.width));
-    (told, [maps_blob, picture])
+    (described, [maps_blob, picture])
 }

@@ -1,4 +1,4 @@
-//! The scan beside the asset that was baked from it, and the error of the asset's normals on its surface.
+//! The scan from which the asset was baked, and the normal error on the asset's surface.
 
 use super::blob::{Blob, bytes_of_words};
 use serde::Serialize;
@@ -13,36 +13,35 @@ use taotie::render::{Prepared, Surface};
 use taotie::scene::{Instance, Material, Scene, SceneData};
 use taotie::{Progress, Result, Warnings};
 
-/// The most triangles of a scan that a page shows.
+/// The maximum number of triangles of a scan that a page shows.
 pub const MOST_TRIANGLES: usize = 1_000_000;
 
-/// Texels along a side of the map of errors.
+/// The side of the error map, texels.
 const MAP: u32 = 1024;
-/// The same in a report, at most.
+/// The maximum side of the error map in a report, texels.
 const SHRUNK: u32 = 512;
-/// The last colour stands for this many degrees.
+/// The angle at the end of the colour scale, degrees.
 const TOP: f32 = 10.0;
-/// Colours of the legend.
+/// The number of colours in the legend.
 const STOPS: usize = 17;
-/// Steps of a degree in which errors are stored, and the step that stands for none.
+/// The number of steps per degree in which errors are stored, and the code for no value.
 const STEPS: f32 = 100.0;
 const NONE: u16 = u16::MAX;
 
 /// The scan of an asset.
 #[derive(Clone, Copy)]
 pub struct ScanSubject<'a> {
-    /// All of its triangles, which the asset is measured against.
+    /// All its triangles, against which the asset is measured.
     pub measured: &'a Scan,
-    /// Its triangles as they are published with the page; [`scene_to_show`] makes few enough of them. `None` publishes
-    /// nothing of it.
+    /// The triangles published with the page, limited by [`scene_to_show`]. With `None`, the scan is not published.
     pub published: Option<&'a Prepared>,
 }
 
-/// Returns the scene that a page shows of a scan: itself, or its shape in at most [`MOST_TRIANGLES`] triangles, which is
-/// noted.
+/// Returns the scene that a page shows for a scan: the scan, or its shape simplified to at most [`MOST_TRIANGLES`]
+/// triangles, with a warning.
 ///
 /// # Errors
-/// As [`simplify`].
+/// Those of [`simplify`].
 pub fn scene_to_show(scene: &Scene, high: &bake::Scan, warnings: &mut Warnings) -> Result<Scene> {
     if scene.triangle_count() <= MOST_TRIANGLES {
         return Ok(scene.clone());
@@ -50,7 +49,7 @@ pub fn scene_to_show(scene: &Scene, high: &bake::Scan, warnings: &mut Warnings) 
     let options = SimplifyOptions { triangles: MOST_TRIANGLES, ..SimplifyOptions::default() };
     let simple = simplify(high.mesh(), &options, Progress::SILENT)?;
     let what = format!(
-        "the page shows {} of the scan's {} triangles, without its colours",
+        "the page shows the scan simplified to {} of {} triangles, without colours",
         simple.mesh.triangles().len(),
         scene.triangle_count()
     );
@@ -63,37 +62,37 @@ pub fn scene_to_show(scene: &Scene, high: &bake::Scan, warnings: &mut Warnings) 
     })
 }
 
-/// The error of an asset's normals at the texels of its maps, and the distance of its shape from the scan.
+/// The normal error of an asset at the texels of its maps, and its distance from the scan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Errors {
-    /// Of each surface; none where it has no uvs, or its normals cannot be looked up so.
+    /// The map of each surface; `None` if it has no uvs or its normals cannot be laid out on them.
     maps: Vec<Option<ErrorMap>>,
-    /// Degrees of the last colour, and the colours from 0 to it.
+    /// The degrees at the last colour, and the colours from 0 to it.
     top: f32,
     stops: Vec<[u8; 3]>,
-    /// Steps of a degree.
+    /// Steps per degree.
     steps: f32,
-    /// The mean on the surface, degrees: that of the proof, not of the texels.
+    /// The mean on the surface in degrees, from the proof rather than from the texels.
     mean: Option<f64>,
     /// In the unit of the model.
     rms: f64,
     hausdorff: f64,
 }
 
-/// A map of errors among the numbers of `errors`, row by row.
+/// An error map in the blob `errors`, row by row.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct ErrorMap {
     width: u32,
     height: u32,
-    /// The number of numbers before it.
+    /// Its offset, in numbers.
     from: usize,
-    /// The uv set by which it is laid out.
+    /// The uv set of its layout.
     uv_set: usize,
-    /// Takes these uvs to the map: the rows of the linear part, then the offset.
+    /// The transform from these uvs to the map: the rows of the linear part, then the offset.
     transform: [f32; 6],
 }
 
-/// Measures an asset against its scan, as a proof does, and notes what is wrong.
+/// Measures an asset against its scan, as a proof does, and adds warnings.
 pub(super) fn errors(prepared: &Prepared, scan: &Scan, warnings: &mut Warnings) -> Result<(Errors, Blob)> {
     let (figures, found) = measure(prepared.scene(), scan, &VerifyOptions::default(), Progress::SILENT)?;
     warnings.absorb(found);
@@ -104,31 +103,31 @@ pub(super) fn errors(prepared: &Prepared, scan: &Scan, warnings: &mut Warnings) 
             true => error_map(prepared.scene(), instance, scan.sorted())?,
             false => None,
         };
-        warnings.note("surfaces without a map of their normals' error", usize::from(map.is_none()));
+        warnings.note("surfaces without a normal error map", usize::from(map.is_none()));
         maps.push(map.map(|field| ErrorMap::put(&field, surface, &mut codes)));
     }
     let errors = Errors::new(maps, ShownFigures::of(&figures));
     Ok((errors, Blob::new("errors", bytes_of_words(codes.into_iter()))))
 }
 
-/// The errors of a model that were measured before.
+/// The errors of a model that were measured earlier.
 #[derive(Clone, Copy)]
 pub struct MeasuredErrors<'a> {
-    /// Degrees between the normals of model and scan, over the map of the model's one surface. Where it has several
-    /// surfaces no map is shown.
+    /// The angles between the normals of model and scan in degrees, over the map of the model's single surface. With
+    /// several surfaces, no map is shown.
     normals: &'a Field,
     figures: ShownFigures,
 }
 
 impl<'a> MeasuredErrors<'a> {
-    /// Takes the errors of a proof; `None` if the model has no map on which they could be shown.
+    /// Returns the errors of a proof; `None` if the model has no map on which they could be shown.
     pub fn of(proof: &'a Proof) -> Option<Self> {
         let figures = ShownFigures::of(&proof.figures);
         proof.error_map.as_ref().map(|normals| Self { normals, figures })
     }
 }
 
-/// The figures of a proof that the viewer states.
+/// The figures of a proof that the viewer shows.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct ShownFigures {
     /// The mean normal error on the surface, degrees.
@@ -143,13 +142,13 @@ impl ShownFigures {
     fn of(figures: &Figures) -> Self {
         let Some(finest) = figures.finest() else { return Self::default() };
         let mean = finest.surface_angles.map(|angles| angles.mean);
-        // Models of scans whose unit is known are in metres.
+        // Models are in metres if the unit of the scan is known.
         let metres = figures.unit.map_or(1.0, Unit::metres);
         Self { mean, rms: finest.rms * metres, hausdorff: finest.hausdorff.upper * metres }
     }
 }
 
-/// The errors of a model with these surfaces, as they were measured before.
+/// Returns the errors of a model with these surfaces, as measured earlier.
 pub(super) fn known_errors(known: &MeasuredErrors<'_>, surfaces: &[Surface<'_>]) -> (Errors, Blob) {
     let mut codes = Vec::new();
     let maps = match surfaces {
@@ -160,7 +159,7 @@ pub(super) fn known_errors(known: &MeasuredErrors<'_>, surfaces: &[Surface<'_>])
     (errors, Blob::new("errors", bytes_of_words(codes.into_iter())))
 }
 
-/// Returns the error of the normals of one instance at the texels of its map, degrees; `None` if its maps repeat too often.
+/// Returns the normal error of one instance at the texels of its map, degrees; `None` if its maps repeat too often.
 fn error_map(scene: &Scene, instance: usize, high: &bake::Scan) -> Result<Option<Field>> {
     let mut own = scene.clone();
     own.edit(|scene| scene.instances = vec![scene.instances[instance]])?;
@@ -180,7 +179,7 @@ impl Errors {
 }
 
 impl ErrorMap {
-    /// Puts every so many texels one, so that no side is longer than [`SHRUNK`].
+    /// Stores a subsampled map with no side longer than [`SHRUNK`].
     fn put_shrunk(field: &Field, surface: &Surface<'_>, codes: &mut Vec<u16>) -> Self {
         let step = field.width().max(field.height()).div_ceil(SHRUNK).max(1);
         let (width, height, from) = (field.width() / step, field.height() / step, codes.len());
@@ -195,7 +194,7 @@ impl ErrorMap {
         Self::on(surface, [field.width(), field.height()], from)
     }
 
-    /// Describes a map of this size that is laid out as the maps of a surface are.
+    /// Describes a map of this size with the layout of the surface's maps.
     fn on(surface: &Surface<'_>, [width, height]: [u32; 2], from: usize) -> Self {
         let lead = leading_texture(surface.material, surface.uvs.len());
         let (uv_set, used) = lead.map(|lead| (lead.uv_set, lead.transform)).unwrap_or_default();
@@ -208,7 +207,7 @@ fn code(degrees: &f32) -> u16 {
     if degrees.is_nan() { NONE } else { (degrees * STEPS + 0.5).min(f32::from(NONE - 1)) as u16 }
 }
 
-/// Returns `true` if the error of a surface's normals can be laid out on its uvs.
+/// Returns `true` if the normal error of a surface can be laid out on its uvs.
 fn is_measurable(surface: &Surface<'_>) -> bool {
     !surface.uvs.is_empty() && !surface.triangles.is_empty()
 }
@@ -220,7 +219,7 @@ mod tests {
     use taotie::mesh::Mesh;
     use taotie::render::SurfaceSettings;
 
-    /// A ball that is pressed flat, with its own normals or still with those of the ball.
+    /// A flattened sphere, with either its own normals or those of the sphere.
     fn pressed([columns, rows]: [usize; 2], own: bool) -> Scene {
         let mut data = Mesh::sphere(1.0, columns, rows).into_data();
         for v in 0..data.positions.len() {
@@ -258,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn a_model_elsewhere_is_refused() {
+    fn a_displaced_model_is_rejected() {
         let scan = Scan::from_scene(pressed([64, 32], true), Progress::SILENT).unwrap();
         let mut data = Mesh::sphere(1.0, 24, 12).into_data();
         data.positions.iter_mut().for_each(|p| p.x += 5.0);
@@ -269,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn a_small_scan_is_shown_as_it_is() {
+    fn a_small_scan_is_shown_unchanged() {
         let scene = Scene::of_mesh(Mesh::sphere(1.0, 16, 8), Material::default()).unwrap();
         let high = bake::Scan::new(scene.clone()).unwrap();
         let mut warnings = Warnings::default();

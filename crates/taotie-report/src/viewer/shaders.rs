@@ -1,10 +1,10 @@
-//! The shaders of a page: each variant once, and each paragraph of their texts once.
+//! The shaders of a page, with each variant and each paragraph of source text stored once.
 
 use serde::Serialize;
 use std::collections::HashMap;
 use taotie_shader::{Interface, Language, PixelShader, Variant, buffer_size, pixel_shader};
 
-/// What stands between the paragraphs of a shader's text.
+/// The separator between the paragraphs of a shader's text.
 const BETWEEN: &str = "\n\n";
 
 /// The shaders of a page.
@@ -17,26 +17,26 @@ pub(super) struct Shaders {
     interfaces: Vec<Interface>,
 }
 
-/// The texts of all shaders: paragraphs, and the shaders as lists of them.
+/// The texts of all shaders: paragraphs, and shaders as lists of paragraphs.
 #[derive(Serialize)]
 pub(super) struct Texts {
     pieces: Vec<String>,
     shaders: Vec<WrittenShader>,
 }
 
-/// A shader as the page binds it.
+/// A shader in the form that the page binds.
 #[derive(Serialize)]
 struct WrittenShader {
     fragment: Vec<usize>,
     vertex: Vec<usize>,
-    /// The names of the vertices' values.
+    /// The names of the vertex inputs.
     inputs: Vec<String>,
-    /// The uniform blocks: the name of the variable, and that of the block.
+    /// The uniform blocks: the names of the variable and of the block.
     blocks: Vec<[&'static str; 2]>,
     textures: Vec<&'static str>,
 }
 
-/// A field of the block `frame` and the bytes before it.
+/// A field of the block `frame` and its byte offset.
 #[derive(Serialize)]
 struct Field(String, usize);
 
@@ -48,7 +48,7 @@ pub(super) struct FrameLayout {
 }
 
 impl Shaders {
-    /// Returns the number of a variant's shader, which is written where it is new.
+    /// Returns the index of a variant's shader, writing the shader if it is new.
     pub fn number(&mut self, variant: &Variant) -> usize {
         if let Some(number) = self.known.get(variant) {
             return *number;
@@ -61,19 +61,19 @@ impl Shaders {
         self.written.len() - 1
     }
 
-    /// The interface of a shader by its number.
+    /// Returns the interface of the shader with this index.
     pub fn interface(&self, number: usize) -> &Interface {
         &self.interfaces[number]
     }
 
-    /// The layout of the block `frame`, which all shaders share; `None` where there is no shader.
+    /// Returns the layout of the block `frame`, which all shaders share; `None` if there is no shader.
     pub fn frame(&self) -> Option<FrameLayout> {
         let frame = &self.interfaces.first()?.frame;
         let fields = frame.iter().map(|field| Field(field.name.clone(), field.offset)).collect();
         Some(FrameLayout { fields, bytes: buffer_size(frame) })
     }
 
-    /// The texts of all.
+    /// Returns the texts of all shaders.
     pub fn texts(self) -> Texts {
         Texts { pieces: self.pieces, shaders: self.written }
     }
@@ -89,7 +89,7 @@ impl Shaders {
         }
     }
 
-    /// The numbers of a text's paragraphs.
+    /// Returns the indices of a text's paragraphs.
     fn cut(&mut self, text: &str) -> Vec<usize> {
         text.split(BETWEEN).map(|piece| self.piece(piece)).collect()
     }
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn texts_come_back_whole_and_share_their_paragraphs() {
+    fn texts_are_restored_and_share_their_paragraphs() {
         let mut shaders = Shaders::default();
         let all: Vec<Variant> = Shading::NAMES.iter().map(|(_, shading)| variant(*shading)).collect();
         let numbers: Vec<usize> = all.iter().map(|variant| shaders.number(variant)).collect();

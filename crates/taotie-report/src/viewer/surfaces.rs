@@ -1,4 +1,4 @@
-//! The surfaces of a model: by which shader each model and method draws them, and with what numbers.
+//! The surfaces of a model: the shader and the values for each reflectance model and surface method.
 
 use super::asset::with_green_up;
 use super::shaders::Shaders;
@@ -6,58 +6,58 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use taotie::names::Named;
 use taotie::render::{PRINTED_BUMP, Prepared, RenderSettings, Surface};
-use taotie::scene::{AlphaMode, Material, NormalSpace, Scene, TextureRef};
+use taotie::scene::{AlphaMode, Material, NormalSpace, Scene, TextureRef, TextureRole};
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
-use taotie_shader::{Interface, NormalMethod, SurfaceFactors, TextureRole, Variant, VariantOptions};
+use taotie_shader::{Interface, SurfaceFactors, Variant, VariantOptions};
 
-/// A surface as the page draws it.
+/// A surface in the form that the page draws.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct SurfaceData {
-    /// The number of its material.
+    /// The index of its material.
     material: usize,
     double_sided: bool,
     blended: bool,
-    /// The number of the method that its material provides best, and of each method that which is drawn.
+    /// The index of the best method for its material, and for each method the index of the one actually drawn.
     best: usize,
     drawn: Vec<usize>,
-    /// The columns of the matrix from normals of object space to those of world space.
+    /// The columns of the matrix from object-space to world-space normals.
     normal_matrix: [[f32; 3]; 3],
     own: Dress,
     clay: Dress,
 }
 
-/// A surface in one material.
+/// A surface with one material.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct Dress {
-    /// The numbers of shaders: a row for each reflectance model, in it one for each surface method.
+    /// The shader indices: a row for each reflectance model, with an entry for each surface method.
     looks: Vec<Vec<usize>>,
-    /// The values of the uniform block `material` by the names of its fields.
+    /// The values of the uniform block `material`, by field name.
     factors: BTreeMap<String, Vec<f32>>,
     /// The field `bump` of `bump-printed`.
     printed_bump: f32,
-    /// The textures by the names of their slots.
+    /// The textures, by slot name.
     textures: BTreeMap<&'static str, TextureUse>,
 }
 
-/// A texture of the model and its sampler: wrapping along u and v, magnification and minification as WebGL numbers them.
+/// A texture of the model and its sampler: WebGL constants for wrapping in u and v, magnification and minification.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct TextureUse {
     texture: usize,
     sampler: [u32; 4],
 }
 
-/// What all surfaces are drawn by.
+/// The inputs for drawing all surfaces.
 pub(super) struct Drawing<'a> {
     pub prepared: &'a Prepared,
     pub settings: &'a RenderSettings,
-    /// Says whether an environment sends light.
+    /// True if there is light from an environment.
     pub environment: bool,
     pub shaders: &'a mut Shaders,
 }
 
 impl Drawing<'_> {
-    /// The surfaces as data, in order; their shaders are written.
+    /// Returns the surfaces as data, in order, and writes their shaders.
     pub fn surfaces(&mut self) -> Vec<SurfaceData> {
         let prepared = self.prepared;
         let instances = prepared.scene().instances().iter();
@@ -68,12 +68,12 @@ impl Drawing<'_> {
     fn surface(&mut self, surface: &Surface<'_>, material: usize) -> SurfaceData {
         let own = with_green_up(surface.material);
         let methods = methods(surface);
-        let best = NormalMethod::from(&surface.normal_source);
+        let best = surface.normal_source.method();
         SurfaceData {
             material,
             double_sided: own.double_sided,
             blended: matches!(own.alpha, AlphaMode::Blend),
-            best: NormalMethod::ALL.iter().position(|method| *method == best).unwrap_or(1),
+            best: SurfaceMethod::ALL.iter().position(|method| *method == best).unwrap_or(1),
             drawn: methods.iter().map(|method| number(*method)).collect(),
             normal_matrix: surface.normal_matrix.map(|column| column.to_array()),
             clay: self.dress(surface, &clay(&own), &methods),
@@ -81,7 +81,7 @@ impl Drawing<'_> {
         }
     }
 
-    fn dress(&mut self, surface: &Surface<'_>, material: &Material, methods: &[NormalMethod]) -> Dress {
+    fn dress(&mut self, surface: &Surface<'_>, material: &Material, methods: &[SurfaceMethod]) -> Dress {
         let base = VariantOptions::of_surface(surface, self.settings, self.environment);
         let bump = self.settings.surface.bump_scale;
         let mut dress = Dress {
@@ -99,7 +99,7 @@ impl Drawing<'_> {
         for (_, shading) in Shading::NAMES {
             let mut row = Vec::new();
             for method in methods {
-                // The page says of each light what arrives of it.
+                // The page computes the visibility of each light.
                 let options =
                     VariantOptions { shading: *shading, method: *method, shadows: true, ..base.clone() };
                 row.push(self.shaders.number(&Variant::new(material, &options)));
@@ -114,7 +114,7 @@ impl Drawing<'_> {
 }
 
 impl Dress {
-    /// Adds the values and textures that a shader reads.
+    /// Adds the values and textures read by a shader.
     fn take(&mut self, interface: &Interface, factors: &SurfaceFactors<'_>) {
         let bytes = interface.material_bytes(factors);
         for field in &interface.material {
@@ -137,30 +137,30 @@ impl TextureUse {
     }
 }
 
-/// The method that is drawn for each: smooth where the material lacks its map, as the renderer has it.
-fn methods(surface: &Surface<'_>) -> Vec<NormalMethod> {
+/// Returns the method drawn for each: smooth if the material lacks the required map, as in the renderer.
+fn methods(surface: &Surface<'_>) -> Vec<SurfaceMethod> {
     let has_map = |space| surface.material.normal.is_some_and(|map| map.space == space);
     let has = |method| match method {
-        NormalMethod::Facet | NormalMethod::Smooth => true,
-        NormalMethod::Bump | NormalMethod::BumpPrinted => surface.material.height.is_some(),
-        NormalMethod::ObjectMap => has_map(NormalSpace::Object),
-        NormalMethod::TangentMap => has_map(NormalSpace::Tangent) && !surface.tangents.is_empty(),
+        SurfaceMethod::Facet | SurfaceMethod::Smooth => true,
+        SurfaceMethod::Bump | SurfaceMethod::BumpPrinted => surface.material.height.is_some(),
+        SurfaceMethod::ObjectNormal => has_map(NormalSpace::Object),
+        SurfaceMethod::TangentNormal => has_map(NormalSpace::Tangent) && !surface.tangents.is_empty(),
     };
-    let drawn = |method| if has(method) { method } else { NormalMethod::Smooth };
-    NormalMethod::ALL.map(drawn).into()
+    let drawn = |method| if has(method) { method } else { SurfaceMethod::Smooth };
+    SurfaceMethod::ALL.map(drawn).into()
 }
 
-/// The number of a method among those of the command, which have the same order.
-fn number(method: NormalMethod) -> usize {
-    NormalMethod::ALL.iter().position(|known| *known == method).unwrap_or_default()
+/// Returns the index of a method among those of the command, which have the same order.
+fn number(method: SurfaceMethod) -> usize {
+    SurfaceMethod::ALL.iter().position(|known| *known == method).unwrap_or_default()
 }
 
-/// The names of the methods, in order.
+/// Returns the names of the methods, in order.
 pub(super) fn method_names() -> Vec<&'static str> {
     SurfaceMethod::NAMES.iter().map(|(name, _)| *name).collect()
 }
 
-/// The surface in matte grey: its relief without its colours.
+/// Returns the surface in matte grey: its relief without its colours.
 fn clay(own: &Material) -> Material {
     Material {
         normal: own.normal,
@@ -175,19 +175,4 @@ fn clay(own: &Material) -> Material {
 fn height_levels(material: &Material, scene: &Scene) -> usize {
     let texture = material.height.and_then(|map| scene.textures().get(map.texture.texture));
     texture.map_or(1, |texture| texture.levels())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn methods_of_command_and_shaders_have_one_order() {
-        use SurfaceMethod::{Bump, BumpPrinted, Facet, ObjectNormal, Smooth, TangentNormal};
-        let order: Vec<SurfaceMethod> = SurfaceMethod::NAMES.iter().map(|(_, method)| *method).collect();
-        assert_eq!(order, [Facet, Smooth, Bump, BumpPrinted, ObjectNormal, TangentNormal]);
-        use NormalMethod as N;
-        let shaders = [N::Facet, N::Smooth, N::Bump, N::BumpPrinted, N::ObjectMap, N::TangentMap];
-        assert_eq!(NormalMethod::ALL, shaders);
-    }
 }

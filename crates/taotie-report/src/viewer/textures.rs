@@ -1,4 +1,4 @@
-//! The textures of a model: those of the GLB by their number, and those that glTF cannot say as numbers.
+//! The textures of a model: those in the GLB by index, and those that glTF cannot express as numbers.
 
 use super::blob::{Blob, bytes_of_words};
 use serde::Serialize;
@@ -10,21 +10,21 @@ use taotie::scene::{Material, NormalSpace, Scene};
 pub(super) struct TextureData {
     /// `srgb`, `linear` or `normal`.
     encoding: &'static str,
-    /// Its texels, where they are not in the GLB.
+    /// Its texels, if they are not in the GLB.
     codes: Option<Codes>,
 }
 
-/// The texels of a texture as 16-bit numbers among those of `codes`, row by row.
+/// The texels of a texture as 16-bit numbers in the blob `codes`, row by row.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 struct Codes {
     width: u32,
     height: u32,
     channels: usize,
-    /// The number of numbers before them.
+    /// Their offset, in numbers.
     from: usize,
 }
 
-/// All textures as data, and the numbers of those that glTF cannot say, under a name.
+/// Returns all textures as data, and the numbers of those that glTF cannot express as a blob called `name`.
 pub(super) fn textures(scene: &Scene, name: &'static str) -> (Vec<TextureData>, Option<Blob>) {
     let mut all = Vec::new();
     let mut codes: Vec<u16> = Vec::new();
@@ -37,7 +37,7 @@ pub(super) fn textures(scene: &Scene, name: &'static str) -> (Vec<TextureData>, 
     (all, blob)
 }
 
-/// The channels of a texture that glTF has no place for: one of heights, three of normals in object space.
+/// Returns the number of channels of a texture that glTF cannot express: 1 for heights, 3 for object-space normals.
 fn unsaid_channels(materials: &[Material], number: usize) -> Option<usize> {
     let is_height = |m: &Material| m.height.is_some_and(|map| map.texture.texture == number);
     let is_object = |m: &Material| {
@@ -77,7 +77,7 @@ fn encoding(encoding: Encoding) -> &'static str {
     }
 }
 
-/// The numbers of WebGL for a sampler: wrapping along u and v, magnification and minification.
+/// Returns the WebGL constants of a sampler: wrapping along u and v, magnification and minification.
 pub(super) fn sampler(sampler: &Sampler) -> [u32; 4] {
     let wrap = |wrap| match wrap {
         Wrap::Repeat => 10497,

@@ -2,10 +2,11 @@
 
 use super::inputs::Inputs;
 use crate::recorder::Recorded;
-use crate::role::TextureRole;
-use crate::variant::NormalMethod;
 use taotie::math::Vec3;
-use taotie::pixel::{Frame, Geometry, MappedNormal, anisotropy_direction, anisotropy_turn, coat_normal};
+use taotie::pixel::{
+    Frame, Geometry, MappedNormal, NormalInputs, anisotropy_direction, anisotropy_turn, coat_normal,
+};
+use taotie::scene::TextureRole;
 
 type Number<'g> = Recorded<'g>;
 type Vector<'g> = Vec3<Recorded<'g>>;
@@ -14,7 +15,12 @@ impl<'g> Inputs<'g, '_> {
     /// The directions, in the order of the structure's fields.
     pub(super) fn shading_frame(self) -> Vec<Number<'g>> {
         let geometry = self.geometry();
-        let frame = Frame::new(&geometry, self.front_normal(&geometry), self.side(), self.variant.softened);
+        let frame = Frame::new(
+            &geometry,
+            geometry.front_normal(self.variant.method, &self),
+            self.side(),
+            self.variant.softened,
+        );
         let coat_n = coat_normal(self.mapped_coat(&geometry, &frame), &frame);
         let tangent = anisotropy_direction(&geometry, frame.n, self.turn());
         let mut numbers: Vec<Number<'g>> = frame.n.to_array().to_vec();
@@ -24,37 +30,7 @@ impl<'g> Inputs<'g, '_> {
         numbers
     }
 
-    /// The shading normal of the front.
-    fn front_normal(self, geometry: &Geometry<Number<'g>>) -> Vector<'g> {
-        match self.variant.method {
-            NormalMethod::Facet => geometry.facet(),
-            NormalMethod::Smooth => geometry.smooth(),
-            NormalMethod::Bump => self.bumped(geometry),
-            NormalMethod::BumpPrinted => {
-                let grey =
-                    self.number("t.height_du") * (self.constant(255.0) / self.number("g.height_width"));
-                geometry.bumped_as_printed(self.number("u.bump"), grey, self.normal_matrix())
-            }
-            NormalMethod::ObjectMap => Geometry::object_mapped(self.vector("t.normal"), self.normal_matrix()),
-            NormalMethod::TangentMap => geometry.tangent_mapped(MappedNormal {
-                stored: self.vector("t.normal"),
-                scale: self.number("u.normal_scale"),
-                green: self.number("u.normal_green"),
-            }),
-        }
-    }
-
-    /// The normal of a height map. Its gradient is one of the surface, whichever two parameters it is taken by: here
-    /// the steps to the next samples, since a shader does not see the triangle.
-    fn bumped(self, geometry: &Geometry<Number<'g>>) -> Vector<'g> {
-        let factor = self.number("u.bump");
-        let (by_u, by_v) = (self.number("t.height_du") * factor, self.number("t.height_dv") * factor);
-        let along = |du, dv| by_u * self.number(du) + by_v * self.number(dv);
-        let dh = [along("g.du_dx", "g.dv_dx"), along("g.du_dy", "g.dv_dy")];
-        geometry.bumped([self.vector("g.position_dx"), self.vector("g.position_dy")], dh)
-    }
-
-    /// The clearcoat's normal on the side that is seen, before it is turned towards the viewer.
+    /// The clearcoat's normal on the visible side, before it is turned towards the viewer.
     fn mapped_coat(self, geometry: &Geometry<Number<'g>>, frame: &Frame<Number<'g>>) -> Vector<'g> {
         let is_mapped = self.variant.textures.contains_key(&TextureRole::ClearcoatNormal);
         if !(is_mapped && self.variant.tangents) {
@@ -68,7 +44,7 @@ impl<'g> Inputs<'g, '_> {
         geometry.tangent_mapped(map) * self.side()
     }
 
-    /// Cosine and sine of the angle of anisotropy.
+    /// Cosine and sine of the anisotropy angle.
     fn turn(self) -> [Number<'g>; 2] {
         let own = [self.number("u.anisotropy_cos"), self.number("u.anisotropy_sin")];
         match self.variant.textures.contains_key(&TextureRole::Anisotropy) {
@@ -77,5 +53,34 @@ impl<'g> Inputs<'g, '_> {
             }
             false => own,
         }
+    }
+}
+
+impl<'g> NormalInputs<Number<'g>> for Inputs<'g, '_> {
+    /// The gradient of a height map is a gradient on the surface, for any two parameters: here the steps to the next
+    /// samples, since a shader does not see the triangle.
+    fn bump(&self) -> ([Vector<'g>; 2], [Number<'g>; 2]) {
+        let factor = self.number("u.bump");
+        let (by_u, by_v) = (self.number("t.height_du") * factor, self.number("t.height_dv") * factor);
+        let along = |du, dv| by_u * self.number(du) + by_v * self.number(dv);
+        let dh = [along("g.du_dx", "g.dv_dx"), along("g.du_dy", "g.dv_dy")];
+        ([self.vector("g.position_dx"), self.vector("g.position_dy")], dh)
+    }
+
+    fn printed_bump(&self) -> [Number<'g>; 2] {
+        let grey = self.number("t.height_du") * (self.constant(255.0) / self.number("g.height_width"));
+        [self.number("u.bump"), grey]
+    }
+
+    fn texel(&self) -> MappedNormal<Number<'g>> {
+        MappedNormal {
+            stored: self.vector("t.normal"),
+            scale: self.number("u.normal_scale"),
+            green: self.number("u.normal_green"),
+        }
+    }
+
+    fn normal_matrix(&self) -> [Vector<'g>; 3] {
+        ["u.normal_matrix_x", "u.normal_matrix_y", "u.normal_matrix_z"].map(|path| self.vector(path))
     }
 }

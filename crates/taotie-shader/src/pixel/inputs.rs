@@ -1,4 +1,4 @@
-//! The structures of the pixel program as parameters of a recording; what the variant knows is a constant.
+//! The structures of the pixel program as parameters of a recording; whatever the variant determines is a constant.
 
 use crate::recorder::{Recorded, Scope};
 use crate::variant::Variant;
@@ -37,7 +37,7 @@ impl<'g> Inputs<'g, '_> {
         if known { self.vector(path) } else { Vec3::splat(self.constant(value)) }
     }
 
-    /// The interpolated geometry; without tangents it has no direction.
+    /// The interpolated geometry; without tangents, the tangent is zero.
     pub(super) fn geometry(self) -> Geometry<Recorded<'g>> {
         Geometry {
             n_geom: self.vector("g.n_geom"),
@@ -49,14 +49,9 @@ impl<'g> Inputs<'g, '_> {
         }
     }
 
-    /// 1, or −1 where the surface is seen from behind and turns with it.
+    /// 1, or −1 if the surface is seen from behind and its normal turns with the side.
     pub(super) fn side(self) -> Recorded<'g> {
         self.number_or(self.variant.turns, "g.facing", 1.0)
-    }
-
-    /// The columns of the normal matrix.
-    pub(super) fn normal_matrix(self) -> [Vec3<Recorded<'g>>; 3] {
-        ["u.normal_matrix_x", "u.normal_matrix_y", "u.normal_matrix_z"].map(|path| self.vector(path))
     }
 
     /// The factors of the material.
@@ -155,7 +150,7 @@ impl<'g> Inputs<'g, '_> {
         }
     }
 
-    /// The anisotropy of the highlight, which bends where any model gathers the environment's light.
+    /// The anisotropy of the highlight; bends the direction in which any model gathers the environment's light.
     pub(super) fn anisotropic(self) -> Option<Anisotropic<Recorded<'g>>> {
         self.variant.layers.anisotropy.then(|| Anisotropic {
             direction: self.vector("p.tangent"),

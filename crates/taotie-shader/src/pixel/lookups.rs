@@ -1,4 +1,4 @@
-//! The formulas of what is fetched between stages: textures, tables, environments, lights.
+//! The formulas of everything fetched between stages: textures, tables, environments, lights.
 
 use crate::program::{Formula, part};
 use crate::recorder::{Recorded, Scope, record};
@@ -14,7 +14,7 @@ use taotie::shade::environment::{
 };
 use taotie::shade::fresnel::f_f82;
 
-/// The formulas that stages call.
+/// The formulas called by stages.
 pub(super) fn parts() -> [Formula; 3] {
     [
         part("mixed", "mix", LINEAR, record(mixed)),
@@ -23,7 +23,8 @@ pub(super) fn parts() -> [Formula; 3] {
     ]
 }
 
-/// The formulas of what is fetched. Those of textures come last: they are so short that they would be found by chance.
+/// The formulas of fetched values. Those of textures come last: they are so short that they would be matched by
+/// accident.
 pub(super) fn lookups() -> Vec<Formula> {
     [environment().to_vec(), lights().to_vec(), textures().to_vec()].concat()
 }
@@ -137,7 +138,7 @@ fn picture(scope: Scope<'_>) -> Vec<Recorded<'_>> {
     vec![at.left, at.right, at.top, at.bottom, at.across, at.down]
 }
 
-/// The light that arrives at a position from a light that is not infinitely far away.
+/// The incident light at a position, from a light at a finite distance.
 fn incidence<'g>(scope: Scope<'g>, falloff: Falloff<Recorded<'g>>) -> Vec<Recorded<'g>> {
     let cone = Cone {
         axis: scope.vector("light.axis"),
@@ -154,47 +155,48 @@ fn incidence<'g>(scope: Scope<'g>, falloff: Falloff<Recorded<'g>>) -> Vec<Record
     [l, irradiance].iter().flat_map(|vector: &Vec3<Recorded<'g>>| vector.to_array()).collect()
 }
 
-const SCHLICK: &str = "Schlick's approximation between two given reflectances.
+const SCHLICK: &str = "Schlick's approximation between two reflectances.
 F = F0 + (F90 − F0)(1 − v·h)⁵
 Source: Schlick 1994, eq. 15, with the F90 of Lagarde and de Rousiers 2014.";
 
-const TOWARDS_VIEWER: &str = "A mapped normal that turns away from a viewer who sees the surface, turned back until it is just seen: the least
-change there is, and without a step, where mirroring the normal would light the wrong side of every steep slope.";
+const TOWARDS_VIEWER: &str = "A mapped normal that faces away from a viewer who sees the surface, turned until it is just visible: the smallest
+possible change, and a continuous one; mirroring the normal would light the wrong side of every steep slope.";
 
-const TURNED: &str = "The linear part of a texture's transform, by rows, applied to texture coordinates or to a change of them.";
+const TURNED: &str =
+    "One row of the linear part of a texture's transform, applied to texture coordinates or to their change.";
 
-const LOG2_TEXELS: &str = "The log2 of the texels of the finest level that a pixel covers, of the longer of its two steps: the changes of the
-texture coordinates a pixel to the right and down, in a texture of `size` texels.";
+const LOG2_TEXELS: &str = "The log2 of the number of finest-level texels covered by the longer of a pixel's two steps: the changes of the
+texture coordinates one pixel to the right and one down, in a texture of `size` texels.";
 
-const HEIGHT_STEP: &str = "The step in u, or v, from a point to its neighbour in the level in use, whose texels are `texels` of the finest
-level wide; `size` is that level's.";
+const HEIGHT_STEP: &str = "The step in u (or v) from a point to its neighbour in the current level, whose texels are as wide as `texels` of the
+finest level; `size` is the size of the finest level.";
 
 const HEIGHT_DERIVATIVE: &str =
-    "The derivative of a height by u, or v, from those a [`height_step`] to each side.";
+    "The derivative of a height by u (or v), from the heights one [`height_step`] to each side.";
 
-const BETWEEN_ENTRIES: &str = "The number of a table between four entries: those of the node, of the next along the cosine, and of the two below;
+const BETWEEN_ENTRIES: &str = "The value of a table interpolated between four entries: the node, the next along the cosine, and the two below;
 `across` and `down` in [0, 1] as in [`TablePosition`].";
 
-const LINEAR: &str = "The mean of `a` and of `b`, whose weight is `share`, [0, 1].";
+const LINEAR: &str = "The mean of `a` and `b`; `share`, in [0, 1], is the weight of `b`.";
 
-const BILINEAR: &str = "The mean of the upper two texels and the lower two, left and right; `across` and `down` are the weights of the right
-and the lower ones, [0, 1].";
+const BILINEAR: &str = "Bilinear interpolation of the upper left and right and the lower left and right texels; `across` and `down`, in [0, 1],
+are the weights of the right and the lower texels.";
 
-const TO_ENVIRONMENT: &str = "The direction in the environment's own space that lies in direction `world`.";
+const TO_ENVIRONMENT: &str = "The direction `world` in the environment's local space.";
 
-const PLACE: &str = "The place in the unfolded square, [0, 1]², of a direction of any length.
+const PLACE: &str = "The position in the unfolded square, [0, 1]², of a direction of any length.
 Source: Engelhardt and Dachsbacher 2008, \"Octahedron Environment Maps\".";
 
-const TAPS: &str = "The first of the two texels around the coordinate `u` of a map of `side` texels, counted with the border, and the
+const TAPS: &str = "The first of the two texels around the coordinate `u` in a map of `side` texels, counted with the border, and the
 fraction of the way to the next.";
 
 const LEVELS: &str = "Finds the levels of a `roughness` in [0, 1].
-Between levels light is linear in 1/α: of all functions of α that one errs least for a lone bright texel";
+Between levels light is linear in 1/α: of all functions of α, this one has the smallest error for an isolated bright texel";
 
-const SHARE: &str = "The weight of the smoothest level, whose roughness² is `alpha`, against the light itself, for a `roughness` below it.";
+const SHARE: &str = "The weight of the smoothest level, whose roughness² is `alpha`, relative to the unfiltered light, for a lower `roughness`.";
 
-const PICTURE: &str = "The texels around a place in an equirectangular picture: columns and rows, integers.
+const PICTURE: &str = "The texels around a position in an equirectangular image: columns and rows, integers.
 `azimuth` is atan2(z, x), in [−π, π], and `polar`
 the angle from +y, in [0, π].";
 
-const INCIDENCE: &str = "The light that arrives at `position`, unshadowed.";
+const INCIDENCE: &str = "The unshadowed incident light at `position`.";

@@ -1,4 +1,4 @@
-//! A point of the surface, the tables that it is looked up in, and its reflection.
+//! A point of the surface, the positions of its table lookups, and its reflection.
 
 use super::inputs::Inputs;
 use crate::recorder::{Callee, Recorded};
@@ -14,7 +14,7 @@ use taotie::shade::{Angles, AnisotropicLobe};
 type Number<'g> = Recorded<'g>;
 type Vector<'g> = Vec3<Recorded<'g>>;
 
-/// The numbers of vectors, one after the other.
+/// The scalars of vectors, one after the other.
 fn flat<'g, const N: usize>(vectors: [Vector<'g>; N]) -> Vec<Number<'g>> {
     vectors.iter().flat_map(|vector| vector.to_array()).collect()
 }
@@ -96,13 +96,13 @@ impl<'g> Inputs<'g, '_> {
         numbers
     }
 
-    /// The reflection of a light; angles are those of the function of this name of the program. It does what
-    /// `SurfacePoint::reflect` does, but names the angles of the clearcoat after the base is recorded.
+    /// The reflection of a light; angles are those of the function with this name in the program. Equivalent to
+    /// `SurfacePoint::reflect`, but names the angles of the clearcoat after the base is recorded.
     pub(super) fn reflect_light(self, angles: &Callee<'_>) -> Vec<Number<'g>> {
         let (point, l) = (self.point(), self.vector("l"));
         let v = point.frame.v;
         self.name_angles(angles, [point.frame.n, v, l]);
-        let reflected = point.reflect_bare(l);
+        let reflected = point.reflect_base(l);
         let reflected = match &point.layers.coat {
             Some(coat) => {
                 self.name_angles(angles, [coat.n, v, l]);
@@ -113,7 +113,7 @@ impl<'g> Inputs<'g, '_> {
         reflected.to_array().to_vec()
     }
 
-    /// Lets the angles of these directions stand as a call.
+    /// Makes the angles of these directions a call.
     fn name_angles(self, angles: &Callee<'_>, [n, v, l]: [Vector<'g>; 3]) {
         self.scope.calling(angles, &[n, v, l], || {
             let a = Angles::new(n, v, l);
@@ -126,14 +126,14 @@ impl<'g> Inputs<'g, '_> {
         self.point().own(self.vector("ambient")).to_array().to_vec()
     }
 
-    /// The highlight, as it gathers the environment's light.
+    /// The highlight that gathers the environment's light.
     pub(super) fn highlight(self) -> Vec<Number<'g>> {
         let frame = self.point().frame;
         let roughness = self.number("p.lobe_roughness");
         gathered(highlight(&frame, roughness, self.anisotropic().as_ref()))
     }
 
-    /// The clearcoat's highlight, as it gathers the environment's light.
+    /// The clearcoat's highlight that gathers the environment's light.
     pub(super) fn coat_highlight(self) -> Vec<Number<'g>> {
         let coat = self.coat();
         gathered(coat_highlight(coat.n, self.vector("p.v"), coat.roughness))
@@ -149,7 +149,7 @@ impl<'g> Inputs<'g, '_> {
         self.point().reflect_environment(&light, &self.lobe_dfg()).to_array().to_vec()
     }
 
-    /// The colour of a surface that is shown without light.
+    /// The colour of an unlit surface.
     pub(super) fn unlit(self) -> Vec<Number<'g>> {
         self.tint().mul_elements(self.vector("u.base_color")).to_array().to_vec()
     }
@@ -161,7 +161,7 @@ fn gathered(highlight: Highlight<Number<'_>>) -> Vec<Number<'_>> {
     numbers
 }
 
-/// Says whether the model takes a clearcoat that the material has.
+/// Returns true if the model supports a clearcoat that the material has.
 pub(super) fn has_coat(variant: &Variant) -> bool {
     variant.layers.taken && variant.layers.clearcoat
 }

@@ -1,4 +1,4 @@
-//! The pixel of a variant as functions that call one another, with structures of what is needed and no more.
+//! The pixel of a variant as functions that call one another, with structures of exactly the fields needed.
 
 use super::lookups::{lookups, parts};
 use super::shapes;
@@ -11,7 +11,7 @@ use crate::structures::Structure;
 use crate::variant::Variant;
 use std::collections::BTreeSet;
 
-/// The numbers of the function `angles`, in order.
+/// The outputs of the function `angles`, in order.
 const ANGLES: [&str; 6] = ["n_dot_l", "n_dot_v", "n_dot_h", "sin2_h", "v_dot_h", "r_dot_v"];
 
 /// The pixel of a variant.
@@ -20,7 +20,7 @@ pub struct PixelProgram {
     pub(crate) program: Program,
     /// The names of the stages, in order.
     pub(crate) stages: Vec<String>,
-    /// The parameters that the stages read: arguments by their names, fields with a dot between, `p.n`.
+    /// The parameters that the stages read: arguments by their names, fields after a dot, `p.n`.
     pub(crate) read: BTreeSet<&'static str>,
 }
 
@@ -34,7 +34,7 @@ impl PixelProgram {
         let callee = Callee { function: angles, structure: "Angles", fields: &ANGLES };
         let mut needs = Needs { structures: shapes::variable(), read: BTreeSet::new() };
         if variant.environment && !variant.unlit {
-            // The mean of the environment's light is looked up at the normal.
+            // The mean of the environment's light is looked up by the normal.
             needs.read.insert("p.n");
         }
         if variant.shadows && !variant.unlit {
@@ -59,21 +59,21 @@ impl PixelProgram {
         self.stages.iter().filter_map(|name| self.program.find(name))
     }
 
-    /// The fields of the structures that a variant narrows, by their names.
+    /// The names of the fields that remain in a structure narrowed for the variant.
     pub fn fields(&self, structure: &str) -> Vec<&'static str> {
         let structure = self.program.structure(structure);
         structure.iter().flat_map(|structure| &structure.fields).map(|field| field.name).collect()
     }
 }
 
-/// The needs that later stages have of earlier ones.
+/// The names read by later stages from earlier ones.
 struct Needs {
     structures: Vec<Structure>,
     read: BTreeSet<&'static str>,
 }
 
 impl Needs {
-    /// The stages that something needs, with the results and parameters that are needed, in order.
+    /// Returns the stages that are needed, reduced to the results and parameters that are needed, in order.
     fn stripped(&mut self, stages: Vec<Stage>) -> Vec<Formula> {
         let mut kept: Vec<Formula> =
             stages.into_iter().rev().filter_map(|stage| self.needed(stage)).collect();
@@ -81,7 +81,7 @@ impl Needs {
         kept
     }
 
-    /// The stage as far as it is needed; notes what it reads.
+    /// Returns the stage reduced to what is needed; records what it reads.
     fn needed(&mut self, Stage { mut formula, feeds }: Stage) -> Option<Formula> {
         let is_read = match feeds {
             Feeds::Pixel => true,
@@ -100,13 +100,13 @@ impl Needs {
         Some(formula)
     }
 
-    /// Says whether a stage reads an argument or any of its fields.
+    /// Returns true if a stage reads an argument or any of its fields.
     fn reads(&self, path: &str) -> bool {
         reads(&self.read, path)
     }
 }
 
-/// Says whether an argument, or any field of it, is among what is read.
+/// Returns true if an argument, or any field of it, is read.
 pub(crate) fn reads(read: &BTreeSet<&'static str>, path: &str) -> bool {
     read.iter().any(|each| *each == path || each.split('.').next() == Some(path))
 }
@@ -133,7 +133,7 @@ fn is_field_read(structure: &Structure, field: &str, read: &BTreeSet<&'static st
     read.iter().any(is_it)
 }
 
-/// The structure with the fields that are read; `None` where none is.
+/// Returns the structure with only the fields that are read; `None` if none is.
 fn kept(mut structure: Structure, read: &BTreeSet<&'static str>) -> Option<Structure> {
     let whole = structure.clone();
     structure.fields.retain(|field| is_field_read(&whole, field.name, read));
@@ -141,7 +141,7 @@ fn kept(mut structure: Structure, read: &BTreeSet<&'static str>) -> Option<Struc
 }
 
 impl Program {
-    /// Leaves a structure the fields that are read.
+    /// Removes the fields that are not read from a structure.
     fn narrow(&mut self, name: &str, read: &BTreeSet<&'static str>) {
         if let Some(structure) = self.structures.iter_mut().find(|structure| structure.name == name) {
             let whole = structure.clone();

@@ -1,4 +1,4 @@
-//! The structures that the stages of a pixel hand on, with all fields that any variant has.
+//! The structures passed between the stages of a pixel, with all fields of any variant.
 
 use crate::factors;
 use crate::graph::Kind;
@@ -14,11 +14,16 @@ type Row = (&'static str, Kind, &'static str);
 /// The structures whose fields depend on the variant.
 pub(super) fn variable() -> Vec<Structure> {
     let mut structures = vec![
-        of("Geometry", "A point of a surface as interpolation gives it, world space.", &["g"], &GEOMETRY),
-        of("Texels", "What textures and vertices say of a point.", &["t"], &TEXELS),
+        of("Geometry", "An interpolated point of a surface, world space.", &["g"], &GEOMETRY),
+        of("Texels", "The texture and vertex values at a point.", &["t"], &TEXELS),
         of("ShadingFrame", "The directions of a point, unit, world space.", &["f"], &FRAME),
         of("MaterialValues", MATERIAL, &["m"], &VALUES),
-        of("SurfacePoint", "A point of a surface with all that its reflection depends on.", &["p"], &POINT),
+        of(
+            "SurfacePoint",
+            "A point of a surface, with everything that its reflection depends on.",
+            &["p"],
+            &POINT,
+        ),
         of("EnvironmentTexels", "The light of the environment at a point, linear RGB.", &["e"], &LIGHT),
     ];
     structures.push(Structure {
@@ -33,15 +38,15 @@ pub(super) fn variable() -> Vec<Structure> {
 /// The structures that are the same in each variant.
 pub(super) fn fixed() -> Vec<Structure> {
     vec![
-        of("TablePosition", "The position at which a table is read.", &["q"], &TABLE_POSITION),
-        of("Highlight", "The direction and width from which a highlight gathers its light.", &[], &HIGHLIGHT),
-        of("Light", "A light made ready for shading.", &["light"], &LIGHT_SOURCE),
-        of("Incidence", "The light that arrives at a point.", &[], &INCIDENCE),
-        of("MapPlace", "A place in an unfolded octahedron, [0, 1]².", &[], &PLACE),
-        of("LevelPosition", "The two levels between which a roughness lies.", &[], &LEVEL_POSITION),
+        of("TablePosition", "A position in a table.", &["q"], &TABLE_POSITION),
+        of("Highlight", "The direction and width of a highlight's lobe in the environment.", &[], &HIGHLIGHT),
+        of("Light", "A light prepared for shading.", &["light"], &LIGHT_SOURCE),
+        of("Incidence", "The incident light at a point.", &[], &INCIDENCE),
+        of("MapPlace", "A position in an unfolded octahedron, [0, 1]².", &[], &PLACE),
+        of("LevelPosition", "The two levels around a roughness.", &[], &LEVEL_POSITION),
         of(
             "Taps",
-            "The first of two texels, counted with the border, and the weight of the next.",
+            "The first of two texels, counted with the border, and the weight of the second.",
             &[],
             &TAPS,
         ),
@@ -49,15 +54,15 @@ pub(super) fn fixed() -> Vec<Structure> {
     ]
 }
 
-const MATERIAL: &str = "The values of a material at a point: textures and vertex colours with their factors.";
-const PICTURE: &str = "The texels around a place in an equirectangular picture: columns and rows, integers.";
+const MATERIAL: &str = "The material values at a point: textures and vertex colours times their factors.";
+const PICTURE: &str = "The texels around a position in an equirectangular image: columns and rows, integers.";
 
 fn of(name: &'static str, doc: &'static str, arguments: &'static [&'static str], rows: &[Row]) -> Structure {
     let fields = rows.iter().map(|(name, kind, doc)| Field { name, kind: *kind, doc });
     Structure { name, doc, arguments, fields: fields.collect() }
 }
 
-/// A uniform that a recorded formula can take.
+/// A uniform that recorded formulas can take.
 fn uniform(field: &factors::FactorName) -> Option<Field> {
     let kind = match field.kind {
         ValueKind::Number => N,
@@ -68,21 +73,21 @@ fn uniform(field: &factors::FactorName) -> Option<Field> {
 }
 
 const GEOMETRY: [Row; 15] = [
-    ("n_geom", V, "The geometric normal: unit, on the side of the face that is seen."),
+    ("n_geom", V, "The geometric normal: unit, on the visible side of the face."),
     ("normal", V, "The interpolated normal, not normalised."),
-    ("normal_dx", V, "Its change to the next sample on the right."),
+    ("normal_dx", V, "Its change to the next sample to the right."),
     ("normal_dy", V, "Its change to the next sample above or below."),
     ("tangent", V, "The interpolated tangent, not normalised."),
     ("handedness", N, "The sign of the bitangent, ±1."),
-    ("facing", N, "The side that is seen: 1 for the front, −1 for the back."),
+    ("facing", N, "The visible side: 1 for the front, −1 for the back."),
     ("v", V, "The direction to the viewer, unit."),
-    ("position_dx", V, "The change of the position to the next sample on the right."),
+    ("position_dx", V, "The change of the position to the next sample to the right."),
     ("position_dy", V, "The change of the position to the next sample above or below."),
-    ("du_dx", N, "The change of the height map's u to the next sample on the right."),
-    ("dv_dx", N, "The change of the height map's v to the next sample on the right."),
+    ("du_dx", N, "The change of the height map's u to the next sample to the right."),
+    ("dv_dx", N, "The change of the height map's v to the next sample to the right."),
     ("du_dy", N, "The change of the height map's u to the next sample above or below."),
     ("dv_dy", N, "The change of the height map's v to the next sample above or below."),
-    ("height_width", N, "The texels of the height map's finest level along u."),
+    ("height_width", N, "The width of the height map's finest level in texels."),
 ];
 
 const TEXELS: [Row; 23] = [
@@ -107,40 +112,40 @@ const TEXELS: [Row; 23] = [
     ("sheen_color", V, "Linear RGB."),
     ("sheen_roughness", N, "[0, 1]."),
     ("anisotropy", N, "[0, 1]."),
-    ("anisotropy_red", N, "The stored cosine of a turn of the anisotropy, [0, 1]."),
-    ("anisotropy_green", N, "The stored sine of a turn of the anisotropy, [0, 1]."),
+    ("anisotropy_red", N, "The stored cosine of the anisotropy's rotation, [0, 1]."),
+    ("anisotropy_green", N, "The stored sine of the anisotropy's rotation, [0, 1]."),
 ];
 
 const FRAME: [Row; 4] = [
     ("n", V, "The shading normal; not unit for `bump-printed`."),
-    ("n_smooth", V, "The normal before any map, on the side that is seen."),
+    ("n_smooth", V, "The normal before any map, on the visible side."),
     ("coat_n", V, "The clearcoat's normal."),
-    ("tangent", V, "The direction of the anisotropy, at a right angle to the shading normal."),
+    ("tangent", V, "The direction of the anisotropy, perpendicular to the shading normal."),
 ];
 
 const VALUES: [Row; 13] = [
     ("tint", V, "Base colour texture times vertex colour, linear RGB."),
     ("metallic", N, "[0, 1]."),
-    ("roughness", N, "The roughness as artists set it, widened by what hides within the pixel, [0, 1]."),
+    ("roughness", N, "Perceptual roughness, widened by subpixel detail, [0, 1]."),
     ("specular", N, "The strength of a dielectric's reflection, [0, 1]."),
     ("specular_color", V, "Multiplies the dielectric's F0, linear RGB, at least 0."),
-    ("occlusion", N, "The share of the hemisphere that is open, [0, 1]."),
+    ("occlusion", N, "The unoccluded fraction of the hemisphere, [0, 1]."),
     ("emissive", V, "Emitted radiance, linear RGB."),
-    ("variance", N, "The variance of normals within the pixel."),
-    ("coat", N, "The part of the surface that the clearcoat covers, [0, 1]."),
-    ("coat_roughness", N, "The clearcoat's roughness as artists set it, widened, [0, 1]."),
+    ("variance", N, "The variance of the normals within the pixel."),
+    ("coat", N, "The fraction of the surface covered by the clearcoat, [0, 1]."),
+    ("coat_roughness", N, "The clearcoat's perceptual roughness, widened, [0, 1]."),
     ("sheen_color", V, "Linear RGB in [0, 1]."),
-    ("sheen_roughness", N, "The sheen's roughness as artists set it, [0, 1]."),
+    ("sheen_roughness", N, "The sheen's perceptual roughness, [0, 1]."),
     ("anisotropy", N, "The strength of the anisotropy, [0, 1]."),
 ];
 
 const POINT: [Row; 31] = [
     ("n", V, "The shading normal; not unit for `bump-printed`."),
-    ("n_smooth", V, "The normal before any map, unit, on the side that is seen."),
+    ("n_smooth", V, "The normal before any map, unit, on the visible side."),
     ("v", V, "The direction to the viewer, unit."),
     ("base_color", V, "ρ, linear RGB in [0, 1]."),
     ("metallic", N, "[0, 1]."),
-    ("roughness", N, "The roughness as artists set it, [0, 1]; α is its square."),
+    ("roughness", N, "Perceptual roughness, [0, 1]; α is its square."),
     ("f0", V, "Reflectance at normal incidence, linear RGB in [0, 1]."),
     ("f90", N, "Reflectance at grazing incidence, [0, 1]."),
     ("f82_drop", V, "Lazányi coefficient of the reflectance at 82°."),
@@ -149,35 +154,35 @@ const POINT: [Row; 31] = [
     ("shininess", N, "Exponent of Phong and Blinn-Phong, at least 0."),
     ("slope", N, "Beckmann's rms slope m, above 0."),
     ("gain", V, "Multiplies the highlight, linear RGB, at least 1."),
-    ("transmitted", N, "The share of light that the highlight leaves to the diffuse reflection, [0, 1]."),
+    ("transmitted", N, "The fraction of light that the highlight leaves for diffuse reflection, [0, 1]."),
     ("ambient", V, "k_a, linear RGB."),
     ("emissive", V, "Emitted radiance, linear RGB."),
-    ("occlusion", N, "The share of the hemisphere that is open, [0, 1]."),
-    ("lobe_roughness", N, "The roughness of the GGX lobe that comes nearest to the highlight, [0, 1]."),
-    ("tangent", V, "The direction of the anisotropy: unit, at a right angle to n."),
-    ("bitangent", V, "Unit, at a right angle to n and tangent."),
+    ("occlusion", N, "The unoccluded fraction of the hemisphere, [0, 1]."),
+    ("lobe_roughness", N, "The roughness of the GGX lobe closest to the highlight, [0, 1]."),
+    ("tangent", V, "The direction of the anisotropy: unit, perpendicular to n."),
+    ("bitangent", V, "Unit, perpendicular to n and tangent."),
     ("along", N, "α along the tangent, (0, 1]."),
     ("across", N, "α along the bitangent, (0, 1]."),
     ("anisotropy", N, "The strength of the anisotropy, [0, 1]."),
     ("coat_n", V, "The clearcoat's normal, unit."),
-    ("coat", N, "The part of the surface that the clearcoat covers, [0, 1]."),
-    ("coat_roughness", N, "The clearcoat's roughness as artists set it, [0, 1]."),
-    ("coat_albedo", N, "The part of equal light from everywhere that the clearcoat reflects, [0, 1]."),
+    ("coat", N, "The fraction of the surface covered by the clearcoat, [0, 1]."),
+    ("coat_roughness", N, "The clearcoat's perceptual roughness, [0, 1]."),
+    ("coat_albedo", N, "The fraction of uniform light that the clearcoat reflects, [0, 1]."),
     ("sheen_color", V, "The colour of the sheen, linear RGB in [0, 1]."),
-    ("sheen_roughness", N, "The sheen's roughness as artists set it, [0, 1]."),
-    ("sheen_albedo", N, "The part of equal light from everywhere that white sheen reflects, [0, 1]."),
+    ("sheen_roughness", N, "The sheen's perceptual roughness, [0, 1]."),
+    ("sheen_albedo", N, "The fraction of uniform light that white sheen reflects, [0, 1]."),
 ];
 
 const LIGHT: [Row; 3] = [
-    ("specular", V, "The radiance that the highlight gathers."),
-    ("mean", V, "The irradiance over π at the shading normal."),
-    ("coat", V, "The radiance that the clearcoat's highlight gathers."),
+    ("specular", V, "The radiance gathered by the highlight."),
+    ("mean", V, "The irradiance divided by π at the shading normal."),
+    ("coat", V, "The radiance gathered by the clearcoat's highlight."),
 ];
 
 const TABLE_POSITION: [Row; 3] = [
-    ("node", N, "The node below, an integer: its row times 64 plus its column."),
+    ("node", N, "The lower node, an integer: its row times 64 plus its column."),
     ("across", N, "The fraction of the way from this node to the next along the cosine, [0, 1]."),
-    ("down", N, "The same of the roughness."),
+    ("down", N, "The same along the roughness."),
 ];
 
 const HIGHLIGHT: [Row; 2] =
@@ -185,9 +190,9 @@ const HIGHLIGHT: [Row; 2] =
 
 const LIGHT_SOURCE: [Row; 7] = [
     ("place", V, "The position; the unit direction to a light infinitely far away. World space."),
-    ("kind", N, "0: infinitely far; 1: no falloff; 2: by the inverse square."),
-    ("color", V, "Intensity, or irradiance where it is infinitely far, linear RGB."),
-    ("range", N, "The distance at which it has faded to zero, model units."),
+    ("kind", N, "0: infinitely far; 1: no falloff; 2: inverse-square falloff."),
+    ("color", V, "Intensity, or irradiance if it is infinitely far, linear RGB."),
+    ("range", N, "The distance at which it fades to zero, model units."),
     ("axis", V, "The axis of its cone: unit, away from the light."),
     ("cos_inner", N, "The cosine of the angle at which the light begins to fade."),
     ("cos_outer", N, "The cosine of the angle at which it ends."),
@@ -195,14 +200,14 @@ const LIGHT_SOURCE: [Row; 7] = [
 
 const INCIDENCE: [Row; 2] = [
     ("l", V, "The unit direction to the light."),
-    ("irradiance", V, "The irradiance on a plane that faces it, linear RGB."),
+    ("irradiance", V, "The irradiance on a plane facing it, linear RGB."),
 ];
 
 const PLACE: [Row; 2] = [("u", N, "[0, 1]."), ("v", N, "[0, 1].")];
 
 const LEVEL_POSITION: [Row; 2] = [
-    ("below", N, "The number of the level below; −1 where all are rougher."),
-    ("share", N, "The weight of the level above in the mean."),
+    ("below", N, "The index of the lower level; −1 if all are rougher."),
+    ("share", N, "The weight of the upper level in the mean."),
 ];
 
 const TAPS: [Row; 2] =
@@ -210,7 +215,7 @@ const TAPS: [Row; 2] =
 
 const PICTURE_POSITION: [Row; 6] = [
     ("left", N, "The left column."),
-    ("right", N, "The right column, which is the first beyond the last."),
+    ("right", N, "The right column; wraps from the last to the first."),
     ("top", N, "The upper row."),
     ("bottom", N, "The lower row."),
     ("across", N, "The weight of the right column, [0, 1]."),

@@ -8,24 +8,24 @@ use crate::recorder::{Callee, Recorded, record};
 use crate::variant::{Alpha, Variant};
 use taotie::pixel::takes_albedos;
 
-/// A recorded stage, and what it is run for.
+/// A recorded stage, and what it feeds.
 pub(super) struct Stage {
     pub formula: Formula,
     pub feeds: Feeds,
 }
 
-/// The use that is made of a stage's result.
+/// The consumer of a stage's result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Feeds {
     /// The pixel's own colour or opacity.
     Pixel,
     /// Stages that take its structure.
     Structure,
-    /// Stages that take this argument, or this field of one, which is looked up where the stage says.
+    /// Stages that take this argument, or this field of one, which is looked up at the result of the stage.
     Path(&'static str),
 }
 
-/// The stages of a variant; `angles` is the function of this name.
+/// The stages of a variant; `angles` is the index of that function.
 pub(super) fn stages(variant: &Variant, angles: &Callee<'_>) -> Vec<Stage> {
     let mut stages = Vec::new();
     if variant.alpha != Alpha::Opaque {
@@ -52,7 +52,7 @@ pub(super) fn stages(variant: &Variant, angles: &Callee<'_>) -> Vec<Stage> {
     stages
 }
 
-/// The stages that say where tables are read.
+/// The stages that compute lookup positions in tables.
 fn tables(variant: &Variant) -> Vec<Stage> {
     let mut tables = Vec::new();
     if takes_albedos(variant.shading) {
@@ -67,7 +67,7 @@ fn tables(variant: &Variant) -> Vec<Stage> {
     tables
 }
 
-/// A stage's name, the name of its result, its structure, what it is for, and its documentation.
+/// A stage's name, the name of its result, its structure, what it feeds, and its documentation.
 #[derive(Clone, Copy)]
 struct Title {
     name: &'static str,
@@ -103,7 +103,7 @@ const UNLIT: Title = Title {
     symbol: "color",
     structure: None,
     feeds: Feeds::Pixel,
-    doc: "The colour of a surface that is shown without light, linear RGB.
+    doc: "The colour of an unlit surface, linear RGB.
 Source: KHR_materials_unlit.",
 };
 
@@ -112,7 +112,7 @@ const FRAME: Title = Title {
     symbol: "f",
     structure: Some("ShadingFrame"),
     feeds: Feeds::Structure,
-    doc: "The shading normal, by the method of the surface, and the other directions of a point.
+    doc: "The shading normal, by the method of the surface, and the other directions at a point.
 Source: Mikkelsen 2008 and 2020.",
 };
 
@@ -121,8 +121,7 @@ const VALUES: Title = Title {
     symbol: "m",
     structure: Some("MaterialValues"),
     feeds: Feeds::Structure,
-    doc:
-        "The values of the material: textures times factors, roughness widened by what hides within the pixel.
+    doc: "The values of the material: textures times factors, roughness widened by subpixel detail.
 Source: glTF 2.0, §3.9; Tokuyoshi and Kaplanyan 2019; Toksvig 2005.",
 };
 
@@ -131,7 +130,7 @@ const ALBEDO: Title = Title {
     symbol: "q",
     structure: Some("TablePosition"),
     feeds: Feeds::Path("dfg"),
-    doc: "The position at which the table of the lobe's directional albedos is read.",
+    doc: "The position at which the table of the lobe's directional albedos is sampled.",
 };
 
 const COAT_ALBEDO: Title = Title {
@@ -139,7 +138,7 @@ const COAT_ALBEDO: Title = Title {
     symbol: "q",
     structure: Some("TablePosition"),
     feeds: Feeds::Path("coat_dfg"),
-    doc: "The position at which the table of GGX is read for the clearcoat.",
+    doc: "The position at which the table of GGX is sampled for the clearcoat.",
 };
 
 const SHEEN_ALBEDO: Title = Title {
@@ -147,7 +146,7 @@ const SHEEN_ALBEDO: Title = Title {
     symbol: "q",
     structure: Some("TablePosition"),
     feeds: Feeds::Path("sheen_table"),
-    doc: "The position at which the sheen's table is read.",
+    doc: "The position at which the sheen's table is sampled.",
 };
 
 const POINT: Title = Title {
@@ -155,7 +154,7 @@ const POINT: Title = Title {
     symbol: "p",
     structure: Some("SurfacePoint"),
     feeds: Feeds::Structure,
-    doc: "All that reflection depends on.
+    doc: "Everything that reflection depends on.
 Source: glTF 2.0, appendix B; KHR_materials_ior; KHR_materials_specular; Turquin 2019 for compensation.",
 };
 
@@ -164,7 +163,7 @@ const HIGHLIGHT: Title = Title {
     symbol: "highlight",
     structure: Some("Highlight"),
     feeds: Feeds::Path("e.specular"),
-    doc: "The highlight of the base, as it gathers the environment's light.
+    doc: "The highlight of the base that gathers the environment's light.
 Source: McAuley 2015, \"Rendering the World of Far Cry 4\", for anisotropy.",
 };
 
@@ -173,7 +172,7 @@ const COAT_HIGHLIGHT: Title = Title {
     symbol: "highlight",
     structure: Some("Highlight"),
     feeds: Feeds::Path("e.coat"),
-    doc: "The highlight of the clearcoat.",
+    doc: "The highlight of the clearcoat that gathers the environment's light.",
 };
 
 const ENVIRONMENT: Title = Title {
@@ -181,7 +180,7 @@ const ENVIRONMENT: Title = Title {
     symbol: "radiance",
     structure: None,
     feeds: Feeds::Pixel,
-    doc: "Radiance to the viewer of what the environment sends, linear RGB.
+    doc: "Radiance to the viewer from the environment, linear RGB.
 Source: Karis 2013, \"Real Shading in Unreal Engine 4\", the split sum; Lagarde and de Rousiers 2014 for occlusion.",
 };
 
@@ -190,7 +189,7 @@ const OWN: Title = Title {
     symbol: "radiance",
     structure: None,
     feeds: Feeds::Pixel,
-    doc: "Emission, and reflection of the `ambient` light, linear RGB.",
+    doc: "Emission and reflection of the `ambient` light, linear RGB.",
 };
 
 const LIGHT: Title = Title {
@@ -198,6 +197,6 @@ const LIGHT: Title = Title {
     symbol: "radiance",
     structure: None,
     feeds: Feeds::Pixel,
-    doc: "Radiance to the viewer per unit of irradiance on a plane that faces the light in direction `l` (unit, world
+    doc: "Radiance to the viewer per unit of irradiance on a plane facing the light in direction `l` (unit, world
 space), linear RGB: f · n·l.",
 };

@@ -1,10 +1,10 @@
-//! The values of a material at a point: textures times factors, widened by what hides within the pixel.
+//! The values of a material at a point: textures times factors, widened by subpixel detail.
 
 use super::inputs::Inputs;
 use crate::recorder::Recorded;
-use crate::role::TextureRole;
 use taotie::math::Vec3;
 use taotie::pixel::occluded;
+use taotie::scene::TextureRole;
 use taotie::shade::{SubPixelVariance, curvature_variance};
 
 type Number<'g> = Recorded<'g>;
@@ -15,7 +15,7 @@ impl<'g> Inputs<'g, '_> {
         self.variant.textures.contains_key(&role)
     }
 
-    /// A texel times its factor; the factor alone where there is no texture.
+    /// A texel times its factor; only the factor if there is no texture.
     fn scaled(self, role: TextureRole, texel: &'static str, factor: &'static str) -> Number<'g> {
         match self.has(role) {
             true => self.number(texel) * self.number(factor),
@@ -23,7 +23,7 @@ impl<'g> Inputs<'g, '_> {
         }
     }
 
-    /// A colour's texel times its factor; the factor alone where there is no texture.
+    /// A colour's texel times its factor; only the factor if there is no texture.
     fn colored(self, role: TextureRole, texel: &'static str, factor: &'static str) -> Vector<'g> {
         match self.has(role) {
             true => self.vector(texel).mul_elements(self.vector(factor)),
@@ -57,7 +57,7 @@ impl<'g> Inputs<'g, '_> {
         }
     }
 
-    /// The variance of normals that a map hides within the pixel.
+    /// The variance of a map's normals within the pixel.
     fn mapped_variance(self, counts: bool, texel: &'static str, scale: &'static str) -> Number<'g> {
         match counts {
             true => self.number(texel) * (self.number(scale) * self.number(scale)),

@@ -1,4 +1,4 @@
-//! Structures of uniforms, and what is bound.
+//! Structures of uniforms, and all bindings.
 
 use crate::frame::{MOST_LEVELS, MOST_LIGHTS};
 use crate::interface::{BufferSlot, Interface, TextureSlot, UniformField, ValueKind};
@@ -39,7 +39,7 @@ pub(crate) fn uniform_structure(
 
 /// The structure of a frame's uniforms.
 pub(crate) fn frame_structure(interface: &Interface, language: Language) -> String {
-    uniform_structure("FrameUniforms", "The values of a frame.", &interface.frame, language)
+    uniform_structure("FrameUniforms", "The uniforms of a frame.", &interface.frame, language)
 }
 
 /// The structure of a surface's uniforms.
@@ -48,14 +48,14 @@ pub(crate) fn material_structure(interface: &Interface, language: Language) -> S
     uniform_structure("MaterialUniforms", doc, &interface.material, language)
 }
 
-/// All that is bound.
+/// The declarations of all bindings.
 pub(crate) fn bindings(interface: &Interface, language: Language) -> String {
     let buffers = interface.buffers.iter().map(|slot| buffer(slot, language));
     let textures = interface.textures.iter().map(|slot| texture(slot, language));
     buffers.chain(textures).collect()
 }
 
-/// The type of a buffer's variable, and the number of an array's elements.
+/// The type of a buffer's variable, and the length of an array.
 fn content(slot: &BufferSlot) -> (&'static str, Option<usize>) {
     match slot.name {
         "frame" => ("FrameUniforms", None),

@@ -1,21 +1,21 @@
-//! Entry points, and what is interpolated between them.
+//! Entry points, and the values interpolated between them.
 
 use super::declarations::{buffer, frame_structure, type_name};
 use crate::interface::{Interface, ValueKind};
 use crate::language::Language;
 use crate::shader::commented;
 
-/// A value that is interpolated: its name, its type, and the vertex value that it is.
+/// An interpolated value: its name, its type, and the vertex value that it comes from.
 struct Varying {
     name: String,
     kind: ValueKind,
     vertex: String,
-    /// Says whether the first vertex of a triangle gives it.
+    /// Whether it takes the value of the triangle's first vertex.
     flat: bool,
 }
 
-/// The interpolated values of a shader. Positions, normals and tangents are so as vertices have them; a tangent's
-/// handedness is the same all over a triangle.
+/// The interpolated values of a shader. Positions, normals and tangents are interpolated as the vertices have them; a
+/// tangent's handedness is constant over a triangle.
 fn varyings(interface: &Interface) -> Vec<Varying> {
     let mut varyings = Vec::new();
     for input in &interface.vertex {
@@ -36,9 +36,9 @@ fn varyings(interface: &Interface) -> Vec<Varying> {
     varyings
 }
 
-const INTERPOLATED: &str = "// The values of vertices between them: world space.\n";
+const INTERPOLATED: &str = "// The interpolated values of the vertices: world space.\n";
 
-/// The structure `Interpolated`, with what feeds it.
+/// The structure `Interpolated`, with its inputs.
 pub(crate) fn interpolated(interface: &Interface, language: Language) -> String {
     let mut text = String::new();
     if language == Language::GlslEs {
@@ -66,7 +66,7 @@ pub(crate) fn interpolated(interface: &Interface, language: Language) -> String 
     text + language.structure_end()
 }
 
-/// The entry points in WGSL, the entry point of the fragment shader in GLSL ES.
+/// The entry points in WGSL; in GLSL ES only that of the fragment shader.
 pub(crate) fn entry_points(interface: &Interface, language: Language) -> String {
     match language {
         Language::Wgsl => format!("{}\n{FRAGMENT_WGSL}", vertex_wgsl(interface)),
@@ -95,7 +95,7 @@ fn fragment_glsl(values: Vec<String>) -> String {
 }
 
 fn vertex_wgsl(interface: &Interface) -> String {
-    let mut text = "// The values of a vertex.\nstruct Vertex {\n".to_owned();
+    let mut text = "// The attributes of a vertex.\nstruct Vertex {\n".to_owned();
     for input in &interface.vertex {
         let kind = type_name(input.kind, Language::Wgsl);
         text += &commented(input.meaning, "    ");

@@ -1,4 +1,4 @@
-//! Tables of directional albedos, and the light of environments.
+//! Tables of directional albedos, and environment lighting.
 
 use crate::pixel::{PixelProgram, reads};
 use taotie::shade::dfg::{COLUMNS, ROWS};
@@ -11,7 +11,7 @@ pub(crate) fn tables(pixel: &PixelProgram) -> String {
         return String::new();
     }
     let mut text = format!(
-        "// The texel of a table's node: table 0 is of GGX, 1 of Cook-Torrance, 2 of sheen.\n\
+        "// The texel of a table's node: table 0 is for GGX, 1 for Cook-Torrance, 2 for sheen.\n\
          ivec2 table_texel(TablePosition q, int table) {{\n    \
          int node = int(q.node);\n    \
          return ivec2(node % {COLUMNS}, node / {COLUMNS} + {ROWS} * table);\n}}\n"
@@ -22,7 +22,7 @@ pub(crate) fn tables(pixel: &PixelProgram) -> String {
     text + if sheen { SHEEN } else { "" }
 }
 
-/// Reads the entries of the lobe's fields, which are the channels in their order.
+/// Reads the entries of the lobe's fields, one per channel, in order.
 fn albedos(fields: &[&str]) -> String {
     let channel = |field: &str| match field {
         "scale" => "r",
@@ -49,7 +49,7 @@ Dfg albedos(TablePosition q, int table) {
 ";
 
 const SHEEN: &str = "
-// The part of light that white sheen reflects.
+// The fraction of light that white sheen reflects.
 float sheen_entry(TablePosition q) {
     ivec2 at = table_texel(q, 2);
     float a = texelFetch(albedo_tables, at, 0).r;
@@ -60,7 +60,7 @@ float sheen_entry(TablePosition q) {
 }
 ";
 
-/// The functions that look the environment up; `texels` is the last of them.
+/// The functions that look up the environment; the last is `environment_texels`.
 pub(crate) fn environment(pixel: &PixelProgram) -> String {
     let fields = pixel.fields("EnvironmentTexels");
     if fields.is_empty() {
@@ -71,14 +71,14 @@ pub(crate) fn environment(pixel: &PixelProgram) -> String {
     let gathering = if gathers { GATHERED } else { "" };
     let mean = if fields.contains(&"mean") { MEAN } else { "" };
     format!(
-        "{LEVEL}{gathering}{mean}\n// The light of the environment at the point.\n\
+        "{LEVEL}{gathering}{mean}\n// The light from the environment at the point.\n\
          EnvironmentTexels environment_texels(SurfacePoint p) {{\n{}    return EnvironmentTexels({});\n}}\n",
         highlights(&fields, pixel),
         values.join(", ")
     )
 }
 
-/// The declarations of what highlights gather from.
+/// The declarations of the highlights to gather.
 fn highlights(fields: &[&str], pixel: &PixelProgram) -> String {
     let mut text = String::new();
     for (field, stage) in [("specular", "highlight"), ("coat", "coat_highlight")] {
@@ -97,12 +97,12 @@ fn light(field: &str) -> &'static str {
     }
 }
 
-const LEVEL: &str = "// The direction in the environment's own space.
+const LEVEL: &str = "// The direction in the environment's local space.
 vec3 environment_direction(vec3 world) {
     return to_environment(frame.environment_sin, frame.environment_cos, world);
 }
 
-// The light of a level: where its map begins in the atlas, texels across without its border, and its factor.
+// The light of a level. `map`: the origin of its map in the atlas, texels across without the border, and its factor.
 vec3 level_light(int level, MapPlace place) {
     vec4 map = environment_levels[level];
     Taps x = octahedral_taps(place.u, map.z);
@@ -117,7 +117,7 @@ vec3 level_light(int level, MapPlace place) {
 ";
 
 const MEAN: &str = "
-// The irradiance over π at a normal: the roughest level, whose lobe is the cosine.
+// The irradiance divided by π at a normal: the roughest level, whose lobe is the cosine.
 vec3 mean_light(vec3 n) {
     MapPlace place = octahedral_place(environment_direction(n));
     return level_light(int(frame.environment_levels) - 1, place) * frame.environment_intensity;
@@ -125,7 +125,7 @@ vec3 mean_light(vec3 n) {
 ";
 
 const GATHERED: &str = "
-// The angle of (x, y) from the x axis; 0 where both are 0.
+// The angle of (x, y) from the x axis; 0 if both are 0.
 float angle_of(float y, float x) {
     if (x == 0.0 && y == 0.0) {
         return 0.0;
@@ -133,7 +133,7 @@ float angle_of(float y, float x) {
     return atan(y, x);
 }
 
-// The radiance from a direction of the environment's own space, from the picture itself.
+// The radiance from a direction in the environment's local space, from the unfiltered image.
 vec3 picture_light(vec3 direction) {
     vec2 size = vec2(textureSize(environment_picture, 0));
     float azimuth = angle_of(direction.z, direction.x);

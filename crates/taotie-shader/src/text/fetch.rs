@@ -2,16 +2,16 @@
 
 use crate::factors::transform_names;
 use crate::pixel::PixelProgram;
-use crate::role::TextureRole;
 use crate::variant::{Placement, Variant};
 use std::collections::BTreeSet;
+use taotie::scene::TextureRole;
 
-const COORDINATES: &str = "// The uv in a texture, and its change to the next samples.
+const COORDINATES: &str = "// The uv in a texture, and its changes to the next samples.
 Coordinates coordinates(vec2 uv) {
     return Coordinates(uv, dFdx(uv) * frame.spacing, dFdy(uv) * frame.spacing);
 }
 
-// The log2 of the texels of the finest level, of a texture of this size, that a pixel covers.
+// The log2 of the number of finest-level texels that a pixel covers, for a texture of this size.
 float level_of(Coordinates at, vec2 size) {
     return log2_texels(at.d_x.x, at.d_x.y, at.d_y.x, at.d_y.y, size.x, size.y);
 }
@@ -23,7 +23,7 @@ vec4 texel(sampler2D map, Coordinates at) {
 ";
 
 const TRANSFORMED: &str = "
-// The uv, or its change, under the linear part of a transform, by rows.
+// The uv, or its change, under the linear part of a transform, row by row.
 vec2 turned_uv(vec4 rows, vec2 uv) {
     return vec2(turned(rows.x, rows.y, uv.x, uv.y), turned(rows.z, rows.w, uv.x, uv.y));
 }
@@ -35,7 +35,7 @@ Coordinates transformed(Coordinates at, vec4 rows, vec2 offset) {
 ";
 
 const HEIGHT: &str = "
-// The derivatives of the height by u and v: central differences, one texel of the level in use to each side.
+// The derivatives of the height by u and v: central differences, one texel of the current level to each side.
 vec2 height_slopes(Coordinates at) {
     vec2 size = vec2(textureSize(height_texture, 0));
     float level = level_of(at, size);
@@ -50,7 +50,7 @@ vec2 height_slopes(Coordinates at) {
 }
 ";
 
-/// The texture and the channels that a field of `Texels` is; `None` for what vertices say.
+/// The texture and channels of a field of `Texels`; `None` for values from vertices.
 fn source(field: &str, variant: &Variant) -> Option<(TextureRole, &'static str)> {
     use TextureRole as Role;
     Some(match field {
@@ -80,7 +80,7 @@ fn source(field: &str, variant: &Variant) -> Option<(TextureRole, &'static str)>
     })
 }
 
-/// The textures that the stages read, in the order of bindings.
+/// The textures read by the stages, in the order of bindings.
 pub(crate) fn textures(pixel: &PixelProgram, variant: &Variant) -> Vec<(TextureRole, Placement)> {
     let fields = pixel.fields("Texels");
     let roles: BTreeSet<TextureRole> =
@@ -93,7 +93,7 @@ fn local(role: TextureRole) -> &'static str {
     role.name().trim_end_matches("_texture")
 }
 
-/// The coordinates of a texture; `sets` stand by their names.
+/// The coordinates of a texture; `sets` are already declared by their names.
 fn coordinates(role: TextureRole, placement: Placement) -> String {
     let plain = match placement.uv_set {
         Some(set) => format!("uv{set}"),
@@ -113,7 +113,7 @@ fn uv_sets(textures: &[(TextureRole, Placement)]) -> String {
     sets.iter().map(|set| format!("    Coordinates uv{set} = coordinates(i.uv{set});\n")).collect()
 }
 
-/// The functions that read textures; nothing where no stage reads any.
+/// The functions that read textures; empty if no stage reads any.
 pub(crate) fn fetches(pixel: &PixelProgram, variant: &Variant) -> String {
     let (fields, textures) = (pixel.fields("Texels"), textures(pixel, variant));
     if fields.is_empty() {
@@ -126,7 +126,7 @@ pub(crate) fn fetches(pixel: &PixelProgram, variant: &Variant) -> String {
         text += &height(&textures);
         text += "\n";
     }
-    text += "// What textures and vertices say of the point.\nTexels texels(Interpolated i) {\n";
+    text += "// The texture and vertex values at the point.\nTexels texels(Interpolated i) {\n";
     text += &uv_sets(&textures);
     for (role, placement) in &textures {
         text += &match role {
@@ -157,7 +157,7 @@ fn height(textures: &[(TextureRole, Placement)]) -> String {
     let set = uv_sets(&[(*role, *placement)]);
     let at = coordinates(*role, *placement);
     let placed = format!(
-        "\n// Where the height map lies.\n\
+        "\n// The coordinates of the height map.\n\
          Coordinates height_coordinates(Interpolated i) {{\n{set}    return {at};\n}}\n"
     );
     placed + HEIGHT

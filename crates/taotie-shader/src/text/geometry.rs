@@ -1,4 +1,4 @@
-//! The geometry of a point, from what is interpolated and how that changes to the next pixels.
+//! The geometry of a point, from the interpolated values and their changes to the next pixels.
 
 use crate::pixel::PixelProgram;
 
@@ -11,7 +11,7 @@ vec3 direction_to_viewer(vec3 position, vec3 fallback) {
     return normalize_or(frame.eye.xyz - position, fallback);
 }
 
-// The geometry of the point. The triangle's own normal is that of the plane in which the position changes.
+// The geometry of the point. The triangle's normal is that of the plane in which the position changes.
 Geometry geometry(Interpolated i, bool front) {
     vec3 position_dx = dFdx(i.position);
     vec3 position_dy = dFdy(i.position);
@@ -29,7 +29,7 @@ const FACING: &str = "    mut float facing = 1.0;
     }
 ";
 
-/// The function `geometry`; nothing where no stage reads any.
+/// The function `geometry`; empty if no stage reads it.
 pub(crate) fn geometry(pixel: &PixelProgram) -> String {
     let fields = pixel.fields("Geometry");
     if fields.is_empty() {

@@ -1,4 +1,4 @@
-//! The text of whole shaders, beside that of the recorded functions.
+//! The text of whole shaders, apart from the recorded functions.
 
 pub(crate) mod declarations;
 pub(crate) mod entry;

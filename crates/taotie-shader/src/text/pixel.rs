@@ -4,7 +4,7 @@ use crate::pixel::{PixelProgram, reads};
 use crate::variant::{Alpha, Variant};
 use taotie::pixel::is_cook_torrance;
 
-const INCIDENCE: &str = "// The light that arrives at a position.
+const INCIDENCE: &str = "// The incident light at a position.
 Incidence incidence(Light light, vec3 position) {
     if (light.kind == 0.0) {
         return Incidence(light.place, light.color);
@@ -17,7 +17,7 @@ Incidence incidence(Light light, vec3 position) {
 
 ";
 
-/// The functions from the light that arrives to the pixel.
+/// The functions from incident light to the pixel.
 pub(crate) fn pixel(pixel: &PixelProgram, variant: &Variant) -> String {
     let incidence = if variant.unlit { "" } else { INCIDENCE };
     let (texels, geometry) = (!pixel.fields("Texels").is_empty(), !pixel.fields("Geometry").is_empty());
@@ -83,7 +83,7 @@ fn lights(pixel: &PixelProgram, variant: &Variant) -> String {
     )
 }
 
-/// A declaration of a stage's result; nothing where nobody needs it.
+/// The declaration of a stage's result; empty if nothing needs it.
 fn declared(pixel: &PixelProgram, stage: &str, what: &str) -> String {
     match pixel.program().find(stage) {
         Some(_) => format!("    {what} = {};\n", call(pixel, stage)),
@@ -91,7 +91,7 @@ fn declared(pixel: &PixelProgram, stage: &str, what: &str) -> String {
     }
 }
 
-/// The call of a stage, with what it takes.
+/// The call of a stage, with its arguments.
 fn call(pixel: &PixelProgram, stage: &str) -> String {
     let parameters =
         pixel.program().find(stage).map(|formula| formula.graph.parameters()).unwrap_or_default();

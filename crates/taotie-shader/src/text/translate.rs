@@ -1,7 +1,8 @@
-//! GLSL ES as WGSL.
+//! Translation of GLSL ES to WGSL.
 //!
-//! What joins recorded functions is written once, in the part of GLSL ES that has a word for word counterpart: functions
-//! without overloads, values that are declared where they are made (`mut` before those that change), `if` and `for`.
+//! The code that joins recorded functions is written once, in the subset of GLSL ES that has a word-for-word
+//! counterpart: functions without overloads, values declared where they are computed (with `mut` before those that
+//! change), `if` and `for`.
 
 use crate::language::Language;
 
@@ -99,7 +100,7 @@ fn worded(statement: &str) -> String {
     text
 }
 
-/// The statement with samplers beside sampled textures, and without the level of `textureDimensions`.
+/// The statement with samplers after sampled textures, and without the level of `textureDimensions`.
 fn sampled(mut statement: String) -> String {
     for call in SAMPLED {
         let mut from = 0;

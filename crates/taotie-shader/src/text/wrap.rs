@@ -1,9 +1,9 @@
-//! Calls of many arguments, over several lines.
+//! Wraps calls with many arguments over several lines.
 
-/// The longest line, in characters.
+/// The maximum length of a line in characters.
 const WIDTH: usize = 120;
 
-/// The text, with long calls wrapped between their arguments.
+/// Returns the text with long calls wrapped between their arguments.
 pub(crate) fn wrapped(text: &str) -> String {
     text.lines().map(|line| wrapped_line(line) + "\n").collect()
 }
@@ -27,7 +27,7 @@ fn wrapped_line(line: &str) -> String {
     format!("{}\n{indent});", text.trim_end_matches(','))
 }
 
-/// The statement before the parenthesis that the last one closes, and what is between them.
+/// The statement up to the parenthesis that the last one closes, and the text between them.
 fn opening(statement: &str) -> Option<(&str, &str)> {
     let mut depth = 1;
     for (at, letter) in statement.char_indices().rev() {

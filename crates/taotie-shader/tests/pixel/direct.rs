@@ -1,4 +1,4 @@
-//! The stages by `taotie::pixel` itself, as the renderer runs them.
+//! The stages as computed by `taotie::pixel` itself, as the renderer runs them.
 
 use crate::variants::Case;
 use std::collections::BTreeMap;
@@ -12,12 +12,12 @@ use taotie::pixel::{
 use taotie::scene::Material;
 use taotie::shade::dfg::{Dfg, TablePosition};
 use taotie::shade::{AnisotropicLobe, Compensation, MaterialSample, SubPixelVariance, curvature_variance};
-use taotie_shader::NormalMethod;
+use taotie::surface::SurfaceMethod;
 
-/// The numbers of a stage's results by the names of fields; `result` where it returns no structure.
+/// The outputs of a stage by the names of fields; `result` if it returns no structure.
 pub type Results<L> = BTreeMap<&'static str, Vec<L>>;
 
-/// A stage of a case with the numbers that its recording was given. What the recording does not take, must not matter.
+/// A stage of a case with the inputs of its recording. Inputs that the recording does not take must not matter.
 pub struct Direct<'c, L> {
     pub case: &'c Case,
     pub numbers: &'c BTreeMap<&'static str, Vec<L>>,
@@ -104,8 +104,10 @@ impl<L: Lane> Direct<'_, L> {
 
     fn softened(&self) -> bool {
         let options = &self.case.options;
-        let mapped =
-            matches!(options.method, NormalMethod::Bump | NormalMethod::ObjectMap | NormalMethod::TangentMap);
+        let mapped = matches!(
+            options.method,
+            SurfaceMethod::Bump | SurfaceMethod::ObjectNormal | SurfaceMethod::TangentNormal
+        );
         options.softened && mapped && !options.shading.is_printed()
     }
 
@@ -115,9 +117,9 @@ impl<L: Lane> Direct<'_, L> {
 
     fn front_normal(&self, geometry: &Geometry<L>) -> Vec3<L> {
         match self.case.options.method {
-            NormalMethod::Facet => geometry.facet(),
-            NormalMethod::Smooth => geometry.smooth(),
-            NormalMethod::Bump => {
+            SurfaceMethod::Facet => geometry.facet(),
+            SurfaceMethod::Smooth => geometry.smooth(),
+            SurfaceMethod::Bump => {
                 let factor = self.number("u.bump");
                 let [u, v] = ["t.height_du", "t.height_dv"].map(|path| self.number(path) * factor);
                 let dh = [
@@ -126,12 +128,12 @@ impl<L: Lane> Direct<'_, L> {
                 ];
                 geometry.bumped([self.vector("g.position_dx"), self.vector("g.position_dy")], dh)
             }
-            NormalMethod::BumpPrinted => {
+            SurfaceMethod::BumpPrinted => {
                 let grey = self.number("t.height_du") * (self.lit(255.0) / self.number("g.height_width"));
                 geometry.bumped_as_printed(self.number("u.bump"), grey, self.matrix())
             }
-            NormalMethod::ObjectMap => Geometry::object_mapped(self.vector("t.normal"), self.matrix()),
-            NormalMethod::TangentMap => geometry.tangent_mapped(self.mapped("t.normal", "u.normal")),
+            SurfaceMethod::ObjectNormal => Geometry::object_mapped(self.vector("t.normal"), self.matrix()),
+            SurfaceMethod::TangentNormal => geometry.tangent_mapped(self.mapped("t.normal", "u.normal")),
         }
     }
 
@@ -194,11 +196,11 @@ impl<L: Lane> Direct<'_, L> {
         if self.case.options.vertex_color { alpha * self.number("t.color_alpha") } else { alpha }
     }
 
-    /// The variance that hides within the pixel, with that of a normal map.
+    /// The variance within the pixel, including that of a normal map.
     fn hidden(&self, map: Option<(&str, &str)>) -> SubPixelVariance<L> {
         let options = &self.case.options;
         let aa = options.specular_aa && !options.shading.is_printed();
-        let bends = aa && options.method != NormalMethod::Facet;
+        let bends = aa && options.method != SurfaceMethod::Facet;
         let curvature = match bends {
             true => curvature_variance(self.vector("g.normal_dx"), self.vector("g.normal_dy")),
             false => self.lit(0.0),
@@ -212,7 +214,7 @@ impl<L: Lane> Direct<'_, L> {
 
     fn material_values(&self) -> Results<L> {
         let (material, options) = (self.material(), &self.case.options);
-        let is_mapped = matches!(options.method, NormalMethod::ObjectMap | NormalMethod::TangentMap);
+        let is_mapped = matches!(options.method, SurfaceMethod::ObjectNormal | SurfaceMethod::TangentNormal);
         let hidden = self.hidden(is_mapped.then_some(("t.normal_variance", "u.normal_scale")));
         let packed = material.metallic_roughness_texture.is_some();
         let mut roughness = self.scaled(packed, "roughness", "roughness");
@@ -293,7 +295,7 @@ impl<L: Lane> Direct<'_, L> {
         let one = self.lit(1.0);
         let tinted = material.base_color_texture.is_some() || options.vertex_color;
         let aa = options.specular_aa && !options.shading.is_printed();
-        let flat = options.method == NormalMethod::Facet;
+        let flat = options.method == SurfaceMethod::Facet;
         MaterialValues {
             tint: if tinted { self.vector("m.tint") } else { Vec3::splat(one) },
             metallic: self.number("m.metallic"),

@@ -3,10 +3,10 @@
 use crate::variants::{all, rich};
 use taotie::math::Vec3;
 use taotie::pixel::{LightSource, Turn};
-use taotie::scene::{Falloff, Light, LightKind, Material};
+use taotie::scene::{Falloff, Light, LightKind, Material, TextureRole};
 use taotie_shader::{
-    FrameFactors, Language, SurfaceFactors, TextureRole, UniformField, Variant, VariantOptions,
-    light_numbers, pixel_shader,
+    FrameFactors, Language, SurfaceFactors, UniformField, Variant, VariantOptions, light_numbers,
+    pixel_shader,
 };
 
 fn numbers(bytes: &[u8], field: &UniformField) -> Vec<f32> {
@@ -44,7 +44,7 @@ fn every_field_has_a_value_and_a_meaning() {
         let textures = interface.textures.iter().map(|slot| slot.meaning);
         assert!(meanings.chain(textures).all(|meaning| meaning.ends_with('.')), "{}", case.name);
         for slot in interface.textures.iter().filter(|slot| slot.group == 1) {
-            let role = TextureRole::named(slot.name).expect("it plays a part");
+            let role = TextureRole::named(slot.name).expect("it is a texture role");
             assert!(role.of(&case.material).is_some(), "{}: {}", case.name, slot.name);
         }
     }
@@ -67,7 +67,7 @@ fn frames_are_laid_out_as_told() {
     let (bytes, interface) = (frame.bytes(), pixel_shader(&variant, Language::Wgsl).interface);
     let value = |name: &str| {
         let field = interface.frame.iter().find(|field| field.name == name);
-        numbers(&bytes, field.expect("the field is there"))
+        numbers(&bytes, field.expect("the field exists"))
     };
     assert_eq!(value("clip_from_world")[4..8], [4.0, 5.0, 6.0, 7.0]);
     assert_eq!(value("eye"), frame.eye);
@@ -91,7 +91,7 @@ fn lights_have_sixteen_numbers() {
 fn the_interface_is_json() {
     let variant = Variant::new(&rich(), &VariantOptions::default());
     let interface = pixel_shader(&variant, Language::Wgsl).interface;
-    let json = serde_json::to_value(&interface).expect("it can be written");
+    let json = serde_json::to_value(&interface).expect("it serialises");
     assert_eq!(json["frame"][0]["name"], "clip_from_world");
     assert_eq!(json["frame"][0]["kind"], "mat4");
     assert_eq!(json["textures"][0]["group"], 0);

@@ -1,4 +1,4 @@
-//! The formulas of what is fetched play back to the bit what the library computes.
+//! The formulas of fetched values match the library bit for bit.
 
 use crate::random::Random;
 use taotie::math::{Lane, Vec3};
@@ -116,7 +116,7 @@ fn lookups_have_the_bits_of_the_library() {
 fn a_light_without_range_or_cone_is_as_bright_as_one_that_has_none() {
     let options = VariantOptions::default();
     let pixel = PixelProgram::new(&Variant::new(&Material::default(), &options));
-    let formula = pixel.program().find("incidence_with_falloff").expect("it is there");
+    let formula = pixel.program().find("incidence_with_falloff").expect("it exists");
     let position = Vec3::new(0.4, -1.0, 2.5);
     let light = LightSource {
         color: Vec3::new(3.0f32, 2.0, 1.0),

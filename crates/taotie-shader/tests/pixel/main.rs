@@ -1,5 +1,5 @@
-//! Whole pixel shaders: valid, translatable, bound as their interface says; and their stages, which play back what the
-//! pixel program computes.
+//! Whole pixel shaders: valid, translatable, bound as their interface specifies; and their stages, which match the
+//! pixel program bit for bit.
 
 #[path = "../../../taotie/tests/common/random.rs"]
 mod random;

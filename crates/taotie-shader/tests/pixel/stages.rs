@@ -1,4 +1,4 @@
-//! Each stage's graph plays back to the bit what the pixel program computes, for all models, methods and layers.
+//! Each stage's graph matches the pixel program bit for bit, for all models, methods and layers.
 
 use crate::direct::Direct;
 use crate::random::Random;
@@ -50,7 +50,7 @@ fn numbers(random: &mut Random, formula: &Formula) -> Numbers<f64> {
     numbers
 }
 
-/// The outputs of a stage as they were recorded.
+/// The outputs of a stage as evaluated from its recording.
 fn played<L: Lane>(pixel: &PixelProgram, formula: &Formula, numbers: &Numbers<L>) -> Vec<L> {
     let inputs: Vec<L> =
         formula.graph.parameters().iter().flat_map(|parameter| numbers[parameter.path].clone()).collect();
@@ -59,7 +59,7 @@ fn played<L: Lane>(pixel: &PixelProgram, formula: &Formula, numbers: &Numbers<L>
 
 /// The same outputs by the pixel program.
 fn direct<L: Lane>(case: &Case, pixel: &PixelProgram, formula: &Formula, numbers: &Numbers<L>) -> Vec<L> {
-    let like = *numbers.values().next().and_then(|values| values.first()).expect("it takes something");
+    let like = *numbers.values().next().and_then(|values| values.first()).expect("it takes an input");
     let all = Direct { case, numbers, like }.stage(&formula.name);
     match formula.structure {
         Some(structure) => pixel.fields(structure).iter().flat_map(|field| all[field].clone()).collect(),

@@ -1,10 +1,11 @@
-//! The text can be read, and holds what its variant needs and no more.
+//! The text is readable and contains exactly what its variant needs.
 
 use crate::bodies::bodies;
 use crate::variants::{all, everything, layered, mapped, texture};
 use taotie::scene::Material;
 use taotie::shade::Shading;
-use taotie_shader::{Language, NormalMethod, Variant, VariantOptions, pixel_shader};
+use taotie::surface::SurfaceMethod;
+use taotie_shader::{Language, Variant, VariantOptions, pixel_shader};
 
 #[test]
 fn shaders_can_be_read() {
@@ -28,12 +29,12 @@ fn a_shader_holds_what_its_variant_needs_and_no_more() {
     let of_environments =
         ["environment_maps", "environment_picture", "environment_levels:", "reflect_environment"];
     let others = ["distribution_", "albedo_tables", "coat", "sheen", "fn power("];
-    // The frame of all shaders is the same, with the number of an environment's levels.
+    // The frame is the same in all shaders, with the number of environment levels.
     let lines = || text.lines().filter(|line| *line != "    environment_levels: f32,");
     for absent in of_environments.into_iter().chain(others) {
         assert_eq!(lines().find(|line| line.contains(absent)), None, "{absent}: {text}");
     }
-    let ggx = everything(Shading::Ggx, NormalMethod::TangentMap);
+    let ggx = everything(Shading::Ggx, SurfaceMethod::TangentNormal);
     let text = pixel_shader(&Variant::new(&mapped(ggx.method, layered()), &ggx), Language::Wgsl).text;
     for part in ["distribution_ggx(", "anisotropic_lobe(", "coat_lobe(", "angles(", "distribution_charlie("] {
         assert!(text.matches(part).count() > 1, "{part} is called: {text}");
@@ -54,12 +55,12 @@ fn textures_that_lie_alike_share_their_coordinates() {
 
 #[test]
 fn functions_are_those_of_the_formulas_in_both_languages() {
-    let options = everything(Shading::Ggx, NormalMethod::TangentMap);
+    let options = everything(Shading::Ggx, SurfaceMethod::TangentNormal);
     let variant = Variant::new(&mapped(options.method, layered()), &options);
     let count = |language| {
         let shader = pixel_shader(&variant, language);
         bodies(&shader.text).len()
     };
-    // WGSL has its vertex shader beside them.
+    // WGSL contains its vertex shader too.
     assert_eq!(count(Language::Wgsl), count(Language::GlslEs) + 1);
 }

@@ -1,4 +1,4 @@
-//! Whole shaders in WGSL are valid, and go through to other languages.
+//! Whole shaders in WGSL are valid and translate to other languages.
 
 use crate::variants::{Case, all};
 use naga::back::{hlsl, msl, spv};
@@ -31,9 +31,9 @@ fn wgsl_is_valid_and_becomes_hlsl_msl_and_spir_v() {
         assert!(written.contains("fragment_main"), "{written}");
         let metal =
             msl::write_string(&module, &info, &msl::Options::default(), &msl::PipelineOptions::default());
-        assert!(metal.expect("MSL can say it").0.contains("fragment_main"), "{}", case.name);
+        assert!(metal.expect("it translates to MSL").0.contains("fragment_main"), "{}", case.name);
         let words = spv::write_vec(&module, &info, &spv::Options::default(), None);
-        assert_eq!(words.expect("SPIR-V can say it")[0], 0x0723_0203, "SPIR-V's mark");
+        assert_eq!(words.expect("it translates to SPIR-V")[0], 0x0723_0203, "SPIR-V's magic number");
     }
 }
 
@@ -42,7 +42,7 @@ fn a_host_can_add_shadows() {
     let mut case: Case = all().remove(1);
     case.options = VariantOptions { shadows: true, ..case.options };
     let text = pixel_shader(&case.variant(), Language::Wgsl).text;
-    assert!(wgsl::parse_str(&text).is_err(), "the host has yet to write `visibility`");
+    assert!(wgsl::parse_str(&text).is_err(), "`visibility` is missing");
     let host = "fn visibility(light: i32, position: vec3f, n: vec3f) -> f32 { return 0.5; }\n";
     let text = text + host;
     validated(&parsed(&case.name, &text), &case.name, &text);
@@ -59,8 +59,8 @@ fn bound(module: &Module) -> Vec<(u32, u32, String)> {
     all
 }
 
-/// The same of an interface.
-fn told(shader: &PixelShader) -> Vec<(u32, u32, String)> {
+/// The same for an interface.
+fn specified(shader: &PixelShader) -> Vec<(u32, u32, String)> {
     let interface = &shader.interface;
     let buffers = interface.buffers.iter().map(|slot| (slot.group, slot.binding, slot.name.to_owned()));
     let textures = interface.textures.iter().map(|slot| (slot.group, slot.binding, slot.name.to_owned()));
@@ -78,10 +78,10 @@ fn everything_is_bound_where_the_interface_says_and_read() {
     for case in all() {
         let shader = pixel_shader(&case.variant(), Language::Wgsl);
         let module = parsed(&case.name, &shader.text);
-        assert_eq!(bound(&module), told(&shader), "{}", case.name);
+        assert_eq!(bound(&module), specified(&shader), "{}", case.name);
         let info = validated(&module, &case.name, &shader.text);
         let fragment = module.entry_points.iter().position(|entry| entry.name == "fragment_main");
-        let uses = info.get_entry_point(fragment.expect("it is there"));
+        let uses = info.get_entry_point(fragment.expect("it exists"));
         for (handle, variable) in module.global_variables.iter() {
             let is_shared = matches!(variable.name.as_deref(), Some("frame"));
             assert!(is_shared || !uses[handle].is_empty(), "{}: {:?} is not read", case.name, variable.name);
@@ -99,17 +99,17 @@ fn fields_lie_where_the_interface_says() {
             let found = module.global_variables.iter().find(|(_, variable)| {
                 variable.name.as_deref() == Some(name) && variable.space == AddressSpace::Uniform
             });
-            let (_, variable) = found.unwrap_or_else(|| panic!("{}: no {name}", case.name));
+            let (_, variable) = found.unwrap_or_else(|| panic!("{}: {name} is missing", case.name));
             let naga::TypeInner::Struct { members, span } = &module.types[variable.ty].inner else {
-                panic!("{name} is no structure")
+                panic!("{name} is not a structure")
             };
             let laid: Vec<(String, usize)> = members
                 .iter()
                 .map(|member| (member.name.clone().unwrap_or_default(), member.offset as usize))
                 .collect();
-            let told: Vec<(String, usize)> =
+            let specified: Vec<(String, usize)> =
                 fields.iter().map(|field| (field.name.clone(), field.offset)).collect();
-            assert_eq!(laid, told, "{}: {name}", case.name);
+            assert_eq!(laid, specified, "{}: {name}", case.name);
             assert_eq!(*span as usize, taotie_shader::buffer_size(fields), "{}: {name}", case.name);
         }
     }

@@ -6,9 +6,10 @@ use taotie::scene::{
     Sheen, Specular, TextureRef, UvTransform,
 };
 use taotie::shade::Shading;
-use taotie_shader::{NormalMethod, Variant, VariantOptions};
+use taotie::surface::SurfaceMethod;
+use taotie_shader::{Variant, VariantOptions};
 
-/// A variant with a name that says what it is.
+/// A variant with a descriptive name.
 pub struct Case {
     pub name: String,
     pub material: Material,
@@ -60,7 +61,7 @@ pub fn rich() -> Material {
     }
 }
 
-/// A material with all layers, and no texture but those of the layers.
+/// A material with all layers, and only the textures of the layers.
 pub fn layered() -> Material {
     Material {
         clearcoat: Some(Clearcoat {
@@ -98,7 +99,7 @@ fn authored() -> Material {
 }
 
 /// The options with everything on.
-pub fn everything(shading: Shading, method: NormalMethod) -> VariantOptions {
+pub fn everything(shading: Shading, method: SurfaceMethod) -> VariantOptions {
     VariantOptions {
         shading,
         method,
@@ -114,9 +115,10 @@ pub fn shadings() -> impl Iterator<Item = Shading> {
     Shading::NAMES.iter().map(|(_, shading)| *shading)
 }
 
-/// A material that has the map of a method.
-pub fn mapped(method: NormalMethod, material: Material) -> Material {
-    let space = if method == NormalMethod::ObjectMap { NormalSpace::Object } else { NormalSpace::Tangent };
+/// A material with the map that a method needs.
+pub fn mapped(method: SurfaceMethod, material: Material) -> Material {
+    let space =
+        if method == SurfaceMethod::ObjectNormal { NormalSpace::Object } else { NormalSpace::Tangent };
     Material {
         normal: Some(normal_map(space)),
         height: Some(HeightMap { texture: texture(0), scale: 0.1 }),
@@ -124,11 +126,11 @@ pub fn mapped(method: NormalMethod, material: Material) -> Material {
     }
 }
 
-/// All models by all methods with plain and rich materials, and what else there is by itself.
+/// All models by all methods with plain and rich materials, and everything else individually.
 pub fn all() -> Vec<Case> {
     let mut cases = Vec::new();
     for shading in shadings() {
-        for method in NormalMethod::ALL {
+        for method in SurfaceMethod::ALL {
             let name = |kind: &str| format!("{}, {method:?}, {kind}", shading.name());
             let plain = VariantOptions { shading, method, ..VariantOptions::default() };
             let material = mapped(method, Material::default());
@@ -136,7 +138,7 @@ pub fn all() -> Vec<Case> {
             let material = mapped(method, rich());
             cases.push(Case { name: name("rich"), material, options: everything(shading, method) });
         }
-        let options = everything(shading, NormalMethod::Smooth);
+        let options = everything(shading, SurfaceMethod::Smooth);
         let name = format!("{}, authored", shading.name());
         cases.push(Case { name, material: authored(), options });
     }
@@ -144,7 +146,7 @@ pub fn all() -> Vec<Case> {
     cases
 }
 
-/// The cases that no model has to do with.
+/// The cases that do not depend on a model.
 fn special() -> Vec<Case> {
     let case = |name: &str, material: Material, options: VariantOptions| Case {
         name: name.into(),
@@ -152,7 +154,7 @@ fn special() -> Vec<Case> {
         options,
     };
     let options = VariantOptions::default;
-    let ggx = || everything(Shading::Ggx, NormalMethod::TangentMap);
+    let ggx = || everything(Shading::Ggx, SurfaceMethod::TangentNormal);
     let textured = || Material { base_color_texture: Some(texture(0)), ..Material::default() };
     vec![
         case("unlit", Material { unlit: true, ..Material::default() }, options()),
@@ -178,5 +180,5 @@ fn special() -> Vec<Case> {
 }
 
 fn ggx_smooth() -> VariantOptions {
-    everything(Shading::Ggx, NormalMethod::Smooth)
+    everything(Shading::Ggx, SurfaceMethod::Smooth)
 }

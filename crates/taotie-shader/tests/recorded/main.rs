@@ -1,4 +1,4 @@
-//! Recorded formulas play back to the bit what the formulas themselves compute.
+//! Recorded formulas match the formulas themselves bit for bit.
 
 #[path = "../../../taotie/tests/common/random.rs"]
 mod random;

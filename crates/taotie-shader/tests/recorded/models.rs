@@ -1,4 +1,4 @@
-//! The models in all directions and at the ends of their ranges, and what their graphs are made of.
+//! The models in all directions and at the ends of their ranges, and the content of their graphs.
 
 use crate::numbers::{Inputs, bits, cosines};
 use crate::random::Random;
@@ -9,10 +9,10 @@ use taotie::names::Named;
 use taotie::shade::{Angles, Shading, reflect};
 use taotie_shader::{Graph, Node, Program, evaluate, library, model_name};
 
-/// The count of numbers of a material sample.
+/// The number of scalars in a material sample.
 const MATERIAL: usize = 20;
 
-/// n, v, l of all directions and a material; every eighth at the ends of its ranges.
+/// n, v, l in all directions and a material; every eighth at the ends of its ranges.
 fn inputs(random: &mut Random, i: usize) -> ([f64; 9], [f64; MATERIAL]) {
     let [n, v, mut l] = std::array::from_fn(|_| random.unit());
     if i % 4 == 1 {
@@ -28,7 +28,7 @@ fn inputs(random: &mut Random, i: usize) -> ([f64; 9], [f64; MATERIAL]) {
     (std::array::from_fn(|k| directions[k]), x)
 }
 
-/// The angles, and the light of each model, by the formulas themselves.
+/// The angles, and the light of each model, computed by the formulas themselves.
 fn direct<L: Lane>(directions: &[L; 9], x: &[L; MATERIAL]) -> Vec<L> {
     let mut nvl = Inputs::of(directions);
     let a = Angles::new(nvl.vector(), nvl.vector(), nvl.vector());
@@ -49,7 +49,7 @@ fn played<L: Lane>(program: &Program, directions: &[L; 9], x: &[L; MATERIAL]) ->
     angles.iter().copied().chain(lit).collect()
 }
 
-/// Holds the graphs against the formulas.
+/// Compares the graphs with the formulas.
 fn check<L: Lane + Into<f64> + Debug>(program: &Program, directions: &[L; 9], x: &[L; MATERIAL]) {
     let (expected, found) = (direct(directions, x), played(program, directions, x));
     assert_eq!(bits(&found), bits(&expected), "{directions:?}, {x:?}: {found:?} for {expected:?}");
@@ -86,7 +86,7 @@ fn called(program: &Program, graph: &Graph) -> Vec<String> {
 fn models_call_their_parts_and_work_on_vectors() {
     let program = library();
     let of = |shading| {
-        let mut names = called(&program, &program.find(&model_name(shading)).expect("it is there").graph);
+        let mut names = called(&program, &program.find(&model_name(shading)).expect("it exists").graph);
         names.sort();
         names
     };
@@ -95,8 +95,8 @@ fn models_call_their_parts_and_work_on_vectors() {
         of(Shading::Ggx),
         ["alpha_from_roughness", "distribution_ggx", "fresnel", "visibility_smith_ggx"]
     );
-    assert_eq!(called(&program, &program.find("fresnel").expect("it is there").graph), ["pow5"]);
-    let angles = &program.find("angles").expect("it is there").graph;
+    assert_eq!(called(&program, &program.find("fresnel").expect("it exists").graph), ["pow5"]);
+    let angles = &program.find("angles").expect("it exists").graph;
     let has = |test: fn(&Node) -> bool| angles.nodes().iter().any(test);
     assert!(has(|node| matches!(node, Node::Cross(..))) && has(|node| matches!(node, Node::Dot(..))));
     assert!(!has(|node| matches!(node, Node::Component(..))), "{angles:?}");
@@ -107,7 +107,7 @@ fn sources(folder: &Path) -> String {
     let entries = std::fs::read_dir(folder).expect("the folder is readable");
     let paths = entries.map(|entry| entry.expect("the folder is readable").path());
     let text = |path: PathBuf| {
-        if path.is_dir() { sources(&path) } else { std::fs::read_to_string(&path).expect("it is text") }
+        if path.is_dir() { sources(&path) } else { std::fs::read_to_string(&path).expect("it is UTF-8") }
     };
     paths.map(text).collect()
 }
@@ -116,7 +116,7 @@ fn sources(folder: &Path) -> String {
 fn documentation_stands_where_the_formula_does() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../taotie/src");
     let text = ["shade", "math"].map(|module| sources(&folder.join(module))).concat();
-    // A sentence may run over two lines there.
+    // There, a sentence may be wrapped over two lines.
     let text = text.replace("\n/// ", " ").replace("\n    /// ", " ");
     for formula in library().formulas() {
         assert!(!formula.doc.is_empty(), "{}", formula.name);

@@ -1,4 +1,4 @@
-//! What formulas take and return as numbers in a row, and the bits of these.
+//! The inputs and outputs of formulas as sequences of numbers, and their bits.
 
 use taotie::math::{Lane, Vec3};
 use taotie::shade::dfg::Dfg;
@@ -64,7 +64,7 @@ pub fn cosines<L: Lane>(a: &Angles<L>) -> [L; 6] {
     [a.n_dot_l, a.n_dot_v, a.n_dot_h, a.sin2_h, a.v_dot_h, a.r_dot_v]
 }
 
-/// The bits of numbers; those of single precision are widened, which keeps them apart.
+/// The bits of numbers; single-precision numbers are widened, which is injective.
 pub fn bits<L: Lane + Into<f64>>(numbers: &[L]) -> Vec<u64> {
     numbers.iter().map(|number| (*number).into().to_bits()).collect()
 }

@@ -1,4 +1,4 @@
-//! Every formula of the library plays back to the bit what the formula itself computes.
+//! Every formula of the library matches the formula itself bit for bit.
 
 use crate::numbers::{Inputs, bits, cosines};
 use crate::random::Random;
@@ -21,7 +21,7 @@ fn vectors<L: Lane>(vectors: &[Vec3<L>]) -> Vec<L> {
     vectors.iter().flat_map(|vector| vector.to_array()).collect()
 }
 
-/// The result of the formula of this name itself.
+/// The result of the formula with this name, computed directly.
 fn direct<L: Lane>(name: &str, numbers: &[L]) -> Vec<L> {
     let mut x = Inputs::of(numbers);
     if let Some(model) = name.strip_prefix("environment_weights_") {
@@ -89,14 +89,14 @@ fn number<L: Lane>(name: &str, x: &mut Inputs<'_, L>) -> L {
     }
 }
 
-/// A random number for each number of the parameters.
+/// A random number for each scalar of the parameters.
 fn inputs(random: &mut Random, graph: &Graph) -> Vec<f64> {
     let count = |kind| if kind == Kind::Vector { 3 } else { 1 };
     let all = graph.parameters().iter().map(|parameter| count(parameter.kind)).sum();
     (0..all).map(|_| 0.02 + 0.96 * random.next()).collect()
 }
 
-/// Holds a formula's graph against the formula itself.
+/// Compares a formula's graph with the formula itself.
 fn check<L: Lane + Into<f64> + Debug>(formula: &Formula, program: &Program, x: &[L]) {
     let found = evaluate(&formula.graph, program, x).expect("the graph is sound");
     assert_eq!(bits(&found), bits(&direct(&formula.name, x)), "{} of {x:?}", formula.name);

@@ -1,5 +1,5 @@
-//! Whole shaders in a browser: they compile without a warning, and in GLSL ES 3.00 show what the renderer shows.
-#![allow(clippy::print_stdout, reason = "tests say what they found and why they are skipped")]
+//! Whole shaders in a browser: they compile without a warning, and in GLSL ES 3.00 match the renderer's images.
+#![allow(clippy::print_stdout, reason = "tests report what they found and why they are skipped")]
 
 #[allow(dead_code)]
 #[path = "../../../taotie-cli/tests/browser/node.rs"]
@@ -52,7 +52,7 @@ fn chromium_compiles_every_shader() {
     compile("webgl-all", 1);
 }
 
-/// Compiles every so many of the shaders. The assertions are in the script.
+/// Compiles every n-th shader. The assertions are in the script.
 fn compile(folder: &str, step: usize) {
     let Some(node) = Node::find() else { return };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(folder);
@@ -62,6 +62,6 @@ fn compile(folder: &str, step: usize) {
         case.options.shadows = true;
     }
     let shaders: Vec<Value> = cases.iter().map(written).collect();
-    std::fs::write(folder.join("shaders.json"), Value::from(shaders).to_string()).expect("it can be written");
+    std::fs::write(folder.join("shaders.json"), Value::from(shaders).to_string()).expect("it is writable");
     node.run(&["shaders.mjs"], &folder);
 }

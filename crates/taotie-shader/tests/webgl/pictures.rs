@@ -1,4 +1,4 @@
-//! The same scene by WebGL and by the renderer, for all models and methods.
+//! The same scene rendered by WebGL and by the renderer, for all models and methods.
 
 use crate::node::Node;
 use crate::studio::{SIDE, camera, clip_from_world, eye, lighting, patch, texture};
@@ -15,8 +15,8 @@ use taotie::shade::environment::{EnvironmentMaps, HalfPicture};
 use taotie::shade::{Shading, dfg};
 use taotie::surface::SurfaceMethod;
 use taotie_shader::{
-    FrameFactors, Language, MOST_LEVELS, MOST_LIGHTS, NormalMethod, SurfaceFactors, VariantOptions,
-    light_numbers, pixel_shader,
+    FrameFactors, Language, MOST_LEVELS, MOST_LIGHTS, SurfaceFactors, VariantOptions, light_numbers,
+    pixel_shader,
 };
 
 fn scene(material: &Material) -> Scene {
@@ -28,40 +28,32 @@ fn scene(material: &Material) -> Scene {
         instances: vec![instance],
         ..SceneData::default()
     };
-    Scene::new(data).expect("the scene is sound")
+    Scene::new(data).expect("the scene is valid")
 }
 
-/// The options with all that they add, on a material with every layer.
-fn case(shading: Shading, method: NormalMethod) -> Case {
+/// The options with everything enabled, on a material with every layer.
+fn case(shading: Shading, method: SurfaceMethod) -> Case {
     let material = mapped(method, Material { double_sided: true, ..rich() });
     Case { name: format!("{shading:?}, {method:?}"), material, options: everything(shading, method) }
 }
 
-/// `ggx` by every method but a normal map in tangent space, and a mirror, which shows the environment's picture.
+/// `ggx` by every method except a normal map in tangent space, and a mirror, which shows the environment's image.
 fn methods() -> Vec<Case> {
-    let others = NormalMethod::ALL.into_iter().filter(|method| *method != NormalMethod::TangentMap);
+    let others = SurfaceMethod::ALL.into_iter().filter(|method| *method != SurfaceMethod::TangentNormal);
     let mirror = Material { roughness: 0.03, metallic: 1.0, double_sided: true, ..Material::default() };
-    let options = VariantOptions { specular_aa: false, ..everything(Shading::Ggx, NormalMethod::Smooth) };
+    let options = VariantOptions { specular_aa: false, ..everything(Shading::Ggx, SurfaceMethod::Smooth) };
     let mirror = Case { name: "mirror".into(), material: mirror, options };
     others.map(|method| case(Shading::Ggx, method)).chain([mirror]).collect()
 }
 
-/// The picture of the renderer.
+/// The renderer's image.
 fn rendered(case: &Case, lighting: &Lighting) -> Vec<[f32; 4]> {
-    let method = match case.options.method {
-        NormalMethod::Facet => SurfaceMethod::Facet,
-        NormalMethod::Smooth => SurfaceMethod::Smooth,
-        NormalMethod::Bump => SurfaceMethod::Bump,
-        NormalMethod::BumpPrinted => SurfaceMethod::BumpPrinted,
-        NormalMethod::ObjectMap => SurfaceMethod::ObjectNormal,
-        NormalMethod::TangentMap => SurfaceMethod::TangentNormal,
-    };
     let settings = RenderSettings {
         width: SIDE,
         height: SIDE,
         samples: 1,
         shading: case.options.shading,
-        surface: SurfaceSettings { method: Some(method), ..SurfaceSettings::default() },
+        surface: SurfaceSettings { method: Some(case.options.method), ..SurfaceSettings::default() },
         specular_aa: case.options.specular_aa,
         ..RenderSettings::default()
     };
@@ -70,13 +62,13 @@ fn rendered(case: &Case, lighting: &Lighting) -> Vec<[f32; 4]> {
     render(&scene(&case.material), &shot).expect("it renders").color.pixels().to_vec()
 }
 
-/// The number of a half float that is neither negative nor infinite.
+/// The value of a half float that is neither negative nor infinite.
 fn half(bits: u16) -> f32 {
     // 2¹¹²: the difference of the exponents' biases.
     f32::from_bits(u32::from(bits) << 13) * f32::from_bits((112 + 127) << 23)
 }
 
-/// A picture of one level, and pictures below one another.
+/// An image of one level, and images stacked below one another.
 fn stacked(pictures: &[HalfPicture<'_>]) -> Value {
     let width = pictures.iter().map(|picture| picture.width).max().unwrap_or_default();
     let mut texels = Vec::new();
@@ -90,7 +82,7 @@ fn stacked(pictures: &[HalfPicture<'_>]) -> Value {
     json!({ "filtered": false, "levels": [{ "size": [width, height], "texels": texels }] })
 }
 
-/// The table of levels for maps that are stacked.
+/// The table of levels for stacked maps.
 fn levels(maps: &EnvironmentMaps<'_>) -> Vec<u8> {
     let mut table = vec![[0.0f32; 4]; MOST_LEVELS];
     let mut top = 0;
@@ -156,7 +148,7 @@ fn shader(case: &Case) -> Value {
     let shader = pixel_shader(&case.variant(), Language::GlslEs);
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vec3::from_array);
     // The height of the material, and the smaller factor of Guo and Wang 2025.
-    let printed = case.options.method == NormalMethod::BumpPrinted;
+    let printed = case.options.method == SurfaceMethod::BumpPrinted;
     let surface = SurfaceFactors {
         material: &case.material,
         normal_matrix: axes,
@@ -192,8 +184,8 @@ fn described(cases: &[Case], lighting: &Lighting) -> Value {
     })
 }
 
-/// The largest and the mean difference of two pictures where both show the surface and so do their neighbours, of what
-/// is brighter than 0.01 relative to it.
+/// The largest and the mean difference of two images at pixels that, with their neighbours, show the surface in both,
+/// relative for values brighter than 0.01.
 fn difference(ours: &[[f32; 4]], theirs: &[f32]) -> (f32, f32) {
     let side = SIDE as usize;
     let covered = |i: usize| ours[i][3] == 1.0 && theirs[4 * i + 3] == 1.0;
@@ -208,13 +200,13 @@ fn difference(ours: &[[f32; 4]], theirs: &[f32]) -> (f32, f32) {
             (largest, sum, count) = (largest.max(off), sum + off, count + 1);
         }
     }
-    assert!(count > side * side, "the surface is seen");
+    assert!(count > side * side, "the surface is visible");
     (largest, sum / count as f32)
 }
 
-/// Every so many of the models.
+/// Every n-th model.
 fn models(step: usize) -> Vec<Case> {
-    shadings().step_by(step).map(|shading| case(shading, NormalMethod::TangentMap)).collect()
+    shadings().step_by(step).map(|shading| case(shading, SurfaceMethod::TangentNormal)).collect()
 }
 
 #[test]
@@ -234,19 +226,19 @@ fn webgl_shows_every_method_as_the_renderer() {
     draw("webgl-methods", &methods());
 }
 
-/// Draws cases in Chromium, and fails where one is not what the renderer draws.
+/// Draws cases in Chromium, and fails if one differs from the renderer's image.
 fn draw(folder: &str, cases: &[Case]) {
     let Some(node) = Node::find() else { return };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(folder);
     std::fs::create_dir_all(&folder).expect("the target folder is writable");
     let lighting = lighting();
     let scene = described(cases, &lighting).to_string();
-    std::fs::write(folder.join("scene.json"), scene).expect("it can be written");
+    std::fs::write(folder.join("scene.json"), scene).expect("it is writable");
     node.run(&["shader_pictures.mjs"], &folder);
     let mut faults = Vec::new();
     for (number, case) in cases.iter().enumerate() {
         let text = std::fs::read_to_string(folder.join(format!("{number}.json"))).expect("it was drawn");
-        let theirs: Vec<f32> = serde_json::from_str(&text).expect("it is a picture");
+        let theirs: Vec<f32> = serde_json::from_str(&text).expect("it is an image");
         let (largest, mean) = difference(&rendered(case, &lighting), &theirs);
         println!("{}: largest {largest:.4}, mean {mean:.5}", case.name);
         if mean.is_nan() || mean > 1e-3 {

@@ -1,4 +1,4 @@
-//! A scene that renderer and browser both draw: a curved patch with every texture, under every kind of light.
+//! A scene drawn by both the renderer and the browser: a curved patch with every texture, under every kind of light.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -43,10 +43,10 @@ pub fn patch() -> Mesh {
             data.triangles.extend([[at, below, below + 1], [at, below + 1, at + 1]]);
         }
     }
-    Mesh::new(data).expect("the patch is sound")
+    Mesh::new(data).expect("the patch is valid")
 }
 
-/// One texture for all parts: its colour is a gentle normal map, its alpha small, as the variance of normals is.
+/// One texture for all roles: its colour is a gentle normal map, its alpha small, like a variance of normals.
 pub fn texture() -> Texture {
     let side = 64;
     let wave = |x: u32, times: f64| sin(f64::from(x) / f64::from(side) * times * 2.0 * PI);
@@ -56,7 +56,7 @@ pub fn texture() -> Texture {
         [r as f32, g as f32, 0.92, (0.05 + 0.04 * wave(x + y, 1.0)) as f32]
     };
     let texels = (0..side * side).map(texel).collect();
-    let bitmap = Bitmap::new(side, side, 4, Texels::F32(texels)).expect("the size is sound");
+    let bitmap = Bitmap::new(side, side, 4, Texels::F32(texels)).expect("the size is valid");
     Texture::new(bitmap, Encoding::Linear)
 }
 
@@ -86,14 +86,14 @@ pub fn lighting() -> Lighting {
 }
 
 fn sky() -> EnvironmentLight {
-    let mut image = Image::new(128, 64, [1.0; 4]).expect("the size is sound");
+    let mut image = Image::new(128, 64, [1.0; 4]).expect("the size is valid");
     for (i, pixel) in image.pixels_mut().iter_mut().enumerate() {
         let (u, v) = ((i % 128) as f32 / 128.0, (i / 128) as f32 / 64.0);
         let (across, down) = (u - 0.7, v - 0.3);
         let sun = 6.0 / (1.0 + 80.0 * (across * across + down * down));
         *pixel = [0.3 + sun, 0.4 + 0.3 * (1.0 - v) + sun, 0.5 + 0.5 * (1.0 - v) + sun, 1.0];
     }
-    let environment = Arc::new(Environment::new(image).expect("the picture is sound"));
+    let environment = Arc::new(Environment::new(image).expect("the image is valid"));
     EnvironmentLight { environment, rotation: 0.6, intensity: 0.8, visible: false }
 }
 

@@ -1,4 +1,4 @@
-//! The jue as files, so that the other subcommands have something to try.
+//! Writes the jue as files, for trying out the other subcommands.
 
 use super::output::Output;
 use super::vessel::Vessel;
@@ -9,13 +9,13 @@ use taotie::io::{FileSet, PngColor, PngImage, PngSamples};
 use taotie::mesh::Mesh;
 use taotie::{Error, Result};
 
-/// Names of the jue's textures in the order of its scene, without extension.
+/// The names of the jue's textures in the order of its scene, without extensions.
 const MAPS: [&str; 4] = ["color", "orm", "normal", "height"];
 
 /// Writes `jue.obj`, `jue.mtl` and the maps; returns the files.
 ///
 /// # Errors
-/// [`Error::Io`] where one cannot be written.
+/// [`Error::Io`] if a file cannot be written.
 pub fn write(output: &Output<'_>, vessel: &Vessel) -> Result<Vec<PathBuf>> {
     let Output { files: set, folder, .. } = output;
     let mut files = vec![folder.join("jue.obj"), folder.join("jue.mtl")];
@@ -29,7 +29,7 @@ pub fn write(output: &Output<'_>, vessel: &Vessel) -> Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// The mesh as OBJ, whose uv origin is bottom left and whose indices begin at 1.
+/// Returns the mesh as OBJ, which has its uv origin at the bottom left and indices starting at 1.
 fn obj(mesh: &Mesh) -> String {
     let mut text = String::from("# The built-in jue, 251 vertices\nmtllib jue.mtl\nusemtl jue\n");
     for p in mesh.positions() {
@@ -48,7 +48,7 @@ fn obj(mesh: &Mesh) -> String {
     text
 }
 
-/// The same file for roughness and metalness says that it is packed as glTF packs them.
+/// Returns the material file. The same file for roughness and metalness means that they are packed as in glTF.
 fn mtl() -> String {
     "newmtl jue\nKd 1 1 1\nmap_Kd jue_color.png\nmap_Pr jue_orm.png\nmap_Pm jue_orm.png\nnorm jue_normal.png\n".into()
 }
@@ -71,7 +71,7 @@ fn write_map(set: &FileSet, path: &Path, texture: &Texture) -> Result<()> {
             write(PngSamples::U16(&samples))?;
         }
         Texels::F32(_) => {
-            let why = format!("{}: PNG holds 8 or 16 bits", path.display());
+            let why = format!("{}: PNG supports only 8 or 16 bits", path.display());
             return Err(Error::unsupported("exporting a float map", why));
         }
     }

@@ -1,4 +1,4 @@
-//! The jue by every surface method and every shading model, and once large.
+//! Pictures of the jue by every surface method and every shading model, and a large one.
 
 use super::output::Output;
 use super::stage::{self, Stage};
@@ -13,12 +13,12 @@ use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
 use taotie_report::sheet::{Cell, Sheet};
 
-/// Pixels along a side of the large picture.
+/// The side of the large picture, pixels.
 const LARGE: u32 = 1400;
-/// Pictures in a row of the contact sheet.
+/// Pictures per row of the contact sheet.
 const COLUMNS: usize = 4;
 
-/// A picture of the contact sheet to be made.
+/// A picture to render for the contact sheet.
 struct Picture {
     title: String,
     note: &'static str,
@@ -27,7 +27,7 @@ struct Picture {
     shading: Shading,
 }
 
-/// A picture of the contact sheet that was made.
+/// A rendered picture of the contact sheet.
 #[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
 pub struct Made {
@@ -37,9 +37,9 @@ pub struct Made {
     pub surface: &'static str,
     /// The name of its [`Shading`].
     pub shading: &'static str,
-    /// The factor of its bump, where that is not the material's.
+    /// The factor of its bump, if different from that of the material.
     pub bump_scale: Option<f32>,
-    /// The time that it took.
+    /// The rendering time, milliseconds.
     pub milliseconds: f64,
 }
 
@@ -51,7 +51,7 @@ impl Made {
     }
 }
 
-/// Makes every picture of the contact sheet and writes `sheet.png`; `progress` is told the fraction done.
+/// Renders every picture of the contact sheet and writes `sheet.png`; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// Those of rendering and writing.
@@ -80,7 +80,7 @@ pub fn write_sheet(
     Ok((path, made))
 }
 
-/// Makes the large picture of the whole vessel and writes `jue.png`.
+/// Renders the large picture of the whole vessel and writes `jue.png`.
 ///
 /// # Errors
 /// Those of rendering and writing.
@@ -108,7 +108,7 @@ fn pictures() -> Vec<Picture> {
         shading: Shading::Ggx,
     };
     let mut pictures = vec![
-        surface("facet", "one normal a triangle", SurfaceMethod::Facet, None),
+        surface("facet", "one normal per triangle", SurfaceMethod::Facet, None),
         surface("smooth", "interpolated vertex normals", SurfaceMethod::Smooth, None),
         surface("bump", "height map, surface gradient", SurfaceMethod::Bump, None),
         surface("bump-printed 5", "the paper's bump, factor 5", SurfaceMethod::BumpPrinted, Some(5.0)),
@@ -128,14 +128,14 @@ fn pictures() -> Vec<Picture> {
 
 fn describe(shading: Shading) -> &'static str {
     match shading {
-        Shading::Lambert => "diffuse alone",
-        Shading::Phong => "mirrored light, 1975",
+        Shading::Lambert => "diffuse only",
+        Shading::Phong => "reflection vector, 1975",
         Shading::BlinnPhong => "half vector, normalised",
         Shading::BlinnPhongClassic => "half vector, not normalised",
         Shading::CookTorrance => "Beckmann microfacets, 1982",
         Shading::Ggx => "GGX microfacets, glTF 2.0",
-        Shading::CookTorrancePrinted => "as the paper prints it",
-        Shading::BlinnPhongPrinted => "as the article's shader",
-        Shading::GgxPrinted => "as the article's shader",
+        Shading::CookTorrancePrinted => "as printed in the paper",
+        Shading::BlinnPhongPrinted => "as in the article's shader",
+        Shading::GgxPrinted => "as in the article's shader",
     }
 }

@@ -1,5 +1,5 @@
-//! The demo's files: the vessel as models, its pictures by every surface method and shading model, its methods measured
-//! against its relief as geometry, and the figures of its pouring.
+//! The demo's files: the vessel as models, its pictures by every surface method and shading model, the methods
+//! measured against its relief as geometry, and the figures for pouring.
 //!
 //! ```no_run
 //! use std::path::Path;

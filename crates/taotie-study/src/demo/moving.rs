@@ -1,5 +1,5 @@
-//! Why relief of a moving surface is stored in tangent space: the vessel pours, drawn with either kind of map and
-//! measured against its relief as geometry under the same skin.
+//! Shows why the relief of moving surfaces is stored in tangent space: the pouring vessel, drawn with either kind of
+//! map and measured against its relief as geometry under the same skin.
 
 use super::output::Output;
 use super::stage::{self, Stage};
@@ -14,18 +14,18 @@ use taotie::mesh::Mesh;
 use taotie::scene::Scene;
 use taotie_report::sheet::{Cell, Sheet};
 
-/// Pixels along a side of the pictures that errors are measured in.
+/// The side of the pictures in which errors are measured, pixels.
 const SIDE: u32 = 640;
-/// Pictures in a row: object space, tangent space, the truth.
+/// Pictures per row: object space, tangent space, the ground truth.
 const COLUMNS: usize = 3;
 
-/// The figures of both kinds of map, and what they mean.
+/// The figures of both kinds of map, and their meaning.
 #[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
 pub struct Report {
     /// The angle by which the cup is tipped, degrees.
     pub tip_deg: f64,
-    /// The rule of measurement in words.
+    /// The measurement rule in words.
     pub rule: &'static str,
     /// Object space, then tangent space.
     pub methods: Vec<MethodReport>,
@@ -43,14 +43,17 @@ pub struct MethodReport {
     pub poured: Summary,
 }
 
-/// The kinds of map with the reason for their figures.
+/// The kinds of map, with the reasons for their figures.
 const METHODS: [(&str, &str); 2] = [
-    ("object-normal", "its normals stay as they were baked while the surface turns away under them"),
-    ("tangent-normal", "its normals stand on the moved normal and tangent and go with the surface"),
+    ("object-normal", "its normals stay as baked while the surface turns"),
+    (
+        "tangent-normal",
+        "its normals are relative to the moved normal and tangent, so they turn with the surface",
+    ),
 ];
 
-/// Draws and measures both kinds of map at rest and poured; writes `moving.png`. `displaced` is the vessel with its
-/// relief as geometry; `progress` is told the fraction done.
+/// Draws and measures both kinds of map at rest and poured, and writes `moving.png`. `displaced` is the vessel with
+/// its relief as geometry; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// Those of rendering and writing.
@@ -83,7 +86,7 @@ pub fn write(
 }
 
 fn measured(vessels: &mut [Pouring], truths: &[Truth; 2], scene: &Scene) -> Result<Vec<MethodReport>> {
-    // From where the methods are compared at rest.
+    // The same camera as for comparing the methods at rest.
     let eye = Eye { camera: Stage::cup(scene)?.camera, side: SIDE };
     let measure = |(vessel, (method, _)): (&mut Pouring, (&'static str, &str))| {
         let [at_rest, poured] = angular_errors(vessel, truths, &eye)?;
@@ -97,14 +100,14 @@ fn pose(seconds: f64) -> &'static str {
 }
 
 impl MethodReport {
-    /// Returns the title of a picture and the note on it.
+    /// Returns the title and the note of a picture.
     fn labels(&self, seconds: f64) -> (String, String) {
         let error = if seconds == 0.0 { &self.at_rest } else { &self.poured };
         (format!("{}, {}", self.method, pose(seconds)), format!("mean angular error {:.1}°", error.mean))
     }
 }
 
-/// Takes the pictures.
+/// Renders the pictures.
 struct Artist {
     side: u32,
     stage: Stage,
@@ -117,7 +120,7 @@ impl Artist {
     }
 }
 
-/// The shape alone, to frame it.
+/// Returns the posed scene, for framing.
 fn shape_of(vessel: &mut Pouring, seconds: f64) -> Result<Scene> {
     let posed = vessel.at(seconds)?;
     Ok(posed.clone())
@@ -134,7 +137,7 @@ impl Report {
     /// Returns the figures as lines of text, with the reasons for them.
     pub fn lines(&self) -> Vec<String> {
         let head = format!(
-            "mean angular error on the moving part, at rest and when the vessel has poured by {}°:",
+            "mean angular error on the moving part, at rest and with the vessel tipped by {}°:",
             self.tip_deg
         );
         let line = |(method, (_, why)): (&MethodReport, &(&str, &str))| {

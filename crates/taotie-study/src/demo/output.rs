@@ -1,15 +1,15 @@
-//! Where pictures go, and how large they are.
+//! The location and size of pictures.
 
 use std::path::Path;
 use taotie::io::FileSet;
 
-/// The place and size of pictures.
+/// The location and size of pictures.
 #[derive(Debug, Clone, Copy)]
 pub struct Output<'a> {
-    /// The set that the files go to.
+    /// The file set that the files belong to.
     pub files: &'a FileSet,
-    /// The folder, which must be there.
+    /// The folder, which must exist.
     pub folder: &'a Path,
-    /// Side of each picture of a contact sheet, pixels.
+    /// The side of each picture on a contact sheet, pixels.
     pub side: u32,
 }

@@ -1,4 +1,4 @@
-//! Camera, lights and film of the demo's pictures.
+//! Camera, lights and film for the demo's pictures.
 
 use std::path::Path;
 use taotie::film::{Development, develop8};
@@ -9,10 +9,10 @@ use taotie::render::{Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Camera, Falloff, Light, LightKind, Orbit, Scene, fitting_distance, from_view};
 use taotie::{Error, Result};
 
-/// Behind the vessel.
+/// The background.
 const GROUND: f32 = 0.055;
 
-/// Camera and lights of all pictures.
+/// Camera and lights for all pictures.
 pub struct Stage {
     /// The camera.
     pub camera: Camera,
@@ -21,18 +21,18 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Looks at the whole vessel.
+    /// Creates a stage with a view of the whole vessel.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where the scene has no triangles.
+    /// [`Error::Invalid`] if the scene has no triangles.
     pub fn whole(scene: &Scene) -> Result<Self> {
         Self::whole_in(&[scene])
     }
 
-    /// Looks at the whole vessel in each of its poses.
+    /// Creates a stage with a view of the whole vessel in all its poses.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where no pose has triangles.
+    /// [`Error::Invalid`] if no pose has triangles.
     pub fn whole_in(poses: &[&Scene]) -> Result<Self> {
         let bounds = poses.iter().filter_map(|pose| pose.bounds()).reduce(|a, b| a.united(&b));
         let bounds = bounds.ok_or_else(nothing_to_see)?;
@@ -41,10 +41,10 @@ impl Stage {
         Ok(Self::new(orbit, bounds.diagonal()))
     }
 
-    /// Looks at the mask on the cup, near enough to tell one method from another.
+    /// Creates a stage with a view of the mask on the cup, close enough to distinguish the methods.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where the scene has no triangles.
+    /// [`Error::Invalid`] if the scene has no triangles.
     pub fn cup(scene: &Scene) -> Result<Self> {
         let bounds = scene.bounds().ok_or_else(nothing_to_see)?;
         let low = bounds.min + (bounds.max - bounds.min) * 0.36;
@@ -63,7 +63,7 @@ impl Stage {
         Self { camera, lighting }
     }
 
-    /// Takes a picture of the scene from here.
+    /// Renders a picture of the scene.
     ///
     /// # Errors
     /// Those of [`render`].
@@ -72,23 +72,23 @@ impl Stage {
         Ok(render(scene, &shot)?.color)
     }
 
-    /// Returns the settings that all square pictures have in common.
+    /// Returns the common settings of all square pictures.
     pub fn settings(side: u32, samples: u32) -> RenderSettings {
         RenderSettings { width: side, height: side, samples, shadows: true, ..RenderSettings::default() }
     }
 }
 
 fn nothing_to_see() -> Error {
-    Error::invalid("the stage", "the scene has no triangles to look at")
+    Error::invalid("the stage", "the scene has no triangles")
 }
 
-/// Looks at `target` from azimuth and elevation in degrees.
+/// Returns an orbit that looks at `target` from an azimuth and elevation in degrees.
 fn orbit([azimuth, elevation]: [f64; 2], target: Vec3<f64>) -> Orbit {
     let [azimuth, elevation, fov_y] = [azimuth, elevation, 26.0].map(f64::to_radians);
     Orbit { azimuth, elevation, distance: 0.0, target, fov_y }
 }
 
-/// A raking key, a row of soft boxes for the metal to mirror, and a rim.
+/// Returns a raking key light, a row of softboxes for reflections in the metal, and a rim light.
 fn lights(camera: &Camera) -> Vec<Light> {
     let lamps: [([f64; 2], [f32; 3]); 6] = [
         ([-56.0, 36.0], [6.4, 6.0, 5.4]),
@@ -109,7 +109,7 @@ fn lights(camera: &Camera) -> Vec<Light> {
     lamps.map(light).into()
 }
 
-/// Returns how all pictures are developed.
+/// Returns the development settings of all pictures.
 pub fn development() -> Development {
     Development { background: Some(Vec3::splat(GROUND)), ..Development::default() }
 }
@@ -126,7 +126,7 @@ pub fn pixels(image: &Image) -> Result<Vec<[u8; 3]>> {
 /// Develops a picture and writes it as PNG, a file of a set.
 ///
 /// # Errors
-/// [`Error::Io`] where it cannot be written.
+/// [`Error::Io`] if it cannot be written.
 pub fn write_picture(files: &FileSet, path: &Path, image: &Image) -> Result<()> {
     let texels = Texels::U8(develop8(image, &development())?);
     let bitmap = Bitmap::new(image.width(), image.height(), 3, texels)?;
@@ -141,8 +141,8 @@ mod tests {
     fn a_scene_without_triangles_is_an_error() {
         let empty = Scene::default();
         for stage in [Stage::whole(&empty), Stage::cup(&empty), Stage::whole_in(&[])] {
-            let told = stage.map(|_| ()).unwrap_err().to_string();
-            assert!(told.contains("no triangles"), "{told}");
+            let message = stage.map(|_| ()).unwrap_err().to_string();
+            assert!(message.contains("no triangles"), "{message}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The jue's methods measured against its relief as geometry.
+//! Surface methods of the jue, measured against its relief as geometry.
 
 use super::output::Output;
 use super::stage::{self, Stage};
@@ -7,10 +7,11 @@ use taotie::scene::Scene;
 use taotie::{Progress, Result};
 use taotie_report::comparison::{self, Document, Written};
 
-/// Pixels along a side of the comparison's pictures.
+/// The side of the comparison's pictures, pixels.
 const SIDE: u32 = 560;
 
-/// Compares the methods on the cup with the displaced mesh `reference`; writes the report to the folder `comparison`.
+/// Compares the methods on the cup with the displaced mesh `reference`, and writes the report to the folder
+/// `comparison`.
 ///
 /// # Errors
 /// Those of rendering and writing, and [`taotie::Error::Cancelled`].
@@ -55,7 +56,7 @@ const REASONS: [(&str, &str); 3] = [
     ("smooth", "has no relief: its error is the relief's own slope"),
     (
         "bump",
-        "has the relief's slope from its heights, but not how the bronze differs from the mesh's smooth normals",
+        "has the slope of the relief from its heights, but not the bronze's deviation from the smooth mesh normals",
     ),
-    ("tangent-normal", "has the bronze's own normals: the rest is the size of texels and their filtering"),
+    ("tangent-normal", "has the bronze's own normals: the rest is due to texel size and filtering"),
 ];

@@ -1,4 +1,4 @@
-//! The vessel that all files of the demo show.
+//! The vessel shown in all files of the demo.
 
 use crate::jue;
 use taotie::mesh::Mesh;
@@ -12,7 +12,7 @@ pub struct Vessel {
 }
 
 impl Vessel {
-    /// Makes the vessel with maps of `size` × `size` texels; see [`jue::height_map`] for the range.
+    /// Creates the vessel with maps of `size` × `size` texels; see [`jue::height_map`] for the range.
     pub fn new(size: u32) -> Self {
         let scene = jue::scene(size);
         Self { mesh: jue::low_mesh(), object_scene: jue::with_object_map(&scene, size), scene }
@@ -23,7 +23,7 @@ impl Vessel {
         &self.mesh
     }
 
-    /// Returns the scene as [`jue::scene`] makes it.
+    /// Returns the scene made by [`jue::scene`].
     pub fn scene(&self) -> &Scene {
         &self.scene
     }

@@ -1,4 +1,4 @@
-//! Where each part of the vessel lies in the unit square of uvs (origin top left).
+//! The location of each part of the vessel in the unit square of uvs (origin top left).
 //!
 //! ```text
 //! ┌──────────────────────────────────────┐
@@ -12,12 +12,12 @@
 //! └──────────────────────────────────────┘
 //! ```
 //!
-//! The belly has most of the room: 5 uv units a metre, 0.1 mm a texel at 2048.
+//! The belly takes up the most space: 5 uv units per metre, 0.1 mm per texel at 2048.
 
 use super::rings;
 use taotie::math::Vec2;
 
-/// uv units a metre on the belly strip; patterns there are drawn in millimetres of this nominal scale.
+/// uv units per metre on the belly strip; patterns there are drawn in millimetres at this nominal scale.
 pub(super) const STRIP_SCALE: f64 = STRIP_WIDTH / 0.1936;
 /// The left edge of the strip, column 0.
 pub(super) const STRIP_LEFT: f64 = 0.012;
@@ -27,37 +27,37 @@ pub(super) const STRIP_WIDTH: f64 = 0.976;
 pub(super) const STRIP_BOTTOM: f64 = 0.988;
 /// Nominal heights of the strip's rows above its lower edge, metres; the last is the mouth of the spout.
 pub(super) const STRIP_ROWS: [f64; 6] = [0.0, 0.0155, 0.0345, 0.056, 0.078, 0.1335];
-/// The nominal height of the tail's tip, metres.
+/// The nominal height of the tip of the tail, metres.
 pub(super) const TAIL_TIP: f64 = 0.111;
 
 /// The scale of the bottom's disk.
 pub(super) const BOTTOM_SCALE: f64 = 4.4;
 /// The middle of the bottom's disk.
 pub(super) const BOTTOM_CENTER: Vec2<f64> = Vec2::new(0.222, 0.462);
-/// The scale of the interior's disk, and its origin (the vessel's axis).
+/// The scale of the interior's disk.
 pub(super) const INSIDE_SCALE: f64 = 2.45;
 /// The point at which the vessel's axis meets the interior's UV island.
 pub(super) const INSIDE_CENTER: Vec2<f64> = Vec2::new(0.728, 0.112);
-/// Middles of the two posts' UV islands.
+/// The centres of the UV islands of the two posts.
 pub(super) const POST_CENTERS: [Vec2<f64>; 2] = [Vec2::new(0.690, 0.360), Vec2::new(0.690, 0.500)];
 /// Half the side of a post's UV island.
 pub(super) const POST_RADIUS: f64 = 0.056;
-/// The part of a post's UV island that its cap fills.
+/// The fraction of a post's UV island that its cap fills.
 pub(super) const CAP_FRACTION: f64 = 0.47;
-/// The middle of the handle's UV island.
+/// The centre of the handle's UV island.
 pub(super) const HANDLE_CENTER: Vec2<f64> = Vec2::new(0.846, 0.470);
 /// Half the side of the handle's UV island.
 pub(super) const HANDLE_RADIUS: f64 = 0.088;
-/// uv units a metre along a leg.
+/// uv units per metre along a leg.
 pub(super) const LEG_SCALE: f64 = 2.75;
-/// Upper middles of the legs' outer faces.
+/// The top centres of the legs' outer faces.
 pub(super) const LEG_OUTER: [Vec2<f64>; 3] =
     [Vec2::new(0.042, 0.015), Vec2::new(0.106, 0.015), Vec2::new(0.170, 0.015)];
-/// Upper middles of the legs' inner pairs of faces.
+/// The top centres of the legs' pairs of inner faces.
 pub(super) const LEG_INNER: [Vec2<f64>; 3] =
     [Vec2::new(0.252, 0.015), Vec2::new(0.351, 0.015), Vec2::new(0.450, 0.015)];
 
-/// The u of column `j` (0 ..= 16) of the strip: proportional to arc length around the belly.
+/// Returns the u of column `j` (0 ..= 16) of the strip, proportional to the arc length around the belly.
 pub(super) fn strip_u(j: usize) -> f64 {
     let lengths: Vec<f64> = (0..rings::COLUMNS)
         .map(|k| (rings::ring_point(2, k + 1) - rings::ring_point(2, k)).length())
@@ -66,7 +66,7 @@ pub(super) fn strip_u(j: usize) -> f64 {
     STRIP_LEFT + STRIP_WIDTH * lengths[..j].iter().sum::<f64>() / total
 }
 
-/// The v at a nominal height above the strip's lower edge, metres.
+/// Returns the v at a nominal height above the strip's lower edge, metres.
 pub(super) fn strip_v(height: f64) -> f64 {
     STRIP_BOTTOM - height * STRIP_SCALE
 }

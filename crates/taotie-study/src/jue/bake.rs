@@ -1,4 +1,4 @@
-//! The maps of the low mesh: height, tangent-space normals, colour and the rest.
+//! The maps of the low-poly mesh: height, normals, colour and the other material values.
 
 use super::relief::{DEPTH, height};
 use super::rounded::Rounded;
@@ -15,7 +15,7 @@ use taotie::surface::{
     Relief, ReliefBase, TangentMethod, relief_normal, tangent_space_normal, with_tangents,
 };
 
-/// Heights sampled at texel middles, and the atlas they belong to.
+/// Heights sampled at texel centres, and their atlas.
 #[derive(Debug)]
 pub(super) struct Bake {
     surface: TexelSurface,
@@ -31,7 +31,7 @@ impl Bake {
         Self { surface, heights }
     }
 
-    /// The height map, 16 bits; 1 is [`DEPTH`].
+    /// Returns the 16-bit height map; 1 is [`DEPTH`].
     pub fn height_map(&self) -> Bitmap {
         let grey = |h: &f32| {
             let h = (h * 65535.0 + 0.5) as u16;
@@ -40,17 +40,18 @@ impl Bake {
         self.bitmap(1, Stored::U16(self.heights.par_iter().map(grey).collect()))
     }
 
-    /// The tangent-space normal map, green up, 16 bits.
+    /// Returns the 16-bit tangent-space normal map, green up.
     pub fn normal_map(&self) -> Bitmap {
         stored(&self.tangent_normals(), NormalSpace::Tangent)
     }
 
-    /// The object-space normal map, 16 bits.
+    /// Returns the 16-bit object-space normal map.
     pub fn object_normal_map(&self) -> Bitmap {
         stored(&self.normals([0.0; 4], |_, n| n), NormalSpace::Object)
     }
 
-    /// Where the frame between a tip's corners is so skewed that a normal lies behind it, the map stays flat.
+    /// Returns the normals in tangent space. Where the frame at a tip is so skewed that a normal lies behind it, the
+    /// map stays flat.
     fn tangent_normals(&self) -> Image {
         const FLAT: Vec3<f64> = Vec3::new(0.0, 0.0, 1.0);
         self.normals([0.0, 0.0, 1.0, 0.0], |frame, n| {
@@ -59,8 +60,8 @@ impl Bake {
         })
     }
 
-    /// The normals of the rounded mesh displaced along its interpolated normals, Q = B + h n: Q_u × Q_v, turned by
-    /// `store`. Padding goes on as the border of the UV island is; away from UV islands stands `fill`.
+    /// Returns the normals of the rounded mesh displaced along its interpolated normals, Q = B + h n: Q_u × Q_v,
+    /// transformed by `store`. Padding extends the border of the UV island; the rest is `fill`.
     fn normals(
         &self,
         fill: [f32; 4],
@@ -84,15 +85,15 @@ impl Bake {
             let n = store(&frame, displaced_normal(base, Relief { height, by_u, by_v })).to_f32();
             [n.x, n.y, n.z, 1.0]
         });
-        let mut image = Image::new(size, size, [0.0; 4]).expect("the map has a size");
+        let mut image = Image::new(size, size, [0.0; 4]).expect("the map is not empty");
         image.pixels_mut().copy_from_slice(&normals);
         image
     }
 
-    /// Colour (to be decoded as sRGB), and occlusion, roughness and metallic in red, green and blue; 8 bits.
+    /// Returns the colour in sRGB, and occlusion, roughness and metallic in red, green and blue; 8 bits each.
     pub fn material_maps(&self) -> [Bitmap; 2] {
         let size = self.surface.coverage().width() as usize;
-        // The radii follow from what a texel measures on the belly, so that every size shows the same vessel.
+        // The radii follow from the size of a texel on the belly, so that maps of all sizes show the same vessel.
         let radius = |millimetres: f64| {
             ((millimetres * 1e-3 * atlas::STRIP_SCALE * size as f64 + 0.5) as usize).max(1)
         };
@@ -117,12 +118,12 @@ impl Bake {
 
     fn bitmap(&self, channels: u8, texels: Stored) -> Bitmap {
         let size = self.surface.coverage().width();
-        Bitmap::new(size, size, channels, texels).expect("the texels were made for this size")
+        Bitmap::new(size, size, channels, texels).expect("the number of texels matches the size")
     }
 }
 
-/// Heights at the corners of texels: the slopes between them are those of the texel's own ground, while differences of
-/// neighbouring texels blur lines that are few texels wide.
+/// Heights at the corners of texels: the slopes between them are those within the texel, while differences between
+/// neighbouring texels would blur lines that are only a few texels wide.
 struct Corners {
     size: usize,
     heights: Vec<f32>,
@@ -136,7 +137,7 @@ impl Corners {
         Self { size: size as usize, heights: heights.collect() }
     }
 
-    /// Returns how the height changes with u and with v over a texel, metres.
+    /// Returns the derivatives of the height by u and v over a texel, metres.
     fn slopes(&self, x: u32, y: u32) -> [f64; 2] {
         let at = |dx: usize, dy: usize| {
             let corner = (y as usize + dy) * (self.size + 1) + x as usize + dx;
@@ -148,7 +149,7 @@ impl Corners {
     }
 }
 
-/// Normal and tangent between the corners of a triangle, not normalised. No UV island of the vessel is mirrored.
+/// The interpolated normal and tangent in a triangle, not normalised. No UV island of the vessel is mirrored.
 struct InterpolatedFrame {
     normal: Vec3<f64>,
     tangent: Vec3<f64>,
@@ -169,11 +170,11 @@ impl InterpolatedFrame {
     }
 }
 
-/// The least cosine between the rounded mesh's normal and the interpolated one: at tips the rounding folds over.
+/// The minimum cosine between the rounded mesh's normal and the interpolated one: at tips, the rounding folds over.
 const FOLDED: f64 = 0.1;
 
-/// The unit normal of the surface `base.dp` displaced by `relief` along the interpolated normal. Where that surface
-/// folds over, its facets are left out, as in [`relief_normal`].
+/// Returns the unit normal of the surface `base.dp` displaced by `relief` along the interpolated normal. If that
+/// surface folds over, its facets are ignored, as in [`relief_normal`].
 fn displaced_normal(base: ReliefBase<f64>, relief: Relief<f64>) -> Vec3<f64> {
     let length = base.n.length();
     let n = base.n / length;
@@ -189,29 +190,29 @@ fn displaced_normal(base: ReliefBase<f64>, relief: Relief<f64>) -> Vec3<f64> {
     q
 }
 
-/// The mesh with its tangents on a map of `size` × `size`, UV islands grown by 1/128 of a side.
+/// Returns the mesh with its tangents on a map of `size` × `size`, with padding of 1/128 of a side around UV islands.
 pub(super) fn laid_out(mesh: &Mesh, size: u32) -> TexelSurface {
     let grid = TexelGrid { width: size, height: size, uv_set: 0, padding: (size / 128).max(2) };
-    TexelSurface::new(with_frames(mesh), &grid).expect("the vessel has uvs, and its maps can be made")
+    TexelSurface::new(with_frames(mesh), &grid).expect("the vessel has uvs, and the map size is valid")
 }
 
 fn stored(normals: &Image, space: NormalSpace) -> Bitmap {
     let storage = Storage { bits: 16, dither: false };
-    store_normals(normals, space, GreenChannel::Up, storage).expect("16 bits can be stored").bitmap
+    store_normals(normals, space, GreenChannel::Up, storage).expect("16-bit storage is supported").bitmap
 }
 
-/// The mesh with the tangents that renderers of glTF take where a file has none.
+/// Returns the mesh with the tangents that glTF renderers use if a file has none.
 pub(super) fn with_frames(mesh: &Mesh) -> Mesh {
     with_tangents(mesh, 0, TangentMethod::MikkTSpace).expect("the vessel has normals and uvs").mesh
 }
 
-/// The mean over a square of side 2 · `radius` + 1, borders continued.
+/// Returns the mean over squares of side 2 · `radius` + 1, with borders extended.
 fn blurred(values: &[f32], size: usize, radius: usize) -> Vec<f32> {
     let rows = transposed_row_means(values, size, radius);
     transposed_row_means(&rows, size, radius)
 }
 
-/// Running means along the rows, written as columns.
+/// Returns running means along the rows, transposed.
 fn transposed_row_means(values: &[f32], size: usize, radius: usize) -> Vec<f32> {
     let mut means = vec![0.0; values.len()];
     let scale = 1.0 / (2 * radius + 1) as f32;

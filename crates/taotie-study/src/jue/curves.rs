@@ -1,14 +1,14 @@
-//! The edges of a mesh as cubic curves that touch the planes of its vertex normals.
+//! The edges of a mesh as cubic curves tangent to the planes of its vertex normals.
 
 use super::welds::Welds;
 use std::collections::HashMap;
 use taotie::math::Vec3;
 use taotie::mesh::Mesh;
 
-/// The control points of an edge's curve, from the smaller place to the larger.
+/// The control points of an edge's curve, from the end with the smaller index to the other.
 pub(super) type Curve = [Vec3<f64>; 4];
 
-/// Makes the curve of every edge, by the places of its ends.
+/// Returns the curve of every edge, keyed by the positions of its ends.
 pub(super) fn curves(mesh: &Mesh, welds: &Welds) -> HashMap<(u32, u32), Curve> {
     let mut sides: HashMap<(u32, u32), Vec<[Vec3<f64>; 2]>> = HashMap::new();
     let normal = |i: u32| mesh.normals()[i as usize].to_f64();
@@ -31,14 +31,14 @@ pub(super) fn curves(mesh: &Mesh, welds: &Welds) -> HashMap<(u32, u32), Curve> {
         .collect()
 }
 
-/// The farthest that a curve's control point may leave its chord, metres: long edges, such as the spout's, stay nearly
-/// straight.
+/// The maximum distance of a curve's control point from its chord, metres: long edges, such as those of the spout,
+/// stay nearly straight.
 const LARGEST_BEND: f64 = 0.0022;
 
-/// A third of the way `d` along a curve whose end has these normals on its two sides.
+/// Returns the control handle, a third of the edge `d`, at an end with these normals on its two sides.
 ///
-/// Where they agree the way is bent into the tangent plane; at a crease into both planes, along their intersection.
-/// Where that leads elsewhere, at tips and corners, the way stays straight.
+/// If the normals agree, the handle is bent into the tangent plane; at a crease, into both planes along their
+/// intersection. If that points elsewhere, as at tips and corners, the handle stays straight.
 fn handle(d: Vec3<f64>, n: Vec3<f64>, m: Vec3<f64>) -> Vec3<f64> {
     let crease = n.cross(m);
     let tangent = if crease.length() < 1e-6 {
@@ -54,7 +54,7 @@ fn handle(d: Vec3<f64>, n: Vec3<f64>, m: Vec3<f64>) -> Vec3<f64> {
     d / 3.0 + if length > LARGEST_BEND { bend * (LARGEST_BEND / length) } else { bend }
 }
 
-/// Returns the point at `t` of a curve. De Casteljau would do; the Bernstein sum is symmetric and short.
+/// Returns the point of a curve at `t`, by the Bernstein sum, which is symmetric and short.
 pub(super) fn bezier([a, b, c, d]: &Curve, t: f64) -> Vec3<f64> {
     let s = 1.0 - t;
     *a * (s * s * s) + *b * (3.0 * s * s * t) + *c * (3.0 * s * t * t) + *d * (t * t * t)

@@ -1,8 +1,9 @@
-//! The relief as real geometry: the low mesh rounded, subdivided and displaced.
+//! The relief as geometry: the low-poly mesh rounded, subdivided and displaced.
 //!
-//! Each triangle becomes a cubic patch that touches the vertex normals' planes (Vlachos et al. 2001, "Curved PN
-//! triangles"), so that between its relief the surface is as round as the low mesh's smooth shading says. Patches meet
-//! without cracks: an edge's curve depends on what both its triangles know, and relief is 0 on UV island borders.
+//! Each triangle becomes a cubic patch tangent to the planes of the vertex normals (Vlachos et al. 2001, "Curved PN
+//! triangles"), so that the surface without relief is as round as the smooth shading of the low-poly mesh suggests.
+//! Patches meet without cracks: the curve of an edge depends only on data shared by both triangles, and relief is 0
+//! on UV island borders.
 
 use super::patch::{Patch, Point, edge_of};
 use super::rounded::Rounded;
@@ -13,8 +14,8 @@ use std::collections::HashMap;
 use taotie::math::Vec3;
 use taotie::mesh::{Mesh, MeshData};
 
-/// Every triangle of the low mesh split and displaced by `height`, with the normals of the displaced surface; see
-/// [`Split`].
+/// Returns the low-poly mesh with every triangle split and displaced by `height`, and the normals of the displaced
+/// surface; see [`Split`].
 pub(super) fn mesh(low: &Mesh, finest: f64, height: impl Fn(f32, f32) -> f32 + Sync) -> Mesh {
     let welds = Welds::new(low);
     let Rounded { patches, .. } = Rounded::new(low, &welds);
@@ -29,10 +30,10 @@ pub(super) fn mesh(low: &Mesh, finest: f64, height: impl Fn(f32, f32) -> f32 + S
         triangles: joined(&pieces),
         ..MeshData::default()
     };
-    Mesh::new(data).expect("indices count the points and every point is finite")
+    Mesh::new(data).expect("indices are in range and all points are finite")
 }
 
-/// The triangles of all pieces, whose points follow one another.
+/// Returns the triangles of all pieces, with their points concatenated.
 fn joined(pieces: &[Piece]) -> Vec<[u32; 3]> {
     let mut triangles = Vec::new();
     let mut first = 0;
@@ -43,7 +44,7 @@ fn joined(pieces: &[Piece]) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// For every point, which points it shares its normal with: all have the same number.
+/// Returns a slot for every point; points that share their normal have the same slot.
 fn slots(patches: &[Patch<'_>], pieces: &[Piece]) -> Vec<u32> {
     let mut shared: HashMap<(u32, u32, u32), u32> = HashMap::new();
     let mut next = 0;
@@ -62,7 +63,7 @@ fn slots(patches: &[Patch<'_>], pieces: &[Piece]) -> Vec<u32> {
     slots
 }
 
-/// The mean normal of all points that `slots` lets share one.
+/// Returns the mean normal of all points with the same slot.
 fn shared<'a>(points: impl Iterator<Item = &'a Point>, slots: &[u32]) -> Vec<Vec3> {
     let mut sums = vec![Vec3::splat(0.0); slots.len()];
     for (point, slot) in points.zip(slots) {

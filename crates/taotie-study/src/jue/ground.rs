@@ -1,10 +1,10 @@
-//! The patterns around the masks: thunder ground, rows of circles, banana-leaf blades. Millimetres.
+//! The patterns around the masks: thunder ground, rows of ringlets, banana-leaf blades. Millimetres.
 
 use super::profile::{bump, plateau, smooth};
 
 /// Half the side of a thunder cell.
 const HALF_CELL: f32 = 2.45;
-/// A square spiral in half cells, from outside inward.
+/// A square spiral in half cells, from the outside inwards.
 const SPIRAL: [[f32; 2]; 10] = [
     [-0.8, -0.8],
     [0.8, -0.8],
@@ -18,7 +18,7 @@ const SPIRAL: [[f32; 2]; 10] = [
     [0.05, 0.0],
 ];
 
-/// Thunder pattern (leiwen): square spirals, each the mirror image of its neighbours. In [0, 1].
+/// The thunder pattern (leiwen): square spirals, each the mirror image of its neighbours. In [0, 1].
 pub(super) fn thunder(x: f32, y: f32, half_cell: f32) -> f32 {
     let (x, y) = (x / half_cell, y / half_cell);
     let (i, j) = ((x * 0.5).floor(), (y * 0.5).floor());
@@ -28,7 +28,7 @@ pub(super) fn thunder(x: f32, y: f32, half_cell: f32) -> f32 {
     bump(spiral_distance(cx, cy), 0.2)
 }
 
-/// The distance to the spiral in half cells. Its pieces run along the axes, so clamping finds the nearest point.
+/// The distance to the spiral in half cells. Its segments are axis-aligned, so clamping finds the nearest point.
 fn spiral_distance(x: f32, y: f32) -> f32 {
     let mut nearest = 4.0;
     for pair in SPIRAL.windows(2) {
@@ -48,7 +48,7 @@ pub(super) fn belly_thunder(x: f32, y: f32) -> f32 {
     thunder(x, y, HALF_CELL)
 }
 
-/// A border of height 4.4: two raised bands with a row of ringlets between. `y` from its middle.
+/// A border of height 4.4: two raised bands with a row of ringlets between them. `y` is measured from its centre.
 pub(super) fn ringlets(x: f32, y: f32) -> f32 {
     const PERIOD: f32 = 48.4 / 16.0;
     let band = 0.46 * plateau(((y.abs() - 1.95).abs()) - 0.26, 1.0, 0.34);
@@ -59,7 +59,7 @@ pub(super) fn ringlets(x: f32, y: f32) -> f32 {
     band + ring + pearl
 }
 
-/// An upright leaf of half width `foot` and the given `height`, its foot at y = 0: the distance to its edge.
+/// The distance to the edge of an upright leaf with half width `foot` at its base, y = 0, and the given `height`.
 pub(super) fn leaf_distance(x: f32, y: f32, foot: f32, height: f32) -> f32 {
     let t = (y / height).clamp(0.0, 1.2);
     let half = foot * (1.0 - t) * (1.0 + 0.55 * t);

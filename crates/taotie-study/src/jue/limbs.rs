@@ -1,24 +1,24 @@
-//! Legs, posts and handle: closed parts whose ends lie hidden in the vessel's wall.
+//! Legs, posts and handle: closed parts whose ends are hidden in the vessel's wall.
 
 use super::atlas;
 use super::builder::{Builder, Smooth};
 use taotie::math::{Vec2, Vec3, scalar};
 
-/// Angles of the legs about the axis from +x towards +z, in units of a twelfth of a turn: under the handle, front.
+/// The angles of the legs about the axis from +x towards +z, in twelfths of a turn: under the handle, then in front.
 const LEG_TWELFTHS: [f64; 3] = [9.0, 1.0, 5.0];
 /// Half width, distance from the axis and height of a leg's outer face at its three stations.
 const LEG_OUTER: [[f64; 3]; 3] = [[0.0082, 0.0264, 0.1015], [0.0066, 0.0325, 0.0520], [0.0, 0.0430, 0.0]];
-/// The distance by which the leg under the handle stands nearer to the axis, where the oval is narrow.
+/// The distance by which the leg under the handle is closer to the axis, where the oval is narrow.
 const LEG_INSET: [f64; 3] = [0.0025, 0.0, 0.0];
-/// Distance from the axis and height of a leg's inner ridge.
+/// The distance from the axis and the height of a leg's inner ridge.
 const LEG_RIDGE: [[f64; 2]; 2] = [[0.0120, 0.0890], [0.0235, 0.0520]];
-/// The foot of a post on the rim; the other is mirrored in z.
+/// The base of a post on the rim; the other is mirrored in z.
 const POST: [f64; 2] = [0.0290, 0.0222];
-/// Half side and height of a post's shaft below and above.
+/// The half side and height of a post's shaft at the bottom and at the top.
 const SHAFT: [[f64; 2]; 2] = [[0.0027, 0.1615], [0.0022, 0.1950]];
-/// Radius and height of the cap's edge, height of its top.
+/// The radius and height of the cap's edge, and the height of its top.
 const CAP: [f64; 3] = [0.0096, 0.1935, 0.2048];
-/// The handle's middle line in the plane x = 0: y, −z, and the direction of its outer side as (y, −z).
+/// The handle's centre line in the plane x = 0: y, −z, and the direction of its outer side as (y, −z).
 const HANDLE: [[f64; 4]; 5] = [
     [0.1510, 0.0286, 1.0, 0.0],
     [0.1530, 0.0440, 0.8, 0.6],
@@ -41,7 +41,7 @@ pub(super) fn add(b: &mut Builder) {
     add_handle(b);
 }
 
-/// The place `across` to the right of the leg's middle, seen from outside, and `out` from the axis.
+/// Returns the point at `across` to the right of the leg's centre, seen from outside, and at `out` from the axis.
 fn leg_point(leg: usize, across: f64, out: f64, y: f64) -> Vec3<f64> {
     let angle = std::f64::consts::PI / 6.0 * LEG_TWELFTHS[leg];
     let d = Vec3::new(scalar::cos(angle), 0.0, scalar::sin(angle));
@@ -71,7 +71,7 @@ fn add_leg(b: &mut Builder, leg: usize) {
     add_leg_inside(b, leg, inner, edge);
 }
 
-/// The two inner faces with the ridge between them; the lid at the top fills the notch above the ridge.
+/// Adds the two inner faces with the ridge between them; the lid at the top fills the notch above the ridge.
 fn add_leg_inside(b: &mut Builder, leg: usize, group: Smooth, edge: impl Fn(usize, f64) -> Vec3<f64>) {
     let top = atlas::LEG_INNER[leg];
     let uv = |across: f64, y: f64| {
@@ -79,7 +79,7 @@ fn add_leg_inside(b: &mut Builder, leg: usize, group: Smooth, edge: impl Fn(usiz
         Vec2::new(top.x + across * atlas::LEG_SCALE, top.y + down)
     };
     let ridge = LEG_RIDGE.map(|[out, y]| b.vertex(leg_point(leg, 0.0, out, y), uv(0.0, y), group));
-    // Seen from inside, the leg's right edge is at the left.
+    // Seen from inside, the leg's right edge is on the left.
     let sides = [1.0, -1.0].map(|side| {
         [(0, 0.0155), (1, 0.0095)].map(|(k, width)| {
             let p = edge(k, side);
@@ -95,7 +95,7 @@ fn add_leg_inside(b: &mut Builder, leg: usize, group: Smooth, edge: impl Fn(usiz
     b.hidden_triangle([sides[0][0], sides[1][0], ridge[0]]);
 }
 
-/// A ring of `count` points about a middle, as offsets in the plane of x and z (and of u and v).
+/// Returns a ring of `count` points around a centre, as offsets in the plane of x and z (and of u and v).
 fn ring(count: usize, phase: f64) -> Vec<Vec2<f64>> {
     (0..count)
         .map(|k| {
@@ -105,7 +105,7 @@ fn ring(count: usize, phase: f64) -> Vec<Vec2<f64>> {
         .collect()
 }
 
-/// A square shaft under a six-sided cone; the UV island is the post seen from above, unrolled.
+/// Adds a square shaft under a six-sided cone; the UV island is the post seen from above, unrolled.
 fn add_post(b: &mut Builder, post: usize, side: f64) {
     let group = Smooth(30 + post as u32);
     let center = atlas::POST_CENTERS[post];
@@ -113,7 +113,7 @@ fn add_post(b: &mut Builder, post: usize, side: f64) {
         let p = Vec3::new(POST[0] + offset.x * radius, y, POST[1] * side + offset.y * radius);
         b.vertex(p, center + island * atlas::POST_RADIUS, group)
     };
-    // The square stands along the rim, which runs 27 degrees off the x axis here.
+    // The square is aligned with the rim, which is at 27 degrees to the x axis here.
     let square = ring(4, 0.5 - side * 0.3);
     let hexagon = ring(6, 0.5 - side * 0.45);
     let apex = add(Vec2::new(0.0, 0.0), 0.0, CAP[2], Vec2::new(0.0, 0.0));
@@ -121,7 +121,7 @@ fn add_post(b: &mut Builder, post: usize, side: f64) {
     let [foot, head] = [(SHAFT[0], 1.0), (SHAFT[1], 0.73)].map(|([half, y], island)| -> Vec<usize> {
         square.iter().map(|o| add(*o, half * std::f64::consts::SQRT_2, y, *o * island)).collect()
     });
-    // The sole hangs on the side from corner 3 to corner 0, so its far corners are copies of 2 and 1.
+    // The sole is attached to the side from corner 3 to corner 0, so its far corners are copies of 2 and 1.
     let outward = (square[0] + square[3]) * 0.35;
     let [near, far] = [(0, 1), (3, 2)].map(|(hinge, copied)| {
         add(square[copied], SHAFT[0][0] * std::f64::consts::SQRT_2, SHAFT[0][1], square[hinge] + outward)
@@ -137,7 +137,7 @@ fn add_post(b: &mut Builder, post: usize, side: f64) {
     b.hidden_triangle([foot[3], far, near]);
 }
 
-/// Fills the UV island between two rings around the same middle, both in the order of rising angle.
+/// Fills the UV island between two concentric rings, both in order of ascending angle.
 fn stitch(b: &mut Builder, inner: &[usize], outer: &[usize]) {
     let distance = |b: &Builder, i: usize, j: usize| {
         let d = b.uv(i) - b.uv(j);
@@ -162,7 +162,7 @@ fn stitch(b: &mut Builder, inner: &[usize], outer: &[usize]) {
     }
 }
 
-/// A loop of square section; the UV island is the loop seen along itself from its lower end, as nested squares.
+/// Adds a loop with a square section; the UV island is the loop seen along itself from below, as nested squares.
 fn add_handle(b: &mut Builder) {
     let group = Smooth(40);
     let corners = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
@@ -185,7 +185,7 @@ fn add_handle(b: &mut Builder) {
     let end = rings[4];
     b.hidden_triangle([end[0], end[1], end[2]]);
     b.hidden_triangle([end[0], end[2], end[3]]);
-    // The upper end's lid hangs on the side of its outer corners.
+    // The lid of the upper end is attached to the side of its outer corners.
     let [left, right] =
         [(-1.0, -1.0), (1.0, -1.0)].map(|c| b.vertex(point(0, c), island(1.0, (c.0 * 0.8, 1.0)), group));
     b.hidden_triangle([rings[0][0], rings[0][1], right]);

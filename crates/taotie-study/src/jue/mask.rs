@@ -1,4 +1,4 @@
-//! The taotie: a beast's face seen from the front, mirrored about its nose, its body spread to both sides.
+//! The taotie: the face of a beast from the front, mirrored about its nose, with its body extending to both sides.
 //!
 //! Drawn in millimetres for the right half: x from the nose outward (48 at the panel's edge), y upward (0 to 37).
 
@@ -23,7 +23,7 @@ const LEG: usize = 9;
 const QUILL: usize = 10;
 const PARTS: usize = 11;
 
-/// The height of each part, and how far inside its edge a contour is engraved (0: none).
+/// The height of each part, and the distance inside its edge at which a contour is engraved (0: none).
 const LEVELS: [[f32; 2]; PARTS] = [
     [0.66, 0.95], // shield
     [0.78, 0.0],  // nose
@@ -38,7 +38,7 @@ const LEVELS: [[f32; 2]; PARTS] = [
     [0.52, 0.0],  // quill
 ];
 
-/// Middle and half axes of the eyeball.
+/// The centre and half axes of the eyeball.
 const EYE: [f32; 4] = [13.4, 16.6, 4.9, 4.2];
 
 const STROKES: &[Stroke] = &[
@@ -176,8 +176,8 @@ impl Mask {
         Self { drawing: Drawing::new(STROKES, [HALF_WIDTH, HEIGHT]) }
     }
 
-    /// Height in [0, 1] and the distance to the nearest part, both at `x` from the nose and `y` above the panel's
-    /// lower edge.
+    /// Returns the height in [0, 1] and the distance to the nearest part, at `x` from the nose and `y` above the
+    /// panel's lower edge.
     pub fn height(&self, x: f32, y: f32) -> (f32, f32) {
         let x = x.abs();
         let distances = self.drawing.distances([x, y]);

@@ -1,4 +1,4 @@
-//! The demonstration's object: a Shang bronze *jue* (爵), a tripod for warm wine, made by code alone.
+//! The demo object: a Shang bronze *jue* (爵), a tripod for warm wine, generated procedurally.
 
 mod atlas;
 mod bake;
@@ -33,9 +33,9 @@ use taotie::scene::{
     UvTransform,
 };
 
-/// The low mesh: 251 vertices, metres, standing on y = 0 with its spout along +x and its handle towards −z.
+/// Returns the low-poly mesh: 251 vertices, metres, resting on y = 0, with its spout along +x and its handle at −z.
 ///
-/// Every part is closed and turned outward; the one uv set has no mirrored and no overlapping UV islands. Tangents are
+/// Every part is closed and faces outwards; the single uv set has no mirrored or overlapping UV islands. Tangents are
 /// left to the renderer.
 pub fn low_mesh() -> Mesh {
     let mut builder = builder::Builder::default();
@@ -44,36 +44,36 @@ pub fn low_mesh() -> Mesh {
     builder.finish()
 }
 
-/// The relief as a 16-bit grey map of `size` × `size` texels (1 to [`Bitmap::MAX_SIDE`]), grown beyond the UV islands'
-/// borders by 1/128 of its side. To be read as linear.
+/// Returns the relief as a linear 16-bit greyscale map of `size` × `size` texels (1 to [`Bitmap::MAX_SIDE`]), padded
+/// around the UV islands by 1/128 of its side.
 pub fn height_map(size: u32) -> Bitmap {
     Bake::new(&low_mesh(), size).height_map()
 }
 
-/// The relief as a 16-bit tangent-space normal map for [`low_mesh`] with MikkTSpace tangents: green up, linear.
+/// Returns the relief as a linear 16-bit tangent-space normal map, green up, for [`low_mesh`] in MikkTSpace.
 pub fn normal_map(size: u32) -> Bitmap {
     Bake::new(&low_mesh(), size).normal_map()
 }
 
-/// The relief as a 16-bit object-space normal map for [`low_mesh`], linear.
+/// Returns the relief as a linear 16-bit object-space normal map for [`low_mesh`].
 pub fn object_normal_map(size: u32) -> Bitmap {
     Bake::new(&low_mesh(), size).object_normal_map()
 }
 
-/// Bare bronze and its patina as an 8-bit colour map, sRGB-encoded.
+/// Returns bare bronze and its patina as an sRGB-encoded 8-bit colour map.
 pub fn base_color_map(size: u32) -> Bitmap {
     let [color, _] = Bake::new(&low_mesh(), size).material_maps();
     color
 }
 
-/// Occlusion (red), roughness (green) and metallic (blue), 8 bits, linear.
+/// Returns occlusion (red), roughness (green) and metallic (blue) as a linear 8-bit map.
 pub fn orm_map(size: u32) -> Bitmap {
     let [_, orm] = Bake::new(&low_mesh(), size).material_maps();
     orm
 }
 
-/// The vessel with its material: one instance, no light and no camera. Textures 0 to 3 are colour, occlusion with
-/// roughness and metallic, normals, and heights, each of `size` × `size` texels.
+/// Returns the vessel with its material: one instance, no light and no camera. Textures 0 to 3 are colour;
+/// occlusion, roughness and metallic; normals; and heights, each of `size` × `size` texels.
 pub fn scene(size: u32) -> Scene {
     let mesh = low_mesh();
     let bake = Bake::new(&mesh, size);
@@ -87,10 +87,10 @@ pub fn scene(size: u32) -> Scene {
     let instances = vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }];
     let (meshes, materials) = (vec![mesh], vec![material()]);
     let data = SceneData { meshes, materials, textures, instances, ..SceneData::default() };
-    Scene::new(data).expect("four textures are there")
+    Scene::new(data).expect("there are four textures")
 }
 
-/// Returns `scene`, as [`scene`] makes it, with the relief as an object-space map of `size` × `size` texels.
+/// Returns `scene`, made by [`scene`], with the relief as an object-space map of `size` × `size` texels.
 pub fn with_object_map(scene: &Scene, size: u32) -> Scene {
     let mut scene = scene.clone();
     let index = scene.add_texture(Texture::new(object_normal_map(size), Encoding::Normal));
@@ -100,11 +100,11 @@ pub fn with_object_map(scene: &Scene, size: u32) -> Scene {
             map.space = NormalSpace::Object;
         }
     });
-    edited.expect("the texture is there");
+    edited.expect("the texture exists");
     scene
 }
 
-/// Returns `scene`, as [`scene`] makes it, with its relief as geometry, which `mesh` has, and in no map.
+/// Returns `scene`, made by [`scene`], with `mesh`, which has its relief as geometry, instead of relief maps.
 pub fn with_relief(scene: &Scene, mesh: Mesh) -> Scene {
     let mut scene = scene.clone();
     let edited = scene.edit(|scene| {
@@ -113,11 +113,11 @@ pub fn with_relief(scene: &Scene, mesh: Mesh) -> Scene {
             (material.normal, material.height) = (None, None);
         }
     });
-    edited.expect("a mesh stands for a mesh");
+    edited.expect("one mesh replaces another");
     scene
 }
 
-/// Factors of one everywhere: the textures say it all.
+/// The material, with all factors 1: everything is in the textures.
 fn material() -> Material {
     let texture = |texture| TextureRef {
         texture,
@@ -146,14 +146,14 @@ fn material() -> Material {
     }
 }
 
-/// The shortest edges of a [`displaced_mesh`] that resolves the finest lines, metres: more than a million triangles.
+/// The edge length at which a [`displaced_mesh`] resolves the finest lines, metres: more than a million triangles.
 pub const FINEST: f64 = 0.0002;
 
-/// The vessel with its relief as geometry: each triangle of [`low_mesh`] rounded by its normals, displaced by
-/// [`height`], and split until its edges follow the relief or are no longer than `finest`, metres.
+/// Returns the vessel with its relief as geometry: each triangle of [`low_mesh`] is rounded by its normals, displaced
+/// by [`height`], and split until its edges follow the relief or are at most `finest` metres long.
 ///
-/// Its uvs are the low mesh's, so the two can be compared place by place; its normals are those of the displaced
-/// surface.
+/// Its uvs are those of the low-poly mesh, so the two can be compared point by point; its normals are those of the
+/// displaced surface.
 pub fn displaced_mesh(finest: f64) -> Mesh {
     displaced::mesh(&low_mesh(), finest, height)
 }

@@ -1,8 +1,8 @@
-//! Smooth random variation in space, the same on every machine.
+//! Smooth random variation in space, identical on every machine.
 
 use taotie::math::Vec3;
 
-/// A scrambled number from three whole ones.
+/// Hashes three integers.
 fn hash(x: i32, y: i32, z: i32) -> u32 {
     let mut h = (x as u32).wrapping_mul(0x8da6_b343) ^ (y as u32).wrapping_mul(0xd816_3841);
     h ^= (z as u32).wrapping_mul(0xcb1a_b31f);
@@ -11,7 +11,7 @@ fn hash(x: i32, y: i32, z: i32) -> u32 {
     h ^ (h >> 15)
 }
 
-/// The product of an offset with one of the twelve directions to a cube's edges.
+/// Returns the dot product of an offset with one of the twelve directions to a cube's edges.
 fn gradient(h: u32, x: f32, y: f32, z: f32) -> f32 {
     let (a, b) = match h % 3 {
         0 => (x, y),
@@ -22,7 +22,7 @@ fn gradient(h: u32, x: f32, y: f32, z: f32) -> f32 {
     signed(a, 1 << 8) + signed(b, 1 << 9)
 }
 
-/// Gradient noise within ±1: 0 at whole numbers, with random slopes, smooth between (Perlin 2002).
+/// Gradient noise within ±1: 0 with random slopes at whole numbers, and smooth in between (Perlin 2002).
 fn value(p: Vec3) -> f32 {
     let floor = p.map(f32::floor);
     let d = p - floor;
@@ -36,13 +36,13 @@ fn value(p: Vec3) -> f32 {
     mix(mix(edge(0, 0), edge(1, 0), f.y), mix(edge(0, 1), edge(1, 1), f.y), f.z)
 }
 
-/// Octaves of noise about 0, roughly within ±1; the coarsest has features of size 1.
+/// Octaves of noise around 0, roughly within ±1; the coarsest has features of size 1.
 pub(super) fn fractal(p: Vec3, octaves: usize) -> f32 {
     let (mut sum, mut amplitude, mut p) = (0.0, 1.0, p);
     for _ in 0..octaves {
         sum += amplitude * value(p);
         amplitude *= 0.5;
-        // Turned a little from octave to octave, so that lattices do not line up.
+        // Rotate each octave so that lattices do not line up.
         p = Vec3::new(1.6 * p.x + 1.2 * p.y, 1.6 * p.y - 1.2 * p.x, 2.0 * p.z);
         p = Vec3::new(p.x + 17.3, 0.8 * p.y + 0.6 * p.z + 5.9, 0.8 * p.z - 0.6 * p.y + 31.7);
     }

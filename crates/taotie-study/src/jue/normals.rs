@@ -1,20 +1,20 @@
-//! Vertex normals that let a coarse mesh shade as the round surface it stands for.
+//! Vertex normals that make a coarse mesh shade like the round surface it represents.
 
 use taotie::math::{Vec3, scalar};
 
-/// The weight that holds a normal to the mean of its faces, against one edge's wish.
+/// The weight of the mean face normal relative to one edge.
 const HOLD: f64 = 0.8;
-/// Sweeps over all vertices; the last ones change nothing that matters.
+/// The number of sweeps over all vertices; the last ones make no significant difference.
 const SWEEPS: usize = 60;
 
-/// One normal for each vertex of a mesh without seams.
+/// Returns one normal for each vertex of a mesh without seams.
 ///
-/// The mean of the faces about a vertex, weighted by their angles, leans towards the more strongly bent side where
-/// curvature changes. On a smooth curve the normals of an edge's ends lean equally to both sides: (n_a + n_b) · d = 0
-/// for the edge's direction d, exactly so on a circle. So the sum of these products' squares is made small while
-/// normals stay near their means.
+/// Where curvature changes, the angle-weighted mean of the faces around a vertex leans towards the more strongly
+/// curved side. On a smooth curve, the normals at an edge's ends lean equally to both sides: (n_a + n_b) · d = 0 for
+/// the edge's direction d, exactly so on a circle. So the sum of the squares of these products is minimised while
+/// normals stay close to their means.
 ///
-/// Vertices that are not `round` keep their means: limbs of few sides have no such curve to follow.
+/// Vertices that are not `round` keep their means, since limbs with few sides have no such curve to follow.
 pub(super) fn vertex_normals(
     positions: &[Vec3<f64>],
     triangles: &[[usize; 3]],
@@ -31,7 +31,7 @@ pub(super) fn vertex_normals(
     normals
 }
 
-/// The directions of the edges at each vertex, with the vertices they lead to.
+/// Returns the directions of the edges at each vertex, with their other vertices.
 fn edges(positions: &[Vec3<f64>], triangles: &[[usize; 3]]) -> Vec<Vec<(usize, Vec3<f64>)>> {
     let mut edges: Vec<Vec<(usize, Vec3<f64>)>> = vec![Vec::new(); positions.len()];
     for t in triangles {
@@ -46,7 +46,7 @@ fn edges(positions: &[Vec3<f64>], triangles: &[[usize; 3]]) -> Vec<Vec<(usize, V
     edges
 }
 
-/// The means of the faces' normals, weighted by angle.
+/// Returns the angle-weighted means of the face normals.
 fn means(positions: &[Vec3<f64>], triangles: &[[usize; 3]]) -> Vec<Vec3<f64>> {
     let mut sums = vec![Vec3::splat(0.0); positions.len()];
     for triangle in triangles {
@@ -59,7 +59,7 @@ fn means(positions: &[Vec3<f64>], triangles: &[[usize; 3]]) -> Vec<Vec3<f64>> {
     sums.into_iter().map(|n| n.normalize_or(Vec3::new(0.0, 1.0, 0.0))).collect()
 }
 
-/// The best normal of one vertex while the others stay: (HOLD + Σ d dᵀ) n = HOLD · mean − Σ d (d · n_other).
+/// Returns the best normal of one vertex with the others fixed: (HOLD + Σ d dᵀ) n = HOLD · mean − Σ d (d · n_other).
 fn settled(mean: Vec3<f64>, edges: &[(usize, Vec3<f64>)], normals: &[Vec3<f64>]) -> Vec3<f64> {
     let mut rows = [Vec3::new(HOLD, 0.0, 0.0), Vec3::new(0.0, HOLD, 0.0), Vec3::new(0.0, 0.0, HOLD)];
     let mut right = mean * HOLD;
@@ -74,7 +74,7 @@ fn settled(mean: Vec3<f64>, edges: &[(usize, Vec3<f64>)], normals: &[Vec3<f64>])
     solution.normalize_or(mean)
 }
 
-/// The angles of a triangle, radians.
+/// Returns the angles of a triangle, radians.
 fn corner_angles(corners: [Vec3<f64>; 3]) -> [f64; 3] {
     std::array::from_fn(|i| {
         let (p, q, r) = (corners[i], corners[(i + 1) % 3], corners[(i + 2) % 3]);
@@ -86,9 +86,9 @@ fn corner_angles(corners: [Vec3<f64>; 3]) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// A band about an ellipse with half axes 2 and 1, its columns unevenly spaced.
+    /// A band around an ellipse with half axes 2 and 1 and unevenly spaced columns.
     #[test]
-    fn normals_of_a_coarse_oval_come_nearer_to_the_oval() {
+    fn normals_of_a_coarse_oval_come_closer_to_the_oval() {
         const COLUMNS: usize = 12;
         let angle = |i: usize| {
             let t = std::f64::consts::TAU * (i % COLUMNS) as f64 / COLUMNS as f64;

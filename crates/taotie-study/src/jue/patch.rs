@@ -1,4 +1,4 @@
-//! A triangle of the low mesh as a cubic patch, and points of it raised by the relief.
+//! A triangle of the low mesh as a cubic patch, and its points raised by the relief.
 
 use super::curves::{Curve, bezier};
 use super::relief::DEPTH;
@@ -6,13 +6,13 @@ use super::welds::Welds;
 use taotie::math::{Vec2, Vec3};
 use taotie::mesh::Mesh;
 
-/// The weights of a patch's corners in parts of [`WHOLE`], which they sum to: halving stays exact.
+/// The weights of a patch's corners in units of 1/[`WHOLE`], which makes halving exact. They sum to [`WHOLE`].
 pub(super) type Weights = [u32; 3];
 
-/// One, in parts.
+/// The units per 1.
 pub(super) const WHOLE: u32 = 1 << 16;
 
-/// A point of the displaced surface: where in its patch, position, uv, and the unit normal.
+/// A point of the displaced surface: location in its patch, position, uv, and unit normal.
 pub(super) struct Point {
     pub weights: Weights,
     pub position: Vec3<f64>,
@@ -27,7 +27,7 @@ pub(super) struct Base {
     uv: Vec2,
 }
 
-/// A normal, not normalised, and a uv between corners.
+/// An interpolated normal, not normalised, and uv.
 struct Blend {
     normal: Vec3<f64>,
     uv: Vec2,
@@ -42,7 +42,8 @@ pub(super) struct Patch<'a> {
     pub curves: [Curve; 3],
 }
 
-/// Half the length over which slopes are measured, metres: small against the finest lines, large against rounding.
+/// Half the distance over which slopes are measured, metres: small compared with the finest lines, large compared
+/// with rounding errors.
 const DELTA: f64 = 8e-6;
 
 impl Patch<'_> {
@@ -58,7 +59,7 @@ impl Patch<'_> {
         Point { weights, position, uv, normal: self.normal(w, |w| surface(w).0) }
     }
 
-    /// Returns the uv with these weights; the same bits from both sides of an edge.
+    /// Returns the uv with these weights, bit-identical from both sides of an edge.
     pub fn uv(&self, weights: Weights) -> Vec2 {
         let w = weights.map(|w| f64::from(w) / f64::from(WHOLE));
         match edge_of(weights) {
@@ -67,7 +68,7 @@ impl Patch<'_> {
         }
     }
 
-    /// Returns how far apart two points of the flat triangle are, metres; the same bits from both sides of an edge.
+    /// Returns the distance between points of the flat triangle, metres; bit-identical from both sides of an edge.
     pub fn distance(&self, a: Weights, b: Weights) -> f64 {
         if let Some(opposite) = (0..3).find(|corner| a[*corner] == 0 && b[*corner] == 0) {
             let edge = (opposite + 1) % 3;
@@ -82,7 +83,7 @@ impl Patch<'_> {
         difference.length()
     }
 
-    /// The unit normal of `surface` by differences over [`DELTA`].
+    /// Returns the unit normal of `surface` from differences over [`DELTA`].
     fn normal(&self, w: [f64; 3], surface: impl Fn([f64; 3]) -> Vec3<f64>) -> Vec3<f64> {
         let along = |i: usize| {
             let step = DELTA / (self.position(i) - self.position(0)).length();
@@ -97,7 +98,7 @@ impl Patch<'_> {
         along(1).cross(along(2)).normalize_or(Vec3::splat(0.0))
     }
 
-    /// The point `k` steps of [`WHOLE`] along the edge from corner `i`; the same bits from both sides.
+    /// Returns the point at `k`/[`WHOLE`] along the edge from corner `i`, bit-identical from both sides.
     fn on_edge(&self, i: usize, k: u32) -> Base {
         let (from, to) = (self.corners[i], self.corners[(i + 1) % 3]);
         let (a, b) = self.welds.ordered(from, to);
@@ -106,7 +107,7 @@ impl Patch<'_> {
         self.blend(&[(a, s), (b, t)]).at(bezier(&self.curves[i], t))
     }
 
-    /// Returns what names the point `k` steps along the edge from corner `i` from both sides, and a corner from all.
+    /// Returns a key for the point `k` steps along the edge from corner `i`, the same from all adjacent patches.
     pub fn edge_key(&self, i: usize, k: u32) -> (u32, u32, u32) {
         let [a, b] = [self.corners[i], self.corners[(i + 1) % 3]].map(|v| self.welds.smooth[v as usize]);
         match k {
@@ -117,7 +118,7 @@ impl Patch<'_> {
         }
     }
 
-    /// Returns a point inside the patch by the weights of its corners and its [`Patch::middle`].
+    /// Returns a point inside the patch, given the weights of its corners and its [`Patch::middle`].
     pub fn inside(&self, w: [f64; 3], middle: Vec3<f64>) -> Base {
         let mut p = middle * (6.0 * w[0] * w[1] * w[2]);
         for i in 0..3 {
@@ -129,7 +130,8 @@ impl Patch<'_> {
         self.between(w).at(p)
     }
 
-    /// Returns the middle control point: the mean of the edges' ones, moved half as far again from the corners' mean.
+    /// Returns the middle control point: the mean of the edge control points, moved away from the mean of the corners
+    /// by half their distance.
     pub fn middle(&self) -> Vec3<f64> {
         let (mut handles, mut corners) = (Vec3::splat(0.0), Vec3::splat(0.0));
         for i in 0..3 {
@@ -141,7 +143,7 @@ impl Patch<'_> {
         mean + (mean - corners / 3.0) * 0.5
     }
 
-    /// The inner control points of the edge from corner `i`, the one near that corner first.
+    /// Returns the inner control points of the edge from corner `i`, the one near that corner first.
     fn handles(&self, i: usize) -> [Vec3<f64>; 2] {
         let [_, p, q, _] = self.curves[i];
         let (first, _) = self.welds.ordered(self.corners[i], self.corners[(i + 1) % 3]);
@@ -152,13 +154,13 @@ impl Patch<'_> {
         self.mesh.positions()[self.corners[i] as usize].to_f64()
     }
 
-    /// Normal and uv between the corners.
+    /// Interpolates normal and uv between the corners.
     fn between(&self, w: [f64; 3]) -> Blend {
         let [a, b, c] = self.corners;
         self.blend(&[(a, w[0]), (b, w[1]), (c, w[2])])
     }
 
-    /// Normal and uv as a renderer interpolates them.
+    /// Interpolates normal and uv like a renderer.
     fn blend(&self, weights: &[(u32, f64)]) -> Blend {
         let (mut normal, mut u, mut v) = (Vec3::splat(0.0), 0.0, 0.0);
         for (i, w) in weights {
@@ -178,13 +180,13 @@ impl Blend {
     }
 }
 
-/// A point of a patch raised by the relief, and its uv.
+/// Returns a point of a patch raised by the relief, and its uv.
 fn raised(base: Base, height: &impl Fn(f32, f32) -> f32) -> (Vec3<f64>, Vec2) {
     let h = f64::from(height(base.uv.x, base.uv.y)) * DEPTH;
     (base.position + base.normal.normalize_or(Vec3::splat(0.0)) * h, base.uv)
 }
 
-/// Returns the edge that a point lies on, as its first corner and the steps of [`WHOLE`] from there.
+/// Returns the edge that a point lies on, as its first corner and the distance from there in units of 1/[`WHOLE`].
 pub(super) fn edge_of([a, b, c]: Weights) -> Option<(usize, u32)> {
     if c == 0 {
         Some((0, b))

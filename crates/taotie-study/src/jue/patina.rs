@@ -1,5 +1,5 @@
-//! The work of three thousand years in the ground on the metal: green carbonates in the recesses, red cuprite around
-//! them, brown tarnish on the plain, and bare bronze where hands and cloths have rubbed.
+//! The effects of three thousand years of burial on the metal: green carbonates in the recesses, red cuprite around
+//! them, brown tarnish on flat areas, and bare bronze where it has been rubbed.
 
 use super::noise::fractal;
 use super::profile::smooth;
@@ -11,7 +11,7 @@ static SRGB: LazyLock<Vec<u8>> = LazyLock::new(|| {
     (0..=65535u32).map(|i| (srgb::srgb_from_linear(f64::from(i) / 65535.0) * 255.0 + 0.5) as u8).collect()
 });
 
-/// The inputs of patina: they decide the look of a texel.
+/// The inputs that determine the patina of a texel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PatinaInput {
     /// The position on the vessel, metres.
@@ -20,13 +20,13 @@ pub(super) struct PatinaInput {
     pub normal: Vec3,
     /// Relief, [0, 1].
     pub height: f32,
-    /// Depth below what is within half a millimetre; negative on ridges.
+    /// Depth below the surroundings within half a millimetre; negative on ridges.
     pub cavity: f32,
-    /// Depth below what is within two millimetres.
+    /// Depth below the surroundings within two millimetres.
     pub wide_cavity: f32,
 }
 
-/// The look of a texel.
+/// The appearance of a texel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Surface {
     /// Linear RGB.
@@ -43,11 +43,11 @@ impl Default for Surface {
 }
 
 // Linear RGB.
-/// Rubbed tin bronze: reflectance at normal incidence, a little darkened.
+/// Rubbed tin bronze: reflectance at normal incidence, slightly darkened.
 const METAL: Vec3 = Vec3::new(0.60, 0.37, 0.185);
-/// Brown, nearly black skin.
+/// Brown, nearly black tarnish.
 const TARNISH: Vec3 = Vec3::new(0.088, 0.060, 0.041);
-/// Olive skin.
+/// Olive tarnish.
 const OLIVE: Vec3 = Vec3::new(0.100, 0.094, 0.056);
 /// Copper(I) oxide.
 const CUPRITE: Vec3 = Vec3::new(0.140, 0.055, 0.033);
@@ -63,7 +63,7 @@ fn mix(a: Vec3, b: Vec3, t: f32) -> Vec3 {
     a + (b - a) * t
 }
 
-/// The look of a texel.
+/// Returns the appearance of a texel.
 pub(super) fn surface(texel: &PatinaInput) -> Surface {
     let p = texel.position * 1000.0;
     let broad = fractal(p * (1.0 / 24.0), 3);
@@ -74,13 +74,13 @@ pub(super) fn surface(texel: &PatinaInput) -> Surface {
     let raised = smooth((texel.height - 0.42) / 0.20);
     let ridge = smooth(-texel.cavity * 5.0 - 0.05) * smooth((texel.height - 0.28) / 0.2);
 
-    // Skin: brown to olive, with blushes of cuprite.
+    // Tarnish: brown to olive, with patches of cuprite.
     let mut color = mix(TARNISH, OLIVE, smooth(0.5 + 0.9 * broad)) * (1.0 + 0.2 * grain);
     let mut roughness = 0.42 + 0.10 * grain;
     let red = 0.7 * smooth((patch - 0.5 * broad - 0.10) / 0.45);
     color = mix(color, CUPRITE, red);
 
-    // Green, in patches and in what lies low.
+    // Green, in patches and in recesses.
     let field = 0.95 * broad + 0.55 * patch + 0.25 * grain + 0.80 * recess - 0.34 * raised - 0.25 * ridge;
     let field = field - 0.36 + 0.08 * n.y;
     let green = smooth(field / 0.36 + 0.5);
@@ -106,12 +106,12 @@ pub(super) fn surface(texel: &PatinaInput) -> Surface {
     Surface { color, occlusion: occlusion(texel), roughness: roughness.clamp(0.2, 0.95), metallic }
 }
 
-/// Returns the part of the sky that a texel sees: less in furrows, far less deep in the cup.
+/// Returns the fraction of the sky that a texel sees: less in furrows, far less deep in the cup.
 fn occlusion(texel: &PatinaInput) -> f32 {
     let p = texel.position;
     let furrow = 0.55 * smooth(texel.cavity * 3.0) + 0.30 * smooth(texel.wide_cavity * 1.6);
     let n = texel.normal;
-    // Inside the cup normals point to the axis.
+    // Inside the cup, normals point to the axis.
     let inward = smooth(-(n.x * p.x + n.z * p.z) / 0.008) + smooth(n.y * 2.0 - 1.0);
     let within = smooth((0.034 * 0.034 - p.x * p.x - p.z * p.z) * 4000.0) * inward.min(1.0);
     let depth = ((0.164 - p.y) / 0.075).clamp(0.0, 1.0);
@@ -119,14 +119,14 @@ fn occlusion(texel: &PatinaInput) -> f32 {
 }
 
 impl Surface {
-    /// The colour, sRGB-encoded.
+    /// Returns the sRGB-encoded colour.
     pub fn srgb(&self) -> [u8; 4] {
         let encode = |c: f32| SRGB[(c.clamp(0.0, 1.0) * 65535.0 + 0.5) as usize];
         let [r, g, b] = self.color.to_array().map(encode);
         [r, g, b, 255]
     }
 
-    /// Occlusion, roughness, metallic.
+    /// Returns occlusion, roughness and metallic.
     pub fn orm(&self) -> [u8; 4] {
         let [o, r, m] =
             [self.occlusion, self.roughness, self.metallic].map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);

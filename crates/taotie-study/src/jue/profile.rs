@@ -1,4 +1,4 @@
-//! Cross-sections of relief: height by distance, smooth so that normals are.
+//! Cross-sections of relief: height as a smooth function of distance, so that normals are continuous.
 
 /// 0 below 0, 1 above 1, 3t² − 2t³ between.
 pub(super) fn smooth(t: f32) -> f32 {
@@ -6,7 +6,7 @@ pub(super) fn smooth(t: f32) -> f32 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// `level` inside (negative distance), 0 outside, with a bevel `width` wide centred on the edge. Millimetres.
+/// `level` inside (negative distance), 0 outside, with a bevel of `width` centred on the edge. Millimetres.
 pub(super) fn plateau(distance: f32, level: f32, width: f32) -> f32 {
     level * smooth(0.5 - distance / width)
 }
@@ -16,13 +16,13 @@ pub(super) fn bump(offset: f32, half_width: f32) -> f32 {
     smooth(1.0 - offset.abs() / half_width)
 }
 
-/// A half ball over radius [0, 1], flattened at the foot: (1 − r²)^1.5 would be smooth, this is its cheap kin.
+/// A hemisphere over radius [0, 1], flattened at the base: a cheap alternative to the smooth (1 − r²)^1.5.
 pub(super) fn dome(radius: f32) -> f32 {
     let t = (1.0 - radius * radius).max(0.0);
     t * t * (1.5 - 0.5 * t)
 }
 
-/// The triangle wave of period 1 with value 0 at whole numbers and 0.5 between.
+/// A triangle wave of period 1: 0 at whole numbers and 0.5 halfway between.
 pub(super) fn from_whole(t: f32) -> f32 {
     (t - (t + 0.5).floor()).abs()
 }

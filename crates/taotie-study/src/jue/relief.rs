@@ -1,4 +1,4 @@
-//! The relief of the whole vessel as one function of uv.
+//! The relief of the whole vessel as a function of uv.
 
 use super::atlas;
 use super::ground::{belly_thunder, blade, leaf_distance, ringlets, thunder};
@@ -7,23 +7,23 @@ use super::profile::{bump, plateau, smooth};
 use std::sync::LazyLock;
 use taotie::math::{Vec2, scalar};
 
-/// The height of 1 of [`height`] above the low mesh, metres.
+/// The displacement from the low mesh for a [`height`] of 1, metres.
 pub const DEPTH: f64 = 0.0012;
 
-/// The height at which the mask's panel begins above the strip's lower edge, nominal millimetres.
+/// The height of the mask panel's lower edge above that of the strip, nominal millimetres.
 const PANEL_BOTTOM: f32 = 14.2;
-/// Middles of the borders below and above the panel.
+/// The centre lines of the borders below and above the panel.
 const BORDERS: [f32; 2] = [PANEL_BOTTOM - 2.6, PANEL_BOTTOM + HEIGHT + 2.6];
-/// The place of the blades on the neck.
+/// The base of the blades on the neck.
 const BLADES: f32 = PANEL_BOTTOM + HEIGHT + 5.6;
 /// Half the width of a flange.
 const FLANGE: f32 = 1.35;
 
-/// The drawings behind [`height`], prepared once.
+/// The drawings used by [`height`], prepared once.
 static RELIEF: LazyLock<Relief> = LazyLock::new(Relief::new);
 
-/// Returns the relief at a uv in [0, 1]², as a fraction of [`DEPTH`] in [0, 1]. It is continuous, and 0 at the border
-/// of every UV island.
+/// Returns the relief at a uv in [0, 1]², as a fraction of [`DEPTH`] in [0, 1]. It is continuous, and 0 at the
+/// borders of UV islands.
 pub fn height(u: f32, v: f32) -> f32 {
     RELIEF.height(u, v)
 }
@@ -40,11 +40,11 @@ impl Relief {
         Self { mask: Mask::new() }
     }
 
-    /// The height in [0, 1] at a uv; 0 at and beyond the border of every UV island.
+    /// Returns the height in [0, 1] at a uv; 0 at and outside the borders of UV islands.
     pub fn height(&self, u: f32, v: f32) -> f32 {
         let scale = 1000.0 / atlas::STRIP_SCALE as f32;
         let (x, y) = ((u - atlas::STRIP_LEFT as f32) * scale, (atlas::STRIP_BOTTOM as f32 - v) * scale);
-        // Distance along the belly from the tail's seam, either way round.
+        // Distance along the belly from the seam at the tail, in either direction.
         let from_tail = if x < 2.0 * HALF_WIDTH { x } else { 4.0 * HALF_WIDTH - x };
         let height = match part_at(u, v, from_tail, y) {
             Part::Strip => self.strip(from_tail, y),
@@ -56,7 +56,7 @@ impl Relief {
         height.clamp(0.0, 1.0)
     }
 
-    /// The belly, the neck, and the undersides of spout and tail; both panels are alike.
+    /// The belly, the neck, and the undersides of spout and tail; both panels are the same.
     fn strip(&self, from_tail: f32, y: f32) -> f32 {
         let seam = smooth((from_tail - 0.25) / 0.9);
         if y < BLADES - 0.8 {
@@ -66,7 +66,7 @@ impl Relief {
         }
     }
 
-    /// `x` from the nose, positive towards the spout.
+    /// The belly, with `x` measured from the nose and positive towards the spout.
     fn belly(&self, x: f32, y: f32) -> f32 {
         let borders = ringlets(x, y - BORDERS[0]) + ringlets(x, y - BORDERS[1]);
         let (in_panel, fade) = (y - PANEL_BOTTOM, 0.5);
@@ -79,14 +79,14 @@ impl Relief {
     }
 }
 
-/// A scored ridge along x = 0, as tall as the panel.
+/// A scored ridge along x = 0 with the height of the panel.
 fn flange(x: f32, y: f32) -> f32 {
     let end = smooth((y + 0.4) / 0.8) * smooth((HEIGHT + 0.4 - y) / 0.8);
     let score = 0.30 * bump(y - 4.1 * (y / 4.1).floor() - 2.05, 0.5) * smooth((x.abs() - 0.2) / 0.4);
     end * plateau(x.abs() - FLANGE, 1.0 - score, 0.55)
 }
 
-/// The blades of the neck, and the long ones under spout and tail. `y` from their foot.
+/// The blades of the neck, and the long ones under spout and tail. `y` is measured from their base.
 fn neck(from_tail: f32, y: f32) -> f32 {
     const PERIOD: f32 = 12.0;
     let from_nose = from_tail - HALF_WIDTH;
@@ -107,7 +107,7 @@ fn neck(from_tail: f32, y: f32) -> f32 {
     height.max(long(tail, from_tail, y)).max(long(spout, spout_x, y))
 }
 
-/// A UV island, as far as relief is concerned.
+/// The kinds of UV islands with regard to relief.
 enum Part {
     Strip,
     Leg(usize),
@@ -135,7 +135,7 @@ fn part_at(u: f32, v: f32, from_tail: f32, y: f32) -> Part {
     if within(atlas::BOTTOM_CENTER, 0.12) { Part::Bottom } else { Part::Plain }
 }
 
-/// A hanging blade on the outer face of a leg, filled with fine thunder.
+/// A hanging blade on the outer face of a leg, filled with a fine thunder pattern.
 fn leg_face(leg: usize, u: f32, v: f32) -> f32 {
     let top = atlas::LEG_OUTER[leg];
     let x = (u - top.x as f32) * (1000.0 / (atlas::LEG_SCALE * 1.1)) as f32;
@@ -146,7 +146,7 @@ fn leg_face(leg: usize, u: f32, v: f32) -> f32 {
     edge + fill
 }
 
-/// Three low ridges that the joints of the mould left below, between the legs.
+/// Three low ridges left by the joints of the mould on the bottom, between the legs.
 fn mould_seams(u: f32, v: f32) -> f32 {
     let c = atlas::BOTTOM_CENTER;
     let scale = (1000.0 / atlas::BOTTOM_SCALE) as f32;
@@ -154,7 +154,7 @@ fn mould_seams(u: f32, v: f32) -> f32 {
     let radius = (x * x + z * z).sqrt();
     let half_root_3 = 0.866_025_4_f32;
     let mut height = 0.0_f32;
-    // Towards +z and, between the other legs, ±120 degrees from it.
+    // Towards +z, and at ±120 degrees from it between the other legs.
     for (dx, dz) in [(0.0, 1.0), (half_root_3, -0.5), (-half_root_3, -0.5)] {
         let (along, across) = (x * dx + z * dz, x * dz - z * dx);
         height = height.max(0.26 * bump(across, 0.8) * smooth((along + 0.6) / 0.6));

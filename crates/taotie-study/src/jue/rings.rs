@@ -1,8 +1,8 @@
-//! The ovals of the belly, cut into columns. Metres; +x towards the spout, y up.
+//! The ovals of the belly, divided into columns. Metres; +x points to the spout, y up.
 
 use taotie::math::{Vec3, scalar};
 
-/// Columns once around.
+/// The number of columns around the vessel.
 pub(super) const COLUMNS: usize = 16;
 /// Height and half axes along x and z of the four rings of the belly.
 const RINGS: [[f64; 3]; 4] =
@@ -13,13 +13,13 @@ pub(super) fn ring_point(i: usize, j: usize) -> Vec3<f64> {
     ellipse(RINGS[i], j)
 }
 
-/// Returns the point of column `j` on an ellipse of this height and these half axes along x and z.
+/// Returns the point of column `j` on an ellipse with this height and these half axes along x and z.
 pub(super) fn ellipse([y, a, b]: [f64; 3], j: usize) -> Vec3<f64> {
     let (sin, cos) = eighths(j);
     Vec3::new(-a * cos, y, b * sin)
 }
 
-/// Sine and cosine of j/16 of a turn, mirror-symmetric to the last bit.
+/// Returns sine and cosine of j/16 of a turn, mirror-symmetric to the last bit.
 fn eighths(j: usize) -> (f64, f64) {
     let j = j % COLUMNS;
     let quarter = |k: usize| scalar::sin(std::f64::consts::PI * k as f64 / 8.0);

@@ -17,7 +17,7 @@ pub(super) struct Rounded<'a> {
 const STEP: f64 = 1e-4;
 
 impl<'a> Rounded<'a> {
-    /// Makes the curves of all edges first, since neighbours share them.
+    /// Computes the curves of all edges first, since neighbours share them.
     pub fn new(mesh: &'a Mesh, welds: &'a Welds) -> Self {
         let all = curves(mesh, welds);
         let patch = |corners: &[u32; 3]| {
@@ -27,7 +27,7 @@ impl<'a> Rounded<'a> {
         Self { mesh, patches: mesh.triangles().iter().map(patch).collect() }
     }
 
-    /// Returns the weights of a triangle's corners at a uv, or those nearest to it within the triangle.
+    /// Returns the weights of a triangle's corners at a uv, clamped to the triangle.
     pub fn weights(&self, triangle: usize, uv: Vec2<f64>) -> [f64; 3] {
         let [e, f, a] = self.edges(triangle);
         let g = uv - a;
@@ -38,13 +38,13 @@ impl<'a> Rounded<'a> {
         w.map(|w| w / sum)
     }
 
-    /// Returns how the position changes with u and v at a place of a triangle.
+    /// Returns the derivatives of the position by u and v at a point of a triangle.
     pub fn by_uv(&self, triangle: usize, w: [f64; 3]) -> [Vec3<f64>; 2] {
         let patch = &self.patches[triangle];
         let middle = patch.middle();
         let [e, f, _] = self.edges(triangle);
         let det = e.x * f.y - e.y * f.x;
-        // Weights of the second and third corner by u, and by v.
+        // Derivatives of the weights of the second and third corner by u, and by v.
         [[f.y / det, -e.y / det], [-f.x / det, e.x / det]].map(|[by_b, by_c]| {
             let size = by_b.abs().max(by_c.abs());
             let moved = |k: f64| {
@@ -55,7 +55,7 @@ impl<'a> Rounded<'a> {
         })
     }
 
-    /// The edges of a triangle from its first corner, and that corner, in uvs.
+    /// Returns the edges of a triangle from its first corner, and that corner, in uvs.
     fn edges(&self, triangle: usize) -> [Vec2<f64>; 3] {
         let [a, b, c] = self.patches[triangle].corners.map(|i| {
             let uv = self.mesh.uvs()[0][i as usize];

@@ -1,31 +1,30 @@
-//! Splitting a patch until its triangles follow the relief.
+//! Splits a patch until its triangles follow the relief.
 //!
-//! Every decision belongs to an edge and looks at nothing but that edge, so that neighbours agree without asking.
+//! Every decision depends only on a single edge, so that neighbouring patches agree.
 
 use super::patch::{Patch, Point, WHOLE, Weights};
 use super::relief::DEPTH;
 use std::collections::HashMap;
 
-/// Longest edge where the surface only bends as the low mesh does, metres.
+/// The maximum edge length on surfaces without relief, metres.
 const PLAIN: f64 = 0.0008;
 
-/// An edge follows the relief where the relief leaves it by less than this fraction of its length: kinks stay below
-/// about 3°.
+/// An edge follows the relief if they deviate by less than this fraction of its length: kinks stay below about 3°.
 const SLACK: f64 = 0.0125;
 
-/// Points along an edge at which the relief is sampled, as fractions of it.
+/// Points along an edge at which the relief is sampled, in quarters of the edge.
 const PROBES: [u32; 3] = [1, 2, 3];
 
 /// A split patch.
 pub(super) struct Piece {
     /// Its points.
     pub points: Vec<Point>,
-    /// Its triangles, as indices into `points`, oriented as the patch is.
+    /// Its triangles, as indices into `points`, with the orientation of the patch.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A patch being split: edges longer than [`PLAIN`] always, and those that the relief leaves while they are longer than
-/// `finest`, metres.
+/// A patch being split: edges longer than [`PLAIN`] always, and edges from which the relief deviates if they are
+/// longer than `finest`, metres.
 pub(super) struct Split<'a, H> {
     patch: &'a Patch<'a>,
     finest: f64,
@@ -35,7 +34,7 @@ pub(super) struct Split<'a, H> {
 }
 
 impl<'a, H: Fn(f32, f32) -> f32> Split<'a, H> {
-    /// Before the first split.
+    /// Creates the initial state.
     pub fn new(patch: &'a Patch<'a>, finest: f64, height: &'a H) -> Self {
         let piece = Piece { points: Vec::new(), triangles: Vec::new() };
         Self { patch, finest, height, indices: HashMap::new(), piece }
@@ -63,7 +62,7 @@ impl<'a, H: Fn(f32, f32) -> f32> Split<'a, H> {
         halves && (length > PLAIN || length > self.finest && self.leaves(a, b, length))
     }
 
-    /// Returns whether the relief between two points leaves the straight line.
+    /// Returns true if the relief between two points deviates from the straight line.
     fn leaves(&self, a: Weights, b: Weights, length: f64) -> bool {
         let height = |weights: Weights| {
             let uv = self.patch.uv(weights);
@@ -87,7 +86,7 @@ impl<'a, H: Fn(f32, f32) -> f32> Split<'a, H> {
     }
 }
 
-/// The parts of a triangle whose long edges (that from corner `i` is edge `i`) are halved; `None` where none is.
+/// Splits a triangle by halving its long edges (edge `i` starts at corner `i`); `None` if there are none.
 fn parts([a, b, c]: [Weights; 3], long: [bool; 3]) -> Option<Vec<[Weights; 3]>> {
     let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
     match long {
@@ -95,7 +94,7 @@ fn parts([a, b, c]: [Weights; 3], long: [bool; 3]) -> Option<Vec<[Weights; 3]>> 
         [true, true, true] => Some(vec![[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]),
         [true, false, false] => Some(vec![[a, ab, c], [ab, b, c]]),
         [true, true, false] => Some(vec![[ab, b, bc], [a, ab, bc], [a, bc, c]]),
-        // The other cases are these, turned.
+        // The other cases are rotations of these.
         [x, y, z] => parts([b, c, a], [y, z, x]),
     }
 }

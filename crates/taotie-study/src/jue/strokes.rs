@@ -1,11 +1,11 @@
-//! Distances to drawings made of tapering brush strokes, in millimetres.
+//! Distances to drawings composed of tapering brush strokes, in millimetres.
 
-/// A brush stroke through points (x, y, radius), smoothed by a Catmull–Rom spline, and the part it belongs to.
+/// A brush stroke through points (x, y, radius), smoothed by a Catmull–Rom spline, and the part to which it belongs.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stroke {
-    /// The part of the drawing; strokes of one part flow into each other.
+    /// The part of the drawing; strokes of the same part merge.
     pub part: usize,
-    /// x, y and radius.
+    /// The x, y and radius of each point.
     pub points: &'static [[f32; 3]],
 }
 
@@ -17,25 +17,25 @@ struct Segment {
     b: [f32; 3],
 }
 
-/// Distances are exact up to here; farther is "far".
+/// The maximum exact distance; larger distances are clamped to it.
 const REACH: f32 = 2.0;
-/// The side of a cell of the look-up grid.
+/// The side of a cell of the lookup grid.
 const CELL: f32 = 1.5;
-/// Pieces a span between two points.
+/// Segments per span between two points.
 const PIECES: usize = 7;
 
-/// A drawing of at most `PARTS` parts that answers how far a point is from each of them.
+/// A drawing of at most `PARTS` parts that returns the distance from a point to each part.
 #[derive(Debug)]
 pub(super) struct Drawing<const PARTS: usize> {
     segments: Vec<Segment>,
     columns: usize,
     rows: usize,
-    /// For each cell, which segments are within reach.
+    /// For each cell, the segments within reach.
     cells: Vec<Vec<u16>>,
 }
 
 impl<const PARTS: usize> Drawing<PARTS> {
-    /// A drawing on the area from (0, 0) to `size`.
+    /// Creates a drawing on the area from (0, 0) to `size`.
     pub fn new(strokes: &[Stroke], size: [f32; 2]) -> Self {
         let segments: Vec<Segment> = strokes.iter().flat_map(pieces).collect();
         let [columns, rows] = size.map(|s| (s / CELL).ceil() as usize);
@@ -50,7 +50,7 @@ impl<const PARTS: usize> Drawing<PARTS> {
         Self { segments, columns, rows, cells }
     }
 
-    /// The signed distance to each part, negative inside; the reach where it is farther or outside the area.
+    /// Returns the signed distance to each part, negative inside and at most [`REACH`], which it is outside the area.
     pub fn distances(&self, p: [f32; 2]) -> [f32; PARTS] {
         let mut nearest = [REACH; PARTS];
         let [i, j] = p.map(|c| (c / CELL).floor());
@@ -68,7 +68,7 @@ impl<const PARTS: usize> Drawing<PARTS> {
     }
 }
 
-/// The distance to a capsule whose radius changes linearly; exact enough for slow tapers.
+/// Returns the distance to a capsule with a linearly varying radius; exact enough for gentle tapers.
 fn distance(s: &Segment, [x, y]: [f32; 2]) -> f32 {
     let (dx, dy) = (s.b[0] - s.a[0], s.b[1] - s.a[1]);
     let (px, py) = (x - s.a[0], y - s.a[1]);
@@ -77,7 +77,7 @@ fn distance(s: &Segment, [x, y]: [f32; 2]) -> f32 {
     (qx * qx + qy * qy).sqrt() - (s.a[2] + (s.b[2] - s.a[2]) * t)
 }
 
-/// The spline of a stroke as straight segments.
+/// Returns the spline of a stroke as straight segments.
 fn pieces(stroke: &Stroke) -> Vec<Segment> {
     let points = stroke.points;
     let at = |i: usize| points[i.min(points.len() - 1)];
@@ -92,7 +92,7 @@ fn pieces(stroke: &Stroke) -> Vec<Segment> {
     line.windows(2).map(|w| Segment { part: stroke.part, a: w[0], b: w[1] }).collect()
 }
 
-/// The uniform Catmull–Rom spline between the middle two of four values, `t` in [0, 1].
+/// Evaluates the uniform Catmull–Rom spline between the middle two of four values, `t` in [0, 1].
 fn catmull_rom([p, a, b, q]: [f32; 4], t: f32) -> f32 {
     let (slope_a, slope_b) = ((b - p) * 0.5, (q - a) * 0.5);
     let d = a - b;

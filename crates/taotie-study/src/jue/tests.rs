@@ -1,4 +1,4 @@
-//! Laws of the low mesh, its atlas and its maps.
+//! Properties of the low mesh, its atlas and its maps.
 
 use super::*;
 use std::collections::HashMap;
@@ -6,7 +6,7 @@ use taotie::compare::angle_deg;
 use taotie::math::Vec3;
 use taotie::surface::{decode_normal, tangent_normal};
 
-/// The index of the first vertex at each vertex's place.
+/// Returns the index of the first vertex at the position of each vertex.
 fn welded(mesh: &Mesh) -> Vec<usize> {
     let key = |p: &Vec3| p.to_array().map(f32::to_bits);
     let mut first = HashMap::new();
@@ -23,7 +23,7 @@ fn has_exactly_251_vertices_and_all_are_used() {
 }
 
 #[test]
-fn every_edge_is_shared_by_two_triangles_that_run_it_opposite_ways() {
+fn every_edge_is_shared_by_two_triangles_in_opposite_directions() {
     let mesh = low_mesh();
     let welded = welded(&mesh);
     let mut edges: HashMap<(usize, usize), usize> = HashMap::new();
@@ -35,12 +35,12 @@ fn every_edge_is_shared_by_two_triangles_that_run_it_opposite_ways() {
     }
     for ((a, b), count) in &edges {
         let (p, q) = (mesh.positions()[*a], mesh.positions()[*b]);
-        assert_eq!(*count, 1, "edge {p:?} {q:?} is run twice the same way");
+        assert_eq!(*count, 1, "edge {p:?} {q:?} is used twice in the same direction");
         assert!(edges.contains_key(&(*b, *a)), "edge {p:?} {q:?} is open");
     }
 }
 
-/// The component of each vertex: the least welded index that triangles connect it to.
+/// Returns the component of each vertex: the smallest welded index to which triangles connect it.
 fn components(mesh: &Mesh) -> Vec<usize> {
     let welded = welded(mesh);
     let mut component = welded.clone();
@@ -94,7 +94,7 @@ fn normals_are_unit_and_on_the_side_of_their_faces() {
         let face = (b - a).cross(c - a).normalize();
         mesh.triangles()[*i].iter().any(|k| mesh.normals()[*k as usize].dot(face) < -0.2)
     });
-    // The lids of the limbs' hidden ends shape no normals: one each on the legs, two on posts, four on the handle.
+    // The lids of the limbs' hidden ends do not affect normals: one per leg, two per post, four on the handle.
     assert!(against.count() <= 11);
 }
 
@@ -107,7 +107,7 @@ fn proportions_are_those_of_a_shang_jue() {
     assert!(bounds.max.x > -bounds.min.x, "the spout is longer than the tail");
 }
 
-/// Returns the triangles that cover the middle of each texel, by their number.
+/// Returns the indices of the triangles that cover the centre of each texel.
 fn coverage(mesh: &Mesh, size: usize) -> Vec<Vec<usize>> {
     let mut texels = vec![Vec::new(); size * size];
     for (i, triangle) in mesh.triangles().iter().enumerate() {
@@ -128,7 +128,7 @@ fn coverage(mesh: &Mesh, size: usize) -> Vec<Vec<usize>> {
     texels
 }
 
-/// The UV island of each triangle: those connected through shared vertices, uv seams apart.
+/// Returns the UV island of each triangle: triangles connected by shared vertices, but not across uv seams.
 fn islands(mesh: &Mesh) -> Vec<u32> {
     let mut island: Vec<u32> = (0..mesh.positions().len() as u32).collect();
     for _ in 0..mesh.positions().len() {
@@ -190,7 +190,7 @@ fn relief_is_continuous_and_within_its_range() {
         let (u, v) = ((i % 1000) as f32 / 1000.0 + 3e-4, (i / 1000) as f32 / 400.0 + 2e-4);
         let h = height(u, v);
         assert!((0.0..=1.0).contains(&h));
-        // No bevel is steeper than 1 in 0.15 mm: 2e-5 in u is 4 micrometres on the belly.
+        // No bevel is steeper than 1 per 0.15 mm; 2e-5 in u is 4 micrometres on the belly.
         assert!((height(u + 2e-5, v) - h).abs() < 0.1, "a step at {u} {v}");
         highest = highest.max(h);
     }
@@ -206,7 +206,7 @@ fn both_faces_bear_the_same_mask_mirrored_about_its_nose() {
         let v = atlas::strip_v(0.016 + (i / 50) as f64 * 0.0008);
         let at = |u: f64| height(u as f32, v as f32);
         let h = at(front + x);
-        // f32 uvs move bevels by a little.
+        // Bevels are slightly offset by f32 uvs.
         assert!((at(front - x) - h).abs() < 0.02 || x > 0.215, "left and right differ at {x} {v}");
         assert!((at(back - x) - h).abs() < 0.02, "front and back differ at {x} {v}");
         lit += usize::from(h > 0.5);
@@ -214,7 +214,7 @@ fn both_faces_bear_the_same_mask_mirrored_about_its_nose() {
     assert!((500..1500).contains(&lit), "{lit} of 2000 samples are raised");
 }
 
-/// A copy of the front of the belly alone, so that it can be split finely.
+/// Returns just the front of the belly, which can be split finely.
 fn front_of_the_belly() -> Mesh {
     let mesh = low_mesh();
     let mut data = mesh.clone().into_data();
@@ -236,12 +236,12 @@ fn normal_map_agrees_with_the_displaced_surface() {
     let low = low_mesh();
     let surface = bake::laid_out(&low, SIZE);
     let map = normal_map(SIZE);
-    let taotie::image::Texels::U16(map) = map.texels() else { panic!("16 bits are promised") };
+    let taotie::image::Texels::U16(map) = map.texels() else { panic!("expected 16 bits") };
     let fine = displaced::mesh(&front_of_the_belly(), 0.00006, height);
     let (mut sum, mut count) = (0.0, 0.0);
     for (uv, n) in fine.uvs()[0].iter().zip(fine.normals()) {
         let [x, y] = [uv.x, uv.y].map(|c| c * SIZE as f32);
-        // Only near a texel's middle, where no filter is needed.
+        // Only near the centre of a texel, where filtering is not needed.
         if [x, y].iter().any(|c| (c - c.floor() - 0.5).abs() > 0.08) {
             continue;
         }
@@ -266,7 +266,7 @@ fn no_island_is_mirrored() {
 #[test]
 fn normal_map_is_unit_and_flat_away_from_relief() {
     let map = normal_map(256);
-    let taotie::image::Texels::U16(texels) = map.texels() else { panic!("16 bits are promised") };
+    let taotie::image::Texels::U16(texels) = map.texels() else { panic!("expected 16 bits") };
     let decode = |t: &[u16; 4]| Vec3::new(t[0], t[1], t[2]).map(|c| f32::from(c) / 65535.0 * 2.0 - 1.0);
     assert!(texels.iter().all(|t| (decode(t).length() - 1.0).abs() < 1e-3 && decode(t).z > 0.0));
     assert!(decode(&texels[0]).z > 0.9999);
@@ -308,9 +308,9 @@ fn patina_is_green_and_dull_in_recesses_and_metal_on_edges() {
     let (color, orm, height) = (base_color_map(1024), orm_map(1024), height_map(1024));
     let (taotie::image::Texels::U8(color), taotie::image::Texels::U8(orm)) = (color.texels(), orm.texels())
     else {
-        panic!("8 bits are promised")
+        panic!("expected 8 bits")
     };
-    let taotie::image::Texels::U16(height) = height.texels() else { panic!("16 bits are promised") };
+    let taotie::image::Texels::U16(height) = height.texels() else { panic!("expected 16 bits") };
     // Rows of the mask's panel.
     let rows = 1024 * 750..1024 * 900;
     let mean = |of: &dyn Fn(usize) -> f64, high: bool| {

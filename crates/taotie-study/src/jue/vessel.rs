@@ -1,8 +1,8 @@
-//! The cup with spout and tail: outside, bottom and inside. Metres; +x towards the spout, y up, −z the handle.
+//! The cup with spout and tail: outside, bottom and inside. Metres; +x points to the spout, y up, −z to the handle.
 //!
-//! The outside is a grid of columns around and rows upward. Columns 0 (the tail, −x) to 16 (the same place, the uv
-//! seam) pass +z at column 4, the spout at 8 and the handle at 12. The five columns about the spout go on to a sixth
-//! row, its mouth; the column of the tail ends in the tail's tip.
+//! The outside is a grid with columns around the cup and rows upwards. Columns 0 (the tail, −x) to 16 (the same
+//! place, at the uv seam) pass +z at column 4, the spout at 8 and the handle at 12. The five columns around the spout
+//! continue to a sixth row, its mouth; the column of the tail ends in the tail's tip.
 
 use super::atlas;
 use super::builder::{Builder, ROUND, Smooth};
@@ -13,9 +13,9 @@ use taotie::math::{Vec2, Vec3};
 const OUTSIDE: Smooth = ROUND;
 /// Lip and inside.
 const INSIDE: Smooth = Smooth(1);
-/// The lowest point of the outside and of the inside.
+/// The lowest points of the outside and of the inside.
 const POLES: [f64; 2] = [0.0798, 0.0875];
-/// Row 4 for columns 0 to 8: the tail's keel, the rim, then half of the spout's section. z is mirrored beyond.
+/// Row 4 for columns 0 to 8: the keel of the tail, the rim, half of the spout's section; mirrored in z for the rest.
 const ROW_4: [[f64; 3]; 9] = [
     [-0.0470, 0.1630, 0.0],
     [-0.0470, 0.1730, 0.0135],
@@ -29,7 +29,7 @@ const ROW_4: [[f64; 3]; 9] = [
 ];
 /// The mouth of the spout for columns 6 to 8.
 const MOUTH: [[f64; 3]; 3] = [[0.0955, 0.1915, 0.0120], [0.0985, 0.1795, 0.0098], [0.0995, 0.1725, 0.0]];
-/// The tail's tip.
+/// The tip of the tail.
 const TAIL: [f64; 3] = [-0.0790, 0.1860, 0.0];
 /// The inner edge of the lip for columns 1 to 6; `ROW_4` is its outer edge.
 const LIP: [[f64; 3]; 6] = [
@@ -44,16 +44,16 @@ const LIP: [[f64; 3]; 6] = [
 const LIP_MOUTH: [[f64; 3]; 3] = [[0.0950, 0.1917, 0.0091], [0.0972, 0.1812, 0.0072], [0.0980, 0.1753, 0.0]];
 /// The inner edge at the tail's tip.
 const LIP_TAIL: [f64; 3] = [-0.0742, 0.1853, 0.0];
-/// The spout's floor inside, columns 7 and 8 beside row 4.
+/// The inside floor of the spout, columns 7 and 8 next to row 4.
 const FLOOR: [[f64; 3]; 2] = [[0.0442, 0.1598, 0.0095], [0.0450, 0.1535, 0.0]];
-/// A point of the spout's floor between the root and the mouth.
+/// A point on the spout's floor between its root and mouth.
 const FLOOR_MIDDLE: [f64; 3] = [0.0715, 0.1630, 0.0];
-/// The tail's floor inside.
+/// The inside floor of the tail.
 const TAIL_FLOOR: [f64; 3] = [-0.0455, 0.1665, 0.0];
-/// Height and half axes of the inside's ring.
+/// The height and half axes of the inner ring.
 const INNER_RING: [f64; 3] = [0.1400, 0.0296, 0.0252];
 
-/// The entry of a table of columns 0 to 8 (or `first` to 8) for any column.
+/// Returns the entry for any column from a table of columns 0 to 8 (or `first` to 8).
 fn mirrored(table: &[[f64; 3]], first: usize, j: usize) -> Vec3<f64> {
     let j = j % COLUMNS;
     let (k, side) = if j <= 8 { (j, 1.0) } else { (COLUMNS - j, -1.0) };
@@ -61,7 +61,7 @@ fn mirrored(table: &[[f64; 3]], first: usize, j: usize) -> Vec3<f64> {
     Vec3::new(x, y, z * side)
 }
 
-/// Adds the vessel: 92 vertices outside, 17 below, 50 inside.
+/// Adds the vessel: 92 vertices outside, 17 on the bottom, 50 inside.
 pub(super) fn add(b: &mut Builder) {
     add_outside(b);
     add_bottom(b);
@@ -80,10 +80,10 @@ fn add_outside(b: &mut Builder) {
     for k in 0..4 {
         b.quad([rows[4][k + 6], rows[4][k + 7], mouth[k + 1], mouth[k]], k >= 2);
     }
-    for (seam, beside) in [(0, 1), (COLUMNS, COLUMNS - 1)] {
+    for (seam, neighbour) in [(0, 1), (COLUMNS, COLUMNS - 1)] {
         let uv = Vec2::new(atlas::strip_u(seam), atlas::strip_v(atlas::TAIL_TIP));
         let tip = b.vertex(Vec3::from_array(TAIL), uv, OUTSIDE);
-        b.triangle([rows[4][seam], rows[4][beside], tip]);
+        b.triangle([rows[4][seam], rows[4][neighbour], tip]);
     }
 }
 
@@ -115,14 +115,14 @@ fn add_bottom(b: &mut Builder) {
     }
 }
 
-/// A vertex of the interior, its UV island a plan of the vessel with `spread` times the distance from the axis.
+/// Adds a vertex of the interior. Its UV island is a plan of the vessel with distances from the axis times `spread`.
 fn inside_vertex(b: &mut Builder, p: Vec3<f64>, spread: f64) -> usize {
     let c = atlas::INSIDE_CENTER;
     let scale = atlas::INSIDE_SCALE * spread;
     b.vertex(p, Vec2::new(c.x + p.x * scale, c.y + p.z * scale), INSIDE)
 }
 
-/// A loop in the order of columns: rim 1–6, mouth 6–10, rim 10–15, tip of the tail.
+/// Returns a loop in column order: rim 1–6, mouth 6–10, rim 10–15, tip of the tail.
 fn rim_loop(rim: &[[f64; 3]], first: usize, mouth: &[[f64; 3]], tail: [f64; 3]) -> Vec<Vec3<f64>> {
     let mut points: Vec<Vec3<f64>> = (1..=6).map(|j| mirrored(rim, first, j)).collect();
     points.extend((6..=10).map(|j| mirrored(mouth, 6, j)));
@@ -149,13 +149,13 @@ fn add_inside(b: &mut Builder) {
     add_walls(b, &lip, &ring);
 }
 
-/// The outer edge of the lip, pushed off its inner edge in the UV island so that the lip has room.
+/// Adds a vertex of the outer edge of the lip, offset from its inner edge in the UV island to make room for the lip.
 fn edge_vertex(b: &mut Builder, p: Vec3<f64>, lip: &[usize], k: usize) -> usize {
     let at = |i: usize| b.uv(lip[(i + lip.len()) % lip.len()]);
     let (here, before, after) = (at(k), at(k + lip.len() - 1), at(k + 1));
     let along = (unit(after - here), unit(here - before));
     let sum = along.0 + along.1;
-    // The columns run clockwise in the UV island (u right, v down), so outward is to the right of the way.
+    // The columns run clockwise in the UV island (u right, v down), so outward is to the right of their direction.
     let out = unit(Vec2::new(-sum.y, sum.x));
     b.vertex(p, here + out * 0.010, INSIDE)
 }
@@ -164,7 +164,7 @@ fn unit(v: Vec2<f64>) -> Vec2<f64> {
     v * (1.0 / (v.x * v.x + v.y * v.y).sqrt())
 }
 
-/// The floors of spout and tail. `lip` is a [`rim_loop`], `ring` holds every second column.
+/// Adds the floors of spout and tail. `lip` is a [`rim_loop`]; `ring` contains every second column.
 fn add_floors(b: &mut Builder, lip: &[usize], ring: &[usize]) {
     let [near, low, far] = [7, 8, 9].map(|j| inside_vertex(b, mirrored(&FLOOR, 7, j), 1.0));
     let middle = inside_vertex(b, Vec3::from_array(FLOOR_MIDDLE), 1.0);
@@ -188,7 +188,7 @@ fn add_floors(b: &mut Builder, lip: &[usize], ring: &[usize]) {
     }
 }
 
-/// The walls between the lip and the ring, on both sides.
+/// Adds the walls between the lip and the ring, on both sides.
 fn add_walls(b: &mut Builder, lip: &[usize], ring: &[usize]) {
     for (rim, low) in [([0, 1, 2, 3, 4, 5], [1, 2, 3]), ([16, 15, 14, 13, 12, 11], [7, 6, 5])] {
         let (rim, low) = (rim.map(|k| lip[k]), low.map(|k| ring[k]));

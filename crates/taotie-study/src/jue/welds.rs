@@ -1,19 +1,19 @@
-//! Vertices of a mesh that coincide.
+//! Coincident vertices of a mesh.
 
 use std::collections::HashMap;
 use taotie::math::Vec3;
 use taotie::mesh::Mesh;
 
-/// The vertices of a mesh that coincide.
+/// The coincident vertices of a mesh.
 pub(super) struct Welds {
-    /// For each vertex, the first at the same place.
+    /// For each vertex, the first at the same position.
     place: Vec<u32>,
-    /// For each vertex, the first at the same place with the same normal.
+    /// For each vertex, the first at the same position with the same normal.
     pub smooth: Vec<u32>,
 }
 
 impl Welds {
-    /// Compares positions and normals to the last bit.
+    /// Finds coincident vertices by comparing positions and normals bitwise.
     pub fn new(mesh: &Mesh) -> Self {
         let bits = |v: &Vec3| v.to_array().map(|c| (c + 0.0).to_bits());
         let (mut places, mut normals) = (HashMap::new(), HashMap::new());
@@ -27,13 +27,13 @@ impl Welds {
         Self { place, smooth }
     }
 
-    /// Returns the name of an edge, the same from both sides: the places of its ends, the smaller first.
+    /// Returns the key of an edge, the same from both sides: the position indices of its ends, the smaller first.
     pub fn edge(&self, a: u32, b: u32) -> (u32, u32) {
         let (a, b) = self.ordered(a, b);
         (self.place[a as usize], self.place[b as usize])
     }
 
-    /// Returns the corners of an edge, the smaller place first.
+    /// Returns the corners of an edge, the one with the smaller position index first.
     pub fn ordered(&self, a: u32, b: u32) -> (u32, u32) {
         if self.place[a as usize] < self.place[b as usize] { (a, b) } else { (b, a) }
     }

@@ -1,4 +1,4 @@
-//! The study as files: a page for people, JSON for machines.
+//! Writes the study as files: a page for people, JSON for machines.
 
 use super::study::Study;
 use super::words;
@@ -22,7 +22,7 @@ struct Document<'a> {
 }
 
 impl Study {
-    /// Returns the study as JSON, without an end of line.
+    /// Returns the study as JSON, without a trailing newline.
     pub fn json(&self) -> String {
         let law = "N = N1 + s · (g/255) · (1, 1, 0), s = 5 for N2 and 50 for N3";
         let version = env!("CARGO_PKG_VERSION");
@@ -30,11 +30,11 @@ impl Study {
         serde_json::to_string_pretty(&document).expect("the study has only text keys")
     }
 
-    /// Writes `paper.html` and `paper.json` to `folder`, which is made if it is not there, as files of a set; returns the
-    /// files.
+    /// Writes `paper.html` and `paper.json` to `folder`, which is created if necessary, as files of a set; returns
+    /// the files.
     ///
     /// # Errors
-    /// [`taotie::Error::Io`] where the folder cannot be made or written to.
+    /// [`taotie::Error::Io`] if the folder cannot be created or written to.
     pub fn write(&self, set: &FileSet, folder: &Path) -> Result<Vec<PathBuf>> {
         set.claim_folder(folder)?;
         let files = ["paper.html", "paper.json"].map(|name| folder.join(name));
@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_files_hold_the_study_and_a_folder_that_cannot_be_made_is_an_error() {
+    fn both_files_contain_the_study_and_a_folder_that_cannot_be_created_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         let study = Study::new();
         let files = FileSet::one(|set| study.write(set, &folder.path().join("made"))).unwrap();

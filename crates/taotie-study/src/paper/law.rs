@@ -1,8 +1,8 @@
-//! The law that N1, N2 and N3 follow, found from the printed numbers alone.
+//! The law that N1, N2 and N3 follow, derived only from the printed numbers.
 //!
 //! N2 and N3 are n + s · (g/255) · (1, 1, 0) with s = 5 and 50: [`taotie::surface::bump_printed`]. Each row has one
-//! g, half the difference of two grey levels and so a multiple of one half. It is taken to be the one with which most
-//! of the row's nine numbers agree; what does not is a misprint.
+//! g, which is half the difference of two grey levels and so a multiple of one half. We take the g that agrees with
+//! most of the row's nine numbers; numbers that do not agree are misprints.
 
 use super::angles::angle_of_raise;
 use super::printed::{Normal, SCALES};
@@ -12,32 +12,32 @@ use serde::Serialize;
 /// The largest difference of grey levels.
 const GREYS: i64 = 255;
 
-/// The unit of both axes that the bump moves along.
+/// The direction along which the bump moves the normal.
 const ALONG: [i64; 3] = [1, 1, 0];
 
 /// The law of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Fit {
-    /// Half the central grey difference.
+    /// Half the central difference of grey levels.
     pub g: f64,
-    /// 255/s · (N − N1) by x and y of N2, then of N3: what g would be if that number were right.
+    /// 255/s · (N − N1) for x and y of N2, then of N3: the value of g if that number were correct.
     pub estimates: [f64; 4],
-    /// The numbers of N1, N2, N3 that agree, of nine.
+    /// How many of the nine numbers of N1, N2 and N3 agree.
     pub agreeing: usize,
     /// x, y and z of N1, N2 and N3.
     pub normals: [[Number; 3]; 3],
 }
 
-/// A printed number, and the range that the others of its row leave for it.
+/// A printed number, and the range that the other numbers of its row allow.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Number {
     /// As printed.
     pub printed: f64,
-    /// The range that the law leaves for it.
+    /// The range that the law allows.
     pub range: [f64; 2],
-    /// The middle of that, with its decimals cut.
+    /// The middle of the range, truncated.
     pub recomputed: f64,
-    /// True if some number in the range is printed so.
+    /// True if some number in the range would be printed this way.
     pub agrees: bool,
 }
 
@@ -55,7 +55,7 @@ impl Fit {
         }
     }
 
-    /// Returns the ranges that the law leaves for θ1 and θ2, degrees.
+    /// Returns the ranges that the law allows for θ1 and θ2, degrees.
     pub fn angles(&self) -> [[f64; 2]; 2] {
         let n1 = self.normals[0].map(|number| number.range);
         [1, 2].map(|which| angle_of_raise(n1, SCALES[which] as f64 * self.g / 255.0))
@@ -71,7 +71,7 @@ fn agreeing(numbers: &[[Number; 3]; 3]) -> usize {
     numbers.iter().flatten().filter(|number| number.agrees).count()
 }
 
-/// Every number of N1, N2 and N3, for a g of `half_greys`/2.
+/// Returns all numbers of N1, N2 and N3 for a g of `half_greys`/2.
 fn numbers(normals: [Normal; 3], half_greys: i64) -> [[Number; 3]; 3] {
     let axes: [[Number; 3]; 3] = std::array::from_fn(|axis| {
         let printed = normals.map(|normal| normal[axis]);
@@ -81,7 +81,7 @@ fn numbers(normals: [Normal; 3], half_greys: i64) -> [[Number; 3]; 3] {
     std::array::from_fn(|normal| std::array::from_fn(|axis| axes[axis][normal]))
 }
 
-/// One component of N1, N2 and N3. The most of them that agree say what the component of the unbumped normal is.
+/// Returns one component of N1, N2 and N3. The majority determines the component of the unbumped normal.
 fn along_axis(printed: [f64; 3], shifts: [i64; 3], half_greys: i64) -> [Number; 3] {
     let bases: [Range; 3] = std::array::from_fn(|i| Range::of(printed[i]).raised(-shifts[i], half_greys));
     let base = largest_agreement(bases);
@@ -92,7 +92,7 @@ fn along_axis(printed: [f64; 3], shifts: [i64; 3], half_greys: i64) -> [Number; 
     })
 }
 
-/// Returns the range that most of three have in common; of equals, the first.
+/// Returns the intersection of the most ranges; the first in case of a tie.
 fn largest_agreement([a, b, c]: [Range; 3]) -> Range {
     let all = a.and(b).and_then(|ab| ab.and(c));
     all.or(a.and(b)).or(a.and(c)).or(b.and(c)).unwrap_or(a)

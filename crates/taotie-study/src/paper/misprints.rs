@@ -1,22 +1,22 @@
-//! Numbers that are printed wrong, what must stand there, and why.
+//! Misprinted numbers, the correct ones, and the reasons.
 
 use super::angles::{Angle, cut};
 use super::law::{Fit, Number};
 use super::printed::{ANGLES, NORMALS, Normal, Printed};
 use serde::Serialize;
 
-/// A misprint of the journal, or of the copy that this was transcribed from.
+/// A misprint in the journal or in the transcribed copy.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Misprint {
     /// The table, 2 or 3.
     pub table: u32,
     /// The row, from 1.
     pub row: usize,
-    /// The number, such as `N2.y`; a whole normal where more than one of its numbers is wrong.
+    /// The number, such as `N2.y`; a whole normal if more than one of its numbers is wrong.
     pub cell: String,
     /// The numbers as printed.
     pub printed: Vec<f64>,
-    /// The numbers that must stand there.
+    /// The correct numbers.
     pub corrected: Vec<f64>,
     /// The reason for the correction.
     pub reason: String,
@@ -32,7 +32,7 @@ enum Correction {
 }
 
 impl Misprint {
-    /// Puts it right.
+    /// Corrects it in `rows`.
     pub(super) fn correct(&self, rows: &mut [Printed]) {
         let row = &mut rows[self.row - 1];
         match self.correction {
@@ -41,7 +41,7 @@ impl Misprint {
         }
     }
 
-    /// Returns the misprint of a normal, if it is one. `fit` is its row's.
+    /// Returns the misprint of a normal, if there is one. `fit` is that of its row.
     pub(super) fn of_normal(row: usize, which: usize, fit: &Fit) -> Option<Self> {
         let numbers = &fit.normals[which];
         let wrong: Vec<usize> = (0..3).filter(|axis| !numbers[*axis].agrees).collect();
@@ -61,14 +61,14 @@ impl Misprint {
         })
     }
 
-    /// Returns the misprint of θ1 or θ2 (`which` is 0 or 1) that the row's corrected normals contradict. `fit` is its
-    /// row's.
+    /// Returns the misprint of θ1 or θ2 (`which` is 0 or 1), which the row's corrected normals contradict. `fit` is
+    /// that of its row.
     pub(super) fn of_angle(row: usize, which: usize, angle: &Angle, fit: &Fit) -> Self {
         let ([low, high], g) = (fit.angles()[which], fit.g);
         let corrected = cut((low + high) / 2.0);
         let (name, other) = (ANGLES[which], NORMALS[which + 1]);
         let reason = format!(
-            "N1 and {other} follow the law with g = {g} in every number, and enclose {low:.3}° to {high:.3}°"
+            "all numbers of N1 and {other} follow the law with g = {g}, and the angle is {low:.3}° to {high:.3}°"
         );
         Self {
             table: 3,
@@ -82,7 +82,7 @@ impl Misprint {
     }
 }
 
-/// `N2.y`, or `N2` where more than one number is wrong; `None` where none is.
+/// Returns `N2.y`, or `N2` if more than one number is wrong; `None` if none is.
 fn cell_name(which: usize, wrong: &[usize]) -> Option<String> {
     match wrong {
         [] => None,
@@ -91,7 +91,7 @@ fn cell_name(which: usize, wrong: &[usize]) -> Option<String> {
     }
 }
 
-/// The components' names.
+/// The names of the components.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
 
 fn reason_of_normal(fit: &Fit, which: usize, wrong: &[usize]) -> String {
@@ -103,13 +103,13 @@ fn reason_of_normal(fit: &Fit, which: usize, wrong: &[usize]) -> String {
             format!("{} between {low:.5} and {high:.5}", AXES[*axis])
         })
         .collect();
-    let law = format!("g = {} explains {} of the row's 9 numbers and leaves", fit.g, fit.agreeing);
+    let law = format!("g = {} explains {} of the row's 9 numbers and puts", fit.g, fit.agreeing);
     let slip =
-        if moved_left(numbers) { "; y and z are printed a column too far left, and x is lost" } else { "" };
+        if moved_left(numbers) { "; y and z are printed one column too far left, and x is lost" } else { "" };
     format!("{law} {}{slip}", leaves.join(" and "))
 }
 
-/// Returns whether y stands in x's place and z in y's.
+/// Returns true if y is in the place of x and z in that of y.
 fn moved_left([x, y, z]: &[Number; 3]) -> bool {
     x.printed == y.recomputed && y.printed == z.recomputed
 }

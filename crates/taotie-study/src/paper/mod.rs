@@ -1,12 +1,12 @@
 //! Tables 2 and 3 of Guo and Wang 2025, recomputed.
 //!
-//! All that is known is what is printed ([`ROWS`]). From it come the law of N2 and N3 with the g of each row ([`Fit`]),
-//! the angles ([`Angle`]), the misprints ([`Misprint`]) and what follows ([`Conclusion`]).
+//! Only the printed numbers are known ([`ROWS`]). From them follow the law of N2 and N3 with the g of each row
+//! ([`Fit`]), the angles ([`Angle`]), the misprints ([`Misprint`]) and the conclusions ([`Conclusion`]).
 //!
 //! ```
 //! let study = taotie_study::paper::Study::new();
 //! assert_eq!(study.misprints.len(), 5);
-//! assert!(study.text().contains("Table 2, row 1, N2.y: -0.3608 is printed, -0.6080 must be"));
+//! assert!(study.text().contains("Table 2, row 1, N2.y: printed -0.3608, should be -0.6080"));
 //! ```
 
 mod angles;

@@ -21,13 +21,13 @@ impl Study {
                     "angles that follow from Table 2 as printed",
                     format!("{} of {}", counts.as_printed, counts.of),
                 ),
-                Fact::new("once misprints are corrected", format!("{} of {}", counts.corrected, counts.of)),
+                Fact::new("after correcting misprints", format!("{} of {}", counts.corrected, counts.of)),
                 Fact::new("misprints", self.misprints.len().to_string()),
                 Fact::new(
-                    "mean angle of bump 5 to the paper's method",
+                    "mean angle between bump 5 and the paper's method",
                     mean(self.conclusion.corrected.mean_bump_5),
                 ),
-                Fact::new("mean angle of bump 50 to it", mean(self.conclusion.corrected.mean_bump_50)),
+                Fact::new("mean angle between bump 50 and it", mean(self.conclusion.corrected.mean_bump_50)),
             ],
             views: Vec::new(),
             sections: vec![
@@ -69,8 +69,8 @@ fn misprints(study: &Study) -> Section {
             Column::numbers("row", ""),
             Column::words("number"),
             Column::words("printed"),
-            Column::words("must be"),
-            Column::words("because"),
+            Column::words("should be"),
+            Column::words("reason"),
         ],
         rows: study.misprints.iter().map(row).collect(),
     }
@@ -82,10 +82,10 @@ fn law(study: &Study) -> Section {
         let ends = [Cell::number(row.law.g, 1), Cell::number(row.law.agreeing as f64, 0)];
         [Cell::number(row.row as f64, 0)].into_iter().chain(estimates).chain(ends).collect()
     };
-    let names = ["row", "g by N2.x", "g by N2.y", "g by N3.x", "g by N3.y", "g", "numbers of 9 that agree"];
+    let names = ["row", "g of N2.x", "g of N2.y", "g of N3.x", "g of N3.y", "g", "agreeing numbers of 9"];
     Section::Table {
         title: words::LAW.into(),
-        note: "The g that follows from each number by itself, and the g that most numbers of the row agree with."
+        note: "The g that follows from each individual number, and the g that agrees with most numbers of the row."
             .into(),
         columns: names.map(|name| Column::numbers(name, "")).into(),
         rows: study.rows.iter().map(row).collect(),
@@ -98,7 +98,8 @@ fn normals(study: &Study) -> Section {
     columns.extend(names.map(|name| Column::numbers(name, "")));
     Section::Table {
         title: words::TABLE_2.into(),
-        note: "N1 is the mesh's normal, N2 that of bump with s = 5, N3 with s = 50, N4 that of the paper's own method.".into(),
+        note: "N1 is the mesh normal, N2 and N3 those of bump with s = 5 and 50, N4 that of the paper's own method."
+            .into(),
         columns,
         rows: study.rows.iter().flat_map(rows_of_normals).collect(),
     }
@@ -130,7 +131,7 @@ fn recomputed(number: Number) -> Cell {
     }
 }
 
-/// With a minus sign as the page writes it.
+/// Formats a number with the minus sign used on the page.
 fn signed(number: f64) -> String {
     format!("{number:.4}").replace('-', "−")
 }
@@ -168,7 +169,7 @@ fn row_of_angle(row: &Row, which: usize) -> Vec<Cell> {
     ]
 }
 
-/// The mark of an angle that agrees or not; where it was itself corrected, with the corrected angle.
+/// The mark of an angle that agrees or not, with the corrected angle if it was corrected.
 fn agreement(printed: &Angle, angle: &Angle) -> Cell {
     let mark = |text: String, tone| Cell::Mark { text, tone, why: String::new() };
     match (angle.agrees, printed.printed == angle.printed) {

@@ -1,24 +1,24 @@
 //! Tables 2 and 3 of Guo and Wang 2025 as printed, misprints included.
 
-/// A normal's x, y and z, four decimals.
+/// The x, y and z of a normal, with four decimals.
 pub type Normal = [f64; 3];
 
 /// A row of both tables: a point of the jue.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Printed {
-    /// Table 2: N1 (the mesh's normal), N2 (bump 5), N3 (bump 50), N4 (the paper's method).
+    /// Table 2: N1 (the mesh normal), N2 (bump 5), N3 (bump 50), N4 (the paper's method).
     pub normals: [Normal; 4],
-    /// Table 3: θ1, θ2, θ3, the angles from N1 to N2, N3 and N4 in degrees, two decimals.
+    /// Table 3: θ1, θ2, θ3, the angles from N1 to N2, N3 and N4 in degrees, with two decimals.
     pub angles: [f64; 3],
 }
 
-/// The scale s of the bump in N1, N2 and N3.
+/// The bump scale s of N1, N2 and N3.
 pub const SCALES: [i64; 3] = [0, 5, 50];
 
-/// The normals' names.
+/// The names of the normals.
 pub const NORMALS: [&str; 4] = ["N1", "N2", "N3", "N4"];
 
-/// The angles' names.
+/// The names of the angles.
 pub const ANGLES: [&str; 3] = ["θ1", "θ2", "θ3"];
 
 const fn row(normals: [Normal; 4], angles: [f64; 3]) -> Printed {

@@ -1,4 +1,4 @@
-//! Everything that is found out about the two tables.
+//! All findings about the two tables.
 
 use super::angles::{Angle, angles};
 use super::law::Fit;
@@ -11,13 +11,13 @@ use taotie::math::Vec3;
 /// The study of both tables.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Study {
-    /// Row by row.
+    /// The rows.
     pub rows: Vec<Row>,
     /// The misprints.
     pub misprints: Vec<Misprint>,
-    /// Counts of Table 3's numbers that follow from Table 2.
+    /// Counts of the numbers in Table 3 that follow from Table 2.
     pub agreeing: Agreeing,
-    /// The conclusion that the tables bear, which is not the paper's.
+    /// The conclusion that the tables support, which is not that of the paper.
     pub conclusion: Conclusion,
 }
 
@@ -34,7 +34,7 @@ pub struct Row {
     pub angles_as_printed: [Angle; 3],
     /// The same after all corrections.
     pub angles_corrected: [Angle; 3],
-    /// True if the law alone gives θ1 and θ2 as printed.
+    /// True if the law gives θ1 and θ2 as printed.
     pub explained: [bool; 2],
 }
 
@@ -47,7 +47,7 @@ pub struct Agreeing {
     pub as_printed: usize,
     /// Those that follow once the misprints are corrected.
     pub corrected: usize,
-    /// Those of θ1 and θ2 that follow from N1 and g alone.
+    /// Those of θ1 and θ2 that follow from just N1 and g.
     pub explained_by_the_law: usize,
 }
 
@@ -58,7 +58,7 @@ pub struct Conclusion {
     pub corrected: Distance,
     /// With the numbers as printed.
     pub as_printed: Distance,
-    /// The shortest and the longest of N1, of N3 (corrected) and of N4.
+    /// The minimum and maximum lengths of N1, of N3 (corrected) and of N4.
     pub lengths: [[f64; 2]; 3],
 }
 
@@ -69,7 +69,7 @@ pub struct Distance {
     pub mean_bump_5: f64,
     /// Mean from N3, bump 50.
     pub mean_bump_50: f64,
-    /// Points at which N2 is nearer.
+    /// The number of points at which N2 is closer.
     pub bump_5_is_nearer: usize,
 }
 
@@ -80,7 +80,7 @@ impl Default for Study {
 }
 
 impl Study {
-    /// Studies the paper's tables.
+    /// Analyses the tables of the paper.
     pub fn new() -> Self {
         let fits: Vec<Fit> = ROWS.iter().map(fit).collect();
         let misprints = misprints(&fits);
@@ -103,7 +103,7 @@ fn fit(row: &Printed) -> Fit {
 }
 
 impl Row {
-    /// Looks at row `i`, counted from 0.
+    /// Analyses row `i`, counted from 0.
     fn new(i: usize, law: &Fit, corrected: &Printed) -> Self {
         let (printed, ranges) = (&ROWS[i], law.angles());
         Self {
@@ -117,14 +117,14 @@ impl Row {
     }
 }
 
-/// Those of Table 2, then those of Table 3 that remain.
+/// Returns the misprints of Table 2, then the remaining ones of Table 3.
 fn misprints(fits: &[Fit]) -> Vec<Misprint> {
     let numbered = || fits.iter().enumerate().map(|(i, fit)| (i + 1, fit));
     let normal = |(row, fit)| (0..3).filter_map(move |which| Misprint::of_normal(row, which, fit));
     let mut found: Vec<Misprint> = numbered().flat_map(normal).collect();
     let rows = corrected(&found);
     for (number, fit) in numbered() {
-        // θ3 belongs to N4, of which the law says nothing.
+        // θ3 belongs to N4, which the law does not cover.
         let off =
             angles(&rows[number - 1]).into_iter().take(2).enumerate().filter(|(_, angle)| !angle.agrees);
         found.extend(off.map(|(which, angle)| Misprint::of_angle(number, which, &angle, fit)));
@@ -132,7 +132,7 @@ fn misprints(fits: &[Fit]) -> Vec<Misprint> {
     found
 }
 
-/// The tables with these corrections.
+/// Returns the tables with these corrections.
 fn corrected(misprints: &[Misprint]) -> [Printed; 10] {
     let mut rows = ROWS;
     for misprint in misprints {
@@ -179,13 +179,13 @@ mod tests {
     fn twenty_three_angles_agree_as_printed_and_all_thirty_corrected() {
         let counts = Study::new().agreeing;
         assert_eq!((counts.as_printed, counts.corrected, counts.of), (23, 30, 30));
-        assert_eq!(counts.explained_by_the_law, 19, "all of θ1 and θ2 but the one that is misprinted");
+        assert_eq!(counts.explained_by_the_law, 19, "all of θ1 and θ2 except for the misprinted one");
     }
 
     #[test]
     fn the_misprints_are_these() {
         let found = Study::new().misprints;
-        let told: Vec<String> = found
+        let listed: Vec<String> = found
             .iter()
             .map(|m| format!("{} {} {} {:?} {:?}", m.table, m.row, m.cell, m.printed, m.corrected))
             .collect();
@@ -196,15 +196,15 @@ mod tests {
             "2 8 N1.x [0.5614] [0.5314]",
             "3 2 θ2 [27.93] [27.98]",
         ];
-        assert_eq!(told, known);
+        assert_eq!(listed, known);
     }
 
     #[test]
-    fn no_correction_can_be_spared() {
+    fn every_correction_is_necessary() {
         let all = Study::new().misprints;
-        for spared in 0..all.len() {
+        for omitted in 0..all.len() {
             let mut others = all.clone();
-            let without = others.remove(spared);
+            let without = others.remove(omitted);
             assert!(agreeing(&corrected(&others)) < 30, "{without:?}");
         }
     }
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn bump_5_lies_nearer_to_the_papers_method() {
+    fn bump_5_is_closer_to_the_papers_method() {
         let Conclusion { corrected, as_printed, lengths } = Study::new().conclusion;
         assert!(
             (corrected.mean_bump_5 - 24.54).abs() < 0.01 && (corrected.mean_bump_50 - 36.62).abs() < 0.01

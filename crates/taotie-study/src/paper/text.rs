@@ -1,4 +1,4 @@
-//! The study for people: sections of aligned lines.
+//! The study as text for the terminal: sections of aligned lines.
 
 use super::angles::Angle;
 use super::law::Number;
@@ -9,7 +9,7 @@ use super::words;
 use taotie_report::table::Table;
 
 impl Study {
-    /// Returns the whole study for a terminal: sections of aligned lines.
+    /// Returns the whole study as text for a terminal: sections of aligned lines.
     pub fn text(&self) -> String {
         let sections = [
             (words::title().to_string(), lines(&words::preface())),
@@ -28,7 +28,7 @@ fn lines(paragraphs: &[String]) -> String {
     paragraphs.iter().map(|paragraph| wrapped(paragraph, 2)).collect()
 }
 
-/// Columns that text is wrapped to.
+/// The column at which text is wrapped.
 const WIDTH: usize = 110;
 
 fn wrapped(text: &str, indent: usize) -> String {
@@ -125,7 +125,7 @@ fn agreement(angle: &Angle) -> String {
     if angle.agrees { "agrees".into() } else { "DIFFERS".into() }
 }
 
-/// Says so where it is the printed angle that was corrected.
+/// Like `agreement`, with the corrected angle if the printed angle itself was corrected.
 fn corrected(before: &Angle, after: &Angle) -> String {
     match before.printed == after.printed {
         true => agreement(after),
@@ -136,7 +136,7 @@ fn corrected(before: &Angle, after: &Angle) -> String {
 fn misprint(misprint: &Misprint) -> String {
     let Misprint { table, row, cell, .. } = misprint;
     let (printed, corrected) = words::numbers(misprint);
-    let head = format!("  Table {table}, row {row}, {cell}: {printed} is printed, {corrected} must be");
+    let head = format!("  Table {table}, row {row}, {cell}: printed {printed}, should be {corrected}");
     format!("{head}\n{}", wrapped(&format!("{}.", misprint.reason), 6))
 }
 

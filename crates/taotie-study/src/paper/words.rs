@@ -1,4 +1,4 @@
-//! The words on the tables, in text and page alike.
+//! The wording shared by text and page.
 
 use super::angles::Angle;
 use super::misprints::Misprint;
@@ -11,7 +11,7 @@ pub const TABLE_2: &str = "Table 2, normals at ten points of the jue";
 /// As [`LAW`].
 pub const TABLE_3: &str = "Table 3, their angles in degrees";
 /// As [`LAW`].
-pub const MISPRINTS: &str = "Misprints, of the journal or of the copy that was transcribed";
+pub const MISPRINTS: &str = "Misprints in the journal or in the transcribed copy";
 /// As [`LAW`].
 pub const CONCLUSION: &str = "Conclusion";
 
@@ -20,37 +20,37 @@ pub fn title() -> &'static str {
     "Guo and Wang 2025, Tables 2 and 3, recomputed"
 }
 
-/// The paper.
+/// The citation of the paper.
 pub const SOURCE: &str = "Guo Huifang and Wang Junxiu, \"Analysis and application of Physically-Based Rendering (PBR) \
     normal mapping technology in bronze wares\", Intelligent Computer and Applications 15(6), 2025, pp. 122–126, \
     doi:10.20169/j.issn.2095-2163.24121501";
 
 /// The meaning of the symbols.
-const LEGEND: &str = "N1 is the mesh's normal, N2 and N3 are those of the bump method with the factors s = 5 and s = 50, N4 is \
-    that of the paper's own method; θ1, θ2 and θ3 are the angles of N2, N3 and N4 to N1; g is half the difference of two \
-    grey levels of the height map.";
+const LEGEND: &str = "N1 is the mesh normal, N2 and N3 are those of the bump method with factors s = 5 and s = 50, \
+    and N4 is that of the paper's own method; θ1, θ2 and θ3 are the angles of N2, N3 and N4 to N1; g is half the \
+    difference between two grey levels of the height map.";
 
-/// Returns the source, the meaning of the symbols, and the rule by which two numbers agree.
+/// Returns the source, the meaning of the symbols, and the rule for when two numbers agree.
 pub fn preface() -> Vec<String> {
     vec![
         format!("{SOURCE}."),
         LEGEND.into(),
-        "The paper cuts off decimals: it prints four of a normal and two of an angle. So a printed number stands for a \
-         range, and it agrees with others where some numbers in their ranges would be printed so. Angles are \
-         arccos(a·b / (|a||b|))."
+        "The paper truncates decimals: it prints four for normals and two for angles. A printed number therefore \
+         represents a range, and agrees with others if some numbers in their ranges would be printed this way. \
+         Angles are arccos(a·b / (|a||b|))."
             .into(),
-        "In each row g is the multiple of one half with which most of the row's numbers agree. N4 cannot be recomputed: \
-         neither the mesh nor its textures were published."
+        "In each row, g is the multiple of one half that agrees with most of the row's numbers. N4 cannot be \
+         recomputed, since neither the mesh nor its textures were published."
             .into(),
     ]
 }
 
-/// Returns the counts of angles that agree.
+/// Returns a sentence with the counts of angles that agree.
 pub fn counts(study: &Study) -> String {
     let counts = study.agreeing;
     format!(
-        "{} of {} printed angles follow from Table 2 as printed, {} once {} misprints are corrected. From N1 and g \
-         alone the law gives {} of the {} angles θ1 and θ2 as printed.",
+        "{} of {} printed angles follow from Table 2 as printed, and {} after correcting {} misprints. From just N1 \
+         and g, the law gives {} of the {} angles θ1 and θ2 as printed.",
         counts.as_printed,
         counts.of,
         counts.corrected,
@@ -60,15 +60,15 @@ pub fn counts(study: &Study) -> String {
     )
 }
 
-/// Returns the conclusions from the corrected tables for the paper's methods.
+/// Returns the conclusions from the corrected tables about the paper's methods.
 pub fn conclusion(study: &Study) -> Vec<String> {
     let (corrected, points) = (study.conclusion.corrected, study.rows.len());
     let [n1, n3, n4] = study.conclusion.lengths;
     vec![
         format!(
-            "{} at {} of {points} points, {:.1}° against {:.1}° on average (as printed: {} points, {:.1}° and \
-             {:.1}°). The paper says of its Figure 8 that bump 5 is far from its own method and bump 50 much the \
-             same: Tables 2 and 3 do not support that.",
+            "{} at {} of {points} points, and with a mean of {:.1}° instead of {:.1}° (as printed: {} points, {:.1}° \
+             and {:.1}°). The paper states for its Figure 8 that bump 5 is far from its own method and that bump 50 \
+             is much the same; Tables 2 and 3 do not support this.",
             nearer(&corrected),
             most(&corrected, points),
             corrected.mean_bump_5,
@@ -78,8 +78,9 @@ pub fn conclusion(study: &Study) -> Vec<String> {
             study.conclusion.as_printed.mean_bump_50,
         ),
         format!(
-            "The paper's bump method moves the normal along (1, 1, 0) of the object, whichever way the surface faces, \
-             and does not normalise it: N1 is {:.3} to {:.3} long, N3 up to {:.2}, and N4 {:.2} to {:.2}.",
+            "The paper's bump method moves the normal along (1, 1, 0) in object space regardless of how the surface \
+             faces, and does not normalise it: the length of N1 is {:.3} to {:.3}, that of N3 up to {:.2}, and that \
+             of N4 {:.2} to {:.2}.",
             n1[0], n1[1], n3[1], n4[0], n4[1]
         ),
     ]
@@ -87,12 +88,12 @@ pub fn conclusion(study: &Study) -> Vec<String> {
 
 fn nearer(distance: &Distance) -> &'static str {
     match distance.mean_bump_5 < distance.mean_bump_50 {
-        true => "Bump 5 lies nearer to the paper's own method (N4) than bump 50:",
-        false => "Bump 50 lies nearer to the paper's own method (N4) than bump 5:",
+        true => "Bump 5 is closer to the paper's own method (N4) than bump 50:",
+        false => "Bump 50 is closer to the paper's own method (N4) than bump 5:",
     }
 }
 
-/// The points at which the nearer one is nearer.
+/// Returns the number of points at which the method that is closer on average is closer.
 fn most(distance: &Distance, points: usize) -> usize {
     match distance.mean_bump_5 < distance.mean_bump_50 {
         true => distance.bump_5_is_nearer,
@@ -100,7 +101,7 @@ fn most(distance: &Distance, points: usize) -> usize {
     }
 }
 
-/// The angles that may be printed: one, or from one to another.
+/// Returns the angles that may be printed: a single angle or a range.
 pub fn prints(angle: &Angle) -> String {
     match angle.prints() {
         [low, high] if low == high => format!("{low:.2}"),
@@ -108,14 +109,14 @@ pub fn prints(angle: &Angle) -> String {
     }
 }
 
-/// Returns the printed numbers and the right ones, with the decimals of their table.
+/// Returns the printed and the correct numbers, with the decimals of their table.
 pub fn numbers(misprint: &Misprint) -> (String, String) {
     let decimals = if misprint.table == 2 { 4 } else { 2 };
-    let told = |numbers: &[f64]| match numbers {
+    let format = |numbers: &[f64]| match numbers {
         [one] => format!("{one:.decimals$}"),
         some => {
             format!("({})", some.iter().map(|v| format!("{v:.decimals$}")).collect::<Vec<_>>().join(", "))
         }
     };
-    (told(&misprint.printed), told(&misprint.corrected))
+    (format(&misprint.printed), format(&misprint.corrected))
 }

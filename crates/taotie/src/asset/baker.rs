@@ -8,7 +8,7 @@ use super::low::{self, LowPoly, Relief};
 use super::made::{Asset, Made, Part};
 use super::map_side::{self, AUTO_SIZE};
 use super::maps::{Recipe, StoredMaps, bake_maps};
-use super::memory::Need;
+use super::memory::MemoryEstimate;
 use super::notes;
 use super::options::BakeOptions;
 use super::packing::Packing;
@@ -28,7 +28,7 @@ use crate::scene::AlphaMode;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Bakes scans, all in the same way.
+/// Bakes scans with fixed options.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -52,18 +52,18 @@ pub struct Baker {
 }
 
 impl Baker {
-    /// Bakes as `options` say, with the memory that the machine has free.
+    /// Creates a baker with `options` that uses the machine's free memory.
     pub fn new(options: BakeOptions) -> Self {
         Self { options: Arc::new(options), ..Self::default() }
     }
 
-    /// Bakes within these limits.
+    /// Returns this baker with the given limits.
     pub fn with_limits(self, limits: Limits) -> Self {
         Self { limits, ..self }
     }
 
-    /// Bakes for a set of files: what the scan, the low-poly mesh and the cage were read from is refused among those that
-    /// the set will write, before the work begins. Without it [`Asset::write`] refuses them after.
+    /// Returns this baker for a set of files: before work begins, it refuses output paths that the scan, the low-poly
+    /// mesh or the cage was read from. Without it, [`Asset::write`] refuses them afterwards.
     ///
     /// ```
     /// use taotie::Progress;
@@ -78,21 +78,21 @@ impl Baker {
     /// let files = FileSet::new();
     /// files.claim(&path)?;
     /// let error = Baker::default().with_files(&files).bake(&scan, Progress::SILENT).unwrap_err();
-    /// assert!(error.to_string().contains("is read"));
+    /// assert!(error.to_string().contains("overwrite the input"));
     /// # Ok::<(), taotie::Error>(())
     /// ```
     pub fn with_files(self, files: &FileSet) -> Self {
         Self { files: Some(files.clone()), ..self }
     }
 
-    /// Returns what is baked, and how.
+    /// Returns the bake options.
     pub fn options(&self) -> &BakeOptions {
         &self.options
     }
 
-    /// Returns every file that an asset at `path` may be written to, the model first, so that one can ask before the bake
-    /// whether they can be written, and whether any of them is one that was read. Files named after the materials of a
-    /// low-poly file are not among them, since that is not read yet.
+    /// Returns every file that an asset at `path` may be written to, the model first, to check before the bake that
+    /// they are writable and that none of them is an input. Files named after the materials of a low-poly file are
+    /// not included, since it has not been read yet.
     ///
     /// ```
     /// use std::path::{Path, PathBuf};
@@ -105,22 +105,23 @@ impl Baker {
         possible_files(path, &self.options, packing)
     }
 
-    /// Returns what a bake of a scan of this size takes.
-    pub fn need(&self, scan: ScanSize) -> Need {
-        Need::of(&self.options, scan)
+    /// Returns the memory and time that a bake of a scan of this size needs.
+    pub fn need(&self, scan: ScanSize) -> MemoryEstimate {
+        MemoryEstimate::of(&self.options, scan)
     }
 
-    /// Bakes a scan: simplifies and unwraps it, or takes the mesh that is given; bakes the maps; measures the result.
+    /// Bakes a scan: simplifies and unwraps it, or takes the given mesh; bakes the maps; measures the result.
     ///
-    /// The listener hears the stages `read the low-poly mesh`, `inspect the scan`, `simplify`, `sort the scan` where no
-    /// bake did that before, `fit normals`, `unwrap`, `tangents`, `measure the gap`, `bake`, `store` and `levels of
-    /// detail`, and is asked about every 20 ms whether to go on.
+    /// The listener receives the stages `read the low-poly mesh`, `inspect the scan`, `simplify`, `sort the scan` if
+    /// no earlier bake did so, `fit normals`, `unwrap`, `tangents`, `measure the gap`, `bake`, `store` and `levels of
+    /// detail`, and is asked about every 20 ms whether to continue.
     ///
     /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`BakeOptions::check`] and of reading what the options
-    /// name; [`Error::Limit`](crate::Error::Limit) where the memory does not suffice;
-    /// [`Error::Invalid`](crate::Error::Invalid) if simplification lost the scan's shape, no ray met the scan, or a search
-    /// could make nothing at all. If it finds nothing that is near enough the asset is the nearest, with a warning.
+    /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`BakeOptions::check`] and of reading the files named
+    /// in the options; [`Error::Limit`](crate::Error::Limit) if memory is insufficient;
+    /// [`Error::Invalid`](crate::Error::Invalid) if simplification lost the scan's shape, no ray met the scan, or a
+    /// search produced nothing at all. If a search finds no asset within the requirements, the result is the nearest
+    /// one, with a warning.
     pub fn bake(&self, scan: impl Into<Scan>, progress: Progress<'_>) -> Result<Asset> {
         let (options, mut scan) = (Arc::clone(&self.options), scan.into());
         scan.limits.allow_outside |= self.limits.allow_outside;
@@ -130,17 +131,17 @@ impl Baker {
         self.protect(scan.files())?;
         let (asked, high) = (Arc::clone(&options), scan.clone());
         let inputs = progress.apart(move |progress| Inputs::read(&asked, &high, progress))?;
-        // By this thread: one that goes on after a cancel would keep the set.
+        // On this thread: one that continues after cancellation would keep the set.
         self.protect(&inputs.files)?;
         progress.apart(move |progress| bake(&options, Sources { scan, inputs, limits }, progress))
     }
 
-    /// Keeps files that were read from being written over.
+    /// Protects input files from being overwritten.
     fn protect(&self, read: &[PathBuf]) -> Result<()> {
         self.files.as_ref().map_or(Ok(()), |files| files.protect(read))
     }
 
-    /// Returns the limits of a bake; what the scan holds already counts as free.
+    /// Returns the limits of a bake; memory held by the scan already counts as free.
     fn limits_beside(&self, scan: &Scan) -> Limits {
         let held = scan.held();
         let free = || io::free_memory().map(|free| Bytes(free + held));
@@ -153,13 +154,13 @@ struct Lightened {
     parts: Vec<Part>,
     size: [u32; 2],
     trials: Vec<Trial>,
-    /// What the file loses if a search chose it.
+    /// The loss of the file's formats if a search chose it.
     rounding: Option<Rounding>,
-    /// The packed scan if that is the asset.
+    /// The packed scan, if that is the asset.
     packed: Option<PackedAsset>,
 }
 
-/// All that a bake begins with, read.
+/// All inputs of a bake.
 struct Sources {
     scan: Scan,
     inputs: Inputs,
@@ -167,15 +168,15 @@ struct Sources {
     limits: Limits,
 }
 
-/// Returns what a bake of a scan takes that is read and one mesh.
-fn need_of(options: &BakeOptions, scan: &Scan) -> Need {
-    Need { is_sorted: scan.is_sorted(), ..Need::of(options, scan.about.size.joined()) }
+/// Returns the need of a bake for a scan that is already read and one mesh.
+fn need_of(options: &BakeOptions, scan: &Scan) -> MemoryEstimate {
+    MemoryEstimate { is_sorted: scan.is_sorted(), ..MemoryEstimate::of(options, scan.about.size.joined()) }
 }
 
-/// The surfaces that a bake begins with.
+/// The surfaces that a bake starts from.
 struct Subject<'a> {
     scan: &'a Scan,
-    /// The low-poly mesh that is given; `None` where it is to be made.
+    /// The given low-poly mesh; `None` if it is generated.
     given: Option<GivenMesh>,
 }
 
@@ -186,7 +187,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let mut warnings = about.warnings.clone();
     warnings.absorb(of_inputs);
     let materials = given.as_ref().map_or(1, GivenMesh::material_count);
-    Need { materials, ..need_of(asked, scan) }.check(limits)?;
+    MemoryEstimate { materials, ..need_of(asked, scan) }.check(limits)?;
     let looks = given.as_ref().map_or_else(Vec::new, GivenMesh::looks);
     if asked.size == AUTO_SIZE {
         map_side::shortfall(about.size.detail_side).into_iter().for_each(|what| warnings.note(what, 1));
@@ -199,12 +200,12 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let mut document = given.as_mut().and_then(GivenMesh::take_document);
     let mut options = plan.options.clone();
     if let Some(what) = about.one_level.filter(|_| options.searches() && !options.lods.is_empty()) {
-        warnings.note(format!("levels of detail are left out: the scan has {what}"), 1);
+        warnings.note(format!("omitted the levels of detail: the scan has {what}"), 1);
         options.lods.clear();
     }
     let mut of_scan = Warnings::default();
     if options.inspect {
-        // Before the scan is sorted for rays: both together would be the most that a bake takes.
+        // Before the scan is sorted for rays: doing both together would set the peak memory of a bake.
         progress.begin("inspect the scan")?;
         judgement::inspect(scan.mesh(), &mut of_scan);
     }
@@ -273,7 +274,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     }))
 }
 
-/// Notes what is wrong with a part, and with which.
+/// Notes the problems of a part, with its label.
 fn judge(scan: &Scan, part: &Part, warnings: &mut Warnings) {
     let mut own = Warnings::default();
     let Part { low, maps } = part;
@@ -284,7 +285,7 @@ fn judge(scan: &Scan, part: &Part, warnings: &mut Warnings) {
     }
 }
 
-/// Says whether triangles of the scan have several alpha modes.
+/// Returns true if the scan's triangles have several alpha modes.
 fn has_several_modes(scan: &Scan) -> bool {
     scan.surface().alpha_modes().len() > 1
 }
@@ -299,7 +300,8 @@ fn alpha_modes(scan: &Scan, Part { low, maps }: &Part, coarser: &[Coarser]) -> V
     std::iter::once(finest).chain(coarser.iter().map(of_level)).collect()
 }
 
-/// Returns the low-poly mesh with its maps, material by material; where an error is wanted the smallest that meets it.
+/// Returns the low-poly mesh with its maps, material by material; if an error bound is requested, the smallest that
+/// meets it.
 fn lightened(
     recipe: Recipe<'_>,
     Subject { scan, given }: Subject<'_>,
@@ -342,7 +344,7 @@ fn lightened(
     Ok(Lightened { parts, size, trials: Vec::new(), rounding: None, packed: None })
 }
 
-/// Returns what a search found.
+/// Returns the result of a search.
 fn found_asset(scan: &Scan, found: Smallest, trials: Vec<Trial>) -> Result<Lightened> {
     match found {
         Smallest::Made(made) => {

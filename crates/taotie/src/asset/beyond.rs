@@ -1,8 +1,8 @@
-//! The shares of a surface beyond limits.
+//! The shares of a surface beyond given limits.
 
 use crate::proof::{CloseUp, Exceedance, SurfaceSample};
 
-/// Limits that a requirement names: at these shares are exact.
+/// Limits that requirements name: the shares are exact at these.
 #[derive(Debug, Clone, Default)]
 pub(super) struct AskedLimits {
     /// Degrees.
@@ -13,12 +13,12 @@ pub(super) struct AskedLimits {
     pub distances: Vec<f64>,
 }
 
-/// The shares of the visible surface beyond limits, seen close up, the worse of scan and asset.
+/// The shares of the visible surface beyond given limits, seen close up, the worse of scan and asset.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Beyond {
-    /// Limits of the angle between normals, degrees; what one surface lacks counts 90.
+    /// Limits of the angle between normals, degrees; surface that the other one lacks counts as 90.
     pub angle: Option<Exceedance>,
     /// Limits of the difference of base colours, CIEDE2000; `None` if colours are not compared.
     pub color: Option<Exceedance>,
@@ -27,7 +27,7 @@ pub struct Beyond {
 }
 
 impl Beyond {
-    /// Counts what is seen close up of scan and asset.
+    /// Counts the close-up samples of scan and asset.
     pub(super) fn of(surfaces: [&CloseUp; 2], diagonal: f32, asked: &AskedLimits) -> Self {
         let curve = |difference: &dyn Fn(&SurfaceSample) -> f32, asked: &[f64]| {
             let [scan, asset] = surfaces.map(|of| of.samples.iter().map(difference).collect::<Vec<f32>>());

@@ -1,4 +1,4 @@
-//! The material of a scan, over all its parts: what is one value everywhere, and what varies.
+//! The material of a scan over all its parts: which properties are uniform and which vary.
 
 use super::property::Property;
 use crate::bake::{MapKind, Maps};
@@ -8,9 +8,9 @@ use crate::scene::{AlphaMode, Instance, Material, Scene};
 /// The material of a scan as an asset can carry it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Carried {
-    /// The properties that are one value everywhere; the default for all others.
+    /// The uniform properties; defaults for all others.
     pub material: Material,
-    /// The properties that the scan has otherwise than a default material.
+    /// The properties in which the scan differs from a default material.
     pub found: Vec<Found>,
 }
 
@@ -18,14 +18,14 @@ pub(super) struct Carried {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Found {
     pub property: Property,
-    /// `true` where it is one value everywhere, which a factor holds.
+    /// `true` if it has one value everywhere, which a factor stores.
     pub is_uniform: bool,
-    /// The part of the surface that has it, [0, 1].
+    /// The share of the surface that has it, [0, 1].
     pub part: f64,
 }
 
 impl Carried {
-    /// Looks at the materials of all instances.
+    /// Collects the materials of all instances.
     pub fn of(scene: &Scene) -> Self {
         let parts: Vec<Part> = scene.instances().iter().map(|instance| Part::of(scene, instance)).collect();
         let has = |property: &Property| parts.iter().any(|part| part.has(*property));
@@ -40,29 +40,29 @@ impl Carried {
         Self { material: material(&parts, &found), found }
     }
 
-    /// Returns the properties that no factor holds.
+    /// Returns the properties that no factor can store.
     pub fn varying(&self) -> impl Iterator<Item = Property> {
         self.found.iter().filter(|found| !found.is_uniform).map(|found| found.property)
     }
 
-    /// Returns the maps that hold what varies. Alpha stands in the texture of the base colour.
+    /// Returns the maps that store the varying properties. Alpha is stored in the base colour texture.
     pub fn maps(&self) -> Maps {
         let maps: Maps = self.varying().filter_map(Property::map).collect();
         if maps.has(MapKind::Alpha) { maps.with(MapKind::Albedo) } else { maps }
     }
 
-    /// Says whether it has more than one value of a property.
+    /// Returns true if a property varies.
     pub fn varies(&self, property: Property) -> bool {
         self.varying().any(|varying| varying == property)
     }
 }
 
-/// An instance of a scan, by its looks.
+/// An instance of a scan, by its appearance.
 struct Part<'a> {
     material: &'a Material,
-    /// `true` where its vertices have colours.
+    /// `true` if its vertices have colours.
     has_colors: bool,
-    /// `true` where alpha varies over its vertices or its texture.
+    /// `true` if alpha varies over its vertices or its texture.
     has_alpha: bool,
 }
 
@@ -96,12 +96,12 @@ fn has_alpha(scene: &Scene, mesh: &Mesh, material: &Material) -> bool {
 }
 
 fn is_uniform(parts: &[Part], property: Property) -> bool {
-    let first = parts.first().map(|part| property.alone(part.material));
+    let first = parts.first().map(|part| property.isolated(part.material));
     property.has_factor()
-        && parts.iter().all(|part| !part.varies(property) && Some(property.alone(part.material)) == first)
+        && parts.iter().all(|part| !part.varies(property) && Some(property.isolated(part.material)) == first)
 }
 
-/// Returns the part of the surface for which `is` holds, [0, 1].
+/// Returns the share of the surface for which `is` holds, [0, 1].
 fn share(parts: &[Part], areas: &[f64], is: impl Fn(&Part) -> bool) -> f64 {
     let with = parts.iter().zip(areas).filter(|(part, _)| is(part));
     let with: f64 = with.map(|(_, area)| area).sum();
@@ -109,7 +109,7 @@ fn share(parts: &[Part], areas: &[f64], is: impl Fn(&Part) -> bool) -> f64 {
     if all > 0.0 { with / all } else { 1.0 }
 }
 
-/// Returns the area of each instance, world space; where all have all properties nothing is measured, and each counts 1.
+/// Returns the area of each instance, world space; if all have all properties, nothing is measured and each counts 1.
 fn areas(scene: &Scene, parts: &[Part], properties: &[Property]) -> Vec<f64> {
     let has_all = |part: &Part| properties.iter().all(|property| part.has(*property));
     if parts.iter().all(has_all) {
@@ -119,7 +119,7 @@ fn areas(scene: &Scene, parts: &[Part], properties: &[Property]) -> Vec<f64> {
     scene.instances().iter().map(area).collect()
 }
 
-/// Returns a material with all that is uniform. It has the name of the parts' material where they show one alone.
+/// Returns a material with all uniform properties. If all parts use the same material, it keeps that material's name.
 fn material(parts: &[Part], found: &[Found]) -> Material {
     let Some(first) = parts.first().map(|part| part.material) else { return Material::default() };
     let mut material =
@@ -127,7 +127,7 @@ fn material(parts: &[Part], found: &[Found]) -> Material {
     if parts.iter().all(|part| std::ptr::eq(part.material, first)) {
         material.name.clone_from(&first.name);
     }
-    // One value everywhere means that the first part has it.
+    // A uniform property has its value in the first part too.
     found.iter().filter(|found| found.is_uniform).for_each(|f| f.property.copy(first, &mut material));
     material
 }
@@ -150,7 +150,8 @@ mod tests {
         }
     }
 
-    /// A scene of a rectangle for each material, of 1, 3, 5 … area, with two textures: of three and of four channels.
+    /// A scene with one rectangle per material, of area 1, 3, 5 …, and two textures: with three and with four
+    /// channels.
     fn scene(materials: Vec<Material>) -> Scene {
         let bitmap = |channels: u8| Bitmap::new(1, 1, channels, Texels::U8(vec![[255; 4]])).unwrap();
         let textures = [3, 4].map(|channels| Texture::new(bitmap(channels), Encoding::Srgb)).into();
@@ -205,7 +206,7 @@ mod tests {
         let carried = of(&[clay(), lamp]);
         assert_eq!(carried.found, [found(Property::Emission, false, 0.75)]);
         assert_eq!(carried.maps(), Maps::default().with(MapKind::Emission));
-        assert_eq!(carried.material.emissive, [0.0; 3], "no factor makes all of it glow");
+        assert_eq!(carried.material.emissive, [0.0; 3], "no factor makes everything glow");
         let carried = of(&[coated(1.0), clay()]);
         assert_eq!(carried.found, [found(Property::Clearcoat, false, 0.25)]);
         assert_eq!((carried.maps(), carried.material.clearcoat), (Maps::default(), None));
@@ -254,7 +255,7 @@ mod tests {
         assert!(of(&[leaf(0.25), leaf(0.25)]).varies(Property::Alpha));
         let glass = Material { alpha: AlphaMode::Blend, base_color: [1.0, 1.0, 1.0, 0.2], ..clay() };
         assert!(of(&[glass.clone(), clay()]).varies(Property::Alpha));
-        // Glass of one alpha needs no map, nor does a texture without alpha.
+        // Glass with uniform alpha needs no map, nor does a texture without alpha.
         let opaque = Material { alpha: AlphaMode::Blend, base_color_texture: Some(texture(0)), ..clay() };
         for (material, alpha) in [(glass, 0.2), (opaque, 1.0)] {
             let carried = of(&[material]);

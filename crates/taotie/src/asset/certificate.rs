@@ -1,20 +1,20 @@
-//! The certificate: what was required and found of an asset, of which bytes, and how to find it again.
+//! The certificate: the requirements and figures of an asset, the hashes of its files, and how to reproduce it.
 
 use super::certified_files::{AssetFiles, HashedFile, HashedMap, name_of};
 use super::figure::Figure;
 use super::figures::Figures;
-use super::met::Met;
+use super::met::RequirementOutcome;
 use super::requirement::Requirement;
 use super::requirement_text;
 use super::scan::{About, Scan};
 use super::scan_options::ScanOptions;
 use super::verify_options::VerifyOptions;
-use super::write::Written;
+use super::write::WrittenAsset;
 use crate::error::{Error, Result};
 use crate::scene::NormalSpace;
 use std::path::Path;
 
-/// Figures that a certificate states, in order, if they were measured.
+/// The figures that a certificate states, in order, if they were measured.
 const KEY_FIGURES: [Figure; 13] = [
     Figure::MeanAngle,
     Figure::P95Angle,
@@ -31,15 +31,15 @@ const KEY_FIGURES: [Figure; 13] = [
     Figure::Bytes,
 ];
 
-/// A statement about one scan and one asset: what was required and found, the hashes of all files, and the command that
-/// recomputes it. The same files, options and version give the same certificate on every machine.
+/// A statement about one scan and one asset: the requirements and the measured figures, the hashes of all files, and
+/// the command that reproduces it. The same files, options and version give the same certificate on every machine.
 ///
 /// ```
 /// use taotie::Result;
-/// use taotie::asset::{Certificate, Proof, Signature, VerifyOptions, Written};
+/// use taotie::asset::{Certificate, Proof, Signature, VerifyOptions, WrittenAsset};
 ///
-/// /// Certifies an asset by nobody in particular.
-/// fn certify(written: &Written, proof: &Proof, options: &VerifyOptions) -> Result<Certificate> {
+/// /// Certifies an asset without date or operator.
+/// fn certify(written: &WrittenAsset, proof: &Proof, options: &VerifyOptions) -> Result<Certificate> {
 ///     Certificate::of_written(written, &proof.figures, options, &Signature::default())
 /// }
 /// ```
@@ -50,31 +50,31 @@ pub struct Certificate {
     /// The outcome of all requirements.
     pub verdict: Verdict,
     /// The requirements and their outcomes.
-    pub required: Vec<Met>,
+    pub required: Vec<RequirementOutcome>,
     /// The key figures of the finest level of detail.
     pub figures: Vec<KeyFigure>,
-    /// What no figure and no image looks at.
+    /// Contents that no figure and no image compares.
     pub not_compared: Vec<String>,
-    /// The scan's files, its own first; none in memory.
+    /// The scan's files, the model file first; empty for a scan in memory.
     pub scan: Vec<HashedFile>,
     /// Triangles of the scan.
     pub scan_triangles: usize,
-    /// The asset's files, its own first.
+    /// The asset's files, the model file first.
     pub asset: Vec<HashedFile>,
     /// Triangles of each level of detail, the finest first.
     pub triangles: Vec<usize>,
-    /// The asset's maps, those in the model's own file too.
+    /// The asset's maps, including those in the model file.
     pub maps: Vec<HashedMap>,
-    /// The program that measured, with its version.
+    /// The measuring program, with its version.
     pub program: String,
     /// The options that figures depend on.
     pub options: ProofOptions,
-    /// When it was made, if the operator states that.
+    /// The date, if stated by the operator.
     pub date: Option<String>,
-    /// Who made it, if that is stated.
+    /// The operator, if stated.
     pub operator: Option<String>,
-    /// The command that recomputes this certificate from the files, in the folder that holds them; `None` if a model's file
-    /// does not hold all that was compared.
+    /// The command that reproduces this certificate from the files, run in the folder that holds them; `None` if the
+    /// model file does not contain everything that was compared.
     pub command: Option<String>,
 }
 
@@ -85,29 +85,29 @@ pub struct Certificate {
 pub struct ProofOptions {
     /// How the scan was read.
     pub scan: ScanOptions,
-    /// Pixels of the overview and points of each surface that were compared at first.
+    /// Pixels of the overview, and the initial number of compared points on each surface.
     pub points: usize,
     /// Pixels along a side of the images from all sides.
     pub view: u32,
 }
 
-/// The outcome of all requirements together.
+/// The overall outcome of all requirements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Verdict {
-    /// Each is met.
+    /// All are met.
     Met,
     /// At least one is not met.
     NotMet,
-    /// None is exceeded for certain, but a limit lies within the interval of its figure.
+    /// None is exceeded for certain, but at least one limit lies within the interval of its figure.
     Undecided,
     /// Nothing was required.
     NothingRequired,
 }
 
 impl Verdict {
-    fn of(required: &[Met]) -> Self {
-        let is_failed = |met: &Met| !met.met && !met.is_undecided();
+    fn of(required: &[RequirementOutcome]) -> Self {
+        let is_failed = |met: &RequirementOutcome| !met.met && !met.is_undecided();
         match required {
             [] => Self::NothingRequired,
             all if all.iter().all(|met| met.met) => Self::Met,
@@ -124,9 +124,9 @@ impl Verdict {
 pub struct KeyFigure {
     /// The figure.
     pub figure: Figure,
-    /// Its value: degrees, ΔE, parts of 1, pixels, or bytes.
+    /// Its value: degrees, ΔE, a fraction, pixels or bytes.
     pub value: f64,
-    /// The two numbers between which it lies, with a confidence of 99 % if it is estimated from samples.
+    /// The bounds of the value, with a confidence of 99 % if it is estimated from samples.
     pub interval: [f64; 2],
 }
 
@@ -136,28 +136,28 @@ impl KeyFigure {
         let of = |figure: Figure| {
             let level = figure.is_of_level().then_some(0);
             let met = figures.require(&[Requirement { level, ..Requirement::of(figure, 0.0) }]);
-            let Met { value, interval, .. } = *met.first()?;
+            let RequirementOutcome { value, interval, .. } = *met.first()?;
             Some(Self { figure, value: value?, interval: interval? })
         };
         KEY_FIGURES.into_iter().filter_map(of).collect()
     }
 }
 
-/// The date and the operator of a certificate. Neither is taken from the machine, so that the output stays the same.
+/// The date and the operator of a certificate. Neither is taken from the machine, so that the output is reproducible.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Signature {
-    /// The date, as it is to be printed.
+    /// The date, as printed.
     pub date: Option<String>,
     /// The name of the operator.
     pub operator: Option<String>,
 }
 
 impl Signature {
-    /// Checks that both fit the certificate.
+    /// Checks that both fit on the certificate.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for an empty text, one of more than 120 letters, or control characters.
+    /// [`Error::Invalid`] for an empty text, more than 120 characters, or control characters.
     pub fn check(&self) -> Result<()> {
         const MOST: usize = 120;
         let both = [("date", &self.date), ("operator", &self.operator)];
@@ -171,7 +171,7 @@ impl Signature {
     }
 }
 
-/// An asset's file, and the scan that it was compared with.
+/// An asset's file and the scan it was compared with.
 #[derive(Debug, Clone, Copy)]
 pub struct ProvedFile<'a> {
     /// The asset.
@@ -180,28 +180,28 @@ pub struct ProvedFile<'a> {
     pub scan: &'a Scan,
 }
 
-/// What a certificate is made of.
+/// The inputs of a certificate.
 struct Subject<'a> {
     scan: &'a About,
     asset: AssetFiles,
-    /// `true` if the asset's own file holds all that was compared.
+    /// `true` if the asset's model file contains everything that was compared.
     is_whole: bool,
     figures: &'a Figures,
 }
 
 impl Certificate {
-    /// Certifies an asset that was written, by the figures of its proof.
+    /// Certifies a written asset by the figures of its proof.
     ///
     /// # Errors
     /// [`Error::Io`] if a file cannot be read for its hash; those of [`Signature::check`].
     pub fn of_written(
-        written: &Written,
+        written: &WrittenAsset,
         figures: &Figures,
         options: &VerifyOptions,
         signature: &Signature,
     ) -> Result<Self> {
         let made = &written.asset.made;
-        // glTF cannot name maps in object space: they are compared, but no model's file leads to them.
+        // glTF cannot reference object-space maps: they are compared, but no model file leads to them.
         let is_whole = !written.is_alone() && made.options.space == NormalSpace::Tangent;
         let asset = AssetFiles::of_written(written)?;
         Self::of(Subject { scan: &made.about, asset, is_whole, figures }, options, signature)
@@ -248,7 +248,7 @@ impl Certificate {
     }
 }
 
-/// Returns the command that recomputes a certificate; options with their default values are left out.
+/// Returns the command that reproduces a certificate; options with default values are omitted.
 fn command(
     names: [&str; 2],
     reading: &ScanOptions,
@@ -273,7 +273,7 @@ fn command(
     words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
 }
 
-/// Returns a word as shells read it: bare, or in the quotes that all of them have, or in those of POSIX.
+/// Returns a word quoted for shells: bare, in quotes that all shells share, or in POSIX quotes.
 fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "-._/=,@%+:".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {
@@ -313,7 +313,7 @@ mod tests {
 
     #[test]
     fn a_verdict_is_only_as_good_as_its_worst_requirement() {
-        let met = |met: bool, interval: [f64; 2]| Met {
+        let met = |met: bool, interval: [f64; 2]| RequirementOutcome {
             is_length: false,
             figure: Figure::MeanAngle,
             most: 1.0,

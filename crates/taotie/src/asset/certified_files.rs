@@ -1,43 +1,43 @@
-//! The files that a certificate is about, by the hashes of their bytes.
+//! The files covered by a certificate, with the hashes of their bytes.
 
 use super::scan::{About, all_files};
-use super::write::Written;
+use super::write::WrittenAsset;
 use crate::error::Result;
 use crate::io::{self, Limits, StoredImage, StoredParts};
 use std::path::Path;
 
-/// A file by the hash of its bytes.
+/// A file with the hash of its bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct HashedFile {
     /// Its name, without folders.
     pub name: String,
-    /// Its length.
+    /// Its length in bytes.
     pub bytes: u64,
     /// The SHA-256 of its bytes, hexadecimal.
     pub sha256: String,
 }
 
-/// A map of an asset by the hash of its bytes, as they are stored: those of the PNG, WebP, JPEG or KTX2 file.
+/// A map of an asset with the hash of its bytes as stored: those of the PNG, WebP, JPEG or KTX2 file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct HashedMap {
-    /// What it is used for, such as `normal`.
+    /// Its use, such as `normal`.
     pub uses: String,
-    /// Its file, without folders; `None` if the model's own file holds it.
+    /// Its file, without folders; `None` if it is in the model file.
     pub file: Option<String>,
-    /// Its length; `None` if the file was not there.
+    /// Its length in bytes; `None` if the file was missing.
     pub bytes: Option<u64>,
-    /// The SHA-256 of its bytes, hexadecimal; `None` if the file was not there.
+    /// The SHA-256 of its bytes, hexadecimal; `None` if the file was missing.
     pub sha256: Option<String>,
 }
 
 /// An asset's files and maps.
 #[derive(Debug, Clone, Default)]
 pub(super) struct AssetFiles {
-    /// The model's own first; maps are not among them.
+    /// The model file first; without the maps.
     pub files: Vec<HashedFile>,
     pub maps: Vec<HashedMap>,
 }
@@ -47,7 +47,7 @@ impl HashedFile {
         Ok(Self { name: name_of(path), bytes: io::file_size(path)?, sha256: io::sha256(path)? })
     }
 
-    /// Reads the files of a scan, its own first; none in memory.
+    /// Reads the files of a scan, the model file first; empty for a scan in memory.
     ///
     /// # Errors
     /// [`crate::Error::Io`] if one cannot be read.
@@ -75,7 +75,7 @@ impl From<StoredImage> for HashedMap {
 }
 
 impl AssetFiles {
-    /// Reads the files of a model and hashes them.
+    /// Reads and hashes the files of a model.
     ///
     /// # Errors
     /// Those of reading them.
@@ -88,22 +88,22 @@ impl AssetFiles {
         }
         let StoredParts { mut buffers, images, maps_beside } = StoredParts::read(path, limits)?;
         let files = all_files(path, &mut buffers);
-        let beside = maps_beside.into_iter().map(|(uses, file)| HashedMap::read(uses, &file));
+        let separate = maps_beside.into_iter().map(|(uses, file)| HashedMap::read(uses, &file));
         Ok(Self {
             files: files.iter().map(|file| HashedFile::read(file)).collect::<Result<_>>()?,
             maps: images
                 .into_iter()
                 .map(|image| Ok(HashedMap::from(image)))
-                .chain(beside)
+                .chain(separate)
                 .collect::<Result<_>>()?,
         })
     }
 
-    /// Hashes the files of an asset that was written, or of maps alone with their low-poly mesh.
+    /// Hashes the files of a written asset, or standalone maps with their low-poly mesh.
     ///
     /// # Errors
     /// Those of reading them.
-    pub fn of_written(written: &Written) -> Result<Self> {
+    pub fn of_written(written: &WrittenAsset) -> Result<Self> {
         if !written.is_alone() {
             return Self::of_model(&written.current(), &Limits::of_own_files());
         }
@@ -121,24 +121,24 @@ impl AssetFiles {
     }
 }
 
-/// Returns the name of a file without its folders, which are private and differ from machine to machine.
+/// Returns the name of a file without its folders, which are private and differ between machines.
 pub(super) fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Writes a path as JSON without its folders.
+/// Serializes paths to JSON without their folders.
 #[cfg(feature = "serde")]
 pub(super) mod named {
     use super::name_of;
     use serde::{Serialize, Serializer};
     use std::path::{Path, PathBuf};
 
-    /// Writes one that may not be there.
+    /// Writes an optional path.
     pub fn option<S: Serializer>(path: &Option<PathBuf>, serializer: S) -> Result<S::Ok, S::Error> {
         path.as_deref().map(name_of).serialize(serializer)
     }
 
-    /// Writes a list of them.
+    /// Writes a list of paths.
     pub fn list<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_seq(paths.iter().map(|path: &PathBuf| name_of(Path::new(path))))
     }

@@ -1,4 +1,4 @@
-//! Close-ups of which pictures are taken: the worst patches, and the worst windows of the worst parts.
+//! Close-ups to be rendered: the worst patches, and the worst windows of the worst parts.
 
 use super::part_flip::{PartFlip, PartView};
 use super::patch_pictures::{MeasuredPatch, PatchPictures};
@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::proof::PatchQuantity;
 use crate::scene::Camera;
 
-/// Close-ups to take.
+/// Close-ups to render.
 #[derive(Default)]
 pub(super) struct CloseUps {
     /// The worst patches.
@@ -16,17 +16,17 @@ pub(super) struct CloseUps {
     pub parts: Vec<PartView>,
 }
 
-/// What was taken.
+/// The rendered close-ups.
 #[derive(Default)]
 pub(super) struct TakenCloseUps {
-    /// The worst patches: that of normals in grey, that of colours in their own materials.
+    /// The worst patches: in grey for normals, in the original materials for colours.
     pub patches: Vec<PatchPictures>,
     /// FLIP of the worst parts, likewise.
     pub parts: Vec<PartFlip>,
 }
 
 impl CloseUps {
-    /// Splits those of normals from those of colours.
+    /// Separates those for normals from those for colours.
     pub fn by_quantity(self) -> [Self; 2] {
         let (angles, colors) = self.patches.into_iter().partition(|patch| patch.of == PatchQuantity::Angle);
         let (part_angles, part_colors) =
@@ -40,7 +40,7 @@ impl CloseUps {
         patches.chain(self.parts.iter().map(|part| (part.camera.clone(), part.side))).collect()
     }
 
-    /// Adds the pictures of scan and asset that were taken, in the order of [`CloseUps::shots`].
+    /// Adds the rendered pictures of scan and asset, in the order of [`CloseUps::shots`].
     ///
     /// # Errors
     /// Those of [`crate::compare::flip`].
@@ -53,7 +53,7 @@ impl CloseUps {
 }
 
 impl TakenCloseUps {
-    /// Adds others behind these.
+    /// Appends others.
     pub fn extend(&mut self, others: Self) {
         self.patches.extend(others.patches);
         self.parts.extend(others.parts);

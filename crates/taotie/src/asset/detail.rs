@@ -6,11 +6,11 @@ use crate::mesh::Mesh;
 use crate::proof::{Footprint, edges};
 use crate::scene::{Instance, Scene};
 
-/// The share of a map that UV islands cover, of an atlas that is made.
+/// The share of a map that UV islands cover in a generated atlas.
 const COVERED: f64 = 0.6;
 /// The share of the surface whose detail may be finer than the map's texels.
 const LOST: f64 = 0.01;
-/// The largest side that is considered.
+/// The largest side considered.
 const MOST: f64 = 65_536.0;
 
 /// A piece of the scan.
@@ -21,8 +21,9 @@ struct Piece {
     texel: Option<f32>,
 }
 
-/// Returns the side of the smallest square map, a power of two, whose texels are at most as wide as the scan's finest detail on
-/// all but one per cent of its area: a texel of its textures, or half its median edge, but at least 1/4096 of its diagonal.
+/// Returns the side of the smallest square map, a power of two, whose texels are at most as wide as the scan's finest
+/// detail on all but one per cent of its area: a texel of its textures, or half its median edge, but at least 1/4096
+/// of its diagonal.
 pub(super) fn map_side(scene: &Scene) -> u32 {
     let (mut pieces, mut lengths) = (Vec::new(), Vec::new());
     let mut first = 0;
@@ -59,7 +60,7 @@ struct Placed<'a> {
     scene: &'a Scene,
     instance: &'a Instance,
     mesh: &'a Mesh,
-    /// The factor of its lengths.
+    /// The scale of its lengths.
     scale: f64,
 }
 

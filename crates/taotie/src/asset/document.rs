@@ -1,4 +1,4 @@
-//! The glTF file of a low-poly mesh that stays as it is, but for what is baked into its materials.
+//! The glTF file of a low-poly mesh, kept as is except for what is baked into its materials.
 
 use super::low_file::Read;
 use super::options::{BakeOptions, MeshSource};
@@ -19,7 +19,7 @@ use std::sync::Arc;
 pub(super) struct Document {
     /// The file.
     pub source: Source,
-    /// All of its triangles, where it has several materials.
+    /// All of its triangles, if it has several materials.
     pub whole: Option<Mesh>,
     /// The limits within which it is read.
     pub limits: Limits,
@@ -27,23 +27,23 @@ pub(super) struct Document {
     pub is_in_metres: bool,
 }
 
-/// The place of the glTF file that is kept.
+/// The source of the kept glTF file.
 #[derive(Debug, Clone)]
 pub(super) enum Source {
     File(PathBuf),
-    /// The bytes of a GLB made of a file of another format.
+    /// The bytes of a GLB converted from another format.
     Made(Arc<Vec<u8>>),
 }
 
 impl Document {
-    /// Takes a packed scan, which is in the scan's unit.
+    /// Creates the document of a packed scan, which is in the scan's unit.
     pub fn of_packed(glb: Vec<u8>, limits: Limits) -> Self {
         Self { source: Source::Made(Arc::new(glb)), whole: None, limits, is_in_metres: false }
     }
 }
 
 impl Source {
-    /// Returns it as a source of glTF.
+    /// Returns it as a glTF source.
     pub fn gltf(&self) -> GltfSource<'_> {
         match self {
             Self::File(path) => GltfSource::File(path),
@@ -57,22 +57,23 @@ impl Source {
 pub(super) struct KeptMaterial {
     /// Its number in the file.
     pub number: usize,
-    /// A word that tells it from the file's other materials, fit for the name of a file; empty where it is the only one.
+    /// A label, valid in file names, that distinguishes it from the file's other materials; empty if it is the only
+    /// one.
     pub label: String,
-    /// The material as the file says it.
+    /// The material as the file states it.
     pub said: Material,
-    /// `true` where colours of vertices go.
+    /// `true` if vertex colours are dropped.
     pub drops_colors: bool,
     /// Its triangles among all that the file shows.
     pub triangles: Vec<Range<usize>>,
 }
 
-/// Returns the numbers of the materials that are shown, in order.
+/// Returns the numbers of the visible materials, in order.
 pub(super) fn shown_materials(scene: &Scene) -> BTreeSet<usize> {
     scene.instances().iter().map(|instance| instance.material).collect()
 }
 
-/// Returns the triangles of each material among all that are shown.
+/// Returns the triangles of each material among all visible ones.
 pub(super) fn triangles_by_material(scene: &Scene) -> BTreeMap<usize, Vec<Range<usize>>> {
     let mut ranges: BTreeMap<usize, Vec<Range<usize>>> = BTreeMap::new();
     let mut first = 0;
@@ -84,13 +85,13 @@ pub(super) fn triangles_by_material(scene: &Scene) -> BTreeMap<usize, Vec<Range<
     ranges
 }
 
-/// Returns the file that an asset keeps; `None` where the mesh is made one with one material: in memory, of a single mesh
-/// or material, without uvs, or where levels of detail or maps alone are made of it. Files of other formats that have
-/// several materials are made glTF.
+/// Returns the file that an asset keeps; `None` if the mesh is merged into one with one material: in memory, with a
+/// single mesh or material, without uvs, or if levels of detail or standalone maps are made from it. Files in other
+/// formats with several materials are converted to glTF.
 ///
 /// # Errors
-/// [`Error::Unsupported`] where the file would lose motion or materials that way, and [`Error::Parse`] where it cannot be
-/// written anew.
+/// [`Error::Unsupported`] if the file would lose motion or materials that way, and [`Error::Parse`] if it cannot be
+/// rewritten.
 pub(super) fn kept(
     source: &MeshSource,
     read: &mut Read,
@@ -111,7 +112,7 @@ pub(super) fn kept(
         return Ok(None);
     }
     if shape.uvs != Uvs::All || !options.lods.is_empty() {
-        warnings.note("nodes of the low-poly mesh made one mesh: the asset has levels or uvs of its own", 1);
+        warnings.note("merged the nodes of the low-poly mesh: the asset has new levels or uvs", 1);
         return Ok(None);
     }
     let source = match read.is_gltf {
@@ -123,7 +124,7 @@ pub(super) fn kept(
     Ok(Some(Document { source, whole: None, limits: read.limits, is_in_metres: read.is_in_metres }))
 }
 
-/// Returns a GLB of a file of another format, whose meshes get normals where they have none.
+/// Converts a file in another format to a GLB; meshes without normals get them.
 fn made(read: &mut Read, warnings: &mut Warnings) -> Result<Vec<u8>> {
     let mut meshes = Vec::with_capacity(read.scene.meshes().len());
     for mesh in read.scene.meshes() {
@@ -133,7 +134,7 @@ fn made(read: &mut Read, warnings: &mut Warnings) -> Result<Vec<u8>> {
     io::encode_scene(&read.scene, &read.names, warnings)
 }
 
-/// Tries whether the file can be written anew, before anything is baked.
+/// Checks that the file can be rewritten, before anything is baked.
 fn check(source: GltfSource<'_>, limits: Limits) -> Result<()> {
     let graft = GltfGraft::unchanged(source, limits);
     io::encode_graft(Path::new("a.glb"), &graft, &GltfFormat::default()).map(drop)
@@ -141,27 +142,27 @@ fn check(source: GltfSource<'_>, limits: Limits) -> Result<()> {
 
 fn note_motion(read: &Read, warnings: &mut Warnings) {
     if let Some(moving) = read.moving {
-        warnings.note(format!("the low-poly mesh moves ({moving}): it is baked and measured at rest"), 1);
+        warnings.note(format!("the low-poly mesh moves ({moving}): baked and measured at rest"), 1);
     }
 }
 
 fn note(read: &Read, options: &BakeOptions, warnings: &mut Warnings) {
     note_motion(read, warnings);
     warnings.note(
-        "XMP metadata of the low-poly mesh's whole file, in whose place the scan's stands",
+        "XMP metadata of the low-poly mesh's whole file, replaced by the scan's",
         usize::from(read.has_xmp),
     );
     let is_tangent = options.space == NormalSpace::Tangent && options.bakes(&[MapKind::Normal]);
     let lacks = |mesh: &usize| read.scene.meshes()[*mesh].tangents().is_empty();
     let meshes: BTreeSet<usize> = read.scene.instances().iter().map(|instance| instance.mesh).collect();
     warnings.note(
-        "meshes of the low-poly mesh without tangents: those that MikkTSpace splits no vertex of are given them, viewers \
-         make the others",
+        "meshes of the low-poly mesh without tangents: added if MikkTSpace splits no vertex, otherwise left to \
+         viewers",
         meshes.iter().filter(|mesh| is_tangent && lacks(mesh)).count(),
     );
 }
 
-/// The part of the meshes that has uvs.
+/// Which of the meshes have uvs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Uvs {
     All,
@@ -175,7 +176,7 @@ struct Shape {
     materials: usize,
     instances: usize,
     uvs: Uvs,
-    /// `true` where some node is turned or scaled.
+    /// `true` if a node is rotated or scaled.
     turns: bool,
 }
 
@@ -194,64 +195,64 @@ impl Shape {
         Self { moving, materials: shown_materials(scene).len(), instances, uvs, turns }
     }
 
-    /// Says whether one mesh of one material loses nothing.
+    /// Returns true if merging into one mesh with one material loses nothing.
     fn is_plain(&self) -> bool {
         self.moving.is_none() && self.materials == 1 && self.instances == 1
     }
 
-    /// Says whether maps alone are baked for one material, so that no file is written anew.
+    /// Returns true if standalone maps are baked for one material, so that no file is rewritten.
     fn is_alone(&self, options: &BakeOptions) -> bool {
         options.keep_uvs && self.materials == 1
     }
 
-    /// Says whether viewers go on to show the meshes through nodes of their own.
+    /// Returns true if viewers still show the meshes through their own nodes.
     fn keeps_nodes(&self, options: &BakeOptions) -> bool {
         let stays = !self.is_plain() && self.uvs == Uvs::All && options.lods.is_empty();
         options.keep_uvs || stays
     }
 
-    /// Says whether a file of another format is made glTF, so that its materials stay.
+    /// Returns true if a file in another format is converted to glTF to keep its materials.
     fn becomes_gltf(&self, options: &BakeOptions) -> bool {
         self.materials > 1 && self.uvs == Uvs::All && options.lods.is_empty()
     }
 
-    /// Returns what cannot be done with it, and why.
+    /// Returns the unsupported feature and the reason.
     fn hindrance(&self, options: &BakeOptions) -> Option<(String, &'static str)> {
         let what = match self.moving {
             Some(moving) => format!("a low-poly mesh with {moving}"),
-            None if self.materials == 1 => format!("a low-poly mesh of {} parts", self.instances),
-            None => format!("a low-poly mesh of {} materials", self.materials),
+            None if self.materials == 1 => format!("a low-poly mesh with {} parts", self.instances),
+            None => format!("a low-poly mesh with {} materials", self.materials),
         };
         let (moves, several) = (self.moving.is_some(), self.materials > 1);
         let hindrances = [
             (
                 moves && self.uvs != Uvs::All,
-                "some of it has no uvs, and making them would break its motion; unwrap it",
+                "parts of it have no uvs, and adding them would break its motion; unwrap it",
             ),
-            (self.uvs == Uvs::Some, "some of it has no uvs; unwrap all of it, or none"),
+            (self.uvs == Uvs::Some, "parts of it have no uvs; unwrap all of it, or none"),
             (
                 (moves || several && self.uvs == Uvs::All) && !options.lods.is_empty(),
-                "its file stays as it is, and levels of detail would need one of their own; leave them out",
+                "its file is kept as is, and levels of detail would need a separate one; omit them",
             ),
             (
                 several && options.keep_uvs,
-                "maps alone are for one material; give a mesh of one, or write a .glb",
+                "standalone maps support only one material; use a mesh with one, or write a .glb",
             ),
             (
                 moves && options.space == NormalSpace::Object,
-                "normals in object space do not follow its motion; bake them in tangent space",
+                "object-space normals do not follow its motion; bake tangent space",
             ),
             (
                 self.turns && options.space == NormalSpace::Object && self.keeps_nodes(options),
-                "its nodes are turned or scaled, and normals in object space would be so twice; apply their transforms, or \
-                 bake tangent space",
+                "its nodes are rotated or scaled, which would apply twice to object-space normals; apply the \
+                 transforms, or bake tangent space",
             ),
         ];
         hindrances.into_iter().find(|(is, _)| *is).map(|(_, why)| (what, why))
     }
 }
 
-/// Returns a word for each of the materials of these numbers that tells it from the others; none where it is alone.
+/// Returns a label for each of these materials that distinguishes it from the others; empty if there is only one.
 pub(super) fn labels(scene: &Scene, numbers: &BTreeSet<usize>) -> BTreeMap<usize, String> {
     if numbers.len() < 2 {
         return numbers.iter().map(|number| (*number, String::new())).collect();
@@ -271,14 +272,14 @@ pub(super) fn labels(scene: &Scene, numbers: &BTreeSet<usize>) -> BTreeMap<usize
     numbers.iter().map(label).collect()
 }
 
-/// Returns `true` if a transform turns normals: it does more than move, and scale all axes alike.
+/// Returns `true` if a transform changes normals: it does more than translate and scale uniformly.
 fn turns(world_from_object: Mat4) -> bool {
     let axes = [Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
     let scale = world_from_object.columns[0][0];
     scale <= 0.0 || axes.into_iter().any(|axis| world_from_object.transform_vector(axis) != axis * scale)
 }
 
-/// Returns the name without what the name of a file cannot hold everywhere.
+/// Returns the name with characters replaced that are not valid in file names everywhere.
 fn word(name: &str) -> String {
     let fits = |c: char| c.is_alphanumeric() || c == '-';
     name.chars().take(40).map(|c| if fits(c) { c } else { '_' }).collect()
@@ -291,7 +292,7 @@ mod tests {
     use crate::mesh::MeshData;
     use crate::scene::{Instance, SceneData};
 
-    /// A file of one ball for each material, with uvs where it is said.
+    /// A file with one ball per material, with uvs where `uvs` is true.
     fn file(names: &[&str], uvs: &[bool]) -> Read {
         let material = |name: &&str| Material { name: (*name).into(), ..Material::default() };
         let mesh = |has_uvs: &bool| {
@@ -323,19 +324,19 @@ mod tests {
             BakeOptions { lods: vec![Lod::Triangles(10)], ..BakeOptions::default() },
         );
         let object = BakeOptions { space: NormalSpace::Object, ..BakeOptions::default() };
-        let alone = BakeOptions { keep_uvs: true, ..BakeOptions::default() };
+        let standalone = BakeOptions { keep_uvs: true, ..BakeOptions::default() };
         let (two, one) = (file(&["a", "b"], &[true, true]), file(&["a"], &[true]));
         let moving = Read { moving: Some("a skin"), ..file(&["a"], &[true]) };
         let bare = Read { moving: Some("a skin"), ..file(&["a"], &[false]) };
         assert_eq!([&two, &one, &moving].map(|read| hindrance(read, &plain)), ["", "", ""]);
         assert!(hindrance(&two, &lods).contains("levels of detail"));
         assert_eq!(hindrance(&one, &lods), "");
-        assert!(hindrance(&two, &alone).contains("maps alone are for one material"));
-        assert!(Shape::of(&moving).is_alone(&alone) && !Shape::of(&two).is_alone(&alone));
+        assert!(hindrance(&two, &standalone).contains("standalone maps support only one material"));
+        assert!(Shape::of(&moving).is_alone(&standalone) && !Shape::of(&two).is_alone(&standalone));
         assert!(hindrance(&bare, &plain).contains("no uvs"));
         assert!(hindrance(&file(&["a", "b"], &[true, false]), &plain).contains("no uvs"));
-        assert_eq!(hindrance(&file(&["a", "b"], &[false, false]), &plain), "", "they are made one");
-        assert!(hindrance(&moving, &object).contains("object space"));
+        assert_eq!(hindrance(&file(&["a", "b"], &[false, false]), &plain), "", "they are merged");
+        assert!(hindrance(&moving, &object).contains("object-space"));
         assert_eq!(hindrance(&two, &object), "");
         assert!(hindrance(&file(&["a", "a"], &[true, false]), &plain).contains("no uvs"));
     }
@@ -349,10 +350,10 @@ mod tests {
             read.scene.edit(|scene| scene.instances[0].world_from_object = turn).unwrap();
             read
         };
-        assert!(hindrance(&turned(&["a", "b"]), &object).contains("turned or scaled"));
-        assert_eq!(hindrance(&turned(&["a"]), &object), "", "it is written anew");
-        let alone = BakeOptions { keep_uvs: true, ..object };
-        assert!(hindrance(&turned(&["a"]), &alone).contains("turned or scaled"));
+        assert!(hindrance(&turned(&["a", "b"]), &object).contains("rotated or scaled"));
+        assert_eq!(hindrance(&turned(&["a"]), &object), "", "it is rewritten");
+        let standalone = BakeOptions { keep_uvs: true, ..object };
+        assert!(hindrance(&turned(&["a"]), &standalone).contains("rotated or scaled"));
     }
 
     #[test]

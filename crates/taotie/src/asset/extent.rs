@@ -7,7 +7,7 @@ use crate::scene::SceneData;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-/// Cells along the diagonal of the model: spots in cells that touch belong to one cluster.
+/// Cells along the diagonal of the model: spots in adjacent cells belong to one cluster.
 const CELLS: f64 = 50.0;
 
 /// A piece of a surface that has a fault.
@@ -15,7 +15,7 @@ const CELLS: f64 = 50.0;
 pub(super) struct Spot {
     /// World space.
     pub at: Vec3<f64>,
-    /// Its area, or its length if the fault is in edges.
+    /// Its area, or its length for faults of edges.
     pub amount: f64,
 }
 
@@ -26,12 +26,12 @@ pub(super) struct Whole {
     pub amount: f64,
     /// The diagonal of the model, in its unit.
     pub diagonal: f64,
-    /// The unit of the model's coordinates, if it is known.
+    /// The unit of the model's coordinates, if known.
     pub unit: Option<Unit>,
 }
 
 impl Spot {
-    /// Returns a triangle as a spot.
+    /// Converts a triangle to a spot.
     pub fn of_triangle(mesh: &Mesh, triangle: usize, world_from_object: &Mat4) -> Self {
         let [a, b, c] = mesh.corners(triangle).map(|p| world_from_object.transform_point(p.to_f64()));
         Self { at: (a + b + c) / 3.0, amount: (b - a).cross(c - a).length() * 0.5 }
@@ -70,11 +70,11 @@ pub(super) struct Extent {
     pub share: f64,
     /// A point of the largest cluster near its centre of mass, world space.
     pub centre: Vec3<f64>,
-    /// The surface, whose size decides how many digits of the centre are shown.
+    /// The surface, whose size determines how many digits of the centre are shown.
     whole: Whole,
 }
 
-/// A cluster of spots while it grows.
+/// A cluster of spots under construction.
 #[derive(Default)]
 struct Cluster {
     amount: f64,
@@ -95,7 +95,7 @@ impl Extent {
         Some(Self { share, centre: spots[*nearest].at, whole })
     }
 
-    /// Returns the share in percent as text.
+    /// Returns the share as text, in percent.
     pub fn percent(&self) -> String {
         match self.share {
             share if share < 0.0005 => "less than 0.1 %".into(),
@@ -115,7 +115,7 @@ impl fmt::Display for Extent {
     }
 }
 
-/// Returns the cluster of the largest amount; the one whose cell comes first if several are equal.
+/// Returns the cluster with the largest amount; on ties, the one whose cell comes first.
 fn largest(spots: &[Spot], diagonal: f64) -> Option<Cluster> {
     let side = (diagonal / CELLS).max(f64::MIN_POSITIVE);
     let cell = |at: Vec3<f64>| at.to_array().map(|v| (v / side).floor() as i64);
@@ -140,7 +140,7 @@ fn largest(spots: &[Spot], diagonal: f64) -> Option<Cluster> {
     best
 }
 
-/// Returns the 27 cells around a cell, itself among them.
+/// Returns the 27 cells around and including a cell.
 fn around([x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
     let near = |v: i64| v.saturating_sub(1)..=v.saturating_add(1);
     near(x).flat_map(move |x| near(y).flat_map(move |y| near(z).map(move |z| [x, y, z])))
@@ -158,7 +158,7 @@ mod tests {
     #[test]
     fn the_largest_cluster_is_named_and_all_count() {
         let whole = Whole { amount: 10.0, diagonal: 10.0, unit: None };
-        // Many small ones that touch against one larger one; a lone one lies between.
+        // Many small touching ones against one larger one, with an isolated one in between.
         let mut spots: Vec<Spot> = (0..5).map(|i| spot(1.0 + 0.1 * f64::from(i), 1.0, 0.1)).collect();
         spots.extend([spot(-4.0, 0.0, 0.3), spot(3.0, 1.0, 0.2)]);
         let extent = Extent::of(&spots, whole).unwrap();

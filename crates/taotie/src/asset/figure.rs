@@ -1,4 +1,4 @@
-//! The figures that a limit can be set for, and their units.
+//! The figures that limits can be set for, and their units.
 
 use crate::length;
 use crate::names::Named;
@@ -28,8 +28,8 @@ pub enum Figure {
     MeanColor,
     /// As seen: the difference of base colours that 95 % of the pixels stay below, CIEDE2000; of each level.
     P95Color,
-    /// As seen close up: the mean difference of base colours in the worst window of 1 % of the surface, CIEDE2000; of each
-    /// level.
+    /// As seen close up: the mean difference of base colours in the worst window of 1 % of the surface, CIEDE2000; of
+    /// each level.
     PatchColor,
     /// On the surface: the mean angle between normals, degrees; of each level.
     SurfaceMeanAngle,
@@ -37,35 +37,38 @@ pub enum Figure {
     SurfaceP95Angle,
     /// On the surface: the largest angle of the points that were compared, degrees; of each level.
     SurfaceMaxAngle,
-    /// The share of the visible surface where the other surface shows nothing, the worse of scan and asset; of each level.
+    /// The share of the visible surface where the other surface shows nothing, the worse of scan and asset; of each
+    /// level.
     Missed,
-    /// The least share of the scan's visible area that lies within half a per cent of the diagonal of the asset; of each
+    /// The smallest share of the scan's visible area within half a per cent of the diagonal of the asset; of each
     /// level.
     Completeness,
-    /// As seen close up: the least share of the visible surface whose angle between normals is at most
+    /// As seen close up: the smallest share of the visible surface whose angle between normals is at most
     /// [`Requirement::within`](super::Requirement::within), the worse of scan and asset; of each level.
     WithinAngle,
     /// The same for the difference of base colours; of each level.
     WithinColor,
-    /// The same for the distance to the other surface, a part of the diagonal; of each level.
+    /// The same for the distance to the other surface, as a fraction of the diagonal; of each level.
     WithinDistance,
-    /// The largest distance between the visible surfaces, as a part of the diagonal, its upper bound; of each level.
+    /// The largest distance between the visible surfaces, as a fraction of the diagonal, its upper bound; of each
+    /// level.
     Hausdorff,
-    /// The largest deviation of outlines, pixels of 512 across the object; of each level.
+    /// The largest deviation of outlines, in pixels, with 512 across the object; of each level.
     Silhouette,
     /// The median width of the asset's finest texels on the surface, metres; of each level.
     Texel,
-    /// The mean of FLIP over the images from all sides; of each level.
+    /// The mean FLIP over the images from all sides; of each level.
     Flip,
-    /// The largest mean of FLIP of these images; of each level.
+    /// The largest mean FLIP among these images; of each level.
     WorstView,
-    /// The least structural similarity (SSIM) of these images; of each level.
+    /// The lowest structural similarity (SSIM) among these images; of each level.
     Ssim,
     /// Triangles; of each level of detail.
     Triangles,
-    /// Bytes that vertices and textures of the asset take on a graphics card, with mip levels: four per texel, one of KTX2.
+    /// Bytes that the asset's vertices and textures take on a graphics card, with mip levels: four per texel, one for
+    /// KTX2.
     GpuMemory,
-    /// Bytes of the asset with the files that it names.
+    /// Bytes of the asset, including the files that it references.
     Bytes,
 }
 
@@ -99,18 +102,18 @@ impl Named for Figure {
     ];
 }
 
-/// The samples by which a figure is estimated.
+/// The samples from which a figure is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sampling {
     /// Pixels of the overview.
     Overview,
     /// Points of both surfaces, seen close up.
     CloseUp,
-    /// Pieces of triangles between whose distances the largest lies.
+    /// Pieces of triangles whose distances bound the largest one.
     Distance,
 }
 
-/// A unit that a limit is written in.
+/// A unit that a limit may be written in.
 ///
 /// ```
 /// use taotie::asset::{Figure, FigureUnit};
@@ -131,7 +134,7 @@ const fn unit(name: &'static str, size: f64) -> FigureUnit {
 }
 
 const DEGREES: &[FigureUnit] = &[unit("°", 1.0), unit("deg", 1.0)];
-/// The same with the unit first that is typed most easily, as names of figures have it.
+/// The same, with the unit that is easiest to type first, as used in the names of figures.
 const WITHIN_ANGLE: &[FigureUnit] = &[unit("deg", 1.0), unit("°", 1.0)];
 const WITHIN_COLOR: &[FigureUnit] = &[unit("dE", 1.0), unit("ΔE", 1.0), unit("ΔE00", 1.0)];
 const PER_CENT: &[FigureUnit] = &[unit("%", 0.01)];
@@ -150,7 +153,7 @@ const BYTES: &[FigureUnit] = &[
 ];
 
 impl Figure {
-    /// Returns the samples that more of give a closer interval; `None` of figures that have none.
+    /// Returns the samples whose number narrows the figure's interval; `None` for figures without an interval.
     pub(super) fn sampling(self) -> Option<Sampling> {
         match self {
             Self::MeanAngle | Self::P95Angle | Self::MeanColor | Self::P95Color => Some(Sampling::Overview),
@@ -165,14 +168,14 @@ impl Figure {
         }
     }
 
-    /// Returns all units that its limit may be written in: its own, the first of which a bare number has, and those of
-    /// length.
+    /// Returns all units that its limit may be written in: its own, with the default for bare numbers first, and
+    /// those of length.
     pub(super) fn units(self) -> impl Iterator<Item = FigureUnit> {
         let lengths = length::OF_LIMITS.iter().map(|(name, metres)| unit(name, *metres));
         self.own_units().iter().copied().chain(lengths.filter(move |_| self.has_length()))
     }
 
-    /// Returns the units of the figure itself.
+    /// Returns the figure's own units.
     pub(super) fn own_units(self) -> &'static [FigureUnit] {
         match self {
             Self::MeanAngle | Self::P95Angle | Self::MaxAngle | Self::PatchAngle => DEGREES,
@@ -187,27 +190,28 @@ impl Figure {
         }
     }
 
-    /// Returns the unit that it is reported in, and that a bare number has: degrees, ΔE, per cent, pixels, metres or bytes.
+    /// Returns the unit it is reported in, also the default for bare numbers: degrees, ΔE, per cent, pixels, metres
+    /// or bytes.
     pub fn unit(self) -> FigureUnit {
         self.own_units()[0]
     }
 
-    /// Returns `true` if its limit may be a length, which needs a scan whose unit is known.
+    /// Returns `true` if its limit may be a length, which needs a scan with a known unit.
     pub fn has_length(self) -> bool {
         matches!(self, Self::Hausdorff | Self::Silhouette | Self::Texel)
     }
 
-    /// Returns `true` where each level of detail has its own, `false` where the whole asset has one.
+    /// Returns `true` if each level of detail has its own value, `false` if there is one for the whole asset.
     pub fn is_of_level(self) -> bool {
         !matches!(self, Self::Bytes | Self::GpuMemory)
     }
 
-    /// Returns `true` if more is better, so that a limit is the least that is wanted.
+    /// Returns `true` if more is better, so that a limit is a minimum.
     pub fn is_at_least(self) -> bool {
         matches!(self, Self::Completeness | Self::Ssim) || self.units_within().is_some()
     }
 
-    /// Returns the units of the limit within which most of the surface has to be; `None` for other figures.
+    /// Returns the units of the limit that most of the surface must stay within; `None` for other figures.
     pub(super) fn units_within(self) -> Option<&'static [FigureUnit]> {
         match self {
             Self::WithinAngle => Some(WITHIN_ANGLE),
@@ -219,7 +223,7 @@ impl Figure {
 }
 
 impl FigureUnit {
-    /// Returns a value in this unit, with five digits; whole numbers with all of theirs.
+    /// Returns a value in this unit as text, with five digits; whole numbers with all of theirs.
     ///
     /// ```
     /// use taotie::asset::Figure;
@@ -233,12 +237,12 @@ impl FigureUnit {
         self.after(&if self.name == "B" { format!("{value:.0}") } else { five_digits(value) })
     }
 
-    /// Returns a value in this unit, with all its digits.
+    /// Returns a value in this unit as text, with all its digits.
     pub(super) fn exact_text(&self, value: f64) -> String {
         self.after(&(value / self.size).to_string())
     }
 
-    /// Returns the fewest digits of a value in this unit that give the value when they are multiplied by the unit's size again.
+    /// Returns the shortest decimal in this unit that gives exactly the value when multiplied by the unit's size.
     pub(super) fn shortest(&self, value: f64) -> String {
         let quotient = value / self.size;
         let number = |digits: usize| format!("{quotient:.digits$e}").parse::<f64>().unwrap_or(quotient);
@@ -255,7 +259,7 @@ impl FigureUnit {
     }
 }
 
-/// Returns a number with five digits, more of whole numbers, and no zeros behind them.
+/// Returns a number with five significant digits, more for whole numbers, and no trailing zeros.
 fn five_digits(value: f64) -> String {
     if value.abs() >= 1e4 {
         return format!("{value:.0}");

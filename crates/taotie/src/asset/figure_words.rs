@@ -1,14 +1,14 @@
-//! Figures in words: what each one measures, and which of the three ways of looking it belongs to.
+//! Figures in words: what each one measures, and how it compares scan and asset.
 
 use super::figure::Figure;
 
-/// The way in which a figure looks at scan and asset.
+/// The way in which a figure compares scan and asset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Looking {
-    /// As seen, the same pixel of both, the object as a whole.
+    /// As seen, at the same pixel of both, with the whole object in view.
     Overview,
-    /// As seen close up, as finely as the scan has detail.
+    /// As seen close up, at the resolution of the scan's detail.
     CloseUp,
     /// Point by point along the projection rays of a bake.
     OnTheSurface,
@@ -21,7 +21,7 @@ pub enum Looking {
 }
 
 impl Looking {
-    /// Returns the way of looking in words.
+    /// Returns the way of comparing in words.
     pub fn words(self) -> &'static str {
         match self {
             Self::Overview => "overview",
@@ -35,12 +35,12 @@ impl Looking {
 }
 
 impl Figure {
-    /// Returns the way in which the figure looks at scan and asset.
+    /// Returns the way in which the figure compares scan and asset.
     pub fn looking(self) -> Looking {
         self.described().0
     }
 
-    /// Returns what the figure measures, such as `normal error, mean`.
+    /// Returns the figure's title, such as `normal error, mean`.
     pub fn title(self) -> &'static str {
         self.described().1
     }

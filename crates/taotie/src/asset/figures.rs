@@ -10,7 +10,7 @@ use crate::length::Unit;
 /// ```
 /// use taotie::asset::{BIN_WIDTH, Figures};
 ///
-/// /// Returns the mean angle by which the map improves on vertex normals alone, degrees, on the surface.
+/// /// Returns the mean angle by which the map improves on plain vertex normals, degrees, on the surface.
 /// fn gain(figures: &Figures) -> Option<f64> {
 ///     let finest = figures.finest()?;
 ///     Some(finest.without_map?.mean - finest.surface_angles?.mean)
@@ -20,25 +20,25 @@ use crate::length::Unit;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Figures {
-    /// The unit of all lengths, which is that of the scan's coordinates; `None` if it is unknown. As JSON it is `unit`, its
-    /// name, and `metres_per_unit`.
+    /// The unit of all lengths, that of the scan's coordinates; `None` if unknown. In JSON it is `unit`, its name,
+    /// and `metres_per_unit`.
     #[cfg_attr(feature = "serde", serde(flatten, with = "unit_as_json"))]
     pub unit: Option<Unit>,
-    /// Of each level of detail, the finest first.
+    /// One for each level of detail, the finest first.
     pub levels: Vec<LevelFigures>,
-    /// The scan's diagonal, in the scan's unit, as all lengths are.
+    /// The scan's diagonal, in the scan's unit, like all lengths.
     pub diagonal: f64,
-    /// The fit of the meshes to one another; `None` where the low-poly mesh has no area.
+    /// How well the meshes fit each other; `None` if the low-poly mesh has no area.
     pub fit: Option<FitFigures>,
-    /// Bytes of the scan's files; 0 in memory.
+    /// Bytes of the scan's files; 0 for a scan in memory.
     pub bytes_in: u64,
-    /// Bytes of the asset, with the files that it names.
+    /// Bytes of the asset, including the files that it references.
     pub bytes_out: u64,
     /// Bytes that the asset takes on a graphics card; `None` unless it is glTF.
     pub gpu_bytes: Option<u64>,
-    /// Of each material of the asset, where it has several.
+    /// One for each material of the asset, if it has several.
     pub parts: Vec<PartFigures>,
-    /// What no figure and no image looks at.
+    /// Contents that no figure and no image compares.
     pub unseen: Vec<String>,
 }
 
@@ -49,7 +49,7 @@ impl Figures {
     }
 }
 
-/// A unit with its metres, which are derived from it.
+/// A unit and its size in metres, which is derived from it.
 #[cfg(feature = "serde")]
 mod unit_as_json {
     use super::Unit;
@@ -62,7 +62,7 @@ mod unit_as_json {
         metres_per_unit: Option<f64>,
     }
 
-    #[allow(clippy::ref_option)] // serde hands over the field itself.
+    #[allow(clippy::ref_option)] // serde passes the field itself.
     pub fn serialize<S: Serializer>(unit: &Option<Unit>, serializer: S) -> Result<S::Ok, S::Error> {
         Fields { unit: *unit, metres_per_unit: unit.map(Unit::metres) }.serialize(serializer)
     }
@@ -72,12 +72,12 @@ mod unit_as_json {
     }
 }
 
-/// The fit of two meshes to one another; see [`Fit`].
+/// How well two meshes fit each other; see [`Fit`].
 ///
 /// ```
 /// use taotie::asset::FitFigures;
 ///
-/// /// Returns `true` where the meshes hardly belong together.
+/// /// Returns `true` if the meshes hardly belong together.
 /// fn lie_apart(fit: &FitFigures) -> bool {
 ///     fit.away > 0.1 || fit.turned > 0.1
 /// }
@@ -86,11 +86,11 @@ mod unit_as_json {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct FitFigures {
-    /// The part of the low-poly mesh far from the scan.
+    /// The fraction of the low-poly mesh far from the scan.
     pub away: f64,
-    /// The part that faces the other way.
+    /// The fraction that faces the opposite way.
     pub turned: f64,
-    /// The mean distance as a part of the diagonal.
+    /// The mean distance as a fraction of the diagonal.
     pub distance_of_diagonal: f64,
 }
 

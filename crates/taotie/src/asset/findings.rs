@@ -1,4 +1,4 @@
-//! What a proof finds wrong, in plain words: how much of the surface, and where.
+//! The problems that a proof finds, in plain words: on how much of the surface, and where.
 
 use super::figures::{Figures, FitFigures};
 use super::judgement::{INSIDE_OUT, useless_map};
@@ -13,14 +13,14 @@ use crate::proof::Mismatch;
 
 /// Shares of the area below this are noise: folds, thin cracks.
 const WORTH_A_WORD: f64 = 0.01;
-/// Texels that are coarser than the scan's detail on a larger share than this lose something.
+/// The share of the surface above which texels coarser than the scan's detail lose something.
 const COARSE: f64 = 0.005;
-/// Metallic, roughness, emission and alpha that are off by more than this on average are worth a warning.
+/// Metallic, roughness, emission and alpha that are off by more than this on average cause a warning.
 const MATERIAL: f64 = 0.1;
-/// Normals that are off by more than this on average as seen, degrees, have a cause in the asset as a whole.
+/// Visible normals that are off by more than this on average, degrees, have a cause in the asset as a whole.
 const OFF_DEG: f64 = 3.0;
 
-/// Notes what is wrong with the finest level of an asset as a whole: its place, axes and unit, its material, and its map.
+/// Notes problems of an asset's finest level as a whole: its place, axes and unit, its material, and its map.
 pub(super) fn note_whole(all: &Figures, level: &ShownLevel<'_>, warnings: &mut Warnings) {
     let Some(figures) = all.finest() else { return };
     let is_off = figures.overview.angles.is_some_and(|angles| angles.summary.mean > OFF_DEG);
@@ -28,7 +28,7 @@ pub(super) fn note_whole(all: &Figures, level: &ShownLevel<'_>, warnings: &mut W
         warnings.note(what, 1);
     }
     if level.lacks_material() {
-        let what = "the asset states no colours and no material, but its scan does: what is compared with the scan is the \
+        let what = "the asset has no colours and no material, but its scan does: the scan is compared with the \
                     default that viewers show";
         warnings.note(what, 1);
     }
@@ -40,8 +40,8 @@ pub(super) fn note_whole(all: &Figures, level: &ShownLevel<'_>, warnings: &mut W
     }
 }
 
-/// Notes where an asset differs from its scan and which of the requirements are not met there, and what else its finest level
-/// shows otherwise.
+/// Notes where an asset differs from its scan, which requirements are not met there, and other differences of its
+/// finest level.
 pub(super) fn note(all: &Figures, requirements: &[Requirement], warnings: &mut Warnings) {
     let Some(figures) = all.finest() else { return };
     note_coverage(&figures.coverage, warnings);
@@ -60,15 +60,15 @@ pub(super) fn note_texels(all: &Figures, warnings: &mut Warnings) {
         let (times, share) = (resolution.coarser, percent(resolution.share));
         let texel = texel_text(resolution.texel, all.unit);
         let what = format!(
-            "texels, {texel} wide, are up to {times:.1} × coarser than the scan's detail on {share} of the surface; take a \
+            "texels, {texel} wide, are up to {times:.1} × coarser than the scan's detail on {share} of the surface; use a \
              larger map, or --size auto"
         );
         warnings.note(what, 1);
     }
 }
 
-/// Returns in words how an asset as a whole differs from its scan; `None` if it does not. `fit` is the fit of its surface;
-/// `is_off` is `true` if what is seen of it is far off.
+/// Describes how an asset as a whole differs from its scan; `None` if it does not. `fit` is the fit of its surface;
+/// `is_off` is `true` if its visible normals are far off.
 pub(super) fn mismatch(
     level: &ShownLevel<'_>,
     (fit, is_off): (Option<FitFigures>, bool),
@@ -78,7 +78,7 @@ pub(super) fn mismatch(
     let Some(found) = Mismatch::find(scan, &level.surface, is_off) else {
         let turned = fit.filter(|fit| fit.away < 0.5)?.turned;
         let what = format!(
-            "the asset looks inside out: {} of it faces the other way than the scan beside it; reverse its triangles and \
+            "the asset looks inside out: {} of it faces the opposite way to the nearby scan; reverse its triangles and \
              normals",
             percent(turned)
         );
@@ -106,14 +106,14 @@ pub(super) fn mismatch(
 fn note_coverage(coverage: &Coverage, warnings: &mut Warnings) {
     if coverage.is_interior {
         warnings.note(
-            "the scan is an interior: what is compared is what can be seen from its largest free space",
+            "the scan is an interior: only what can be seen from its largest free space is compared",
             1,
         );
     }
     if coverage.hidden_of_scan > WORTH_A_WORD {
         let share = percent(coverage.hidden_of_scan);
         let what = format!(
-            "{share} of the scan's area cannot be seen (hidden walls, ghost layers, duplicate shells or cavities); it is not \
+            "{share} of the scan's area cannot be seen (hidden walls, ghost layers, duplicate shells or cavities) and is not \
              compared"
         );
         warnings.note(what, 1);

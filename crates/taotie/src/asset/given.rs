@@ -1,4 +1,4 @@
-//! The low-poly mesh that is given: read, with what stays of its material.
+//! The given low-poly mesh, read, with the kept parts of its material.
 
 use super::document::{self, Document, KeptMaterial, shown_materials};
 use super::kept_textures::{KeptTextures, note_samplers};
@@ -11,24 +11,24 @@ use crate::error::{Result, Warnings};
 use crate::mesh::{Mesh, MeshData};
 use crate::scene::{AlphaMode, Instance, Material, Scene};
 
-/// A low-poly mesh as its file says.
+/// A low-poly mesh as stored in its file.
 pub(super) struct GivenMesh {
     scene: Scene,
-    /// One for each material that stays, at least one.
+    /// One for each material that is kept, at least one.
     parts: Vec<GivenPart>,
     document: Option<Document>,
 }
 
-/// The triangles of a low-poly mesh that show one material.
+/// The triangles of a low-poly mesh with one material.
 struct GivenPart {
-    /// The material, without what cannot stay.
+    /// The material, without what cannot be kept.
     material: Material,
     stripped: Stripped,
-    /// The material of the file that is kept; `None` where all triangles show the first.
+    /// The material of the kept file; `None` if all triangles use the first.
     own: Option<KeptMaterial>,
 }
 
-/// The parts of a mesh that is given which go into the asset.
+/// The parts of a given mesh that go into the asset.
 pub(super) struct Taken {
     pub mesh: Mesh,
     pub material: Material,
@@ -37,11 +37,11 @@ pub(super) struct Taken {
 }
 
 impl GivenMesh {
-    /// Takes a mesh that was read, at rest.
+    /// Takes a mesh that was read, in its rest pose.
     ///
     /// # Errors
-    /// [`Error::Unsupported`](crate::Error::Unsupported) for what the asset could not keep of it; those of writing it
-    /// anew.
+    /// [`Error::Unsupported`](crate::Error::Unsupported) for parts of it that the asset could not keep; those of
+    /// rewriting it.
     pub fn of(
         options: &BakeOptions,
         source: &MeshSource,
@@ -55,18 +55,18 @@ impl GivenMesh {
         }
     }
 
-    /// Makes all of a scene one mesh of its first material.
+    /// Merges all of a scene into one mesh with its first material.
     fn of_one(scene: Scene, warnings: &mut Warnings) -> Self {
         let used: Vec<usize> = scene.instances().iter().map(|instance| instance.material).collect();
         if used.iter().any(|material| *material != used[0]) {
-            warnings.note("materials of the low-poly mesh made one, the first", 1);
+            warnings.note("merged the materials of the low-poly mesh into the first", 1);
         }
         let mut material = used.first().and_then(|m| scene.materials().get(*m)).cloned().unwrap_or_default();
         let stripped = Stripped::off(&mut material, &scene);
         Self { scene, parts: vec![GivenPart { material, stripped, own: None }], document: None }
     }
 
-    /// Takes the materials of a file that stays.
+    /// Takes the materials of a kept file.
     fn of_document(document: Document, scene: Scene) -> Result<Self> {
         let numbers = shown_materials(&scene);
         let labels = document::labels(&scene, &numbers);
@@ -85,7 +85,7 @@ impl GivenMesh {
         Ok(Self { scene, parts, document: Some(Document { whole, ..document }) })
     }
 
-    /// Returns the looks of each material.
+    /// Returns the appearance of each material.
     pub fn looks(&self) -> Vec<LowLook<'_>> {
         let meshes = self.scene.meshes();
         let shows = |part: &GivenPart, instance: &Instance| {
@@ -99,29 +99,29 @@ impl GivenMesh {
         parts.map(|part| LowLook { material: &part.material, has_colors: has_colors(part) }).collect()
     }
 
-    /// Returns the number of materials that get maps of their own, at least 1.
+    /// Returns the number of materials that get their own maps, at least 1.
     pub fn material_count(&self) -> u64 {
         self.parts.len() as u64
     }
 
-    /// Returns the number of all its triangles.
+    /// Returns the total number of triangles.
     pub fn triangle_count(&self) -> usize {
         let meshes = self.scene.meshes();
         self.scene.instances().iter().map(|instance| meshes[instance.mesh].triangles().len()).sum()
     }
 
-    /// Returns its materials to be filled.
+    /// Returns its materials, to be filled in.
     pub fn materials_mut(&mut self) -> impl Iterator<Item = &mut Material> {
         self.parts.iter_mut().map(|part| &mut part.material)
     }
 
-    /// Takes the file that stays.
+    /// Takes the kept file.
     pub fn take_document(&mut self) -> Option<Document> {
         self.document.take()
     }
 
-    /// Takes what stays of each part: one mesh in world space, and the material without what is baked in its place. That
-    /// and what cannot stay is noted.
+    /// Takes the kept contents of each part: one mesh in world space, and the material without what is replaced by
+    /// baked maps. That and what cannot be kept is noted.
     ///
     /// # Errors
     /// Those of [`bake::low_poly_mesh`].
@@ -135,7 +135,7 @@ impl GivenMesh {
             }
             scenes.push(own);
         }
-        // The only mesh is taken without a copy.
+        // Lets a single mesh be taken without a copy.
         drop(scene);
         let taken = parts.into_iter().zip(scenes).map(|(part, scene)| part.taken(scene, options, warnings));
         taken.collect()
@@ -163,38 +163,38 @@ impl GivenPart {
     }
 }
 
-/// Returns all of a scene as one mesh. Maps alone are for the file that it is from, so its meshes have the tangents that
-/// viewers of that give them; else the mesh is written anew, with tangents of its own.
+/// Returns a whole scene as one mesh. Standalone maps are for the original file, so its meshes get the tangents that
+/// viewers compute for it; otherwise the mesh is rewritten with its own tangents.
 fn joined(scene: Scene, options: &BakeOptions) -> Result<Mesh> {
     let has_uvs = |instance: &Instance| !scene.meshes()[instance.mesh].uvs().is_empty();
     let is_for_file = options.keep_uvs && scene.instances().iter().all(has_uvs);
     if is_for_file { bake::framed_low_poly_mesh(scene) } else { bake::low_poly_mesh(scene) }
 }
 
-/// Leaves out the normal map, which is of other tangents.
+/// Notes that the normal map, which is relative to other tangents, is dropped.
 fn leave_relief(material: &Material, options: &BakeOptions, warnings: &mut Warnings) {
     let has_relief = material.normal.is_some() && !options.bakes(&[MapKind::Normal]);
     warnings.note(
-        "the low-poly mesh's normal map is left out; bake normal in its place",
+        "the low-poly mesh's normal map is left out; bake normal to replace it",
         usize::from(has_relief),
     );
 }
 
-/// Leaves out alpha that stands in a texture in whose place colours without alpha are baked.
+/// Drops alpha that is in a texture replaced by baked colours without alpha.
 fn leave_alpha(material: &mut Material, options: &BakeOptions, warnings: &mut Warnings) {
     let is_textured = material.alpha != AlphaMode::Opaque && material.base_color_texture.is_some();
     if is_textured && options.bakes(&[MapKind::Albedo]) && !options.bakes(&[MapKind::Alpha]) {
-        warnings.note("the low-poly mesh's alpha is left out: albedo is baked without", 1);
+        warnings.note("the low-poly mesh's alpha is left out: albedo is baked without it", 1);
         material.alpha = AlphaMode::Opaque;
     }
 }
 
-/// Leaves out colours of vertices that would be multiplied with the baked ones.
+/// Drops vertex colours that would be multiplied with the baked ones.
 fn uncolored(mesh: Mesh, options: &BakeOptions, warnings: &mut Warnings) -> Result<Mesh> {
     if mesh.colors().is_empty() || !options.bakes(&[MapKind::Albedo]) {
         return Ok(mesh);
     }
-    warnings.note("the low-poly mesh's vertex colours are left out: albedo is baked in their place", 1);
+    warnings.note("the low-poly mesh's vertex colours are left out: baked albedo replaces them", 1);
     Mesh::new(MeshData { colors: Vec::new(), ..mesh.into_data() })
 }
 
@@ -203,7 +203,7 @@ mod tests {
     use super::*;
     use crate::math::{Mat4, Vec3};
 
-    /// Returns the mesh that a ball, stretched in its file, is taken as.
+    /// Returns the mesh read from a ball that is stretched by its file.
     fn taken(keep_uvs: bool, ball: &MeshData) -> (Scene, Mesh) {
         let mut scene = Scene::of_mesh(Mesh::new(ball.clone()).unwrap(), Material::default()).unwrap();
         let stretched = Mat4::scale(Vec3::new(1.0, 3.0, 1.0));
@@ -220,8 +220,8 @@ mod tests {
         let (scene, mesh) = taken(true, &ball);
         let own = bake::framed_low_poly_mesh(scene).unwrap();
         assert!(!own.tangents().is_empty() && mesh.tangents() == own.tangents());
-        assert!(taken(false, &ball).1.tangents().is_empty(), "a mesh that is written anew gets its own");
+        assert!(taken(false, &ball).1.tangents().is_empty(), "a rewritten mesh gets its own");
         let bare = MeshData { uvs: Vec::new(), ..ball };
-        assert!(taken(true, &bare).1.uvs().is_empty(), "the lack of uvs is told where maps need them");
+        assert!(taken(true, &bare).1.uvs().is_empty(), "missing uvs are reported only if maps need them");
     }
 }

@@ -1,4 +1,4 @@
-//! The hash of a file, computed while all else goes on.
+//! The hash of a file, computed in the background.
 
 use crate::error::Result;
 use crate::io;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread::JoinHandle;
 
-/// The SHA-256 of a file in the making.
+/// The SHA-256 of a file, being computed.
 #[derive(Debug)]
 pub(super) struct FileHash {
     path: PathBuf,
@@ -15,19 +15,19 @@ pub(super) struct FileHash {
 }
 
 impl FileHash {
-    /// Begins to read the file.
+    /// Starts reading the file.
     pub fn begin(path: &Path) -> Self {
         let path = path.to_path_buf();
         let read = path.clone();
-        // Where the system has no thread left, the file is read when it is asked for.
+        // If the system cannot start a thread, the file is read on demand.
         let thread = std::thread::Builder::new().spawn(move || io::sha256(&read)).ok();
         Self { path, thread: Mutex::new(thread), known: OnceLock::new() }
     }
 
-    /// Returns the hash, hexadecimal, and waits for it where need be.
+    /// Returns the hash, hexadecimal, waiting for it if necessary.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::Error::Io) where the file cannot be read.
+    /// [`Error::Io`](crate::Error::Io) if the file cannot be read.
     pub fn get(&self) -> Result<String> {
         let mut thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = self.known.get() {

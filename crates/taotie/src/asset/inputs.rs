@@ -1,4 +1,4 @@
-//! The inputs of a bake beside the scan: the low-poly mesh and the cage. They are read before the work begins.
+//! The inputs of a bake besides the scan: the low-poly mesh and the cage. They are read before the work begins.
 
 use super::given::GivenMesh;
 use super::low_file::{self, Read};
@@ -11,20 +11,20 @@ use crate::progress::Progress;
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// The inputs of a bake beside the scan.
+/// The inputs of a bake besides the scan.
 pub(super) struct Inputs {
-    /// The low-poly mesh that is given; `None` where it is to be made.
+    /// The given low-poly mesh; `None` if it is generated.
     pub given: Option<GivenMesh>,
     pub rays: Rays,
     /// The files that they were read from.
     pub files: Vec<PathBuf>,
-    /// The faults of these files.
+    /// The warnings about these files.
     pub warnings: Warnings,
 }
 
-/// The lengths of projection rays, with the cage that the options name.
+/// The lengths of projection rays, with the cage from the options.
 pub(super) enum Rays {
-    /// As far as the meshes lie apart.
+    /// By the measured gap between the meshes.
     Auto,
     /// One length, model units.
     Uniform(f64),
@@ -38,26 +38,28 @@ pub(super) struct CageMesh {
 }
 
 impl CageMesh {
-    /// Refuses a cage of another number of triangles than the low-poly mesh.
+    /// Refuses a cage whose number of triangles differs from the low-poly mesh's.
     fn check(&self, count: usize) -> Result<()> {
         let own = self.mesh.triangles().len();
         if own == count {
             return Ok(());
         }
-        let why = "it must be the low-poly mesh with its vertices moved";
-        let error =
-            Error::invalid("the cage", format!("it has {own} triangles, the low-poly mesh {count}; {why}"));
+        let why = "it must be the low-poly mesh with moved vertices";
+        let error = Error::invalid(
+            "the cage",
+            format!("it has {own} triangles, but the low-poly mesh has {count}; {why}"),
+        );
         Err(self.named(error))
     }
 
-    /// Returns the cage of a part of the low-poly mesh that has these triangles of the whole.
+    /// Returns the cage of a part of the low-poly mesh, given its triangle ranges in the whole.
     pub fn part(&self, ranges: &[Range<usize>]) -> Result<Mesh> {
         let (positions, all) = (self.mesh.positions().to_vec(), self.mesh.triangles());
         let triangles = ranges.iter().flat_map(|range| all[range.clone()].iter().copied()).collect();
         Mesh::new(MeshData { positions, triangles, ..MeshData::default() })
     }
 
-    /// Returns the error with the file that it is about.
+    /// Returns the error prefixed with the file it concerns.
     pub fn named(&self, error: Error) -> Error {
         match (self.source.path(), error) {
             (Some(path), Error::Invalid { what, why }) => Error::invalid(format!("{path}: {what}"), why),
@@ -66,7 +68,7 @@ impl CageMesh {
     }
 }
 
-/// A way to read meshes for a scan that counts their files and faults.
+/// Reads meshes for a scan and collects their files and warnings.
 struct Reader<'a> {
     scan: &'a Scan,
     files: Vec<PathBuf>,
@@ -74,7 +76,7 @@ struct Reader<'a> {
 }
 
 impl Inputs {
-    /// Reads what the options name, for a scan.
+    /// Reads the inputs that the options name, for a scan.
     ///
     /// # Errors
     /// Those of [`GivenMesh::of`], and of reading.

@@ -1,4 +1,4 @@
-//! Faults of a pair of meshes, in plain words and with numbers. A bad map is never baked in silence.
+//! Faults of a pair of meshes, in plain words and with numbers. A bad map is never baked silently.
 
 use super::extent::{Extent, Spot, Whole};
 use super::low::LowPoly;
@@ -12,32 +12,33 @@ use crate::math::Mat4;
 use crate::mesh::Mesh;
 use crate::surface::{HardEdges, Opposed};
 
-/// Points at which the pair is looked at.
+/// Points at which the pair is examined.
 const POINTS: usize = 4_000;
-/// More of the texels missing than this is worth a warning.
+/// A larger fraction of missing texels than this causes a warning.
 const MISSED: f64 = 0.001;
-/// More of the low-poly mesh far away, or turned, than this is worth a warning.
+/// A larger fraction of the low-poly mesh far away or reversed than this causes a warning.
 const PART: f64 = 0.02;
-/// Meshes of which more than this part is far away do not overlap.
+/// Meshes with a larger fraction far away than this do not overlap.
 const APART: f64 = 0.9;
-/// The least distance, as a fraction of the diagonal, from which on two surfaces have nothing to do with each other. Of
-/// coarser meshes it is [`OF_SIDE`] of the diagonal by the square root of their triangles: about half a triangle's side.
+/// The distance, as a fraction of the diagonal, beyond which two surfaces are considered unrelated. For coarser
+/// meshes it is [`OF_SIDE`] of the diagonal divided by the square root of their triangle count: about half a
+/// triangle's side.
 const FAR: f64 = 0.02;
 const OF_SIDE: f64 = 0.5;
-/// A mesh that was made is refused if more than this fraction of it, or of its scan, is far from the other. Measured on
-/// 28 models by others at 12 to 1,000 triangles: sound meshes have at most 25 %, a head of 36 triangles and a camera of
-/// many thin parts at 508; nearly all have less than 1 %. A sword of 50 triangles that lost half its blade has 43 %, and
-/// what was left of balls with unwelded seams or in loose triangles 40 to 99 %.
+/// The fraction far from the other mesh above which a generated mesh, or its scan, is refused. Measured on 28 models
+/// by others at 12 to 1,000 triangles: sound meshes have at most 25 %, a head of 36 triangles and a camera with many
+/// thin parts at 508; nearly all have less than 1 %. A sword of 50 triangles that lost half its blade has 43 %, and
+/// the remains of balls with unwelded seams or in loose triangles have 40 to 99 %.
 const MOST_FAR: f64 = 1.0 / 3.0;
-/// A part of the scan from which the low-poly mesh is farther away than this part of the diagonal is missing.
+/// A part of the scan is missing if the low-poly mesh is farther from it than this fraction of the diagonal.
 const MISSING: f64 = 0.01;
-/// Points of the scan at which a part of it may be missing.
+/// Points of the scan tested for missing parts.
 const SCAN_POINTS: usize = 8_192;
-/// The least number of points that make a part.
+/// The minimum number of points that make up a part.
 const LEAST_POINTS: usize = 4;
-/// Hard edges inside UV islands of more than this part of the length of all edges are worth a warning.
+/// A larger fraction of total edge length in hard edges inside UV islands than this causes a warning.
 const HARD: f64 = 0.001;
-/// An asset of which more than this part faces the other way is inside out as a whole.
+/// An asset with a larger fraction facing the opposite way than this is inside out as a whole.
 pub(super) const INSIDE_OUT: f64 = 0.9;
 
 /// A scan and the low-poly mesh made for it.
@@ -55,16 +56,16 @@ fn part(of: usize, all: usize) -> f64 {
     of as f64 / all.max(1) as f64
 }
 
-/// Refuses maps on which nothing of the scan is to be seen.
+/// Refuses maps that show nothing of the scan.
 ///
 /// # Errors
-/// [`Error::Invalid`] where no triangle covers a texel, or no ray met the scan.
+/// [`Error::Invalid`] if no triangle covers a texel, or no ray met the scan.
 pub(super) fn refuse_no_hit(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts) -> Result<()> {
     let what = "the low-poly mesh";
     if counts.samples == 0 {
         let triangles = pair.low.mesh.triangles().len();
         let why = format!(
-            "none of its {triangles} triangles covers a texel of the map ({} without uv area); unwrap it, or give a \
+            "none of its {triangles} triangles covers a texel of the map ({} without uv area); unwrap it, or use a \
              larger map",
             counts.flat
         );
@@ -75,7 +76,7 @@ pub(super) fn refuse_no_hit(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts) ->
     }
     let faults: Vec<String> = misfits(pair, cage).into_iter().map(|fault| format!("; {fault}")).collect();
     let why = format!(
-        "none of its {} projection rays met the scan, {} to either side at most{}; bring the meshes together, or give a \
+        "none of its {} projection rays met the scan, at most {} to either side{}; align the meshes, or use a \
          larger ray distance or a cage",
         counts.samples,
         ShownLength::of(cage.longest().into(), pair.scan.unit(), 3),
@@ -84,10 +85,11 @@ pub(super) fn refuse_no_hit(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts) ->
     Err(Error::invalid(what, why))
 }
 
-/// Refuses a low-poly mesh that was made from the scan but is not its shape, or only some of it. The scan must be sorted.
+/// Refuses a generated low-poly mesh that does not match the scan's shape, or only part of it. The scan must be
+/// sorted.
 ///
 /// # Errors
-/// [`Error::Invalid`] with how much of which is far from the other, or if one of them has no area.
+/// [`Error::Invalid`] with the fraction of each mesh that is far from the other, or if one of them has no area.
 pub(super) fn refuse_astray(Pair { scan, low }: Pair<'_>) -> Result<()> {
     let triangles = low.mesh.triangles().len();
     let far = FAR.max(OF_SIDE / (triangles as f64).sqrt());
@@ -98,7 +100,7 @@ pub(super) fn refuse_astray(Pair { scan, low }: Pair<'_>) -> Result<()> {
     }
     let why = format!(
         "simplification lost the scan's shape: {} of the mesh is farther than {} of the diagonal from the scan, and {} \
-         of the scan is that far from the mesh; ask for more triangles, or repair the scan: weld its vertices, close its \
+         of the scan is that far from the mesh; use more triangles, or repair the scan: weld its vertices, close its \
          holes and remove loose triangles",
         percent(of_low),
         percent(far),
@@ -107,7 +109,7 @@ pub(super) fn refuse_astray(Pair { scan, low }: Pair<'_>) -> Result<()> {
     Err(Error::invalid(format!("a low-poly mesh of {triangles} triangles"), why))
 }
 
-/// Notes what is wrong with a pair and what was baked of it.
+/// Notes problems of a pair and of its bake.
 pub(super) fn judge(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts, warnings: &mut Warnings) {
     for misfit in misfits(pair, cage) {
         warnings.note(misfit, 1);
@@ -116,8 +118,8 @@ pub(super) fn judge(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts, warnings: 
     if missed > MISSED {
         warnings.note(
             format!(
-                "{} of the texels have rays that missed the scan: {} of all rays took its closest point, {} had no hit and \
-                 left the low-poly mesh's own normal; the report shows where, a larger ray distance or a cage may reach \
+                "{} of the texels have rays that missed the scan: {} of all rays used its closest point, {} had no hit and \
+                 kept the low-poly mesh's own normal; the report shows where; a larger ray distance or a cage may reach \
                  farther",
                 percent(missed),
                 percent(part(counts.missed - counts.lost, counts.samples)),
@@ -128,30 +130,30 @@ pub(super) fn judge(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts, warnings: 
     }
     if counts.shared > counts.samples / 1000 {
         let advice = match pair.low.origin.islands {
-            Some(_) => "take a larger map",
+            Some(_) => "use a larger map",
             None => "unwrap the low-poly mesh without overlaps",
         };
         warnings.note(
             format!(
-                "{} of the map lies under more than one triangle: UV islands overlap, and each place has the relief of \
+                "{} of the map is under more than one triangle: UV islands overlap, and each place has the relief of \
                  one of them; {advice}",
                 percent(part(counts.shared, counts.samples))
             ),
             1,
         );
     }
-    warnings.note("triangles of the low-poly mesh without uv area, which have no relief", counts.flat);
+    warnings.note("triangles of the low-poly mesh without uv area, which get no relief", counts.flat);
     let turned = turned(&pair.low.mesh);
     match is_made(pair) {
         true => warnings.note(
-            "triangles that simplification folded over; another number of them may avoid that",
+            "triangles folded over by simplification; a different triangle count may avoid that",
             turned.len(),
         ),
         false => judge_given(pair, &turned, warnings),
     }
 }
 
-/// Notes what is wrong with a low-poly mesh that was given, of which some triangles face away from their normals.
+/// Notes problems of a given low-poly mesh, some of whose triangles face away from their normals.
 fn judge_given(Pair { scan, low }: Pair<'_>, turned: &[usize], warnings: &mut Warnings) {
     let unit = scan.unit();
     if let Some(extent) = extent_of(&low.mesh, unit, turned) {
@@ -161,7 +163,7 @@ fn judge_given(Pair { scan, low }: Pair<'_>, turned: &[usize], warnings: &mut Wa
     let Opposed { reversed, doubtful } = Opposed::of(&low.mesh);
     let opposed: Vec<usize> = reversed.into_iter().chain(doubtful).map(|t| t as usize).collect();
     if let Some(extent) = extent_of(&low.mesh, unit, &opposed) {
-        let what = "triangles of the low-poly mesh that are wound the other way than their neighbours";
+        let what = "triangles of the low-poly mesh wound opposite to their neighbours";
         warnings.note(format!("{what}: {extent}; make their winding consistent"), opposed.len());
     }
     if low.origin.islands.is_none() {
@@ -178,7 +180,7 @@ fn note_hard_edges(low: &Mesh, unit: Option<Unit>, warnings: &mut Warnings) {
     if let Some(extent) = Extent::of(&spots, whole).filter(|extent| extent.share > HARD) {
         let text = format!(
             "hard edges inside UV islands of the low-poly mesh: {} of the length of its edges, around {}; the map blends \
-             both sides there: cut the uvs at these edges, or make them smooth",
+             both sides there; split the uvs at these edges, or smooth them",
             extent.percent(),
             extent.place()
         );
@@ -192,9 +194,8 @@ fn extent_of(mesh: &Mesh, unit: Option<Unit>, triangles: &[usize]) -> Option<Ext
     if spots.is_empty() { None } else { Extent::of(&spots, Whole::of_mesh(mesh, unit)) }
 }
 
-/// Notes parts of the scan that the whole low-poly mesh lacks, such as thin ones that simplification removed. Meshes that
-/// lie apart altogether are left to [`judge`].
-/// The scan is sorted if it is not yet.
+/// Notes parts of the scan that the whole low-poly mesh lacks, such as thin ones that simplification removed. Meshes
+/// that are entirely apart are left to [`judge`]. Sorts the scan if necessary.
 pub(super) fn note_missing_parts(scan: &Scan, low: &Mesh, is_made: bool, warnings: &mut Warnings) {
     let diagonal = scan.mesh().diagonal();
     let points = bake::uncovered(scan.sorted(), low, SCAN_POINTS, MISSING * diagonal);
@@ -204,8 +205,7 @@ pub(super) fn note_missing_parts(scan: &Scan, low: &Mesh, is_made: bool, warning
     let spots: Vec<Spot> = points.into_iter().map(|at| Spot { at, amount: 1.0 }).collect();
     let whole = Whole { amount: SCAN_POINTS as f64, diagonal, unit: scan.unit() };
     let Some(extent) = Extent::of(&spots, whole) else { return };
-    let advice =
-        if is_made { "ask for more triangles" } else { "add them to it, or remove them from the scan" };
+    let advice = if is_made { "use more triangles" } else { "add them to it, or remove them from the scan" };
     let text = format!(
         "the low-poly mesh lacks parts of the scan: it has nothing within 1 % of the diagonal of {} of the scan's surface, \
          around {}; {advice}",
@@ -226,12 +226,12 @@ pub(super) fn useless_map(with: &Summary, without: &Summary) -> Option<String> {
     })
 }
 
-/// Returns `true` where the low-poly mesh was made from the scan: what is wrong with it is not the user's.
+/// Returns `true` if the low-poly mesh was generated from the scan, so that its faults are not the user's.
 fn is_made(pair: Pair<'_>) -> bool {
     pair.low.origin.simplified.is_some()
 }
 
-/// Returns the ways in which the meshes of a pair do not lie on one another.
+/// Returns the ways in which the meshes of a pair do not match.
 fn misfits(pair: Pair<'_>, cage: &Cage) -> Vec<String> {
     let diagonal = pair.scan.mesh().diagonal();
     let verifier = Verifier { mesh: &pair.low.mesh, shown: None, cage, scan: pair.scan.sorted() };
@@ -242,23 +242,23 @@ fn misfits(pair: Pair<'_>, cage: &Cage) -> Vec<String> {
     if fit.away > PART {
         misfits.push(match is_made(pair) {
             true => {
-                too_few(&format!("{} lies farther than 2 % of the diagonal from the scan", percent(fit.away)))
+                too_few(&format!("{} is farther than 2 % of the diagonal from the scan", percent(fit.away)))
             }
             false => apart(&fit),
         });
     }
-    // Far from the scan it is chance which of its sides is the closest.
+    // Far from the scan, it is chance which of its sides is closest.
     if fit.turned > PART && fit.away < 0.5 {
         misfits.push(match is_made(pair) {
-            true => too_few(&format!("{} faces the other way than the scan beside it", percent(fit.turned))),
+            true => too_few(&format!("{} faces the opposite way to the nearby scan", percent(fit.turned))),
             false => reversed(&fit),
         });
     }
     misfits
 }
 
-/// Refuses a model that does not lie on its scan at all, and notes one of which a part does not. `cause` names what is wrong
-/// with the model as a whole, if that is known.
+/// Refuses a model that does not match its scan at all, and notes one that partly does not. `cause` names what is
+/// wrong with the model as a whole, if known.
 ///
 /// # Errors
 /// [`Error::Invalid`] if the meshes do not overlap.
@@ -272,22 +272,20 @@ pub(super) fn refuse_misfit(
         return Err(Error::invalid("the model and its scan", apart(fit) + &cause));
     }
     warnings.note(apart(fit), usize::from(fit.away > PART));
-    // Of more the proof says that the asset is inside out.
+    // Beyond that fraction, the proof reports that the asset is inside out.
     let is_partly_turned = fit.turned > PART && fit.turned <= INSIDE_OUT;
     warnings.note(reversed(fit), usize::from(is_partly_turned && fit.away < 0.5));
     Ok(())
 }
 
 fn too_few(fault: &str) -> String {
-    format!(
-        "the mesh that was made does not follow the scan's thin or curved parts: {fault}; ask for more triangles"
-    )
+    format!("the generated mesh does not follow the scan's thin or curved parts: {fault}; use more triangles")
 }
 
 fn apart(fit: &Fit) -> String {
-    let apart = if fit.away > APART { "the meshes do not overlap" } else { "the meshes lie apart" };
+    let apart = if fit.away > APART { "the meshes do not overlap" } else { "the meshes are apart" };
     format!(
-        "{apart}: {} of the low-poly mesh lies farther than 2 % of the diagonal from the scan ({} on average); is one of \
+        "{apart}: {} of the low-poly mesh is farther than 2 % of the diagonal from the scan ({} on average); is one of \
          them moved, scaled or posed differently?",
         percent(fit.away),
         percent(fit.distance)
@@ -298,12 +296,12 @@ fn reversed(fit: &Fit) -> String {
     let whole = fit.turned > 0.5;
     let who = if whole { "one of the meshes is inside out" } else { "reversed winding of some triangles" };
     format!(
-        "{who}: {} of the low-poly mesh faces the other way than the scan beside it; reverse its triangles and normals",
+        "{who}: {} of the low-poly mesh faces the opposite way to the nearby scan; reverse its triangles and normals",
         percent(fit.turned)
     )
 }
 
-/// Notes what is wrong with the scan itself.
+/// Notes faults of the scan itself.
 pub(super) fn inspect(scan: &Mesh, warnings: &mut Warnings) {
     let Faults { open_edges, crowded_edges, duplicates, flat } = Faults::of(scan);
     warnings.note("open (boundary) edges of the scan", open_edges);
@@ -356,7 +354,7 @@ mod tests {
         let text = said(&spiked, &ball);
         assert!(text.starts_with("the low-poly mesh lacks parts of the scan: "), "{text}");
         assert!(
-            text.contains("of 1.") && text.contains("around (1.") && text.contains("ask for more triangles"),
+            text.contains("of 1.") && text.contains("around (1.") && text.contains("use more triangles"),
             "{text}"
         );
     }

@@ -1,4 +1,4 @@
-//! Textures of a low-poly mesh's material that stay in the asset.
+//! Textures of a low-poly mesh's material that the asset keeps.
 
 use super::notes::is_plain;
 use super::options::BakeOptions;
@@ -9,7 +9,7 @@ use crate::image::{Bitmap, Sampler, TexelFilter, Wrap};
 use crate::io;
 use crate::scene::{Material, Scene, TextureRef};
 
-/// Textures of a low-poly mesh's material that stay where nothing is baked in their place.
+/// Textures of a low-poly mesh's material that are kept unless something is baked in their place.
 #[derive(Default)]
 pub(super) struct KeptTextures {
     pub color: Option<Bitmap>,
@@ -19,7 +19,7 @@ pub(super) struct KeptTextures {
 }
 
 impl KeptTextures {
-    /// Takes those of a material whose textures can stay.
+    /// Takes the textures of a material that can be kept.
     pub fn of(material: &Material, scene: &Scene) -> Self {
         let bitmap = |texture: &Option<TextureRef>| {
             texture.as_ref().map(|texture| scene.textures()[texture.texture].bitmap().clone())
@@ -28,13 +28,13 @@ impl KeptTextures {
             color: bitmap(&material.base_color_texture),
             metallic_roughness: bitmap(&material.metallic_roughness_texture),
             occlusion: bitmap(&material.occlusion_texture),
-            // A texture that multiplies nothing shows nothing.
+            // A texture multiplied by zero shows nothing.
             emission: bitmap(&material.emissive_texture).filter(|_| material.emissive != [0.0; 3]),
         }
     }
 
-    /// Takes the metalness that is to stand beside a baked roughness; a texture that cannot stay there is noted. All other
-    /// slots of a file that is kept stay in it.
+    /// Takes the metalness to keep next to a baked roughness; a texture that cannot be kept there is noted. All other
+    /// slots of a kept file are unchanged.
     pub fn beside_roughness(
         material: &mut Material,
         scene: &Scene,
@@ -50,7 +50,7 @@ impl KeptTextures {
             return Self { metallic_roughness: Some(bitmap), ..Self::default() };
         }
         warnings.note(
-            "the low-poly mesh's metalness is left out: its texture has uvs of its own, or a transform",
+            "the low-poly mesh's metalness is left out: its texture uses another uv set, or a transform",
             1,
         );
         material.metallic = 0.0;
@@ -58,7 +58,7 @@ impl KeptTextures {
     }
 }
 
-/// Notes textures that stay and look otherwise in the asset, which repeats all of them beyond [0, 1] and smooths them.
+/// Notes kept textures that look different in the asset, which repeats all textures beyond [0, 1] and smooths them.
 pub(super) fn note_samplers(
     material: &Material,
     scene: &Scene,
@@ -74,7 +74,8 @@ pub(super) fn note_samplers(
     }
 }
 
-/// Says whether a texture looks otherwise by the sampler of the asset, which smooths; that clamps where no uv shows it.
+/// Returns true if a texture looks different with the asset's sampler, which smooths, and clamps if no uv lies
+/// outside [0, 1].
 fn differs(own: &Sampler, asset: &Sampler) -> bool {
     let is_rough = [own.magnify, own.minify].contains(&TexelFilter::Nearest);
     is_rough || (asset.wrap_u == Wrap::Repeat && [own.wrap_u, own.wrap_v] != [Wrap::Repeat; 2])
@@ -87,7 +88,7 @@ mod tests {
     use crate::mesh::Mesh;
     use crate::scene::UvTransform;
 
-    /// Returns how much is said of a base colour texture on a sphere whose uvs are multiplied by `scale`.
+    /// Returns the number of notes about a base colour texture on a sphere whose uvs are multiplied by `scale`.
     fn said(sampler: Sampler, scale: f32, maps: Vec<MapKind>) -> usize {
         let mut data = Mesh::sphere(1.0, 8, 4).into_data();
         data.uvs[0].iter_mut().for_each(|uv| *uv = Vec2::new(uv.x * scale, uv.y * scale));
@@ -106,6 +107,6 @@ mod tests {
         assert_eq!([0.5, 2.0].map(|scale| said(mirror, scale, vec![])), [0, 1]);
         assert_eq!([0.5, 2.0].map(|scale| said(rough, scale, vec![])), [1, 1]);
         assert_eq!(said(Sampler::default(), 2.0, vec![]), 0);
-        assert_eq!(said(rough, 2.0, vec![MapKind::Albedo]), 0, "another is baked in its place");
+        assert_eq!(said(rough, 2.0, vec![MapKind::Albedo]), 0, "a baked one replaces it");
     }
 }

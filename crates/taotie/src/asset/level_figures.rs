@@ -31,9 +31,9 @@ pub const BIN_WIDTH: f64 = 0.2;
 
 /// The differences of one level of detail from the scan, in numbers. All levels show the same maps.
 ///
-/// Three kinds of figures: *as seen* ([`LevelFigures::overview`], [`LevelFigures::patches`]) compares the same pixel of scan
-/// and asset; *silhouette* compares outlines; *on the surface* compares each point of the asset with the point of the scan
-/// that its projection ray meets.
+/// Three kinds of figures: *as seen* ([`LevelFigures::overview`], [`LevelFigures::patches`]) compares the same pixel
+/// of scan and asset; *silhouette* compares outlines; *on the surface* compares each point of the asset with the
+/// point of the scan that its projection ray meets.
 ///
 /// ```
 /// use taotie::asset::{Figures, LevelFigures};
@@ -50,7 +50,8 @@ pub const BIN_WIDTH: f64 = 0.2;
 pub struct LevelFigures {
     /// Triangles.
     pub triangles: usize,
-    /// As seen: differences at the same pixel, the object filling 512²; of a coarser level as many as where it is first shown.
+    /// As seen: differences at the same pixel, with the object filling 512²; a coarser level at the size at which it
+    /// is first shown.
     pub overview: Overview,
     /// As seen close up: the worst windows of one per cent of the visible surface.
     pub patches: WorstPatches,
@@ -60,32 +61,32 @@ pub struct LevelFigures {
     pub beyond: Beyond,
     /// The deviation of outlines.
     pub silhouette: SilhouetteFigures,
-    /// What one surface shows and the other lacks.
+    /// Surface that one of the two shows and the other lacks.
     pub coverage: Coverage,
-    /// The largest distance between the surfaces, of what can be seen of them, model units.
+    /// The largest distance between the visible parts of the surfaces, model units.
     pub hausdorff: DistanceBounds,
-    /// The same as a part of the diagonal.
+    /// The same as a fraction of the diagonal.
     pub hausdorff_of_diagonal: DistanceBounds,
     /// The root mean square distance of visible points, model units.
     pub rms: f64,
-    /// The same as a part of the diagonal.
+    /// The same as a fraction of the diagonal.
     pub rms_of_diagonal: f64,
     /// How the asset's texels compare with the scan's detail; `None` without textures.
     pub resolution: Option<Resolution>,
-    /// On the surface: degrees between the normals shown and the scan's, over points spread evenly; `None` where no point was
-    /// found.
+    /// On the surface: degrees between the displayed normals and the scan's, over evenly spread points; `None` if no
+    /// point was found.
     pub surface_angles: Option<Summary>,
-    /// The histogram of these, [`BIN_WIDTH`] a bin; the last is open.
+    /// The histogram of these angles, with bins of [`BIN_WIDTH`]; the last is open-ended.
     pub histogram: Vec<u64>,
-    /// The same angles without the map: what vertex normals alone would give.
+    /// The same angles without the map, from plain vertex normals.
     pub without_map: Option<Summary>,
-    /// The share of the points whose projection ray missed the scan, so that its closest point was taken, [0, 1].
+    /// The share of points whose projection ray missed the scan, so that its closest point was used, [0, 1].
     pub surface_missed: f64,
     /// On the surface: the differences of colour and material.
     pub material: MaterialFigures,
-    /// Of the images from all sides in one grey material, each against that of the scan.
+    /// For the images from all sides in one grey material, each compared with the scan's.
     pub views: Vec<ViewFigures>,
-    /// The same in full material; empty where the scan says nothing of its own.
+    /// The same in full material; empty if the scan does not specify any.
     pub full_views: Vec<ViewFigures>,
 }
 
@@ -94,13 +95,13 @@ pub struct LevelFigures {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct WorstPatches {
-    /// That with the largest mean angle between normals, degrees.
+    /// The window with the largest mean angle between normals, degrees.
     pub angle: Option<Patch>,
-    /// That with the largest mean difference of base colours, CIEDE2000; `None` if colours are not compared.
+    /// The window with the largest mean difference of base colours, CIEDE2000; `None` if colours are not compared.
     pub color: Option<Patch>,
 }
 
-/// What one surface shows and the other lacks, as shares of area, [0, 1].
+/// Surface that one of the two shows and the other lacks, as shares of area, [0, 1].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -111,7 +112,7 @@ pub struct Coverage {
     pub missed_of_asset: f64,
     /// The 99 % interval of the larger of the two.
     pub missed_interval: [f64; 2],
-    /// The middle of the place where most is missed, model units; `None` if nothing is.
+    /// The middle of the place where most is missing, model units; `None` if nothing is.
     pub missed_at: Option<[f64; 3]>,
     /// The share of the scan's visible area within half a per cent of the diagonal of the asset.
     pub completeness: f64,
@@ -122,20 +123,21 @@ pub struct Coverage {
 }
 
 impl Coverage {
-    /// Returns the share of the visible area that is missed, the worse of both directions.
+    /// Returns the share of the visible area that is missing, the worse of both directions.
     pub fn missed(&self) -> f64 {
         self.missed_of_scan.max(self.missed_of_asset)
     }
 }
 
-/// How the texels of an asset compare with the finest detail of its scan: a texel of its textures, or half its median edge.
+/// How the asset's texels compare with the finest detail of its scan: a texel of its textures, or half its median
+/// edge.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Resolution {
     /// The median width of the asset's finest texels, model units.
     pub texel: f64,
-    /// How many times coarser than the scan's detail texels are where they are coarser, 95 % of them at most; 1 if none is.
+    /// The factor by which coarser texels exceed the scan's detail, at the 95th percentile; 1 if none is coarser.
     pub coarser: f64,
     /// The share of the visible area where they are more than twice as coarse, [0, 1].
     pub share: f64,
@@ -145,7 +147,7 @@ pub struct Resolution {
 pub(super) struct PartSurface<'a> {
     pub mapped: Verifier<'a>,
     pub plain: Verifier<'a>,
-    /// Their material, where that is compared.
+    /// Their material, if it is compared.
     pub material: Option<&'a TexturedMesh>,
 }
 
@@ -171,7 +173,7 @@ impl PartSurface<'_> {
     }
 }
 
-/// Measures each part along the rays of a bake, at `points` points that are spread evenly over the area of all.
+/// Measures each part along the rays of a bake, at `points` points spread evenly over the total area.
 ///
 /// # Errors
 /// Those of [`Verifier::normal_error`].
@@ -186,7 +188,7 @@ pub(super) fn measured(parts: &[PartSurface<'_>], points: usize) -> Result<Vec<M
 }
 
 impl LevelFigures {
-    /// Returns the figures on the surface, of what was found of all parts.
+    /// Returns the figures on the surface, from the measurements of all parts.
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] for more than 2^32 − 1 points.
@@ -231,7 +233,7 @@ impl LevelFigures {
     }
 }
 
-/// The part of the diagonal within which the asset completes the scan.
+/// The distance, as a fraction of the diagonal, within which the asset counts as complete.
 const COMPLETE: f32 = 0.005;
 fn coverage(pair: &Pair<'_>, [of_scan, of_asset]: [&CloseUp; 2]) -> Coverage {
     let worse = if of_asset.missing() > of_scan.missing() { of_asset } else { of_scan };
@@ -249,7 +251,7 @@ fn coverage(pair: &Pair<'_>, [of_scan, of_asset]: [&CloseUp; 2]) -> Coverage {
 
 /// Returns how coarse the asset's texels are; `None` if it has none.
 fn resolution(of_scan: &CloseUp, of_asset: &CloseUp) -> Option<Resolution> {
-    /// From so many times on texels lose detail.
+    /// The factor above which texels lose detail.
     const TWICE: f32 = 2.0;
     let numbers = |values: Vec<f32>| {
         let mut values: Vec<f32> = values.into_iter().filter(|v| v.is_finite()).collect();
@@ -289,13 +291,13 @@ fn material_figures(found: &[Measured]) -> Result<MaterialFigures> {
     }))
 }
 
-/// Returns one row of the numbers of several fields.
+/// Returns the values of several fields as one row.
 pub(super) fn chained<'a>(fields: impl Iterator<Item = &'a Field>) -> Result<Field> {
     let values: Vec<f32> = fields.flat_map(|field| field.values()).copied().collect();
     Field::new(values.len() as u32, 1, values)
 }
 
-/// Returns fields one below the other, at the left; NaN beside those that are narrower than others.
+/// Returns fields stacked vertically, left-aligned; narrower ones are padded with NaN.
 pub(super) fn stacked(fields: &[Field]) -> Result<Field> {
     let width = fields.iter().map(Field::width).max().unwrap_or_default();
     let mut values = Vec::new();
@@ -328,6 +330,6 @@ mod tests {
         assert_eq!((stack.width(), stack.height()), (2, 3));
         let known: Vec<f32> = stack.values().iter().copied().filter(|value| !value.is_nan()).collect();
         assert_eq!(known, [1.0, 2.0, 3.0, 4.0]);
-        assert!(stack.values()[1].is_nan() && stack.values()[3].is_nan(), "beside the narrower one");
+        assert!(stack.values()[1].is_nan() && stack.values()[3].is_nan(), "next to the narrower one");
     }
 }

@@ -1,11 +1,12 @@
-//! A coarser level of detail that is asked for.
+//! A requested coarser level of detail.
 
 use crate::error::{Error, Result};
 use serde_json::Value;
 use std::fmt;
 use std::str::FromStr;
 
-/// A coarser level of detail that is asked for: by its triangles, or by how large the object is on the screen while it is shown.
+/// A requested coarser level of detail: by its triangles, or by the size of the object on the screen while it is
+/// shown.
 ///
 /// ```
 /// use taotie::asset::Lod;
@@ -17,24 +18,26 @@ use std::str::FromStr;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lod {
-    /// So many triangles. It is shown once the object fills few enough pixels for it to meet the limits of the finest level.
+    /// This number of triangles. It is shown once the object fills few enough pixels for it to meet the limits of the
+    /// finest level.
     Triangles(u32),
-    /// The lightest level that meets the limits of the finest where the object fills this many pixels, squared; 32 to 511.
+    /// The lightest level that meets the limits of the finest when the object fills this many pixels, squared; 32 to
+    /// 511.
     Pixels(u32),
 }
 
-/// The fewest triangles of a level.
+/// The minimum number of triangles of a level.
 const FEWEST: u32 = 4;
-/// What follows a number of pixels.
+/// The suffix of a number of pixels.
 const PIXELS: &str = "px";
 
 impl Lod {
     /// The pixels across an object for which the finest level is made.
     pub(super) const FINEST: u32 = 512;
-    /// The fewest pixels across that a level is made for.
+    /// The minimum number of pixels across for which a level is made.
     pub(super) const LEAST: u32 = 32;
 
-    /// Returns it as files have it: a number of triangles, or text.
+    /// Returns its form in files: a number of triangles, or text.
     pub(super) fn json(self) -> Value {
         match self {
             Self::Triangles(count) => count.into(),
@@ -42,10 +45,10 @@ impl Lod {
         }
     }
 
-    /// Refuses levels that cannot be made after one of so many triangles, if that is known.
+    /// Refuses levels that cannot follow a finest one with this number of triangles, if known.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a level that is no coarser than one before it, and for pixels out of their range.
+    /// [`Error::Invalid`] for a level that is not coarser than the one before it, and for pixels out of range.
     pub(super) fn check(levels: &[Self], finest: Option<u32>) -> Result<()> {
         let (mut triangles, mut pixels) = (finest, Self::FINEST);
         for level in levels {
@@ -64,7 +67,7 @@ impl Lod {
             };
             if !is_coarser {
                 let after = before.map_or_else(String::new, |before| format!(" after one of {before}"));
-                let why = "each must have fewer triangles, or be for fewer pixels, than the one before; 4 triangles or 32 pixels at least";
+                let why = "each must have fewer triangles, or be for fewer pixels, than the one before; at least 4 triangles or 32 pixels";
                 return Err(Error::invalid(format!("the level of detail {level}{after}"), why));
             }
         }
@@ -92,7 +95,7 @@ impl FromStr for Lod {
             None => number(text).map(Self::Triangles),
         };
         let why =
-            "give a number of triangles, such as 5000, or the pixels that the object fills, such as 128px";
+            "use a number of triangles, such as 5000, or the pixels that the object fills, such as 128px";
         read.ok_or_else(|| Error::invalid(format!("the level of detail `{text}`"), why))
     }
 }

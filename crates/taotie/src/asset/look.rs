@@ -1,5 +1,4 @@
-//! The looks in which scan and asset are compared: grey, so that nothing but shape and normals differs, and their own
-//! materials.
+//! The materials in which scan and asset are compared: grey, so that only shape and normals differ, and their own.
 
 use crate::error::{Result, Warnings};
 use crate::math::Vec3;
@@ -8,8 +7,8 @@ use crate::render::{EnvironmentLight, Lighting};
 use crate::scene::{Camera, Instance, Material, Scene, three_point_rig};
 use crate::studio::{EnvironmentOptions, EnvironmentSource};
 
-/// Returns `true` if a scene states no colour and no material: no vertex colours, and materials that are the default of their
-/// format, except for their relief.
+/// Returns `true` if a scene specifies no colour and no material: no vertex colours, and materials that are the
+/// default of their format, except for their relief.
 pub(super) fn is_plain(scene: &Scene) -> bool {
     let is_plain = |instance: &Instance| {
         let own = &scene.materials()[instance.material];
@@ -26,13 +25,13 @@ pub(super) fn is_plain(scene: &Scene) -> bool {
     scene.instances().iter().all(is_plain)
 }
 
-/// Returns the materials that are shown, that of each instance.
+/// Returns the visible materials, one for each instance.
 pub(super) fn used(scene: &Scene) -> impl Iterator<Item = &Material> {
     scene.instances().iter().map(|instance| &scene.materials()[instance.material])
 }
 
-/// Returns the scene in one grey material, its normal and height maps kept; vertex colours, textures, transparency and
-/// lights are gone.
+/// Returns the scene in one grey material, keeping its normal and height maps; vertex colours, textures, transparency
+/// and lights are removed.
 pub(super) fn grey(scene: Scene) -> Result<Scene> {
     let mut data = scene.into_data();
     for mesh in data.meshes.iter_mut().filter(|mesh| !mesh.colors().is_empty()) {
@@ -60,7 +59,7 @@ fn neutral() -> Material {
     }
 }
 
-/// Returns the light from all around for scenes of which one is of metal, which would be black without: the built-in
+/// Returns the environment light for scenes if one of them is metallic, which would be black without it: the built-in
 /// studio.
 pub(super) fn environment<'a>(
     mut scenes: impl Iterator<Item = &'a Scene>,
@@ -70,7 +69,7 @@ pub(super) fn environment<'a>(
     EnvironmentOptions { source, ..EnvironmentOptions::default() }.load(&mut Warnings::default())
 }
 
-/// Returns the light on a scene: that from all around where there is any, else three lights that go with the camera.
+/// Returns the light on a scene: the environment if there is one, else three lights that follow the camera.
 pub(super) fn lighting(camera: &Camera, environment: Option<&EnvironmentLight>) -> Lighting {
     match environment {
         Some(light) => Lighting { environment: Some(light.clone()), ..Lighting::default() },

@@ -1,4 +1,4 @@
-//! The low-poly mesh that is baked onto: given, or made from the scan.
+//! The low-poly mesh that is baked onto: given, or generated from the scan.
 
 use super::document::KeptMaterial;
 use super::given::Taken;
@@ -19,9 +19,9 @@ pub(super) struct LowPoly {
     pub mesh: Mesh,
     pub origin: Origin,
     pub material: Material,
-    /// Textures of its material that stay.
+    /// Textures of its material that are kept.
     pub kept: KeptTextures,
-    /// The material of the file that is kept; `None` where the asset is written anew.
+    /// The material of the kept file; `None` if the asset is written from scratch.
     pub own: Option<KeptMaterial>,
 }
 
@@ -46,9 +46,9 @@ pub(super) struct LowPoly {
 pub struct Origin {
     /// `true` if it is the scan itself, packed.
     pub is_scan: bool,
-    /// The simplification of the scan; `None` where the mesh was given.
+    /// The simplification of the scan; `None` if the mesh was given.
     pub simplified: Option<Simplification>,
-    /// UV islands of the atlas, where uvs were made.
+    /// UV islands of the atlas, if uvs were generated.
     pub islands: Option<usize>,
 }
 
@@ -69,12 +69,12 @@ pub struct Origin {
 pub struct Simplification {
     /// The method that was needed: `unchanged`, `edge-collapse`, `prune` or `cluster`.
     pub method: String,
-    /// The distance of the low-poly mesh from the scan, as the simplifier estimates, model units.
+    /// The distance of the low-poly mesh from the scan as estimated by the simplifier, model units.
     pub error: f64,
 }
 
 impl LowPoly {
-    /// Takes the mesh that is given, with uvs where it had none.
+    /// Takes the given mesh, adding uvs if it has none.
     pub fn given(
         taken: Taken,
         options: &BakeOptions,
@@ -85,7 +85,7 @@ impl LowPoly {
         let mut origin = Origin::default();
         let mesh = match mesh.uvs().is_empty() {
             false => mesh,
-            true if options.keep_uvs => return Err(Error::invalid("maps alone", NEEDS_UVS)),
+            true if options.keep_uvs => return Err(Error::invalid("standalone maps", NEEDS_UVS)),
             true if !options.is_square() => {
                 return Err(Error::invalid(options.maps_in_words(), SQUARE));
             }
@@ -122,21 +122,21 @@ impl LowPoly {
         Self { mesh, origin, material, kept: KeptTextures::default(), own: None }
     }
 
-    /// Returns the mesh that the scan is looked for from: without its normals if they were fitted, since those of a thin edge
-    /// lean to one of its sides.
+    /// Returns the mesh from which the scan is searched for: without its normals if they were fitted, since those of
+    /// a thin edge lean to one of its sides.
     pub fn shape(&self) -> Cow<'_, Mesh> {
         let data = || MeshData { normals: Vec::new(), tangents: Vec::new(), ..self.mesh.clone().into_data() };
         let bare = self.origin.simplified.is_some().then(|| Mesh::new(data()));
         bare.and_then(Result::ok).map_or(Cow::Borrowed(&self.mesh), Cow::Owned)
     }
 
-    /// Leaves out the tangents, which only a normal map needs.
+    /// Removes the tangents, which only a normal map needs.
     pub fn without_tangents(self) -> Result<Self> {
         let mesh = Mesh::new(MeshData { tangents: Vec::new(), ..self.mesh.into_data() })?;
         Ok(Self { mesh, ..self })
     }
 
-    /// Returns the treatment of alpha: that of the scan where its alpha is baked, else its own.
+    /// Returns the alpha mode: that of the scan if its alpha is baked, else its own.
     pub fn alpha(&self, options: &BakeOptions, scan: &Scan) -> AlphaMode {
         match scan.surface().alpha_mode() {
             mode if options.bakes(&[MapKind::Alpha]) && mode != AlphaMode::Opaque => mode,
@@ -144,7 +144,7 @@ impl LowPoly {
         }
     }
 
-    /// Returns a word that tells its material from others of the asset; empty where it is alone.
+    /// Returns a label that distinguishes its material from others of the asset; empty if it is the only one.
     pub fn label(&self) -> &str {
         self.own.as_ref().map_or("", |own| &own.label)
     }
@@ -159,14 +159,14 @@ fn method_name(method: SimplifyMethod) -> &'static str {
     }
 }
 
-/// Returns the triangles of which a low-poly mesh is made: those of the scan without parts that cannot be seen, which is noted.
+/// Returns the triangles that a low-poly mesh is made from: the scan's without invisible parts, which are noted.
 pub(super) fn seen<'a>(scan: &'a Scan, warnings: &mut Warnings) -> Result<Cow<'a, Mesh>> {
     let Some(shells) = Shells::of(scan.mesh()) else { return Ok(Cow::Borrowed(scan.mesh())) };
     let Some((mesh, share)) = scan.with_sorted(|sorted| shells.without_hidden(sorted))? else {
         return Ok(Cow::Borrowed(scan.mesh()));
     };
     let what = format!(
-        "{:.1} % of the scan's area are parts that cannot be seen (walls within walls, ghost layers or filled cavities): the \
+        "{:.1} % of the scan's area cannot be seen (walls within walls, ghost layers or filled cavities): the \
          low-poly mesh is made without them",
         share * 100.0
     );
@@ -174,12 +174,12 @@ pub(super) fn seen<'a>(scan: &'a Scan, warnings: &mut Warnings) -> Result<Cow<'a
     Ok(Cow::Owned(mesh))
 }
 
-/// What shows the relief of an asset.
+/// The representation of an asset's relief.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Relief {
-    /// A normal map: the mesh has to lie near the scan.
+    /// A normal map: the mesh must be close to the scan.
     Map,
-    /// Vertex normals alone: the mesh has to have vertices where normals change.
+    /// Only vertex normals: the mesh needs vertices where normals change.
     Vertices,
 }
 
@@ -193,7 +193,7 @@ impl Relief {
     }
 }
 
-/// Simplifies what is seen of the scan.
+/// Simplifies the visible part of the scan.
 pub(super) fn simplified(
     seen: &Mesh,
     (triangles, relief): (u32, Relief),
@@ -203,7 +203,7 @@ pub(super) fn simplified(
     bake::simplify(seen, &options, progress.begin("simplify")?)
 }
 
-/// Gives a simplified scan the vertex normals that come nearest to the scan's; sorts the scan if it is not yet.
+/// Gives a simplified scan the vertex normals closest to the scan's; sorts the scan if necessary.
 pub(super) fn fitted(scan: &Scan, simplified: Simplified, progress: Progress<'_>) -> Result<Simplified> {
     scan.sort(progress)?;
     progress.begin("fit normals")?;
@@ -211,16 +211,18 @@ pub(super) fn fitted(scan: &Scan, simplified: Simplified, progress: Progress<'_>
     Ok(Simplified { mesh, ..simplified })
 }
 
-/// Notes what simplification left out, and whether it went as far as was wanted.
+/// Notes what simplification removed, and whether it reached the requested count.
 pub(super) fn note_simplified(simplified: &Simplified, triangles: u32, warnings: &mut Warnings) {
     warnings.absorb(simplified.notes.clone());
     let found = simplified.mesh.triangles().len();
     match simplified.reached {
         true => {}
         false if found < triangles as usize => {
-            warnings.note(format!("{triangles} triangles were wanted; {found} are left"), 1);
+            warnings.note(format!("{triangles} triangles were requested; {found} are left"), 1);
         }
-        false => warnings.note(format!("{triangles} triangles were wanted; could not go below {found}"), 1),
+        false => {
+            warnings.note(format!("{triangles} triangles were requested; could not go below {found}"), 1)
+        }
     }
 }
 
@@ -231,7 +233,7 @@ fn unwrapped(mesh: &Mesh, size: u32, origin: &mut Origin, progress: Progress<'_>
     Ok(unwrapped.mesh)
 }
 
-/// Returns the mesh with normals and tangents; those of the file stay.
+/// Returns the mesh with normals and tangents; those of the file are kept.
 fn framed(mesh: &Mesh, progress: Progress<'_>) -> Result<Mesh> {
     progress.begin("tangents")?;
     Ok(with_frames(mesh, 0, None)?.0.into_owned())
@@ -240,6 +242,5 @@ fn framed(mesh: &Mesh, progress: Progress<'_>) -> Result<Mesh> {
 fn note_uvs(mesh: &Mesh, warnings: &mut Warnings) {
     let inside = |v: f32| (0.0..=1.0).contains(&v);
     let outside = mesh.uvs()[0].iter().filter(|uv| !(inside(uv.x) && inside(uv.y))).count();
-    warnings
-        .note("vertices of the low-poly mesh with uvs outside of the map, which is repeated there", outside);
+    warnings.note("vertices of the low-poly mesh with uvs outside the map, which is repeated there", outside);
 }

@@ -1,4 +1,4 @@
-//! The mesh that a caller brings, as its file says.
+//! The mesh provided by the caller, as stored in its file.
 
 use super::options::MeshSource;
 use super::scan::{Scan, all_files, check_extent, is_gltf};
@@ -9,27 +9,27 @@ use crate::mesh::Mesh;
 use crate::scene::{Material, Scene};
 use std::path::PathBuf;
 
-/// The content of a file with a mesh.
+/// The contents of a mesh file.
 pub(super) struct Read {
     pub scene: Scene,
-    /// The way in which it moves, where it does.
+    /// How it moves, if it does.
     pub moving: Option<&'static str>,
     /// `true` for glTF, which an asset can keep.
     pub is_gltf: bool,
-    /// `true` if it is in metres, and was brought into the space of a scan in another unit.
+    /// `true` if it is in metres, and was converted to the space of a scan in another unit.
     pub is_in_metres: bool,
-    /// `true` where it has XMP metadata.
+    /// `true` if it has XMP metadata.
     pub has_xmp: bool,
-    /// The names of its meshes; may be fewer.
+    /// The names of its meshes; possibly fewer than meshes.
     pub names: Vec<String>,
     /// The limits within which it was read.
     pub limits: Limits,
-    /// All files that it was read from, its own first; none in memory.
+    /// All files that it was read from, the mesh file first; empty in memory.
     pub files: Vec<PathBuf>,
 }
 
-/// Reads a mesh that is given for a scan, into the scan's space. glTF is in metres unless its size shows that it is in the
-/// scan's unit, which is noted.
+/// Reads a given mesh into the scan's space. glTF is in metres unless its size shows that it is in the scan's unit,
+/// which is noted.
 pub(super) fn read(source: &MeshSource, scan: &Scan, warnings: &mut Warnings) -> Result<Read> {
     let mut read = as_it_is(source, scan.limits, warnings)?;
     if !read.is_gltf {
@@ -39,7 +39,7 @@ pub(super) fn read(source: &MeshSource, scan: &Scan, warnings: &mut Warnings) ->
         Some(unit) => {
             let name = source.name().unwrap_or_default();
             let what = format!(
-                "{name}: glTF is in metres, but its size shows that it is in {unit} as the scan is; taken so"
+                "{name}: glTF is in metres, but its size shows that it is in {unit} like the scan; read as such"
             );
             warnings.note(what, 1);
         }

@@ -5,7 +5,7 @@ use super::low::{LowPoly, Origin};
 use super::maps::StoredMaps;
 use super::options::BakeOptions;
 use super::packing::Packing;
-use super::plan::Left;
+use super::plan::DroppedProperty;
 use super::property::Property;
 use super::scan::About;
 use super::search::{Coarser, Rounding, Trial};
@@ -17,40 +17,40 @@ use crate::scene::AlphaMode;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// All that a bake made.
+/// Everything that a bake produced.
 pub(super) struct Made {
     /// With the maps that the scan's material needed.
     pub options: Arc<BakeOptions>,
     pub about: Arc<About>,
     /// The files that the low-poly mesh and the cage were read from.
     pub low_files: Vec<PathBuf>,
-    /// The low-poly file that stays as it is; `None` where the asset is one mesh of one material.
+    /// The low-poly file that is kept as is; `None` if the asset is one mesh with one material.
     pub document: Option<Document>,
     /// The triangles of each material with their maps, at least one.
     pub parts: Vec<Part>,
     /// The levels of detail after the first.
     pub coarser: Vec<Coarser>,
-    /// The alpha mode of each triangle of each level, the finest first; empty where all have their material's.
+    /// The alpha mode of each triangle of each level, the finest first; empty if all have their material's.
     pub alpha_modes: Vec<Vec<AlphaMode>>,
     /// Texels across and down.
     pub size: [u32; 2],
     pub trials: Vec<Trial>,
-    /// What the file loses if a search chose it; `None` if the packing says so.
+    /// The loss of the file's formats if a search chose it; `None` if the packing specifies it.
     pub rounding: Option<Rounding>,
     /// The properties of the scan's material that the asset has.
     pub carried: Vec<Property>,
-    pub left: Vec<Left>,
+    pub left: Vec<DroppedProperty>,
     pub warnings: Warnings,
 }
 
-/// The triangles of one material, and the maps that were baked for them.
+/// The triangles of one material, and the maps baked for them.
 pub(super) struct Part {
     pub low: LowPoly,
     pub maps: StoredMaps,
 }
 
 impl Made {
-    /// Returns the packing of its files: what a search chose goes before what is asked for.
+    /// Returns the packing of its files: a search's choice overrides the requested one.
     pub fn packing(&self, asked: &Packing) -> Packing {
         match self.rounding {
             Some(rounding) => asked.clone().with_format(&rounding.format()),
@@ -70,12 +70,12 @@ impl Made {
     }
 }
 
-/// A low-poly mesh with baked maps. Clones share all of it.
+/// A low-poly mesh with baked maps. Clones share all data.
 ///
 /// ```
 /// use taotie::asset::Asset;
 ///
-/// /// Returns a line about an asset.
+/// /// Describes an asset in one line.
 /// fn line(asset: &Asset) -> String {
 ///     let triangles: Vec<usize> = asset.levels().map(|mesh| mesh.triangles().len()).collect();
 ///     let ([width, height], missed) = (asset.size(), asset.counts().missed);
@@ -92,43 +92,43 @@ impl Asset {
         Self { made: Arc::new(made) }
     }
 
-    /// Returns the levels of detail, the finest first: with uvs, normals and tangents, all materials joined.
+    /// Returns the levels of detail, the finest first: with uvs, normals and tangents, all materials merged.
     pub fn levels(&self) -> impl Iterator<Item = &Mesh> {
         self.made.levels()
     }
 
-    /// Returns the maps as they are stored; those of the first material where there are several.
+    /// Returns the maps as they are stored; those of the first material if there are several.
     pub fn textures(&self) -> &Textures {
         &self.made.parts[0].maps.textures
     }
 
-    /// Returns the maps of each material, by its name in files; the name is empty where there is but one.
+    /// Returns the maps of each material with its name in files; the name is empty if there is only one.
     pub fn texture_sets(&self) -> impl Iterator<Item = (&str, &Textures)> {
         self.made.parts.iter().map(|part| (part.low.label(), &part.maps.textures))
     }
 
-    /// Returns what became of the samples, of all materials.
+    /// Returns the outcome of the samples, over all materials.
     pub fn counts(&self) -> BakeCounts {
         let counts = self.made.parts.iter().map(|part| part.maps.counts);
         counts.fold(BakeCounts::default(), BakeCounts::and)
     }
 
-    /// Returns where the low-poly mesh came from.
+    /// Returns the origin of the low-poly mesh.
     pub fn origin(&self) -> &Origin {
         &self.made.parts[0].low.origin
     }
 
-    /// Returns how many texels the maps have across and down.
+    /// Returns the size of the maps, texels across and down.
     pub fn size(&self) -> [u32; 2] {
         self.made.size
     }
 
-    /// Returns the meshes and maps that were tried where an error was wanted.
+    /// Returns the candidate meshes and maps of a search.
     pub fn trials(&self) -> &[Trial] {
         &self.made.trials
     }
 
-    /// Returns what is wrong with scan, mesh and maps, or was left out.
+    /// Returns the problems of scan, mesh and maps, and omissions.
     pub fn warnings(&self) -> &Warnings {
         &self.made.warnings
     }

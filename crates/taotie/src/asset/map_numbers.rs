@@ -1,4 +1,4 @@
-//! Maps as the numbers that their codes stand for, as OpenEXR holds them, and back.
+//! Converts maps between stored codes and the numbers they represent, as OpenEXR stores them.
 
 use super::textures::Range;
 use crate::error::Result;
@@ -10,9 +10,9 @@ use crate::math::srgb::linear_from_srgb;
 pub(super) enum Meaning {
     /// Unit vectors n as (n + 1) / 2.
     Direction,
-    /// Colour as sRGB; alpha as it is.
+    /// Colour as sRGB; alpha unchanged.
     Color,
-    /// Numbers between those of black and white.
+    /// Numbers between the values of black and white.
     Number(Range),
     /// The numbers themselves.
     Plain,
@@ -54,10 +54,10 @@ fn exr(_: [u32; 2], _: &[&str], _: &[f32]) -> Result<Vec<u8>> {
     Err(crate::Error::needs_feature("maps as OpenEXR", "exr"))
 }
 
-/// Returns a map of unit vectors as codes: floats hold the vectors themselves.
+/// Returns a map of unit vectors as codes: floats store the vectors themselves.
 ///
 /// # Errors
-/// None: the size stays.
+/// None: the size does not change.
 pub(super) fn codes_of_normals(bitmap: Bitmap) -> Result<Bitmap> {
     let Texels::F32(texels) = bitmap.texels() else { return Ok(bitmap) };
     let code = |[x, y, z, a]: &[f32; 4]| {

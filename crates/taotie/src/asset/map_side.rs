@@ -1,8 +1,8 @@
-//! The side of maps: a number of texels, or the program's choice.
+//! The side of maps: a number of texels, or chosen automatically.
 
-/// The value of [`BakeOptions::size`](super::BakeOptions::size) that preserves the scan's detail: the smallest power of two, 256
-/// to 8192, whose texels are at most as wide as a texel of the scan's textures or half its median edge, on nearly all of the
-/// surface. It is `"auto"` in JSON and TOML.
+/// The value of [`BakeOptions::size`](super::BakeOptions::size) that preserves the scan's detail: the smallest power
+/// of two, 256 to 8192, whose texels are at most as wide as a texel of the scan's textures or half its median edge,
+/// on nearly all of the surface. It is `"auto"` in JSON and TOML.
 ///
 /// ```
 /// use taotie::asset::{AUTO_SIZE, BakeOptions};
@@ -12,7 +12,7 @@
 /// ```
 pub const AUTO_SIZE: u32 = 0;
 
-/// The sides that are chosen.
+/// The range of automatically chosen sides.
 const CHOSEN: [u32; 2] = [256, 8192];
 
 /// Returns the side of maps for a scan whose detail needs `detail` texels.
@@ -20,26 +20,26 @@ pub(super) fn chosen(detail: u32) -> u32 {
     detail.clamp(CHOSEN[0], CHOSEN[1])
 }
 
-/// Returns a warning if the side that is chosen loses detail.
+/// Returns a warning if the chosen side loses detail.
 pub(super) fn shortfall(detail: u32) -> Option<String> {
     let side = chosen(detail);
     (detail > side).then(|| {
         format!(
-            "maps of {side}×{side} texels, the largest that auto chooses, are about {} × coarser than the scan's detail; take \
+            "maps of {side}×{side} texels, the largest that auto chooses, are about {} × coarser than the scan's detail; use \
              a larger size, or bake parts of the scan",
             detail / side
         )
     })
 }
 
-/// Sides as JSON: numbers, and `"auto"`.
+/// Sides as JSON: numbers, or `"auto"`.
 #[cfg(feature = "serde")]
 pub(super) mod as_text {
     use super::AUTO_SIZE;
     use serde::de::Error;
     use serde::{Deserialize, Deserializer, Serializer};
 
-    /// What stands for [`AUTO_SIZE`].
+    /// The text for [`AUTO_SIZE`].
     const AUTO: &str = "auto";
 
     #[derive(Deserialize)]

@@ -10,17 +10,17 @@ use crate::bake::{self, BakeCounts, BakeInput, BakeSettings, Baked, Cage, Maps};
 use crate::error::Result;
 use crate::progress::Progress;
 
-/// Maps as they were baked.
+/// Maps after baking.
 pub(super) struct StoredMaps {
     pub textures: Textures,
     /// The outcomes of the samples.
     pub counts: BakeCounts,
-    /// The cage from which the scan was looked for.
+    /// The cage from which the scan was searched for.
     pub cage: Cage,
 }
 
 impl StoredMaps {
-    /// Returns no maps, and the cage of a mesh that has none.
+    /// Returns no maps, with the cage of a mesh without any.
     pub fn none(Pair { scan, low }: Pair<'_>) -> Self {
         let cage = Cage::automatic(&low.shape(), scan.sorted());
         Self { textures: Textures::default(), counts: BakeCounts::default(), cage }
@@ -34,7 +34,7 @@ pub(super) struct Recipe<'a> {
     pub rays: &'a Rays,
 }
 
-/// Bakes the maps that are asked for, of this size.
+/// Bakes the requested maps at this size.
 pub(super) fn bake_maps(
     Recipe { options, rays }: Recipe<'_>,
     size: [u32; 2],

@@ -1,4 +1,4 @@
-//! Maps without a model: textures for a low-poly mesh that stays where it is.
+//! Standalone maps, without a model: textures for a low-poly mesh that stays in its own file.
 
 use super::green;
 use super::kept_textures::KeptTextures;
@@ -7,7 +7,7 @@ use super::map_note::MapNote;
 use super::map_numbers::{self, Meaning};
 use super::packing::Packing;
 use super::property::Property;
-use super::textures::{Beside, Range};
+use super::textures::{Range, StandaloneMap};
 use super::unlit;
 use crate::bake::MapKind;
 use crate::error::{Error, Result, Warnings};
@@ -18,7 +18,7 @@ use crate::normal_map::green_turned;
 use crate::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
 use std::path::{Path, PathBuf};
 
-/// Says whether a path asks for maps alone.
+/// Returns true if a path requests standalone maps.
 pub(super) fn is_alone(path: &Path) -> bool {
     ["png", "webp", "exr"].into_iter().any(|extension| has_extension(path, extension))
 }
@@ -27,7 +27,7 @@ fn has_extension(path: &Path, wanted: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
 }
 
-/// A texture as a file of its own, and the maps that it holds.
+/// A texture as a separate file, and the maps that it holds.
 struct MapFile<'a> {
     maps: Vec<MapKind>,
     bitmap: &'a Bitmap,
@@ -35,12 +35,12 @@ struct MapFile<'a> {
     path: PathBuf,
 }
 
-/// Returns the part of an asset that has but one, as [`check`] demands.
+/// Returns the only part of an asset, as required by [`check`].
 fn only(made: &Made) -> &Part {
     &made.parts[0]
 }
 
-/// Returns all textures. The first lies in `path` itself, the others beside it: `out.png`, `out.ao.png`.
+/// Returns all textures. The first is in `path` itself, the others in files next to it: `out.png`, `out.ao.png`.
 fn files<'a>(made: &'a Made, path: &Path) -> Vec<MapFile<'a>> {
     let textures = &only(made).maps.textures;
     let mut files: Vec<MapFile<'a>> = Vec::new();
@@ -50,10 +50,11 @@ fn files<'a>(made: &'a Made, path: &Path) -> Vec<MapFile<'a>> {
             None => files.push(MapFile::new(map, bitmap)),
         }
     }
-    let other = |other: &'a Beside| MapFile { range: other.range, ..MapFile::new(other.map, &other.bitmap) };
-    files.extend(textures.beside.iter().map(other));
+    let other =
+        |other: &'a StandaloneMap| MapFile { range: other.range, ..MapFile::new(other.map, &other.bitmap) };
+    files.extend(textures.standalone.iter().map(other));
     for (i, file) in files.iter_mut().enumerate() {
-        file.path = if i == 0 { path.into() } else { beside(path, file.name()) };
+        file.path = if i == 0 { path.into() } else { sibling(path, file.name()) };
         if file.holds(&[MapKind::Emission]) {
             let white = f64::from(textures.strength);
             file.range = Some(Range { black: 0.0, white, unit: "radiance" });
@@ -62,19 +63,19 @@ fn files<'a>(made: &'a Made, path: &Path) -> Vec<MapFile<'a>> {
     files
 }
 
-/// The name of a texture of both occlusion and roughness.
+/// The name of a texture that holds both occlusion and roughness.
 const ORM: &str = "orm";
 
-/// Returns the path of a map beside the first.
-fn beside(path: &Path, name: &str) -> PathBuf {
+/// Returns the path of a map next to the first.
+fn sibling(path: &Path, name: &str) -> PathBuf {
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     path.with_extension(format!("{name}.{extension}"))
 }
 
-/// Returns every file that maps alone may be written to, `path` itself first.
+/// Returns every file that standalone maps may be written to, `path` itself first.
 pub(super) fn possible_files(path: &Path) -> Vec<PathBuf> {
     let names = MapKind::NAMES.iter().map(|(name, _)| *name).chain([ORM]);
-    std::iter::once(path.to_path_buf()).chain(names.map(|name| beside(path, name))).collect()
+    std::iter::once(path.to_path_buf()).chain(names.map(|name| sibling(path, name))).collect()
 }
 
 impl<'a> MapFile<'a> {
@@ -86,7 +87,7 @@ impl<'a> MapFile<'a> {
         any.iter().any(|map| self.maps.contains(map))
     }
 
-    /// Returns the name of the only map, or of several in one texture.
+    /// Returns the name of its only map, or of several in one texture.
     fn name(&self) -> &'static str {
         let occlusion = self.holds(&[MapKind::Occlusion, MapKind::OcclusionMap]);
         let roughness = self.holds(&[MapKind::Roughness, MapKind::MetallicRoughness]);
@@ -98,7 +99,7 @@ impl<'a> MapFile<'a> {
         if is_color { Encoding::Srgb } else { Encoding::Linear }
     }
 
-    /// Returns its bytes, as its extension says, with the texels of `bitmap`.
+    /// Returns its bytes, in the format of its extension, with the texels of `bitmap`.
     fn encoded(&self, bitmap: &Bitmap) -> Result<Vec<u8>> {
         if has_extension(&self.path, "exr") {
             return map_numbers::encoded(bitmap, self.meaning());
@@ -118,7 +119,7 @@ impl<'a> MapFile<'a> {
         }
     }
 
-    /// Returns the numbers of black and white in the file: OpenEXR holds numbers themselves, but emission.
+    /// Returns the values of black and white in the file: OpenEXR stores the numbers themselves, except for emission.
     fn file_range(&self) -> Option<Range> {
         let is_number = matches!(self.meaning(), Meaning::Number(_)) && has_extension(&self.path, "exr");
         self.range.map(|range| if is_number { Range { black: 0.0, white: 1.0, ..range } } else { range })
@@ -138,7 +139,7 @@ impl<'a> MapFile<'a> {
     }
 }
 
-/// Returns what each map is and where.
+/// Returns each map's kind and file.
 pub(super) fn notes(made: &Made, path: &Path) -> Vec<MapNote> {
     files(made, path).iter().flat_map(MapFile::notes).collect()
 }
@@ -146,9 +147,8 @@ pub(super) fn notes(made: &Made, path: &Path) -> Vec<MapNote> {
 /// Returns all files.
 ///
 /// # Errors
-/// [`Error::Invalid`] for what maps alone cannot have: several materials, uvs that were made, levels of detail, and the
-/// packing of a model;
-/// [`Error::Unsupported`] for maps of 16 bits as WebP.
+/// [`Error::Invalid`] for what standalone maps cannot have: several materials, generated uvs, levels of detail, and
+/// the packing of a model; [`Error::Unsupported`] for 16-bit maps as WebP.
 pub(super) fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>> {
     check(made, packing)?;
     let turned = green::turned(made.options.space, &only(made).maps.textures, packing)?;
@@ -163,29 +163,23 @@ pub(super) fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec
 fn check(made: &Made, packing: &Packing) -> Result<()> {
     let origin = &only(made).low.origin;
     let wrong = [
-        (
-            made.parts.len() > 1,
-            "they are for one material and the low-poly mesh has several; give a mesh of one",
-        ),
-        (
-            origin.islands.is_some(),
-            "their uvs were made and no file holds them; give a low-poly mesh with uvs",
-        ),
-        (!made.coarser.is_empty(), "levels of detail are lost with the model; leave them out"),
+        (made.parts.len() > 1, "the low-poly mesh has several materials; use a mesh with one"),
+        (origin.islands.is_some(), "no file would store the generated uvs; use a low-poly mesh with uvs"),
+        (!made.coarser.is_empty(), "levels of detail need a model; omit them"),
         (
             packing.images != TextureCodecs::default(),
-            "the name of their file says how they are packed; leave other packings out",
+            "the file name determines the format; omit other formats",
         ),
         (packing.meshopt, "there is no geometry to compress"),
-        (packing.provenance.is_some(), "they hold no XMP metadata"),
+        (packing.provenance.is_some(), "they cannot store XMP metadata"),
     ];
     match wrong.iter().find(|(is, _)| *is) {
-        Some((_, why)) => Err(Error::invalid("maps alone", format!("{why}, or write a .glb"))),
+        Some((_, why)) => Err(Error::invalid("standalone maps", format!("{why}, or write a .glb"))),
         None => Ok(()),
     }
 }
 
-/// Returns the properties of the scan's material that are in some map.
+/// Returns the properties of the scan's material that are stored in a map.
 pub(super) fn carried(made: &Made) -> impl Iterator<Item = Property> {
     made.carried.iter().copied().filter(|property| is_in_map(made, *property))
 }
@@ -194,50 +188,48 @@ fn is_in_map(made: &Made, property: Property) -> bool {
     property.map().is_some_and(|map| made.options.bakes(&[map]))
 }
 
-/// Notes what a model would have and maps alone do not.
+/// Notes what a model would have but standalone maps lack.
 pub(super) fn warnings(made: &Made) -> Warnings {
     let mut warnings = Warnings::default();
     let factors = made.carried.iter().filter(|property| !is_in_map(made, **property));
     let factors: Vec<&str> = factors.map(|property| property.name()).collect();
-    let what = format!("maps alone hold no factors of the scan's material: {}", factors.join(", "));
+    let what = format!("standalone maps cannot store the scan's material factors: {}", factors.join(", "));
     warnings.note(what, usize::from(!factors.is_empty()));
     let is_told = made.about.copyright.is_some() || made.about.xmp.is_some();
-    warnings.note("maps alone hold neither rights nor history of the scan", usize::from(is_told));
+    warnings.note("standalone maps cannot store the scan's rights and history", usize::from(is_told));
     warnings.absorb(unlit::note(made.parts.iter().filter(|part| unlit::hides_maps_of(part))));
     warnings
 }
 
-/// Says whether any map is one of the material, and not of the shape.
+/// Returns true if any map belongs to the material rather than the shape.
 pub(super) fn has_material(made: &Made) -> bool {
     use MapKind::{Albedo, Alpha, Emission, MetallicRoughness, Roughness};
     made.options.bakes(&[Albedo, Alpha, Emission, MetallicRoughness, Roughness])
 }
 
-/// Returns what the proof of maps alone does not look at.
+/// Returns the properties that the proof of standalone maps does not compare.
 pub(super) fn unseen(made: &Made) -> Option<String> {
     let what = match has_material(made) {
-        true => {
-            "factors of the material, which the maps' program has to set: those of the low-poly mesh are shown"
-        }
-        false => "colour and material, of which no map is baked",
+        true => "material factors, which the application must set: those of the low-poly mesh are shown",
+        false => "colour and material, for which no map is baked",
     };
     (!made.about.is_plain).then(|| what.to_owned())
 }
 
-/// Reads the maps back onto the low-poly mesh. Normals have green up again.
+/// Reads the maps back onto the low-poly mesh. Normals are converted back to green up.
 ///
 /// # Errors
 /// Those of reading the files.
 pub(super) fn read_back(made: &Made, green: GreenChannel, path: &Path) -> Result<Loaded> {
     let none = KeptTextures::default();
     let Part { low, maps } = only(made);
-    let told = maps.textures.material(&low.material, &none);
+    let stated = maps.textures.material(&low.material, &none);
     let mut material = Material {
-        base_color: told.base_color,
-        metallic: told.metallic,
-        roughness: told.roughness,
-        occlusion_strength: told.occlusion_strength,
-        emissive: told.emissive,
+        base_color: stated.base_color,
+        metallic: stated.metallic,
+        roughness: stated.roughness,
+        occlusion_strength: stated.occlusion_strength,
+        emissive: stated.emissive,
         ..low.material.clone()
     };
     material.retain_textures(|_| false);
@@ -252,7 +244,7 @@ pub(super) fn read_back(made: &Made, green: GreenChannel, path: &Path) -> Result
     Ok(Loaded::new(scene, Warnings::default(), "PNG"))
 }
 
-/// Returns a file's texture, whose normals are codes with green up. Colours in floats are linear there too.
+/// Returns a file's texture, with normals as codes with green up. Float colours are linear in the file too.
 fn texture(file: &MapFile<'_>, bitmap: Bitmap, green: GreenChannel) -> Result<Texture> {
     if !file.holds(&[MapKind::Normal]) {
         return Ok(Texture::new(bitmap, file.encoding()));
@@ -262,12 +254,12 @@ fn texture(file: &MapFile<'_>, bitmap: Bitmap, green: GreenChannel) -> Result<Te
     Ok(Texture::new(up, Encoding::Normal))
 }
 
-/// Puts a texture into the slots of a material that its maps belong to.
+/// Assigns a texture to the material slots that its maps belong to.
 fn show(file: &MapFile<'_>, texture: usize, (material, space): (&mut Material, NormalSpace)) {
     use MapKind::{Albedo, Alpha, Emission, MetallicRoughness, Normal, Occlusion, OcclusionMap, Roughness};
     let uses =
         TextureRef { texture, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
-    // The proof takes an object-space map from its file.
+    // The proof reads an object-space map from its file.
     if file.holds(&[Normal]) && space == NormalSpace::Tangent {
         let green = GreenChannel::Up;
         material.normal = Some(NormalMap { texture: uses, scale: 1.0, space, green });
@@ -287,8 +279,8 @@ mod tests {
 
     #[test]
     fn only_pictures_stand_alone() {
-        let alone = ["normal.png", "a/b.WebP", "c.exr", "scan.glb", "scan.gltf", "png"];
-        assert_eq!(alone.map(|path| is_alone(path.as_ref())), [true, true, true, false, false, false]);
+        let paths = ["normal.png", "a/b.WebP", "c.exr", "scan.glb", "scan.gltf", "png"];
+        assert_eq!(paths.map(|path| is_alone(path.as_ref())), [true, true, true, false, false, false]);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! A model in memory, measured against its scan without pictures.
+//! A model in memory, measured against its scan without rendering pictures.
 
 use super::figures::Figures;
 use super::findings;
@@ -12,8 +12,8 @@ use crate::progress::Progress;
 use crate::scene::Scene;
 use std::path::Path;
 
-/// Measures a model that is shown already against its scan: the figures that [`verify`](super::verify) finds of the same model,
-/// except those of images and files, and what is wrong. `options.map` and the sizes of pictures are not read.
+/// Measures a loaded model against its scan: returns the figures that [`verify`](super::verify) finds for the same
+/// model, except those of images and files, and the warnings. `options.map` and the sizes of pictures are ignored.
 ///
 /// ```no_run
 /// use taotie::Progress;

@@ -1,4 +1,4 @@
-//! The measurement of levels of detail at as many points as it takes to decide what is required of them.
+//! The measurement of levels of detail at as many points as it takes to decide the requirements.
 
 use super::figures::{Figures, FitFigures};
 use super::level_figures::{LevelFigures, Measured, measured};
@@ -20,13 +20,14 @@ pub(super) struct Measurement<'a> {
     pub scan: &'a Scan,
     pub unit: Option<Unit>,
     pub options: &'a VerifyOptions,
-    /// The pixels across the object at which each level is first shown; `None` of the finest, and of files that do not say.
+    /// The pixels across the object at which each level is first shown; `None` for the finest, and for files that do
+    /// not state it.
     pub across: &'a [Option<f32>],
 }
 
 impl<'a> Measurement<'a> {
-    /// Returns the figures of all levels, the coarser ones at a quarter of the points at first, and of the finest level's
-    /// materials.
+    /// Returns the figures of all levels, the coarser ones initially at a quarter of the points, and those of the
+    /// finest level's materials.
     pub fn all(
         &self,
         finest: &ShownLevel<'a>,
@@ -49,7 +50,7 @@ impl<'a> Measurement<'a> {
         Ok((figures, part_figures(finest, &found)))
     }
 
-    /// Adds the figures of the next level, and returns what was found on the surfaces of its materials.
+    /// Adds the figures of the next level, and returns the measurements on the surfaces of its materials.
     fn add_level(
         &self,
         figures: &mut Figures,
@@ -80,7 +81,7 @@ impl<'a> Measurement<'a> {
     }
 }
 
-/// Returns the figures of each material if there are several.
+/// Returns the figures of each material, if there are several.
 fn part_figures(level: &ShownLevel<'_>, found: &[Measured]) -> Vec<PartFigures> {
     let parts = level.parts.iter().zip(found).filter(|(part, _)| !part.label.is_empty());
     parts

@@ -1,4 +1,4 @@
-//! The memory that a bake will take, estimated before it begins.
+//! The memory that a bake needs, estimated before it begins.
 
 use super::options::BakeOptions;
 use super::packing::Packing;
@@ -7,9 +7,9 @@ use crate::bake::{MapKind, Maps, bytes_of_bands};
 use crate::error::{Error, Result};
 use crate::io::{Bytes, CodecKind, ImageCodec, Limits, TextureCodecs};
 
-/// The memory of a bake at its peak: the scan with its textures, sorted for rays, and maps; or, where that is more, the
-/// tangents that a scan with a normal map gets before, its inspection, simplification, the packing of textures, the
-/// measuring of the asset, or the page that shows it.
+/// The peak memory of a bake: the scan with its textures, sorted for rays, and maps; or, if that is more, that of
+/// computing tangents for a scan with a normal map, inspection, simplification, texture packing, measuring the asset,
+/// or the page that shows it.
 ///
 /// ```
 /// use taotie::asset::{BakeOptions, Baker, Bytes, Limits, ScanSize};
@@ -23,40 +23,41 @@ use crate::io::{Bytes, CodecKind, ImageCodec, Limits, TextureCodecs};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub struct Need {
+pub struct MemoryEstimate {
     /// The size of the scan.
     pub scan: ScanSize,
-    /// `true` where an earlier bake has sorted the scan for rays; else that comes after inspection and simplification.
+    /// `true` if an earlier bake has sorted the scan for rays; else that happens after inspection and simplification.
     pub is_sorted: bool,
-    /// `true` where the low-poly mesh has to be made.
+    /// `true` if the low-poly mesh must be generated.
     pub simplifies: bool,
-    /// Triangles that the low-poly mesh is asked to have; where it is given or its error is, this stands for it all the same.
+    /// The requested number of low-poly triangles; also used as an estimate if the mesh or its error is given
+    /// instead.
     pub low_triangles: u64,
-    /// `true` where the scan is inspected.
+    /// `true` if the scan is inspected.
     pub inspects: bool,
     /// Texels of a map.
     pub texels: u64,
-    /// Bytes a texel over all maps while they are made.
+    /// Bytes per texel over all maps during baking.
     pub texel_bytes: u64,
-    /// Bytes of the bands of texels that threads bake at once.
+    /// Bytes of the bands of texels that threads bake concurrently.
     pub band_bytes: u64,
-    /// Bytes a texel over all maps as they are stored.
+    /// Bytes per texel over all maps as stored.
     pub stored_bytes: u64,
-    /// Maps that are stored, at most.
+    /// The maximum number of stored maps.
     pub maps: u64,
-    /// Materials with maps of their own, at least 1; known where the low-poly mesh is read.
+    /// Materials with their own maps, at least 1; known once the low-poly mesh is read.
     pub materials: u64,
-    /// Levels of detail, the finest among them.
+    /// Levels of detail, including the finest.
     pub levels: u64,
     /// The formats of its textures.
     pub images: TextureCodecs,
-    /// `true` where the asset is measured against the scan afterwards.
+    /// `true` if the asset is measured against the scan afterwards.
     pub is_proved: bool,
-    /// Texels along a side, at most, of the textures of a page that shows the asset afterwards; `None` where no page does.
+    /// The maximum texture side on a page that shows the asset afterwards, texels; `None` without a page.
     pub shown_side: Option<u32>,
 }
 
-impl Need {
+impl MemoryEstimate {
     pub(super) fn of(options: &BakeOptions, scan: ScanSize) -> Self {
         let options = &options.sized(scan);
         let wanted = maps(options, scan.carries);
@@ -80,28 +81,29 @@ impl Need {
         }
     }
 
-    /// Returns what a bake needs that is written with this packing; of PNG if it is not said.
+    /// Returns the need of a bake that is written with this packing; the default is PNG.
     pub fn with_packing(self, packing: &Packing) -> Self {
         Self { images: packing.images, ..self }
     }
 
-    /// Returns what a bake needs whose asset is measured against the scan afterwards.
+    /// Returns the need of a bake whose asset is measured against the scan afterwards.
     pub fn with_proof(self) -> Self {
         Self { is_proved: true, ..self }
     }
 
-    /// Returns what a bake needs whose asset a page shows afterwards, with textures of at most `side` texels along a side.
+    /// Returns the need of a bake whose asset is shown on a page afterwards, with textures of at most `side` texels
+    /// along a side.
     pub fn with_viewer(self, side: u32) -> Self {
         Self { shown_side: Some(side), ..self }
     }
 
-    /// Returns the whole, scan included: the most of what its stages take, one after the other.
+    /// Returns the peak memory, scan included: the maximum over its stages, which run one after the other.
     pub fn bytes(&self) -> Bytes {
         /// The program itself, its threads, and the low-poly mesh.
         const REST: u64 = 32 << 20;
-        /// The same while tangents are made, and what was freed then and is not given back.
+        /// The same while tangents are computed, plus memory freed then but not returned to the system.
         const FRAMING_REST: u64 = 96 << 20;
-        /// What was freed in pieces and the allocator keeps: for each triangle, and at most.
+        /// Memory freed in pieces but kept by the allocator: per triangle, and at most.
         const KEPT: u64 = 96;
         const MOST_KEPT: u64 = 48 << 20;
         let proving = if self.is_proved { self.proving() } else { 0 };
@@ -120,11 +122,11 @@ impl Need {
         Bytes(most.max(framing))
     }
 
-    /// Returns the bytes while the scan is inspected and the low-poly mesh is made.
+    /// Returns the bytes during inspection of the scan and generation of the low-poly mesh.
     fn lightening(&self) -> u64 {
-        /// The memory of simplification for a triangle: joined vertices, blocks, and the half that is left of them.
+        /// The memory of simplification per triangle: joined vertices, blocks, and the half that remains of them.
         const SIMPLIFYING: u64 = 24;
-        /// The scan's edges and triangles in groups, in which its faults are found.
+        /// The scan's edges and triangles in groups, used to find its faults.
         const INSPECTING: u64 = 40;
         let simplifying = if self.simplifies { SIMPLIFYING } else { 0 };
         let inspecting = if self.inspects { INSPECTING } else { 0 };
@@ -132,24 +134,24 @@ impl Need {
         scan.saturating_add(self.scan.triangles * simplifying.max(inspecting))
     }
 
-    /// Returns the bytes while the scan is sorted and maps are made.
+    /// Returns the bytes while the scan is sorted and maps are baked.
     fn baking(&self) -> u64 {
         /// Keys while the tree is sorted.
         const SORTING: u64 = 8;
-        let beside = self.scan.triangles * SORTING;
-        // One material is baked after the other.
+        let sorting = self.scan.triangles * SORTING;
+        // Materials are baked one after the other.
         let stored = self.stored_of(self.materials.saturating_sub(1));
         let maps = (self.texels * self.texel_bytes).saturating_add(self.band_bytes);
-        self.scan.bytes().saturating_add(beside.max(maps)).saturating_add(stored)
+        self.scan.bytes().saturating_add(sorting.max(maps)).saturating_add(stored)
     }
 
-    /// Returns the bytes while textures are packed, one for each thread at a time.
+    /// Returns the bytes while textures are packed, one per thread at a time.
     fn writing(&self) -> u64 {
         let stored = self.stored_of(self.materials);
         self.scan.bytes().saturating_add(stored).saturating_add(self.packing(self.texels, self.images))
     }
 
-    /// Returns the bytes while maps of so many texels become images, one for each thread at a time.
+    /// Returns the bytes while maps of `texels` texels are encoded as images, one per thread at a time.
     fn packing(&self, texels: u64, images: TextureCodecs) -> u64 {
         let at_once = (self.maps * self.materials).min(rayon::current_num_threads() as u64);
         (texels * most(images, |coding| coding.packing)).saturating_mul(at_once)
@@ -168,10 +170,10 @@ impl Need {
             .fold(scan, u64::saturating_add)
     }
 
-    /// Returns the bytes while a page shows the asset: it is read back, and its textures become smaller ones without loss.
-    /// The scan is gone, and what was measured with it is freed; the allocator keeps some of that.
+    /// Returns the bytes while a page shows the asset: it is read back, and its textures are re-encoded smaller and
+    /// lossless. The scan is gone, and the memory of its measurement is freed; the allocator keeps some of it.
     fn showing(&self, side: u32) -> u64 {
-        /// A triangle of the asset: as it is drawn, as it is packed, and as text.
+        /// A triangle of the asset: as drawn, as packed, and as text.
         const LOW_TRIANGLE: u64 = 550;
         const KEPT: u64 = 600;
         const MOST_KEPT: u64 = 64 << 20;
@@ -183,18 +185,18 @@ impl Need {
             .fold(proof, u64::saturating_add)
     }
 
-    /// Returns the bytes of the asset's textures with their mip levels as they are read from its file.
+    /// Returns the bytes of the asset's textures with their mip levels, as read from its file.
     fn read_back(&self) -> u64 {
         const TEXTURE: u64 = 7;
         let maps = (self.maps * self.materials).saturating_mul(self.texels * TEXTURE);
         maps.saturating_add(self.texels * most(self.images, |coding| coding.unpacking))
     }
 
-    /// Returns the bytes of what a proof holds, and of how the report shows it.
+    /// Returns the bytes held by a proof and by its display in the report.
     fn proof(&self) -> u64 {
         /// Images of scan and level from all sides in one look, and their differences.
         const VIEWS: u64 = 48 << 20;
-        /// Maps of errors and of lost detail, at most, and their texels.
+        /// The maximum size of maps of errors and of lost detail, and bytes per texel of them.
         const MOST_ERRORS: u64 = 1 << 20;
         const ERROR: u64 = 53;
         let looks = if self.scan.has_material { 2 } else { 1 };
@@ -202,22 +204,22 @@ impl Need {
         errors.saturating_add(self.levels * looks * VIEWS)
     }
 
-    /// Returns the bytes of the stored maps of so many materials.
+    /// Returns the bytes of the stored maps of this number of materials.
     fn stored_of(&self, materials: u64) -> u64 {
         materials.saturating_mul(self.texels * self.stored_bytes)
     }
 
-    /// Refuses what does not fit.
+    /// Refuses a bake that does not fit.
     ///
     /// # Errors
-    /// [`Error::Limit`] where the limit is exceeded.
+    /// [`Error::Limit`] if the limit is exceeded.
     pub fn check(&self, limits: Limits) -> Result<()> {
         match limits.memory {
             Some(limit) if self.bytes() > limit => Err(Error::limit(
                 format!("a bake of {} triangles", self.scan.triangles),
                 format!(
                     "it needs about {} of memory, the limit is {limit}; raise the memory limit, free memory, lower the \
-                     maps' size, or bake fewer maps at once",
+                     maps' size, or bake fewer maps at a time",
                     self.bytes()
                 ),
             )),
@@ -226,7 +228,7 @@ impl Need {
     }
 }
 
-/// The bytes a texel of a texture beside its codes, while it is packed and while it is unpacked.
+/// The bytes per texel of a texture in addition to its codes, during packing and unpacking.
 struct Coding {
     packing: u64,
     unpacking: u64,
@@ -242,7 +244,7 @@ fn most(images: TextureCodecs, of: fn(Coding) -> u64) -> u64 {
     images.all().into_iter().map(|codec| of(coding(codec.kind()))).max().unwrap_or_default()
 }
 
-/// Bytes a texel over all maps: floats while they are baked, codes afterwards, and what filling takes.
+/// Bytes per texel over all maps: floats during baking, codes afterwards, and the buffers for filling.
 fn texel_bytes(options: &BakeOptions, carries: Maps) -> u64 {
     let floats = |map: MapKind| match map {
         MapKind::Normal | MapKind::Albedo | MapKind::Bent | MapKind::Emission => 12,
@@ -253,7 +255,7 @@ fn texel_bytes(options: &BakeOptions, carries: Maps) -> u64 {
     8 + maps(options, carries).iter().map(|map| floats(map) + codes).sum::<u64>()
 }
 
-/// Bytes a texel of a map that is stored, at most.
+/// The maximum bytes per texel of a stored map.
 fn codes(options: &BakeOptions) -> u64 {
     4 * u64::from(options.bits / 8)
 }
@@ -269,7 +271,7 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_refused_with_both_numbers() {
-        let need = Need {
+        let need = MemoryEstimate {
             scan: ScanSize { triangles: 20_000_000, vertices: 10_000_000, ..ScanSize::default() },
             is_sorted: false,
             simplifies: true,
@@ -291,18 +293,18 @@ mod tests {
             need.check(Limits { memory: Some(Bytes(1 << 30)), ..Limits::default() }).unwrap_err().to_string();
         assert!(error.contains("20000000 triangles") && error.contains("1.0 GiB"), "{error}");
         assert!(need.check(Limits::default()).is_ok());
-        let several = Need { materials: 4, ..need };
+        let several = MemoryEstimate { materials: 4, ..need };
         assert_eq!(
             several.bytes().0 - need.bytes().0,
             3 * (8 << 22),
-            "maps of three are held beside those baked"
+            "maps of three are held next to those being baked"
         );
     }
 
     #[test]
     fn tangents_and_textures_of_a_scan_are_in_the_estimate() {
         let size = ScanSize { triangles: 20_000_000, vertices: 10_000_000, ..ScanSize::default() };
-        let need = |size| Need::of(&BakeOptions::default(), size).bytes().0;
+        let need = |size| MemoryEstimate::of(&BakeOptions::default(), size).bytes().0;
         let framed = ScanSize { framed_triangles: 20_000_000, framed_vertices: 10_000_000, ..size };
         assert!(need(framed) > 8 << 30, "{}", need(framed));
         assert_eq!(need(framed.joined()), need(size));
@@ -314,7 +316,7 @@ mod tests {
     fn each_thread_has_a_band_of_its_own() {
         let of_threads = |count: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
-            pool.install(|| Need::of(&BakeOptions::default(), ScanSize::default()).bytes().0)
+            pool.install(|| MemoryEstimate::of(&BakeOptions::default(), ScanSize::default()).bytes().0)
         };
         let band = (of_threads(16) - of_threads(2)) / 14;
         assert!((6 << 20..8 << 20).contains(&band), "{band}");
@@ -324,17 +326,19 @@ mod tests {
     #[test]
     fn packing_and_proof_count_where_they_are_the_most() {
         let options = BakeOptions::default();
-        let need =
-            Need::of(&options, ScanSize { triangles: 20_000, vertices: 10_000, ..ScanSize::default() });
+        let need = MemoryEstimate::of(
+            &options,
+            ScanSize { triangles: 20_000, vertices: 10_000, ..ScanSize::default() },
+        );
         let webp = Packing { images: ImageCodec::WebP.into(), ..Packing::default() };
         assert!(need.with_packing(&webp).bytes() > need.bytes());
         assert!(need.with_packing(&webp).with_proof().bytes() > need.with_proof().bytes());
         assert!(need.with_proof().with_viewer(2048).bytes() > need.with_proof().bytes());
-        let proved = |need: Need| need.with_proof().bytes().0;
+        let proved = |need: MemoryEstimate| need.with_proof().bytes().0;
         assert!(proved(need) > need.bytes().0);
-        let levels = Need { levels: 3, ..need };
+        let levels = MemoryEstimate { levels: 3, ..need };
         assert_eq!(proved(levels) - proved(need), 2 * (48 << 20), "the images of two further levels");
-        let material = Need { scan: ScanSize { has_material: true, ..need.scan }, ..need };
+        let material = MemoryEstimate { scan: ScanSize { has_material: true, ..need.scan }, ..need };
         assert!(proved(material) >= proved(need) + (48 << 20));
     }
 }

@@ -1,4 +1,4 @@
-//! The metalness beside a baked roughness: that of the low-poly mesh's own material.
+//! The metalness stored with a baked roughness: that of the low-poly mesh's own material.
 
 use super::kept_textures::KeptTextures;
 use crate::image::{Bitmap, Encoding, Sampler, Texture};
@@ -8,20 +8,20 @@ use crate::scene::Material;
 /// The metalness of a material over the texels of a map.
 pub(super) struct Metalness {
     factor: f32,
-    /// Blue multiplies `factor`.
+    /// Its blue channel multiplies `factor`.
     texture: Option<Texture>,
     /// Texels of the map across and down.
     size: [u32; 2],
 }
 
 impl Metalness {
-    /// Takes the metalness of a material whose texture was kept, for a map of this size.
+    /// Takes the metalness of a material with kept textures, for a map of this size.
     pub fn of(material: &Material, kept: &KeptTextures, size: [u32; 2]) -> Self {
         let texture = |bitmap: &Bitmap| Texture::new(bitmap.clone(), Encoding::Linear);
         Self { factor: material.metallic, texture: kept.metallic_roughness.as_ref().map(texture), size }
     }
 
-    /// Returns the metalness at the centre of texel `i`, [0, 1], the mean over it of a finer texture.
+    /// Returns the metalness at the centre of texel `i`, [0, 1]; for a finer texture, the mean over the texel.
     pub fn at(&self, i: usize) -> f32 {
         let Some(texture) = &self.texture else { return self.factor };
         let [width, height] = self.size.map(|texels| texels as f32);
@@ -37,7 +37,7 @@ mod tests {
     use super::*;
     use crate::image::Texels;
 
-    /// Returns the metalness of all texels of a map, of a texture whose blue is this, a row.
+    /// Returns the metalness of all texels of a map, from a one-row texture with these blue values.
     fn of(blue: &[u8], map: u32) -> Vec<f32> {
         let texels = blue.iter().map(|blue| [255, 255, *blue, 255]).collect();
         let bitmap = Bitmap::new(blue.len() as u32, 1, 3, Texels::U8(texels)).unwrap();

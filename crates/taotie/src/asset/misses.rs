@@ -1,11 +1,11 @@
-//! The places where projection rays missed the scan, small enough to look at.
+//! The places where projection rays missed the scan, downscaled for viewing.
 
 use crate::bake::{BakedMaps, TexelStatus};
 
-/// Texels along the longer side, at most.
+/// The maximum number of texels along the longer side.
 const SIDE: usize = 1024;
 
-/// The status of the texels of a map, the worst of each block: a single miss is to be seen.
+/// The status of a map's texels, the worst of each block, so that even a single miss is visible.
 ///
 /// ```
 /// use taotie::asset::Misses;
@@ -28,7 +28,7 @@ pub struct Misses {
 }
 
 impl Misses {
-    /// Looks the map through; `None` where no ray missed.
+    /// Examines the map; `None` if no ray missed.
     pub(super) fn of(maps: &BakedMaps) -> Option<Self> {
         let [width, height] = maps.size().map(|side| side as usize);
         maps.texels.iter().find(|texel| matches!(texel, TexelStatus::Closest | TexelStatus::Lost))?;

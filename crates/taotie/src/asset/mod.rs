@@ -1,4 +1,4 @@
-//! From a scan to an asset and its proof: the whole job, as the command does it.
+//! From a scan to an asset and its proof: the whole workflow of the command.
 //!
 //! ```no_run
 //! use taotie::Progress;
@@ -18,9 +18,9 @@
 //! # }
 //! ```
 //!
-//! [`Baker`], [`Scan`] and [`Asset`] own what they need and can be sent to any thread. Each step takes a
-//! [`Progress`](crate::Progress): its listener hears the stages, and a cancel takes effect within some 20 ms, whatever
-//! the step is at. What is asked for and cannot be done is an error or a counted warning.
+//! [`Baker`], [`Scan`] and [`Asset`] own their data and can be sent to any thread. Each step takes a
+//! [`Progress`](crate::Progress): its listener receives the stages, and cancelling takes effect within about 20 ms at
+//! any point. Anything requested that cannot be done is an error or a counted warning.
 
 mod baker;
 mod beyond;
@@ -117,8 +117,8 @@ pub use map_note::MapNote;
 pub use map_side::AUTO_SIZE;
 pub use material_figures::MaterialFigures;
 pub use measured_model::measure;
-pub use memory::Need;
-pub use met::Met;
+pub use memory::MemoryEstimate;
+pub use met::RequirementOutcome;
 pub use misses::Misses;
 pub use options::{BakeOptions, MeshSource, RayDistance};
 pub use packing::Packing;
@@ -126,7 +126,7 @@ pub use parameters::{Parameters, model_unit};
 pub use part_figures::PartFigures;
 pub use part_flip::{PartFlip, PartKind};
 pub use patch_pictures::PatchPictures;
-pub use plan::Left;
+pub use plan::DroppedProperty;
 pub use preset::Preset;
 pub use proof::{FLOOR_8_BIT, Proof, verify};
 pub use regions::WorstParts;
@@ -137,8 +137,8 @@ pub use scan_options::ScanOptions;
 pub use scan_size::ScanSize;
 pub use search::Trial;
 pub use space::into_metres;
-pub use textures::{Beside, Has, Range, Textures};
+pub use textures::{MapPresence, Range, StandaloneMap, Textures};
 pub use verify_options::VerifyOptions;
 pub use view_figures::ViewFigures;
 pub use views::Views;
-pub use write::Written;
+pub use write::WrittenAsset;

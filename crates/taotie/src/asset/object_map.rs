@@ -1,10 +1,10 @@
-//! Normal maps in object space, which glTF cannot name, shown by a scene.
+//! Object-space normal maps, which glTF cannot reference, added to a scene.
 
 use crate::error::Result;
 use crate::image::{Sampler, Texture};
 use crate::scene::{GreenChannel, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
 
-/// Gives the material of this number, or all of them, a normal map in object space.
+/// Assigns an object-space normal map to the material with this number, or to all of them.
 pub(super) fn show(
     scene: &mut Scene,
     material: Option<usize>,

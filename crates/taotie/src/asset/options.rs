@@ -14,7 +14,7 @@ use crate::scene::NormalSpace;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// A mesh that the caller brings.
+/// A mesh provided by the caller.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -32,7 +32,7 @@ use std::sync::Arc;
 pub enum MeshSource {
     /// In a model file.
     File(PathBuf),
-    /// In memory, with uvs or without; serde cannot say it.
+    /// In memory, with or without uvs; not supported by serde.
     #[cfg_attr(feature = "serde", serde(skip))]
     Mesh(Arc<Mesh>),
 }
@@ -46,7 +46,7 @@ impl MeshSource {
         }
     }
 
-    /// Returns the file's name without folder; `None` in memory.
+    /// Returns the file's name without folders; `None` in memory.
     pub(super) fn name(&self) -> Option<String> {
         match self {
             Self::File(path) => Some(path.file_name().unwrap_or_default().to_string_lossy().into_owned()),
@@ -55,7 +55,7 @@ impl MeshSource {
     }
 }
 
-/// The start of projection rays, and the ray distance.
+/// The start and length of projection rays.
 ///
 /// ```
 /// use taotie::asset::{BakeOptions, MeshSource, RayDistance};
@@ -71,9 +71,9 @@ pub enum RayDistance {
     /// Twice the gap between the meshes, measured around each vertex.
     #[default]
     Auto,
-    /// As far everywhere, both ways, model units; above 0.
+    /// The same distance everywhere, both outward and inward, model units; above 0.
     Uniform(f64),
-    /// From a cage, the low-poly mesh with its vertices moved outward, and as far inward.
+    /// From a cage, the low-poly mesh with its vertices moved outward, and equally far inward.
     Cage(MeshSource),
 }
 
@@ -92,60 +92,64 @@ pub enum RayDistance {
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct BakeOptions {
-    /// The low-poly mesh; `None` simplifies the scan. A file of several materials, or a glTF file of several meshes or one
-    /// that moves, stays as it is, and each of its materials gets maps of its own.
+    /// The low-poly mesh; `None` simplifies the scan. A file with several materials, or a glTF file with several
+    /// meshes or motion, is kept as is, and each of its materials gets its own maps.
     pub low: Option<MeshSource>,
-    /// Triangles of the low-poly mesh, at least 4; not read with `low`, `goal` or `bytes`.
+    /// Triangles of the low-poly mesh, at least 4; ignored with `low`, `goal` or `bytes`.
     pub triangles: u32,
-    /// Finds the asset of the fewest bytes that meets these requirements, as far as they are about angles and colours as seen;
-    /// what is said of neither stays as [`Requirement::visually_lossless`] has it. It may have a normal map or none, or be the
-    /// scan itself, packed. Then neither `triangles` and `size` nor the packing are read.
+    /// Finds the smallest asset in bytes that meets these requirements, as far as they concern visible angles and
+    /// colours; for whichever of the two they do not mention, [`Requirement::visually_lossless`] applies. The asset
+    /// may have a normal map or none, or be the scan itself, packed. `triangles`, `size` and the packing are then
+    /// ignored.
     #[cfg_attr(feature = "serde", serde(with = "requirement_text::optional"))]
     pub goal: Option<Vec<Requirement>>,
-    /// Finds the asset that is nearest to the scan, by the limits of `goal`, among those of at most so many bytes, metadata
-    /// included. With `goal` one that meets it is enough.
+    /// Finds the asset closest to the scan, by the limits of `goal`, within this number of bytes, including metadata.
+    /// With `goal`, any asset that meets it is enough.
     pub bytes: Option<u64>,
-    /// The image formats that a search for the smallest asset may choose from; those of `codecs` if empty.
+    /// The image formats available to a search for the smallest asset; if empty, those of `codecs`.
     pub images: Vec<CodecKind>,
-    /// The codecs that a search for the smallest asset may choose from.
+    /// The codecs available to a search for the smallest asset.
     pub codecs: CodecSet,
     /// Further levels of detail, each coarser than the one before.
     pub lods: Vec<Lod>,
-    /// `true` where no uvs may be made, since no file will hold them: `low` is needed then, with uvs. For maps alone.
+    /// `true` if no uvs may be generated, since no file would store them: `low` with uvs is then required. For
+    /// standalone maps.
     pub keep_uvs: bool,
     /// Texels across the maps, 16 to 16384, or [`AUTO_SIZE`].
     #[cfg_attr(feature = "serde", serde(with = "super::map_side::as_text"))]
     pub size: u32,
-    /// Texels down the maps; as many as across where `None`. Only for `low` with uvs: atlases that are made are square.
+    /// Texels down the maps; `None` for a square. Only for `low` with uvs: generated atlases are square.
     pub height: Option<u32>,
     /// The maps to bake.
     pub maps: Vec<MapKind>,
-    /// `true` where the maps of all else that varies in the scan's materials are baked too: base colour, alpha, normals,
-    /// metallic-roughness, occlusion, emission. Onto a low-poly mesh that is given go those that its own material leaves
-    /// open.
+    /// `true` if maps of all other varying properties of the scan's materials are baked too: base colour, alpha,
+    /// normals, metallic-roughness, occlusion, emission. Onto a given low-poly mesh, only those that its own material
+    /// leaves at defaults.
     pub carry: bool,
     /// The space of normals and bent normals.
     pub space: NormalSpace,
-    /// Samples a texel along each side, 1 to 8: 2 are four a texel.
+    /// Samples per texel along each side, 1 to 8: 2 means four per texel.
     pub side: u32,
-    /// Bits a channel of normal maps, 8 or 16; those of 8 are dithered where they would show bands.
+    /// Bits per channel of normal maps, 8 or 16; 8-bit maps are dithered if they would show banding.
     pub bits: u8,
-    /// The number of texels by which UV islands are grown beyond their borders, at most 16384; `None` fills the map.
+    /// The number of texels by which UV islands are dilated beyond their borders, at most 16384; `None` fills the
+    /// map.
     pub dilation: Option<u32>,
-    /// Rays over the hemisphere a texel, for occlusion and bent normals, 1 to 4096.
+    /// Rays over the hemisphere per texel, for occlusion and bent normals, 1 to 4096.
     pub ao_rays: u32,
-    /// The distance within which surfaces block them, model units; `None` for any distance.
+    /// The distance within which surfaces occlude, model units; `None` for any distance.
     pub ao_distance: Option<f64>,
-    /// Roughness of the scan's own surface, [0, 1]; `None` takes that of its material.
+    /// Roughness of the scan's own surface, [0, 1]; `None` uses that of its material.
     pub roughness: Option<f64>,
-    /// The distance within which the scan is looked for.
+    /// The distance within which the scan is searched for.
     pub ray_distance: RayDistance,
-    /// `true` where faults of the scan are looked for: open edges, triangles that are there twice.
+    /// `true` if the scan is checked for faults: open edges, duplicate triangles.
     pub inspect: bool,
 }
 
 impl Default for BakeOptions {
-    /// 50,000 triangles, a normal map of 2048² texels, four samples each, and the maps that the scan's material needs.
+    /// 50,000 triangles, a normal map of 2048² texels with four samples each, and the maps that the scan's material
+    /// needs.
     fn default() -> Self {
         Self {
             low: None,
@@ -173,25 +177,24 @@ impl Default for BakeOptions {
     }
 }
 
-/// The most texels by which UV islands are grown.
+/// The maximum dilation of UV islands, texels.
 const MOST_DILATION: u32 = 16_384;
 
 /// The default number of rays over the hemisphere.
 pub(super) const AO_RAYS: u32 = 64;
 
-/// Why maps of a mesh without uvs have as many texels across as down.
-pub(super) const SQUARE: &str =
-    "atlases that are made are square; give one number, or a low-poly mesh with uvs";
+/// Why the maps of a mesh without uvs are square.
+pub(super) const SQUARE: &str = "generated atlases are square; use one number, or a low-poly mesh with uvs";
 
-/// What maps need that are written without a model.
+/// Why standalone maps need uvs.
 pub(super) const NEEDS_UVS: &str =
-    "no file holds the uvs that would be made for them; give a low-poly mesh with uvs, or write a .glb";
+    "no file would store generated uvs; use a low-poly mesh with uvs, or write a .glb";
 
 impl BakeOptions {
-    /// Refuses what cannot be done, before any work begins.
+    /// Refuses invalid options, before any work begins.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a value out of its range, and for values that contradict one another.
+    /// [`Error::Invalid`] for a value out of range, and for values that contradict each other.
     pub fn check(&self) -> Result<()> {
         self.check_numbers()?;
         self.check_levels()?;
@@ -202,35 +205,35 @@ impl BakeOptions {
         let wrong = |what: String, why: &str| Err(Error::invalid(what, why));
         let is_above_0 = |v: &Option<f64>| v.is_none_or(|v| v > 0.0 && v.is_finite());
         match self {
-            Self { triangles: n @ 0..4, .. } => wrong(format!("{n} triangles"), "ask for at least 4"),
+            Self { triangles: n @ 0..4, .. } => wrong(format!("{n} triangles"), "use at least 4"),
             Self { size: AUTO_SIZE, height: Some(_), .. } => {
-                wrong(self.maps_in_words(), "they are square; leave the height out")
+                wrong(self.maps_in_words(), "they are square; omit the height")
             }
             _ if self.size != AUTO_SIZE
                 && !self.map_size().iter().all(|side| (16..=16_384).contains(side)) =>
             {
-                wrong(self.maps_in_words(), "give 16 to 16384 texels")
+                wrong(self.maps_in_words(), "use 16 to 16384 texels")
             }
-            Self { low: None, keep_uvs: true, .. } => wrong("maps alone".into(), NEEDS_UVS),
+            Self { low: None, keep_uvs: true, .. } => wrong("standalone maps".into(), NEEDS_UVS),
             Self { low: None, .. } if !self.is_square() => wrong(self.maps_in_words(), SQUARE),
-            Self { maps, .. } if maps.is_empty() => wrong("no map".into(), "name at least one to bake"),
+            Self { maps, .. } if maps.is_empty() => wrong("no maps".into(), "name at least one to bake"),
             Self { side: n, .. } if !(1..=8).contains(n) => {
-                wrong(format!("{n}×{n} samples a texel"), "give 1 to 8 along each side")
+                wrong(format!("{n}×{n} samples per texel"), "use 1 to 8 along each side")
             }
             Self { bits, .. } if ![8, 16].contains(bits) => {
-                wrong(format!("{bits} bits a channel"), "normals are stored in 8 or 16")
+                wrong(format!("{bits} bits per channel"), "normals are stored in 8 or 16")
             }
             Self { dilation: Some(n), .. } if *n > MOST_DILATION => {
-                wrong(format!("a dilation of {n} texels"), "give at most 16384, the side of the largest map")
+                wrong(format!("a dilation of {n} texels"), "use at most 16384, the side of the largest map")
             }
             Self { ao_rays: n, .. } if !(1..=4096).contains(n) => {
-                wrong(format!("{n} rays for occlusion"), "give 1 to 4096")
+                wrong(format!("{n} occlusion rays"), "use 1 to 4096")
             }
             Self { ao_distance: v, .. } if !is_above_0(v) => {
-                wrong("the distance of occlusion".into(), "give model units above 0")
+                wrong("the distance of occlusion".into(), "use a length above 0, in model units")
             }
             Self { roughness: Some(v), .. } if !(0.0..=1.0).contains(v) => {
-                wrong(format!("a roughness of {v}"), "give a number in [0, 1]")
+                wrong(format!("a roughness of {v}"), "use a number in [0, 1]")
             }
             _ => Ok(()),
         }
@@ -251,7 +254,7 @@ impl BakeOptions {
         if self.low.is_some() {
             return Err(Error::invalid(
                 what,
-                "the low-poly mesh is given and none is searched; leave one out",
+                "a search cannot be combined with a given low-poly mesh; omit one",
             ));
         }
         let has_budget = |required: &Requirement| required.figure == Figure::Bytes;
@@ -259,29 +262,29 @@ impl BakeOptions {
         if has_budget && !self.lods.is_empty() {
             return Err(Error::invalid(
                 what,
-                "a search within so many bytes makes one level of detail; leave the bytes or the levels out",
+                "a search within a byte limit makes one level of detail; omit the limit or the levels",
             ));
         }
         if self.space == NormalSpace::Object || !self.maps.contains(&MapKind::Normal) {
             let why =
-                "it is met by a normal map in tangent space: add normal to the maps, leave out object space";
+                "a search needs a normal map in tangent space: add normal to the maps, omit object space";
             return Err(Error::invalid(what, why));
         }
         Ok(())
     }
 
-    /// Returns the limits that an asset and its levels of detail have to keep to.
+    /// Returns the limits that an asset and its levels of detail must meet.
     pub(super) fn limits(&self) -> Vec<Requirement> {
         self.goal.clone().unwrap_or_else(Requirement::visually_lossless)
     }
 
-    /// Returns `true` if the asset is searched for.
+    /// Returns `true` if the options request a search.
     pub fn searches(&self) -> bool {
         self.goal.is_some() || self.bytes.is_some()
     }
 
-    /// Returns `true` if a search can find the smallest asset: no mesh is given, and it can judge each map:
-    /// those of normals in tangent space, and of what the scan has.
+    /// Returns `true` if a search can find the smallest asset: no mesh is given, and all maps can be judged:
+    /// tangent-space normals and the properties of the scan.
     pub fn may_search(&self) -> bool {
         const JUDGED: [MapKind; 6] = [
             MapKind::Normal,
@@ -296,23 +299,23 @@ impl BakeOptions {
         is_made && is_judged && self.space == NormalSpace::Tangent
     }
 
-    /// Returns the options with the number of texels that is chosen for a scan of this size in place of [`AUTO_SIZE`].
+    /// Returns the options with [`AUTO_SIZE`] replaced by the number of texels chosen for a scan of this size.
     pub fn sized(&self, scan: ScanSize) -> Self {
         let size = if self.size == AUTO_SIZE { map_side::chosen(scan.detail_side) } else { self.size };
         Self { size, ..self.clone() }
     }
 
-    /// Returns how many texels the maps have across and down.
+    /// Returns the size of the maps, texels across and down.
     pub(super) fn map_size(&self) -> [u32; 2] {
         [self.size, self.height.unwrap_or(self.size)]
     }
 
-    /// Returns `true` where the maps have as many texels across as down.
+    /// Returns `true` if the maps are square.
     pub(super) fn is_square(&self) -> bool {
         self.height.is_none_or(|height| height == self.size)
     }
 
-    /// Returns the maps by their size, for errors.
+    /// Describes the maps by their size, for errors.
     pub(super) fn maps_in_words(&self) -> String {
         match self.map_size() {
             [AUTO_SIZE, _] => "maps of automatic size".into(),
@@ -320,7 +323,7 @@ impl BakeOptions {
         }
     }
 
-    /// Returns `true` where one of these maps is baked.
+    /// Returns `true` if one of these maps is baked.
     pub(super) fn bakes(&self, any: &[MapKind]) -> bool {
         any.iter().any(|map| self.maps.contains(map))
     }
@@ -337,11 +340,11 @@ mod tests {
         let cases = [
             (BakeOptions { triangles: 3, ..base() }, "at least 4"),
             (BakeOptions { size: 8, ..base() }, "16 to 16384"),
-            (BakeOptions { low: low.clone(), height: Some(20_000), ..base() }, "maps of 2048×20000: give 16"),
-            (BakeOptions { height: Some(1024), ..base() }, "atlases that are made are square"),
-            (BakeOptions { size: AUTO_SIZE, height: Some(64), ..base() }, "leave the height out"),
+            (BakeOptions { low: low.clone(), height: Some(20_000), ..base() }, "maps of 2048×20000: use 16"),
+            (BakeOptions { height: Some(1024), ..base() }, "generated atlases are square"),
+            (BakeOptions { size: AUTO_SIZE, height: Some(64), ..base() }, "omit the height"),
             (BakeOptions { maps: Vec::new(), ..base() }, "at least one"),
-            (BakeOptions { keep_uvs: true, ..base() }, "maps alone: no file holds the uvs"),
+            (BakeOptions { keep_uvs: true, ..base() }, "standalone maps: no file would store generated uvs"),
             (BakeOptions { side: 9, ..base() }, "1 to 8"),
             (BakeOptions { bits: 12, ..base() }, "8 or 16"),
             (BakeOptions { dilation: Some(1 << 31), ..base() }, "at most 16384"),
@@ -349,7 +352,7 @@ mod tests {
             (BakeOptions { ao_distance: Some(f64::NAN), ..base() }, "above 0"),
             (BakeOptions { roughness: Some(1.5), ..base() }, "[0, 1]"),
             (BakeOptions { lods: vec![Lod::Triangles(50_000)], ..base() }, "the level of detail 50000"),
-            (BakeOptions { goal: Some(Vec::new()), low, ..base() }, "leave one out"),
+            (BakeOptions { goal: Some(Vec::new()), low, ..base() }, "omit one"),
             (BakeOptions { bytes: Some(9), lods: vec![Lod::Pixels(64)], ..base() }, "one level of detail"),
             (BakeOptions { goal: Some(Vec::new()), space: NormalSpace::Object, ..base() }, "tangent space"),
         ];

@@ -1,4 +1,4 @@
-//! All that an asset depends on, as one JSON document.
+//! All parameters that an asset depends on, as one JSON document.
 
 use super::options::{BakeOptions, MeshSource, RayDistance};
 use super::packing::Packing;
@@ -14,14 +14,14 @@ use serde_json::{Value, json};
 use std::fmt;
 use std::path::Path;
 
-/// The options of a bake and how it was packed, as a JSON document: what its text says.
+/// The options and packing of a bake, as a JSON document.
 ///
 /// ```
 /// use taotie::Result;
-/// use taotie::asset::{Report, Written};
+/// use taotie::asset::{Report, WrittenAsset};
 ///
 /// /// Returns the parameters of a written asset as JSON; `None` if it was not baked here.
-/// fn json(written: &Written) -> Result<Option<String>> {
+/// fn json(written: &WrittenAsset) -> Result<Option<String>> {
 ///     Ok(Report::of(written)?.parameters.map(|parameters| parameters.to_string()))
 /// }
 /// ```
@@ -29,12 +29,12 @@ use std::path::Path;
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(transparent))]
 pub struct Parameters(Value);
 
-/// The command whose parameters these are.
+/// The command that these parameters belong to.
 const RUN: &str = "taotie bake";
 
 impl ScanOptions {
-    /// Returns how the scan of an asset was read, as the asset records it in the history of its XMP metadata; nothing is set
-    /// if it does not.
+    /// Returns how the scan of an asset was read, as recorded in the history of the asset's XMP metadata; all options
+    /// are unset if there is no record.
     ///
     /// ```no_run
     /// use taotie::Progress;
@@ -57,8 +57,8 @@ impl ScanOptions {
     }
 }
 
-/// Returns the unit of a model's coordinates: the metre for glTF, unless it is an asset that was baked from a scan whose unit
-/// is unknown; `None` if it is unknown.
+/// Returns the unit of a model's coordinates: the metre for glTF, unless it is an asset baked from a scan with an
+/// unknown unit; `None` if unknown.
 ///
 /// ```
 /// use taotie::asset::model_unit;
@@ -80,12 +80,8 @@ impl fmt::Display for Parameters {
 }
 
 impl Parameters {
-    /// Collects what was asked for; files are named without their folders, which are private.
+    /// Collects the options; files are named without their folders, which are private.
     pub(super) fn new(options: &BakeOptions, scan: &ScanOptions, packing: &Packing) -> Self {
-        let green = |green| match green {
-            GreenChannel::Up => "up",
-            GreenChannel::Down => "down",
-        };
         let auto = |value: Option<f64>| value.map_or(json!("auto"), |value| json!(value));
         let searched = options.searches();
         let (distance, cage) = match &options.ray_distance {
@@ -118,14 +114,14 @@ impl Parameters {
             "codecs": packing.codecs.name(),
             "position_bits": packing.meshopt.then_some(packing.bits.positions),
             "normal_bits": packing.meshopt.then_some(packing.bits.normals),
-            "green": green(packing.green),
+            "green": packing.green.name(),
             "crease_angle_deg": auto(scan.crease_angle_deg),
-            "scan_green": scan.green.map_or("auto", green),
+            "scan_green": scan.green.map_or("auto", Named::name),
             "unit": scan.unit.map(Unit::name),
         }))
     }
 
-    /// Returns the parameters as an asset records them: what was run, and how.
+    /// Returns the parameters as an asset records them: the command and its options.
     pub(super) fn record(&self) -> String {
         format!("{RUN} {self}")
     }
@@ -144,16 +140,12 @@ impl Parameters {
     fn scan_options(&self) -> ScanOptions {
         let Self(all) = self;
         let name = |of: &str| all.get(of).and_then(Value::as_str);
-        let green = match name("scan_green") {
-            Some("up") => Some(GreenChannel::Up),
-            Some("down") => Some(GreenChannel::Down),
-            _ => None,
-        };
+        let green = name("scan_green").and_then(|name| GreenChannel::from_name(name).ok());
         let unit = name("unit").and_then(|name| Unit::from_name(name).ok());
         ScanOptions { crease_angle_deg: all.get("crease_angle_deg").and_then(Value::as_f64), green, unit }
     }
 
-    /// Returns the same with the name of the low-poly mesh's file.
+    /// Adds the name of the low-poly mesh's file.
     pub(super) fn with_low(mut self, options: &BakeOptions) -> Self {
         self.0["low"] = options.low.as_ref().and_then(MeshSource::name).into();
         self

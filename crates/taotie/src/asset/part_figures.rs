@@ -8,7 +8,7 @@ use crate::compare::Summary;
 /// ```
 /// use taotie::asset::{Figures, PartFigures};
 ///
-/// /// Returns the material whose normals are farthest off.
+/// /// Returns the material with the largest normal error.
 /// fn worst(figures: &Figures) -> Option<&PartFigures> {
 ///     let mean = |part: &PartFigures| part.angles.map_or(f64::INFINITY, |angles| angles.mean);
 ///     figures.parts.iter().max_by(|a, b| mean(a).total_cmp(&mean(b)))
@@ -18,22 +18,22 @@ use crate::compare::Summary;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct PartFigures {
-    /// The name of the material in the names of files.
+    /// The name of the material as used in file names.
     pub material: String,
     /// Triangles.
     pub triangles: usize,
-    /// Degrees between the normals shown and the scan's; `None` where no point was found.
+    /// Degrees between the displayed normals and the scan's; `None` if no point was found.
     pub angles: Option<Summary>,
     /// The same without the normal map.
     pub without_map: Option<Summary>,
-    /// The part of the points whose projection ray missed the scan.
+    /// The share of points whose projection ray missed the scan.
     pub missed: f64,
-    /// The part for which no point of the scan was found at all.
+    /// The share for which no point of the scan was found at all.
     pub lost: f64,
 }
 
 impl PartFigures {
-    /// Sums up what was measured of a material of so many triangles.
+    /// Summarizes the measurements of a material with this number of triangles.
     pub(super) fn of(material: &str, triangles: usize, found: &Measured) -> Self {
         Self {
             material: material.to_owned(),

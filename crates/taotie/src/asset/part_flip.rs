@@ -15,13 +15,13 @@ pub enum PartKind {
     Material,
 }
 
-/// FLIP between scan and asset where the worst UV island or the worst material differs most, close up.
+/// FLIP between scan and asset, close up, where the worst UV island or the worst material differs most.
 ///
 /// ```
 /// use taotie::asset::{PartFlip, PartKind, Proof};
 /// use taotie::proof::PatchQuantity;
 ///
-/// /// Returns FLIP at the worst window of the UV island whose normals are farthest off.
+/// /// Returns FLIP at the worst window of the UV island with the largest normal error.
 /// fn worst_island(proof: &Proof) -> Option<f64> {
 ///     let is_it = |found: &&PartFlip| (found.part, found.of) == (PartKind::Island, PatchQuantity::Angle);
 ///     proof.part_flips.iter().find(is_it).map(|found| found.flip)
@@ -32,13 +32,13 @@ pub enum PartKind {
 pub struct PartFlip {
     /// The kind of the part.
     pub part: PartKind,
-    /// The quantity of which it is the worst: pictures are in grey for normals, in full material for colours.
+    /// The quantity in which it is the worst: pictures are in grey for normals, in full material for colours.
     pub of: PatchQuantity,
-    /// The mean of FLIP between the two pictures, [0, 1].
+    /// The mean FLIP between the two pictures, [0, 1].
     pub flip: f64,
 }
 
-/// The worst window of a part, before pictures are taken of it.
+/// The worst window of a part, before pictures are rendered.
 pub(super) struct PartView {
     part: PartKind,
     pub of: PatchQuantity,
@@ -48,8 +48,8 @@ pub(super) struct PartView {
 }
 
 impl PartView {
-    /// Looks at the worst parts of an object with this diagonal, model units, in pictures of `side` pixels; at none for 0 of
-    /// them.
+    /// Returns views of the worst parts of an object with this diagonal, model units, for pictures of `side` pixels;
+    /// none if `side` is 0.
     pub fn all(parts: &WorstParts, diagonal: f64, side: u32) -> Vec<Self> {
         let both = [(PartKind::Island, &parts.islands), (PartKind::Material, &parts.materials)];
         let regions = both.into_iter().filter(|_| side > 0).flat_map(|(part, worst)| {
@@ -65,7 +65,7 @@ impl PartView {
         regions.filter_map(view).collect()
     }
 
-    /// Compares the pictures of scan and asset that were taken of it.
+    /// Compares its rendered pictures of scan and asset.
     ///
     /// # Errors
     /// Those of [`compare::flip`].
@@ -75,7 +75,7 @@ impl PartView {
     }
 }
 
-/// Returns the mean of FLIP between two pictures, [0, 1].
+/// Returns the mean FLIP between two pictures, [0, 1].
 ///
 /// # Errors
 /// Those of [`compare::flip`].

@@ -24,19 +24,19 @@ use crate::scene::Camera;
 pub struct PatchPictures {
     /// The patch.
     pub patch: Patch,
-    /// The quantity of which it is the worst.
+    /// The quantity in which it is the worst.
     pub of: PatchQuantity,
-    /// The scan, in grey if the patch is that of normals, in its own material if it is that of colours.
+    /// The scan, in grey for a patch of normals, in its own material for one of colours.
     pub scan: DisplayImage,
     /// The asset, likewise.
     pub asset: DisplayImage,
     /// The difference at every other pixel, degrees or CIEDE2000; NaN where there is nothing to compare.
     pub difference: Field,
-    /// The mean of FLIP between the two pictures, [0, 1].
+    /// The mean FLIP between the two pictures, [0, 1].
     pub flip: f64,
 }
 
-/// A patch whose difference is measured, before pictures are taken of it.
+/// A measured patch, before its pictures are rendered.
 pub(super) struct MeasuredPatch {
     pub patch: Patch,
     pub of: PatchQuantity,
@@ -47,8 +47,8 @@ pub(super) struct MeasuredPatch {
 }
 
 impl MeasuredPatch {
-    /// Compares the worst patches of a level at every other pixel of pictures with `side` pixels along a side; none for 0 of
-    /// them.
+    /// Compares the worst patches of a level at every other pixel of pictures with `side` pixels along a side; none
+    /// if `side` is 0.
     ///
     /// # Errors
     /// Those of [`PatchView::differences`].
@@ -65,7 +65,7 @@ impl MeasuredPatch {
         wanted.filter_map(measured).collect()
     }
 
-    /// Adds the pictures that were taken of it.
+    /// Adds its rendered pictures.
     ///
     /// # Errors
     /// Those of [`crate::compare::flip`].

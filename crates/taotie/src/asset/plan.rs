@@ -1,4 +1,5 @@
-//! The way of each property of a scan's material: into a map, into a factor of the asset, or nowhere, which is told.
+//! Where each property of a scan's material goes: into a map, into a factor of the asset, or nowhere, which is
+//! reported.
 
 use super::carried::{Carried, Found};
 use super::options::BakeOptions;
@@ -8,12 +9,12 @@ use crate::error::Warnings;
 use crate::names::Named;
 use crate::scene::Material;
 
-/// A property of a scan's material that its asset does not have.
+/// A property of a scan's material that its asset lacks.
 ///
 /// ```
 /// use taotie::asset::Report;
 ///
-/// /// Returns the names of what was left out of more than half of the surface.
+/// /// Returns the names of the properties missing on more than half of the surface.
 /// fn most(report: &Report) -> Vec<&str> {
 ///     report.left.iter().filter(|left| left.part > 0.5).map(|left| left.what.as_str()).collect()
 /// }
@@ -21,54 +22,55 @@ use crate::scene::Material;
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub struct Left {
+pub struct DroppedProperty {
     /// Its name.
     pub what: String,
-    /// The part of the scan's surface that has it, [0, 1].
+    /// The share of the scan's surface that has it, [0, 1].
     pub part: f64,
 }
 
-/// The looks of a low-poly mesh that is given.
+/// The appearance of a given low-poly mesh.
 #[derive(Clone, Copy)]
 pub(super) struct LowLook<'a> {
     pub material: &'a Material,
-    /// `true` where its vertices have colours.
+    /// `true` if its vertices have colours.
     pub has_colors: bool,
 }
 
 impl LowLook<'_> {
-    /// Says whether it leaves a property open: neither texture nor another factor than files have that name none.
+    /// Returns true if it leaves a property at its default: it has no texture, and no factor other than a format's
+    /// default.
     fn is_free(&self, property: Property) -> bool {
         // glTF's default is white and metallic, that of other formats grey.
         let unsaid = Material { base_color: [1.0; 4], metallic: 1.0, roughness: 1.0, ..Material::default() };
-        let own = property.alone(self.material);
-        let is_unsaid = own == Material::default() || own == property.alone(&unsaid);
+        let own = property.isolated(self.material);
+        let is_unsaid = own == Material::default() || own == property.isolated(&unsaid);
         match property {
             Property::BaseColor => is_unsaid && !self.has_colors,
             Property::Alpha => is_unsaid && self.is_free(Property::BaseColor),
-            // Its own is left out, and told, where a normal map is baked.
+            // A baked normal map replaces its own, which is reported.
             Property::NormalMap | Property::HeightMap => true,
             _ => is_unsaid,
         }
     }
 }
 
-/// The options of a bake with all maps, and the fate of each property of the scan's material.
+/// The options of a bake with all maps, and the outcome for each property of the scan's material.
 pub(super) struct BakePlan {
-    /// The options, with the maps of what the scan has where they ask for it.
+    /// The options, with maps for the scan's properties if requested.
     pub options: BakeOptions,
     /// The properties that the asset has.
     pub carried: Vec<Property>,
     /// The properties that it does not have.
-    pub left: Vec<Left>,
-    /// The properties that factors hold.
+    pub left: Vec<DroppedProperty>,
+    /// The properties stored in factors.
     factors: Vec<Property>,
     notes: Warnings,
 }
 
 impl BakePlan {
-    /// Decides for a scan and the low-poly mesh, where one is given, in the looks of each of its materials. A property is
-    /// open where all of them leave it open.
+    /// Plans for a scan and the low-poly mesh, if given, by the appearance of each of its materials. A property is
+    /// free if all of them leave it at its default.
     pub fn of(asked: &BakeOptions, scan: &Carried, low: &[LowLook<'_>]) -> Self {
         let options = BakeOptions { maps: maps(asked, scan, low), ..asked.clone() };
         let notes = lacking(asked, scan);
@@ -88,33 +90,33 @@ impl BakePlan {
                 self.carried.push(property);
                 self.factors.push(property);
             }
-            Fate::Left(why) => {
+            Fate::DroppedProperty(why) => {
                 let (what, percent) = (property.name(), found.part * 100.0);
                 let why = if why.is_empty() { why } else { format!("; {why}") };
                 self.notes
                     .note(format!("left out: the scan's {what}, on {percent:.1} % of its surface{why}"), 1);
-                self.left.push(Left { what: what.to_owned(), part: found.part });
+                self.left.push(DroppedProperty { what: what.to_owned(), part: found.part });
             }
         }
     }
 
-    /// Notes what is left out, and maps that were asked for and show one value.
+    /// Notes omitted properties, and requested maps that are uniform.
     pub fn note(&self, warnings: &mut Warnings) {
         warnings.absorb(self.notes.clone());
     }
 
-    /// Gives the material of a low-poly mesh the factors that it leaves open.
+    /// Fills in the factors that the material of a low-poly mesh leaves at their defaults.
     pub fn fill(&self, scan: &Carried, material: &mut Material) {
         self.factors.iter().for_each(|property| property.copy(&scan.material, material));
     }
 }
 
-/// Returns the maps that are asked for, and those of what varies where the options carry it.
+/// Returns the requested maps, and those of varying properties if the options carry them.
 fn maps(options: &BakeOptions, scan: &Carried, low: &[LowLook<'_>]) -> Vec<MapKind> {
     let mut maps = options.maps.clone();
     let is_open = |property: &Property| options.carry && low.iter().all(|low| low.is_free(*property));
     let wanted = scan.varying().filter(is_open).filter_map(Property::map);
-    // Occlusion by rays goes before that of a texture.
+    // Ray-traced occlusion overrides that of a texture.
     let wanted = wanted.filter(|map| *map != MapKind::OcclusionMap || !options.bakes(&[MapKind::Occlusion]));
     maps.extend(wanted);
     if maps.contains(&MapKind::Alpha) {
@@ -129,22 +131,22 @@ fn maps(options: &BakeOptions, scan: &Carried, low: &[LowLook<'_>]) -> Vec<MapKi
     unique
 }
 
-/// A scan, and the low-poly mesh that is given.
+/// A scan and the given low-poly mesh.
 #[derive(Clone, Copy)]
 struct Pair<'a> {
     scan: &'a Carried,
-    /// One look for each material; empty where the mesh is made.
+    /// One for each material; empty if the mesh is generated.
     low: &'a [LowLook<'a>],
 }
 
-/// The fate of a property.
+/// The outcome for a property.
 enum Fate {
-    /// A map holds it.
+    /// It is stored in a map.
     Map,
-    /// A factor of the asset's material holds it.
+    /// It is stored in a factor of the asset's material.
     Factor,
-    /// Nothing does; the text says what can be done, or is empty.
-    Left(String),
+    /// It is not stored; the text is the remedy, or empty.
+    DroppedProperty(String),
 }
 
 impl Pair<'_> {
@@ -160,30 +162,30 @@ impl Pair<'_> {
             return Fate::Factor;
         }
         let is_rough = property == Property::MetallicRoughness && options.bakes(&[MapKind::Roughness]);
-        Fate::Left(match map {
+        Fate::DroppedProperty(match map {
             _ if !is_free && is_rough => {
-                "roughness is baked, and the metalness of the low-poly mesh stays".into()
+                "roughness is baked, and the low-poly mesh's metalness is kept".into()
             }
-            _ if !is_free => "that of the low-poly mesh stays".into(),
+            _ if !is_free => "the low-poly mesh's own is kept".into(),
             Some(MapKind::OcclusionMap) if options.bakes(&[MapKind::Occlusion]) => {
-                "ao is baked in its place".into()
+                "ao is baked instead".into()
             }
             Some(map) => format!("bake {} to keep it", map.name()),
             None => String::new(),
         })
     }
 
-    /// Says whether the low-poly mesh has the same.
+    /// Returns true if the low-poly mesh has the same value.
     fn is_same(&self, property: Property) -> bool {
         let is_same = |low: &LowLook| {
-            property.alone(low.material) == property.alone(&self.scan.material)
+            property.isolated(low.material) == property.isolated(&self.scan.material)
                 && !(property == Property::BaseColor && low.has_colors)
         };
         !self.low.is_empty() && self.low.iter().all(is_same)
     }
 }
 
-/// Returns notes of the maps that were asked for of properties that the scan has in one value alone.
+/// Returns notes on requested maps of properties that are uniform over the scan.
 fn lacking(asked: &BakeOptions, scan: &Carried) -> Warnings {
     let mut warnings = Warnings::default();
     let is_idle = |property: &Property| {
@@ -192,7 +194,7 @@ fn lacking(asked: &BakeOptions, scan: &Carried) -> Warnings {
     };
     for property in Property::ALL.into_iter().filter(is_idle) {
         let (what, map) = (property.name(), property.map().map_or("", MapKind::name));
-        warnings.note(format!("the {map} map shows one value: the scan has no other {what}"), 1);
+        warnings.note(format!("the {map} map is uniform: the scan's {what} does not vary"), 1);
     }
     warnings
 }
@@ -201,7 +203,7 @@ fn lacking(asked: &BakeOptions, scan: &Carried) -> Warnings {
 mod tests {
     use super::*;
 
-    /// A scan with these properties, on a quarter of its surface where they vary.
+    /// A scan with these properties; varying ones are on a quarter of its surface.
     fn scan(material: Material, varying: &[Property]) -> Carried {
         let uniform = Property::ALL.into_iter().filter(|property| property.is_said(&material));
         let uniform = uniform.map(|property| Found { property, is_uniform: true, part: 1.0 });
@@ -244,7 +246,7 @@ mod tests {
         let plan = plan(&options, &scan(Material::default(), &[Property::Emission, Property::Sheen]));
         assert_eq!(plan.options.maps, options.maps);
         let left = [Property::Emission, Property::Sheen];
-        assert_eq!(plan.left, left.map(|p| Left { what: p.name().into(), part: 0.25 }));
+        assert_eq!(plan.left, left.map(|p| DroppedProperty { what: p.name().into(), part: 0.25 }));
         let emission = "left out: the scan's emission, on 25.0 % of its surface; bake emission to keep it\n";
         assert_eq!(said(&plan), format!("{emission}left out: the scan's sheen, on 25.0 % of its surface\n"));
     }
@@ -255,7 +257,7 @@ mod tests {
         let options = BakeOptions { maps: maps.clone(), ..BakeOptions::default() };
         let plan = plan(&options, &scan(Material::default(), &[Property::Occlusion]));
         assert_eq!(plan.options.maps, maps);
-        assert!(said(&plan).ends_with("; ao is baked in its place\n"), "{}", said(&plan));
+        assert!(said(&plan).ends_with("; ao is baked instead\n"), "{}", said(&plan));
     }
 
     #[test]
@@ -279,12 +281,12 @@ mod tests {
         let plan = onto(&red, &scan);
         assert_eq!(plan.options.maps, [MapKind::Normal]);
         assert!(
-            said(&plan).contains("base colour, on 25.0 % of its surface; that of the low-poly mesh stays")
+            said(&plan).contains("base colour, on 25.0 % of its surface; the low-poly mesh's own is kept")
         );
         let mut filled = Material { emissive: [2.0; 3], ..red.clone() };
         onto(&filled.clone(), &scan).fill(&scan, &mut filled);
         assert_eq!(filled.emissive, [2.0; 3]);
-        // The same on both sides is not left out.
+        // A property equal on both sides is not reported.
         assert!(onto(&lamp(), &self::scan(lamp(), &[])).left.is_empty());
     }
 
@@ -296,7 +298,7 @@ mod tests {
         let scan = scan(Material::default(), &[Property::BaseColor]);
         let plan = BakePlan::of(&BakeOptions::default(), &scan, &looks);
         assert_eq!(plan.options.maps, [MapKind::Normal]);
-        assert!(said(&plan).contains("that of the low-poly mesh stays"));
+        assert!(said(&plan).contains("the low-poly mesh's own is kept"));
         let plan = BakePlan::of(&BakeOptions::default(), &scan, &looks[..1]);
         assert_eq!(plan.options.maps, [MapKind::Normal, MapKind::Albedo]);
     }
@@ -310,13 +312,13 @@ mod tests {
             let options = BakeOptions { maps: maps.to_vec(), ..BakeOptions::default() };
             said(&BakePlan::of(&options, &scan, &[low]))
         };
-        let told = stays(&[MapKind::Roughness]);
+        let noted = stays(&[MapKind::Roughness]);
         assert!(
-            told.contains("; roughness is baked, and the metalness of the low-poly mesh stays\n"),
-            "{told}"
+            noted.contains("; roughness is baked, and the low-poly mesh's metalness is kept\n"),
+            "{noted}"
         );
-        let told = stays(&[MapKind::Normal]);
-        assert!(told.contains("; that of the low-poly mesh stays\n"), "{told}");
+        let noted = stays(&[MapKind::Normal]);
+        assert!(noted.contains("; the low-poly mesh's own is kept\n"), "{noted}");
     }
 
     #[test]
@@ -332,8 +334,8 @@ mod tests {
         let scan = scan(Material::default(), &[Property::Alpha]);
         let plan = plan(&BakeOptions::default(), &scan);
         assert_eq!(plan.options.maps, [MapKind::Normal, MapKind::Alpha, MapKind::Albedo]);
-        assert_eq!(said(&plan), "", "nobody asked for albedo");
+        assert_eq!(said(&plan), "", "albedo was not requested");
         let options = BakeOptions { maps: vec![MapKind::Albedo], ..BakeOptions::default() };
-        assert!(said(&BakePlan::of(&options, &scan, &[])).contains("the albedo map shows one value"));
+        assert!(said(&BakePlan::of(&options, &scan, &[])).contains("the albedo map is uniform"));
     }
 }

@@ -6,7 +6,7 @@ use super::requirement::Requirement;
 use crate::io::CodecKind;
 use crate::names::Named;
 
-/// A use that an asset is made for: how near it has to come to its scan, and how much of a device it may take.
+/// A use of an asset: how close it must be to its scan, and how many device resources it may take.
 ///
 /// ```
 /// use taotie::asset::{BakeOptions, Preset};
@@ -18,12 +18,12 @@ use crate::names::Named;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Preset {
-    /// Pages that load on a telephone: 1° on average, at most 100,000 triangles and 80 MB on the graphics card.
+    /// Pages that load on a phone: 1° on average, at most 100,000 triangles and 80 MB on the graphics card.
     Web,
     /// Access copies of a collection: 0.1° on average, without ceilings.
     Archive,
-    /// Real-time engines: 0.5° on average, at most 50,000 triangles and 32 MB on the graphics card, textures in KTX2, levels of
-    /// detail for 256, 128 and 64 pixels across.
+    /// Real-time engines: 0.5° on average, at most 50,000 triangles and 32 MB on the graphics card, textures in KTX2,
+    /// levels of detail for 256, 128 and 64 pixels across.
     Engine,
 }
 
@@ -34,7 +34,7 @@ impl Named for Preset {
 }
 
 impl Preset {
-    /// Returns the largest differences, and the ceilings.
+    /// Returns the maximum differences and the ceilings.
     pub fn requirements(self) -> Vec<Requirement> {
         let ceilings = |triangles: f64, megabytes: f64| {
             let gpu_memory = Requirement::of(Figure::GpuMemory, megabytes * 1e6);
@@ -57,7 +57,7 @@ impl Preset {
         }
     }
 
-    /// Returns the image formats to choose from; empty for those of the set of codecs.
+    /// Returns the image formats to choose from; empty for those of the codec set.
     pub fn images(self) -> Vec<CodecKind> {
         match self {
             Self::Web | Self::Archive => Vec::new(),

@@ -7,7 +7,7 @@ use super::level_figures::stacked;
 use super::made::Made;
 use super::maps_alone;
 use super::measurement::Measurement;
-use super::met::Met;
+use super::met::RequirementOutcome;
 use super::object_map;
 use super::part_flip::{PartFlip, PartView};
 use super::patch_pictures::{MeasuredPatch, PatchPictures};
@@ -19,7 +19,7 @@ use super::space;
 use super::unseen::unseen;
 use super::verify_options::{VerifyOptions, check};
 use super::views::{self, Looks, Views, Wanted};
-use super::write::Written;
+use super::write::WrittenAsset;
 use crate::bake::{self, TexelChecks};
 use crate::compare::Field;
 use crate::error::{Error, Result, Warnings};
@@ -32,7 +32,7 @@ use crate::proof::Footprint;
 use crate::scene::{NormalSpace, Scene};
 use std::path::{Path, PathBuf};
 
-/// The mean and the largest angle, degrees, between unit vectors and what eight bits store of them.
+/// The mean and maximum angle, degrees, between unit vectors and their 8-bit encodings.
 ///
 /// ```
 /// use taotie::asset::FLOOR_8_BIT;
@@ -49,7 +49,7 @@ pub const FLOOR_8_BIT: [f64; 2] = [0.17, 0.38];
 /// ```
 /// use taotie::asset::{Proof, Requirement};
 ///
-/// /// Returns `true` where an asset is as good as is wanted.
+/// /// Returns `true` if an asset meets these requirements.
 /// fn is_good(proof: &Proof) -> bool {
 ///     let wanted = [Requirement::mean_angle_deg(1.0), Requirement::missed(0.001)];
 ///     proof.require(&wanted).iter().all(|met| met.met)
@@ -60,35 +60,37 @@ pub const FLOOR_8_BIT: [f64; 2] = [0.17, 0.38];
 pub struct Proof {
     /// The figures.
     pub figures: Figures,
-    /// Angles between the normals of asset and scan at the texels of a map, on the surface, degrees; NaN between UV islands.
-    /// It is laid out as the asset's normal map is, or else its base colour. If there are several materials their maps are
-    /// one below the other, in the order of [`Figures::parts`]; narrower ones are at the left. `None` if the asset has no
-    /// uvs or no textures, if they repeat more than 16 times across a triangle, or if [`VerifyOptions::map`] is 0.
+    /// Angles between the normals of asset and scan at the texels of a map, on the surface, degrees; NaN between UV
+    /// islands. It has the layout of the asset's normal map, or else its base colour. If there are several materials,
+    /// their maps are stacked vertically, in the order of [`Figures::parts`]; narrower ones are left-aligned. `None`
+    /// if the asset has no uvs or no textures, if they repeat more than 16 times across a triangle, or if
+    /// [`VerifyOptions::map`] is 0.
     pub error_map: Option<Field>,
-    /// CIEDE2000 between the base colours of asset and scan at the same texels; `None` if the scan says nothing of its
+    /// CIEDE2000 between the base colours of asset and scan at the same texels; `None` if the scan specifies no
     /// material.
     pub color_map: Option<Field>,
-    /// How many times wider than the scan's finest detail the asset's texels are, at the same texels: its texture's texels or
-    /// half its median edge, as [`Resolution`](super::Resolution) has it. `None` if the asset has no textures.
+    /// The ratio of the asset's texel width to the scan's finest detail, at the same texels: a texel of the scan's
+    /// texture or half its median edge, as in [`Resolution`](super::Resolution). `None` if the asset has no textures.
     pub detail_map: Option<Field>,
     /// Scan and asset from all sides, in one grey material.
     pub views: Views,
-    /// The same in full material; `None` where the scan says nothing of its own.
+    /// The same in full material; `None` if the scan specifies none.
     pub full_views: Option<Views>,
-    /// As `views`, for each coarser level of detail.
+    /// Like `views`, for each coarser level of detail.
     pub coarser_views: Vec<Views>,
-    /// The worst patches of the finest level, if [`VerifyOptions::patch_view`] asks for pictures of them.
+    /// The worst patches of the finest level, if [`VerifyOptions::patch_view`] requests pictures of them.
     pub patches: Vec<PatchPictures>,
-    /// FLIP of close-ups of the worst UV island and the worst material of the finest level, likewise; they have half as many
-    /// pixels along a side.
+    /// FLIP of close-ups of the worst UV island and the worst material of the finest level, likewise, with half as
+    /// many pixels along a side.
     pub part_flips: Vec<PartFlip>,
-    /// The faults of the file as it was read, and of what was measured.
+    /// Problems with the file as read, and of the measurement.
     pub warnings: Warnings,
 }
 
-/// Reads an asset that any program made, and measures how far it is from its scan, as [`Written::verify`] does. If the
-/// scan's unit is known, a glTF asset is in metres, as its specification says; other formats are in the scan's space. A scan
-/// that was read with [`ScanOptions::recorded`](super::ScanOptions::recorded) is read as it was for the bake of the asset.
+/// Reads an asset made by any program, and measures its differences from its scan, like [`WrittenAsset::verify`]. If the
+/// scan's unit is known, a glTF asset is in metres, as its specification requires; other formats are in the scan's
+/// space. A scan with the options of [`ScanOptions::recorded`](super::ScanOptions::recorded) is read as it was for
+/// the bake of the asset.
 ///
 /// ```no_run
 /// use taotie::Progress;
@@ -103,8 +105,8 @@ pub struct Proof {
 /// ```
 ///
 /// # Errors
-/// As [`Written::verify`], and those of reading the asset; [`Error::Invalid`] if it has the size of the scan in the scan's own
-/// unit, and not in metres.
+/// Those of [`WrittenAsset::verify`] and of reading the asset; [`Error::Invalid`] if its size shows that it is in the
+/// scan's unit rather than in metres.
 pub fn verify(
     asset: impl AsRef<Path>,
     scan: impl Into<Scan>,
@@ -140,20 +142,20 @@ fn refuse_scan_unit(asset: &Scene, scan: &Scan, path: &Path) -> Result<()> {
         None => Ok(()),
         Some(unit) => {
             let why = format!(
-                "glTF is in metres, but its size shows that it is in {unit} as the scan is; scale it to metres, or state no \
-                 unit for the scan"
+                "glTF is in metres, but its size shows that it is in {unit} like the scan; scale it to metres, or \
+                 specify no unit for the scan"
             );
             Err(Error::invalid(path.display().to_string(), why))
         }
     }
 }
 
-/// Brings all levels of a glTF asset into the space of a scan in this unit.
+/// Transforms all levels of a glTF asset into the space of a scan in this unit.
 fn into_scan_space(levels: &mut [Loaded], unit: Option<Unit>) -> Result<()> {
     levels.iter_mut().try_for_each(|level| space::from_metres(&mut level.scene, unit))
 }
 
-/// Returns the bytes of a model's file and all that it names.
+/// Returns the bytes of a model's file and all files that it references.
 fn bytes_of(path: &Path, mut others: Vec<PathBuf>) -> Result<u64> {
     super::scan::all_files(path, &mut others).iter().map(|file| io::file_size(file)).sum()
 }
@@ -167,15 +169,15 @@ fn gpu_bytes(path: &Path, levels: &[Loaded], limits: &Limits) -> Result<Option<u
 
 /// An asset as its files show it.
 struct Shown {
-    /// Of each level of detail, the finest first; at least one.
+    /// One for each level of detail, the finest first; at least one.
     levels: Vec<Loaded>,
     path: PathBuf,
     bytes_out: u64,
     /// Bytes on a graphics card; `None` unless it is glTF.
     gpu_bytes: Option<u64>,
-    /// `true` if a search chose its texels by what they cost.
+    /// `true` if a search chose its texels by their cost.
     is_searched: bool,
-    /// `true` if the files say what their material is.
+    /// `true` if the files specify their material.
     has_material: bool,
     /// The unit of the scan, in whose space the levels are.
     unit: Option<Unit>,
@@ -229,16 +231,16 @@ fn prove(shown: Shown, scan: Scan, options: &VerifyOptions, progress: Progress<'
     Ok(Proof { error_map, color_map, detail_map, warnings, ..proof })
 }
 
-/// Returns the close-ups to take of the finest level, with so many pixels along a side; those of parts, which nobody sees,
-/// have half as many.
+/// Returns the close-ups to take of the finest level, with `side` pixels along a side; those of parts, which are not
+/// displayed, have half as many.
 fn close_ups(figures: &Figures, finest: &ShownLevel<'_>, side: u32) -> Result<CloseUps> {
     let Some(found) = figures.finest() else { return Ok(CloseUps::default()) };
     let patches = MeasuredPatch::all(&found.patches, finest, side)?;
     Ok(CloseUps { patches, parts: PartView::all(&found.worst_parts, figures.diagonal, side.div_ceil(2)) })
 }
 
-/// Returns the maps of the errors of normals, of colours, and of lost detail, of all parts with uvs, with at most so many texels
-/// along a side.
+/// Returns the maps of normal errors, of colour errors, and of lost detail, of all parts with uvs, with at most
+/// `most` texels along a side.
 fn maps(level: &ShownLevel<'_>, scan: &bake::Scan, most: u32) -> Result<[Option<Field>; 3]> {
     let footprint = Footprint::of(scan);
     let detail = |point: Point| footprint.at(scan, point);
@@ -258,18 +260,19 @@ fn maps(level: &ShownLevel<'_>, scan: &bake::Scan, most: u32) -> Result<[Option<
     Ok([stack(&angles)?, stack(&colors)?, stack(&coarser)?])
 }
 
-impl Written {
-    /// Reads the asset back and measures how far it is from the scan. Maps alone are measured on the low-poly mesh.
+impl WrittenAsset {
+    /// Reads the asset back and measures its differences from the scan. Standalone maps are measured on the low-poly
+    /// mesh.
     ///
     /// Lengths have the unit of the scan that the asset was baked from.
     ///
-    /// Each level of detail is measured, the coarser ones at a quarter of the points. A scan that is given up, not
-    /// borrowed, has its tree freed before images of it are taken. The listener hears the stages `read back`,
-    /// `measure normals`, `measure levels` where there are several, `map errors`, and `compare views`.
+    /// Each level of detail is measured, the coarser ones at a quarter of the points. If the scan is passed by value
+    /// rather than borrowed, its tree is freed before images of it are rendered. The listener receives the stages
+    /// `read back`, `measure normals`, `measure levels` if there are several, `map errors`, and `compare views`.
     ///
     /// # Errors
-    /// [`Error::Cancelled`]; those of reading, where the files are not as they were written;
-    /// [`Error::Invalid`] where an option is out of range.
+    /// [`Error::Cancelled`]; those of reading, if the files are not as written; [`Error::Invalid`] if an option is
+    /// out of range.
     pub fn verify(
         &self,
         scan: impl Into<Scan>,
@@ -291,7 +294,8 @@ impl Written {
         })
     }
 
-    /// Reads all levels back, the finest first; maps alone onto the low-poly mesh. Maps are decoded and in memory once.
+    /// Reads all levels back, the finest first; standalone maps onto the low-poly mesh. Maps are decoded and in
+    /// memory once.
     fn shown(&self) -> Result<Shown> {
         let (made, limits, unit) = (&self.asset.made, Limits::of_own_files(), self.unit());
         let path = self.path().to_path_buf();
@@ -320,7 +324,7 @@ impl Written {
         self.asset.made.about.unit()
     }
 
-    /// Refuses a file that does not hold what was written.
+    /// Refuses a file that does not contain what was written.
     fn check_read_back(&self, levels: &[Loaded]) -> Result<()> {
         let (made, name) = (&self.asset.made, self.path().display().to_string());
         let wanted = self.asset.levels().count();
@@ -337,7 +341,7 @@ impl Written {
         Ok(())
     }
 
-    /// Gives materials the maps in object space that stand beside the asset, since glTF cannot name them.
+    /// Assigns the object-space maps written next to the asset to materials, since glTF cannot reference them.
     fn show_object_maps(&self, levels: &mut [Loaded]) -> Result<()> {
         let Made { parts, options, coarser, .. } = &*self.asset.made;
         if options.space != NormalSpace::Object {
@@ -370,11 +374,11 @@ impl Written {
 
 impl Proof {
     /// Compares each requirement with the figures; see [`Figures::require`].
-    pub fn require(&self, requirements: &[Requirement]) -> Vec<Met> {
+    pub fn require(&self, requirements: &[Requirement]) -> Vec<RequirementOutcome> {
         self.figures.require(requirements)
     }
 
-    /// Puts the figures of the views, the finest level's first, to those of their levels.
+    /// Adds the figures of the views, the finest level's first, to those of their levels.
     fn new(mut figures: Figures, looks: Looks) -> Self {
         for (level, views) in figures.levels.iter_mut().zip(&looks.grey) {
             level.views.clone_from(&views.figures);
@@ -402,7 +406,7 @@ impl Proof {
     }
 }
 
-/// Returns a size of the same shape with at most so many texels along its longer side.
+/// Returns a size with the same aspect ratio and at most `most` texels along its longer side.
 fn within(size: [u32; 2], most: u32) -> [u32; 2] {
     let longer = size[0].max(size[1]);
     let scaled = |side: u32| (u64::from(side) * u64::from(most) / u64::from(longer)).max(1) as u32;

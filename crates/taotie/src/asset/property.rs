@@ -1,4 +1,4 @@
-//! The properties of a material, each with the map that holds it where it varies.
+//! The properties of a material, each with the map that stores it if it varies.
 
 use crate::bake::MapKind;
 use crate::scene::{AlphaMode, Material};
@@ -26,7 +26,7 @@ pub(super) enum Property {
 }
 
 impl Property {
-    /// All of them, in the order in which they are told.
+    /// All properties, in reporting order.
     pub const ALL: [Self; 15] = [
         Self::BaseColor,
         Self::Alpha,
@@ -66,7 +66,7 @@ impl Property {
         }
     }
 
-    /// Returns the map that holds it where it varies over the surface.
+    /// Returns the map that stores it if it varies over the surface.
     pub fn map(self) -> Option<MapKind> {
         match self {
             Self::BaseColor => Some(MapKind::Albedo),
@@ -79,7 +79,7 @@ impl Property {
         }
     }
 
-    /// Says whether a factor can hold it: whether glTF has one that means the same on any uvs. The direction of
+    /// Returns true if a factor can store it: if glTF has one that means the same on any uvs. The direction of
     /// anisotropy follows the uvs.
     pub fn has_factor(self) -> bool {
         !matches!(
@@ -93,7 +93,7 @@ impl Property {
         )
     }
 
-    /// Copies it, with its textures; those of base colours hold alpha too and are copied as colours alone.
+    /// Copies it, with its textures; base colour textures also contain alpha but are copied only as colours.
     pub fn copy(self, from: &Material, to: &mut Material) {
         match self {
             Self::BaseColor => {
@@ -107,7 +107,7 @@ impl Property {
                 to.base_color[3] = from.base_color[3];
             }
             Self::NormalMap => to.normal = from.normal,
-            // A normal map goes before it.
+            // A normal map overrides it.
             Self::HeightMap => to.height = from.height.filter(|_| from.normal.is_none()),
             Self::MetallicRoughness => {
                 (to.metallic, to.roughness) = (from.metallic, from.roughness);
@@ -137,19 +137,19 @@ impl Property {
     }
 
     /// Returns the default material with this property of another.
-    pub fn alone(self, material: &Material) -> Material {
-        let mut alone = Material::default();
-        self.copy(material, &mut alone);
-        alone
+    pub fn isolated(self, material: &Material) -> Material {
+        let mut only = Material::default();
+        self.copy(material, &mut only);
+        only
     }
 
-    /// Says whether a material has it otherwise than the default one.
+    /// Returns true if a material differs from the default one in it.
     pub fn is_said(self, material: &Material) -> bool {
-        self.alone(material) != Material::default()
+        self.isolated(material) != Material::default()
     }
 
-    /// Says whether textures hold it.
+    /// Returns true if it is stored in textures.
     pub fn is_textured(self, material: &Material) -> bool {
-        !self.alone(material).textures().is_empty()
+        !self.isolated(material).textures().is_empty()
     }
 }

@@ -1,4 +1,4 @@
-//! The provenance of an asset, as it says itself.
+//! The provenance that an asset records about itself.
 
 use super::made::Made;
 use super::packing::Packing;
@@ -6,10 +6,10 @@ use super::parameters::Parameters;
 use crate::error::Result;
 use crate::io::{Json, Provenance, XmpProperties};
 
-/// Returns the XMP metadata of the scan, with what the packing adds, extended by what was done.
+/// Returns the XMP metadata of the scan, merged with that of the packing and extended by the record of the bake.
 ///
 /// # Errors
-/// Fails where a file cannot be read, or holds no XMP properties.
+/// Fails if a file cannot be read, or has no valid XMP properties.
 pub(super) fn packet(made: &Made, packing: &Packing) -> Result<Json> {
     let about = &made.about;
     let name = about.path.file_name().unwrap_or_default().to_string_lossy();

@@ -10,9 +10,9 @@ use crate::surface::uv_islands;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct WorstParts {
-    /// Of its UV islands; `None` without UVs, or if there is only one.
+    /// The worst of its UV islands; `None` without uvs, or if there is only one.
     pub islands: Option<WorstRegions>,
-    /// Of its materials; `None` if there is only one.
+    /// The worst of its materials; `None` if there is only one.
     pub materials: Option<WorstRegions>,
     /// The names of the materials, in the order of their numbers; empty if there is only one.
     pub material_names: Vec<String>,
@@ -22,7 +22,7 @@ impl WorstParts {
     /// Compares the parts of an asset.
     ///
     /// # Errors
-    /// As [`WorstRegions::of`].
+    /// Those of [`WorstRegions::of`].
     pub(super) fn of(pair: &Pair<'_>, of_asset: &CloseUp) -> Result<Self> {
         let asset = pair.asset.surface.surface();
         let mesh = asset.mesh();
@@ -40,7 +40,7 @@ impl WorstParts {
     }
 }
 
-/// Returns the names of the materials in the order of the first triangles that show them.
+/// Returns the names of the materials in the order of the first triangles that use them.
 fn names(asset: &TexturedMesh) -> Vec<String> {
     let mut numbers: Vec<usize> = Vec::new();
     let mut names = Vec::new();

@@ -6,15 +6,15 @@ use super::figures::Figures;
 use super::low::Origin;
 use super::map_note::MapNote;
 use super::maps_alone;
-use super::met::Met;
+use super::met::RequirementOutcome;
 use super::options::MeshSource;
 use super::parameters::Parameters;
-use super::plan::Left;
+use super::plan::DroppedProperty;
 use super::proof::{FLOOR_8_BIT, Proof};
 use super::scan::Scan;
 use super::search::Trial;
 use super::unseen::unproved_maps;
-use super::write::Written;
+use super::write::WrittenAsset;
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
 use crate::io::CodecKind;
@@ -23,14 +23,14 @@ use std::path::{Path, PathBuf};
 /// The version of the report's layout.
 const SCHEMA: u32 = 6;
 
-/// All that is to be told of a bake. What the caller knows, figures and times, is filled in by it.
+/// The complete report of a bake. The caller fills in what it knows, such as figures and times.
 ///
 /// ```
 /// use taotie::Result;
-/// use taotie::asset::{Certificate, Proof, Report, Signature, VerifyOptions, Written};
+/// use taotie::asset::{Certificate, Proof, Report, Signature, VerifyOptions, WrittenAsset};
 ///
-/// /// Collects all that is known of an asset.
-/// fn report(written: &Written, proof: &Proof, wanted: &VerifyOptions) -> Result<Report> {
+/// /// Collects all that is known about an asset.
+/// fn report(written: &WrittenAsset, proof: &Proof, wanted: &VerifyOptions) -> Result<Report> {
 ///     let mut report = Report::of(written)?;
 ///     report.proof = Some(proof.figures.clone());
 ///     report.certificate = Some(Certificate::of_written(written, &proof.figures, wanted, &Signature::default())?);
@@ -47,7 +47,7 @@ pub struct Report {
     pub kind: &'static str,
     /// The version of the program.
     pub version: &'static str,
-    /// The statement that opens the page; `None` where nothing was measured.
+    /// The statement that opens the page; `None` if nothing was measured.
     pub certificate: Option<Certificate>,
     /// The name of the scan's file, without folders.
     pub high: String,
@@ -55,7 +55,7 @@ pub struct Report {
     pub high_sha256: String,
     /// Its triangles.
     pub high_triangles: usize,
-    /// The name of the low-poly mesh's file, or `None` where it was made.
+    /// The name of the low-poly mesh's file; `None` if the mesh was generated.
     pub low: Option<String>,
     /// The origin of the low-poly mesh.
     pub origin: Origin,
@@ -63,35 +63,35 @@ pub struct Report {
     pub triangles: Vec<usize>,
     /// Texels across and down; 0 if the asset was not baked here.
     pub size: [u32; 2],
-    /// All else that was asked for; `None` if the asset was not baked here.
+    /// All other options; `None` if the asset was not baked here.
     pub parameters: Option<Parameters>,
-    /// The files written; JSON has their names without folders.
+    /// The written files; JSON has their names without folders.
     #[cfg_attr(feature = "serde", serde(serialize_with = "super::certified_files::named::list"))]
     pub files: Vec<PathBuf>,
-    /// The kind and the place of each map.
+    /// The kind and location of each map.
     pub maps: Vec<MapNote>,
     /// The properties of the scan's material that the asset has, in words.
     pub carried: Vec<String>,
     /// The properties that it does not have.
-    pub left: Vec<Left>,
-    /// The measured figures, which a proof of the same files finds again; `None` where nothing was measured.
+    pub left: Vec<DroppedProperty>,
+    /// The measured figures, which a proof of the same files reproduces; `None` if nothing was measured.
     pub proof: Option<Figures>,
-    /// What only the bake knows: the outcomes of its rays; `None` if the asset was not baked here.
+    /// The outcomes of the bake's rays, which only the bake knows; `None` if the asset was not baked here.
     pub bake: Option<BakeFigures>,
-    /// The trials of a search, where an error was wanted.
+    /// The candidates of a search, if an error was requested.
     pub trials: Vec<Trial>,
     /// The duration of each stage.
     pub stages: Vec<StageTime>,
-    /// The things that are wrong or were put right.
+    /// Problems and corrections.
     pub warnings: Vec<Warning>,
 }
 
-/// What only a bake knows of an asset, and no proof can find again.
+/// Facts about an asset that only the bake knows, and no proof can recompute.
 ///
 /// ```
 /// use taotie::asset::Report;
 ///
-/// /// Returns the part of the map that is wasted.
+/// /// Returns the fraction of the map that is wasted.
 /// fn wasted(report: &Report) -> f64 {
 ///     report.bake.as_ref().map_or(0.0, |bake| 1.0 - bake.uv_use)
 /// }
@@ -102,20 +102,20 @@ pub struct Report {
 pub struct BakeFigures {
     /// The share of the texels with a projection ray that missed the scan, [0, 1].
     pub missed_texels: f64,
-    /// The share of the samples that missed and took the closest point.
+    /// The share of the samples that missed and used the closest point.
     pub missed_samples: f64,
     /// The share of the samples for which that failed too.
     pub lost_samples: f64,
     /// The share of the map that UV islands cover.
     pub uv_use: f64,
-    /// Mean and largest angle that 8 bits cost at least, degrees; `None` if no normals are stored so.
+    /// The mean and maximum angle lost to 8 bits, degrees; `None` if no normals are stored that way.
     pub floor_8_bit: Option<[f64; 2]>,
-    /// Maps beside the asset that nothing is compared with.
+    /// Maps next to the asset that are not compared with anything.
     pub unproved_maps: Vec<String>,
 }
 
 impl BakeFigures {
-    fn of(written: &Written) -> Self {
+    fn of(written: &WrittenAsset) -> Self {
         let asset = written.asset();
         let (counts, made) = (asset.counts(), &asset.made);
         let share = |of: usize, all: usize| of as f64 / all.max(1) as f64;
@@ -132,8 +132,8 @@ impl BakeFigures {
     }
 }
 
-/// Returns `true` where the file holds normals in 8 bits. KTX2 packs them smaller still, and WebP has no more.
-fn stores_8_bits(written: &Written) -> bool {
+/// Returns `true` if the file stores normals in 8 bits. KTX2 packs them smaller still, and WebP has no more.
+fn stores_8_bits(written: &WrittenAsset) -> bool {
     let Some(note) = written.maps().into_iter().find(|note| note.map == MapKind::Normal) else {
         return false;
     };
@@ -144,7 +144,7 @@ fn stores_8_bits(written: &Written) -> bool {
     }
 }
 
-/// A stage that is done, and how long it took.
+/// A completed stage and its duration.
 ///
 /// ```
 /// use taotie::asset::StageTime;
@@ -158,11 +158,11 @@ fn stores_8_bits(written: &Written) -> bool {
 pub struct StageTime {
     /// The stage's name.
     pub stage: &'static str,
-    /// Its time.
+    /// Its duration.
     pub milliseconds: f64,
 }
 
-/// A kind of warning, and how often it was seen.
+/// A kind of warning and its count.
 ///
 /// ```
 /// use taotie::Warnings;
@@ -177,25 +177,25 @@ pub struct StageTime {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Warning {
-    /// The number of times.
+    /// The number of occurrences.
     pub count: usize,
     /// The warning.
     pub what: String,
 }
 
 impl Warning {
-    /// Lists warnings in order of first sight.
+    /// Lists warnings in order of first occurrence.
     pub fn list(warnings: &Warnings) -> Vec<Self> {
         warnings.iter().map(|(what, count)| Self { count, what: what.to_owned() }).collect()
     }
 }
 
 impl Report {
-    /// Tells of an asset that was written, not proved yet.
+    /// Describes a written asset before its proof.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::Error::Io) where the scan's file cannot be read any more for its hash.
-    pub fn of(written: &Written) -> Result<Self> {
+    /// [`Error::Io`](crate::Error::Io) if the scan's file can no longer be read for its hash.
+    pub fn of(written: &WrittenAsset) -> Result<Self> {
         let asset = written.asset();
         let made = &asset.made;
         let warnings = [&made.warnings, &written.warnings].map(Warning::list).concat();
@@ -224,7 +224,7 @@ impl Report {
         })
     }
 
-    /// Describes the proof of an asset that any program made.
+    /// Describes the proof of an asset made by any program.
     ///
     /// # Errors
     /// [`Error::Io`](crate::Error::Io) if the scan's file cannot be read for its hash.
@@ -255,7 +255,7 @@ impl Report {
     }
 
     /// Returns the requirements and their outcomes.
-    pub fn required(&self) -> &[Met] {
+    pub fn required(&self) -> &[RequirementOutcome] {
         self.certificate.as_ref().map_or(&[], |certificate| &certificate.required)
     }
 
@@ -265,8 +265,8 @@ impl Report {
     }
 }
 
-/// Returns the properties of the scan's material that the files hold.
-fn carried(written: &Written) -> Vec<String> {
+/// Returns the properties of the scan's material that the files store.
+fn carried(written: &WrittenAsset) -> Vec<String> {
     let made = &written.asset().made;
     let all: Vec<_> = match written.is_alone() {
         true => maps_alone::carried(made).collect(),

@@ -4,7 +4,7 @@ use super::beyond::AskedLimits;
 use super::figure::{Figure, FigureUnit, split};
 use super::figures::Figures;
 use super::level_figures::LevelFigures;
-use super::met::{Met, length_unit, shown_unit};
+use super::met::{RequirementOutcome, length_unit, shown_unit};
 use super::view_figures::ViewFigures;
 use super::within;
 use crate::error::{Error, Result};
@@ -14,7 +14,8 @@ use crate::proof::{Estimate, Exceedance, Patch};
 use std::borrow::Cow;
 use std::str::FromStr;
 
-/// A figure and its limit, at every level of detail that is shown where the figure looks, or at one: the most that it may be, or the least of completeness and SSIM.
+/// A figure and its limit, a maximum, or a minimum for completeness and SSIM; it applies to one level of detail, or
+/// to each level displayed at the distance of the figure.
 ///
 /// ```
 /// use taotie::asset::{Figure, Requirement};
@@ -25,39 +26,43 @@ use std::str::FromStr;
 /// assert_eq!("hausdorff=0.25mm".parse::<Requirement>()?, Requirement::length(Figure::Hausdorff, 0.00025));
 /// let within: Requirement = "within-5deg=99%".parse()?;
 /// assert_eq!((within.within, within.most), (Some(5.0), 0.99), "at most 1 % of the surface is off by more");
-/// assert!("mean-angle=2%".parse::<Requirement>().is_err(), "an angle is no part of anything");
+/// assert!("mean-angle=2%".parse::<Requirement>().is_err(), "an angle is not a fraction");
 /// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Requirement {
-    /// The figure that is limited.
+    /// The limited figure.
     pub figure: Figure,
-    /// The limit: degrees, ΔE, parts of 1, pixels, or bytes; metres if `is_length`.
+    /// The limit: degrees, ΔE, a fraction of 1, pixels, or bytes; metres if `is_length`.
     pub most: f64,
     /// `true` if the limit is a length, in metres.
     #[cfg_attr(feature = "serde", serde(default))]
     pub is_length: bool,
-    /// The level of detail that it is for, 0 the finest; `None` for every level but those that others name for the same figure: as
-    /// seen at each as large as where it is shown, else at those that are shown from nearby. Figures of the whole asset have none.
+    /// The level of detail it applies to, 0 the finest; `None` for every level except those named by others for the
+    /// same figure: as seen, each at its display size; otherwise, only those displayed close up. Figures of the whole
+    /// asset have none.
     #[cfg_attr(feature = "serde", serde(default))]
     pub level: Option<usize>,
-    /// Of figures that are the share of the surface within a limit: that limit, in degrees, ΔE, or parts of the diagonal.
+    /// For figures that are the share of the surface within a limit: that limit, in degrees, ΔE, or as a fraction of
+    /// the diagonal.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub within: Option<f64>,
-    /// `true` if the requirement is dropped if the scan states no colour and no material, so that there is nothing to compare.
+    /// `true` if the requirement is dropped when the scan specifies no colour and no material, so that there is
+    /// nothing to compare.
     #[cfg_attr(feature = "serde", serde(default))]
     pub if_compared: bool,
 }
 
 impl Requirement {
-    /// Demands that a figure is at most so large, in its own unit: degrees, ΔE, parts of 1, pixels, metres or bytes.
+    /// Requires a figure to be at most `most`, in its own unit: degrees, ΔE, a fraction of 1, pixels, metres or
+    /// bytes.
     pub fn of(figure: Figure, most: f64) -> Self {
         let is_length = figure == Figure::Texel;
         Self { figure, most, is_length, level: None, within: None, if_compared: false }
     }
 
-    /// Demands that a distance, or the width of a texel, is at most this many metres.
+    /// Requires a distance, or the width of a texel, to be at most this many metres.
     pub fn length(figure: Figure, metres: f64) -> Self {
         Self { is_length: true, ..Self::of(figure, metres) }
     }
@@ -71,61 +76,61 @@ impl Requirement {
             None => Ok(()),
             Some(requirement) => {
                 let text = length_unit(requirement.most).text(requirement.most);
-                let why = "the scan's file does not state the unit of its coordinates; state it with --unit mm, cm, m or in \
+                let why = "the scan's file does not specify the unit of its coordinates; set it with --unit mm, cm, m or in \
                            (`unit` in Python and in collection.toml)";
                 Err(Error::invalid(format!("the limit {}={text}", requirement.name()), why))
             }
         }
     }
 
-    /// Returns the unit in which its limit is shown.
+    /// Returns the display unit of its limit.
     pub(super) fn unit(&self) -> FigureUnit {
         shown_unit(self.figure, self.most, self.is_length)
     }
 
-    /// Demands a mean angle between normals of at most so many degrees.
+    /// Requires a mean angle between normals of at most `most` degrees.
     pub fn mean_angle_deg(most: f64) -> Self {
         Self::of(Figure::MeanAngle, most)
     }
 
-    /// Demands a mean difference of base colours of at most so much CIEDE2000; about 1 is just visible.
+    /// Requires a mean CIEDE2000 difference of base colours of at most `most`; about 1 is just visible.
     pub fn mean_color(most: f64) -> Self {
         Self::of(Figure::MeanColor, most)
     }
 
-    /// Demands that at most this part of the texels has a ray that missed, [0, 1].
+    /// Requires that at most this fraction of the texels has a ray that missed, [0, 1].
     pub fn missed(most: f64) -> Self {
         Self::of(Figure::Missed, most)
     }
 
-    /// Demands that the surfaces are nowhere farther apart than this part of the diagonal.
+    /// Requires that the largest distance between the surfaces is at most this fraction of the diagonal.
     pub fn hausdorff(most: f64) -> Self {
         Self::of(Figure::Hausdorff, most)
     }
 
-    /// Demands an asset of at most so many bytes.
+    /// Requires an asset of at most `most` bytes.
     pub fn bytes(most: u64) -> Self {
         Self::of(Figure::Bytes, most as f64)
     }
 
-    /// Demands that at least the share `least` of the visible surface is within a limit: [`Figure::WithinAngle`] in degrees,
-    /// [`Figure::WithinColor`] in ΔE, or [`Figure::WithinDistance`] as a part of the diagonal.
+    /// Requires that at least the share `least` of the visible surface is within a limit: [`Figure::WithinAngle`] in
+    /// degrees, [`Figure::WithinColor`] in ΔE, or [`Figure::WithinDistance`] as a fraction of the diagonal.
     pub fn within(figure: Figure, limit: f64, least: f64) -> Self {
         Self { within: Some(limit), ..Self::of(figure, least) }
     }
 
-    /// Demands the same of one level of detail alone, 0 the finest.
+    /// Returns the same requirement for only one level of detail, 0 the finest.
     pub fn at_level(self, level: usize) -> Self {
         Self { level: Some(level), ..self }
     }
 
-    /// Returns the name of the figure, with the limit of those that are a share within one: `mean-angle`, `within-5deg`.
+    /// Returns the name of the figure, including the limit if it is a share within one: `mean-angle`, `within-5deg`.
     pub fn name(&self) -> Cow<'static, str> {
         within::name_of(self.figure, self.within)
     }
 
-    /// Compares the requirement with what was measured, level by level.
-    fn against(&self, figures: &Figures, all: &[Self]) -> Vec<Met> {
+    /// Compares the requirement with the measurements, level by level.
+    fn against(&self, figures: &Figures, all: &[Self]) -> Vec<RequirementOutcome> {
         if !self.figure.is_of_level() {
             let bytes = match self.figure {
                 Figure::GpuMemory => figures.gpu_bytes,
@@ -151,14 +156,14 @@ impl Requirement {
         levels.into_iter().map(outcome).collect()
     }
 
-    /// Returns the outcome for a figure and the interval in which it lies.
-    fn outcome(&self, level: Option<usize>, measured: Option<Value>) -> Met {
+    /// Returns the outcome for a figure and its interval.
+    fn outcome(&self, level: Option<usize>, measured: Option<Value>) -> RequirementOutcome {
         let meets =
             |value: f64| if self.figure.is_at_least() { value >= self.most } else { value <= self.most };
         let (value, interval) = (measured.map(|of| of.value), measured.map(|of| of.interval));
         let met = interval.is_some_and(|interval| interval.into_iter().all(meets));
         let Self { figure, most, is_length, within, .. } = *self;
-        Met { figure, most, is_length, level, within, value, interval, met }
+        RequirementOutcome { figure, most, is_length, level, within, value, interval, met }
     }
 
     /// Returns a length of a level in metres.
@@ -173,10 +178,10 @@ impl Requirement {
         Some(Value { value, interval: [low, high] })
     }
 
-    /// Returns a figure and the two numbers between which it lies, with a confidence of 99 % if it is estimated.
+    /// Returns a figure and its bounds, with a confidence of 99 % if it is estimated.
     fn value(&self, level: &LevelFigures) -> Option<Value> {
         let (angles, surface) = (level.overview.angles.as_ref(), level.surface_angles.as_ref());
-        // Colours that are not numbers are as far off as can be; no mean of the others speaks for them.
+        // Non-finite colours have an unbounded error; a mean over the others would hide it.
         let is_finite = level.material.not_finite == 0.0;
         let color = level.overview.color.as_ref().filter(|_| is_finite);
         let exactly = |value: Option<f64>| value.map(|value| Value { value, interval: [value; 2] });
@@ -210,7 +215,7 @@ impl Requirement {
         }
     }
 
-    /// Returns the share of the surface within the limit; `scale` is the unit of the limit in that of the curve.
+    /// Returns the share of the surface within the limit; `scale` converts the limit's unit to that of the curve.
     fn share_within(&self, curve: Option<&Exceedance>, scale: f64) -> Option<Value> {
         let beyond = curve?.beyond(self.within? * scale);
         let [low, high] = beyond.interval;
@@ -231,10 +236,10 @@ pub(super) fn asked_limits(requirements: &[Requirement]) -> AskedLimits {
     }
 }
 
-/// The unit of distances as parts of the diagonal, in that of their curve.
+/// Converts distances from fractions of the diagonal to the unit of their curve.
 const PER_CENT: f64 = 100.0;
 
-/// A figure and the interval in which it lies.
+/// A figure and its interval.
 #[derive(Clone, Copy)]
 struct Value {
     value: f64,
@@ -259,13 +264,13 @@ fn mean_of(views: &[ViewFigures], figure: fn(&ViewFigures) -> f64) -> Option<f64
 impl FromStr for Requirement {
     type Err = Error;
 
-    /// Reads `mean-angle=2`, `mean-angle@1=5°`, `missed=0.1%`, `bytes=3MB` and the like.
+    /// Parses `mean-angle=2`, `mean-angle@1=5°`, `missed=0.1%`, `bytes=3MB` and the like.
     fn from_str(text: &str) -> Result<Self> {
         let text = text.trim();
         let wrong = |why: &str| Error::invalid(format!("`{text}`"), why);
         let (name, most) = text
             .split_once('=')
-            .ok_or_else(|| wrong("write a figure and the most it may be, such as mean-angle=2"))?;
+            .ok_or_else(|| wrong("expected a figure and its limit, such as mean-angle=2"))?;
         let (name, level) = match name.split_once('@') {
             Some((name, level)) => (name.trim(), Some(level.trim())),
             None => (name.trim(), None),
@@ -282,19 +287,20 @@ impl FromStr for Requirement {
 
 fn level_of(figure: Figure, level: &str) -> std::result::Result<usize, String> {
     if !figure.is_of_level() {
-        return Err(format!("{} is a figure of the whole asset; leave out @{level}", figure.name()));
+        return Err(format!("{} applies to the whole asset; omit @{level}", figure.name()));
     }
-    let why = |_| format!("`{level}` is no level of detail; write 0 for the finest, 1 for the next");
+    let why = |_| format!("invalid level of detail `{level}`: 0 is the finest");
     level.parse().map_err(why)
 }
 
-/// Reads a number and its unit. Returns it in the unit of the figure itself, or in metres, and whether it is a length.
+/// Parses a number and its unit. Returns it in the unit of the figure itself, or in metres, and whether it is a
+/// length.
 fn most_of(figure: Figure, text: &str) -> std::result::Result<(f64, bool), String> {
     let (number, unit) = split(text);
     let number: f64 = number.parse().map_err(|_| format!("`{text}` is not a number"))?;
     let (size, is_length) = match unit {
         "" if figure == Figure::Texel => {
-            return Err(format!("{text} has no unit; write a length such as 50um"));
+            return Err(format!("{text} has no unit; use a length such as 50um"));
         }
         "" => (figure.unit().size, false),
         unit => unit_size(figure, unit)?,
@@ -302,7 +308,7 @@ fn most_of(figure: Figure, text: &str) -> std::result::Result<(f64, bool), Strin
     match number * size {
         most if most < 0.0 => Err(format!("{text} is below 0")),
         most if most.is_finite() => Ok((most, is_length)),
-        _ => Err(format!("`{text}` is too large a number")),
+        _ => Err(format!("`{text}` is too large")),
     }
 }
 
@@ -311,15 +317,15 @@ fn unit_size(figure: Figure, name: &str) -> std::result::Result<(f64, bool), Str
     let known = || figure.units().map(|unit| unit.name).collect::<Vec<_>>().join(", ");
     let unit = figure.units().find(|unit| unit.name == name);
     let why =
-        || format!("{} is not measured in {name}; write a bare number, or one in {}", figure.name(), known());
+        || format!("{} is not measured in {name}; use a bare number, or one in {}", figure.name(), known());
     let is_own = figure.own_units().iter().any(|unit| unit.name == name) && figure != Figure::Texel;
     unit.map(|unit| (unit.size, !is_own)).ok_or_else(why)
 }
 
 impl Figures {
-    /// Compares each requirement with what was measured: a figure of levels of detail at every level, unless one is named.
-    /// What could not be measured, or a level that does not exist, is not met.
-    pub fn require(&self, requirements: &[Requirement]) -> Vec<Met> {
+    /// Compares each requirement with the measurements: a figure of levels of detail at every level, unless one is
+    /// named. A figure that could not be measured, or a level that does not exist, is not met.
+    pub fn require(&self, requirements: &[Requirement]) -> Vec<RequirementOutcome> {
         requirements.iter().flat_map(|requirement| requirement.against(self, requirements)).collect()
     }
 }
@@ -334,8 +340,8 @@ mod tests {
         text.parse()
     }
 
-    /// A level whose angles are all of so many degrees, whose colours are off by half as much, and whose surface lies this
-    /// part of the diagonal away.
+    /// A level with all angles equal to `degrees`, colours off by half as much, and a surface at this fraction of the
+    /// diagonal from the scan.
     fn level(degrees: f32, hausdorff: f64) -> LevelFigures {
         let all = |value: f32| Estimate::of(&[value]).unwrap();
         let mut level = LevelFigures::default();
@@ -360,7 +366,7 @@ mod tests {
     fn requirements_are_read_with_their_units() {
         assert_eq!(read(" mean-angle = 2 ° ").unwrap(), Requirement::mean_angle_deg(2.0));
         assert_eq!(read("max-angle@2=20deg").unwrap(), Requirement::of(Figure::MaxAngle, 20.0).at_level(2));
-        assert_eq!(read("missed=0.5").unwrap(), Requirement::missed(0.005), "as help says: per cent");
+        assert_eq!(read("missed=0.5").unwrap(), Requirement::missed(0.005), "per cent, as in the help");
         assert_eq!(read("missed=0.5%").unwrap(), read("missed=0.5").unwrap());
         assert_eq!(read("bytes=1e3").unwrap(), Requirement::bytes(1000));
     }
@@ -368,27 +374,27 @@ mod tests {
     #[test]
     fn wrong_requirements_name_what_would_be_right() {
         let cases = [
-            ("mean-angle", "write a figure and the most"),
-            ("mean-angle=2%", "mean-angle is not measured in %; write a bare number, or one in °, deg"),
-            ("bytes=1%", "bytes is not measured in %; write a bare number, or one in B, kB, MB"),
+            ("mean-angle", "expected a figure and its limit"),
+            ("mean-angle=2%", "mean-angle is not measured in %; use a bare number, or one in °, deg"),
+            ("bytes=1%", "bytes is not measured in %; use a bare number, or one in B, kB, MB"),
             ("missed=3°", "missed is not measured in °"),
-            ("beauty=3", "choose one of: mean-angle"),
+            ("beauty=3", "expected one of: mean-angle"),
             ("missed=-1", "-1 is below 0"),
             ("missed=x", "`x` is not a number"),
             ("missed=inf", "`inf` is not a number"),
             ("bytes=1e999", "too large"),
-            ("texel=50", "50 has no unit; write a length such as 50um"),
-            ("texel=1%", "texel is not measured in %; write a bare number, or one in m, um"),
-            ("hausdorff=1km", "hausdorff is not measured in km; write a bare number, or one in %, um"),
+            ("texel=50", "50 has no unit; use a length such as 50um"),
+            ("texel=1%", "texel is not measured in %; use a bare number, or one in m, um"),
+            ("hausdorff=1km", "hausdorff is not measured in km; use a bare number, or one in %, um"),
             ("missed=1mm", "missed is not measured in mm"),
-            ("mean-angle@x=1", "`x` is no level of detail"),
-            ("mean-angle@-1=1", "`-1` is no level of detail"),
+            ("mean-angle@x=1", "invalid level of detail `x`"),
+            ("mean-angle@-1=1", "invalid level of detail `-1`"),
             ("within-angle=99%", "expected a limit in deg, dE or % of the diagonal"),
             ("within-5=99%", "expected a limit in deg, dE or % of the diagonal"),
             ("within--5deg=99%", "expected a limit in deg, dE or % of the diagonal"),
             ("within-0.2mm=99%", "expected a limit in deg, dE or % of the diagonal"),
             ("within-5deg=3°", "within-angle is not measured in °"),
-            ("bytes@1=1", "bytes is a figure of the whole asset; leave out @1"),
+            ("bytes@1=1", "bytes applies to the whole asset; omit @1"),
         ];
         for (text, why) in cases {
             let error = read(text).unwrap_err().to_string();
@@ -396,7 +402,7 @@ mod tests {
         }
     }
 
-    /// Of each figure and unit: a limit just above what was measured, and one just below.
+    /// For each figure and unit: a limit just above the measured value, and one just below.
     #[test]
     fn every_unit_holds_from_both_sides() {
         let figures = figures(vec![level(2.0, 0.005)]);
@@ -434,7 +440,7 @@ mod tests {
         let lengths = ["um", "µm", "μm", "mm", "cm", "m", "in"];
         let names = [&names[..], &lengths[..]].concat();
         let mut known = Figure::NAMES.iter().flat_map(|(_, figure)| figure.units());
-        assert!(known.all(|unit| names.contains(&unit.name)), "a unit is not looked at");
+        assert!(known.all(|unit| names.contains(&unit.name)), "a unit is not tested");
     }
 
     #[test]
@@ -455,7 +461,7 @@ mod tests {
         assert!(Requirement::check_unit(&[lengths], Some(Unit::Inch)).is_ok());
         assert!(Requirement::check_unit(&[read("hausdorff=0.2").unwrap()], None).is_ok());
         let unknown = Figures { unit: None, ..figures(vec![level(0.2, 0.0)]) };
-        assert_eq!(outcomes("hausdorff=1m", &unknown), [false], "nothing is known of it");
+        assert_eq!(outcomes("hausdorff=1m", &unknown), [false], "its size is unknown");
     }
 
     #[test]
@@ -466,7 +472,7 @@ mod tests {
         assert_eq!(outcomes("mean-angle@1=1", &figures), [true]);
         assert_eq!(outcomes("mean-angle@2=1", &figures), [false]);
         assert_eq!(outcomes("mean-angle@3=90", &figures), [false], "there is no such level");
-        assert_eq!(outcomes("bytes=3MB", &figures), [true], "the asset has its bytes once");
+        assert_eq!(outcomes("bytes=3MB", &figures), [true], "the asset has only one size");
         let met = figures.require(&[read("mean-angle=1").unwrap()]);
         assert_eq!((met[2].level, met[2].text().as_str()), (Some(2), "is 5°, at most 1°"));
     }
@@ -477,11 +483,11 @@ mod tests {
         small.overview.across = 64.0;
         let figures = figures(vec![level(0.2, 0.001), small]);
         assert_eq!(outcomes("mean-angle=0.5", &figures), [true, false]);
-        assert_eq!(outcomes("hausdorff=0.15", &figures), [true], "nobody sees it from nearby");
+        assert_eq!(outcomes("hausdorff=0.15", &figures), [true], "it is never seen close up");
         assert_eq!(outcomes("hausdorff@1=0.15", &figures), [false], "unless it is named");
         let all = ["mean-angle=0.5", "mean-angle@1=1"].map(|text| read(text).unwrap());
         let met: Vec<_> = figures.require(&all).iter().map(|met| (met.level, met.met)).collect();
-        assert_eq!(met, [(Some(0), true), (Some(1), true)], "a level may have a limit of its own");
+        assert_eq!(met, [(Some(0), true), (Some(1), true)], "a level may have its own limit");
     }
 
     #[test]
@@ -520,7 +526,7 @@ mod tests {
         ];
         assert_eq!(titles, wanted);
         let near = met("within-5deg=98%");
-        assert!(near.is_undecided() && !near.met, "the samples cannot tell: {near:?}");
+        assert!(near.is_undecided() && !near.met, "the samples cannot decide: {near:?}");
     }
 
     #[test]

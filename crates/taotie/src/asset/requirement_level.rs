@@ -1,4 +1,4 @@
-//! The levels of detail at which a requirement counts.
+//! The levels of detail to which a requirement applies.
 
 use super::figure_words::Looking;
 use super::figures::Figures;
@@ -7,16 +7,16 @@ use super::lod::Lod;
 use super::requirement::Requirement;
 
 impl Requirement {
-    /// Returns `true` if it counts at a level of detail, among all that is required: it names that one, or none, and no other
-    /// names it for the same figure of a coarser level.
+    /// Returns `true` if it applies to a level of detail, given all requirements: it names that level, or it names
+    /// none and no other requirement for the same figure names that coarser level.
     pub(super) fn counts_at(&self, level: usize, all: &[Self]) -> bool {
         let same = |other: &Self| (other.figure, other.within) == (self.figure, self.within);
         let is_replaced = || level > 0 && all.iter().any(|other| same(other) && other.level == Some(level));
         self.level == Some(level) || (self.level.is_none() && !is_replaced())
     }
 
-    /// Returns the levels at which it counts that names none: those that are shown where the figure looks. Levels for small objects
-    /// are never seen from nearby.
+    /// Returns the levels to which it applies if it names none: those displayed at the distance of the figure. Levels
+    /// for small objects are never seen close up.
     pub(super) fn levels_of(&self, figures: &Figures, all: &[Self]) -> Vec<usize> {
         let is_anywhere = matches!(self.figure.looking(), Looking::Overview | Looking::Files);
         let is_whole = |level: &LevelFigures| level.overview.across >= Lod::FINEST as f32;

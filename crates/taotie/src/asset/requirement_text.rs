@@ -1,16 +1,16 @@
-//! Requirements as `--require` reads them.
+//! Requirements as text for `--require`.
 
 use super::requirement::Requirement;
 use std::fmt;
 
 impl fmt::Display for Requirement {
-    /// Writes the requirement so that reading it gives the same one.
+    /// Writes the requirement so that parsing it gives the same one.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let unit = self.unit();
         let level = self.level.map_or_else(String::new, |level| format!("@{level}"));
         let name = match unit.name {
             "%" => "%",
-            // Typed on any keyboard.
+            // ASCII, for easy typing.
             "µm" => "um",
             length if self.is_length => length,
             _ => "",
@@ -19,7 +19,7 @@ impl fmt::Display for Requirement {
     }
 }
 
-/// Returns requirements as one argument of `--require`; lists that have a name by that.
+/// Returns requirements as one argument of `--require`, with named sets by their name.
 pub(super) fn argument(requirements: &[Requirement]) -> String {
     let named = Requirement::named();
     let (mut texts, mut rest) = (Vec::new(), requirements);
@@ -32,7 +32,7 @@ pub(super) fn argument(requirements: &[Requirement]) -> String {
     texts.join(",")
 }
 
-/// Requirements as serde says them: as one argument of `--require`, or not at all.
+/// Serde support for optional requirements: one argument of `--require`, or none.
 #[cfg(feature = "serde")]
 pub(super) mod optional {
     use super::{Requirement, argument};

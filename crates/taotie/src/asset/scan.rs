@@ -1,6 +1,6 @@
-//! The scan that is baked from: its triangles, and what its file says beside them.
+//! The scan that is baked from: its triangles, and the other contents of its file.
 //!
-//! Its tree takes more memory than its triangles. It is made when rays first need it, so simplification goes before it.
+//! Its tree takes more memory than its triangles. It is built when rays first need it, which is after simplification.
 
 use super::carried::Carried;
 use super::hash::FileHash;
@@ -19,35 +19,35 @@ use crate::scene::{Material, Scene};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-/// The properties of a scan beside its triangles.
+/// The properties of a scan besides its triangles.
 #[derive(Debug)]
 pub(super) struct About {
     /// The path of its file; empty in memory.
     pub path: PathBuf,
     pub hash: Option<FileHash>,
-    /// All files that it was read from, its own first; none in memory.
+    /// All files that it was read from, the model file first; empty in memory.
     pub files: Vec<PathBuf>,
     /// Bytes of all its files; 0 in memory.
     pub bytes: u64,
     pub copyright: Option<String>,
     /// The XMP metadata of the file as a whole, JSON-LD.
     pub xmp: Option<io::Json>,
-    /// The things that were wrong or are left out.
+    /// Problems and omissions.
     pub warnings: Warnings,
     pub size: ScanSize,
     pub carried: Carried,
-    /// `true` where it says nothing of its colour and material.
+    /// `true` if it specifies no colour and no material.
     pub is_plain: bool,
-    /// `true` if its file has animations, skins, morph targets or sets of materials, which nothing that is baked has.
+    /// `true` if its file has animations, skins, morph targets or material variants, none of which a baked asset has.
     pub is_rigged: bool,
-    /// What lets its file have but one level of detail if it is packed: motion, or levels of its own.
+    /// Why its file can have only one level of detail if it is packed: motion, or its own levels.
     pub one_level: Option<&'static str>,
-    /// The way in which it is read; the unit is the metre for glTF unless the caller states another one.
+    /// How it is read; the unit is the metre for glTF unless the caller specifies another.
     pub options: ScanOptions,
 }
 
 impl About {
-    /// Returns the unit of the scan's coordinates; `None` if it is unknown.
+    /// Returns the unit of the scan's coordinates; `None` if unknown.
     pub fn unit(&self) -> Option<Unit> {
         self.options.unit
     }
@@ -55,13 +55,13 @@ impl About {
     /// Returns the SHA-256 of the scan's file, hexadecimal; empty in memory.
     ///
     /// # Errors
-    /// [`Error::Io`] where it cannot be read any more.
+    /// [`Error::Io`] if it can no longer be read.
     pub fn sha256(&self) -> Result<String> {
         self.hash.as_ref().map_or(Ok(String::new()), FileHash::get)
     }
 }
 
-/// A scan as its file says, not yet one mesh, so that one can ask what a bake of it will need.
+/// A scan as stored in its file, not yet merged into one mesh, so that the needs of a bake can be estimated.
 ///
 /// ```no_run
 /// use taotie::Progress;
@@ -81,7 +81,7 @@ pub struct ScanFile {
     limits: Limits,
 }
 
-/// A scan: one mesh with its materials, which is sorted for rays once a bake needs them. Clones share all of it.
+/// A scan: one mesh with its materials, sorted for rays once a bake needs them. Clones share all data.
 ///
 /// ```
 /// use taotie::Progress;
@@ -90,16 +90,16 @@ pub struct ScanFile {
 ///
 /// let scan = Scan::from_mesh(Mesh::sphere(1.0, 32, 16), Progress::SILENT)?;
 /// assert_eq!(scan.mesh().triangles().len(), 960);
-/// assert_eq!(scan.sha256()?, "", "it comes from no file");
+/// assert_eq!(scan.sha256()?, "", "it has no file");
 /// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Clone)]
 pub struct Scan {
     surface: Arc<TexturedMesh>,
-    /// The surface sorted for rays; empty until that is needed.
+    /// The surface sorted for rays; empty until needed.
     sorted: Arc<OnceLock<bake::Scan>>,
     pub(super) about: Arc<About>,
-    /// The limits within which it was read, and what a bake of it names is read.
+    /// The limits within which it was read, and for other inputs of a bake of it.
     pub(super) limits: Limits,
 }
 
@@ -107,8 +107,8 @@ impl ScanFile {
     /// Reads a model: glTF, GLB, OBJ, PLY or STL.
     ///
     /// # Errors
-    /// [`Error::Cancelled`]; those of [`io::load_model`]; [`Error::Limit`] where the file does not fit the memory;
-    /// [`Error::Invalid`] where all its triangles lie in one point.
+    /// [`Error::Cancelled`]; those of [`io::load_model`]; [`Error::Limit`] if the file does not fit in memory;
+    /// [`Error::Invalid`] if all its triangles are at one point.
     pub fn read(path: impl AsRef<Path>, limits: &Limits, progress: Progress<'_>) -> Result<Self> {
         let path = path.as_ref().to_path_buf();
         let hash = FileHash::begin(&path);
@@ -120,8 +120,8 @@ impl ScanFile {
         })
     }
 
-    /// Takes over what was read from `path`, in which all instances are one scan. So a model that is shown already needs
-    /// not be read once more.
+    /// Converts the content that was read from `path`; all its instances form one scan. A model that is already
+    /// loaded thus need not be read again.
     ///
     /// ```no_run
     /// use taotie::Progress;
@@ -133,7 +133,7 @@ impl ScanFile {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Io`] where a file of it is gone; [`Error::Invalid`] where all its triangles lie in one point.
+    /// [`Error::Io`] if one of its files is gone; [`Error::Invalid`] if all its triangles are at one point.
     pub fn from_loaded(loaded: io::Loaded, path: impl AsRef<Path>, limits: &Limits) -> Result<Self> {
         let path = path.as_ref().to_path_buf();
         let hash = FileHash::begin(&path);
@@ -148,7 +148,7 @@ impl ScanFile {
         let is_rigged = loaded.rig.is_some() || !loaded.variants.names().is_empty();
         let about = About {
             is_rigged,
-            one_level: loaded.moving.or((loaded.levels > 1).then_some("levels of its own")),
+            one_level: loaded.moving.or((loaded.levels > 1).then_some("its own levels")),
             hash: Some(hash),
             files,
             bytes,
@@ -164,10 +164,10 @@ impl ScanFile {
         Ok(Self { scene: loaded.scene, about, limits })
     }
 
-    /// Takes a scene over, in which all instances are one scan.
+    /// Converts a scene; all its instances form one scan.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where all its triangles lie in one point.
+    /// [`Error::Invalid`] if all its triangles are at one point.
     pub fn from_scene(scene: Scene) -> Result<Self> {
         check_extent(&scene, "the scan")?;
         let mut loaded = io::Loaded::new(scene, Warnings::default(), "");
@@ -176,35 +176,35 @@ impl ScanFile {
         Ok(Self { scene: loaded.scene, about, limits: Limits::default() })
     }
 
-    /// Reads the scan as these options say, in place of the defaults.
+    /// Returns the scan file with these options instead of the defaults.
     pub fn with_options(mut self, options: ScanOptions) -> Self {
         self.about.options = ScanOptions { unit: options.unit.or(self.about.unit()), ..options };
         self
     }
 
-    /// Returns all files that the scan was read from, its own first; none in memory.
+    /// Returns all files that the scan was read from, the model file first; empty in memory.
     pub fn files(&self) -> &[PathBuf] {
         &self.about.files
     }
 
-    /// Returns the unit of the scan's coordinates: that of [`ScanOptions`], else the metre of a glTF file; `None` if it is
+    /// Returns the unit of the scan's coordinates: that of [`ScanOptions`], else the metre of a glTF file; `None` if
     /// unknown.
     pub fn unit(&self) -> Option<Unit> {
         self.about.unit()
     }
 
-    /// Returns how many triangles and vertices the scan has, and what else takes memory.
+    /// Returns the number of triangles and vertices of the scan, and its other memory needs.
     pub fn size(&self) -> ScanSize {
         let added = scan_normals::added_vertices(&self.scene, &self.about.options);
         self.about.size.with_vertices_added(added)
     }
 
-    /// Makes the scan one mesh. Reversed triangles are turned if there is no doubt about them; meshes without normals, or
-    /// with one for each facet, get smooth ones with the hard edges of modelled shapes; normal maps with green pointing down
-    /// are read so. Each of these is a warning, and [`ScanOptions`] choose otherwise.
+    /// Merges the scan into one mesh. Reversed triangles are flipped if there is no doubt about them; meshes without
+    /// normals, or with one per facet, get smooth ones with the hard edges of modelled shapes; normal maps with green
+    /// pointing down are read as such. Each of these causes a warning, and [`ScanOptions`] can override it.
     ///
     /// # Errors
-    /// [`Error::Cancelled`]; [`Error::Limit`] where the scene has more than 2^32 − 1 vertices; those of
+    /// [`Error::Cancelled`]; [`Error::Limit`] if the scene has more than 2^32 − 1 vertices; those of
     /// [`ScanOptions::check`].
     pub fn into_scan(self, progress: Progress<'_>) -> Result<Scan> {
         progress.begin("join the scan")?.apart(move |_| {
@@ -220,32 +220,33 @@ impl Scan {
     /// Reads a scan: [`ScanFile::read`] and [`ScanFile::into_scan`].
     ///
     /// # Errors
-    /// As theirs.
+    /// Those of both.
     pub fn read(path: impl AsRef<Path>, limits: &Limits, progress: Progress<'_>) -> Result<Self> {
         ScanFile::read(path, limits, progress)?.into_scan(progress)
     }
 
-    /// Takes a mesh over, a scan of the default material.
+    /// Converts a mesh to a scan with the default material.
     ///
     /// # Errors
-    /// As [`ScanFile::from_scene`] and [`ScanFile::into_scan`].
+    /// Those of [`ScanFile::from_scene`] and [`ScanFile::into_scan`].
     pub fn from_mesh(mesh: Mesh, progress: Progress<'_>) -> Result<Self> {
         Self::from_scene(Scene::of_mesh(mesh, Material::default())?, progress)
     }
 
-    /// Takes a scene over, in which all instances are one scan.
+    /// Converts a scene; all its instances form one scan.
     ///
     /// # Errors
-    /// As [`ScanFile::from_scene`] and [`ScanFile::into_scan`].
+    /// Those of [`ScanFile::from_scene`] and [`ScanFile::into_scan`].
     pub fn from_scene(scene: Scene, progress: Progress<'_>) -> Result<Self> {
         ScanFile::from_scene(scene)?.into_scan(progress)
     }
 
-    /// Returns its triangles sorted for rays, which the first call does.
+    /// Returns its triangles sorted for rays; the first call sorts them.
     pub fn sorted(&self) -> &bake::Scan {
         match self.sorted.get() {
             Some(sorted) => sorted,
-            // Not made by `get_or_init`: a thread that waits for others' part of the work may take up a bake of this scan.
+            // Not built by `get_or_init`: a thread waiting for others' part of the work may pick up a bake of this
+            // scan.
             None => {
                 let made = bake::Scan::of(Arc::clone(&self.surface));
                 self.sorted.get_or_init(|| made)
@@ -253,8 +254,8 @@ impl Scan {
         }
     }
 
-    /// Calls `work` with the triangles sorted for rays. If they are not sorted yet, that is undone afterwards, so that stages
-    /// that need the memory have it.
+    /// Calls `work` with the triangles sorted for rays. If they were not sorted before, the tree is dropped
+    /// afterwards, so that its memory is available to later stages.
     pub(super) fn with_sorted<T>(&self, work: impl FnOnce(&bake::Scan) -> T) -> T {
         match self.sorted.get() {
             Some(sorted) => work(sorted),
@@ -262,7 +263,7 @@ impl Scan {
         }
     }
 
-    /// Sorts it for rays, a stage of its own, where that is still to be done.
+    /// Sorts it for rays, as a separate stage, unless that is done.
     pub(super) fn sort(&self, progress: Progress<'_>) -> Result<()> {
         if !self.is_sorted() {
             progress.begin("sort the scan")?;
@@ -271,12 +272,12 @@ impl Scan {
         Ok(())
     }
 
-    /// Says whether it is sorted for rays already.
+    /// Returns true if it is already sorted for rays.
     pub(super) fn is_sorted(&self) -> bool {
         self.sorted.get().is_some()
     }
 
-    /// Returns the bytes that it takes now.
+    /// Returns the bytes that it currently takes.
     pub(super) fn held(&self) -> u64 {
         let size = self.about.size;
         if self.is_sorted() { size.bytes() } else { size.mesh_bytes() }
@@ -302,25 +303,25 @@ impl Scan {
         &self.about.path
     }
 
-    /// Returns all files that it was read from, its own first; none in memory.
+    /// Returns all files that it was read from, the model file first; empty in memory.
     pub fn files(&self) -> &[PathBuf] {
         &self.about.files
     }
 
-    /// Returns what was wrong with its file, or is left out of it.
+    /// Returns the problems with its file, and omissions.
     pub fn warnings(&self) -> &Warnings {
         &self.about.warnings
     }
 
-    /// Returns the SHA-256 of its file, hexadecimal; empty in memory. It is computed while all else goes on.
+    /// Returns the SHA-256 of its file, hexadecimal; empty in memory. It is computed in the background.
     ///
     /// # Errors
-    /// [`Error::Io`] where the file cannot be read any more.
+    /// [`Error::Io`] if the file can no longer be read.
     pub fn sha256(&self) -> Result<String> {
         self.about.sha256()
     }
 
-    /// Gives the tree up, and the triangles too where no clone of this scan holds them.
+    /// Frees the tree, and moves the triangles out unless a clone of this scan still holds them.
     pub(super) fn into_scene(self) -> Result<Scene> {
         let Self { surface, sorted, .. } = self;
         drop(sorted);
@@ -362,7 +363,7 @@ impl About {
     }
 }
 
-/// Corrects what a scan's file has wrong or leaves open, as the options say, and notes it.
+/// Corrects faults and gaps of a scan's file according to the options, and notes them.
 fn correct(scene: &mut Scene, about: &mut About) -> Result<()> {
     let mut parts = std::mem::take(scene).into_data();
     let unit = about.unit();
@@ -380,7 +381,7 @@ pub(super) fn is_gltf(format: &str) -> bool {
     ["glTF", "GLB"].contains(&format)
 }
 
-/// Returns a model's file and all others that it was read from, each once.
+/// Returns a model's file and all others that it was read from, without duplicates.
 pub(super) fn all_files(path: &Path, others: &mut Vec<PathBuf>) -> Vec<PathBuf> {
     others.sort();
     others.dedup();
@@ -388,17 +389,17 @@ pub(super) fn all_files(path: &Path, others: &mut Vec<PathBuf>) -> Vec<PathBuf> 
     std::iter::once(path.to_path_buf()).chain(others).collect()
 }
 
-/// The least and the largest diagonal of a model that is baked, model units. Beyond, fourth powers of the lengths of its
-/// edges leave single precision, and distances are no distances any more.
+/// The minimum and maximum diagonal of a baked model, model units. Outside this range, fourth powers of edge lengths
+/// leave single precision, and distances become meaningless.
 const LEAST_SIZE: f64 = 1e-6;
 const MOST_SIZE: f64 = 1e9;
 
-/// Refuses a model that is nothing but a point, or whose distances cannot be measured.
+/// Refuses a model that is only a point, or whose distances cannot be measured.
 pub(super) fn check_extent(scene: &Scene, name: &str) -> Result<()> {
     let mut positions = scene.meshes().iter().flat_map(|mesh| mesh.positions());
     let first = positions.next();
     if !positions.any(|position| Some(position) != first) {
-        return Err(Error::invalid(name, "all its triangles lie in one point; there is nothing to bake"));
+        return Err(Error::invalid(name, "all its triangles are at one point; there is nothing to bake"));
     }
     let size = scene.bounds().map_or(0.0, |bounds| bounds.diagonal());
     if !(LEAST_SIZE..=MOST_SIZE).contains(&size) {

@@ -1,4 +1,4 @@
-//! The direction of green in a scan's normal maps: as its file says, as its pixels say, or as the caller says.
+//! The direction of green in a scan's normal maps: set by its file, its pixels, or the caller.
 
 use super::scan_options::ScanOptions;
 use crate::error::Warnings;
@@ -7,8 +7,8 @@ use crate::scene::{GreenChannel, NormalMap, NormalSpace, SceneData};
 use crate::surface::GreenVerdict;
 use std::collections::BTreeMap;
 
-/// Sets the direction of green of all normal maps in tangent space that the scan shows. Without a choice of the caller, maps
-/// of which the pixels show that green points down are read so, and noted.
+/// Sets the direction of green of all tangent-space normal maps that the scan uses. Without a choice by the caller,
+/// maps whose pixels show that green points down are read as such, and noted.
 pub(super) fn set(parts: &mut SceneData, options: &ScanOptions, warnings: &mut Warnings) {
     let mut is_used = vec![false; parts.materials.len()];
     parts.instances.iter().for_each(|instance| is_used[instance.material] = true);
@@ -44,7 +44,7 @@ pub(super) fn set(parts: &mut SceneData, options: &ScanOptions, warnings: &mut W
         }
     }
     if options.green.is_some() && !has_maps {
-        warnings.note("the direction of green has no effect: the scan has no normal map in tangent space", 1);
+        warnings.note("the direction of green has no effect: the scan has no tangent-space normal map", 1);
     }
 }
 

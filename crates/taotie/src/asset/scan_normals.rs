@@ -1,4 +1,4 @@
-//! The normals of a scan whose file has none, or one for each facet: smooth, with the hard edges of modelled shapes.
+//! The normals of a scan whose file has none, or one per facet: smooth, with the hard edges of modelled shapes.
 
 use super::extent::{Extent, Spot, Whole};
 use super::scan_options::ScanOptions;
@@ -8,24 +8,24 @@ use crate::mesh::{Mesh, MeshData, with_flat_normals};
 use crate::scene::{NormalSpace, Scene, SceneData};
 use crate::surface::{Bends, MODELLED_CREASE_DEG, looks_scanned};
 
-/// What was done to the meshes of a scan.
+/// The changes made to the meshes of a scan.
 #[derive(Default)]
 struct Outcome {
-    /// Meshes with a normal for each facet that are smooth everywhere now.
+    /// Meshes that had one normal per facet and are now smooth everywhere.
     smoothed: usize,
     /// Meshes to which the crease angle applied.
     affected: usize,
     /// The number of hard edges.
     hard: usize,
-    /// The middles of the hard edges, by length.
+    /// The midpoints of the hard edges, by length.
     spots: Vec<Spot>,
     /// The length of all edges of the meshes that have hard ones.
     length: f64,
 }
 
-/// Computes normals of meshes that have none or one for each facet, wherever they part at hard edges; elsewhere they are
-/// left out, so that smooth ones are made. Meshes with a tangent-space normal map keep theirs: the map is relative to
-/// them. What was done is noted.
+/// Computes normals of meshes that have none or one per facet, wherever they split at hard edges; elsewhere they are
+/// removed, so that smooth ones are computed. Meshes with a tangent-space normal map keep theirs: the map is relative
+/// to them. All changes are noted.
 ///
 /// # Errors
 /// Those of [`ScanOptions::check`].
@@ -59,7 +59,7 @@ pub(super) fn placements(parts: &SceneData, mesh: usize) -> Vec<Mat4> {
     shown.map(|instance| instance.world_from_object).collect()
 }
 
-/// Returns for each mesh whether a tangent-space normal map is on it.
+/// Returns for each mesh whether it has a tangent-space normal map.
 fn mapped(parts: &SceneData) -> Vec<bool> {
     let mut is_mapped = vec![false; parts.meshes.len()];
     for instance in &parts.instances {
@@ -70,7 +70,7 @@ fn mapped(parts: &SceneData) -> Vec<bool> {
 }
 
 impl Outcome {
-    /// Returns a mesh with normals that part at its hard edges; without normals if it has none.
+    /// Returns a mesh with normals split at its hard edges; without normals if it has none.
     fn with_normals(&mut self, mesh: Mesh, placed: &[Mat4], options: &ScanOptions) -> Result<Mesh> {
         let smooth = |mesh: Mesh| {
             Mesh::new(MeshData { normals: Vec::new(), tangents: Vec::new(), ..mesh.into_data() })
@@ -102,8 +102,7 @@ impl Outcome {
 
     fn note(&self, options: &ScanOptions, parts: &SceneData, warnings: &mut Warnings) {
         if options.crease_angle_deg.is_some() && self.affected == 0 {
-            warnings
-                .note("the crease angle has no effect: the scan has normals of its own, which are kept", 1);
+            warnings.note("the crease angle has no effect: the scan has its own normals, which are kept", 1);
         }
         let smoothed =
             "flat-shaded scan: smooth normals computed; a crease angle keeps edges hard, 0 all facets";
@@ -116,9 +115,7 @@ impl Outcome {
         let crease = options.crease_angle_deg.unwrap_or(MODELLED_CREASE_DEG);
         let advice = match options.crease_angle_deg {
             Some(_) => "",
-            None => {
-                "; if they should be smooth, set a crease angle of 180, if all facets are meant, one of 0"
-            }
+            None => "; set a crease angle of 180 to smooth all of them, or 0 to keep all facets",
         };
         let text = format!(
             "scan without smooth normals: smoothed below {crease}°, {} hard edges kept ({} of the length of its edges, most \
@@ -131,9 +128,9 @@ impl Outcome {
     }
 }
 
-/// Returns the vertices that computing normals may add at most to a scene as it is read, over all instances.
+/// Returns the maximum number of vertices that computing normals may add to a scene as read, over all instances.
 pub(super) fn added_vertices(scene: &Scene, options: &ScanOptions) -> u64 {
-    /// Below this crease angle most vertices of a scan are split, degrees.
+    /// The crease angle below which most vertices of a scan are split, degrees.
     const SPLITTING: f64 = 20.0;
     if options.crease_angle_deg.is_none_or(|angle| angle > SPLITTING) {
         return 0;

@@ -1,11 +1,11 @@
-//! The options of reading a scan.
+//! The options for reading a scan.
 
 use crate::error::{Error, Result};
 use crate::length::Unit;
 use crate::names::Named;
 use crate::scene::GreenChannel;
 
-/// How a scan is read where its file leaves room for doubt. Built by `Default` and struct update.
+/// How a scan is read if its file is ambiguous. Built by `Default` and struct update.
 ///
 /// ```no_run
 /// use taotie::Progress;
@@ -19,20 +19,20 @@ use crate::scene::GreenChannel;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ScanOptions {
-    /// The angle between facets from which an edge is hard, degrees, [0, 180]: 0 keeps all facets flat, 180 smooths
-    /// everything. It applies to meshes without normals, or with one for each facet. `None` smooths scans and keeps the
+    /// The angle between facets above which an edge is hard, degrees, [0, 180]: 0 keeps all facets flat, 180 smooths
+    /// everything. It applies to meshes without normals, or with one per facet. `None` smooths scans and keeps the
     /// hard edges of modelled shapes.
     pub crease_angle_deg: Option<f64>,
-    /// The direction of green in the scan's tangent-space normal maps; `None` trusts the file unless the pixels contradict
-    /// it.
+    /// The direction of green in the scan's tangent-space normal maps; `None` trusts the file unless the pixels
+    /// contradict it.
     pub green: Option<GreenChannel>,
-    /// The unit of the scan's coordinates; `None` is the metre for glTF, as its specification says, and an unknown unit for
-    /// other formats.
+    /// The unit of the scan's coordinates; `None` is the metre for glTF, as its specification requires, and an
+    /// unknown unit for other formats.
     pub unit: Option<Unit>,
 }
 
 impl ScanOptions {
-    /// Returns these options, with those of `others` where nothing is set.
+    /// Returns these options, with unset ones taken from `others`.
     ///
     /// ```
     /// use taotie::asset::ScanOptions;
@@ -66,13 +66,10 @@ impl ScanOptions {
         }
     }
 
-    /// Returns the arguments of the command for all options that differ from the defaults.
+    /// Returns the command-line arguments for all options that differ from the defaults.
     pub(super) fn arguments(&self) -> Vec<String> {
         let crease_angle = self.crease_angle_deg.map(|angle| ("--crease-angle", angle.to_string()));
-        let green = self.green.map(|green| match green {
-            GreenChannel::Up => ("--scan-green", "up".to_owned()),
-            GreenChannel::Down => ("--scan-green", "down".to_owned()),
-        });
+        let green = self.green.map(|green| ("--scan-green", green.name().to_owned()));
         let unit = self.unit.map(|unit| ("--unit", unit.name().to_owned()));
         let all = [crease_angle, green, unit].into_iter().flatten();
         all.flat_map(|(name, value)| [name.to_owned(), value]).collect()

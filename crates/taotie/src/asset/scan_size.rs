@@ -7,7 +7,7 @@ use crate::mesh::Mesh;
 use crate::scene::Scene;
 use crate::surface::tangent_bytes;
 
-/// The number of triangles and vertices of a scan, what they carry, and the maps that its materials need.
+/// The number of triangles and vertices of a scan, their attributes, and the maps that its materials need.
 ///
 /// ```
 /// use taotie::asset::{BakeOptions, Baker, ScanSize};
@@ -24,24 +24,25 @@ pub struct ScanSize {
     pub triangles: u64,
     /// Vertices, over all instances.
     pub vertices: u64,
-    /// Bytes of what vertices have beside positions and normals: uvs, tangents and colours.
+    /// Bytes of vertex attributes other than positions and normals: uvs, tangents and colours.
     pub attribute_bytes: u64,
     /// Bytes of its textures with their mip chains.
     pub texture_bytes: u64,
-    /// Triangles of the largest mesh that gets tangents, since a normal map needs them and its file has none.
+    /// Triangles of the largest mesh that gets tangents, because a normal map needs them and its file has none.
     pub framed_triangles: u64,
     /// Vertices of that mesh.
     pub framed_vertices: u64,
-    /// The maps of what varies in its materials, which a bake carries where it is asked to.
+    /// The maps of properties that vary in its materials, which a bake carries over if requested.
     pub carries: Maps,
-    /// The side of the smallest square map, a power of two, that preserves its detail; see [`AUTO_SIZE`](super::AUTO_SIZE).
+    /// The side of the smallest square map, a power of two, that preserves its detail; see
+    /// [`AUTO_SIZE`](super::AUTO_SIZE).
     pub detail_side: u32,
-    /// `true` where it says something of its material, so that images in full material are compared too.
+    /// `true` if it specifies a material, so that images in full material are compared too.
     pub has_material: bool,
 }
 
 impl ScanSize {
-    /// Counts what a scene has.
+    /// Counts the contents of a scene.
     pub(super) fn of(scene: &Scene, carries: Maps) -> Self {
         let (meshes, lacks) = (scene.meshes(), lacks_tangents(scene));
         let framed = meshes.iter().zip(&lacks).filter(|(_, lacks)| **lacks).map(|(mesh, _)| mesh);
@@ -61,7 +62,7 @@ impl ScanSize {
         }
     }
 
-    /// Returns the size with further vertices, which have normals and positions, and may have uvs and colours.
+    /// Returns the size with additional vertices, which have normals and positions, and may have uvs and colours.
     pub(super) fn with_vertices_added(self, added: u64) -> Self {
         let attributes = self.attribute_bytes.div_ceil(self.vertices.max(1));
         Self {
@@ -71,14 +72,15 @@ impl ScanSize {
         }
     }
 
-    /// Returns what the scan takes, sorted for rays.
+    /// Returns the bytes of the scan, sorted for rays.
     pub(super) fn bytes(self) -> u64 {
-        /// Corners, order and boxes of the tree.
+        /// The corners, order and boxes of the tree.
         const TREE: u64 = 41;
         self.mesh_bytes() + self.triangles * TREE
     }
 
-    /// Returns what the scan takes at most while its tangents are made, which is before it is one mesh; 0 where none are.
+    /// Returns the peak bytes of the scan while its tangents are computed, which is before it is merged; 0 if none
+    /// are.
     pub(super) fn framing_bytes(self) -> u64 {
         match self.framed_triangles {
             0 => 0,
@@ -86,19 +88,19 @@ impl ScanSize {
         }
     }
 
-    /// Returns what the scan takes while images of it are taken: its tree is gone, and its triangles are placed.
+    /// Returns the bytes of the scan while it is rendered: its tree is freed, and its triangles are placed.
     pub(super) fn viewing_bytes(self) -> u64 {
         const PLACED_VERTEX: u64 = 72;
         const PLACED_TRIANGLE: u64 = 60;
         self.mesh_bytes() + self.vertices * PLACED_VERTEX + self.triangles * PLACED_TRIANGLE
     }
 
-    /// Returns the size without what making its tangents takes: they are there once it is one mesh.
+    /// Returns the size without the cost of computing tangents: they exist once it is merged.
     pub(super) fn joined(self) -> Self {
         Self { framed_triangles: 0, framed_vertices: 0, ..self }
     }
 
-    /// Returns what the scan takes as one mesh, before it is sorted for rays.
+    /// Returns the bytes of the scan as one mesh, before it is sorted for rays.
     pub(super) fn mesh_bytes(self) -> u64 {
         /// Position and normal.
         const VERTEX: u64 = 24;
@@ -162,7 +164,7 @@ mod tests {
         let of = |space, tangents| ScanSize::of(&scene(space, tangents), Maps::default());
         let made = of(NormalSpace::Tangent, false);
         assert_eq!((made.triangles, made.framed_triangles), (2 * made.framed_triangles, 48));
-        assert_eq!(made.vertices, 2 * made.framed_vertices, "each instance becomes vertices of its own");
+        assert_eq!(made.vertices, 2 * made.framed_vertices, "each instance gets its own vertices");
         assert_eq!(made.attribute_bytes, made.vertices * (8 + 16), "uvs and tangents");
         let framing = made.framing_bytes();
         assert!(framing > 300 * made.framed_triangles + made.mesh_bytes(), "{framing}");

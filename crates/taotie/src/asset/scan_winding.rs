@@ -1,5 +1,5 @@
-//! Triangles of a scan that face the wrong way: turned if there is no doubt, otherwise noted, and normals that contradict
-//! the triangles.
+//! Triangles of a scan that face the wrong way: flipped if there is no doubt, otherwise noted; and normals that
+//! contradict the triangles.
 
 use super::extent::{Extent, Spot, Whole};
 use super::scan_normals::placements;
@@ -11,7 +11,7 @@ use crate::parallel;
 use crate::scene::SceneData;
 use crate::surface::{Opposed, facet_normal};
 
-/// Normals that contradict the geometry on more of the surface than this are worth a warning.
+/// The share of the surface above which normals contradicting the geometry cause a warning.
 const CONTRADICTED: f64 = 0.005;
 
 /// Triangles in several meshes, as spots.
@@ -23,11 +23,11 @@ struct Found {
     unit: Option<Unit>,
 }
 
-/// Turns triangles that are wound the other way than the surface around them, and notes where. Triangles of which it is
-/// unclear which way they should face are noted and stay.
+/// Flips triangles that are wound opposite to the surface around them, and notes where. Triangles whose correct
+/// orientation is unclear are noted and left unchanged.
 ///
 /// # Errors
-/// None can happen to meshes that were checked.
+/// None for meshes that were checked.
 pub(super) fn turn(parts: &mut SceneData, unit: Option<Unit>, warnings: &mut Warnings) -> Result<()> {
     let (mut turned, mut doubtful) = (Found::with(unit), Found::with(unit));
     for i in 0..parts.meshes.len() {
@@ -40,7 +40,7 @@ pub(super) fn turn(parts: &mut SceneData, unit: Option<Unit>, warnings: &mut War
     }
     let text = |count, extent| {
         format!(
-            "reversed winding of some triangles of the scan, turned to match their neighbours: {count} triangles, {extent}"
+            "reversed winding of some triangles of the scan, flipped to match neighbours: {count} triangles, {extent}"
         )
     };
     turned.note(parts, text, warnings);
@@ -54,7 +54,7 @@ pub(super) fn turn(parts: &mut SceneData, unit: Option<Unit>, warnings: &mut War
     Ok(())
 }
 
-/// Notes normals of the scan that point to the other side of their triangles.
+/// Notes normals of the scan that point to the opposite side of their triangles.
 pub(super) fn note_contradicting_normals(parts: &SceneData, unit: Option<Unit>, warnings: &mut Warnings) {
     let mut found = Found::with(unit);
     for (i, mesh) in parts.meshes.iter().enumerate().filter(|(_, mesh)| !mesh.normals().is_empty()) {
@@ -103,8 +103,8 @@ impl Found {
     }
 }
 
-/// Returns a mesh with some of its triangles turned. So are the normals that only they use and that would contradict them
-/// then; the handedness of tangents goes with them.
+/// Returns a mesh with some of its triangles flipped. Normals that only they use and that would then contradict them
+/// are negated too, along with the handedness of their tangents.
 fn with_turned(mesh: Mesh, triangles: &[u32]) -> Result<Mesh> {
     let mut is_shared = vec![true; mesh.positions().len()];
     let mut data = mesh.into_data();

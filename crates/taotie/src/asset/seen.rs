@@ -1,19 +1,19 @@
-//! What a viewer sees of a level of detail, found at as many points as are wanted.
+//! A level of detail as a viewer sees it, sampled at the requested number of points.
 
 use super::figure::Sampling;
-use super::met::Met;
+use super::met::RequirementOutcome;
 use crate::error::Result;
 use crate::proof::{
     CloseUp, DistanceBounds, Overview, Pair, Patch, Picture, SilhouetteFigures, SurfaceSample, hausdorff,
     overview, silhouettes, worst_patch,
 };
 
-/// Points at most, when samples are added to decide a requirement.
+/// The maximum number of points when samples are added to decide a requirement.
 const MOST_POINTS: usize = 4_000_000;
-/// Points of each surface among which the worst patch is sought. They do not grow with the others, so that more points measure
-/// the same patch.
+/// The number of points of each surface from which the worst patch is selected. It does not grow with the others, so
+/// that more points measure the same patch.
 const SOUGHT: usize = 20_000;
-/// More points than are likely to decide a requirement, since estimates of intervals vary.
+/// The safety factor on the points expected to decide a requirement, since estimates of intervals vary.
 const MARGIN: f64 = 1.5;
 
 /// A level of detail as a viewer sees it.
@@ -21,30 +21,30 @@ pub(super) struct Seen {
     counts: Counts,
     pub overview: Overview,
     pub silhouette: SilhouetteFigures,
-    /// Of the scan and of the asset.
+    /// Of the scan and the asset.
     pub close_ups: [CloseUp; 2],
-    /// The same at as many points as the worst patches are sought among; `None` if they are those of `close_ups`.
+    /// The same at the points from which the worst patches are selected; `None` if they are those of `close_ups`.
     sought: Option<[CloseUp; 2]>,
     pub hausdorff: DistanceBounds,
 }
 
-/// The numbers of points by which the figures of a level are found.
+/// The numbers of points at which the figures of a level are sampled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Counts {
     /// On the surface.
     pub surface: usize,
     /// Pixels of the overview.
     overview: usize,
-    /// Of each surface, among which the worst patch is sought.
+    /// Of each surface, from which the worst patch is selected.
     sought: usize,
     /// Of each surface, seen close up.
     close_up: usize,
-    /// The bounds of distances are closer in proportion to this.
+    /// Controls the bounds of distances, which tighten in proportion.
     distance: usize,
 }
 
 impl Seen {
-    /// Looks at a level, whose overview has so many pixels across.
+    /// Samples a level whose overview has `across` pixels across.
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] if a surface has no area.
@@ -78,15 +78,15 @@ impl Seen {
         })
     }
 
-    /// Returns the numbers of points that were looked at.
+    /// Returns the numbers of sampled points.
     pub fn counts(&self) -> Counts {
         self.counts
     }
 
-    /// Measures the figures again whose number of points is another.
+    /// Measures the figures whose number of points has changed again.
     ///
     /// # Errors
-    /// As [`Seen::of`].
+    /// Those of [`Seen::of`].
     pub fn refine(&mut self, pair: &Pair<'_>, counts: Counts) -> Result<()> {
         let before = std::mem::replace(&mut self.counts, counts);
         if counts.overview != before.overview {
@@ -113,15 +113,15 @@ fn sought(pair: &Pair<'_>, counts: Counts) -> Result<Option<[CloseUp; 2]>> {
 }
 
 impl Counts {
-    /// The same number for all figures of the finest level; of a coarser one a quarter.
+    /// The same number for all figures of the finest level; a quarter for a coarser one.
     pub fn of(points: usize, is_finest: bool) -> Self {
         let part = |points: usize| if is_finest { points } else { (points / 4).max(10) };
         let all = part(points);
         Self { surface: all, overview: all, sought: part(SOUGHT), close_up: all, distance: all }
     }
 
-    /// Returns the numbers that are likely to decide what is undecided.
-    pub fn to_decide<'m>(self, met: impl Iterator<Item = &'m Met>) -> Self {
+    /// Returns the numbers that are likely to decide the undecided requirements.
+    pub fn to_decide<'m>(self, met: impl Iterator<Item = &'m RequirementOutcome>) -> Self {
         let mut next = self;
         for met in met {
             let times = met.samples_to_decide();
@@ -137,8 +137,8 @@ impl Counts {
     }
 }
 
-/// Returns so many points that `times` as many as there are decide a requirement; as many as there are if not even the most
-/// would tell.
+/// Returns enough points to decide a requirement that needs `times` as many; the same number if even the maximum
+/// would not decide it.
 fn enough(points: usize, times: f64) -> usize {
     let (now, most) = (points as f64, MOST_POINTS as f64);
     if times <= 1.0 || now >= most || now * times > most * 4.0 {

@@ -1,4 +1,4 @@
-//! A level of detail of an asset as a viewer shows it, and the means to measure it.
+//! A level of detail of an asset as a viewer shows it, prepared for measurement.
 
 use super::level_figures::PartSurface;
 use super::look;
@@ -8,15 +8,15 @@ use crate::error::{Error, Result};
 use crate::scene::Scene;
 use std::path::Path;
 
-/// Materials that are measured one by one, at most; more are measured as one.
+/// The maximum number of materials measured separately; more are measured as one.
 const MOST_PARTS: usize = 64;
 
 /// The triangles of one material, and the cage from which they are projected onto the scan.
 pub(super) struct ShownPart {
-    /// The material's name, or its number if it has none; empty if the asset has but one.
+    /// The material's name, or its number if it has none; empty if the asset has only one.
     pub label: String,
     pub shown: TexturedMesh,
-    /// `true` if the material has a map that bends normals.
+    /// `true` if the material has a normal or height map.
     pub has_relief: bool,
     cage: Cage,
 }
@@ -25,13 +25,13 @@ pub(super) struct ShownPart {
 pub(super) struct ShownLevel<'a> {
     /// All of its triangles.
     pub surface: bake::Scan,
-    /// At least one.
+    /// One for each material, at least one.
     pub parts: Vec<ShownPart>,
     scan: &'a Scan,
     whole_cage: Cage,
-    /// `true` if the files show a material, and the scan states one.
+    /// `true` if the files show a material, and the scan specifies one.
     has_material: bool,
-    /// `true` if the files state no colour and no material.
+    /// `true` if the files specify no colour and no material.
     is_plain: bool,
 }
 
@@ -48,7 +48,7 @@ impl ShownPart {
 }
 
 impl<'a> ShownLevel<'a> {
-    /// Takes a scene that was read from `path`.
+    /// Creates a level from a scene that was read from `path`.
     ///
     /// # Errors
     /// [`Error::Invalid`] if it has no triangles; [`Error::Limit`] for more than 2^32 − 1 vertices.
@@ -96,18 +96,18 @@ impl<'a> ShownLevel<'a> {
         self.scan.sorted()
     }
 
-    /// Returns `true` if colours and materials are compared: the scan states them.
+    /// Returns `true` if colours and materials are compared, since the scan specifies them.
     pub fn has_material(&self) -> bool {
         self.has_material
     }
 
-    /// Returns `true` if the scan states colours or materials, and the asset shows the default of its format.
+    /// Returns `true` if the scan specifies colours or materials, but the asset shows the default of its format.
     pub fn lacks_material(&self) -> bool {
         self.has_material && self.is_plain
     }
 }
 
-/// Returns the triangles that show one material of several.
+/// Returns the triangles of one of several materials.
 fn part(scene: &Scene, material: usize, scan: &Scan) -> Result<ShownPart> {
     let mut own = scene.clone();
     own.edit(|scene| scene.instances.retain(|instance| instance.material == material))?;

@@ -10,12 +10,12 @@ use crate::scene::{Material, TextureRef};
 pub(super) struct Slot {
     /// Its name in words.
     pub name: &'static str,
-    /// The property that it holds.
+    /// The property that it stores.
     pub property: Property,
     maps: &'static [MapKind],
 }
 
-/// All slots but the normal map's, which never stays.
+/// All slots except the normal map, which is never kept.
 pub(super) static SLOTS: [Slot; 4] = [
     Slot { name: "base colour", property: Property::BaseColor, maps: &[MapKind::Albedo] },
     Slot {
@@ -32,7 +32,7 @@ pub(super) static SLOTS: [Slot; 4] = [
 ];
 
 impl Slot {
-    /// Returns the texture that a material has there.
+    /// Returns the texture that a material has in this slot.
     pub fn texture(&self, material: &Material) -> Option<TextureRef> {
         match self.property {
             Property::BaseColor => material.base_color_texture,
@@ -42,7 +42,7 @@ impl Slot {
         }
     }
 
-    /// Says whether a map is baked in its place.
+    /// Returns true if a map is baked in its place.
     pub fn is_baked(&self, options: &BakeOptions) -> bool {
         options.bakes(self.maps)
     }

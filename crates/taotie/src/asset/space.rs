@@ -1,4 +1,4 @@
-//! The space of a scan whose unit is not the metre: glTF, which is in metres, is brought into it when it is read.
+//! The space of a scan whose unit is not the metre: glTF, which is in metres, is converted to it on reading.
 
 use super::scan::Scan;
 use crate::error::Result;
@@ -6,13 +6,13 @@ use crate::length::Unit;
 use crate::names::Named;
 use crate::scene::Scene;
 
-/// Returns the metres of a unit other than the metre, by which an asset's root node is scaled; `None` if there is nothing to
-/// scale.
+/// Returns the metres of a unit other than the metre, by which an asset's root node is scaled; `None` if there is
+/// nothing to scale.
 pub(super) fn root_scale(unit: Option<Unit>) -> Option<f32> {
     unit.filter(|unit| *unit != Unit::Metre).map(|unit| unit.metres() as f32)
 }
 
-/// Brings a scan's scene, whose coordinates are in `unit`, into the space of its assets, which are in metres.
+/// Converts a scan's scene, with coordinates in `unit`, to the space of its assets, which are in metres.
 ///
 /// ```
 /// use taotie::asset::into_metres;
@@ -27,7 +27,7 @@ pub(super) fn root_scale(unit: Option<Unit>) -> Option<f32> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Invalid`](crate::Error::Invalid) if its transforms are not finite any more.
+/// [`Error::Invalid`](crate::Error::Invalid) if its transforms are no longer finite.
 pub fn into_metres(scene: &mut Scene, unit: Option<Unit>) -> Result<()> {
     match root_scale(unit) {
         Some(scale) => scaled(scene, |v| v * f64::from(scale)),
@@ -35,8 +35,8 @@ pub fn into_metres(scene: &mut Scene, unit: Option<Unit>) -> Result<()> {
     }
 }
 
-/// Brings a glTF scene into the space of a scan in this unit. An asset that was written for that scan gets its transforms
-/// back to the bit: they are divided by what its root node is scaled by.
+/// Converts a glTF scene to the space of a scan in this unit. An asset written for that scan gets its transforms back
+/// bit for bit: they are divided by the scale of its root node.
 pub(super) fn from_metres(scene: &mut Scene, unit: Option<Unit>) -> Result<()> {
     match root_scale(unit) {
         Some(scale) => scaled(scene, |v| v / f64::from(scale)),
@@ -44,7 +44,7 @@ pub(super) fn from_metres(scene: &mut Scene, unit: Option<Unit>) -> Result<()> {
     }
 }
 
-/// Changes all that scales and moves instances.
+/// Applies a function to the scales and translations of all instances.
 fn scaled(scene: &mut Scene, change: impl Fn(f64) -> f64) -> Result<()> {
     let mut data = std::mem::take(scene).into_data();
     for instance in &mut data.instances {
@@ -56,11 +56,11 @@ fn scaled(scene: &mut Scene, change: impl Fn(f64) -> f64) -> Result<()> {
     Ok(())
 }
 
-/// Returns the name of the scan's unit if a glTF scene, which should be in metres, has the size of the scan in that unit: its
-/// diagonal is nearer to the scan's as it is than in metres.
+/// Returns the name of the scan's unit if a glTF scene, which should be in metres, has the size of the scan in that
+/// unit: its unconverted diagonal is closer to the scan's than in metres.
 pub(super) fn is_in_scan_unit(scene: &Scene, scan: &Scan) -> Option<&'static str> {
     let (unit, scale) = (scan.unit()?, f64::from(root_scale(scan.unit())?));
-    // The ratio of the sizes, at its nearest to 1 for √scale.
+    // The ratio of the sizes, closest to 1 up to √scale.
     let ratio = scene.bounds()?.diagonal() / scan.mesh().diagonal();
     (ratio > scale.sqrt()).then(|| unit.name())
 }

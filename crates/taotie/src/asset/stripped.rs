@@ -1,4 +1,5 @@
-//! The parts of a low-poly mesh's material that no asset can keep: taken off first, so that the scan's may stand there.
+//! The parts of a low-poly mesh's material that no asset can keep: removed first, so that the scan's can replace
+//! them.
 
 use super::notes::is_plain;
 use super::options::BakeOptions;
@@ -7,19 +8,19 @@ use super::slots::{SLOTS, Slot};
 use crate::error::Warnings;
 use crate::scene::{AlphaMode, Material, Scene};
 
-/// The parts that were taken off a low-poly mesh's material.
+/// The parts removed from a low-poly mesh's material.
 #[derive(Debug, Default)]
 pub(super) struct Stripped {
-    /// The slots whose textures have uvs of their own, or a transform.
+    /// The slots whose textures use another uv set, or a transform.
     slots: Vec<&'static Slot>,
-    /// Layers that textures hold, and reflectances that glTF cannot say.
+    /// Layers with textures, and reflectances that glTF cannot represent.
     layers: Vec<Property>,
-    /// `true` where alpha stood in a texture that was taken off.
+    /// `true` if alpha was in a removed texture.
     alpha: bool,
 }
 
 impl Stripped {
-    /// Takes off what cannot stay. A property whose texture goes is as if the file had not said it.
+    /// Removes what cannot be kept. A property whose texture is removed counts as unspecified in the file.
     pub fn off(material: &mut Material, scene: &Scene) -> Self {
         let is_moved = |slot: &&Slot| slot.texture(material).is_some_and(|texture| !is_plain(&texture));
         let slots: Vec<&Slot> = SLOTS.iter().filter(is_moved).collect();
@@ -34,14 +35,14 @@ impl Stripped {
         Self { slots, layers: layers_off(material), alpha }
     }
 
-    /// Notes what is left out and has nothing baked in its place.
+    /// Notes what is removed and not replaced by a baked map.
     pub fn note(&self, options: &BakeOptions, warnings: &mut Warnings) {
         for slot in self.slots.iter().filter(|slot| !slot.is_baked(options)) {
             let texture = format!("the low-poly mesh's {} texture", slot.name);
-            warnings.note(format!("{texture} is left out: it has uvs of its own, or a transform"), 1);
+            warnings.note(format!("{texture} is left out: it uses another uv set, or a transform"), 1);
         }
         warnings.note(
-            "the low-poly mesh's alpha is left out: its texture has uvs of its own, or a transform",
+            "the low-poly mesh's alpha is left out: its texture uses another uv set, or a transform",
             usize::from(self.alpha),
         );
         for layer in &self.layers {
@@ -50,7 +51,7 @@ impl Stripped {
     }
 }
 
-/// Makes a property the default material's. Without its texture all of the surface would glow, or be of metal.
+/// Resets a property to the default material's. Without its texture, the whole surface would glow, or be metallic.
 fn reset(property: Property, material: &mut Material) {
     let unsaid = Material::default();
     match property {
@@ -60,7 +61,7 @@ fn reset(property: Property, material: &mut Material) {
     }
 }
 
-/// Takes off layers that textures hold, and reflectances that glTF cannot say.
+/// Removes layers with textures, and reflectances that glTF cannot represent.
 fn layers_off(material: &mut Material) -> Vec<Property> {
     let layers = [Property::Specular, Property::Clearcoat, Property::Sheen, Property::Anisotropy];
     let textured = layers.into_iter().filter(|layer| layer.is_textured(material));
@@ -93,7 +94,7 @@ mod tests {
         TextureRef { texture: 0, uv_set, sampler: Sampler::default(), transform: UvTransform::default() }
     }
 
-    /// A white and metallic material, as glTF's default is, with a texture of this uv set in each slot.
+    /// A white and metallic material, like glTF's default, with a texture of this uv set in each slot.
     fn textured(uv_set: usize) -> Material {
         let texture = Some(texture(uv_set));
         Material {
@@ -109,7 +110,7 @@ mod tests {
         }
     }
 
-    /// Returns the maps that are baked onto a mesh of this material where all maps of the scan vary.
+    /// Returns the maps baked onto a mesh with this material if all maps of the scan vary.
     fn baked(material: &Material) -> Vec<MapKind> {
         let all = SLOTS.iter().map(|slot| Found { property: slot.property, is_uniform: false, part: 1.0 });
         let scan = Carried { found: all.collect(), ..Carried::default() };

@@ -1,4 +1,4 @@
-//! Baked maps as textures of an asset, and as files beside it.
+//! Baked maps as textures of an asset, and as separate files next to it.
 
 use super::judgement::Pair;
 use super::kept_textures::KeptTextures;
@@ -17,54 +17,54 @@ use crate::normal_map::{CoveredNormals, Storage, store_codes, store_rgba, store_
 use crate::scene::{Material, NormalSpace};
 use std::path::{Path, PathBuf};
 
-/// Normals are dithered if bands would cover more than this part of their map.
+/// The fraction of a map covered by banding above which normals are dithered.
 const MOST_BANDED: f64 = 0.05;
 
-/// The storage of colours and factors.
+/// The storage format of colours and factors.
 const DITHERED: Storage = Storage { bits: 8, dither: true };
 
-/// Baked maps, stored.
+/// Baked maps, encoded for storage.
 ///
 /// ```
 /// use taotie::asset::Textures;
 /// use taotie::names::Named;
 ///
-/// /// Returns the names of the maps inside of an asset, and of those beside it.
+/// /// Returns the names of the maps inside an asset, and of those next to it.
 /// fn names(textures: &Textures) -> [Vec<&'static str>; 2] {
 ///     let inside = textures.inside().map(|(map, _)| map.name()).collect();
-///     [inside, textures.beside.iter().map(|beside| beside.map.name()).collect()]
+///     [inside, textures.standalone.iter().map(|file| file.map.name()).collect()]
 /// }
 /// ```
 #[derive(Default)]
 #[non_exhaustive]
 pub struct Textures {
-    /// The normal map in tangent space.
+    /// The tangent-space normal map.
     pub normal: Option<Bitmap>,
-    /// The base colour, sRGB; with alpha, linear, where that is baked.
+    /// The base colour, sRGB; with linear alpha, if that is baked.
     pub color: Option<Bitmap>,
-    /// Occlusion, roughness and metallic; or occlusion alone.
+    /// Occlusion, roughness and metallic; or only occlusion.
     pub orm: Option<Bitmap>,
     /// The emitted radiance over `strength`, sRGB.
     pub emission: Option<Bitmap>,
     /// The radiance of white in `emission`.
     pub strength: f32,
-    /// Says which of the three are in `orm`.
-    pub has: Has,
-    /// Maps that glTF has no place for.
-    pub beside: Vec<Beside>,
-    /// The places where projection rays missed; `None` where none did.
+    /// Which of the three are in `orm`.
+    pub has: MapPresence,
+    /// Maps that glTF has no slot for.
+    pub standalone: Vec<StandaloneMap>,
+    /// The places where projection rays missed; `None` if none did.
     pub misses: Option<Misses>,
-    /// The maps that are inside of the textures above.
+    /// The maps that are stored in the textures above.
     stored: Maps,
 }
 
-/// The numbers that a texture of occlusion, roughness and metallic holds.
+/// The channels in use of an occlusion, roughness and metallic texture.
 ///
 /// ```
-/// use taotie::asset::Has;
+/// use taotie::asset::MapPresence;
 ///
 /// /// Returns the meaning of each channel.
-/// fn channels(has: Has) -> [&'static str; 3] {
+/// fn channels(has: MapPresence) -> [&'static str; 3] {
 ///     let of = |is: bool, name: &'static str| if is { name } else { "" };
 ///     let [roughness, metallic] = ["roughness", "metallic"].map(|name| of(has.roughness, name));
 ///     [of(has.occlusion, "occlusion"), roughness, metallic]
@@ -72,41 +72,41 @@ pub struct Textures {
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
-pub struct Has {
+pub struct MapPresence {
     /// Red is occlusion.
     pub occlusion: bool,
-    /// Green is roughness, and blue is metallic: the scan's, or that of the material where the scan's is not baked.
+    /// Green is roughness, and blue is metallic: the scan's, or that of the material if the scan's is not baked.
     pub roughness: bool,
 }
 
 /// A map for a separate file.
 ///
 /// ```
-/// use taotie::asset::Beside;
+/// use taotie::asset::StandaloneMap;
 /// use taotie::bake::MapKind;
 ///
-/// /// Returns the height map of an asset, where one was baked.
-/// fn height(beside: &[Beside]) -> Option<&Beside> {
-///     beside.iter().find(|beside| beside.map == MapKind::Height)
+/// /// Returns the height map of an asset, if one was baked.
+/// fn height(files: &[StandaloneMap]) -> Option<&StandaloneMap> {
+///     files.iter().find(|file| file.map == MapKind::Height)
 /// }
 /// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
-pub struct Beside {
+pub struct StandaloneMap {
     /// The kind of map.
     pub map: MapKind,
     /// Its texels.
     pub bitmap: Bitmap,
-    /// The numbers of its black and white, where it holds numbers.
+    /// The values of its black and white, if it stores numbers.
     pub range: Option<Range>,
 }
 
-/// The numbers of black and white.
+/// The values of black and white.
 ///
 /// ```
 /// use taotie::asset::Range;
 ///
-/// /// Returns the number that a texel of `code`, [0, 1], stands for.
+/// /// Returns the value of a texel with this `code`, [0, 1].
 /// fn number(range: &Range, code: f64) -> f64 {
 ///     range.black + code * (range.white - range.black)
 /// }
@@ -114,16 +114,16 @@ pub struct Beside {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Range {
-    /// The number of black.
+    /// The value of black.
     pub black: f64,
-    /// The number of white.
+    /// The value of white.
     pub white: f64,
     /// The unit of both.
     pub unit: &'static str,
 }
 
 impl Textures {
-    /// Stores the maps that were baked; beside a roughness stands the metalness of the low-poly mesh where no other was baked.
+    /// Stores the baked maps; roughness is stored with the low-poly mesh's metalness if no other was baked.
     pub(super) fn new(maps: &BakedMaps, options: &BakeOptions, Pair { scan, low }: Pair<'_>) -> Result<Self> {
         let mut textures = Self { misses: Misses::of(maps), stored: stored(options), ..Self::default() };
         let storage = |normals: &[[f32; 3]]| Storage {
@@ -135,7 +135,7 @@ impl Textures {
             match options.space {
                 NormalSpace::Tangent => textures.normal = Some(bitmap),
                 NormalSpace::Object => {
-                    textures.beside.push(Beside { map: MapKind::Normal, bitmap, range: None })
+                    textures.standalone.push(StandaloneMap { map: MapKind::Normal, bitmap, range: None })
                 }
             }
         }
@@ -146,24 +146,25 @@ impl Textures {
             textures.strength = strength(maps);
             textures.emission = Some(emission(maps, textures.strength)?);
         }
-        textures.has = Has { occlusion: !maps.occlusion.is_empty(), roughness: !maps.roughness.is_empty() };
-        if textures.has != Has::default() {
+        textures.has =
+            MapPresence { occlusion: !maps.occlusion.is_empty(), roughness: !maps.roughness.is_empty() };
+        if textures.has != MapPresence::default() {
             textures.orm = Some(orm(maps, low)?);
         }
         if !maps.bent.is_empty() {
             let bitmap = store_unit_vectors(maps.size(), &maps.bent, storage(&maps.bent))?;
-            textures.beside.push(Beside { map: MapKind::Bent, bitmap, range: None });
+            textures.standalone.push(StandaloneMap { map: MapKind::Bent, bitmap, range: None });
         }
         let [length, curvature] = units(scan.unit());
         let numbers =
             [(MapKind::Height, &maps.heights, length), (MapKind::Curvature, &maps.curvature, curvature)];
         for (map, plane, unit) in numbers.into_iter().filter(|(_, plane, _)| !plane.is_empty()) {
-            textures.beside.push(of_numbers(map, maps, plane, unit)?);
+            textures.standalone.push(of_numbers(map, maps, plane, unit)?);
         }
         Ok(textures)
     }
 
-    /// Returns the asset's material: the factors and layers of `base`, its textures where `kept` holds them and nothing
+    /// Returns the asset's material: the factors and layers of `base`, with its textures from `kept` unless something
     /// was baked in their place.
     pub(super) fn material<'a>(&'a self, base: &'a Material, kept: &'a KeptTextures) -> GltfMaterial<'a> {
         let color = self.color.as_ref().or(kept.color.as_ref());
@@ -190,7 +191,7 @@ impl Textures {
         }
     }
 
-    /// Returns the factors of the base colour: those of `base`, but for what was baked.
+    /// Returns the factors of the base colour: those of `base`, except for what was baked.
     fn base_color(&self, [r, g, b, a]: [f32; 4]) -> [f32; 4] {
         let factors = match &self.color {
             Some(bitmap) if bitmap.channels() == 4 => [1.0; 4],
@@ -200,7 +201,7 @@ impl Textures {
         factors.map(|v| v.clamp(0.0, 1.0))
     }
 
-    /// Returns the maps inside of the asset, each with the texture that holds it.
+    /// Returns the maps inside the asset, each with the texture that stores it.
     pub fn inside(&self) -> impl Iterator<Item = (MapKind, &Bitmap)> {
         let orm = |is: bool| self.orm.as_ref().filter(|_| is);
         let maps = [
@@ -219,26 +220,27 @@ impl Textures {
     }
 }
 
-impl Beside {
-    /// Returns the map's file beside the model `path`, such as `scan.height.png` beside `scan.glb`; named after the
-    /// material where `label` is not empty.
+impl StandaloneMap {
+    /// Returns the map's file next to the model `path`, such as `scan.height.png` next to `scan.glb`; it is named
+    /// after the material if `label` is not empty.
     pub(super) fn file(&self, label: &str, path: &Path) -> PathBuf {
         path.with_extension(labeled(label, &format!("{}.png", self.map.name())))
     }
 }
 
-/// Returns a name behind the label of its material, where that has one.
+/// Returns a name prefixed with the label of its material, if it has one.
 pub(super) fn labeled(label: &str, name: &str) -> String {
     if label.is_empty() { name.to_owned() } else { format!("{label}.{name}") }
 }
 
-/// Returns the maps that textures of an asset hold. What rays found goes before what a texture says.
+/// Returns the maps stored in textures of an asset. Ray-traced occlusion overrides that of a texture.
 fn stored(options: &BakeOptions) -> Maps {
     let rays = options.bakes(&[MapKind::Occlusion]);
     options.maps.iter().copied().filter(|map| !(rays && *map == MapKind::OcclusionMap)).collect()
 }
 
-/// Returns `true` if normals in 8 bits would show bands on gentle curves, and files of several losses are not compared.
+/// Returns `true` if 8-bit normals would show banding on gentle curves, and the bake is not a search, which compares
+/// sizes.
 fn is_dithered(maps: &BakedMaps, normals: &[[f32; 3]], options: &BakeOptions) -> bool {
     let is_covered = |i: usize| maps.texels[i] != TexelStatus::Free;
     let map = CoveredNormals { size: maps.size(), normals, is_covered: &is_covered };
@@ -261,7 +263,7 @@ fn srgb_code(linear: f32) -> f32 {
     srgb_from_linear(f64::from(linear.clamp(0.0, 1.0))) as f32
 }
 
-/// Returns the greatest radiance of any channel where a triangle covers the texel, at least 1.
+/// Returns the maximum radiance of any channel over texels covered by a triangle, at least 1.
 fn strength(maps: &BakedMaps) -> f32 {
     let covered = maps.texels.iter().zip(&maps.emission).filter(|(texel, _)| **texel != TexelStatus::Free);
     covered.flat_map(|(_, radiance)| radiance).fold(1.0, |most: f32, v| most.max(*v))
@@ -285,7 +287,7 @@ fn orm(maps: &BakedMaps, low: &LowPoly) -> Result<Bitmap> {
     store_codes(maps.size(), |i| [occlusion(i), maps.roughness[i], metalness.at(i)], 3, DITHERED)
 }
 
-/// Returns the units of lengths and curvatures of a scan.
+/// Returns the units of a scan's lengths and curvatures.
 fn units(unit: Option<Unit>) -> [&'static str; 2] {
     match unit {
         None => ["model units", "1 / model unit"],
@@ -296,18 +298,18 @@ fn units(unit: Option<Unit>) -> [&'static str; 2] {
     }
 }
 
-/// Makes a map of numbers, in 16 bits.
-fn of_numbers(map: MapKind, maps: &BakedMaps, plane: &[f32], unit: &'static str) -> Result<Beside> {
+/// Creates a 16-bit map of numbers.
+fn of_numbers(map: MapKind, maps: &BakedMaps, plane: &[f32], unit: &'static str) -> Result<StandaloneMap> {
     let [black, white] = range(map, maps, plane);
     let number = |v: f32| (v - black) / (white - black);
     let fine = Storage { bits: 16, dither: false };
     let bitmap = store_codes(maps.size(), |i| [number(plane[i]); 3], 1, fine)?;
     let range = Range { black: f64::from(black), white: f64::from(white), unit };
-    Ok(Beside { map, bitmap, range: Some(range) })
+    Ok(StandaloneMap { map, bitmap, range: Some(range) })
 }
 
-/// Returns the values of black and white: from the least to the greatest height, and as much curvature either way as
-/// all but the hundredth part of the texels have.
+/// Returns the values of black and white: for heights, the minimum and maximum; for curvature, a symmetric range that
+/// covers all but one per cent of the texels.
 fn range(map: MapKind, maps: &BakedMaps, plane: &[f32]) -> [f32; 2] {
     let mut covered = maps.covered(plane);
     covered.sort_unstable_by(f32::total_cmp);

@@ -1,10 +1,10 @@
-//! Notes on what a proof does not look at, so that nobody takes it for proved.
+//! Notes on what a proof does not compare, so that nobody assumes it is proved.
 
 use super::look;
 use crate::bake::MapKind;
 use crate::scene::{Material, Scene, Specular};
 
-/// A layer of a material: the test for it, and its name.
+/// A layer of a material: its test and its name.
 type Layer = (fn(&Material) -> bool, &'static str);
 
 /// Layers that no figure compares.
@@ -15,10 +15,11 @@ const LAYERS: [Layer; 4] = [
     (|m| m.specular != Specular::default() || m.ior != 1.5, "specular strength and index of refraction"),
 ];
 
-/// Returns what the files of an asset hold, or its scan, that no figure and no image compares; `poses` if one of them moves.
+/// Returns the contents of an asset's files, or of its scan, that no figure and no image compares; `poses` if one of
+/// them moves.
 pub(super) fn unseen([scan, asset]: [&Scene; 2], poses: bool) -> Vec<String> {
     let materials = || look::used(scan).chain(look::used(asset));
-    let plain = look::is_plain(scan).then_some("colour and material, of which the scan says nothing");
+    let plain = look::is_plain(scan).then_some("colour and material, which the scan does not specify");
     let poses = poses.then_some("poses: an animated asset is compared at rest");
     let has_occlusion = look::used(asset).any(|material| material.occlusion_texture.is_some());
     let occlusion = has_occlusion.then_some("ambient occlusion, whose rays are not traced a second time");
@@ -26,7 +27,7 @@ pub(super) fn unseen([scan, asset]: [&Scene; 2], poses: bool) -> Vec<String> {
     plain.into_iter().chain(poses).chain(occlusion).chain(layers).map(str::to_owned).collect()
 }
 
-/// Returns the maps that stand beside an asset and are not compared with anything.
+/// Returns the maps next to an asset that are not compared with anything.
 pub(super) fn unproved_maps(maps: &[MapKind]) -> Vec<String> {
     let blind =
         [(MapKind::Bent, "bent normals"), (MapKind::Height, "heights"), (MapKind::Curvature, "curvature")];
@@ -48,7 +49,7 @@ mod tests {
         let sheen = Sheen { color: [1.0; 3], color_texture: None, roughness: 0.5, roughness_texture: None };
         let plain = ball(Material::default());
         let felt = ball(Material { sheen: Some(sheen), ..Material::default() });
-        let plainly = "colour and material, of which the scan says nothing";
+        let plainly = "colour and material, which the scan does not specify";
         assert_eq!(unseen([&plain, &plain], false), [plainly]);
         assert_eq!(unseen([&felt, &plain], false), ["sheen"]);
         assert_eq!(unseen([&plain, &plain], true)[1], "poses: an animated asset is compared at rest");

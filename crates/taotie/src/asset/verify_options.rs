@@ -6,11 +6,11 @@ use crate::error::{Error, Result};
 /// The options of a proof. Built by `Default` and struct update.
 ///
 /// ```
-/// use taotie::asset::{Proof, Requirement, Scan, VerifyOptions, Written};
+/// use taotie::asset::{Proof, Requirement, Scan, VerifyOptions, WrittenAsset};
 /// use taotie::{Progress, Result};
 ///
-/// /// Measures at as many points as it takes to tell whether the mean angle is at most 1°.
-/// fn verify_to_one_degree(written: &Written, scan: Scan) -> Result<Proof> {
+/// /// Measures at as many points as needed to decide whether the mean angle is at most 1°.
+/// fn verify_to_one_degree(written: &WrittenAsset, scan: Scan) -> Result<Proof> {
 ///     let requirements = vec![Requirement::mean_angle_deg(1.0)];
 ///     written.verify(scan, &VerifyOptions { requirements, ..VerifyOptions::default() }, Progress::SILENT)
 /// }
@@ -18,17 +18,17 @@ use crate::error::{Error, Result};
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct VerifyOptions {
-    /// Pixels of the overview, and points of each surface, at which scan and asset are compared at first, at least 10. If a
-    /// requirement's limit lies within the interval of what was found, more are taken, up to 4 million.
+    /// Pixels of the overview, and points of each surface, at which scan and asset are initially compared, at least
+    /// 10. If a requirement's limit lies within the interval of the result, more are used, up to 4 million.
     pub points: usize,
-    /// Texels along a side of the maps of errors, at most; no more than the maps have, and 0 makes none. No figure depends on
-    /// it.
+    /// The maximum number of texels along a side of the error maps; no more than the maps have, and 0 makes none. No
+    /// figure depends on it.
     pub map: u32,
     /// Pixels along a side of the images from all sides, at least 11.
     pub view: u32,
     /// Pixels along a side of the pictures of the worst patches; 0 takes none. No figure depends on it.
     pub patch_view: u32,
-    /// What the figures have to decide.
+    /// The requirements that the figures must decide.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub requirements: Vec<Requirement>,
 }
@@ -40,14 +40,14 @@ impl Default for VerifyOptions {
     }
 }
 
-/// Refuses options that are out of range.
+/// Refuses out-of-range options.
 pub(super) fn check(options: &VerifyOptions) -> Result<()> {
     let wrong = |what: &str, why: &str| Err(Error::invalid(what, why));
     match options {
-        VerifyOptions { points: 0..10, .. } => wrong("points of the proof", "give at least 10"),
-        VerifyOptions { view: 0..11, .. } => wrong("pictures from all sides", "give at least 11 pixels"),
+        VerifyOptions { points: 0..10, .. } => wrong("points of the proof", "use at least 10"),
+        VerifyOptions { view: 0..11, .. } => wrong("pictures from all sides", "use at least 11 pixels"),
         VerifyOptions { patch_view: 4097.., .. } => {
-            wrong("pictures of the worst patches", "give at most 4096 pixels")
+            wrong("pictures of the worst patches", "use at most 4096 pixels")
         }
         _ => Ok(()),
     }

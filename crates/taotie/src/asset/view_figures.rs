@@ -1,6 +1,6 @@
-//! The difference of an image of an asset from that of its scan, in numbers.
+//! The difference between an image of an asset and that of its scan, in numbers.
 
-/// The difference of an image of an asset from that of its scan.
+/// The difference between an image of an asset and that of its scan.
 ///
 /// ```
 /// use taotie::asset::ViewFigures;
@@ -18,8 +18,8 @@ pub struct ViewFigures {
     pub azimuth_deg: f64,
     /// Degrees above the horizon.
     pub elevation_deg: f64,
-    /// The mean of FLIP, [0, 1]; 0 where equal.
+    /// The mean FLIP, [0, 1]; 0 if equal.
     pub flip: f64,
-    /// SSIM; 1 where equal.
+    /// SSIM; 1 if equal.
     pub ssim: f64,
 }

@@ -11,9 +11,9 @@ use crate::progress::Progress;
 use crate::render::{EnvironmentLight, RenderSettings, Renderer, Shot};
 use crate::scene::{Camera, Orbit, Outline, Scene};
 
-/// From how many sides.
+/// The number of views.
 const COUNT: usize = 8;
-/// Degrees above and below the horizon, by turns.
+/// Alternating elevations, degrees above and below the horizon.
 const ELEVATIONS: [f64; 2] = [20.0, -12.0];
 
 /// Images of scan and asset and their differences, view by view.
@@ -33,19 +33,19 @@ pub struct Views {
     pub scan: Vec<DisplayImage>,
     /// Of the asset.
     pub asset: Vec<DisplayImage>,
-    /// The difference as an observer sees it.
+    /// The perceived difference.
     pub flip: Vec<Field>,
     /// The same in numbers.
     pub figures: Vec<ViewFigures>,
 }
 
-/// Views of each level of the asset, the finest first, in each look.
+/// Views of each level of the asset, the finest first, in both looks.
 pub(super) struct Looks {
-    /// In one grey material, so that nothing but shape and normals differs.
+    /// In one grey material, so that only shape and normals differ.
     pub grey: Vec<Views>,
-    /// In their own materials; empty where the scan says nothing of its material.
+    /// In the original materials; empty if the scan specifies no material.
     pub full: Vec<Views>,
-    /// The worst patches and parts: those of normals in grey, those of colours in their own materials.
+    /// The worst patches and parts: in grey for normals, in the original materials for colours.
     pub close_ups: TakenCloseUps,
 }
 
@@ -57,10 +57,10 @@ pub(super) struct Wanted {
     pub close_ups: CloseUps,
 }
 
-/// Takes the images of the scan and of each level of the asset, in each look, and the close-ups of the finest.
+/// Renders the scan and each level of the asset in each look, and the close-ups of the finest.
 ///
 /// # Errors
-/// [`crate::Error::Cancelled`]; those of rendering, which a scene that was read does not cause.
+/// [`crate::Error::Cancelled`]; those of rendering, which do not occur for scenes read from files.
 pub(super) fn take(
     scan: Scene,
     levels: Vec<Scene>,
@@ -83,17 +83,17 @@ pub(super) fn take(
     Ok(Looks { grey, full, close_ups })
 }
 
-/// How images are taken.
+/// How images are rendered.
 struct Setting {
     cameras: Vec<Camera>,
     /// Pixels along a side.
     side: u32,
-    /// Light from all around, in place of lights.
+    /// The environment light, in place of lights.
     environment: Option<EnvironmentLight>,
 }
 
 impl Setting {
-    /// Takes images of the scan and of each level, and compares them; and the close-ups of the finest level.
+    /// Renders the scan and each level, and compares them; also renders the close-ups of the finest level.
     fn views(
         &self,
         (scan, levels): (Scene, Vec<Scene>),
@@ -122,7 +122,7 @@ impl Setting {
         Ok((views, wanted.with_pictures(pairs.collect())?))
     }
 
-    /// Takes an image by each camera, with so many pixels along a side.
+    /// Renders an image for each camera, with the given number of pixels along a side.
     fn pictures(
         &self,
         scene: Scene,

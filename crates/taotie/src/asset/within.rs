@@ -1,13 +1,13 @@
-//! Figures that are the share of the surface within a limit: their names hold the limit, as `within-5deg` does.
+//! Figures that are the share of the surface within a limit: their names include the limit, as in `within-5deg`.
 
 use super::figure::{Figure, split};
 use crate::names::Named;
 use std::borrow::Cow;
 
-/// The beginning of their names.
+/// The prefix of their names.
 const WITHIN: &str = "within-";
 
-/// Returns the name of a figure, with the limit of those that are a share within one.
+/// Returns the name of a figure, including the limit if it is a share within one.
 pub(super) fn name_of(figure: Figure, limit: Option<f64>) -> Cow<'static, str> {
     match (figure.units_within(), limit) {
         (Some(units), Some(limit)) => format!("{WITHIN}{}{}", units[0].shortest(limit), units[0].name).into(),
@@ -15,11 +15,11 @@ pub(super) fn name_of(figure: Figure, limit: Option<f64>) -> Cow<'static, str> {
     }
 }
 
-/// Returns what a figure measures, with the limit of those that are a share within one.
+/// Returns the title of a figure, including the limit if it is a share within one.
 pub(super) fn title_of(figure: Figure, limit: Option<f64>) -> Cow<'static, str> {
     match (figure.units_within(), limit) {
         (Some(units), Some(limit)) => {
-            // The symbol that is printed, rather than the one that is typed.
+            // The printed symbol, rather than the typed one.
             let unit = units.iter().find(|unit| !unit.name.is_ascii()).unwrap_or(&units[0]);
             let of = if unit.name == "%" { " of the diagonal" } else { "" };
             format!("{} of {}{of}", figure.title(), unit.text(limit)).into()
@@ -28,7 +28,8 @@ pub(super) fn title_of(figure: Figure, limit: Option<f64>) -> Cow<'static, str> 
     }
 }
 
-/// Reads a name with a limit, such as `within-5deg`, `within-3dE` or `within-0.5%`; `None` for names of other figures.
+/// Parses a name with a limit, such as `within-5deg`, `within-3dE` or `within-0.5%`; `None` for names of other
+/// figures.
 pub(super) fn read(name: &str) -> Option<Result<(Figure, f64), String>> {
     Some(limit(name.strip_prefix(WITHIN)?.trim()))
 }

@@ -1,20 +1,20 @@
-//! The places where a level of detail differs most from its scan, each with the requirements that are not met because of it.
+//! The places where a level of detail differs most from its scan, each with the requirements that fail because of it.
 
 use super::figure::Figure;
 use super::figures::Figures;
 use super::level_figures::{Coverage, LevelFigures};
-use super::met::Met;
+use super::met::RequirementOutcome;
 use super::requirement::Requirement;
 use crate::error::Warnings;
 use crate::length::place_text;
 
-/// More of the surface missed than this is worth a warning.
+/// A larger missed share of the surface than this causes a warning.
 const MISSED: f64 = 0.001;
-/// The mean differences of the worst window from which on it is worth a warning: degrees, and CIEDE2000.
+/// The mean differences of the worst window above which there is a warning: degrees, and CIEDE2000.
 const PATCH_DEG: f64 = 10.0;
 const PATCH_COLOR: f64 = 3.0;
 
-/// What is wrong at a place.
+/// A kind of difference at a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Fault {
     /// One surface lacks what the other shows.
@@ -27,18 +27,19 @@ enum Fault {
     Apart,
 }
 
-/// A place where a level is worst, with all that is wrong there.
+/// A place where a level is worst, with all faults there.
 struct Place<'a> {
-    /// As it is shown; empty if it is not known.
+    /// As displayed; empty if unknown.
     at: String,
     faults: String,
-    unmet: Vec<&'a Met>,
+    unmet: Vec<&'a RequirementOutcome>,
 }
 
-/// Notes where each level of detail differs most from its scan, once for each place, with all requirements that are not met
+/// Notes where each level of detail differs most from its scan, once per place, with all requirements that fail
 /// because of it. Faults of the finest level are noted even if all requirements are met.
 pub(super) fn note(all: &Figures, requirements: &[Requirement], warnings: &mut Warnings) {
-    let unmet: Vec<Met> = all.require(requirements).into_iter().filter(|met| !met.met).collect();
+    let unmet: Vec<RequirementOutcome> =
+        all.require(requirements).into_iter().filter(|met| !met.met).collect();
     for number in 0..all.levels.len() {
         let of_level =
             if all.levels.len() > 1 { format!(" at level of detail {number}") } else { String::new() };
@@ -50,12 +51,13 @@ pub(super) fn note(all: &Figures, requirements: &[Requirement], warnings: &mut W
 }
 
 /// Returns the places where a level is worst.
-fn places<'a>(all: &Figures, number: usize, unmet: &'a [Met]) -> Vec<Place<'a>> {
+fn places<'a>(all: &Figures, number: usize, unmet: &'a [RequirementOutcome]) -> Vec<Place<'a>> {
     let level = &all.levels[number];
     let mut places: Vec<Place<'_>> = Vec::new();
     for fault in [Fault::Missing, Fault::Normals, Fault::Colors, Fault::Apart] {
-        let is_its = |met: &&Met| met.level == Some(number) && Fault::behind(met.figure) == Some(fault);
-        let unmet: Vec<&Met> = unmet.iter().filter(is_its).collect();
+        let is_its =
+            |met: &&RequirementOutcome| met.level == Some(number) && Fault::behind(met.figure) == Some(fault);
+        let unmet: Vec<&RequirementOutcome> = unmet.iter().filter(is_its).collect();
         if unmet.is_empty() && (number > 0 || !fault.is_large(level)) {
             continue;
         }
@@ -76,10 +78,11 @@ fn places<'a>(all: &Figures, number: usize, unmet: &'a [Met]) -> Vec<Place<'a>> 
     places
 }
 
-/// Returns requirements that are not met and those that are undecided, a list of each.
-fn lists(unmet: &[&Met], of_level: &str) -> Vec<String> {
-    let (undecided, failed): (Vec<&Met>, Vec<&Met>) = unmet.iter().partition(|met| met.is_undecided());
-    let list = |(are, met): (&str, Vec<&Met>)| {
+/// Returns a list of the requirements that are not met, and one of those that are undecided.
+fn lists(unmet: &[&RequirementOutcome], of_level: &str) -> Vec<String> {
+    let (undecided, failed): (Vec<&RequirementOutcome>, Vec<&RequirementOutcome>) =
+        unmet.iter().partition(|met| met.is_undecided());
+    let list = |(are, met): (&str, Vec<&RequirementOutcome>)| {
         let items: Vec<String> = met.iter().map(|met| met.in_list()).collect();
         let name = if items.len() == 1 { "requirement" } else { "requirements" };
         (!items.is_empty()).then(|| format!("{name} {are}{of_level}: {}", items.join(", ")))
@@ -88,7 +91,7 @@ fn lists(unmet: &[&Met], of_level: &str) -> Vec<String> {
 }
 
 impl Fault {
-    /// Returns the fault that a figure measures; `None` of figures that have no place.
+    /// Returns the fault that a figure measures; `None` for figures without a place.
     fn behind(figure: Figure) -> Option<Self> {
         match figure {
             Figure::Missed => Some(Self::Missing),
@@ -103,7 +106,7 @@ impl Fault {
         }
     }
 
-    /// Returns `true` if the fault is worth a warning even if no requirement limits it.
+    /// Returns `true` if the fault warrants a warning even if no requirement limits it.
     fn is_large(self, level: &LevelFigures) -> bool {
         match self {
             Self::Missing => level.coverage.missed() > MISSED,
@@ -113,7 +116,7 @@ impl Fault {
         }
     }
 
-    /// Returns what is wrong; `None` if that is not known.
+    /// Describes the fault; `None` if unknown.
     fn text(self, level: &LevelFigures) -> Option<String> {
         match self {
             Self::Missing => missing(&level.coverage),
@@ -127,7 +130,7 @@ impl Fault {
         }
     }
 
-    /// Returns the place where it is worst, model units; `None` if that is not known.
+    /// Returns the place where it is worst, model units; `None` if unknown.
     fn place(self, level: &LevelFigures) -> Option<[f64; 3]> {
         match self {
             Self::Missing => level.coverage.missed_at,
@@ -137,7 +140,7 @@ impl Fault {
         }
     }
 
-    /// Returns how much of the fault is at its place, in words that precede it.
+    /// Returns how much of the fault is at its place, in words that precede the place.
     fn extent(self) -> &'static str {
         match self {
             Self::Missing => ", most of it",
@@ -152,13 +155,13 @@ impl Fault {
     }
 }
 
-/// Returns how much each surface lacks; only what the worse one lacks if both lack little, and `None` if they lack nothing.
+/// Returns how much each surface lacks; only the worse one if both lack little, and `None` if nothing is missing.
 fn missing(coverage: &Coverage) -> Option<String> {
     let most = coverage.missed();
     let decimals = if most > MISSED { 1 } else { 4 };
     let shares = [
-        (coverage.missed_of_scan, "of the scan's visible area has nothing in its place on the asset"),
-        (coverage.missed_of_asset, "of the asset's visible area shows what the scan does not have there"),
+        (coverage.missed_of_scan, "of the scan's visible area has no counterpart on the asset"),
+        (coverage.missed_of_asset, "of the asset's visible area has no counterpart on the scan"),
     ];
     let texts: Vec<String> = shares
         .into_iter()
@@ -243,13 +246,13 @@ mod tests {
             level.coverage.missed_at = Some([1.0, 2.0, 3.0]);
             warned(vec![level], requirements)
         };
-        let both = "12.0 % of the scan's visible area has nothing in its place on the asset, and 3.0 % of the asset's visible \
-                    area shows what the scan does not have there, most of it around (1.00, 2.00, 3.00)";
+        let both = "12.0 % of the scan's visible area has no counterpart on the asset, and 3.0 % of the asset's visible \
+                    area has no counterpart on the scan, most of it around (1.00, 2.00, 3.00)";
         assert_eq!(of([0.12, 0.03], ""), [both]);
         let unmet = "requirement not met: missed 12 % (at most 0.1 %); ";
         assert_eq!(of([0.12, 0.03], "missed=0.1%"), [format!("{unmet}{both}")]);
-        let little = "requirement not met: missed 0.05 % (at most 0.01 %); 0.0500 % of the asset's visible area shows what \
-                      the scan does not have there, most of it around (1.00, 2.00, 3.00)";
+        let little = "requirement not met: missed 0.05 % (at most 0.01 %); 0.0500 % of the asset's visible area has no \
+                      counterpart on the scan, most of it around (1.00, 2.00, 3.00)";
         assert_eq!(of([0.0, 0.0005], "missed=0.01%"), [little]);
         assert!(of([0.0; 2], "missed=0.01%").is_empty() && of([0.0005; 2], "").is_empty());
     }
@@ -261,7 +264,7 @@ mod tests {
         level.coverage.missed_at = Some([1.0, 2.0, 3.0]);
         let found = warned(vec![level], "missed=0.1%,patch-angle=10,patch-color=1");
         let text = "requirements not met: missed 12 % (at most 0.1 %), patch-angle 14.23° (at most 10°), patch-color 2 ΔE (at \
-                    most 1 ΔE); 12.0 % of the scan's visible area has nothing in its place on the asset, most of it around \
+                    most 1 ΔE); 12.0 % of the scan's visible area has no counterpart on the asset, most of it around \
                     (1.00, 2.00, 3.00); normals are off by 14.2° on average there; colours are off by ΔE 2.0 on average there";
         assert_eq!(found, [text]);
     }

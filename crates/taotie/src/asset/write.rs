@@ -1,4 +1,4 @@
-//! An asset into files.
+//! Writes an asset to files.
 
 use super::document::Document;
 use super::green;
@@ -12,7 +12,7 @@ use super::provenance;
 use super::screen;
 use super::search::{Coarser, LevelLook};
 use super::space;
-use super::textures::{Beside, Textures, labeled};
+use super::textures::{StandaloneMap, Textures, labeled};
 use super::unlit;
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
@@ -28,21 +28,21 @@ use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-/// An asset as it was written.
+/// An asset after writing.
 ///
 /// ```
-/// use taotie::asset::{Asset, Packing, Written};
+/// use taotie::asset::{Asset, Packing, WrittenAsset};
 /// use taotie::{Progress, Result};
 ///
-/// /// Writes an asset with its textures beside it.
-/// fn write(asset: &Asset) -> Result<Written> {
+/// /// Writes an asset with its textures next to it.
+/// fn write(asset: &Asset) -> Result<WrittenAsset> {
 ///     let written = asset.write("scan.gltf", &Packing::default(), Progress::SILENT)?;
 ///     assert_eq!(written.path(), written.files()[0]);
 ///     Ok(written)
 /// }
 /// ```
 #[derive(Debug, Clone)]
-pub struct Written {
+pub struct WrittenAsset {
     pub(super) asset: Asset,
     pub(super) packing: Packing,
     pub(super) files: Vec<PathBuf>,
@@ -51,39 +51,40 @@ pub struct Written {
 }
 
 impl Asset {
-    /// Writes the asset as `.glb`, or as `.gltf` with its files beside it. Maps that glTF has no place for are written
-    /// beside either, such as `scan.height.png`. A path that ends with `.png`, `.webp` or `.exr` gets maps alone: the first
-    /// in that file, all others beside it, such as `out.ao.png`, with green as the packing says. All files appear together
-    /// at the end; a write that fails or is cancelled leaves none. The same asset gives the same bytes.
+    /// Writes the asset as `.glb`, or as `.gltf` with its files next to it. Maps that glTF has no slot for are
+    /// written as separate files, such as `scan.height.png`. A path ending in `.png`, `.webp` or `.exr` gets
+    /// standalone maps: the first in that file, all others next to it, such as `out.ao.png`, with the green direction
+    /// of the packing. All files appear together at the end; a failed or cancelled write leaves none. The same asset
+    /// gives the same bytes.
     ///
-    /// The listener hears the stage `write`.
+    /// The listener receives the stage `write`.
     ///
     /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`io::write_gltf`]; [`Error::Invalid`](crate::Error::Invalid)
-    /// for maps alone whose uvs were made, or that have the packing of a model; [`Error::Io`](crate::Error::Io) where
-    /// the scan's file or that of the XMP properties cannot be read any more.
+    /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`io::write_gltf`];
+    /// [`Error::Invalid`](crate::Error::Invalid) for standalone maps with generated uvs or the packing of a model;
+    /// [`Error::Io`](crate::Error::Io) if the scan's file or that of the XMP properties can no longer be read.
     pub fn write(
         &self,
         path: impl AsRef<Path>,
         packing: &Packing,
         progress: Progress<'_>,
-    ) -> Result<Written> {
+    ) -> Result<WrittenAsset> {
         FileSet::one(|set| self.write_in(set, path.as_ref(), packing, progress))
     }
 
-    /// Writes the asset as [`Asset::write`] does, as files of a set. They appear with all else in it, such as a report of
-    /// what [`Written::verify`] finds, when the caller commits it.
+    /// Writes the asset like [`Asset::write`], but as files of a set. They appear together with its other files, such
+    /// as a report of [`WrittenAsset::verify`], when the caller commits it.
     ///
     /// # Errors
-    /// As [`Asset::write`], and [`Error::Invalid`](crate::Error::Invalid) where a file that was read would be written
-    /// over.
+    /// Those of [`Asset::write`], and [`Error::Invalid`](crate::Error::Invalid) if an input file would be
+    /// overwritten.
     pub fn write_in(
         &self,
         set: &FileSet,
         path: &Path,
         packing: &Packing,
         progress: Progress<'_>,
-    ) -> Result<Written> {
+    ) -> Result<WrittenAsset> {
         let progress = progress.begin("write")?;
         set.protect(self.made.about.files.iter().chain(&self.made.low_files).chain(&packing.provenance))?;
         let is_overruled = self.made.rounding.is_some() && packing.format() != Packing::default().format();
@@ -101,29 +102,27 @@ impl Asset {
             false => notes(&self.made, &packing, &files),
         };
         warnings.absorb(left_out);
-        warnings.note(
-            "the search chose the packing; the one that was asked for is not read",
-            usize::from(is_overruled),
-        );
+        warnings
+            .note("the search chose the packing; the requested one has no effect", usize::from(is_overruled));
         let files = files.into_iter().map(|file| file.path).collect();
-        Ok(Written { asset: self.clone(), packing, files, set: set.clone(), warnings })
+        Ok(WrittenAsset { asset: self.clone(), packing, files, set: set.clone(), warnings })
     }
 }
 
-/// Returns every file that an asset at `path` may be written to, the model first; but for those that are named after
-/// materials of a low-poly file, which is not read yet.
+/// Returns every file that an asset at `path` may be written to, the model first; except for those named after
+/// materials of a low-poly file, which has not been read yet.
 pub(super) fn possible_files(path: &Path, options: &BakeOptions, packing: &Packing) -> Vec<PathBuf> {
     if maps_alone::is_alone(path) {
         return maps_alone::possible_files(path);
     }
-    let beside = options.maps.iter().map(|map| path.with_extension(format!("{}.png", map.name())));
+    let separate = options.maps.iter().map(|map| path.with_extension(format!("{}.png", map.name())));
     let given = packing.images.all().map(ImageCodec::kind);
     let kinds = match options.searches() {
         true if options.images.is_empty() => options.codecs.images(),
         true => &options.images,
         false => &given,
     };
-    io::gltf_files(path, kinds, options.lods.len()).into_iter().chain(beside).collect()
+    io::gltf_files(path, kinds, options.lods.len()).into_iter().chain(separate).collect()
 }
 
 /// Returns all files, the model first.
@@ -146,9 +145,9 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<EncodedModel> 
         false => joined(made, &about, target)?,
     };
     for set in &sets {
-        for beside in set.all() {
-            let bytes = io::encode_png_bitmap(&beside.bitmap, Encoding::Linear)?;
-            model.files.push(FileBytes { path: beside.file(set.label, path), bytes });
+        for own in set.all() {
+            let bytes = io::encode_png_bitmap(&own.bitmap, Encoding::Linear)?;
+            model.files.push(FileBytes { path: own.file(set.label, path), bytes });
         }
     }
     Ok(model)
@@ -163,14 +162,14 @@ fn one(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<EncodedMode
             let levels = made.levels().zip(coverages);
             let levels: Vec<_> =
                 levels.map(|(mesh, coverage)| GltfLevel { mesh, coverage: Some(coverage) }).collect();
-            let of_asset = anew(made, about);
+            let of_asset = single(made, about);
             let model = GltfAsset { levels: &levels, alpha_modes: &made.alpha_modes, ..of_asset };
             io::encode_gltf(target.path, &model, target.format).map(EncodedModel::from)
         }
     }
 }
 
-/// Returns the files of an asset whose levels are files of their own, which are joined, the model first.
+/// Returns the files of an asset whose levels are encoded separately and then joined, the model first.
 fn joined(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<EncodedModel> {
     let glb = Target { path: Path::new("level.glb"), ..target };
     let finest = finest(made, about, glb)?;
@@ -180,14 +179,14 @@ fn joined(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<EncodedM
     Ok(EncodedModel { files, warnings: finest.warnings })
 }
 
-/// Returns the GLB of the finest level alone.
+/// Returns the GLB of only the finest level.
 fn finest(made: &Made, about: &About<'_>, glb: Target<'_>) -> Result<EncodedModel> {
     match &made.document {
         Some(document) => grafted(made, document, about, glb),
         None => {
             let levels = [GltfLevel { mesh: &made.parts[0].low.mesh, coverage: None }];
             let alpha_modes = made.alpha_modes.get(..1).unwrap_or_default();
-            let model = GltfAsset { levels: &levels, alpha_modes, ..anew(made, about) };
+            let model = GltfAsset { levels: &levels, alpha_modes, ..single(made, about) };
             io::encode_gltf(glb.path, &model, glb.format).map(EncodedModel::from)
         }
     }
@@ -226,13 +225,14 @@ fn model_of(files: Vec<FileBytes>) -> Vec<u8> {
     files.into_iter().next().map(|file| file.bytes).unwrap_or_default()
 }
 
-/// Returns the name of nodes and meshes: not that of the file that is written, since the same asset has the same bytes under any.
+/// Returns the name of nodes and meshes: not that of the output file, since the same asset must give the same bytes
+/// under any name.
 fn name(made: &Made) -> Cow<'_, str> {
     made.about.path.file_stem().map_or("asset".into(), |stem| stem.to_string_lossy())
 }
 
-/// Returns what is written of an asset of one mesh and one material, without its levels.
-fn anew<'a>(made: &'a Made, about: &About<'a>) -> GltfAsset<'a> {
+/// Returns the contents of an asset with one mesh and one material, without its levels.
+fn single<'a>(made: &'a Made, about: &About<'a>) -> GltfAsset<'a> {
     let Part { low, maps } = &made.parts[0];
     GltfAsset {
         name: about.name,
@@ -245,9 +245,9 @@ fn anew<'a>(made: &'a Made, about: &About<'a>) -> GltfAsset<'a> {
     }
 }
 
-/// Returns the files of the low-poly file `document` with what was baked for its materials, the model first.
+/// Returns the files of the low-poly file `document` with the baked maps of its materials, the model first.
 fn grafted(made: &Made, document: &Document, about: &About<'_>, target: Target<'_>) -> Result<EncodedModel> {
-    // Textures of the file that stay are in it already.
+    // Kept textures are already in the file.
     let none = KeptTextures::default();
     let mut materials = Vec::with_capacity(made.parts.len());
     for Part { low, maps } in &made.parts {
@@ -273,20 +273,20 @@ fn grafted(made: &Made, document: &Document, about: &About<'_>, target: Target<'
     io::encode_graft(target.path, &graft, target.format)
 }
 
-/// Returns the metres by which a file that is kept is scaled; `None` if it is in metres.
+/// Returns the metres by which a kept file is scaled; `None` if it is in metres.
 fn scale_of(made: &Made) -> Option<f32> {
     let is_in_metres = made.document.as_ref().is_some_and(|document| document.is_in_metres);
     space::root_scale(made.about.unit()).filter(|_| !is_in_metres)
 }
 
-/// A model's file, and how it is packed.
+/// A model file and its format.
 #[derive(Clone, Copy)]
 struct Target<'a> {
     path: &'a Path,
     format: &'a GltfFormat,
 }
 
-/// The statements of an asset about itself.
+/// The metadata of an asset.
 struct About<'a> {
     name: &'a str,
     copyright: Option<&'a str>,
@@ -294,32 +294,32 @@ struct About<'a> {
     extras: Option<&'a Json>,
 }
 
-/// The maps of a material that stand in files beside the model.
+/// The maps of a material in separate files next to the model.
 struct BesideMaps<'a> {
     label: &'a str,
-    kept: Vec<&'a Beside>,
+    kept: Vec<&'a StandaloneMap>,
     /// Those with green down.
-    turned: Vec<Beside>,
+    turned: Vec<StandaloneMap>,
 }
 
 impl<'a> BesideMaps<'a> {
     fn of(made: &Made, part: &'a Part, packing: &Packing) -> Result<Self> {
         let textures = &part.maps.textures;
         let turned = green::turned(made.options.space, textures, packing)?;
-        let is_turned = |beside: &&Beside| turned.iter().any(|turned| turned.map == beside.map);
-        let kept = textures.beside.iter().filter(|beside| !is_turned(beside)).collect();
+        let is_turned = |own: &&StandaloneMap| turned.iter().any(|turned| turned.map == own.map);
+        let kept = textures.standalone.iter().filter(|own| !is_turned(own)).collect();
         Ok(Self { label: part.low.label(), kept, turned })
     }
 
-    fn all(&self) -> impl Iterator<Item = &Beside> {
+    fn all(&self) -> impl Iterator<Item = &StandaloneMap> {
         self.kept.iter().copied().chain(&self.turned)
     }
 }
 
-/// The most bytes of metadata that a search does not count.
+/// The maximum size of metadata that a search does not count, bytes.
 const METADATA: u64 = 4096;
 
-/// Notes what is not packed as was asked for, and an asset that is larger than its scan.
+/// Notes requested packing that was not applied, and an asset that is larger than its scan.
 fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     let mut warnings = Warnings::default();
     let mut materials = Vec::with_capacity(made.parts.len());
@@ -329,12 +329,12 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     let has_alpha = materials.iter().any(has_alpha);
     warnings.absorb(unlit::note(materials.iter().filter(|material| unlit::hides_maps(material))));
     warnings.note(
-        "meshes are not compressed: the low-poly mesh's file stays as it is",
+        "meshes are not compressed: the low-poly mesh's file is kept as is",
         usize::from(made.document.is_some() && made.rounding.is_none() && packing.meshopt),
     );
     let rebaked = made.coarser.iter().filter(|level| matches!(level.look, LevelLook::Rebaked(_))).count();
     warnings.note(
-        "levels of detail with a normal map of their own, which is written with green up alone",
+        "levels of detail with their own normal map, which is written only with green up",
         if packing.green == GreenChannel::Down { rebaked } else { 0 },
     );
     let colors = packing.images.colors;
@@ -345,23 +345,23 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     if made.rounding.is_none() {
         warnings.absorb(unpacked(&materials, packing.images));
     }
-    // What a search finds is larger by no more than that.
+    // The result of a search exceeds its target by at most that.
     let of_metadata = if made.rounding.is_some() { METADATA } else { 0 };
     let (of_scan, all) = (made.about.bytes, files.iter().map(|file| file.bytes.len() as u64).sum::<u64>());
     warnings.note(
-        format!("the asset is larger than its scan: {all} bytes, {of_scan} of the scan; take smaller maps, or pack it"),
+        format!("the asset is larger than its scan: {all} bytes instead of {of_scan}; use smaller maps, or pack it"),
         usize::from(of_scan > 0 && all > of_scan + of_metadata),
     );
     warnings
 }
 
-/// Says whether alpha of the base colour's texture is written.
+/// Returns true if the alpha of the base colour texture is written.
 fn has_alpha(material: &GltfMaterial<'_>) -> bool {
     let has = |image| matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
     material.alpha != AlphaMode::Opaque && material.base_color_map.is_some_and(has)
 }
 
-/// Returns `true` if the loss of some format has an effect: on colours, or on numbers whose format is lossy.
+/// Returns `true` if the loss of any format has an effect: on colours, or on numbers with a lossy format.
 fn is_lossy(material: &GltfMaterial<'_>, images: TextureCodecs) -> bool {
     let GltfMaterial { base_color_map, emissive_map, metallic_roughness_map, occlusion_map, .. } = material;
     let has_numbers = metallic_roughness_map.is_some() || occlusion_map.is_some();
@@ -371,7 +371,7 @@ fn is_lossy(material: &GltfMaterial<'_>, images: TextureCodecs) -> bool {
         || (has_numbers && images.numbers.number().is_some())
 }
 
-/// Returns notes of formats of textures that the asset does not have.
+/// Returns notes on formats for textures that the asset does not have.
 fn unpacked(materials: &[GltfMaterial<'_>], images: TextureCodecs) -> Warnings {
     let mut warnings = Warnings::default();
     let has_any = |material: &GltfMaterial<'_>| {
@@ -386,38 +386,38 @@ fn unpacked(materials: &[GltfMaterial<'_>], images: TextureCodecs) -> Warnings {
     );
     let is_unread = has_any && !materials.iter().any(|material| is_lossy(material, images));
     warnings.note(
-        format!("the asset has no texture that the loss of {images} applies to: normals keep theirs"),
+        format!("the asset has no texture that the loss of {images} applies to: normals have their own"),
         usize::from(images.colors.number().is_some() && is_unread),
     );
     warnings
 }
 
-/// Returns the least part of the screen that the object covers while each level is shown: where the next meets the limits and
-/// takes over.
+/// Returns the minimum screen coverage of the object while each level is shown: where the next one meets the limits
+/// and takes over.
 fn coverages(made: &Made) -> Vec<f32> {
     made.coarser.iter().map(|level| screen::coverage(level.across)).chain([0.0]).collect()
 }
 
-/// Returns the asset's notes on the files beside it; `None` where there are none.
+/// Returns the asset's notes on the files next to it; `None` if there are none.
 fn extras(sets: &[BesideMaps<'_>], path: &Path) -> Option<Json> {
-    let entry = |label: &str, beside: &Beside| {
-        let note = MapNote::beside(beside, label, path);
+    let entry = |label: &str, own: &StandaloneMap| {
+        let note = MapNote::standalone(own, label, path);
         let name = note.file?.file_name()?.to_string_lossy().into_owned();
         let about = json!({ "file": name, "black": note.black, "white": note.white, "unit": note.unit });
         Some((labeled(label, note.map.name()), about))
     };
-    let entries = sets.iter().flat_map(|set| set.all().filter_map(|beside| entry(set.label, beside)));
+    let entries = sets.iter().flat_map(|set| set.all().filter_map(|own| entry(set.label, own)));
     let maps: serde_json::Map<String, Value> = entries.collect();
     (!maps.is_empty()).then(|| Json(json!({ "maps": maps })))
 }
 
-impl Written {
-    /// Returns the files, the model or the first map first.
+impl WrittenAsset {
+    /// Returns the files, the model or the main map first.
     pub fn files(&self) -> &[PathBuf] {
         &self.files
     }
 
-    /// Returns what is not as it was asked for, or is larger than it should be.
+    /// Returns deviations from the request, and whether the asset is larger than its scan.
     pub fn warnings(&self) -> &Warnings {
         &self.warnings
     }
@@ -427,17 +427,17 @@ impl Written {
         &self.asset
     }
 
-    /// Returns the model's file; of maps alone the first one's.
+    /// Returns the model file, or the first of standalone maps.
     pub fn path(&self) -> &Path {
         self.files.first().map_or(Path::new(""), PathBuf::as_path)
     }
 
-    /// Returns where the model can be read now: its files may wait for others of their set.
+    /// Returns where the model can be read now: its files may still be waiting for others of their set.
     pub(super) fn current(&self) -> PathBuf {
         self.set.current(self.path())
     }
 
-    /// Returns what each map is and where, material by material.
+    /// Returns each map's kind and location, material by material.
     pub fn maps(&self) -> Vec<MapNote> {
         if self.is_alone() {
             return maps_alone::notes(&self.asset.made, self.path());
@@ -446,12 +446,12 @@ impl Written {
     }
 
     fn maps_of(&self, label: &str, textures: &Textures) -> Vec<MapNote> {
-        let beside = textures.beside.iter().map(|beside| MapNote::beside(beside, label, self.path()));
+        let separate = textures.standalone.iter().map(|own| MapNote::standalone(own, label, self.path()));
         let inside = textures.inside().map(|(map, bitmap)| MapNote::inside(label, map, bitmap));
-        inside.chain(self.turned_normal(label, textures)).chain(beside).collect()
+        inside.chain(self.turned_normal(label, textures)).chain(separate).collect()
     }
 
-    /// Returns `true` where maps were written without a model.
+    /// Returns `true` if maps were written without a model.
     pub(super) fn is_alone(&self) -> bool {
         maps_alone::is_alone(self.path())
     }

@@ -1,12 +1,12 @@
-//! Alpha of several materials as that of one, and of one under the mode of another.
+//! Combines the alpha of several materials into one, and converts alpha from one mode to another.
 
 use crate::scene::AlphaMode;
 
-/// The cutoff of a material that stands for masks with several.
+/// The cutoff of a material that replaces masks with different cutoffs.
 const COMMON_CUTOFF: f32 = 0.5;
 
-/// Returns the mode of one material that shows all of these: blended where one is, else a mask with the cutoff of all,
-/// or 0.5 where they differ.
+/// Returns the alpha mode of one material that shows all of these: blended if any is, else a mask with their common
+/// cutoff, or 0.5 if they differ.
 pub(super) fn common_mode(modes: impl Iterator<Item = AlphaMode>) -> AlphaMode {
     modes.fold(AlphaMode::Opaque, |common, mode| match (common, mode) {
         (AlphaMode::Blend, _) | (_, AlphaMode::Blend) => AlphaMode::Blend,
@@ -16,8 +16,8 @@ pub(super) fn common_mode(modes: impl Iterator<Item = AlphaMode>) -> AlphaMode {
     })
 }
 
-/// Returns the alpha that shows the same under another mode: that of masks with another cutoff is moved so that contours
-/// stay where they are, piecewise linear; a mask that is shown blended is there or not.
+/// Returns the alpha that looks the same in another mode: for masks with another cutoff it is remapped piecewise
+/// linearly so that contours stay in place; a mask shown as blended becomes 0 or 1.
 pub(super) fn under_mode(alpha: f32, own: AlphaMode, shown: AlphaMode) -> f32 {
     match (own, shown) {
         (AlphaMode::Opaque, _) => 1.0,
@@ -63,6 +63,6 @@ mod tests {
         assert_eq!(under_mode(0.3, AlphaMode::Opaque, mask(0.5)), 1.0);
         assert_eq!(under_mode(0.3, AlphaMode::Blend, mask(0.5)), 0.3);
         let shown = [0.3, 0.7].map(|alpha| under_mode(alpha, mask(0.5), AlphaMode::Opaque));
-        assert_eq!(shown, [0.0, 1.0], "what is not there lends no colour");
+        assert_eq!(shown, [0.0, 1.0], "absent texels contribute no colour");
     }
 }

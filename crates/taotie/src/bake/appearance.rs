@@ -1,12 +1,12 @@
-//! The materials of a surface whose meshes are one: what each of its triangles shows at a point.
+//! The materials of a surface joined from several meshes: what each of its triangles shows at a point.
 
 use super::mapped_normal::{MappedNormal, of_heights, of_object_map, of_tangent_map};
-use super::normal_source::NormalSource;
 use super::texture_lookup::{LookupPoint, TextureOnMesh, premultiplied};
 use crate::error::Result;
 use crate::image::Texture;
 use crate::math::{Mat4, Vec3};
 use crate::mesh::{Mesh, Point, blend, each};
+use crate::pixel::NormalSource;
 use crate::scene::{AlphaMode, Instance, Material, SceneData, TextureRef};
 
 /// The values of a material at a point: factors, vertex colours and textures.
@@ -14,31 +14,31 @@ use crate::scene::{AlphaMode, Instance, Material, SceneData, TextureRef};
 pub struct MaterialSample {
     /// The base colour, linear RGB.
     pub color: Vec3,
-    /// The alpha before any cutoff, [0, 1]; 1 where the material is opaque.
+    /// The alpha before any cutoff, [0, 1]; 1 if the material is opaque.
     pub alpha: f32,
     /// [0, 1].
     pub metallic: f32,
-    /// The roughness as artists set it, [0, 1].
+    /// The perceptual roughness, as artists set it, [0, 1].
     pub roughness: f32,
-    /// The open part of the hemisphere as its texture says, [0, 1]; 1 without one.
+    /// The open part of the hemisphere from the occlusion texture, [0, 1]; 1 without one.
     pub occlusion: f32,
     /// Emitted radiance, linear RGB.
     pub emission: Vec3,
 }
 
-/// The triangles of one instance among those of all.
+/// The triangles of one instance within the joined mesh.
 #[derive(Debug, Clone)]
 pub(super) struct Part {
     /// The first triangle.
     pub triangle: u32,
     /// The first vertex.
     pub vertex: u32,
-    /// The uv sets of its own mesh.
+    /// The number of uv sets of the original mesh.
     pub uv_sets: usize,
     /// Index of its material.
     pub material: usize,
     pub normal_source: NormalSource,
-    /// The transform that its triangles were moved by.
+    /// The transform that was applied to its triangles.
     pub world_from_object: Mat4,
 }
 
@@ -50,7 +50,7 @@ impl Part {
         for instance in instances {
             let mesh = &scene.meshes[instance.mesh];
             let uv_sets = mesh.uvs().len();
-            let normal_source = NormalSource::of(&scene.materials[instance.material], uv_sets);
+            let normal_source = NormalSource::best(&scene.materials[instance.material]).on_mesh(uv_sets);
             let Instance { material, world_from_object, .. } = *instance;
             parts.push(Self { triangle, vertex, uv_sets, material, normal_source, world_from_object });
             triangle += mesh.triangles().len() as u32;
@@ -63,14 +63,14 @@ impl Part {
 /// The materials of all parts.
 #[derive(Debug, Clone)]
 pub(super) struct Appearance {
-    /// In the order of their triangles.
+    /// The parts, in the order of their triangles.
     pub parts: Vec<Part>,
     pub materials: Vec<Material>,
     pub textures: Vec<Texture>,
-    /// `true` where a part has a map of normals or heights.
+    /// `true` if a part has a normal or height map.
     bends: bool,
-    /// Of each texture with alpha whose visible colours alone are averaged: the same, premultiplied. Empty where all
-    /// colours are.
+    /// The premultiplied copy of each texture with alpha of which only visible colours are averaged. Empty if all
+    /// colours are averaged.
     premultiplied: Vec<Option<Texture>>,
     /// The textures of each material.
     used: Vec<Vec<TextureRef>>,
@@ -83,7 +83,7 @@ impl Appearance {
         Self { parts, materials, textures, bends, premultiplied: Vec::new(), used }
     }
 
-    /// Reads base colours of masked and blended parts beyond the finest level as means of what is visible.
+    /// Makes lookups of masked and blended base colours beyond the finest level average visible colours only.
     pub fn with_visible_means(self) -> Result<Self> {
         let mut is_read = vec![false; self.textures.len()];
         let materials = self.parts.iter().map(|part| &self.materials[part.material]);
@@ -98,7 +98,7 @@ impl Appearance {
         Ok(Self { premultiplied: read.map(of).collect::<Result<_>>()?, ..self })
     }
 
-    /// Does the same again for some textures that were replaced.
+    /// Repeats [`Self::with_visible_means`] for some textures that were replaced.
     pub fn renew_visible_means(&mut self, textures: &[usize]) -> Result<()> {
         for texture in textures {
             if let Some(Some(known)) = self.premultiplied.get_mut(*texture) {
@@ -113,12 +113,12 @@ impl Appearance {
         &self.materials[self.material_number(triangle)]
     }
 
-    /// Returns the number of the material of a triangle.
+    /// Returns the index of a triangle's material.
     pub fn material_number(&self, triangle: u32) -> usize {
         self.part(triangle).material
     }
 
-    /// Returns the factors of the first part's material, which stand where nothing is found.
+    /// Returns the factors of the first part's material, used if nothing is found.
     pub fn first_factors(&self) -> MaterialSample {
         let neutral = Material::default();
         let material = self.parts.first().map_or(&neutral, |part| &self.materials[part.material]);
@@ -133,7 +133,7 @@ impl Appearance {
     }
 
     /// Returns the normal at a point as a renderer shades it: `smooth`, the interpolated one, bent by the part's map.
-    /// It is `smooth` to the bit where the part has no map, or uvs span no area.
+    /// Bit-identical to `smooth` if the part has no map or the uvs span no area.
     pub fn normal(&self, mesh: &Mesh, at: LookupPoint, smooth: Vec3) -> MappedNormal {
         let flat = MappedNormal { normal: smooth, variance: 0.0 };
         if !self.bends {
@@ -141,12 +141,14 @@ impl Appearance {
         }
         let part = self.part(at.point.triangle);
         let bent = match &part.normal_source {
-            NormalSource::Smooth => None,
+            NormalSource::Facet | NormalSource::Smooth | NormalSource::BumpPrinted(..) => None,
             NormalSource::ObjectMap(map) => {
                 Some(of_object_map(&self.texture(mesh, &map.texture), at, &part.world_from_object))
             }
             NormalSource::TangentMap(map) => of_tangent_map(&self.texture(mesh, &map.texture), at, map),
-            NormalSource::Height(map) => of_heights(&self.texture(mesh, &map.texture), at, map.scale, smooth),
+            NormalSource::Bump(map, scale) => {
+                of_heights(&self.texture(mesh, &map.texture), at, *scale, smooth)
+            }
         };
         bent.unwrap_or(flat)
     }
@@ -173,14 +175,14 @@ impl Appearance {
         }
     }
 
-    /// Returns the width of the finest texel of all textures at a point, model units; `None` without textures.
+    /// Returns the width of the finest texel of all textures at a point, in model units; `None` without textures.
     pub fn texel_size(&self, mesh: &Mesh, point: Point) -> Option<f32> {
         let used = &self.used[self.material_number(point.triangle)];
         let widths = used.iter().filter_map(|used| self.texture(mesh, used).texel_size(point));
         widths.reduce(f32::min)
     }
 
-    /// Returns the value of the base colour's texture; white without one.
+    /// Returns the value of the base colour texture; white without one.
     fn base_texture(&self, mesh: &Mesh, at: LookupPoint, material: &Material) -> [f32; 4] {
         let Some(used) = &material.base_color_texture else { return [1.0; 4] };
         let on_mesh = self.texture(mesh, used);
@@ -204,13 +206,13 @@ fn rgb([r, g, b, _]: [f32; 4]) -> Vec3 {
     Vec3::new(r, g, b)
 }
 
-/// Returns the base colour of material and vertices.
+/// Returns the base colour from material and vertex colours.
 fn base_color(mesh: &Mesh, point: Point, material: &Material) -> Vec3 {
     let factor = rgb(material.base_color);
     if mesh.colors().is_empty() { factor } else { factor.mul_elements(point.color(mesh)) }
 }
 
-/// Returns the alpha of material and vertices.
+/// Returns the alpha from material and vertex colours.
 fn base_alpha(mesh: &Mesh, point: Point, material: &Material) -> f32 {
     let [.., factor] = material.base_color;
     match mesh.colors() {

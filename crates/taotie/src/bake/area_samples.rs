@@ -5,27 +5,27 @@ use crate::math::{Vec3, sequence::Sequence};
 use crate::mesh::{Mesh, Point};
 use crate::parallel;
 
-/// Returns each of `count` points spread evenly over a mesh's area by its number; they are the same for the same mesh.
+/// Returns a function from an index to one of `count` points spread evenly over a mesh's area; deterministic.
 pub(crate) fn sample_area(mesh: &Mesh, count: usize) -> Result<impl Fn(usize) -> Point + Sync + '_> {
     sample_triangles(mesh, Triangles::Every(1), count)
 }
 
-/// Triangles of a mesh that are sampled.
+/// The triangles of a mesh to sample.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Triangles<'a> {
     /// The triangles 0, `step`, 2 · `step` and so on; `step` at least 1.
     Every(usize),
-    /// Those with these numbers.
+    /// The triangles with these indices.
     These(&'a [u32]),
 }
 
-/// Like [`sample_area`], but on some triangles only.
+/// Like [`sample_area`], but on selected triangles only.
 pub(crate) fn sample_triangles<'a>(
     mesh: &'a Mesh,
     some: Triangles<'a>,
     count: usize,
 ) -> Result<impl Fn(usize) -> Point + Sync + 'a> {
-    /// Triangles whose areas have one sum, so that sums take little memory.
+    /// Number of triangles that share one area sum, to save memory.
     const BLOCK: usize = 32;
     let triangles = match some {
         Triangles::Every(step) => mesh.triangles().len().div_ceil(step),
@@ -40,7 +40,7 @@ pub(crate) fn sample_triangles<'a>(
         let area = move |i: usize| doubled_area(mesh, numbered(i));
         block.map(area).map(|area| if area.is_finite() { area } else { 0.0 })
     };
-    // The area up to the end of each block.
+    // The cumulative area up to the end of each block.
     let mut sums: Vec<f64> = parallel::collect(triangles.div_ceil(BLOCK), |block| areas(block).sum());
     let mut sum = 0.0;
     for to_end in &mut sums {
@@ -52,7 +52,7 @@ pub(crate) fn sample_triangles<'a>(
     }
     let points = Sequence::new(0);
     Ok(move |i: usize| {
-        // One point in each of equal parts of the area.
+        // One point in each of `count` equal areas.
         let [jitter, u, v, _] = points.four(i as u32 % Sequence::MOST, (i as u32 / Sequence::MOST) * 2);
         let target = (i as f64 + f64::from(jitter)) / count as f64 * sum;
         let block = sums.partition_point(|s| *s <= target).min(sums.len() - 1);
@@ -66,7 +66,7 @@ pub(crate) fn sample_triangles<'a>(
     })
 }
 
-/// Weights of a triangle's corners, evenly spread for (u, v) evenly spread over [0, 1)².
+/// Barycentric weights in a triangle, uniform if (u, v) is uniform over [0, 1)².
 ///
 /// Source: Osada et al. 2002, "Shape distributions", §4.2.
 pub(super) fn triangle_weights(u: f32, v: f32) -> [f32; 3] {

@@ -1,4 +1,4 @@
-//! How much of two surfaces is far from one another.
+//! Measures how much of two surfaces is far apart.
 
 use super::area_samples::{Triangles, sample_triangles};
 use super::scan::Scan;
@@ -7,22 +7,23 @@ use crate::mesh::{Mesh, Point};
 use crate::parallel;
 use crate::trace::Bvh;
 
-/// Points at which each surface is examined.
+/// Number of points at which each surface is examined.
 const POINTS: usize = 4_000;
-/// On larger surfaces the points lie on about this many triangles: the areas of twenty million would take a second.
+/// On larger surfaces the points are on about this many triangles: summing the areas of twenty million takes a
+/// second.
 const TRIANGLES: usize = 1 << 16;
 
-/// The fractions of a low-poly mesh and of its scan that are far from one another, [0, 1].
+/// The fractions of a low-poly mesh and of its scan that are far from each other, [0, 1].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Astray {
-    /// Of the low-poly mesh's area: what is far from the scan.
+    /// Fraction of the low-poly mesh's area that is far from the scan.
     pub low: f64,
-    /// Of the scan's area: what is far from the low-poly mesh, and can be seen.
+    /// Fraction of the scan's area that is far from the low-poly mesh and can be seen.
     pub scan: f64,
 }
 
 impl Astray {
-    /// Measures what is farther away than `far`, above 0, model units.
+    /// Measures the parts farther away than `far`, which is above 0, in model units.
     ///
     /// # Errors
     /// [`Error::Invalid`](crate::Error::Invalid) if one of the meshes has no area.
@@ -41,7 +42,7 @@ impl Astray {
 
 /// Returns the fraction of a mesh's area whose points satisfy a condition.
 fn part(mesh: &Mesh, is_it: &(dyn Fn(Point) -> bool + Sync)) -> Result<f64> {
-    // An odd step, so that both halves of the squares of a grid are met.
+    // An odd step, so that both halves of a grid's squares are sampled.
     let step = (mesh.triangles().len() / TRIANGLES) | 1;
     let point = sample_triangles(mesh, Triangles::Every(step), POINTS)?;
     Ok(parallel::count(POINTS, |i| is_it(point(i))) as f64 / POINTS as f64)
@@ -58,7 +59,7 @@ mod tests {
         Scan::new(Scene::of_mesh(mesh.clone(), Material::default()).unwrap()).unwrap()
     }
 
-    /// A wall of this width and of height 1, of `cells` by `cells` squares.
+    /// Makes a wall of this width and of height 1, of `cells` by `cells` squares.
     fn wall(width: f32, cells: u32) -> Mesh {
         let side = cells + 1;
         let at = |i: u32| [i % side, i / side].map(|v| v as f32 / cells as f32);

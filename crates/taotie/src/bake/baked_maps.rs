@@ -1,23 +1,23 @@
-//! The maps in the making: one number or vector a texel, row by row from the top.
+//! Maps while they are being baked: one number or vector per texel, row by row from the top.
 
 use super::maps::{MapKind, Maps};
 
-/// The outcome of baking a texel.
+/// The result of baking a texel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum TexelStatus {
     /// No triangle covers it.
     #[default]
     Free,
-    /// All its projection rays met the scan.
+    /// All its projection rays hit the scan.
     Met,
-    /// A projection ray missed and took the closest point of the scan.
+    /// A projection ray missed and used the closest point of the scan.
     Closest,
-    /// Not even that faces the right way: the low-poly mesh's own normal stands there.
+    /// No point of the scan faces the right way either: the texel holds the low-poly mesh's own normal.
     Lost,
 }
 
-/// Baked maps; those that were not asked for are empty.
+/// Baked maps; those not requested are empty.
 #[derive(Debug, Clone, Default)]
 pub struct BakedMaps {
     /// Texels across.
@@ -26,17 +26,17 @@ pub struct BakedMaps {
     pub height: u32,
     /// The status of each texel.
     pub texels: Vec<TexelStatus>,
-    /// Unit normals, in the space asked for.
+    /// Unit normals, in the requested space.
     pub normal: Vec<[f32; 3]>,
-    /// The open part of the hemisphere, [0, 1]: as rays found it, or else as the scan's textures say.
+    /// The open part of the hemisphere, [0, 1], found by rays or read from the scan's textures.
     pub occlusion: Vec<f32>,
     /// The base colour, linear RGB.
     pub albedo: Vec<[f32; 3]>,
-    /// The height above the low-poly mesh, model units.
+    /// The height above the low-poly mesh, in model units.
     pub heights: Vec<f32>,
-    /// The mean open direction, unit, in the space asked for.
+    /// The mean open direction, unit, in the requested space.
     pub bent: Vec<[f32; 3]>,
-    /// The mean curvature, 1 over model units.
+    /// The mean curvature, in 1 / model units.
     pub curvature: Vec<f32>,
     /// The perceptual roughness, as artists set it, [0, 1].
     pub roughness: Vec<f32>,
@@ -76,13 +76,13 @@ impl BakedMaps {
         [self.width, self.height]
     }
 
-    /// Returns the numbers of a plane where a triangle covers the texel.
+    /// Returns the values of a plane at texels that a triangle covers.
     pub fn covered(&self, plane: &[f32]) -> Vec<f32> {
         let covered = self.texels.iter().zip(plane).filter(|(texel, _)| **texel != TexelStatus::Free);
         covered.map(|(_, v)| *v).collect()
     }
 
-    /// Cuts the maps into bands of rows, each with at most `rows`.
+    /// Splits the maps into bands of at most `rows` rows.
     pub(super) fn bands(&mut self, rows: u32) -> Vec<BandMaps<'_>> {
         let count = rows as usize * self.width as usize;
         let bands = self.height.div_ceil(rows) as usize;

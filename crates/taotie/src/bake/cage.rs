@@ -1,4 +1,4 @@
-//! The directions and distances in which the high-poly surface is looked for.
+//! The directions and distances used to search for the high-poly surface.
 
 use super::area_samples::triangle_weights;
 use super::projection::{Correspondence, ProjectionRay};
@@ -10,33 +10,33 @@ use crate::parallel;
 use crate::surface;
 use crate::trace::Bvh;
 
-/// The direction in which the scan is looked for from each vertex of a low-poly mesh, and the ray distance.
+/// The search direction for the scan at each vertex of a low-poly mesh, and the ray distance.
 ///
-/// Directions are the means of the mesh's normals at a place, so that they do not part at hard edges and uv seams, and
-/// no gap opens between the projection rays of neighbouring texels.
+/// Directions are the mean of the mesh's normals at a position, so that they do not split at hard edges and uv seams
+/// and no gap opens between the projection rays of neighbouring texels.
 #[derive(Debug, Clone)]
 pub struct Cage {
     /// Outward, unit.
     directions: Vec<Vec3>,
-    /// The ray distances into the low-poly surface and out of it, model units.
+    /// The ray distances, both into and out of the low-poly surface, in model units.
     distances: Vec<f32>,
     /// The longest of these.
     longest: f32,
 }
 
-/// The ray distance as a multiple of the gap that was found.
+/// The ray distance as a multiple of the measured gap.
 const GAPS: f32 = 2.0;
-/// The shortest ray distance, as a part of the mesh's diagonal.
+/// The shortest ray distance, as a fraction of the mesh's diagonal.
 const LEAST: f64 = 2e-4;
-/// The gap is sought no farther than this part of the mesh's diagonal.
+/// The gap is searched up to this fraction of the mesh's diagonal.
 const MOST: f64 = 0.1;
-/// A point seen along the direction, farther away than this part of the mesh's diagonal, is that of the gap only if it
-/// is no farther away than [`OBLIQUE`] times the closest point of all; else the line ran past the scan and met another
-/// part.
+/// A point hit along the direction and farther away than this fraction of the mesh's diagonal counts towards the gap
+/// only if it is at most [`OBLIQUE`] times as far as the closest point; otherwise the line passed the scan and hit
+/// another part.
 const NEAR: f64 = 1e-2;
 const OBLIQUE: f32 = 4.0;
 
-/// The farthest closest point of the scan, as a multiple of the longest ray distance, for projection rays that meet
+/// The farthest closest point of the scan, as a multiple of the longest ray distance, for projection rays that hit
 /// nothing.
 const FALLBACK: f32 = 4.0;
 
@@ -46,8 +46,8 @@ impl Cage {
         Self { directions, distances, longest }
     }
 
-    /// Finds the distances: from points all over each triangle the scan is looked for along the directions and as the
-    /// closest point of all; each vertex gets twice the largest gap of the triangles around it.
+    /// Finds the distances: from points all over each triangle, searches for the scan along the directions and for
+    /// its closest point; each vertex gets twice the largest gap of the triangles around it.
     pub fn automatic(low: &Mesh, scan: &Scan) -> Self {
         let directions = directions(low);
         let diagonal = low.diagonal();
@@ -63,15 +63,15 @@ impl Cage {
         Self::new(directions, distances)
     }
 
-    /// Makes a cage of one ray distance everywhere, both ways.
+    /// Makes a cage with the same ray distance everywhere, both ways.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where it is not above 0 and finite.
+    /// [`Error::Invalid`] if it is not above 0 and finite.
     pub fn uniform(low: &Mesh, distance: f32) -> Result<Self> {
         if !(distance > 0.0 && distance.is_finite()) {
             return Err(Error::invalid(
                 format!("a ray distance of {distance}"),
-                "give model units above 0, or `auto`",
+                "use a value in model units above 0, or `auto`",
             ));
         }
         let directions = directions(low);
@@ -80,11 +80,11 @@ impl Cage {
     }
 
     /// Makes a cage from a cage mesh: the low-poly mesh with its vertices moved outward and its triangles in the same
-    /// order. The vertices may be numbered otherwise, since hard edges and uv seams part them in one file and not in the
-    /// other. Projection rays end at the cage, and go as far inward.
+    /// order. The vertices may be numbered differently, since hard edges and uv seams split them in one file and not
+    /// in the other. Projection rays end at the cage, and reach equally far inward.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where the cage has other triangles, or where it lies on the mesh or inside of it.
+    /// [`Error::Invalid`] if the cage has different triangles, or touches the mesh or is inside it.
     pub fn from_mesh(low: &Mesh, cage: &Mesh) -> Result<Self> {
         let places = places(low, cage)?;
         let normals = surface::vertex_normals(low);
@@ -103,7 +103,7 @@ impl Cage {
         Ok(Self::new(directions, distances))
     }
 
-    /// Returns the longest of the distances over which the scan is looked for, model units.
+    /// Returns the longest of the search distances for the scan, in model units.
     pub fn longest(&self) -> f32 {
         self.longest
     }
@@ -120,14 +120,14 @@ impl Cage {
         }
     }
 
-    /// Returns the correspondence of a projection ray that met nothing: the closest point of the scan, if it faces the
-    /// same way.
+    /// Returns the correspondence of a projection ray that hit nothing: the closest point of the scan, if it faces
+    /// the same way.
     pub(super) fn fallback(&self, scan: &Scan, projection: &ProjectionRay) -> Option<Correspondence> {
         scan.closest(projection.point, projection.direction, self.longest * FALLBACK)
     }
 
-    /// Returns the same cage for a copy of its mesh whose vertices are in another order, or are fewer, or lie a little
-    /// beside: each takes the values of the cage at the closest point of the original mesh.
+    /// Returns the cage for a copy of its mesh whose vertices are reordered, fewer or slightly displaced: each takes
+    /// the values of the cage at the closest point of the original mesh.
     pub fn carried_over(&self, own: &Mesh, copy: &Mesh) -> Self {
         let surface = Bvh::of(own.triangles().len(), |t| own.corners(t));
         let at = |v: usize| {
@@ -135,19 +135,19 @@ impl Cage {
             let projection = self.projection_ray(own, closest.point());
             Some((projection.direction, projection.distance))
         };
-        // A mesh without triangles has no line to follow either.
+        // A mesh without triangles has no line to follow.
         let lines = parallel::collect(copy.positions().len(), |v| at(v).unwrap_or_default());
         let (directions, distances) = lines.into_iter().unzip();
         Self::new(directions, distances)
     }
 }
 
-/// Returns the position in a cage mesh of each vertex of the low-poly mesh, by the corners of their triangles; `None` where
-/// no triangle has the vertex.
+/// Returns the position in a cage mesh of each vertex of the low-poly mesh, matched by triangle corners; `None` if no
+/// triangle uses the vertex.
 fn places(low: &Mesh, cage: &Mesh) -> Result<Vec<Option<Vec3>>> {
     let [count, cage_count] = [low, cage].map(|mesh| mesh.triangles().len());
     let refused = |what: String| {
-        Error::invalid("the cage", format!("{what}; it must be the low-poly mesh with its vertices moved"))
+        Error::invalid("the cage", format!("{what}; use the low-poly mesh with its vertices moved"))
     };
     if count != cage_count {
         return Err(refused(format!("it has {cage_count} triangles, the low-poly mesh {count}")));
@@ -163,14 +163,14 @@ fn places(low: &Mesh, cage: &Mesh) -> Result<Vec<Option<Vec3>>> {
     match torn {
         0 => Ok(places),
         _ => Err(refused(format!(
-            "{torn} corners of its triangles lie apart where the low-poly mesh's are one, so it is torn or its triangles \
-             are in another order"
+            "{torn} corners of its triangles are apart but share a vertex in the low-poly mesh: it is torn or its \
+            triangles are in another order"
         ))),
     }
 }
 
-/// Returns the mean of the normals of all vertices at each one's place; where they cancel or are lacking, those of the
-/// triangles around it.
+/// Returns the mean of all vertex normals at each vertex's position; if they cancel out or are missing, the mean of
+/// the triangle normals around it.
 fn directions(low: &Mesh) -> Vec<Vec3> {
     let around = surface::vertex_normals(low);
     if low.normals().is_empty() {
@@ -180,7 +180,7 @@ fn directions(low: &Mesh) -> Vec<Vec3> {
     means.into_iter().zip(around).map(|(mean, around)| mean.normalize_or(around)).collect()
 }
 
-/// The places where gaps between a mesh and its scan are sought.
+/// The positions where gaps between a mesh and its scan are measured.
 struct GapSearch<'a> {
     low: &'a Mesh,
     /// Of the mesh's vertices.
@@ -191,9 +191,9 @@ struct GapSearch<'a> {
 }
 
 impl GapSearch<'_> {
-    /// Returns how far the scan lies from a triangle, at most, over a few of its points.
+    /// Returns the largest distance of the scan from a triangle, over a few of its points.
     fn largest(&self, t: usize) -> f32 {
-        /// Points looked at over the whole mesh, roughly.
+        /// Approximate number of points examined over the whole mesh.
         const POINTS: usize = 60_000;
         let count = (POINTS / self.low.triangles().len()).clamp(2, 64) as u32;
         let points = sequence::Sequence::new(t as u32);
@@ -204,7 +204,7 @@ impl GapSearch<'_> {
         (0..count).filter_map(gap).fold(0.0, f32::max)
     }
 
-    /// Returns how far the scan lies from a point: along the direction there, or as the closest point of all.
+    /// Returns the distance of the scan from a point: along the direction there, or to the closest point.
     fn gap(&self, at: Point) -> Option<f32> {
         let [near, most] = [NEAR, MOST].map(|part| (self.diagonal * part) as f32);
         let point = at.position(self.low);

@@ -9,7 +9,7 @@ use crate::math::Vec2;
 use crate::mesh::Mesh;
 use crate::parallel;
 
-/// The map that a mesh is to be laid out on.
+/// The map on which a mesh is laid out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TexelGrid {
     /// Texels across.
@@ -18,23 +18,23 @@ pub struct TexelGrid {
     pub height: u32,
     /// The uv set of the mesh.
     pub uv_set: usize,
-    /// The number of texels by which UV islands are grown beyond their borders.
+    /// The number of texels by which UV islands are dilated.
     pub padding: u32,
 }
 
 /// The triangle that each texel belongs to.
 ///
 /// A texel belongs to the triangle that covers its centre. Corners are rounded to fixed point and the rest is exact:
-/// of triangles that share an edge one alone covers a centre on it. Where triangles lie over one another, the one
-/// with the lowest number has the texel. Uvs outside [0, 1] are wrapped.
+/// if triangles share an edge, only one of them covers a centre on it. If triangles overlap, the one with the lowest
+/// index gets the texel. Uvs outside [0, 1] are wrapped.
 ///
-/// A texel in the padding, which is around UV islands and goes on across the map's borders, belongs to the triangle of
-/// the nearest covered texel, counted in steps to the left, the right, up and down.
+/// A texel in the padding, which surrounds UV islands and continues across the map's borders, belongs to the triangle
+/// of the nearest covered texel, counted in steps to the left, right, up and down.
 #[derive(Debug, Clone)]
 pub struct Coverage {
     width: u32,
     height: u32,
-    /// The triangle, with [`PADDING`] where its texel is in the padding; [`NONE`].
+    /// The triangle, with [`PADDING`] set if its texel is in the padding; [`NONE`].
     texels: Vec<u32>,
     covered: usize,
     shared: usize,
@@ -45,8 +45,8 @@ impl Coverage {
     /// Lays out the triangles of a mesh.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where the mesh has no such uv set or a side of the map is zero, [`Error::Limit`] where a
-    /// side is above [`Image::MAX_SIDE`], a triangle's uvs span more than 16 copies of the map, or the mesh has 2³¹
+    /// [`Error::Invalid`] if the mesh has no such uv set or a side of the map is zero, [`Error::Limit`] if a side is
+    /// above [`Image::MAX_SIDE`], a triangle's uvs span more than 16 copies of the map, or the mesh has 2³¹
     /// triangles.
     pub fn new(mesh: &Mesh, grid: &TexelGrid) -> Result<Self> {
         let TexelGrid { width, height, .. } = *grid;
@@ -80,28 +80,28 @@ impl Coverage {
         (texel != NONE).then_some(texel & !PADDING)
     }
 
-    /// Returns `true` where a triangle covers the centre of a texel, padding excluded.
+    /// Returns `true` if a triangle covers the centre of a texel, excluding padding.
     pub fn is_covered(&self, x: u32, y: u32) -> bool {
         self.texels[self.index(x, y)] < PADDING
     }
 
-    /// Returns for each texel, row by row from the top, whether a triangle covers its centre.
+    /// Returns a flag per texel, row by row from the top: `true` if a triangle covers its centre.
     pub fn mask(&self) -> Vec<bool> {
         parallel::collect(self.texels.len(), |i| self.texels[i] < PADDING)
     }
 
-    /// Returns the number of texels that have a triangle over their centre.
+    /// Returns the number of texels whose centre is covered by a triangle.
     pub fn covered(&self) -> usize {
         self.covered
     }
 
-    /// Returns the number of texels that have more than one triangle over their centre: UV islands that overlap, or uvs
-    /// that wrap around.
+    /// Returns the number of texels whose centre is covered by more than one triangle: UV islands that overlap, or
+    /// uvs that wrap around.
     pub fn shared(&self) -> usize {
         self.shared
     }
 
-    /// Returns the number of triangles that can cover no texel because their uvs span no area or are not finite.
+    /// Returns the number of triangles that cannot cover a texel because their uvs span no area or are not finite.
     pub fn skipped(&self) -> usize {
         self.skipped
     }
@@ -126,7 +126,7 @@ mod tests {
     use crate::math::Vec3;
     use crate::mesh::MeshData;
 
-    /// Makes a mesh with these uvs, three to a triangle.
+    /// Makes a mesh with these uvs, three per triangle.
     fn mesh(uvs: &[[f32; 2]]) -> Mesh {
         let uvs: Vec<Vec2> = uvs.iter().map(|[u, v]| Vec2::new(*u, *v)).collect();
         let positions = vec![Vec3::splat(0.0); uvs.len()];
@@ -138,7 +138,7 @@ mod tests {
         TexelGrid { width, height, uv_set: 0, padding }
     }
 
-    /// Returns the map as text: the triangle's number, in brackets nothing.
+    /// Returns the map as text: triangle indices as digits, as letters in the padding, and dots for free texels.
     fn text(coverage: &Coverage) -> String {
         let texel = |y: u32, x: u32| match (coverage.triangle(x, y), coverage.is_covered(x, y)) {
             (None, _) => '.',
@@ -154,7 +154,7 @@ mod tests {
         let square = [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.0, 0.0], [1.0, 1.0], [1.0, 0.0]];
         let coverage = Coverage::new(&mesh(&square), &grid(4, 4, 0)).unwrap();
         assert_eq!((coverage.covered(), coverage.shared()), (16, 0), "{}", text(&coverage));
-        // The same mirrored.
+        // The same, mirrored.
         let mirrored: Vec<[f32; 2]> = square.iter().map(|[u, v]| [1.0 - u, *v]).collect();
         let coverage = Coverage::new(&mesh(&mirrored), &grid(4, 4, 0)).unwrap();
         assert_eq!((coverage.covered(), coverage.shared()), (16, 0), "{}", text(&coverage));
@@ -197,7 +197,7 @@ mod tests {
         let [a, b] =
             [&plain[..], &moved].map(|uvs| text(&Coverage::new(&mesh(uvs), &grid(16, 16, 2)).unwrap()));
         assert_eq!(a, b);
-        // Over the border: half of a square to the left, half to the right.
+        // Across the border: half of a square on the left, half on the right.
         let across = [[0.75, 0.0], [0.75, 1.0], [1.25, 1.0], [0.75, 0.0], [1.25, 1.0], [1.25, 0.0]];
         let coverage = Coverage::new(&mesh(&across), &grid(4, 1, 0)).unwrap();
         assert_eq!((text(&coverage).replace('1', "0").as_str(), coverage.shared()), ("0..0", 0));

@@ -3,11 +3,11 @@
 use crate::math::Vec3;
 use crate::mesh::Mesh;
 
-/// Returns the mean curvature at each vertex, 1 over model units: above 0 where the surface bulges, 1/r on a sphere of
+/// Returns the mean curvature at each vertex, in 1 / model units: above 0 if the surface bulges, 1/r on a sphere of
 /// radius r.
 ///
-/// Each edge says how its ends' normals part over its length, (n_j − n_i)·(p_j − p_i) / |p_j − p_i|²; a vertex takes
-/// the mean over the edges of its triangles.
+/// Each edge measures how its ends' normals diverge over its length, (n_j − n_i)·(p_j − p_i) / |p_j − p_i|²; a vertex
+/// gets the mean over the edges of its triangles.
 /// Source: Rusinkiewicz 2004, "Estimating curvatures and their derivatives on triangle meshes", eq. 4, along edges.
 pub(super) fn mean_curvatures(mesh: &Mesh) -> Vec<f32> {
     let mut sums = vec![(0.0f32, 0u32); mesh.positions().len()];

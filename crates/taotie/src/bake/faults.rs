@@ -1,25 +1,25 @@
-//! Faults of a surface itself.
+//! Faults of a surface.
 
 use crate::groups::Groups;
 use crate::mesh::Mesh;
 use crate::parallel;
 use crate::surface;
 
-/// The faults of a surface itself, counted.
+/// Counts of the faults of a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Faults {
-    /// Edges with one triangle.
+    /// Edges with only one triangle.
     pub open_edges: usize,
-    /// Edges where more than two triangles meet.
+    /// Edges shared by more than two triangles.
     pub crowded_edges: usize,
-    /// Triangles that have the same corners as an earlier one, whichever way they face.
+    /// Triangles with the same corners as an earlier one, facing either way.
     pub duplicates: usize,
     /// Triangles without area.
     pub flat: usize,
 }
 
 impl Faults {
-    /// Counts the faults of a mesh, vertices at one position counted as one.
+    /// Counts the faults of a mesh; vertices at the same position count as one.
     pub fn of(mesh: &Mesh) -> Self {
         let places = surface::by_position(mesh.positions());
         let whole = || whole_triangles(mesh.triangles(), &places.of);
@@ -35,7 +35,7 @@ impl Faults {
             let twins = || whole().map(|[a, b, c]| (a, (b, c))).map(by_place);
             runs(&Groups::new(count, twins), |tally, length| tally.many += length - 1)
         };
-        // Groups are made by one thread each.
+        // Each group is built by one thread.
         let (edges, twins) = rayon::join(edges, twins);
         Self {
             open_edges: edges.ones,
@@ -46,7 +46,7 @@ impl Faults {
     }
 }
 
-/// Returns the places of each triangle, the lowest first; those with two equal corners are left out.
+/// Returns the positions of each triangle, lowest first; skips triangles with two equal corners.
 fn whole_triangles<'m>(triangles: &'m [[u32; 3]], places: &'m [u32]) -> impl Iterator<Item = [u32; 3]> + 'm {
     triangles.iter().filter_map(|triangle| {
         let [mut a, mut b, mut c] = triangle.map(|v| places[v as usize]);
@@ -57,16 +57,16 @@ fn whole_triangles<'m>(triangles: &'m [[u32; 3]], places: &'m [u32]) -> impl Ite
     })
 }
 
-/// Neighbours in a file mostly have neighbouring places, so that grouping by them is faster than sorting, and takes less
+/// Neighbours in a file mostly have neighbouring positions, so grouping by them is faster than sorting and takes less
 /// memory.
 fn by_place<T>((place, value): (u32, T)) -> (usize, T) {
     (place as usize, value)
 }
 
-/// Runs of equal values, counted.
+/// Counts of runs of equal values.
 #[derive(Default)]
 struct Tally<T> {
-    /// Room for the values of a group.
+    /// Buffer for the values of a group.
     sorted: Vec<T>,
     ones: usize,
     many: usize,
@@ -106,7 +106,7 @@ mod tests {
             corner(1.0, 0.0, 0.0),
             corner(0.0, 1.0, 0.0),
             corner(0.0, 0.0, 1.0),
-            // The first once more: cut for uvs, but one place.
+            // The first vertex again: split for uvs, but at the same position.
             corner(0.0, 0.0, 0.0),
             corner(0.0, -1.0, 0.0),
         ];

@@ -1,19 +1,20 @@
-//! Filling between UV islands, so that no filter and no mip level shows a seam; and of colours that are not seen.
+//! Fills the space between UV islands, so that no filter or mip level shows a seam, and the colours of invisible
+//! texels.
 
 use super::baked_maps::{BakedMaps, TexelStatus};
 use crate::parallel;
 
-/// Texels around each UV island that take the value of the nearest one before the rest is filled: more than any
-/// bilinear or anisotropic lookup at the finest level reaches over a border.
+/// Texels around each UV island that take the value of the nearest covered one before the rest is filled: more than
+/// any bilinear or anisotropic lookup at the finest level reaches across a border.
 const PADDING: u32 = 4;
 
-/// The least alpha of a texel that is seen: one of 255 codes.
+/// The minimum alpha of a visible texel: one of 255 codes.
 const SEEN: f32 = 1.0 / 255.0;
 
-/// Gives free texels values: `steps` of growing UV islands, each texel from a neighbour; or with `None` first a narrow
-/// padding and then, for all the rest, the mean of the smallest square of 2ⁿ texels around them, aligned as mip levels
-/// are, that holds any. So a texel of any mip level is the mean of what it covers, and of nothing else. Colours of what
-/// is not there are those around it.
+/// Gives free texels values: `steps` of dilation of the UV islands, each texel copied from a neighbour; or with
+/// `None` first a narrow padding and then, for the rest, the mean of the smallest non-empty square of 2ⁿ texels
+/// around them, aligned like mip levels. Each texel of any mip level is thus the mean of the covered texels below it,
+/// and of nothing else. Texels with alpha 0 take the colours around them.
 pub(super) fn fill(maps: &mut BakedMaps, steps: Option<u32>) {
     let size = [maps.width as usize, maps.height as usize];
     let mut known: Vec<bool> = maps.texels.iter().map(|texel| *texel != TexelStatus::Free).collect();
@@ -34,7 +35,7 @@ pub(super) fn fill(maps: &mut BakedMaps, steps: Option<u32>) {
     }
 }
 
-/// Gives baked texels with alpha 0, which nobody sees, the colours of visible texels around them.
+/// Gives baked texels with alpha 0, which are invisible, the colours of visible texels around them.
 fn fill_hidden(maps: &mut BakedMaps, baked: &[bool], size: [usize; 2]) {
     let BakedMaps { albedo, alpha, .. } = maps;
     if albedo.is_empty() || alpha.is_empty() {
@@ -51,11 +52,11 @@ fn fill_hidden(maps: &mut BakedMaps, baked: &[bool], size: [usize; 2]) {
         grown.iter().for_each(|(to, _)| known[*to] = true);
     }
     pull_push(albedo, &known, size);
-    // What is free has no colour yet.
+    // Free texels have no colour yet.
     albedo.iter_mut().zip(baked).filter(|(_, is)| !**is).for_each(|(color, _)| *color = [0.0; 3]);
 }
 
-/// Does the same to every plane that is there.
+/// Applies a function to every plane present.
 fn each(maps: &mut BakedMaps, one: impl Fn(&mut [[f32; 1]]), three: impl Fn(&mut [[f32; 3]])) {
     let BakedMaps { occlusion, heights, curvature, roughness, metallic, alpha, .. } = maps;
     for plane in [occlusion, heights, curvature, roughness, metallic, alpha] {
@@ -66,7 +67,7 @@ fn each(maps: &mut BakedMaps, one: impl Fn(&mut [[f32; 1]]), three: impl Fn(&mut
     }
 }
 
-/// Returns the free texels beside known ones, each with the first of its neighbours that is: left, right, above, below.
+/// Returns the free texels next to known ones, each with its first known neighbour: left, right, above, below.
 fn neighbours(known: &[bool], [width, height]: [usize; 2]) -> Vec<(usize, usize)> {
     let row = |y: usize| {
         let is_free = move |x: &usize| !known[y * width + x];
@@ -90,7 +91,7 @@ fn copy<T: Copy>(plane: &mut [T], from: &[(usize, usize)]) {
     }
 }
 
-/// A level of the pyramid that fills gaps; `None` where none of what a texel covers is known.
+/// A level of the gap-filling pyramid; `None` if a texel covers no known texel.
 struct PyramidLevel<const N: usize> {
     size: [usize; 2],
     texels: Vec<Option<[f32; N]>>,
@@ -125,7 +126,7 @@ fn pull_push<const N: usize>(plane: &mut [[f32; N]], known: &[bool], size: [usiz
     });
 }
 
-/// Returns the means of what is known in squares of two by two.
+/// Returns the means of the known texels in squares of two by two.
 fn coarser<const N: usize>(
     [width, height]: [usize; 2],
     at: impl Fn(usize) -> Option<[f32; N]> + Sync,
@@ -171,7 +172,7 @@ mod tests {
     #[test]
     fn every_mip_texel_is_made_of_islands_alone() {
         let mut maps = islands();
-        // What free texels hold before is not to be seen anywhere.
+        // The initial values of free texels must not show up anywhere.
         for i in 0..maps.heights.len() {
             if maps.texels[i] == TexelStatus::Free {
                 maps.heights[i] = -1000.0;
@@ -195,11 +196,11 @@ mod tests {
                 .map(|(x, y)| (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1)) / 4.0)
                 .collect();
             (level, width) = (next, half);
-            // A texel wholly over one UV island and its neighbourhood is of that island: none is darker than all
-            // islands.
+            // A texel that covers only one UV island and its surroundings belongs to that island: none is darker than
+            // every island.
             assert!(level.iter().all(is_of_islands));
         }
-        assert!(level[0] < 1.5 && level[1] > 2.5, "both UV islands still stand apart: {level:?}");
+        assert!(level[0] < 1.5 && level[1] > 2.5, "both UV islands are still distinct: {level:?}");
     }
 
     #[test]
@@ -223,7 +224,7 @@ mod tests {
                 assert!(near(maps.albedo[i], green), "{i}: {:?}", maps.albedo[i]);
                 assert_eq!(maps.alpha[i], before.alpha[i]);
             }
-            // What no step reaches stays as it was.
+            // Texels that no step reaches are unchanged.
             let corner = if steps.is_none() { green } else { [0.0; 3] };
             assert!(near(maps.albedo[0], corner), "{:?}", maps.albedo[0]);
         }

@@ -1,4 +1,5 @@
-//! Vertex normals of a low-poly mesh that, interpolated, come as near to its scan's as they can.
+//! Fits vertex normals of a low-poly mesh so that, interpolated, they match its scan's normals as closely as
+//! possible.
 
 use super::area_samples::sample_area;
 use super::normal_system::{FacetFits, Sample, System};
@@ -11,21 +12,21 @@ use crate::parallel;
 use crate::surface::{facet_normal, parted};
 use crate::trace::Bvh;
 
-/// Points of the scan for each triangle of the low-poly mesh, and the least and greatest number of all.
+/// Points of the scan for each triangle of the low-poly mesh, and the minimum and maximum total.
 const POINTS_PER_TRIANGLE: usize = 12;
 const LEAST_POINTS: usize = 60_000;
 const MOST_POINTS: usize = 800_000;
-/// Points farther from the low-poly mesh than this part of the diagonal belong to parts that it lacks.
+/// Points farther from the low-poly mesh than this fraction of the diagonal belong to parts missing from it.
 const REACH: f64 = 0.02;
-/// The least cosine between the scan's normal and the facet that it is fitted to, that of 75°: facets that are turned
-/// farther are the other side of something thin.
+/// The minimum cosine between the scan's normal and the facet it is fitted to, that of 75°: facets turned farther
+/// belong to the other side of something thin.
 const LEAST_COSINE: f32 = 0.26;
 
-/// Returns the mesh with the vertex normals whose interpolation has the least square distance from the normals of the scan,
-/// bent by its normal maps, over what can be seen of it: each point of the scan looks at the nearest one of the mesh.
-/// Vertices are split where the scan's normals part at an edge. Vertices that no point is near keep their normals; tangents are
-/// dropped. The mesh is returned as it is if its own normals are nearer, as those of a scan that was hardly simplified are at
-/// creases.
+/// Returns the mesh with the vertex normals whose interpolation has the least squared distance to the normals of the
+/// scan, bent by its normal maps, over its visible parts: each point of the scan is matched to the nearest one of the
+/// mesh. Vertices are split if the scan's normals diverge at an edge. Vertices with no point nearby keep their
+/// normals; tangents are dropped. The mesh is returned unchanged if its own normals are closer, as happens at creases
+/// of a scan that was hardly simplified.
 ///
 /// # Errors
 /// [`Error::Invalid`](crate::Error::Invalid) if the scan has no area.
@@ -43,7 +44,7 @@ pub(crate) fn fit_normals(low: &Mesh, scan: &Scan) -> Result<Mesh> {
     Ok(if distance(&fitted) < distance(low) { fitted } else { low.clone() })
 }
 
-/// Returns samples spread evenly over what can be seen of the scan near the low-poly mesh.
+/// Returns samples spread evenly over the visible parts of the scan near the low-poly mesh.
 fn samples(low: &Mesh, scan: &Scan) -> Result<Vec<Sample>> {
     let count = (low.triangles().len() * POINTS_PER_TRIANGLE).clamp(LEAST_POINTS, MOST_POINTS);
     let (surface, mesh) = (scan.surface(), scan.mesh());
@@ -73,7 +74,7 @@ mod tests {
         Scan::new(Scene::of_mesh(mesh.clone(), Material::default()).unwrap()).unwrap()
     }
 
-    /// A ball whose normals are turned by waves that its shape does not have.
+    /// A ball whose normals are perturbed by waves that its shape does not have.
     fn wavy_normals(columns: usize, rows: usize) -> Mesh {
         let ball = Mesh::sphere(1.0, columns, rows);
         let turned = |p: &Vec3| {
@@ -139,7 +140,7 @@ mod tests {
             triangle.iter().for_each(|v| data.normals[*v as usize] = facet);
         }
         let high = scan(&Mesh::new(data.clone()).unwrap());
-        // The low-poly mesh has one vertex a corner of the box.
+        // The low-poly mesh has one vertex per corner of the box.
         let corner =
             |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - Vec3::splat(0.5);
         let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -151,7 +152,7 @@ mod tests {
         assert!(mean_distance(&fitted, &high) < 1e-3, "{}", mean_distance(&fitted, &high));
     }
 
-    /// The inside of a shell is not what its outside is fitted to.
+    /// The outside of a shell is not fitted to its inside.
     #[test]
     fn hidden_surfaces_do_not_count() {
         let outer = wavy_normals(96, 48);
@@ -167,9 +168,9 @@ mod tests {
             Mesh::new(data).unwrap()
         };
         let low = Mesh::sphere(1.0, 24, 12);
-        let [alone, with_shell] = [&outer, &both].map(|mesh| fit_normals(&low, &scan(mesh)).unwrap());
+        let [single, with_shell] = [&outer, &both].map(|mesh| fit_normals(&low, &scan(mesh)).unwrap());
         let turned = |(a, b): (&Vec3, &Vec3)| f64::from((*a - *b).length());
-        let most = alone.normals().iter().zip(with_shell.normals()).map(turned).fold(0.0, f64::max);
+        let most = single.normals().iter().zip(with_shell.normals()).map(turned).fold(0.0, f64::max);
         assert!(most < 0.02, "{most}");
     }
 }

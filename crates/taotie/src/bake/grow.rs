@@ -1,10 +1,10 @@
-//! Growing UV islands beyond their borders.
+//! Dilation of UV islands.
 
 use super::owner::{NONE, PADDING};
 use crate::parallel;
 use rayon::prelude::*;
 
-/// Grows every UV island by `steps` texels into free ones, across the map's borders too.
+/// Dilates every UV island by `steps` texels into free ones, across the map's borders too.
 ///
 /// In each step a free texel takes the triangle of its first neighbour that has one: left, right, above, below.
 pub(super) fn grow(texels: &mut [u32], width: usize, steps: u32) {
@@ -19,7 +19,8 @@ pub(super) fn grow(texels: &mut [u32], width: usize, steps: u32) {
     }
 }
 
-/// Gives the front, each texel of which has a neighbour with a triangle, to these triangles; returns the next front.
+/// Assigns the front, each texel of which has a neighbour with a triangle, to these triangles; returns the next
+/// front.
 fn step(texels: &mut [u32], width: usize, front: &[usize]) -> Vec<usize> {
     let count = texels.len();
     let triangle = |i: usize| neighbors(i, width, count).into_iter().map(|k| texels[k]).find(|t| *t != NONE);

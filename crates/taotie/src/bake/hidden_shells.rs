@@ -1,4 +1,4 @@
-//! Connected parts of a scan of which nothing can be seen: walls within walls, ghost layers, filled cavities.
+//! Connected parts of a scan that cannot be seen: walls within walls, ghost layers, filled cavities.
 
 use super::area_samples::{Triangles, doubled_area, sample_triangles};
 use super::scan::Scan;
@@ -7,26 +7,26 @@ use crate::mesh::{DisjointSets, Mesh, MeshData};
 use crate::parallel;
 use crate::surface::by_position;
 
-/// Shells of a smaller share of the area are not examined.
+/// Shells with a smaller share of the area are not examined.
 const LEAST_SHARE: f64 = 0.001;
-/// Hidden shells of a smaller share of the area together are kept.
+/// Hidden shells with a smaller combined share of the area are kept.
 const WORTH_LEAVING: f64 = 0.01;
-/// Points of a shell that are examined before it counts as hidden, at most; it has fewer if it has fewer triangles.
+/// Maximum number of points of a shell to examine before it counts as hidden; fewer if it has fewer triangles.
 const POINTS: usize = 4_096;
-/// Points that are examined at once: nearly all shells that can be seen are seen at one of the first.
+/// Number of points examined per batch: nearly all visible shells are seen at one of the first.
 const BATCH: usize = 64;
 
-/// The connected parts of a surface, at shared positions, that are large enough to be examined.
+/// The connected parts of a surface, joined at shared positions, that are large enough to examine.
 #[derive(Debug)]
 pub(crate) struct Shells {
-    /// The triangles of each.
+    /// The triangles of each part.
     triangles: Vec<Vec<u32>>,
-    /// The share of the area of each, [0, 1].
+    /// The share of the area of each part, [0, 1].
     shares: Vec<f64>,
 }
 
 impl Shells {
-    /// Finds the parts of a mesh; `None` unless there are at least two, since one of them can be seen.
+    /// Finds the parts of a mesh; `None` unless there are at least two, since at least one is visible.
     pub fn of(mesh: &Mesh) -> Option<Self> {
         let places = by_position(mesh.positions());
         let mut sets = DisjointSets::new(places.firsts.len());
@@ -52,11 +52,11 @@ impl Shells {
         Some(Self { triangles, shares: large.into_iter().map(|l| areas[l] / all).collect() })
     }
 
-    /// Returns the scan's mesh without shells of which no point can be seen from either side, and their share of the area;
-    /// `None` if that is below one per cent, or if the scan is an interior.
+    /// Returns the scan's mesh without the shells that cannot be seen from either side, and their share of the area;
+    /// `None` if that share is below one per cent or the scan is an interior.
     ///
     /// # Errors
-    /// None but those of [`Mesh::new`], which checks again.
+    /// Only those of [`Mesh::new`], which validates the mesh again.
     pub fn without_hidden(&self, scan: &Scan) -> Result<Option<(Mesh, f64)>> {
         if !scan.sights().places().is_empty() {
             return Ok(None);
@@ -79,11 +79,11 @@ impl Shells {
     }
 }
 
-/// Returns `true` if a point of some triangles can be seen, from whatever side.
+/// Returns `true` if a point of some triangles can be seen from either side.
 fn is_seen(scan: &Scan, triangles: &[u32]) -> Result<bool> {
     let count = triangles.len().min(POINTS);
     let point = sample_triangles(scan.mesh(), Triangles::These(triangles), count)?;
-    // The points are in the order of the triangles: a stride spreads each batch over all of them.
+    // The points are in triangle order: a stride spreads each batch over all of them.
     let batches = count.div_ceil(BATCH);
     let numbers = |batch: usize| (0..BATCH).map(move |i| i * batches + batch).take_while(move |i| *i < count);
     Ok((0..batches).any(|batch| {

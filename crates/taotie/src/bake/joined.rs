@@ -1,4 +1,4 @@
-//! All meshes of a scene as one, in world space.
+//! Joins all meshes of a scene into one, in world space.
 
 use crate::error::Result;
 use crate::math::{Mat4, Vec2, Vec3};
@@ -7,29 +7,30 @@ use crate::scene::{Instance, Scene};
 use crate::surface;
 use std::collections::BTreeSet;
 
-/// The arrays of vertices that are kept where meshes are moved or joined, beside positions, normals and colours.
+/// The vertex arrays kept when meshes are moved or joined, in addition to positions, normals and colours.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Keep {
-    /// The most uv sets.
+    /// The maximum number of uv sets.
     pub uv_sets: usize,
     pub tangents: bool,
 }
 
-/// Returns the low-poly mesh of a scene: all its instances as one mesh in world space, with normals. A single one that
-/// is not moved stays as it is, tangents included.
+/// Returns the low-poly mesh of a scene: all its instances as one mesh in world space, with normals. A single
+/// instance that is not moved is kept as it is, tangents included.
 ///
 /// # Errors
-/// [`crate::Error::Limit`] where the scene has more than 2^32 − 1 vertices.
+/// [`crate::Error::Limit`] if the scene has more than 2^32 − 1 vertices.
 pub fn low_poly_mesh(scene: Scene) -> Result<Mesh> {
     let mut scene = scene.into_data();
     joined(&mut scene.meshes, &scene.instances, Keep { uv_sets: 1, tangents: false })
 }
 
-/// Returns the low-poly mesh of a scene as viewers shade each of its meshes: all instances as one mesh in world space,
-/// with normals, and with the tangents that each mesh has in its own space: the file's, else MikkTSpace's of uv set 0.
+/// Returns the low-poly mesh of a scene as viewers shade each of its meshes: all instances as one mesh in world
+/// space, with normals and with the tangents that each mesh has in its own space: the file's, else MikkTSpace's of uv
+/// set 0.
 ///
 /// # Errors
-/// As [`low_poly_mesh`]; [`crate::Error::Invalid`] where a mesh has no uvs.
+/// As [`low_poly_mesh`]; [`crate::Error::Invalid`] if a mesh has no uvs.
 pub fn framed_low_poly_mesh(scene: Scene) -> Result<Mesh> {
     let mut scene = scene.into_data();
     let shown: BTreeSet<usize> = scene.instances.iter().map(|instance| instance.mesh).collect();
@@ -39,8 +40,8 @@ pub fn framed_low_poly_mesh(scene: Scene) -> Result<Mesh> {
     joined(&mut scene.meshes, &scene.instances, Keep { uv_sets: 1, tangents: true })
 }
 
-/// Returns one mesh of all instances, world space, with normals. That of a single instance that is not moved is taken
-/// as it is.
+/// Returns one mesh of all instances in world space, with normals. A single instance that is not moved is kept as it
+/// is.
 pub(super) fn joined(meshes: &mut [Mesh], instances: &[Instance], keep: Keep) -> Result<Mesh> {
     if let [only] = instances
         && only.world_from_object == Mat4::IDENTITY
@@ -64,7 +65,7 @@ pub(super) fn joined(meshes: &mut [Mesh], instances: &[Instance], keep: Keep) ->
     Mesh::new(all)
 }
 
-/// Returns a mesh moved back by the inverse of a transform, without tangents; itself where there is no inverse.
+/// Returns a mesh moved back by the inverse of a transform, without tangents; unchanged if there is no inverse.
 pub(super) fn moved_back(mesh: Mesh, m: &Mat4) -> Result<Mesh> {
     let Some(inverse) = m.inverse_affine() else { return Ok(mesh) };
     let mut moved = MeshData { uvs: vec![Vec::new(); mesh.uvs().len()], ..MeshData::default() };
@@ -81,7 +82,7 @@ fn with_normals(mesh: Mesh) -> Result<Mesh> {
     Mesh::new(MeshData { normals, ..mesh.into_data() })
 }
 
-/// Adds positions, normals, triangles and the uv sets that `all` has.
+/// Appends positions, normals, triangles and the uv sets that `all` has.
 fn add(all: &mut MeshData, mesh: &Mesh, m: Mat4) {
     let (first, count) = (all.positions.len() as u32, mesh.positions().len());
     let made = if mesh.normals().is_empty() { surface::vertex_normals(mesh) } else { Vec::new() };
@@ -93,7 +94,7 @@ fn add(all: &mut MeshData, mesh: &Mesh, m: Mat4) {
     for (set, uvs) in all.uvs.iter_mut().enumerate() {
         pad(uvs, mesh.uvs().get(set).map_or(&[][..], Vec::as_slice), count, Vec2::default());
     }
-    // Mirroring turns the winding; normals say which side is out, so triangles keep theirs only if nothing is mirrored.
+    // Mirroring flips the winding; normals define which side is out, so triangles keep theirs unless mirrored.
     let mirrored = m.determinant3() < 0.0;
     all.triangles.extend(mesh.triangles().iter().map(|[a, b, c]| {
         let [b, c] = if mirrored { [c, b] } else { [b, c] };
@@ -101,14 +102,14 @@ fn add(all: &mut MeshData, mesh: &Mesh, m: Mat4) {
     }));
 }
 
-/// Adds `values`, and `fill` up to `count`.
+/// Appends `values`, then pads with `fill` up to `count`.
 fn pad<T: Copy>(all: &mut Vec<T>, values: &[T], count: usize, fill: T) {
     all.extend(values);
     all.extend(std::iter::repeat_n(fill, count - values.len()));
 }
 
-/// Adds the tangents of a mesh, or such that mean nothing. Mirroring turns the cross product of normal and tangent
-/// round, so handedness turns with it.
+/// Appends the tangents of a mesh, or placeholders. Mirroring reverses the cross product of normal and tangent, so
+/// handedness flips with it.
 fn add_tangents(all: &mut Vec<[f32; 4]>, mesh: &Mesh, m: Mat4) {
     let sign = if m.determinant3() < 0.0 { -1.0 } else { 1.0 };
     let turn = |[x, y, z, w]: [f32; 4]| {

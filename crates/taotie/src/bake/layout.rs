@@ -7,10 +7,10 @@ use crate::math::{Vec2, Vec3};
 use crate::mesh::{Mesh, Point};
 use std::ops::Range;
 
-/// Texel rows of a band, and the side of the tiles that it is cut into.
+/// Number of texel rows in a band, and the side of the tiles it is divided into.
 pub(super) const BAND: u32 = 32;
 
-/// The triangles of a mesh on a map whose texels hold `side` · `side` samples each.
+/// The triangles of a mesh on a map with `side` · `side` samples per texel.
 pub(super) struct Layout<'a> {
     pub mesh: &'a Mesh,
     pub size: [u32; 2],
@@ -22,20 +22,20 @@ pub(super) struct Layout<'a> {
     pub flat: usize,
 }
 
-/// A row of samples, the first and last column, and how many rows farther down it lies than the map's copy.
+/// A row of samples, its first and last column, and how many rows it is below the map's copy.
 type Span = (i64, [i64; 2], i64);
 
 /// The samples of one triangle in one tile.
 pub(super) struct TriangleSamples {
     pub triangle: u32,
     pub samples: Vec<Sample>,
-    /// The weights of the triangle's corners at column and row (0, 0), (1, 0) and (0, 1) of the tile.
+    /// The weights of the triangle's corners at (0, 0), (1, 0) and (0, 1) of the tile, as (column, row).
     pub weights: [[f32; 3]; 3],
 }
 
 /// A sample of a triangle in a tile.
 pub(super) struct Sample {
-    /// Its texel, counted within the band.
+    /// Its texel, relative to the band.
     pub texel: u32,
     /// Its column and row in the tile.
     pub at: [u16; 2],
@@ -44,28 +44,29 @@ pub(super) struct Sample {
 }
 
 impl TriangleSamples {
-    /// Returns the point of the mesh that one of its samples shows.
+    /// Returns the point of the mesh at one of its samples.
     #[inline]
     pub fn point(&self, sample: &Sample) -> Point {
         Point { triangle: self.triangle, weights: sample.weights }
     }
 
-    /// Returns the distance between neighbouring samples on a triangle with these corners: the longer of the two ways,
-    /// model units.
+    /// Returns the distance between neighbouring samples on a triangle with these corners: the longer of the two
+    /// axes, in model units.
     #[inline]
     pub fn spacing(&self, corners: [Vec3; 3]) -> f32 {
         let ([a, b, c], [origin, across, down]) = (corners, self.weights);
-        // Differences of weights, since the weights themselves are large where the triangle is small in its tile.
+        // Differences of weights, since the weights themselves are large if the triangle is small relative to its
+        // tile.
         let way = |to: [f32; 3]| ((b - a) * (to[1] - origin[1]) + (c - a) * (to[2] - origin[2])).length();
         way(across).max(way(down))
     }
 }
 
 impl<'a> Layout<'a> {
-    /// Makes the layout by these uvs of the mesh.
+    /// Makes the layout from these uvs of the mesh.
     ///
     /// # Errors
-    /// As [`super::Coverage::new`] where uvs span too many copies of the map.
+    /// As [`super::Coverage::new`] if uvs span too many copies of the map.
     pub fn new(mesh: &'a Mesh, uvs: &'a [Vec2], size: [u32; 2], side: u32) -> Result<Self> {
         let rasterizer = Rasterizer::new(mesh.triangles(), uvs, size.map(|s| s * side))?;
         let mut layout = Self { mesh, size, side, rasterizer, bands: Vec::new(), flat: 0 };
@@ -85,7 +86,7 @@ impl<'a> Layout<'a> {
         Ok(layout)
     }
 
-    /// Returns the number of bands; the last may be lower than the others.
+    /// Returns the number of bands; the last may have fewer rows than the others.
     pub fn band_count(&self) -> usize {
         self.size[1].div_ceil(BAND) as usize
     }
@@ -96,9 +97,9 @@ impl<'a> Layout<'a> {
         first..(first + BAND).min(self.size[1])
     }
 
-    /// Calls `take` with all samples of a band, triangle by triangle and tile by tile, neighbours one after the other. Of
-    /// triangles that lie over one another the one with the lowest number has the sample. Returns the number of samples
-    /// that others would have had too.
+    /// Calls `take` with all samples of a band, triangle by triangle and tile by tile, neighbours in sequence. If
+    /// triangles overlap, the one with the lowest index gets the sample. Returns the number of samples that other
+    /// triangles cover too.
     pub fn triangle_samples(&self, band: usize, mut take: impl FnMut(&TriangleSamples)) -> usize {
         let rows = self.texel_rows(band);
         let rows = i64::from(rows.start * self.side)..i64::from(rows.end * self.side);
@@ -152,8 +153,8 @@ impl<'a> Layout<'a> {
         shared
     }
 
-    /// Calls `give` with the samples of some spans within these columns: two rows of texels at a time, there and back, so
-    /// that samples that follow one another are neighbours. Those of a texel follow one another row by row.
+    /// Calls `give` with the samples of some spans within these columns: two rows of texels at a time, back and
+    /// forth, so that consecutive samples are neighbours. Samples of a texel follow one another row by row.
     #[inline]
     fn in_strips(&self, spans: &[Span], columns: Range<i64>, mut give: impl FnMut(i64, i64, i64)) {
         let side = i64::from(self.side);
@@ -175,14 +176,14 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Returns the texel, counted within the band, of a sample at a column of the map and a row of the band.
+    /// Returns the texel, relative to the band, of a sample at a column of the map and a row of the band.
     fn texel(&self, column: i64, row: i64) -> u32 {
         let [x, y] = [column, row].map(|v| v as u32 / self.side);
         y * self.size[0] + x
     }
 
-    /// Calls `give` with the rows of a triangle in a band, the columns it has there, and how many rows farther down
-    /// the triangle lies than the map's copy that they are counted in.
+    /// Calls `give` with the rows of a triangle in a band, the columns it spans there, and how many rows the triangle
+    /// is below the map's copy in which they are counted.
     #[inline]
     fn spans(&self, triangle: u32, rows: &Range<i64>, mut give: impl FnMut(i64, [i64; 2], i64)) {
         let height = i64::from(self.size[1] * self.side);
@@ -194,7 +195,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Returns the sample rows that a triangle may touch; `None` where its uvs span no area.
+    /// Returns the sample rows that a triangle may touch; `None` if its uvs span no area.
     fn rows(&self, triangle: usize) -> Option<Range<i64>> {
         let corners = self.rasterizer.corners(triangle)?;
         let (low, high) = corners.iter().fold((f64::MAX, f64::MIN), |(l, h), c| (l.min(c[1]), h.max(c[1])));
@@ -202,9 +203,9 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// The places of samples in a band, row by row.
+/// The positions of samples in a band, row by row.
 struct Places {
-    /// Samples of a row.
+    /// Samples per row.
     width: i64,
     /// The first row.
     first: i64,
@@ -215,13 +216,13 @@ impl Places {
         ((y - self.first) * self.width + self.column(x)) as usize
     }
 
-    /// Returns the column on the map itself; others count on through its copies.
+    /// Returns the column on the map itself; columns outside it continue through its copies.
     fn column(&self, x: i64) -> i64 {
         if (0..self.width).contains(&x) { x } else { x.rem_euclid(self.width) }
     }
 }
 
-/// The weights of a triangle's corners as linear functions of a sample's place.
+/// The weights of a triangle's corners as linear functions of a sample's position.
 struct Weights {
     origin: Vec2<f64>,
     second: Vec2<f64>,

@@ -1,4 +1,4 @@
-//! Levels of detail of an unwrapped mesh, which all show the same maps.
+//! Levels of detail of an unwrapped mesh, all of which use the same maps.
 
 use super::simplify::{UnitCube, adapter, compact, is_near, triples};
 use crate::error::{Error, Result};
@@ -8,40 +8,42 @@ use crate::progress::Progress;
 use crate::surface;
 use meshopt::SimplifyOptions as Choices;
 
-/// The weight of a way on the map beside one on the surface: the map's side is as long as the mesh's longest, times
-/// this.
+/// The weight of a distance on the map relative to one on the surface: the map's side counts as the mesh's longest
+/// side times this.
 const UV_WEIGHT: f32 = 3.0;
 
 /// A level of detail.
 #[derive(Debug, Clone)]
 pub struct DetailLevel {
-    /// Vertices of the unwrapped mesh, with all that they had but tangents, and fewer triangles. Where a facet would turn
-    /// away from its normals, and hardly one of the unwrapped mesh does, they are made anew as [`surface::creased`] does.
+    /// The unwrapped mesh's vertices with all attributes except tangents, and fewer triangles. If a facet would turn
+    /// away from its normals, and hardly any of the unwrapped mesh does, they are recomputed, and vertices are split at
+    /// creases.
     pub mesh: Mesh,
-    /// The distance from the unwrapped mesh, and the shift of what its maps show, model units: meshoptimizer's
+    /// The distance from the unwrapped mesh and the shift of the maps on it, in model units: meshoptimizer's
     /// estimate, not a bound.
     pub error: f64,
-    /// `true` where the number of triangles is the wanted one, or less than 2 % off, or the mesh had fewer. Corners of
-    /// UV islands never go, so meshes of many islands have a least number.
+    /// `true` if the number of triangles is the requested one or within 2 % of it, or the mesh had fewer. Corners of
+    /// UV islands are never removed, so meshes with many islands have a minimum.
     pub reached: bool,
 }
 
-/// Levels of detail with these numbers of triangles, each made from the unwrapped mesh itself, in the order of
-/// `counts`.
+/// Returns levels of detail with these numbers of triangles, each made from the unwrapped mesh itself, in the order
+/// of `counts`.
 ///
-/// Vertices are those of the mesh, so all levels share its maps; where UV islands meet both sides lose the same
-/// vertices, so no level has a crack. Uvs in the first set weigh as positions do; of a mesh without uvs, turns of normals weigh.
+/// Vertices are those of the mesh, so all levels share its maps; where UV islands meet, both sides lose the same
+/// vertices, so no level has a crack. Uvs in the first set are weighted like positions; for a mesh without uvs,
+/// changes of normals are.
 ///
 /// # Errors
-/// [`Error::Cancelled`]; [`Error::Invalid`] where a count is 0.
+/// [`Error::Cancelled`]; [`Error::Invalid`] if a count is 0.
 pub fn levels(mesh: &Mesh, counts: &[usize], progress: Progress<'_>) -> Result<Vec<DetailLevel>> {
     if counts.contains(&0) {
-        return Err(Error::invalid("a level of 0 triangles", "ask for at least one"));
+        return Err(Error::invalid("a level of 0 triangles", "use at least one"));
     }
     let cube = UnitCube::of(mesh.positions());
     let points: Vec<[f32; 3]> = mesh.positions().iter().map(|p| cube.scaled(*p)).collect();
     let attributes = Attributes::of(mesh);
-    // Normals that face away on purpose, such as those of foliage, are the user's.
+    // Normals that face away on purpose, such as those of foliage, are kept.
     let keeps_normals = mesh.normals().is_empty() || surface::has_turned_facets(mesh);
     let levels = parallel::try_tasks(counts.len(), &|i| {
         progress.at(i as f64 / counts.len() as f64)?;
@@ -56,7 +58,7 @@ pub fn levels(mesh: &Mesh, counts: &[usize], progress: Progress<'_>) -> Result<V
     Ok(levels)
 }
 
-/// What weighs beside positions, all numbers of a vertex together.
+/// Vertex attributes weighted in addition to positions, all numbers of a vertex together.
 struct Attributes {
     values: Vec<f32>,
     /// The weight of each number of a vertex.
@@ -112,7 +114,7 @@ fn with_triangles(mesh: &Mesh, triangles: Vec<[u32; 3]>) -> Result<Mesh> {
     })
 }
 
-/// Returns the values of some vertices; empty where no vertex has any.
+/// Returns the values of some vertices; empty if no vertex has any.
 pub(super) fn chosen<T: Copy>(values: &[T], vertices: &[u32]) -> Vec<T> {
     if values.is_empty() { Vec::new() } else { vertices.iter().map(|v| values[*v as usize]).collect() }
 }

@@ -1,4 +1,4 @@
-//! Where the points of a surface are on its maps: at the places of the texture that leads its material.
+//! Positions of surface points on their maps: at the uvs of the material's leading texture.
 
 use super::appearance::Part;
 use crate::math::Vec2;
@@ -6,8 +6,9 @@ use crate::mesh::Mesh;
 use crate::scene::{Material, TextureRef, UvTransform};
 use std::borrow::Cow;
 
-/// Returns the texture by whose uv set and transform the errors of a material are laid out on a mesh with so many uv sets: its
-/// normal map, else its height map, its base colour, or any other. `None` if the mesh has the uvs of none.
+/// Returns the texture whose uv set and transform define where a material's errors are laid out, on a mesh with this
+/// number of uv sets: its normal map, else its height map, its base colour, or any other. `None` if the mesh lacks
+/// the uv sets of all of them.
 pub fn leading_texture(material: &Material, uv_sets: usize) -> Option<TextureRef> {
     let normal = material.normal.map(|map| map.texture);
     let height = material.height.map(|map| map.texture);
@@ -23,8 +24,8 @@ pub(super) fn leading<'a>(
     parts.iter().map(|part| leading_texture(&materials[part.material], part.uv_sets))
 }
 
-/// Returns the place of each vertex of all parts on the maps of its material: transformed uvs, the first set's as they are
-/// without textures. Empty if no part has uvs.
+/// Returns the position of each vertex of all parts on the maps of its material: transformed uvs; the first set's
+/// untransformed ones without textures. Empty if no part has uvs.
 pub(super) fn places<'a>(mesh: &'a Mesh, parts: &[Part], leads: &[Option<TextureRef>]) -> Cow<'a, [Vec2]> {
     let first = mesh.uvs().first().map_or(&[][..], Vec::as_slice);
     let is_first = |lead: &TextureRef| lead.uv_set == 0 && lead.transform == UvTransform::default();

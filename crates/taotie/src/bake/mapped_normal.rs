@@ -1,14 +1,14 @@
-//! The normal at a point as a normal or height map bends it.
+//! The normal at a point, bent by a normal or height map.
 
 use super::texture_lookup::{LookupPoint, TextureOnMesh};
 use crate::math::{Mat4, Vec2, Vec3, poly};
 use crate::mesh::Point;
-use crate::scene::{GreenChannel, NormalMap};
+use crate::scene::NormalMap;
 use crate::surface::{
     UvDerivatives, bump, decode_normal, decode_object_normal, object_normal, surface_gradient, tangent_normal,
 };
 
-/// A normal with the relief of its material.
+/// A normal including the relief of its material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MappedNormal {
     /// Unit, world space.
@@ -17,7 +17,7 @@ pub struct MappedNormal {
     pub variance: f32,
 }
 
-/// Returns the normal of a map in object space.
+/// Returns the normal from an object-space map.
 pub(super) fn of_object_map(
     on: &TextureOnMesh<'_>,
     at: LookupPoint,
@@ -31,7 +31,7 @@ pub(super) fn of_object_map(
     MappedNormal { normal, variance: on.variance(value, lod) }
 }
 
-/// Returns the normal of a map in tangent space; `None` where uvs span no area, so that tangents mean nothing.
+/// Returns the normal from a tangent-space map; `None` if uvs span no area, so that tangents are undefined.
 pub(super) fn of_tangent_map(
     on: &TextureOnMesh<'_>,
     at: LookupPoint,
@@ -39,11 +39,7 @@ pub(super) fn of_tangent_map(
 ) -> Option<MappedNormal> {
     let lod = on.lod(&on.derivatives(at.point)?, at.width);
     let value @ [r, g, b, _] = on.value(on.uv(at.point), lod);
-    let green = match map.green {
-        GreenChannel::Up => 1.0,
-        GreenChannel::Down => -1.0,
-    };
-    let stored = decode_normal(Vec3::new(r, g, b), map.scale, green);
+    let stored = decode_normal(Vec3::new(r, g, b), map.scale, map.green.sign());
     let frame = at.point.frame(on.mesh);
     let variance = (on.variance(value, lod) * map.scale * map.scale).min(1.0);
     Some(MappedNormal {
@@ -52,7 +48,7 @@ pub(super) fn of_tangent_map(
     })
 }
 
-/// Returns the smooth normal bent by heights of so many model units; `None` where uvs span no area.
+/// Returns the smooth normal bent by heights in model units; `None` if uvs span no area.
 pub(super) fn of_heights(
     on: &TextureOnMesh<'_>,
     at: LookupPoint,
@@ -66,7 +62,8 @@ pub(super) fn of_heights(
     Some(MappedNormal { normal, variance: 0.0 })
 }
 
-/// Returns how the first channel changes with u and v: central differences one texel of the level to each side.
+/// Returns the derivatives of the first channel by u and v: central differences of one texel of the level to each
+/// side.
 fn height_slopes(on: &TextureOnMesh<'_>, point: Point, lod: f32) -> [f32; 2] {
     let last = (on.texture.levels() - 1) as f32;
     let texels = poly::exp2(lod.clamp(0.0, last));

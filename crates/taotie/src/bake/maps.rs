@@ -11,7 +11,7 @@ pub enum MapKind {
     /// The open part of the hemisphere over the scan, weighted by the cosine: 1 is open.
     #[cfg_attr(feature = "serde", serde(rename = "ao"))]
     Occlusion,
-    /// The scan's base colour, of its vertices, materials and textures.
+    /// The scan's base colour, from its vertices, materials and textures.
     Albedo,
     /// The height of the scan above the low-poly mesh.
     Height,
@@ -19,14 +19,14 @@ pub enum MapKind {
     Bent,
     /// The scan's mean curvature, above 0 where it bulges.
     Curvature,
-    /// Roughness, widened by the relief that is finer than a texel.
+    /// Roughness, widened by relief finer than a texel.
     Roughness,
-    /// The scan's own metalness and roughness, as its materials and textures say.
+    /// The scan's own metalness and roughness, from its materials and textures.
     #[cfg_attr(feature = "serde", serde(rename = "metallic-roughness"))]
     MetallicRoughness,
     /// The radiance that the scan emits.
     Emission,
-    /// The scan's alpha, of its vertices, materials and textures.
+    /// The scan's alpha, from its vertices, materials and textures.
     Alpha,
     /// The scan's own occlusion texture.
     #[cfg_attr(feature = "serde", serde(rename = "occlusion"))]
@@ -60,17 +60,17 @@ impl Named for MapKind {
 pub struct Maps(u16);
 
 impl Maps {
-    /// Returns the maps with one more.
+    /// Returns the set with one more map.
     pub fn with(self, map: MapKind) -> Self {
         Self(self.0 | 1 << map as u8)
     }
 
-    /// Returns `true` where a map is among them.
+    /// Returns `true` if a map is in the set.
     pub fn has(self, map: MapKind) -> bool {
         self.0 & 1 << map as u8 != 0
     }
 
-    /// Returns `true` where one of several is among them.
+    /// Returns `true` if any of several maps is in the set.
     pub fn has_any(self, maps: &[MapKind]) -> bool {
         maps.iter().any(|map| self.has(*map))
     }

@@ -3,23 +3,23 @@
 use super::appearance::MaterialSample;
 use crate::math::Vec3;
 
-/// The least weight of a colour, far below that of one code of alpha: places that are not there at all have a colour
-/// still, which is lost beside any other.
+/// The minimum weight of a colour, far below one code of alpha: fully transparent places still have a colour, which
+/// has no effect next to any other.
 const LEAST_WEIGHT: f32 = 1e-6;
 
-/// Sums over the samples of a texel that have a correspondence. Colours count by their alpha, so that no colour of what
-/// is not there bleeds in.
+/// Sums over the samples of a texel that have a correspondence. Colours are weighted by alpha, so that no colour of
+/// transparent places bleeds in.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct MaterialSums {
     count: u32,
     color: Vec3,
     weight: f32,
-    /// Colour aside, sums are of differences from the first sample: what is the same everywhere stays so to the bit.
+    /// Except for colour, sums are of differences from the first sample: constant values stay bit-identical.
     first: Option<MaterialSample>,
     rest: Rest,
 }
 
-/// Differences from the first sample.
+/// Sums of differences from the first sample.
 #[derive(Debug, Clone, Copy, Default)]
 struct Rest {
     alpha: f32,

@@ -1,8 +1,8 @@
-//! Baking: high-poly surfaces simplified and unwrapped, the correspondence of the points of a low-poly surface, and the
-//! point of a mesh that each texel of a map shows.
+//! Baking: simplifies and unwraps high-poly surfaces, finds the correspondence of the points of a low-poly surface
+//! and the point of a mesh that each texel of a map shows.
 //!
-//! [`Coverage`] says which triangle a texel belongs to, [`TexelSurface`] what the surface is there. Formulas stand in
-//! [`crate::surface`]; here they are run over all texels, in parallel and with the same bits for any number of
+//! [`Coverage`] holds the triangle of each texel, [`TexelSurface`] the surface point there. The formulas are in
+//! [`crate::surface`]; here they are evaluated for all texels, in parallel and with the same bits for any number of
 //! threads.
 
 mod alpha;
@@ -25,7 +25,6 @@ mod map_places;
 mod mapped_normal;
 mod maps;
 mod material_sums;
-mod normal_source;
 mod normal_system;
 mod owner;
 mod projection;
@@ -60,7 +59,8 @@ pub use coverage::{Coverage, TexelGrid};
 pub use faults::Faults;
 pub(crate) use fit_normals::fit_normals;
 pub(crate) use hidden_shells::Shells;
-pub use joined::{framed_low_poly_mesh, low_poly_mesh};
+pub(crate) use joined::framed_low_poly_mesh;
+pub use joined::low_poly_mesh;
 pub use levels::{DetailLevel, levels};
 pub use map_places::leading_texture;
 pub use mapped_normal::MappedNormal;
@@ -68,15 +68,17 @@ pub use maps::{MapKind, Maps};
 pub use projection::{Correspondence, ProjectionRay};
 pub(crate) use retextured::Retextured;
 pub use scan::Scan;
-pub use sights::{SightLine, sphere_directions};
+pub use sights::SightLine;
+pub(crate) use sights::sphere_directions;
 pub use simplify::{Simplified, SimplifyMethod, SimplifyOptions, simplify};
 pub use texel_surface::{SurfacePoint, TexelSurface};
 pub(crate) use texels::bytes_of_bands;
 pub use texels::{BakeCounts, BakeInput, BakeSettings, Baked, bake};
 pub use texture_lookup::LookupPoint;
 pub(crate) use texture_lookup::texel_width;
-pub use textured_mesh::{TexturedMesh, lacks_tangents};
-pub use uncovered::uncovered;
+pub use textured_mesh::TexturedMesh;
+pub(crate) use textured_mesh::lacks_tangents;
+pub(crate) use uncovered::uncovered;
 pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};
 pub use uv_lookup::UvLookup;
 pub use verify::{Fit, NormalError, Verifier};

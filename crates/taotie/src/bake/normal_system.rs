@@ -3,14 +3,14 @@
 use crate::math::Vec3;
 use crate::mesh::{Mesh, Point};
 
-/// The weight of the normals that the mesh had, beside the mean weight of the points around a vertex.
+/// The weight of the mesh's original normals, relative to the mean weight of the points around a vertex.
 const INERTIA: f64 = 0.02;
-/// Steps of the conjugate gradients.
+/// Number of conjugate gradient steps.
 const STEPS: usize = 16;
-/// The weight of a triangle's mean normal for its corners, a point.
+/// The weight, in points, of a triangle's mean normal for its corners.
 const FLATNESS: f64 = 0.03;
 
-/// The normal of the scan at a point, and the place of the low-poly mesh that shows it.
+/// The normal of the scan at a point, and the point of the low-poly mesh that shows it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
     pub at: Point,
@@ -24,8 +24,8 @@ impl Sample {
     }
 }
 
-/// The samples of a triangle, as its normal equations: Σ b bᵀ x = Σ b n, with the barycentric weights b and the normal n of
-/// each.
+/// The samples of a triangle, as its normal equations: Σ b bᵀ x = Σ b n, with the barycentric weights b and the
+/// normal n of each.
 #[derive(Debug, Clone, Copy, Default)]
 struct FacetFit {
     /// Σ b bᵀ: the diagonal, then the products of corners 0 and 1, 1 and 2, 2 and 0.
@@ -47,7 +47,8 @@ impl FacetFits {
         Self(fits)
     }
 
-    /// Returns the normals at the corners of each triangle that its own samples have, unit; those of the mesh if it has none.
+    /// Returns the unit normals at the corners of each triangle, fitted to its own samples; the mesh's if it has
+    /// none.
     pub fn corner_normals(&self, low: &Mesh) -> Vec<[Vec3; 3]> {
         let own = low.triangles().iter().map(|triangle| triangle.map(|v| low.normals()[v as usize]));
         self.0.iter().zip(own).map(|(fit, own)| fit.corner_normals().unwrap_or(own)).collect()
@@ -83,8 +84,8 @@ impl FacetFit {
     }
 }
 
-/// The normal equations of a fit, (Σ b bᵀ + μ) x = Σ b n + μ x₀, with the barycentric weights b and the normal n of each
-/// sample, and the normals x₀ before.
+/// The normal equations of a fit, (Σ b bᵀ + μ) x = Σ b n + μ x₀, with the barycentric weights b and the normal n of
+/// each sample, and the original normals x₀.
 pub(super) struct System<'a> {
     triangles: &'a [[u32; 3]],
     facets: &'a [FacetFit],
@@ -131,8 +132,8 @@ impl<'a> System<'a> {
         diagonal
     }
 
-    /// Solves by conjugate gradients with the diagonal as preconditioner. Source: Shewchuk 1994, "An introduction to the
-    /// conjugate gradient method without the agonizing pain", B3.
+    /// Solves by conjugate gradients with the diagonal as preconditioner. Source: Shewchuk 1994, "An introduction to
+    /// the conjugate gradient method without the agonizing pain", B3.
     pub fn solved(&self, start: &[Vec3]) -> Vec<Vec3<f64>> {
         let diagonal = self.diagonal();
         let conditioned = |residual: &[Vec3<f64>]| -> Vec<Vec3<f64>> {

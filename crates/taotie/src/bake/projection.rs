@@ -7,10 +7,10 @@ use crate::math::Vec3;
 use crate::mesh::Point;
 use crate::trace::{Hit, Nearest, Ray, RayInterval};
 
-/// A correspondence: the point of the high-poly surface that a point of the low-poly mesh is projected onto.
+/// A correspondence: the point of the high-poly surface onto which a point of the low-poly mesh is projected.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Correspondence {
-    /// The height along the projection ray: above 0 outside the low-poly surface, model units.
+    /// The height along the projection ray: above 0 outside the low-poly surface, in model units.
     pub height: f32,
     /// The interpolated normal there, without maps: unit, world space.
     pub normal: Vec3,
@@ -18,19 +18,19 @@ pub struct Correspondence {
     pub point: Point,
 }
 
-/// A ray through a point of the low-poly mesh on which its correspondence is sought.
+/// A ray through a point of the low-poly mesh along which its correspondence is searched.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProjectionRay {
     /// A point of the low-poly surface, world space.
     pub point: Vec3,
     /// Outward, unit.
     pub direction: Vec3,
-    /// The ray distance into the low-poly surface and out of it, model units.
+    /// The ray distance, both into and out of the low-poly surface, in model units.
     pub distance: f32,
 }
 
 impl ProjectionRay {
-    /// Returns the ray from its inner end, and the part of it that matters.
+    /// Returns the ray from its inner end, and its relevant interval.
     #[inline]
     pub(super) fn ray(&self) -> (Ray, RayInterval) {
         let ray = Ray::new(self.point - self.direction * self.distance, self.direction);
@@ -45,17 +45,17 @@ impl ProjectionRay {
 }
 
 impl Scan {
-    /// Returns the nearest point on the ray where the scan faces as the ray does and can be seen: whatever faces the other
-    /// way is the far side of something else, and hidden walls and ghost layers are nobody's surface. If none of the points
-    /// can be seen the nearest counts.
+    /// Returns the nearest point on the ray at which the scan faces the ray's direction and can be seen: a surface
+    /// facing the other way is the far side of something else, and hidden walls and ghost layers do not count. If
+    /// none of the points can be seen, the nearest one is used.
     pub fn project(&self, projection: &ProjectionRay) -> Option<Correspondence> {
         let (ray, interval) = projection.ray();
         let nearest = self.bvh().nearest_to(&ray, interval, |hit| self.facing(hit, projection));
         self.visible_of(projection, nearest)
     }
 
-    /// Returns the correspondence among the hits that are nearest to a place on its ray. Only if there are several does it
-    /// matter which of them can be seen.
+    /// Returns the correspondence among the nearest hits to a position on its ray. Visibility is checked only if
+    /// there are several.
     pub(super) fn visible_of(
         &self,
         projection: &ProjectionRay,
@@ -76,20 +76,20 @@ impl Scan {
         Some(projection.found(&found.0, found.1))
     }
 
-    /// Returns the normal of a correspondence with the relief of the scan's normal and height maps, which are read as
-    /// finely as `width`, model units; at their finest level where it is 0. Without a map it is the normal itself.
+    /// Returns the normal of a correspondence with the relief of the scan's normal and height maps, sampled at the
+    /// lookup width `width`, in model units; at their finest level if it is 0. Without a map it is the normal itself.
     pub fn mapped_normal(&self, found: &Correspondence, width: f32) -> MappedNormal {
         self.surface().normal(LookupPoint { point: found.point, width }, found.normal)
     }
 
-    /// Returns the scan's normal at a hit, if it faces as the ray does.
+    /// Returns the scan's normal at a hit, if it faces the ray's direction.
     #[inline]
     pub(super) fn facing(&self, hit: &Hit, projection: &ProjectionRay) -> Option<Vec3> {
         let normal = hit.point().normal(self.mesh());
         (normal.dot(projection.direction) > 0.0).then_some(normal)
     }
 
-    /// Returns the closest point of the scan within `most`, if it faces as `direction` does.
+    /// Returns the closest point of the scan within `most`, if it faces `direction`.
     pub fn closest(&self, point: Vec3, direction: Vec3, most: f32) -> Option<Correspondence> {
         let closest = self.bvh().closest(point, most)?;
         let there = closest.point();
@@ -107,7 +107,7 @@ mod tests {
     use crate::mesh::{Mesh, MeshData};
     use crate::scene::{Instance, Material, Scene, SceneData};
 
-    /// Returns two squares above each other, the lower facing up, the upper down.
+    /// Returns two squares, one above the other, the lower facing up, the upper down.
     fn sheets() -> Scan {
         let square = |z: f32, order: [u32; 6]| {
             let corner = |x: f32, y: f32| Vec3::new(x, y, z);
@@ -145,7 +145,7 @@ mod tests {
         );
         assert!(
             (at(0.9, 1.0).unwrap().height + 0.9).abs() < 1e-6,
-            "what faces the other way is passed through"
+            "surfaces facing the other way are passed through"
         );
         let down = scan.project(&projection(0.9, -up, 0.5)).unwrap();
         assert!((down.height + 0.1).abs() < 1e-6);
@@ -155,10 +155,10 @@ mod tests {
     fn the_closest_point_counts_where_it_faces_the_same_way() {
         let scan = sheets();
         let up = Vec3::new(0.0, 0.0, 1.0);
-        let beside = Vec3::new(-0.3, 0.5, 0.1);
-        let found = scan.closest(beside, up, 1.0).unwrap();
+        let outside = Vec3::new(-0.3, 0.5, 0.1);
+        let found = scan.closest(outside, up, 1.0).unwrap();
         assert!((found.height + 0.1f32.hypot(0.3)).abs() < 1e-6 && (found.normal - up).length() < 1e-6);
-        assert!(scan.closest(beside, -up, 1.0).is_none());
-        assert!(scan.closest(beside, up, 0.1).is_none());
+        assert!(scan.closest(outside, -up, 1.0).is_none());
+        assert!(scan.closest(outside, up, 0.1).is_none());
     }
 }

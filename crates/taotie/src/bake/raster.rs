@@ -7,14 +7,14 @@ use crate::parallel;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// The largest number of copies of the map that a triangle's uvs may span.
+/// The maximum number of copies of the map that a triangle's uvs may span.
 const MOST_COPIES: f64 = 16.0;
-/// Marks texels under more than one triangle.
+/// Marks texels covered by more than one triangle.
 const SHARED: u32 = 1 << 31;
-/// Coordinates are below 2 to this power, so that their products fit 63 bits.
+/// Coordinates are below 2 to this power, so that their products fit in 63 bits.
 const COORDINATE_BITS: i32 = 29;
 
-/// Texels that many threads write to. What they hold in the end does not depend on the order.
+/// Texels written to by many threads. The result does not depend on the order.
 pub(super) struct Canvas {
     width: usize,
     height: usize,
@@ -28,7 +28,7 @@ impl Canvas {
         Self { width, height, texels: texels.into_iter().map(AtomicU32::new).collect() }
     }
 
-    /// Returns the triangle of each texel, and how many texels lie under more than one.
+    /// Returns the triangle of each texel, and the number of texels covered by more than one.
     pub fn finish(self) -> (Vec<u32>, usize) {
         let mut texels: Vec<u32> = self.texels.into_iter().map(AtomicU32::into_inner).collect();
         let is_shared = |texel: u32| texel != NONE && texel & SHARED != 0;
@@ -38,7 +38,7 @@ impl Canvas {
         (texels, shared)
     }
 
-    /// Gives the texels `from` to `to` of row `y`, wrapped, to a triangle, unless one of a lower number has them.
+    /// Assigns texels `from` to `to` of row `y`, wrapped, to a triangle, unless one with a lower index has them.
     fn give(&self, y: i64, [from, to]: [i64; 2], triangle: u32) {
         let row = &self.texels[y as usize % self.height * self.width..][..self.width];
         for x in from..=to {
@@ -53,23 +53,23 @@ impl Canvas {
     }
 }
 
-/// The triangles of a mesh as they lie on a map.
+/// The triangles of a mesh laid out on a map.
 pub(super) struct Rasterizer<'a> {
     triangles: &'a [[u32; 3]],
     uvs: &'a [Vec2],
     size: [f64; 2],
-    /// Corners are rounded to this part of a texel: 2 to the power −`bits`.
+    /// Corners are rounded to this fraction of a texel: 2 to the power −`bits`.
     bits: u32,
 }
 
-/// Rows without a limit.
+/// An unlimited range of rows.
 pub(super) const ALL_ROWS: Range<i64> = i64::MIN..i64::MAX;
 
-/// A point in fixed point, texels.
+/// A fixed-point position, in texels.
 type Fixed = [i64; 2];
 
 impl<'a> Rasterizer<'a> {
-    /// Chooses one fixed point for all triangles, so that shared corners stay shared.
+    /// Chooses one fixed-point precision for all triangles, so that shared corners stay shared.
     pub fn new(triangles: &'a [[u32; 3]], uvs: &'a [Vec2], [width, height]: [u32; 2]) -> Result<Self> {
         let mut rasterizer = Self { triangles, uvs, size: [width.into(), height.into()], bits: 0 };
         let reach =
@@ -83,7 +83,7 @@ impl<'a> Rasterizer<'a> {
                     "a triangle whose uvs span {:.0} copies of the map",
                     reach / f64::from(width.max(height))
                 ),
-                format!("at most {MOST_COPIES}; maps are made for UV islands, not for patterns that repeat"),
+                format!("at most {MOST_COPIES}; unwrap it into UV islands instead of repeating the map"),
             ));
         }
         let mut bits = COORDINATE_BITS;
@@ -94,13 +94,13 @@ impl<'a> Rasterizer<'a> {
         Ok(rasterizer)
     }
 
-    /// Draws a triangle; `false` where its uvs span no area or are not finite.
+    /// Draws a triangle; returns `false` if its uvs span no area or are not finite.
     pub fn draw(&self, triangle: usize, canvas: &Canvas) -> bool {
         self.spans(triangle, ALL_ROWS, |y, span| canvas.give(y, span, triangle as u32))
     }
 
-    /// Calls `give` with the rows of a triangle among `rows` and the first and last of its columns in each; rows and
-    /// columns go on beyond the map where the triangle does. `false` as for [`Rasterizer::draw`].
+    /// Calls `give` with each row of a triangle among `rows` and the first and last of its columns there; rows and
+    /// columns extend beyond the map if the triangle does. Returns `false` in the same cases as [`Rasterizer::draw`].
     #[inline]
     pub fn spans(&self, triangle: usize, rows: Range<i64>, mut give: impl FnMut(i64, [i64; 2])) -> bool {
         let Some(corners) = self.corners(triangle) else { return false };
@@ -115,7 +115,7 @@ impl<'a> Rasterizer<'a> {
         true
     }
 
-    /// Returns the corners in texels, moved by whole copies of the map to where the least is in the first copy.
+    /// Returns the corners in texels, moved by whole copies of the map so that their minimum is in the first copy.
     pub fn corners(&self, triangle: usize) -> Option<[[f64; 2]; 3]> {
         let uvs = self.triangles[triangle].map(|v| self.uvs[v as usize]);
         let wide = uvs.map(|uv| [f64::from(uv.x), f64::from(uv.y)]);
@@ -129,7 +129,7 @@ impl<'a> Rasterizer<'a> {
         Some(wide.map(|p| [0, 1].map(|k| (p[k] - first[k]) * self.size[k])))
     }
 
-    /// Gives the texels whose centres lie in the triangle, whose corners run clockwise in the image.
+    /// Passes on the texels whose centres are inside the triangle, whose corners run clockwise in the image.
     fn fill(&self, corners: [Fixed; 3], rows: Range<i64>, give: &mut impl FnMut(i64, [i64; 2])) {
         let (unit, half) = (1i64 << self.bits, (1i64 << self.bits) >> 1);
         let [a, b, c] = corners;
@@ -147,11 +147,11 @@ impl<'a> Rasterizer<'a> {
     }
 }
 
-/// Narrows the columns of a row to those whose centres lie inside an edge.
+/// Narrows the columns of a row to those whose centres are inside an edge.
 ///
 /// The centre of column i is (half + i · unit, y). Inside is where E(i) = d.x (y − p.y) − d.y (x − p.x) is above 0; a
-/// centre on the edge is inside where the edge runs down, or straight to the left: of two triangles that run an edge
-/// in opposite ways one has it.
+/// centre on the edge is inside if the edge runs down, or straight to the left: of two triangles that run along an
+/// edge in opposite directions, exactly one gets it.
 fn narrow(span: &mut [i64; 2], p: Fixed, q: Fixed, [half, y, unit]: [i64; 3]) {
     let d = [q[0] - p[0], q[1] - p[1]];
     let on_edge_is_inside = d[1] > 0 || (d[1] == 0 && d[0] < 0);
@@ -165,7 +165,7 @@ fn narrow(span: &mut [i64; 2], p: Fixed, q: Fixed, [half, y, unit]: [i64; 3]) {
     }
 }
 
-/// Returns a / b rounded up; b above 0.
+/// Returns a / b rounded up; b must be above 0.
 fn ceil_div(a: i64, b: i64) -> i64 {
     -(-a).div_euclid(b)
 }

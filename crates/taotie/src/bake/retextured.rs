@@ -1,4 +1,4 @@
-//! A surface with another image in one of its textures.
+//! A surface with replaced texture images.
 
 use super::appearance::{Appearance, MaterialSample};
 use super::scan::Scan;
@@ -7,22 +7,22 @@ use crate::error::Result;
 use crate::image::Texture;
 use crate::math::Vec3;
 
-/// The triangles of a surface, some of whose textures show something else.
+/// The triangles of a surface, some of whose textures are replaced.
 pub(crate) struct Retextured<'a> {
     surface: &'a Scan,
     appearance: Appearance,
 }
 
 impl<'a> Retextured<'a> {
-    /// Puts a texture in the place of others, by their numbers.
+    /// Replaces textures by their index.
     ///
     /// # Errors
-    /// As those of [`crate::image::Bitmap::new`].
+    /// As [`crate::image::Bitmap::new`].
     pub fn new(surface: &'a Scan, textures: &[usize], with: &Texture) -> Result<Self> {
         Ok(Self { surface, appearance: surface.surface().retextured(textures, with)? })
     }
 
-    /// Returns the normal that a renderer shades a point with, as [`Scan::seen_normal`] does.
+    /// Returns the normal with which a renderer shades a point, as [`Scan::seen_normal`] does.
     pub fn seen_normal(&self, at: LookupPoint, toward: Vec3) -> Vec3 {
         let mesh = self.surface.mesh();
         let normal = self.appearance.normal(mesh, at, at.point.normal(mesh)).normal;

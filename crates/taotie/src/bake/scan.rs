@@ -1,4 +1,4 @@
-//! The high-poly surface that is baked from.
+//! The high-poly surface to bake from.
 
 use super::appearance::MaterialSample;
 use super::seen_cells::SeenCells;
@@ -13,47 +13,46 @@ use crate::surface::facet_normal;
 use crate::trace::Bvh;
 use std::sync::{Arc, OnceLock};
 
-/// The triangles of a high-poly scene with their materials, sorted so that they can be found from points of a low-poly
-/// one.
+/// The triangles of a high-poly scene with their materials, indexed for queries from points of a low-poly mesh.
 ///
-/// Its shape is its triangles: rays, heights, occlusion and curvature know no map. Its normals are those that its
-/// normal and height maps make of it.
+/// Its shape is defined by its triangles: rays, heights, occlusion and curvature ignore maps. Its normals include its
+/// normal and height maps.
 pub struct Scan {
     surface: Arc<TexturedMesh>,
     bvh: Bvh,
     sights: Sights,
-    /// Which sides of its triangles can be seen, as far as it was asked for.
+    /// Which sides of its triangles can be seen, as far as queried so far.
     seen: OnceLock<SeenCells>,
 }
 
 impl Scan {
-    /// Takes a scene over: one mesh in world space, with smooth normals where it had none.
+    /// Takes over a scene as one mesh in world space, with smooth normals if it had none.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] where the scene has more than 2^32 − 1 vertices.
+    /// [`crate::Error::Limit`] if the scene has more than 2^32 − 1 vertices.
     pub fn new(scene: Scene) -> Result<Self> {
         Ok(Self::of(Arc::new(Self::surface_of(scene)?)))
     }
 
-    /// Takes over an asset of a scan: it is seen from the same places, and the backs that no renderer draws hide nothing of
-    /// it.
+    /// Takes over an asset made from a scan: it is seen from the same viewpoints, and backfaces that no renderer
+    /// draws hide nothing.
     ///
-    /// # Errors
+    /// As [`Scan::new`].
     /// As those of [`Scan::new`].
     pub(crate) fn of_asset(scene: Scene, scan: &Scan) -> Result<Self> {
         let surface = Arc::new(Self::surface_of(scene)?);
         Ok(Self::with_sights(surface, |_| scan.sights.of_asset()))
     }
 
-    /// Makes the surface that [`Scan::of`] sorts.
+    /// Makes the surface that [`Scan::of`] indexes.
     ///
     /// # Errors
-    /// As those of [`Scan::new`].
+    /// As [`Scan::new`].
     pub(crate) fn surface_of(scene: Scene) -> Result<TexturedMesh> {
         TexturedMesh::new(scene)?.with_visible_means()
     }
 
-    /// Sorts a surface, which others may share.
+    /// Builds the spatial index of a surface, which may be shared.
     pub(crate) fn of(surface: Arc<TexturedMesh>) -> Self {
         Self::with_sights(surface, Sights::of)
     }
@@ -65,18 +64,18 @@ impl Scan {
         Self { surface, bvh, sights, seen: OnceLock::new() }
     }
 
-    /// Returns the surface as lines of sight meet it.
+    /// Returns the surface for visibility rays.
     pub(super) fn ground(&self) -> Ground<'_> {
         Ground { surface: &self.surface, bvh: &self.bvh }
     }
 
-    /// Returns the places from which the surface is seen.
+    /// Returns the viewpoints from which the surface is seen.
     pub(super) fn sights(&self) -> &Sights {
         &self.sights
     }
 
-    /// Returns `true` if a point can be seen: its front, or either side of a double-sided material. Small triangles are seen or
-    /// hidden as a whole.
+    /// Returns `true` if a point can be seen: its front, or either side of a double-sided material. Small triangles
+    /// are visible or hidden as a whole.
     ///
     /// # Panics
     /// If the mesh has no such triangle.
@@ -86,7 +85,7 @@ impl Scan {
         self.is_visible(point, normal) || is_double && self.is_visible(point, -normal)
     }
 
-    /// Returns `true` if a point can be seen from either side, as [`Scan::is_seen`] has it of double-sided materials.
+    /// Returns `true` if a point can be seen from either side, as [`Scan::is_seen`] does for double-sided materials.
     ///
     /// # Panics
     /// If the mesh has no such triangle.
@@ -116,15 +115,15 @@ impl Scan {
         &self.surface
     }
 
-    /// Returns the triangles sorted for rays.
+    /// Returns the triangles' acceleration structure for rays.
     pub fn bvh(&self) -> &Bvh {
         &self.bvh
     }
 
-    /// Returns what the material is at a point.
+    /// Returns the material values at a point.
     ///
     /// # Panics
-    /// Where the mesh has no such triangle.
+    /// If the mesh has no such triangle.
     pub fn sample(&self, at: LookupPoint) -> MaterialSample {
         self.surface.sample(at)
     }

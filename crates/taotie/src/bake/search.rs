@@ -1,4 +1,4 @@
-//! The points of a scan that correspond to all samples of a triangle in a tile, at once.
+//! Finds the points of a scan that correspond to all samples of a triangle in a tile, in one pass.
 
 use super::layout::{Sample, TriangleSamples};
 use super::projection::{Correspondence, ProjectionRay};
@@ -7,15 +7,16 @@ use crate::math::Vec3;
 use crate::mesh::blend;
 use crate::trace::{Nearest, PacketView, Ray, RayPacket};
 
-/// Fewer samples are found faster one by one.
+/// Up to this number, samples are faster to find one by one.
 const FEW: usize = 6;
 
-/// Directions that part more than this from the triangle's own are no packet: each would be beside many others.
+/// Directions that diverge more than this from the triangle's own do not form a packet: each ray would pass many
+/// others.
 const LEAST_COSINE: f32 = 0.9;
 
 /// Returns the correspondence of each projection ray of a triangle in a tile, as [`Scan::project`] finds it.
 ///
-/// Neighbouring samples look in nearly the same direction, so their projections are a packet: columns and rows are
+/// Neighbouring samples look in nearly the same direction, so their projections form a packet: columns and rows are
 /// those of the tile, and depths run along the mean direction.
 pub(super) fn search(
     scan: &Scan,
@@ -47,12 +48,13 @@ pub(super) fn search(
     projections.iter().zip(nearest).map(found).collect()
 }
 
-/// Returns the sample at which columns and rows are zero: near all others, so that coordinates round little.
+/// Returns the sample at which columns and rows are zero: near all others, so that coordinates have small rounding
+/// errors.
 fn middle(group: &TriangleSamples) -> &Sample {
     &group.samples[group.samples.len() / 2]
 }
 
-/// Returns the view of a ray packet along the projection rays of a triangle; `None` where it is seen edge on.
+/// Returns the view of a ray packet along the projection rays of a triangle; `None` if it is seen edge-on.
 ///
 /// A sample at column x and row y looks along origin + x · across + y · down + depth · direction.
 fn view(group: &TriangleSamples, corners: [Vec3; 3], projections: &[ProjectionRay]) -> Option<PacketView> {
@@ -82,7 +84,7 @@ fn view(group: &TriangleSamples, corners: [Vec3; 3], projections: &[ProjectionRa
             depths = [depths[0].min(depth), depths[1].max(depth)];
         }
     }
-    // Rounding of places and of their shadows, generously.
+    // A generous bound on the rounding of positions and of their projections.
     let rounding = axes.map(|axis| axis.length() * farthest * 2e-6);
     Some(PacketView {
         origin,
@@ -101,7 +103,7 @@ mod tests {
     use crate::mesh::{Mesh, MeshData, Point};
     use crate::scene::{Instance, Material, Scene, SceneData};
 
-    /// Returns a sphere with bumps as fine as its triangles, and a smaller one inside that faces out too.
+    /// Returns a sphere with bumps as fine as its triangles, and a smaller one inside that also faces outward.
     fn rough() -> Scan {
         let mut data = MeshData::default();
         for (radius, bumps) in [(1.0, 0.02), (0.9, 0.0)] {
@@ -138,9 +140,9 @@ mod tests {
                             group.samples.iter().map(|s| projection(s.weights)).collect();
                         let all = search(&scan, group, corners, &projections);
                         for (projection, found) in projections.iter().zip(all) {
-                            let alone = scan.project(projection);
-                            // Rays of a packet are intersected in its coordinates, which rounds otherwise.
-                            let apart = match (alone, found) {
+                            let single = scan.project(projection);
+                            // Rays of a packet are intersected in the packet's coordinates, which round differently.
+                            let apart = match (single, found) {
                                 (Some(a), Some(b)) => (a.height - b.height).abs(),
                                 (None, None) => 0.0,
                                 _ => f32::INFINITY,
@@ -148,7 +150,7 @@ mod tests {
                             let at_end = |m: Option<Correspondence>| {
                                 m.is_some_and(|m| m.height.abs() > distance * 0.9999)
                             };
-                            assert!(apart < 1e-5 || at_end(alone) || at_end(found), "{alone:?} {found:?}");
+                            assert!(apart < 1e-5 || at_end(single) || at_end(found), "{single:?} {found:?}");
                             *(if found.is_some() { &mut met } else { &mut missed }) += 1;
                         }
                     });

@@ -1,30 +1,30 @@
-//! Which sides of a surface's triangles can be seen, as far as it was asked for.
+//! A cache of which sides of a surface's triangles can be seen.
 
 use crate::mesh::{Mesh, Point};
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// Triangles with a longer edge than this part of the diagonal have cells of about this size.
+/// Triangles with an edge longer than this fraction of the diagonal have cells of about this size.
 const LARGE: f32 = 0.01;
-/// Cells along a side of a triangle, at most.
+/// Maximum number of cells along a side of a triangle.
 const MOST_CUTS: u32 = 64;
-/// Cells of all large triangles, at most; they have none if they need more.
+/// Maximum number of cells of all large triangles; they have none if they need more.
 const MOST_CELLS: usize = 1 << 24;
 
-/// A memory of the sides of triangles that can be seen. Small triangles are seen or hidden as a whole, by their middle. Large
-/// ones have cells: one whose middle and corners are all seen or all hidden is so as a whole, and others are asked about
-/// point by point.
+/// A cache of the visible sides of triangles. Small triangles are visible or hidden as a whole, by their centroid.
+/// Large ones have cells: a cell whose centroid and corners are all visible or all hidden is so as a whole, others
+/// are tested point by point.
 pub(super) struct SeenCells {
-    /// What is known of small triangles, two bits a side, front first.
+    /// The known state of small triangles, two bits per side, front first.
     small: Box<[AtomicU8]>,
     /// The large triangles, in order.
     large: Vec<Large>,
-    /// What is known of their cells, likewise.
+    /// The known state of their cells, likewise.
     cells: Box<[AtomicU8]>,
     /// The mesh's diagonal, model units.
     diagonal: f32,
 }
 
-/// What is known of a side.
+/// The known state of a side.
 const UNKNOWN: u8 = 0;
 const HIDDEN: u8 = 1;
 const SEEN: u8 = 2;
@@ -115,7 +115,7 @@ impl SeenCells {
     }
 }
 
-/// Returns what is known of a side, or else finds it out.
+/// Returns the cached state of a side, or computes and caches it.
 fn remembered(state: &AtomicU8, shift: u32, find: impl FnOnce() -> u8) -> u8 {
     let known = state.load(Ordering::Relaxed) >> shift & MIXED;
     if known != UNKNOWN {

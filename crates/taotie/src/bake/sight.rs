@@ -1,4 +1,4 @@
-//! What a viewer sees along a ray: the first surface that is drawn, and its normal as it is shaded.
+//! The surface a viewer sees along a ray: the first one drawn, and its shading normal.
 
 use super::appearance::MaterialSample;
 use super::scan::Scan;
@@ -8,15 +8,15 @@ use crate::mesh::Point;
 use crate::trace::{Hit, Ray};
 
 impl Scan {
-    /// Returns the first hit below the distance `limit` that a renderer draws: front faces, back faces of double-sided
-    /// materials, and nothing that alpha makes transparent.
+    /// Returns the first hit below the distance `limit` that a renderer draws: front faces, back faces of
+    /// double-sided materials, and nothing that alpha makes transparent.
     pub fn first_seen(&self, ray: &Ray, limit: f32) -> Option<Hit> {
         let toward = -ray.direction();
         self.bvh().nearest_of(ray, limit, |hit| self.is_drawn(hit.point(), toward))
     }
 
-    /// Returns the normal that a renderer shades a point with, unit, read as finely as `at.width`, for a viewer in the
-    /// direction `toward`: the back of a double-sided material shows it reversed.
+    /// Returns the unit normal with which a renderer shades a point, sampled at the lookup width `at.width`, for a
+    /// viewer in the direction `toward`: the back of a double-sided material shows it reversed.
     ///
     /// # Panics
     /// If the mesh has no such triangle.
@@ -26,7 +26,7 @@ impl Scan {
         if self.mesh().faces(at.point.triangle, toward) { normal } else { -normal }
     }
 
-    /// Returns the material at a point, read as finely as `at.width`.
+    /// Returns the material at a point, sampled at the lookup width `at.width`.
     ///
     /// # Panics
     /// If the mesh has no such triangle.

@@ -1,4 +1,4 @@
-//! The places from which a surface is seen: from all sides, or from the free space of a room.
+//! The viewpoints from which a surface is seen: from all sides, or from the free space of a room.
 
 use super::area_samples::sample_area;
 use super::textured_mesh::TexturedMesh;
@@ -8,31 +8,31 @@ use crate::parallel;
 use crate::surface::facet_normal;
 use crate::trace::{Bvh, Ray};
 
-/// Fixed directions in which a point may be seen from outside.
+/// Number of fixed directions in which a point may be seen from outside.
 const DIRECTIONS: usize = 256;
-/// Points at which the visible share of a surface is estimated.
+/// Number of points at which the visible share of a surface is estimated.
 const POINTS: usize = 2_000;
 /// If a smaller share of the surface is visible from outside, it may be the inside of something.
 const LEAST_OUTSIDE: f64 = 0.5;
-/// Rays start this part of the diagonal above the surface.
+/// Rays start this fraction of the diagonal above the surface.
 const OFFSET: f32 = 1e-5;
 
-/// A surface, sorted for rays.
+/// A surface, indexed for rays.
 #[derive(Clone, Copy)]
 pub(super) struct Ground<'a> {
     pub surface: &'a TexturedMesh,
     pub bvh: &'a Bvh,
 }
 
-/// The places from which a surface is seen.
+/// The viewpoints from which a surface is seen.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sights {
     directions: Vec<Vec3>,
-    /// Places in the free space of an interior; empty if the surface is seen from outside.
+    /// Viewpoints in the free space of an interior; empty if the surface is seen from outside.
     places: Vec<Vec3>,
     /// The surface's diagonal, model units.
     diagonal: f32,
-    /// `true` if only what a renderer draws hides anything: not the backs of materials that are not double-sided.
+    /// `true` if only rendered surfaces hide anything: not the backs of materials that are not double-sided.
     is_drawn: bool,
 }
 
@@ -41,17 +41,17 @@ pub(super) struct Sights {
 pub struct SightLine {
     /// From the point to the viewer, unit.
     pub toward: Vec3,
-    /// The distance of the viewer, model units; beyond the whole surface if it is seen from outside.
+    /// The distance of the viewer, in model units; beyond the whole surface if it is seen from outside.
     pub distance: f32,
 }
 
 impl Sights {
-    /// Returns the places in the free space of an interior; none if the surface is seen from outside.
+    /// Returns the viewpoints in the free space of an interior; none if the surface is seen from outside.
     pub fn places(&self) -> &[Vec3] {
         &self.places
     }
 
-    /// Finds out whether a surface is seen from outside or from within.
+    /// Determines if a surface is seen from outside or from within.
     pub fn of(ground: Ground<'_>) -> Self {
         let diagonal = ground.surface.mesh().diagonal() as f32;
         let outside = Self { directions: sphere_directions(DIRECTIONS), diagonal, ..Self::default() };
@@ -60,16 +60,17 @@ impl Sights {
             return outside;
         }
         let within = Self { places: free_places(ground), ..outside.clone() };
-        // A statue with cavities has little that is visible from outside, and less from the largest of them.
+        // A statue with cavities has little that is visible from outside, and even less from its largest cavity.
         if within.visible_share(ground) > share { within } else { outside }
     }
 
-    /// Returns the same places, for an asset as a renderer draws it.
+    /// Returns the same viewpoints, for an asset as a renderer draws it.
     pub fn of_asset(&self) -> Self {
         Self { is_drawn: true, ..self.clone() }
     }
 
-    /// Returns `true` if nothing but what alpha makes transparent lies between the ray's origin and the distance `limit`.
+    /// Returns `true` if only surfaces made transparent by alpha are between the ray's origin and the distance
+    /// `limit`.
     fn is_free(&self, ground: Ground<'_>, ray: &Ray, limit: f32) -> bool {
         let Ground { surface, bvh } = ground;
         let is_shown = |triangle: u32| {
@@ -90,7 +91,7 @@ impl Sights {
         parallel::count(POINTS, |i| self.sight_line(ground, point(i)).is_some()) as f64 / POINTS as f64
     }
 
-    /// Returns the line along which a point is seen best; `None` if it is hidden.
+    /// Returns the best line of sight to a point; `None` if it is hidden.
     pub fn sight_line(&self, ground: Ground<'_>, point: Point) -> Option<SightLine> {
         let normal = facet_normal(ground.surface.mesh().corners(point.triangle as usize))?;
         let front = self.sight_line_on(ground, point, normal);
@@ -111,7 +112,7 @@ impl Sights {
         self.diagonal * 4.0
     }
 
-    /// Returns the line closest to `normal` on whose side of the facet it lies.
+    /// Returns the line closest to `normal` on the normal's side of the facet.
     fn sight_line_on(&self, ground: Ground<'_>, point: Point, normal: Vec3) -> Option<SightLine> {
         let start = point.position(ground.surface.mesh()) + normal * (self.diagonal * OFFSET);
         match self.places.is_empty() {
@@ -167,17 +168,17 @@ pub fn sphere_directions(count: usize) -> Vec<Vec3> {
     (0..count).map(direction).collect()
 }
 
-/// Places from which an interior is seen, at most.
+/// Maximum number of viewpoints for an interior.
 const MOST_PLACES: usize = 64;
-/// Cells along the longest side of the grid on which free space is sought.
+/// Cells along the longest side of the grid used to search for free space.
 const CELLS: usize = 24;
 
-/// Returns places spread over the largest enclosed free space of a surface; none if no space is enclosed.
+/// Returns viewpoints spread over the largest enclosed free space of a surface; none if no space is enclosed.
 fn free_places(ground: Ground<'_>) -> Vec<Vec3> {
     let grid = Grid::around(ground.surface.mesh());
     let directions = sphere_directions(32);
     let far = (ground.surface.mesh().diagonal() * 4.0) as f32;
-    // Enclosed: all but a few directions meet the surface, as with a door or the mouth of a cave.
+    // Enclosed: all but a few directions hit the surface, as with a door or the mouth of a cave.
     let is_enclosed = |place: Vec3| {
         let met = directions.iter().filter(|d| ground.bvh.occluded(&Ray::new(place, **d), far, |_| true));
         met.count() * 4 >= directions.len() * 3
@@ -197,7 +198,7 @@ fn free_places(ground: Ground<'_>) -> Vec<Vec3> {
     (0..count).map(|i| grid.center(connected[i * connected.len() / count])).collect()
 }
 
-/// Cubes around a mesh.
+/// A grid of cubes around a mesh.
 struct Grid {
     origin: Vec3,
     side: f32,
@@ -227,7 +228,7 @@ impl Grid {
         self.origin + Vec3::from_array(at.map(|i| (i as f32 + 0.5) * self.side))
     }
 
-    /// Returns the free cells that can be reached from `first` through the sides of free cells, in order.
+    /// Returns the free cells that can be reached from `first` through the faces of free cells, in order.
     fn connected(&self, first: usize, free: &[f32]) -> Vec<usize> {
         let [x, y, z] = self.counts;
         let mut is_reached = vec![false; free.len()];

@@ -6,19 +6,19 @@ use crate::math::{Vec3, scalar};
 use crate::surface;
 use crate::trace::{PacketOrigins, ParallelRays, Ray};
 
-/// Directions all over the sphere, the same for every point of a map, so that neighbouring texels differ by what they
-/// see and not by chance, and their rays run side by side.
+/// Directions over the whole sphere, the same for every point of a map, so that neighbouring texels differ by what
+/// they see and not by noise, and their rays are parallel.
 pub(super) struct Sky {
     directions: Vec<Vec3>,
-    /// Samples a texel, which share the directions out between them.
+    /// Samples per texel, which share the directions among them.
     classes: u32,
-    /// The distance within which surfaces block the rays, model units.
+    /// The distance within which surfaces block the rays, in model units.
     distance: f32,
-    /// The height above the surface at which rays begin.
+    /// The height above the surface at which rays start.
     offset: f32,
 }
 
-/// A point from which the sky is looked at.
+/// A point whose sky is sampled.
 pub(super) struct AoSample {
     origin: Vec3,
     normal: Vec3,
@@ -29,21 +29,21 @@ pub(super) struct AoSample {
 /// The open part of a hemisphere: sums over directions, each weighted by its cosine.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Open {
-    /// Of the weights of all directions.
+    /// The weights of all directions.
     pub looked: f32,
-    /// Of those of open ones.
+    /// The weights of open directions.
     pub seen: f32,
-    /// Open directions.
+    /// The weighted open directions.
     pub direction: Vec3,
 }
 
 impl Sky {
-    /// Makes about `rays` a texel of `classes` samples over the hemisphere; surfaces farther than `distance` away do
-    /// not count.
+    /// Makes about `rays` directions over the hemisphere for each texel of `classes` samples; surfaces farther away
+    /// than `distance` do not count.
     ///
     /// Directions are a spherical Fibonacci lattice (Keinert et al. 2015, "Spherical Fibonacci mapping", eq. 2).
     pub fn new(rays: u32, classes: u32, distance: f32, diagonal: f64) -> Self {
-        // Half of the sphere lies under the surface.
+        // Half of the sphere is below the surface.
         let count = 2 * rays.max(classes);
         let golden = (5.0f64.sqrt() - 1.0) / 2.0;
         let direction = |i: u32| {
@@ -61,7 +61,7 @@ impl Sky {
         }
     }
 
-    /// Returns the point of the scan that a sample found; `class` is the sample's number in its texel.
+    /// Returns the point of the scan that a sample found; `class` is the sample's index within its texel.
     pub fn ao_sample(&self, scan: &Scan, found: &Correspondence, class: u32) -> AoSample {
         let corners = scan.mesh().corners(found.point.triangle as usize);
         let facet = surface::facet_normal(corners).unwrap_or(found.normal);
@@ -70,7 +70,7 @@ impl Sky {
         AoSample { origin, normal: found.normal, facet, class: class % self.classes }
     }
 
-    /// Looks out from each of these points, of which neighbours should follow one another.
+    /// Samples the sky of each of these points; neighbours should be consecutive.
     pub fn open(&self, scan: &Scan, ao_samples: &[AoSample]) -> Vec<Open> {
         let mut open = vec![Open::default(); ao_samples.len()];
         for (class, direction) in self.classes(ao_samples).iter().cycle().zip(&self.directions) {
@@ -98,9 +98,9 @@ impl Sky {
         (0..self.classes).map(of).collect()
     }
 
-    /// Returns the samples whose rays nothing blocks, of those with a weight, a bit each.
+    /// Returns the samples whose rays are unblocked, among those with a weight, one bit each.
     fn unblocked(&self, scan: &Scan, look: &Look<'_>) -> Vec<u8> {
-        /// Fewer rays are faster one by one.
+        /// Up to this number, rays are faster one by one.
         const FEW: u32 = 6;
         let looking = bits(&look.weights, |(_, weight)| *weight > 0.0);
         let rays =
@@ -119,7 +119,7 @@ impl Sky {
     }
 }
 
-/// Returns an answer a number as bits, eight in a byte.
+/// Returns one answer per index as bits, eight per byte.
 fn bits(numbers: &[f32], yes: impl Fn((usize, &f32)) -> bool) -> Vec<u8> {
     let mut bits = vec![0; numbers.len().div_ceil(8)];
     for (i, number) in numbers.iter().enumerate() {
@@ -130,7 +130,7 @@ fn bits(numbers: &[f32], yes: impl Fn((usize, &f32)) -> bool) -> Vec<u8> {
 
 /// The samples of a class, component by component.
 struct Class {
-    /// Which of all samples they are.
+    /// Their indices among all samples.
     numbers: Vec<usize>,
     origins: PacketOrigins,
     normals: [Vec<f32>; 3],
@@ -151,7 +151,7 @@ impl Class {
         }
     }
 
-    /// Looks along a direction.
+    /// Returns a look in a direction from all samples of the class.
     fn look(&self, direction: Vec3) -> Look<'_> {
         let cosines = |[x, y, z]: &[Vec<f32>; 3]| -> Vec<f32> {
             let vectors = x.iter().zip(y).zip(z);
@@ -165,11 +165,11 @@ impl Class {
     }
 }
 
-/// A direction along which the samples of a class look.
+/// A direction in which the samples of a class look.
 struct Look<'a> {
     class: &'a Class,
     direction: Vec3,
-    /// Its cosine at each sample; 0 where it does not lead away from the surface: below its facet a point sees nothing;
-    /// the smooth surface that the facet stands for would.
+    /// Its cosine at each sample; 0 if it does not point away from the surface: below its facet a point sees nothing,
+    /// though the smooth surface that the facet approximates would.
     weights: Vec<f32>,
 }

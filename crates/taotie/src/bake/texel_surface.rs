@@ -6,18 +6,18 @@ use crate::math::{Vec2, Vec3};
 use crate::mesh::Mesh;
 use crate::parallel;
 
-/// A point of a mesh as the renderer sees it: interpolated between vertices, object space.
+/// A point of a mesh as the renderer sees it: interpolated between vertices, in object space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
     /// Model units.
     pub position: Vec3<f64>,
-    /// Between unit normals, not normalised.
+    /// Interpolated from unit normals, not normalised.
     pub normal: Vec3<f64>,
-    /// Between unit tangents, not normalised.
+    /// Interpolated from unit tangents, not normalised.
     pub tangent: Vec3<f64>,
     /// ±1: the bitangent is this times cross(normal, tangent).
     pub handedness: f64,
-    /// The derivatives of the position by u and v over the flat triangle, model units.
+    /// The derivatives of the position by u and v over the flat triangle, in model units.
     pub position_by_uv: [Vec3<f64>; 2],
     /// The derivatives of the interpolated normal by u and v.
     pub normal_by_uv: [Vec3<f64>; 2],
@@ -31,38 +31,38 @@ pub struct TexelSurface {
     coverage: Coverage,
 }
 
-/// Padding reaches no farther from its triangle than the triangle is large: its weights stay above this.
+/// Padding extends no farther from its triangle than the triangle is large: its weights stay above this.
 const LEAST_WEIGHT: f64 = -1.0;
 
 impl TexelSurface {
-    /// Lays out a mesh that has normals and tangents, such as [`crate::surface::with_tangents`] makes them. Those
-    /// that are not unit are normalised, as the renderer does.
+    /// Lays out a mesh that has normals and tangents, such as [`crate::surface::with_tangents`] makes. Those that are
+    /// not unit are normalised, as the renderer does.
     ///
     /// # Errors
-    /// As [`Coverage::new`], and [`Error::Invalid`] where normals or tangents are missing.
+    /// As [`Coverage::new`], and [`Error::Invalid`] if normals or tangents are missing.
     pub fn new(mesh: Mesh, grid: &TexelGrid) -> Result<Self> {
         if mesh.normals().is_empty() || mesh.tangents().is_empty() {
             return Err(Error::invalid(
-                "a mesh for a map",
-                "it has no normals or no tangents; make them first",
+                "the mesh for a map",
+                "it has no normals or no tangents; compute them first",
             ));
         }
         let mesh = with_unit_frames(mesh)?;
         Ok(Self { coverage: Coverage::new(&mesh, grid)?, mesh, uv_set: grid.uv_set })
     }
 
-    /// Returns the triangle that each texel belongs to.
+    /// Returns the triangle of each texel.
     pub fn coverage(&self) -> &Coverage {
         &self.coverage
     }
 
-    /// Returns the mesh, normals and tangents unit.
+    /// Returns the mesh, with unit normals and tangents.
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
     }
 
-    /// Returns the surface at the centre of a texel; in padding as if the triangle went on. `None` away from all UV
-    /// islands.
+    /// Returns the surface at the centre of a texel; in padding, the triangle is extrapolated. `None` away from all
+    /// UV islands.
     pub fn point(&self, x: u32, y: u32) -> Option<SurfacePoint> {
         Some(UvTriangle::new(self, self.coverage.triangle(x, y)?).at(&self.coverage, x, y))
     }
@@ -91,8 +91,7 @@ impl TexelSurface {
     }
 }
 
-/// Returns the mesh with unit normals and tangents; those that are unit as far as single precision goes stay to the
-/// bit.
+/// Returns the mesh with unit normals and tangents; those already unit to single precision stay bit-identical.
 fn with_unit_frames(mesh: Mesh) -> Result<Mesh> {
     const ROUNDING: f32 = 1e-5;
     let unit = |v: Vec3, fallback: Vec3| match (v.dot(v) - 1.0).abs() < ROUNDING {
@@ -109,7 +108,7 @@ fn with_unit_frames(mesh: Mesh) -> Result<Mesh> {
     Mesh::new(data)
 }
 
-/// A quantity linear in uv over a triangle: its value at uv (0, 0) and its changes with u and v.
+/// A quantity linear in uv over a triangle: its value at uv (0, 0) and its derivatives by u and v.
 #[derive(Debug, Clone, Copy)]
 struct Linear {
     origin: Vec3<f64>,
@@ -145,7 +144,7 @@ impl UvTriangle {
     fn new(surface: &TexelSurface, triangle: u32) -> Self {
         let mesh = &surface.mesh;
         let vertices = mesh.triangles()[triangle as usize].map(|v| v as usize);
-        let uvs = uv_set(mesh, surface.uv_set).expect("the set was there when the mesh was laid out");
+        let uvs = uv_set(mesh, surface.uv_set).expect("the uv set existed when the mesh was laid out");
         let corners = vertices.map(|v| Vec2::new(f64::from(uvs[v].x), f64::from(uvs[v].y)));
         let tangent = |v: usize| {
             let [x, y, z, _] = mesh.tangents()[v];
@@ -177,8 +176,8 @@ impl UvTriangle {
         }
     }
 
-    /// Returns the copy of a uv in [0, 1] that lies in the triangle, or nearest to it, and not too far away; `beyond`
-    /// is 1 where copies beyond those that the triangle touches have to be looked at.
+    /// Returns the copy of a uv in [0, 1] that is inside the triangle, or nearest to it and not too far away;
+    /// `beyond` is 1 if copies beyond those that the triangle touches must be searched.
     fn unwrapped(&self, uv: Vec2<f64>, beyond: u8) -> Vec2<f64> {
         let copies = |of: fn(&Vec2<f64>) -> f64| {
             let (low, high) =
@@ -197,7 +196,7 @@ impl UvTriangle {
         }
     }
 
-    /// Returns the least barycentric weight of a uv: below 0 outside.
+    /// Returns the minimum barycentric weight of a uv: below 0 outside.
     fn least_weight(&self, p: Vec2<f64>) -> f64 {
         let [a, b, c] = self.corners;
         let cross = |p: Vec2<f64>, q: Vec2<f64>| p.x * q.y - p.y * q.x;
@@ -206,8 +205,8 @@ impl UvTriangle {
         v.min(w).min(1.0 - v - w)
     }
 
-    /// Returns the uv drawn towards the middle of the triangle until its least weight is [`LEAST_WEIGHT`]: the weights
-    /// change linearly from 1/3 each at the middle.
+    /// Returns the uv moved towards the middle of the triangle until its minimum weight is [`LEAST_WEIGHT`]: the
+    /// weights change linearly, from 1/3 each at the middle.
     fn drawn_in(&self, uv: Vec2<f64>, least: f64) -> Vec2<f64> {
         let [a, b, c] = self.corners;
         let middle = (a + b + c) * (1.0 / 3.0);

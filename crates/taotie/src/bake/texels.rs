@@ -1,4 +1,4 @@
-//! Baking: each sample of each texel finds its place on the scan, and the texel takes the mean of what is there.
+//! Baking: each sample of each texel finds its point on the scan, and the texel averages the values there.
 
 use super::alpha::under_mode;
 use super::appearance::MaterialSample;
@@ -30,17 +30,17 @@ use std::sync::{Mutex, PoisonError};
 pub struct BakeSettings {
     /// Texels across and down, 1 to 32768.
     pub size: [u32; 2],
-    /// Samples a texel along each side, 1 to 8: 2 are four a texel.
+    /// Samples per texel along each side, 1 to 8: 2 gives four per texel.
     pub side: u32,
     /// The maps to bake.
     pub maps: Maps,
     /// The space of normals and bent normals.
     pub space: NormalSpace,
-    /// Rays over the hemisphere a texel, for occlusion and bent normals.
+    /// Rays over the hemisphere per texel, for occlusion and bent normals.
     pub sky_rays: u32,
-    /// The distance within which surfaces block these rays, model units; `None` for any distance.
+    /// The distance within which surfaces block these rays, in model units; `None` for any distance.
     pub sky_distance: Option<f32>,
-    /// The roughness that the scan has instead of its materials' own, as artists set it; `None` for theirs.
+    /// The perceptual roughness that replaces that of the scan's materials; `None` uses theirs.
     pub roughness: Option<f32>,
     /// The number of texels around each UV island that take the value of the nearest one; `None` fills the whole map.
     pub dilation: Option<u32>,
@@ -62,18 +62,18 @@ impl Default for BakeSettings {
     }
 }
 
-/// The outcomes of the samples, counted.
+/// Counts of sample outcomes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct BakeCounts {
     /// Samples on the low-poly mesh.
     pub samples: usize,
-    /// Those whose projection ray met nothing that faces the right way, so that the closest point of the scan was
-    /// taken.
+    /// Those whose projection ray hit nothing that faces the right way, so that the closest point of the scan was
+    /// used.
     pub missed: usize,
-    /// Those of them whose closest point faces the wrong way too, or is too far away: they have the low-poly mesh's
+    /// Those of them whose closest point faces the wrong way too or is too far away: they have the low-poly mesh's
     /// normal.
     pub lost: usize,
-    /// Samples under more than one triangle.
+    /// Samples covered by more than one triangle.
     pub shared: usize,
     /// Texels on the low-poly mesh.
     pub texels: usize,
@@ -84,7 +84,7 @@ pub struct BakeCounts {
 }
 
 impl BakeCounts {
-    /// Returns the sum of both.
+    /// Returns the sum of both counts.
     #[must_use]
     pub fn and(self, o: Self) -> Self {
         Self {
@@ -99,7 +99,7 @@ impl BakeCounts {
     }
 }
 
-/// Baked maps and what became of their samples.
+/// Baked maps and the outcomes of their samples.
 #[derive(Debug, Clone)]
 pub struct Baked {
     /// The maps.
@@ -119,7 +119,8 @@ pub struct BakeInput<'a> {
     pub scan: &'a Scan,
 }
 
-/// Returns the bytes that threads take for bands of maps of this size, with `side` · `side` samples a texel.
+/// Returns the memory in bytes that threads need for bands of maps of this size, with `side` · `side` samples per
+/// texel.
 pub(crate) fn bytes_of_bands(size: [u32; 2], side: u32, maps: Maps) -> u64 {
     let at_once = rayon::current_num_threads().min(size[1].div_ceil(BAND) as usize) as u64;
     let owners = u64::from(side).pow(2) * size_of::<u32>() as u64;
@@ -131,8 +132,8 @@ pub(crate) fn bytes_of_bands(size: [u32; 2], side: u32, maps: Maps) -> u64 {
 /// Bakes the maps of a scan for a low-poly mesh.
 ///
 /// # Errors
-/// [`Error::Cancelled`]; [`Error::Invalid`] where the mesh lacks uvs, normals or tangents, or a setting is out of
-/// range; [`Error::Limit`] where uvs span too many copies of the map.
+/// [`Error::Cancelled`]; [`Error::Invalid`] if the mesh lacks uvs, normals or tangents, or a setting is out of range;
+/// [`Error::Limit`] if uvs span too many copies of the map.
 pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_>) -> Result<Baked> {
     let BakeInput { low, cage, scan } = input;
     check(low, settings)?;
@@ -162,12 +163,12 @@ fn check(low: &Mesh, settings: &BakeSettings) -> Result<()> {
     match () {
         () if low.uvs().is_empty() => error("the low-poly mesh", "it has no uvs; unwrap it first"),
         () if low.normals().is_empty() || low.tangents().is_empty() => {
-            error("the low-poly mesh", "it has no normals or no tangents; make them first")
+            error("the low-poly mesh", "it has no normals or no tangents; compute them first")
         }
         () if !settings.size.iter().all(|s| (1..=32_768).contains(s)) => {
-            error("the size of the maps", "1 to 32768 texels")
+            error("the size of the maps", "expected 1 to 32768 texels")
         }
-        () if !(1..=8).contains(&settings.side) => error("samples a texel", "1 to 8 along each side"),
+        () if !(1..=8).contains(&settings.side) => error("samples per texel", "use 1 to 8 along each side"),
         () => Ok(()),
     }
 }
@@ -177,7 +178,7 @@ fn sky(low: &Mesh, settings: &BakeSettings) -> Sky {
     Sky::new(settings.sky_rays, settings.side * settings.side, distance, low.diagonal())
 }
 
-/// The maps that are read from the scan's materials.
+/// The maps read from the scan's materials.
 const OF_MATERIALS: [MapKind; 6] = [
     MapKind::Albedo,
     MapKind::Roughness,
@@ -187,18 +188,18 @@ const OF_MATERIALS: [MapKind; 6] = [
     MapKind::OcclusionMap,
 ];
 
-/// All that a band needs.
+/// Everything needed to bake a band.
 struct Job<'a> {
     layout: Layout<'a>,
     cage: &'a Cage,
     scan: &'a Scan,
     settings: &'a BakeSettings,
     sky: Option<Sky>,
-    /// Of the scan's vertices.
+    /// The curvature at the scan's vertices.
     curvatures: Vec<f32>,
-    /// The alpha mode that each triangle of the low-poly mesh is shown with; empty where no materials are read.
+    /// The alpha mode with which each triangle of the low-poly mesh is shown; empty if no materials are read.
     alpha_modes: Vec<AlphaMode>,
-    /// `true` where a map of the scan's materials is baked.
+    /// `true` if a map of the scan's materials is baked.
     reads_materials: bool,
     /// The material of texels whose samples have no correspondence.
     without_hit: MaterialSample,
@@ -210,26 +211,26 @@ struct Cell {
     samples: u32,
     missed: u32,
     lost: u32,
-    /// Of the scan.
+    /// Sum of the scan's normals.
     normal: Vec3,
-    /// The low-poly mesh's frame.
+    /// Sums of the low-poly mesh's frame.
     n: Vec3,
     t: Vec3,
     handedness: f32,
     heights: f32,
-    /// Of directions over the hemisphere: all, and open ones.
+    /// Sums over directions of the hemisphere: all, and open ones.
     looked: f32,
     open: f32,
     bent: Vec3,
     curvature: f32,
-    /// Of the scan's normals within the lookup width.
+    /// Sum of the variances of the scan's normals within the lookup width.
     variance: f32,
 }
 
 /// The sums of all texels of a band.
 struct Cells {
     surfaces: Vec<Cell>,
-    /// Of the scan's materials; empty where no map of them is baked.
+    /// Sums of the scan's materials; empty if no map of them is baked.
     materials: Vec<MaterialSums>,
 }
 
@@ -246,7 +247,7 @@ impl Job<'_> {
         let done = AtomicUsize::new(0);
         let bands: Vec<Mutex<BandMaps<'_>>> = bands.into_iter().map(Mutex::new).collect();
         let counts = parallel::try_tasks(bands.len(), &|band| {
-            // Each is locked once.
+            // Each is locked only once.
             let counts = self.band(band, &mut bands[band].lock().unwrap_or_else(PoisonError::into_inner));
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             progress.at(done as f64 / bands.len() as f64).map(|()| counts)
@@ -269,7 +270,7 @@ impl Job<'_> {
         counts
     }
 
-    /// Adds what the scan has at the samples of a triangle in a tile.
+    /// Adds the scan's values at the samples of a triangle in a tile.
     fn add_samples(&self, group: &TriangleSamples, cells: &mut Cells) {
         let corners = self.layout.mesh.corners(group.triangle as usize);
         let projections: Vec<ProjectionRay> = group
@@ -338,7 +339,7 @@ impl Job<'_> {
         found
     }
 
-    /// Adds the shape of the scan at a correspondence, its maps of relief read with this lookup width.
+    /// Adds the shape of the scan at a correspondence, its relief maps sampled with this lookup width.
     fn add(&self, found: &Correspondence, width: f32, cell: &mut Cell) {
         let mapped = self.scan.mapped_normal(found, width);
         cell.normal += mapped.normal;
@@ -352,7 +353,7 @@ impl Job<'_> {
         }
     }
 
-    /// Returns the scan's material at a point, its alpha as under the mode that it is shown with.
+    /// Returns the scan's material at a point, its alpha converted to the mode that it is shown with.
     fn material(&self, at: LookupPoint, shown: AlphaMode) -> MaterialSample {
         let sample = self.scan.sample(at);
         let own = self.scan.surface().material(at.point.triangle).alpha;
@@ -415,13 +416,13 @@ impl Job<'_> {
         if wanted.has(MapKind::Alpha) {
             maps.alpha[i] = mean.alpha;
         }
-        // What rays find goes before what the texture says.
+        // Occlusion found by rays overrides the texture's.
         if wanted.has(MapKind::OcclusionMap) && !wanted.has(MapKind::Occlusion) {
             maps.occlusion[i] = mean.occlusion;
         }
     }
 
-    /// Returns a direction in the space asked for, unit.
+    /// Returns a unit direction in the requested space.
     fn turned(&self, cell: &Cell, v: Vec3) -> Vec3 {
         let n = cell.n.normalize_or(Vec3::new(0.0, 0.0, 1.0));
         let v = v.normalize_or(n);

@@ -1,4 +1,4 @@
-//! Textures read at a point of a surface, as finely as neighbouring samples lie apart.
+//! Texture lookups at a point of a surface, at the resolution of neighbouring samples.
 
 use crate::error::Result;
 use crate::image::{Bitmap, Encoding, MipFilter, Sampler, TexelFilter, Texels, Texture};
@@ -8,12 +8,12 @@ use crate::parallel;
 use crate::scene::TextureRef;
 use crate::surface::{UvDerivatives, uv_derivatives};
 
-/// A point at which a material is read, and how far the next such point lies away.
+/// A point at which a material is read, and its distance to the next such point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LookupPoint {
     /// The point of the mesh.
     pub point: Point,
-    /// The lookup width, model units: what is finer is averaged. 0 reads the finest level of each texture.
+    /// The lookup width, in model units: finer detail is averaged. 0 reads the finest level of each texture.
     pub width: f32,
 }
 
@@ -24,11 +24,11 @@ impl LookupPoint {
     }
 }
 
-/// The least alpha by which a premultiplied colour is divided: 8 of its 65535 steps. Rounding is then below a tenth of a
-/// colour that hardly counts.
+/// The minimum alpha by which a premultiplied colour is divided: 8 of its 65535 steps. Rounding is then less than a
+/// tenth of a colour that hardly counts.
 const LEAST_ALPHA: f32 = 8.0 / 65535.0;
 
-/// Returns the texture with its colours multiplied by alpha, linear: its mip levels are means of what is visible.
+/// Returns the texture with its colours multiplied by alpha, linear: its mip levels are means of visible colours.
 pub(super) fn premultiplied(texture: &Texture) -> Result<Texture> {
     let (width, height) = (texture.width(), texture.height());
     let texel = |i: usize| {
@@ -43,7 +43,7 @@ pub(super) fn premultiplied(texture: &Texture) -> Result<Texture> {
     Ok(Texture::new(Bitmap::new(width, height, 4, texels)?, Encoding::Linear))
 }
 
-/// Returns the width of a texel of the finest level of a texture on a triangle, model units; `None` if uvs span no area.
+/// Returns the width of a finest-level texel of a texture on a triangle, in model units; `None` if uvs span no area.
 pub(crate) fn texel_width(
     (mesh, triangle): (&Mesh, u32),
     textures: &[Texture],
@@ -61,13 +61,13 @@ pub(super) struct TextureOnMesh<'a> {
 }
 
 impl TextureOnMesh<'_> {
-    /// Returns the linear RGBA value at a point. A mesh without the uv set shows the texel at the origin.
+    /// Returns the linear RGBA value at a point. A mesh without the uv set uses the texel at the origin.
     pub fn read(&self, at: LookupPoint) -> [f32; 4] {
         self.value(self.uv(at.point), self.lod_at(at))
     }
 
-    /// Returns the same as [`Self::read`], but beyond the finest level with the mean colour of what is visible, which
-    /// `premultiplied` says: this texture with its colours multiplied by alpha.
+    /// Like [`Self::read`], but beyond the finest level returns the mean visible colour from `premultiplied`: this
+    /// texture with its colours multiplied by alpha.
     pub fn read_visible(&self, premultiplied: &Texture, at: LookupPoint) -> [f32; 4] {
         let (uv, lod) = (self.uv(at.point), self.lod_at(at));
         let straight = self.value(uv, lod);
@@ -79,7 +79,7 @@ impl TextureOnMesh<'_> {
         if alpha < LEAST_ALPHA { straight } else { [r / alpha, g / alpha, b / alpha, straight[3]] }
     }
 
-    /// Returns the value at a place of the texture, as the file's sampler reads it up to the finest level, trilinear
+    /// Returns the value at a texture position, filtered by the file's sampler up to the finest level, trilinear
     /// beyond.
     pub fn value(&self, uv: Vec2, lod: f32) -> [f32; 4] {
         let filtered = Sampler { minify: TexelFilter::Linear, mip: MipFilter::Linear, ..self.used.sampler };
@@ -87,42 +87,42 @@ impl TextureOnMesh<'_> {
         sampler.sample(self.texture, uv, lod.max(0.0))
     }
 
-    /// Returns the variance of normals that a value of this texture holds, [0, 1].
+    /// Returns the variance of normals stored in a value of this texture, [0, 1].
     pub fn variance(&self, [.., alpha]: [f32; 4], lod: f32) -> f32 {
-        // At the finest level there is none, and only levels of normals keep it.
+        // There is none at the finest level, and only mip levels of normals keep it.
         if lod > 0.0 && self.texture.encoding() == Encoding::Normal { alpha.clamp(0.0, 1.0) } else { 0.0 }
     }
 
-    /// Returns the place of the texture at a point.
+    /// Returns the texture position of a point.
     pub fn uv(&self, point: Point) -> Vec2 {
         let has_set = self.used.uv_set < self.mesh.uvs().len();
         let uv = if has_set { point.uv(self.mesh, self.used.uv_set) } else { Vec2::default() };
         self.used.transform.apply(uv)
     }
 
-    /// Returns the derivatives of position by the place of the texture; `None` where uvs span no area.
+    /// Returns the derivatives of position by texture position; `None` if uvs span no area.
     pub fn derivatives(&self, point: Point) -> Option<UvDerivatives> {
         let uvs = self.mesh.uvs().get(self.used.uv_set)?;
         let places = point.vertices(self.mesh).map(|v| self.used.transform.apply(uvs[v]));
         uv_derivatives(self.mesh.corners(point.triangle as usize), places)
     }
 
-    /// Returns the width of a texel of the finest level at a point, model units; `None` if uvs span no area.
+    /// Returns the width of a finest-level texel at a point, in model units; `None` if uvs span no area.
     pub fn texel_size(&self, point: Point) -> Option<f32> {
         let derivatives = self.derivatives(point)?;
         Some(poly::exp2(-self.lod(&derivatives, 1.0)))
     }
 
     fn lod_at(&self, at: LookupPoint) -> f32 {
-        // Told apart first, since most lookups of the finest level need no derivatives.
+        // Checked first, since most lookups of the finest level need no derivatives.
         if at.width > 0.0 { self.derivatives(at.point).map_or(0.0, |d| self.lod(&d, at.width)) } else { 0.0 }
     }
 
-    /// Returns log2 of the texels of the finest level that lie on `width`, where they lie closest: those of needles at
-    /// most 16 times as close as on average.
+    /// Returns log2 of the number of finest-level texels per `width`, in the direction in which they are densest; for
+    /// needle shapes at most 16 times as dense as on average.
     ///
-    /// A texel is the parallelogram of a = ∂p/∂u / columns and b = ∂p/∂v / rows; the least eigenvalue of their Gram
-    /// matrix is its squared least width.
+    /// A texel is the parallelogram of a = ∂p/∂u / columns and b = ∂p/∂v / rows; the smallest eigenvalue of their
+    /// Gram matrix is its squared minimum width.
     pub fn lod(&self, derivatives: &UvDerivatives, width: f32) -> f32 {
         const MOST: f64 = 16.0;
         let a = derivatives.dp_du.to_f64() / f64::from(self.texture.width());
@@ -133,7 +133,7 @@ impl TextureOnMesh<'_> {
         let most = mean + (half * half + ab * ab).sqrt();
         let least = (area * area / most).max(area / (MOST * MOST));
         let squared = f64::from(width) * f64::from(width) / least;
-        // Without a width, or a triangle's, there is nothing to average.
+        // If the lookup width or the triangle's is 0, there is nothing to average.
         if squared > 0.0 { 0.5 * poly::log2(squared.clamp(1e-30, 1e30) as f32) } else { 0.0 }
     }
 }

@@ -1,23 +1,24 @@
-//! A surface with its materials: one mesh in world space that knows what each of its points shows.
+//! A surface with its materials: one mesh in world space with the material at each of its points.
 
 use super::alpha::common_mode;
 use super::appearance::{Appearance, MaterialSample, Part};
 use super::joined::{Keep, joined, moved_back};
 use super::map_places;
 use super::mapped_normal::MappedNormal;
-use super::normal_source::NormalSource;
 use super::texture_lookup::LookupPoint;
 use crate::error::Result;
 use crate::image::Texture;
 use crate::math::{Mat4, Vec2, Vec3};
 use crate::mesh::{Mesh, MeshData, Point};
+use crate::pixel::NormalSource;
 use crate::scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef};
 use crate::surface::with_frames;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// All triangles of a scene as one mesh in world space, each with its own material: normal, height and all other maps.
+/// All triangles of a scene as one mesh in world space, each with its own material: normal, height and all other
+/// maps.
 #[derive(Debug, Clone)]
 pub struct TexturedMesh {
     mesh: Mesh,
@@ -25,11 +26,11 @@ pub struct TexturedMesh {
 }
 
 impl TexturedMesh {
-    /// Takes a scene over, with smooth normals where it had none, and with tangents where its normal maps need them:
-    /// the file's, else MikkTSpace's.
+    /// Takes over a scene, with smooth normals if it had none, and with tangents where its normal maps need them: the
+    /// file's, else MikkTSpace's.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] where the scene has more than 2^32 − 1 vertices.
+    /// [`crate::Error::Limit`] if the scene has more than 2^32 − 1 vertices.
     pub fn new(scene: Scene) -> Result<Self> {
         let mut scene = scene.into_data();
         let mut instances = std::mem::take(&mut scene.instances);
@@ -49,12 +50,12 @@ impl TexturedMesh {
     /// Returns the material of a triangle.
     ///
     /// # Panics
-    /// Where there is no triangle.
+    /// If the mesh has no such triangle.
     pub fn material(&self, triangle: u32) -> &Material {
         self.appearance.material(triangle)
     }
 
-    /// Returns the number of the material of a triangle, among those of the scene.
+    /// Returns the index of a triangle's material, among those of the scene.
     ///
     /// # Panics
     /// If the mesh has no such triangle.
@@ -62,20 +63,19 @@ impl TexturedMesh {
         self.appearance.material_number(triangle)
     }
 
-    /// Returns the factors of the first instance's material, which stand where nothing of the surface is found.
+    /// Returns the factors of the first instance's material, used if no surface is found.
     pub(super) fn first_factors(&self) -> MaterialSample {
         self.appearance.first_factors()
     }
 
-    /// Returns the alpha mode of one material that shows all triangles: blended where one of them is; else a mask, with
-    /// the cutoff 0.5 where they have several; else opaque.
+    /// Returns the alpha mode of one material that shows all triangles: blended if any of them is; else a mask, with
+    /// the cutoff 0.5 if cutoffs differ; else opaque.
     pub fn alpha_mode(&self) -> AlphaMode {
         let Appearance { parts, materials, .. } = &self.appearance;
         common_mode(parts.iter().map(|part| materials[part.material].alpha))
     }
 
-    /// Returns the alpha modes of all triangles, each once; masks count as one, with the cutoff 0.5 where they have
-    /// several.
+    /// Returns the distinct alpha modes of all triangles; masks count as one, with the cutoff 0.5 if cutoffs differ.
     pub fn alpha_modes(&self) -> Vec<AlphaMode> {
         let Appearance { parts, materials, .. } = &self.appearance;
         let modes = || parts.iter().map(|part| materials[part.material].alpha);
@@ -90,26 +90,26 @@ impl TexturedMesh {
         found
     }
 
-    /// Reads colours of textures with alpha beyond their finest level as means of what is visible, each weighted by its
+    /// Makes lookups of textures with alpha beyond their finest level average visible colours, each weighted by its
     /// alpha. Such textures are then in memory twice.
     ///
     /// # Errors
-    /// None but those of [`crate::image::Bitmap::new`], which checks again.
+    /// Only those of [`crate::image::Bitmap::new`], which validates again.
     pub(super) fn with_visible_means(self) -> Result<Self> {
         Ok(Self { appearance: self.appearance.with_visible_means()?, ..self })
     }
 
     /// Returns the normal at a point as a renderer shades it: `smooth`, the interpolated one, bent by the normal or
-    /// height map there. It is `smooth` itself where there is none.
+    /// height map there; `smooth` itself without a map.
     ///
     /// # Panics
-    /// Where the mesh has no such triangle.
+    /// If the mesh has no such triangle.
     pub fn normal(&self, at: LookupPoint, smooth: Vec3) -> MappedNormal {
         self.appearance.normal(&self.mesh, at, smooth)
     }
 
-    /// Returns `true` if alpha does not make the surface transparent at a point: it reaches a mask's cutoff, or a half if it is
-    /// blended.
+    /// Returns `true` if alpha does not make the surface transparent at a point: it reaches a mask's cutoff, or one
+    /// half if blended.
     ///
     /// # Panics
     /// If the mesh has no such triangle.
@@ -123,7 +123,7 @@ impl TexturedMesh {
         }
     }
 
-    /// Returns the width of the finest texel of all textures at a point, model units; `None` without textures.
+    /// Returns the width of the finest texel of all textures at a point, in model units; `None` without textures.
     ///
     /// # Panics
     /// If the mesh has no such triangle.
@@ -131,7 +131,7 @@ impl TexturedMesh {
         self.appearance.texel_size(&self.mesh, point)
     }
 
-    /// Returns the texels across and down of the texture by which the errors of a map are laid out: the largest
+    /// Returns the width and height, in texels, of the texture that defines the layout of error maps: the largest
     /// [`leading_texture`](super::leading_texture) of its materials; `None` without textures.
     pub fn map_size(&self) -> Option<[u32; 2]> {
         let Appearance { textures, parts, materials, .. } = &self.appearance;
@@ -140,8 +140,9 @@ impl TexturedMesh {
         sizes.max_by_key(|[width, height]| u64::from(*width) * u64::from(*height))
     }
 
-    /// Returns the place of each vertex on the maps of its material: the transformed uvs of the
-    /// [`leading_texture`](super::leading_texture), or the first uv set if there is none. Empty if the surface has no uvs.
+    /// Returns the position of each vertex on the maps of its material: the transformed uvs of the
+    /// [`leading_texture`](super::leading_texture), or the first uv set if there is none. Empty if the surface has no
+    /// uvs.
     pub fn map_places(&self) -> Cow<'_, [Vec2]> {
         let Appearance { parts, materials, .. } = &self.appearance;
         let leads: Vec<Option<TextureRef>> = map_places::leading(parts, materials).collect();
@@ -153,13 +154,13 @@ impl TexturedMesh {
         &self.appearance.textures
     }
 
-    /// Says of each material whether it shows one of some textures.
+    /// Returns a flag per material: `true` if it uses one of some textures.
     pub(crate) fn materials_with(&self, textures: &[usize]) -> Vec<bool> {
         let shows = |used: &TextureRef| textures.contains(&used.texture);
         self.appearance.materials.iter().map(|material| material.textures().iter().any(shows)).collect()
     }
 
-    /// Returns its materials with a texture in the place of others.
+    /// Returns its materials with a texture replacing others.
     pub(super) fn retextured(&self, textures: &[usize], with: &Texture) -> Result<Appearance> {
         let mut appearance = self.appearance.clone();
         textures.iter().for_each(|texture| appearance.textures[*texture] = with.clone());
@@ -167,19 +168,19 @@ impl TexturedMesh {
         Ok(appearance)
     }
 
-    /// Returns what the material is at a point.
+    /// Returns the material values at a point.
     ///
     /// # Panics
-    /// Where the mesh has no such triangle.
+    /// If the mesh has no such triangle.
     pub fn sample(&self, at: LookupPoint) -> MaterialSample {
         self.appearance.sample(&self.mesh, at)
     }
 
-    /// Returns a scene of the same triangles and materials, an instance for each of the scene that it was made of.
-    /// Nothing is copied where there was one instance, unless its normals are in object space.
+    /// Returns a scene of the same triangles and materials, with one instance for each of the original scene. Nothing
+    /// is copied if there was one instance, unless its normals are in object space.
     ///
     /// # Errors
-    /// None but those of [`Scene::new`], which checks again.
+    /// Only those of [`Scene::new`], which validates again.
     pub fn into_scene(self) -> Result<Scene> {
         let Self { mesh, appearance: Appearance { parts, materials, textures, .. } } = self;
         let meshes = match parts.len() {
@@ -196,25 +197,25 @@ impl TexturedMesh {
     }
 }
 
-/// Returns for each mesh of a scene whether a [`TexturedMesh`] makes tangents of it, which takes memory: a normal map in
-/// tangent space is on it, and it has none.
+/// Returns a flag per mesh of a scene: `true` if a [`TexturedMesh`] makes tangents for it, which takes memory: it has
+/// a tangent-space normal map and no tangents.
 pub fn lacks_tangents(scene: &Scene) -> Vec<bool> {
     let mut lacks = vec![false; scene.meshes().len()];
     for instance in scene.instances() {
         let mesh = &scene.meshes()[instance.mesh];
-        let source = NormalSource::of(&scene.materials()[instance.material], mesh.uvs().len());
+        let source = NormalSource::best(&scene.materials()[instance.material]).on_mesh(mesh.uvs().len());
         lacks[instance.mesh] |= source.tangent_set().is_some() && mesh.tangents().is_empty();
     }
     lacks
 }
 
-/// Gives each instance whose normal map is in tangent space a mesh with tangents, and drops the meshes that no instance
-/// shows any more.
+/// Gives each instance whose normal map is in tangent space a mesh with tangents, and drops meshes that are no longer
+/// used.
 fn give_frames(scene: &mut SceneData, instances: &mut [Instance]) -> Result<()> {
     let mut framed: HashMap<(usize, usize), usize> = HashMap::new();
     for instance in instances.iter_mut() {
         let mesh = &scene.meshes[instance.mesh];
-        let source = NormalSource::of(&scene.materials[instance.material], mesh.uvs().len());
+        let source = NormalSource::best(&scene.materials[instance.material]).on_mesh(mesh.uvs().len());
         let Some(set) = source.tangent_set() else { continue };
         let key = (instance.mesh, set);
         instance.mesh = match framed.get(&key) {
@@ -235,7 +236,7 @@ fn give_frames(scene: &mut SceneData, instances: &mut [Instance]) -> Result<()> 
     Ok(())
 }
 
-/// Returns the number of uv sets up to the last that a texture reads, and at least one.
+/// Returns the number of uv sets up to the last that a texture uses, and at least one.
 fn uv_sets(scene: &SceneData, instances: &[Instance]) -> usize {
     let mut is_used = vec![false; scene.materials.len()];
     instances.iter().for_each(|instance| is_used[instance.material] = true);
@@ -252,7 +253,7 @@ fn without_tangents(mesh: Mesh) -> Result<Mesh> {
     Mesh::new(MeshData { tangents: Vec::new(), ..mesh.into_data() })
 }
 
-/// Returns the transform from the space in which a part's normal map is written to world space, if that is another.
+/// Returns the transform from the space of a part's normal map to world space, if they differ.
 fn object_space(part: &Part) -> Mat4 {
     match part.normal_source {
         NormalSource::ObjectMap(_) if part.world_from_object.inverse_affine().is_some() => {

@@ -1,4 +1,4 @@
-//! The alpha mode of each triangle of a low-poly mesh: that of most of the surface it stands for.
+//! The alpha mode of each triangle of a low-poly mesh: that of most of the surface it represents.
 
 use super::cage::Cage;
 use super::scan::Scan;
@@ -6,7 +6,8 @@ use crate::mesh::{Mesh, Point};
 use crate::parallel;
 use crate::scene::AlphaMode;
 
-/// The weights of the points of a triangle from which the scan is looked for: its centre, and six points around it.
+/// The barycentric weights of the points of a triangle that are projected onto the scan: its centre, and six points
+/// around it.
 const POINTS: [[f32; 3]; 7] = [
     [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
     [0.6, 0.2, 0.2],
@@ -18,9 +19,9 @@ const POINTS: [[f32; 3]; 7] = [
 ];
 
 impl Scan {
-    /// Returns the alpha mode of each triangle of a low-poly mesh: that of most of the points of the scan onto which a
-    /// few of its own are projected, as texels are. Masks with several cutoffs are one with the cutoff 0.5. Of modes
-    /// with as many points the one that lets more through counts; a triangle that finds no scan is opaque.
+    /// Returns the alpha mode of each triangle of a low-poly mesh: the most frequent one among points of the scan
+    /// onto which a few of its points are projected, as texels are. Masks with several cutoffs count as one with the
+    /// cutoff 0.5. In a tie, the more transparent mode wins; a triangle that finds no scan is opaque.
     pub fn alpha_modes(&self, low: &Mesh, cage: &Cage) -> Vec<AlphaMode> {
         let count = low.triangles().len();
         match self.surface().alpha_modes().as_slice() {
@@ -33,7 +34,7 @@ impl Scan {
         }
     }
 
-    /// Returns the rank of the mode of what a point of the low-poly mesh shows; `None` where it finds no scan.
+    /// Returns the rank of the mode at a point of the low-poly mesh; `None` if it finds no scan.
     fn rank_at(&self, low: &Mesh, cage: &Cage, point: Point) -> Option<usize> {
         let projection = cage.projection_ray(low, point);
         let found = self.project(&projection).or_else(|| cage.fallback(self, &projection))?;
@@ -41,7 +42,7 @@ impl Scan {
     }
 }
 
-/// Returns the place of a mode among all kinds of them: the higher, the more it lets through.
+/// Returns the rank of a mode among all kinds: the higher, the more transparent.
 fn rank(mode: AlphaMode) -> usize {
     match mode {
         AlphaMode::Opaque => 0,
@@ -50,7 +51,7 @@ fn rank(mode: AlphaMode) -> usize {
     }
 }
 
-/// Returns the most frequent of ranks, of several such the highest; 0 where there is none.
+/// Returns the most frequent of the ranks, the highest in a tie; 0 if there is none.
 fn most(ranks: impl Iterator<Item = usize>) -> usize {
     let mut counts = [0; 3];
     ranks.for_each(|rank| counts[rank] += 1);

@@ -1,4 +1,4 @@
-//! Parts of a scan that a low-poly mesh lacks.
+//! Parts of a scan that are missing from a low-poly mesh.
 
 use super::area_samples::sample_area;
 use super::scan::Scan;
@@ -7,8 +7,8 @@ use crate::mesh::Mesh;
 use crate::parallel;
 use crate::trace::Bvh;
 
-/// Returns those of `count` points spread evenly over a scan's area from which `low` is farther away than `distance`, model
-/// units, and that can be seen; none if one of the meshes has no area. They are the same for the same meshes.
+/// Returns those of `count` points spread evenly over a scan's area that are visible and farther from `low` than
+/// `distance`, in model units; none if one of the meshes has no area. Deterministic.
 pub fn uncovered(scan: &Scan, low: &Mesh, count: usize, distance: f64) -> Vec<Vec3<f64>> {
     let Ok(point) = sample_area(scan.mesh(), count) else { return Vec::new() };
     let bvh = Bvh::of(low.triangles().len(), |t| low.corners(t));
@@ -34,8 +34,8 @@ mod tests {
         let top = |t: &[u32; 3]| t.iter().all(|v| data.positions[*v as usize].y > 0.5);
         data.triangles = data.triangles.iter().copied().filter(|t| !top(t)).collect();
         let points = uncovered(&scan, &Mesh::new(data).unwrap(), 1000, 0.05);
-        // Rows of 6° above y = 0.5 reach down to 54° from the pole, where 0.05 of the border are covered still: 51.1°, and
-        // (1 − cos 51.1°) / 2 = 0.186 of the ball.
+        // Rows of 6° above y = 0.5 reach down to 54° from the pole, where 0.05 of the border are still covered:
+        // 51.1°, and (1 − cos 51.1°) / 2 = 0.186 of the ball.
         assert!((180..=192).contains(&points.len()), "{}", points.len());
         assert!(points.iter().all(|p| p.y > 0.5));
     }

@@ -1,4 +1,4 @@
-//! A surface looked up by its uvs, for pairs of meshes that share them.
+//! Surface lookup by uv, for pairs of meshes that share uvs.
 
 use super::texture_lookup::LookupPoint;
 use super::textured_mesh::TexturedMesh;
@@ -7,7 +7,7 @@ use crate::math::{Vec2, Vec3};
 use crate::scene::Scene;
 use crate::trace::{Bvh, Ray};
 
-/// The first uv set of a scene as a flat drawing whose places know their normal.
+/// The first uv set of a scene as a flat mesh whose points map to a position and normal.
 pub struct UvLookup {
     /// Each triangle at (u, v, 0).
     bvh: Bvh,
@@ -15,10 +15,10 @@ pub struct UvLookup {
 }
 
 impl UvLookup {
-    /// Sorts all triangles of `scene` by their first uvs. Meshes without uvs are left out.
+    /// Indexes all triangles of `scene` by their first uvs. Meshes without uvs are skipped.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] where the scene has more than 2^32 − 1 vertices.
+    /// [`crate::Error::Limit`] if the scene has more than 2^32 − 1 vertices.
     pub fn new(scene: &Scene) -> Result<Self> {
         let mut scene = scene.clone().into_data();
         scene.instances.retain(|instance| !scene.meshes[instance.mesh].uvs().is_empty());
@@ -29,8 +29,8 @@ impl UvLookup {
         Ok(Self { bvh, surface })
     }
 
-    /// Returns the position and the unit normal (world space) of the place with this uv, maps of normals and heights
-    /// read at their finest level; where triangles overlap, of the first. `None` where there is none.
+    /// Returns the position and the unit normal (world space) at this uv, with normal and height maps read at their
+    /// finest level; if triangles overlap, of the first. `None` if there is none.
     pub fn at(&self, uv: Vec2) -> Option<(Vec3, Vec3)> {
         let ray = Ray::new(Vec3::new(uv.x, uv.y, -1.0), Vec3::new(0.0, 0.0, 1.0));
         let point = self.bvh.nearest(&ray, f32::INFINITY)?.point();

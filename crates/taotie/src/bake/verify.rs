@@ -15,34 +15,34 @@ use crate::surface::facet_normal;
 
 /// A low-poly mesh as a viewer shows it, measured along the rays of a bake.
 pub struct Verifier<'a> {
-    /// With normals.
+    /// The low-poly mesh, with normals.
     pub mesh: &'a Mesh,
-    /// The same triangles with their material, whose normals are measured; `None` measures the vertex normals.
+    /// The same triangles with their material, whose normals are measured; `None` measures vertex normals.
     pub shown: Option<&'a TexturedMesh>,
     /// The cage from which each of its points is projected onto the scan.
     pub cage: &'a Cage,
-    /// The scan that it should look like.
+    /// The scan that it should match.
     pub scan: &'a Scan,
 }
 
-/// The angles between normals and those of the scan.
+/// The angles between the mesh's normals and those of the scan.
 #[derive(Debug, Clone)]
 pub struct NormalError {
-    /// Degrees, one number for each of many points spread evenly over the low-poly mesh.
+    /// Degrees, one value for each of many points spread evenly over the low-poly mesh.
     pub angles: Field,
-    /// The part of the points whose projection ray missed the scan, so that its closest point was taken: [0, 1].
+    /// The fraction of points whose projection ray missed the scan, so that its closest point was used: [0, 1].
     pub missed: f64,
-    /// The part for which that failed too; they have no angle.
+    /// The fraction for which that failed too; they have no angle.
     pub lost: f64,
 }
 
 impl Verifier<'_> {
-    /// Measures the angle between the normal that a viewer shows, the map looked up bilinearly at its finest level, and
-    /// the scan's, at `count` points spread evenly over the low-poly mesh's area. The scan's normal and height maps are
-    /// read at their finest level, so relief that the low-poly mesh cannot hold counts.
+    /// Measures the angle between the normal that a viewer shows, the map looked up bilinearly at its finest level,
+    /// and the scan's, at `count` points spread evenly over the low-poly mesh's area. The scan's normal and height
+    /// maps are read at their finest level, so relief that the low-poly mesh cannot represent counts.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if the mesh has no area, no normals, or other triangles than its material.
+    /// [`Error::Invalid`] if the mesh has no area, no normals, or different triangles from its material.
     pub fn normal_error(&self, count: usize) -> Result<NormalError> {
         self.check(self.shown)?;
         let point = sample_area(self.mesh, count)?;
@@ -74,18 +74,18 @@ impl Verifier<'_> {
         }
     }
 
-    /// Returns the angle between what is shown and what should be, degrees; NaN where nothing was found.
+    /// Returns the angle between the shown and the expected normal, in degrees; NaN if nothing was found.
     fn angle(&self, point: Point) -> (f32, Way) {
         let (found, way) = self.found(point);
         (found.map_or(f32::NAN, |found| self.angle_to(point, &found)), way)
     }
 
-    /// Returns the angle between what is shown at a point and the scan's normal at the one that it corresponds to, degrees.
+    /// Returns the angle between the normal shown at a point and the scan's at its correspondence, in degrees.
     pub(super) fn angle_to(&self, point: Point, found: &Correspondence) -> f32 {
         angle_deg(self.shown(point).to_f64(), self.scan.mapped_normal(found, 0.0).normal.to_f64()) as f32
     }
 
-    /// Returns the point of the scan that a point corresponds to.
+    /// Returns the point of the scan that corresponds to a point.
     pub(super) fn found(&self, point: Point) -> (Option<Correspondence>, Way) {
         let projection = self.cage.projection_ray(self.mesh, point);
         match self.scan.project(&projection) {
@@ -104,7 +104,7 @@ impl Verifier<'_> {
     }
 }
 
-/// The way in which a point found the scan.
+/// How a point found the scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Way {
     #[default]
@@ -113,11 +113,11 @@ pub(super) enum Way {
     Lost,
 }
 
-/// Faults of a pair of meshes, found before anything is baked.
+/// Measures a pair of meshes before anything is baked.
 impl Verifier<'_> {
-    /// Of points spread over the low-poly mesh: the part near which the scan has no surface at all, the part where its
-    /// closest surface faces the other way, and the mean distance to it as a part of `diagonal`; `None` where the mesh
-    /// has no area.
+    /// For points spread over the low-poly mesh: the fraction with no surface of the scan nearby, the fraction whose
+    /// closest surface faces the other way, and the mean distance to it as a fraction of `diagonal`; `None` if the
+    /// mesh has no area.
     pub fn fit(&self, count: usize, diagonal: f64) -> Option<Fit> {
         let point = sample_area(self.mesh, count).ok()?;
         let look = |i: usize| {
@@ -139,16 +139,16 @@ impl Verifier<'_> {
     }
 }
 
-/// The part of the diagonal beyond which a scan is not the surface of a low-poly mesh.
+/// The fraction of the diagonal beyond which a scan does not match the surface of a low-poly mesh.
 const AWAY: f64 = 0.02;
 
-/// The measure of how well a low-poly mesh and a scan fit together.
+/// Measures how well a low-poly mesh and a scan fit together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fit {
-    /// The part of the low-poly mesh that lies farther than a fiftieth of the diagonal from the scan, [0, 1].
+    /// The fraction of the low-poly mesh that is farther than a fiftieth of the diagonal from the scan, [0, 1].
     pub away: f64,
-    /// The part that faces the other way than the closest surface of the scan, [0, 1].
+    /// The fraction that faces away from the closest surface of the scan, [0, 1].
     pub turned: f64,
-    /// The mean distance as a part of the diagonal.
+    /// The mean distance as a fraction of the diagonal.
     pub distance: f64,
 }

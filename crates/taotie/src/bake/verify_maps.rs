@@ -1,4 +1,4 @@
-//! The errors of a low-poly mesh laid out on its map, texel by texel.
+//! The errors of a low-poly mesh on its map, texel by texel.
 
 use super::layout::{BAND, Layout};
 use super::projection::Correspondence;
@@ -11,30 +11,31 @@ use crate::mesh::Point;
 use crate::parallel;
 use std::borrow::Cow;
 
-/// The errors at the middle of each texel of a map; NaN between UV islands, and where no scan was found.
+/// The errors at the centre of each texel of a map; NaN between UV islands, and if no scan was found.
 #[derive(Debug, Clone)]
 pub struct ErrorMaps {
-    /// Degrees between the normals shown and the scan's.
+    /// Degrees between the shown normals and the scan's.
     pub angles: Field,
-    /// CIEDE2000 between the base colours; NaN too if either side is transparent; `None` if they were not compared.
+    /// CIEDE2000 between the base colours; also NaN if either side is transparent; `None` if they were not compared.
     pub colors: Option<Field>,
-    /// How many times wider than the scan's detail the texels of the finest texture are; NaN without textures.
+    /// The width of the finest texture's texels relative to the scan's detail; NaN without textures.
     pub coarser: Option<Field>,
 }
 
-/// What is compared at each texel besides normals.
+/// Quantities compared at each texel in addition to normals.
 #[derive(Clone, Copy, Default)]
 pub struct TexelChecks<'a> {
     /// The material whose colours are compared.
     pub colors: Option<&'a TexturedMesh>,
-    /// The material whose texels are compared with the width of the finest detail at a point of the scan, model units.
+    /// The material whose texels are compared with the width of the finest detail at a point of the scan, in model
+    /// units.
     pub detail: Option<(&'a TexturedMesh, &'a (dyn Fn(Point) -> f32 + Sync))>,
 }
 
 impl Verifier<'_> {
-    /// Measures the errors at the middle of each texel of a map of this size, along the rays of [`Verifier::normal_error`]. They
-    /// are laid out as the maps of the material are, by [`TexturedMesh::map_places`]. `None` if a triangle spans more than 16
-    /// copies of the map: a pattern that repeats so often has no map of errors.
+    /// Measures the errors at the centre of each texel of a map of this size, along the rays of
+    /// [`Verifier::normal_error`]. They are laid out like the maps of the material, by [`TexturedMesh::map_places`].
+    /// `None` if a triangle spans more than 16 copies of the map: a pattern that repeats so often has no error map.
     ///
     /// # Errors
     /// As [`Verifier::normal_error`]; [`Error::Invalid`] if the mesh has no uvs.

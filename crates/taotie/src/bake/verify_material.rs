@@ -12,31 +12,31 @@ use crate::mesh::Point;
 use crate::parallel;
 use crate::scene::{AlphaMode, Material};
 
-/// The differences of a material from that of the scan, one number for each of many points spread evenly over the
-/// low-poly mesh; NaN where a point found no scan, where a value of either side is not finite, and between colours where
-/// either side is not there to be seen.
+/// The differences of a material from that of the scan, one value for each of many points spread evenly over the
+/// low-poly mesh; NaN if a point found no scan, if a value of either side is not finite, and for colours if either
+/// side is invisible.
 #[derive(Debug, Clone)]
 pub struct MaterialError {
     /// CIEDE2000 between the base colours.
     pub color: Field,
-    /// Between the values of metallic, [0, 1].
+    /// Differences of metallic, [0, 1].
     pub metallic: Field,
-    /// Between the roughnesses as artists set them, [0, 1].
+    /// Differences of perceptual roughness, [0, 1].
     pub roughness: Field,
-    /// Between the radiances emitted, in the channel that differs most.
+    /// Differences of emitted radiance, in the channel that differs most.
     pub emission: Field,
-    /// Between the alphas, [0, 1]: 1 where opaque, 0 or 1 where a mask decides.
+    /// Differences of alpha, [0, 1]: 1 if opaque, 0 or 1 if a mask decides.
     pub alpha: Field,
-    /// The part of the points that found the scan, and at which a value of either side is not finite, [0, 1].
+    /// The fraction of points that found the scan and at which a value of either side is not finite, [0, 1].
     pub not_finite: f64,
 }
 
 impl Verifier<'_> {
-    /// Measures the material that `shown` has, the textures of both sides looked up at their finest levels, at the
-    /// points of [`Verifier::normal_error`]. `shown` has the triangles of [`Verifier::mesh`], in the same order.
+    /// Measures the material of `shown`, the textures of both sides looked up at their finest levels, at the points
+    /// of [`Verifier::normal_error`]. `shown` has the triangles of [`Verifier::mesh`], in the same order.
     ///
     /// # Errors
-    /// [`crate::Error::Invalid`] where the mesh has no area, or other triangles than `shown`.
+    /// [`crate::Error::Invalid`] if the mesh has no area, or different triangles from `shown`.
     pub fn material_error(&self, shown: &TexturedMesh, count: usize) -> Result<MaterialError> {
         self.check(Some(shown))?;
         let point = sample_area(self.mesh, count)?;
@@ -57,8 +57,8 @@ impl Verifier<'_> {
         self.difference_to(shown, point, &found)
     }
 
-    /// Returns the CIEDE2000 between the base colours at a point and at the one of the scan that it corresponds to; NaN if one
-    /// of them is not finite, or if either side is transparent.
+    /// Returns the CIEDE2000 between the base colours at a point and at its correspondence on the scan; NaN if one of
+    /// them is not finite, or if either side is transparent.
     pub(super) fn color_to(&self, shown: &TexturedMesh, point: Point, found: &Correspondence) -> f32 {
         self.difference_to(shown, point, found).color
     }
@@ -104,17 +104,17 @@ impl Shown {
     }
 }
 
-/// Returns a number itself; NaN where it is not finite.
+/// Returns the number itself; NaN if it is not finite.
 fn finite(v: f32) -> f32 {
     if v.is_finite() { v } else { f32::NAN }
 }
 
-/// Returns the larger number; NaN where one of them is.
+/// Returns the larger number; NaN if either is.
 fn larger(a: f32, b: f32) -> f32 {
     if a.is_nan() || a > b { a } else { b }
 }
 
-/// Returns how much of a surface with this alpha is seen, [0, 1].
+/// Returns the visible fraction of a surface with this alpha, [0, 1].
 fn visible(material: &Material, alpha: f32) -> f32 {
     match material.alpha {
         AlphaMode::Opaque => 1.0,
@@ -126,7 +126,7 @@ fn visible(material: &Material, alpha: f32) -> f32 {
 /// The differences at a point.
 #[derive(Clone, Copy)]
 struct Difference {
-    /// `true` where a value that is seen is not finite.
+    /// `true` if a visible value is not finite.
     is_broken: bool,
     color: f32,
     metallic: f32,
@@ -136,7 +136,7 @@ struct Difference {
 }
 
 impl Default for Difference {
-    /// Where no scan was found.
+    /// The differences if no scan was found.
     fn default() -> Self {
         let none = f32::NAN;
         Self { is_broken: false, color: none, metallic: none, roughness: none, emission: none, alpha: none }
@@ -170,7 +170,7 @@ mod tests {
         assert!(red.difference(&shown(Vec3::default(), 0.5)).color > 20.0);
         let hidden = Shown { alpha: 0.0, ..red };
         let d = hidden.difference(&shown(Vec3::default(), 0.5));
-        assert!(d.color.is_nan() && d.alpha == 1.0 && !d.is_broken, "nobody sees its colour");
+        assert!(d.color.is_nan() && d.alpha == 1.0 && !d.is_broken, "its colour is invisible");
     }
 
     #[test]

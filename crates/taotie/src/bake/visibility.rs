@@ -5,11 +5,12 @@ use super::sights::{SightLine, Sights};
 use crate::math::Vec3;
 use crate::mesh::Point;
 
-/// Tells which points of a surface a viewer can see.
+/// Determines which points of a surface a viewer can see.
 ///
-/// A point is visible from outside if nothing hides it in the direction of its facet normal or in one of 256 fixed directions
-/// on its front; of double-sided materials, on either side. If less than half of the area is visible so, and more of it from
-/// the largest free space within, the surface is an interior (a room, a tomb, a cave), and its points are seen from there.
+/// A point is visible from outside if nothing hides it in the direction of its facet normal or in one of 256 fixed
+/// directions on its front; for double-sided materials, on either side. If less than half of the area is visible in
+/// this way, and more of it from the largest free space within, the surface is an interior (a room, a tomb, a cave),
+/// and its points are seen from there.
 #[derive(Clone, Copy)]
 pub struct Visibility<'a> {
     surface: &'a Scan,
@@ -17,12 +18,12 @@ pub struct Visibility<'a> {
 }
 
 impl<'a> Visibility<'a> {
-    /// Looks at a surface.
+    /// Analyses a surface.
     pub fn of(surface: &'a Scan) -> Self {
         Self { surface, sights: surface.sights() }
     }
 
-    /// Returns the places in the free space from which an interior is seen; none if it is seen from outside.
+    /// Returns the viewpoints in the free space of an interior; none if it is seen from outside.
     pub fn places(&self) -> &'a [Vec3] {
         self.sights.places()
     }
@@ -32,7 +33,7 @@ impl<'a> Visibility<'a> {
         !self.sights.places().is_empty()
     }
 
-    /// Returns the line along which a point is seen best: that closest to its normal. `None` if it is hidden.
+    /// Returns the line of sight closest to the normal at a point. `None` if it is hidden.
     pub fn sight_line(&self, point: Point) -> Option<SightLine> {
         self.sights.sight_line(self.surface.ground(), point)
     }

@@ -6,27 +6,30 @@ use crate::image::Image;
 use crate::math::{Vec3, scalar};
 use crate::parallel;
 
-/// The angle between two directions in degrees, [0, 180]; their lengths do not matter. NaN where one is zero or NaN.
+/// Returns the angle between two directions in degrees, [0, 180], whatever their lengths. NaN if one is zero or NaN.
 ///
 /// atan2(|a × b|, a · b), which is exact to a few ulp for the smallest and the largest angles, where the arc cosine
-/// of a · b is not: Kahan, "How futile are mindless assessments of roundoff in floating-point computation?" (2006), §12.
+/// of a · b is not: Kahan, "How futile are mindless assessments of roundoff in floating-point computation?" (2006),
+/// §12.
 pub fn angle_deg(a: Vec3<f64>, b: Vec3<f64>) -> f64 {
     let (Some(a), Some(b)) = (scaled(a), scaled(b)) else { return f64::NAN };
     scalar::atan2(a.cross(b).length(), a.dot(b)).to_degrees()
 }
 
-/// The vector by its largest component, so that no square overflows or vanishes; `None` where it has no direction.
+/// Returns the vector divided by its largest component, so that no square overflows or vanishes; `None` without a
+/// direction.
 fn scaled(v: Vec3<f64>) -> Option<Vec3<f64>> {
     let largest = v.to_array().into_iter().fold(0.0, |most: f64, c| most.max(c.abs()));
     let finite = v.to_array().into_iter().all(f64::is_finite);
     (finite && largest > 0.0).then(|| v / largest)
 }
 
-/// The angle in degrees between two images of normals, such as [`Aovs::normals`](crate::render::Aovs::normals):
-/// x, y and z in [-1, 1], and a fourth channel above 0 where there is something. NaN where one of them has nothing.
+/// Returns the angle in degrees between two images of normals, such as
+/// [`Aovs::normals`](crate::render::Aovs::normals): x, y and z in [-1, 1], and a fourth channel above 0 where a
+/// normal exists. NaN where one of them has none.
 ///
 /// # Errors
-/// [`Error::Invalid`](crate::Error::Invalid) where the sizes differ.
+/// [`Error::Invalid`](crate::Error::Invalid) if the sizes differ.
 pub fn angular_error(a: &Image, b: &Image) -> Result<Field> {
     same_size((a.width(), a.height()), (b.width(), b.height()))?;
     let normal = |[x, y, z, _]: [f32; 4]| Vec3::new(x, y, z).to_f64();

@@ -1,14 +1,14 @@
-//! CIEDE2000: how different two colours look side by side.
+//! CIEDE2000: the perceived difference of two colours seen side by side.
 //!
 //! Sharma, Wu and Dalal, "The CIEDE2000 Color-Difference Formula: Implementation Notes, Supplementary Test Data, and
-//! Mathematical Observations", Color Research and Application 30(1), 2005. Equation numbers below are the paper's; the
-//! parametric factors k_L, k_C and k_H are 1.
+//! Mathematical Observations", Color Research and Application 30(1), 2005. Equation numbers below are the paper's;
+//! the parametric factors k_L, k_C and k_H are 1.
 
 use super::lab::lab_from_linear;
 use crate::math::{Vec3, scalar};
 
-/// Returns the difference ΔE00 of two CIELAB colours, at least 0; about 1 is just visible. The colours may change
-/// places. It is NaN where one of them has a NaN.
+/// Returns the difference ΔE00 of two CIELAB colours, at least 0; about 1 is just visible. It is symmetric. NaN if
+/// one of them has a NaN.
 ///
 /// ```
 /// use taotie::compare::ciede2000;
@@ -30,12 +30,12 @@ pub fn ciede2000(a: Vec3<f64>, b: Vec3<f64>) -> f64 {
         + saturation * saturation
         + hue * hue
         + rotation(chroma, hues.mean) * saturation * hue;
-    // Rounding may take a sum of nothing below zero. What is not a number stays so: it is not the same colour.
+    // Rounding may make a sum of nothing negative. NaN is kept: it does not mean the same colour.
     if squared <= 0.0 { 0.0 } else { squared.sqrt() }
 }
 
-/// Returns the difference ΔE00 of two colours in linear RGB, each first brought into [0, 1]; see [`ciede2000`]. It is
-/// NaN where one of them is not finite.
+/// Returns the difference ΔE00 of two colours in linear RGB, each first clamped to [0, 1]; see [`ciede2000`]. NaN if
+/// one of them is not finite.
 pub fn color_difference(a: [f32; 3], b: [f32; 3]) -> f64 {
     if !a.iter().chain(&b).all(|v| v.is_finite()) {
         return f64::NAN;
@@ -44,7 +44,7 @@ pub fn color_difference(a: [f32; 3], b: [f32; 3]) -> f64 {
     ciede2000(lab(a), lab(b))
 }
 
-/// A colour by lightness, chroma and hue: L', C' and h'.
+/// A colour in terms of lightness, chroma and hue: L', C' and h'.
 struct Polar {
     lightness: f64,
     chroma: f64,
@@ -93,8 +93,8 @@ impl Hues {
     }
 }
 
-/// Returns whether the hues differ by more than 180°, by the sign of the sine between them: opposite hues, where the
-/// formula jumps, fall on the same side for any rounding of the angles.
+/// Returns `true` if the hues differ by more than 180°, by the sign of the sine between them: opposite hues, at which
+/// the formula is discontinuous, fall on the same side for any rounding of the angles.
 fn is_beyond_half_a_turn(a: &Polar, b: &Polar) -> bool {
     let (low, high) = if a.hue <= b.hue { (a, b) } else { (b, a) };
     let ([x, y], [u, v]) = (low.direction, high.direction);
@@ -106,7 +106,7 @@ fn chroma(lab: Vec3<f64>) -> f64 {
     (lab.y * lab.y + lab.z * lab.z).sqrt()
 }
 
-/// Returns 1 + G, by which a* is stretched near grey: equations 4 and 5.
+/// Returns 1 + G, the factor that stretches a* near grey: equations 4 and 5.
 fn red_green_scale(chroma: f64) -> f64 {
     1.5 - 0.5 * saturated(chroma)
 }
@@ -131,7 +131,7 @@ fn hue_weight(chroma: f64, hue: f64) -> f64 {
     1.0 + 0.015 * chroma * t
 }
 
-/// Returns R_T, which turns the ellipses of blue: equations 16, 17 and 21.
+/// Returns R_T, the rotation of the ellipses of blue: equations 16, 17 and 21.
 fn rotation(chroma: f64, hue: f64) -> f64 {
     let off = (hue - 275.0) / 25.0;
     let turn = 30.0 * scalar::exp(-off * off);

@@ -12,23 +12,23 @@ pub struct DisplayImage {
 }
 
 impl DisplayImage {
-    /// An image from encoded pixels, row by row from the top.
+    /// Makes an image from encoded pixels, row by row from the top.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where a side is zero, the count is not `width · height`, or a value is outside [0, 1].
+    /// [`Error::Invalid`] if a side is zero, the count is not `width · height`, or a value is outside [0, 1].
     pub fn new(width: u32, height: u32, pixels: Vec<[f32; 3]>) -> Result<Self> {
         one_per_pixel("a picture", width, height, pixels.len())?;
         let outside = |pixel: &[f32; 3]| !pixel.iter().all(|v| (0.0..=1.0).contains(v));
         if let Some(i) = pixels.iter().position(outside) {
             return Err(Error::invalid(
                 format!("pixel ({}, {}) of {:?}", i % width as usize, i / width as usize, pixels[i]),
-                "sRGB-encoded values are from 0 to 1; develop the picture first",
+                "sRGB-encoded values must be from 0 to 1; develop the picture first",
             ));
         }
         Ok(Self { width, height, pixels })
     }
 
-    /// An image as it was developed, opaque: its fourth channel is not looked at.
+    /// Makes an opaque image from a developed one, ignoring the fourth channel.
     ///
     /// # Errors
     /// As [`DisplayImage::new`].
@@ -37,7 +37,7 @@ impl DisplayImage {
         Self::from_8bit(width, height, &pixels)
     }
 
-    /// An image from the codes of an 8-bit file, row by row from the top.
+    /// Makes an image from the codes of an 8-bit file, row by row from the top.
     ///
     /// # Errors
     /// As [`DisplayImage::new`].
@@ -45,17 +45,17 @@ impl DisplayImage {
         Self::new(width, height, pixels.iter().map(|p| p.map(|v| f32::from(v) / 255.0)).collect())
     }
 
-    /// The width in pixels.
+    /// Returns the width in pixels.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// The height in pixels.
+    /// Returns the height in pixels.
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// All pixels, row by row from the top.
+    /// Returns all pixels, row by row from the top.
     pub fn pixels(&self) -> &[[f32; 3]] {
         &self.pixels
     }

@@ -4,16 +4,16 @@ use super::{DisplayImage, Field};
 use crate::error::Result;
 use crate::math::scalar;
 
-/// The root of the mean squared difference over all channels of all pixels, [0, 1].
+/// Returns the root of the mean squared difference over all channels of all pixels, [0, 1].
 ///
 /// # Errors
-/// [`Error::Invalid`](crate::Error::Invalid) where the sizes differ.
+/// [`Error::Invalid`](crate::Error::Invalid) if the sizes differ.
 pub fn rmse(a: &DisplayImage, b: &DisplayImage) -> Result<f64> {
     Ok(mean_squared(a, b)?.sqrt())
 }
 
-/// The peak signal-to-noise ratio in decibels, −10 log₁₀ of the mean squared difference, the peak being 1; infinite
-/// for equal images.
+/// Returns the peak signal-to-noise ratio in decibels, −10 log₁₀ of the mean squared difference, with a peak of 1;
+/// infinite for equal images.
 ///
 /// # Errors
 /// As [`rmse`].
@@ -22,7 +22,7 @@ pub fn psnr(a: &DisplayImage, b: &DisplayImage) -> Result<f64> {
     Ok(if squared == 0.0 { f64::INFINITY } else { -10.0 * scalar::log10(squared) })
 }
 
-/// The mean of the absolute differences of the three channels, each pixel's own, [0, 1].
+/// Returns the mean absolute difference of the three channels, per pixel, [0, 1].
 ///
 /// # Errors
 /// As [`rmse`].

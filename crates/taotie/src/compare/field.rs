@@ -1,4 +1,4 @@
-//! One number a pixel, and what many of them come to.
+//! One number per pixel, and summary statistics.
 
 use super::one_per_pixel;
 use crate::error::{Error, Result};
@@ -13,8 +13,8 @@ pub struct Field {
 
 /// The numbers of a [`Field`], in its unit.
 ///
-/// Quantiles are interpolated linearly between the two nearest of the n sorted values, the quantile q standing at
-/// (n − 1) · q counted from 0: type 7 of Hyndman and Fan 1996, NumPy's default.
+/// Quantiles are interpolated linearly between the two nearest of the n sorted values, with the quantile q at (n − 1)
+/// · q counted from 0: type 7 of Hyndman and Fan 1996, NumPy's default.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Summary {
@@ -33,31 +33,31 @@ pub struct Summary {
 }
 
 impl Field {
-    /// A field from its numbers, row by row from the top.
+    /// Makes a field from its numbers, row by row from the top.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where a side is zero or the count is not `width · height`.
+    /// [`Error::Invalid`] if a side is zero or the count is not `width · height`.
     pub fn new(width: u32, height: u32, values: Vec<f32>) -> Result<Self> {
         one_per_pixel("a field", width, height, values.len())?;
         Ok(Self { width, height, values })
     }
 
-    /// The width in pixels.
+    /// Returns the width in pixels.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// The height in pixels.
+    /// Returns the height in pixels.
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// All numbers, row by row from the top; NaN where there is none.
+    /// Returns all numbers, row by row from the top; NaN where there is none.
     pub fn values(&self) -> &[f32] {
         &self.values
     }
 
-    /// Mean and quantiles; `None` where no pixel has a number.
+    /// Returns the mean and quantiles; `None` if no pixel has a number.
     pub fn summary(&self) -> Option<Summary> {
         let mut numbers: Vec<f32> = self.numbers().collect();
         let sum = numbers.iter().fold(0.0, |sum, v| sum + f64::from(*v));
@@ -73,8 +73,8 @@ impl Field {
         })
     }
 
-    /// Counts the numbers in each of `bins` equal parts of [0, `top`); what lies at or above `top` falls into the last,
-    /// what lies below 0 into the first.
+    /// Counts the numbers in each of `bins` equal parts of [0, `top`); those at or above `top` fall into the last
+    /// part, those below 0 into the first.
     pub fn histogram(&self, bins: usize, top: f32) -> Vec<u64> {
         let mut counts = vec![0; bins];
         let Some(last) = bins.checked_sub(1) else { return counts };
@@ -85,10 +85,10 @@ impl Field {
         counts
     }
 
-    /// The field with numbers only where `keep` holds, one for each pixel.
+    /// Returns the field with only the numbers for which `keep`, one flag per pixel, is `true`.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where `keep` is of another length.
+    /// [`Error::Invalid`] if `keep` has a different length.
     pub fn within(&self, keep: &[bool]) -> Result<Field> {
         if keep.len() != self.values.len() {
             return Err(Error::invalid(
@@ -108,7 +108,7 @@ impl Field {
     }
 }
 
-/// The quantile `q` of `sorted`, which is not empty.
+/// Returns the quantile `q` of `sorted`, which is not empty.
 fn quantile(sorted: &[f32], q: f64) -> f64 {
     let at = (sorted.len() - 1) as f64 * q;
     let below = at.floor() as usize;

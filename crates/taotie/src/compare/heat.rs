@@ -9,7 +9,7 @@ pub enum ColorMap {
     /// Dark blue over green to yellow; van der Walt and Smith 2015.
     #[default]
     Viridis,
-    /// Black over purple to a light yellow; of the same makers, and that of FLIP's own images.
+    /// Black over purple to a light yellow; by the same authors, and used in FLIP's own images.
     Magma,
     /// Black to white.
     Gray,
@@ -22,7 +22,7 @@ impl Named for ColorMap {
 }
 
 impl ColorMap {
-    /// The 8-bit sRGB colour of a number, which is taken for 0 below 0 and for 1 above 1.
+    /// Returns the 8-bit sRGB colour of a number, clamped to [0, 1].
     pub fn color(self, value: f64) -> [u8; 3] {
         let gradient = match self {
             Self::Viridis => colorous::VIRIDIS,
@@ -33,8 +33,8 @@ impl ColorMap {
     }
 }
 
-/// The field as 8-bit sRGB colours, row by row from the top: 0 and below get the map's first colour, `top` and above
-/// its last, and pixels without a number the colour `nothing`.
+/// Returns the field as 8-bit sRGB colours, row by row from the top: 0 and below get the map's first colour, `top`
+/// and above its last, and pixels without a number the colour `nothing`.
 pub fn heat(field: &Field, top: f32, map: ColorMap, nothing: [u8; 3]) -> Vec<[u8; 3]> {
     let color = |value: &f32| match value {
         v if v.is_nan() => nothing,

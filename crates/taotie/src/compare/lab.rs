@@ -2,7 +2,7 @@
 
 use crate::math::{Vec3, scalar};
 
-/// CIE XYZ from linear sRGB, white being (1, 1, 1): each row of the matrix divided by its sum.
+/// Returns CIE XYZ from linear sRGB, white being (1, 1, 1): each row of the matrix divided by its sum.
 pub(super) const XYZ_FROM_RGB: [[f64; 3]; 3] = [
     [10_135_552.0 / 23_359_437.0, 8_788_810.0 / 23_359_437.0, 4_435_075.0 / 23_359_437.0],
     [2_613_072.0 / 12_288_897.0, 8_788_810.0 / 12_288_897.0, 887_015.0 / 12_288_897.0],

@@ -1,5 +1,4 @@
-//! Comparison: the angle between normals, the difference of colours, the error and the likeness of images, and images of
-//! them.
+//! Comparison: angles between normals, differences of colours, error metrics and similarity of images, and heat maps.
 //!
 //! Nothing here depends on the number of threads: pixels are independent of one another, and sums run in the order
 //! of pixels.
@@ -23,29 +22,31 @@ pub use error::{difference, psnr, rmse};
 pub use field::{Field, Summary};
 pub use flip::{PIXELS_PER_DEGREE, flip};
 pub use heat::{ColorMap, heat};
-pub use ssim::{SSIM_WINDOW, ssim, ssim_map};
-pub use stored::{NormalEncoding, StoredNormals, stored_normals, stored_picture};
+pub use ssim::ssim;
+pub(crate) use ssim::{SSIM_WINDOW, ssim_map};
+pub use stored::{NormalEncoding, StoredNormals};
+pub(crate) use stored::{stored_normals, stored_picture};
 
 use crate::error::{Error, Result};
 
-/// That two sizes are one.
+/// Checks that two sizes are equal.
 ///
 /// # Errors
-/// [`Error::Invalid`] that names both.
+/// [`Error::Invalid`], which names both.
 fn same_size(a: (u32, u32), b: (u32, u32)) -> Result<()> {
     if a == b {
         return Ok(());
     }
     Err(Error::invalid(
         format!("sizes {}x{} and {}x{}", a.0, a.1, b.0, b.1),
-        "only pictures of one size can be compared; render or resample one of them to the size of the other",
+        "images must have the same size; render or resample one of them to match the other",
     ))
 }
 
 /// Checks that there is one element for each pixel of an image that is not empty.
 ///
 /// # Errors
-/// [`Error::Invalid`] where it is not so.
+/// [`Error::Invalid`] if not.
 fn one_per_pixel(what: &str, width: u32, height: u32, count: usize) -> Result<()> {
     if width == 0 || height == 0 || count as u64 != u64::from(width) * u64::from(height) {
         return Err(Error::invalid(

@@ -9,13 +9,13 @@ pub(super) struct Plane {
 }
 
 impl Plane {
-    /// A plane from one number for each of the pixels.
+    /// Makes a plane from one number per pixel.
     pub fn new<P: Sync>(width: u32, pixels: &[P], number: impl Fn(&P) -> f64 + Sync) -> Self {
         Self { width: width as usize, values: parallel::collect(pixels.len(), |i| number(&pixels[i])) }
     }
 
-    /// The plane convolved with the kernel `across` along its rows and `down` along its columns, both of odd length
-    /// and applied unmirrored; beyond the border the plane goes on as its last pixels are.
+    /// Returns the plane convolved with the kernel `across` along its rows and `down` along its columns, both of odd
+    /// length and applied unmirrored; beyond the border the plane repeats its last pixels.
     pub fn filtered(&self, across: &[f64], down: &[f64]) -> Plane {
         self.rows_filtered(across).columns_filtered(down)
     }
@@ -41,7 +41,7 @@ impl Plane {
         })
     }
 
-    /// A plane of this size, of which `fill` writes each row; it gets the row's number.
+    /// Makes a plane of this size by calling `fill` with the index of each row.
     fn by_rows(&self, fill: impl Fn(usize, &mut [f64]) + Sync) -> Plane {
         let mut values = vec![0.0f64; self.values.len()];
         parallel::pieces(&mut values, self.width, &fill);
@@ -49,10 +49,10 @@ impl Plane {
     }
 }
 
-/// Numbers of a row that are summed at once.
+/// Number of values of a row that are summed together.
 const BLOCK: usize = 16;
 
-/// Writes the sum over all taps of a kernel of its weight times the row that `from` returns for it.
+/// Writes the sum, over all taps of a kernel, of its weight times the row that `from` returns for it.
 fn weighted_sum<'a>(out: &mut [f64], kernel: &[f64], from: impl Fn(usize) -> &'a [f64]) {
     let mut blocks = out.chunks_exact_mut(BLOCK);
     let mut at = 0;

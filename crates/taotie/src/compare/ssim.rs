@@ -5,7 +5,7 @@ use super::{DisplayImage, Field};
 use crate::error::{Error, Result};
 use crate::math::scalar;
 
-/// The side of the window that structural similarity looks through, in pixels: images must not be smaller.
+/// The side of SSIM's window, in pixels: images must be at least that large.
 pub const SSIM_WINDOW: u32 = 11;
 
 /// The standard deviation of the window's Gaussian weights, in pixels.
@@ -14,21 +14,21 @@ const SIGMA: f64 = 1.5;
 const C1: f64 = 0.01 * 0.01;
 const C2: f64 = 0.03 * 0.03;
 
-/// The mean structural similarity, (−1, 1]; 1 for equal images.
+/// Returns the mean structural similarity, (−1, 1]; 1 for equal images.
 ///
-/// The mean of [`ssim_map`]: over every window that lies within the images and over the channels red, green, blue.
+/// It is the mean over every window inside the images and over the channels red, green and blue.
 ///
 /// Source: Wang, Bovik, Sheikh and Simoncelli 2004, equations 13 to 17: 11×11 Gaussian weights of standard deviation
 /// 1.5, K₁ = 0.01, K₂ = 0.03.
 ///
 /// # Errors
-/// [`Error::Invalid`] where the sizes differ or a side is below [`SSIM_WINDOW`].
+/// [`Error::Invalid`] if the sizes differ or a side is below 11 pixels.
 pub fn ssim(a: &DisplayImage, b: &DisplayImage) -> Result<f64> {
     let inside: Vec<f64> = similarity(a, b)?.into_iter().filter(|v| !v.is_nan()).collect();
     Ok(inside.iter().sum::<f64>() / inside.len() as f64)
 }
 
-/// The structural similarity about each pixel, the mean of its channels; NaN where the window leaves the image.
+/// Returns the structural similarity around each pixel, the mean of its channels; NaN if the window leaves the image.
 ///
 /// # Errors
 /// As [`ssim`].
@@ -43,7 +43,7 @@ fn similarity(a: &DisplayImage, b: &DisplayImage) -> Result<Vec<f64>> {
         return Err(Error::invalid(
             format!("pictures of {width}x{height}"),
             format!(
-                "structural similarity looks through windows of {SSIM_WINDOW}x{SSIM_WINDOW} pixels; both sides must be as large"
+                "SSIM uses windows of {SSIM_WINDOW}x{SSIM_WINDOW} pixels; both sides must be at least that large"
             ),
         ));
     }

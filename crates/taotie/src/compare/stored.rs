@@ -1,4 +1,4 @@
-//! The conversion from the texels that a file stores to what is compared.
+//! Conversion of texels stored in a file to values for comparison.
 
 use super::DisplayImage;
 use crate::error::Result;
@@ -7,20 +7,20 @@ use crate::math::Vec3;
 use crate::math::srgb::{linear_from_srgb, srgb_from_linear};
 use crate::parallel;
 
-/// The encoding by which a file stores unit vectors.
+/// How a file stores unit vectors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum NormalEncoding {
-    /// As (n + 1) / 2, so that they fit [0, 1]: what is called a normal map.
+    /// As (n + 1) / 2, so that they fit [0, 1]: an ordinary normal map.
     Unit,
-    /// As they are, components in [-1, 1]; only float files can.
+    /// Unchanged, components in [-1, 1]; only possible in float files.
     Signed,
 }
 
-/// Normals that were stored, and why some texels have none.
+/// Stored normals, and counts of texels without one.
 #[derive(Debug, Clone)]
 pub struct StoredNormals {
-    /// x, y and z as they were stored, not normalised; the fourth channel is 1 where there is a normal, else 0.
+    /// x, y and z as stored, not normalised; the fourth channel is 1 where there is a normal, else 0.
     pub normals: Image,
     /// Texels without a normal because their alpha is 0.
     pub transparent: usize,
@@ -31,10 +31,10 @@ pub struct StoredNormals {
 /// The largest difference of a stored normal's length from 1.
 const NEAR_UNIT: f32 = 0.2;
 
-/// The normals that a file stores, whatever their space.
+/// Returns the normals stored in a file, in any space.
 ///
 /// # Errors
-/// [`Error::Limit`](crate::Error::Limit) where a side is above [`Image::MAX_SIDE`].
+/// [`Error::Limit`](crate::Error::Limit) if a side is above [`Image::MAX_SIDE`].
 pub fn stored_normals(bitmap: &Bitmap, encoding: NormalEncoding) -> Result<StoredNormals> {
     let mut normals = Image::new(bitmap.width(), bitmap.height(), [0.0; 4])?;
     parallel::change(normals.pixels_mut(), |i, pixel| {
@@ -52,15 +52,15 @@ pub fn stored_normals(bitmap: &Bitmap, encoding: NormalEncoding) -> Result<Store
     Ok(StoredNormals { normals, transparent, not_unit: without - transparent })
 }
 
-/// Returns what a screen shows of a file over `background`, which is linear and in [0, 1], and the number of pixels
+/// Returns a file as a screen shows it over `background`, which is linear and in [0, 1], and the number of pixels
 /// that were brighter than white or below black and had to be clipped.
 ///
-/// Integer texels are sRGB-encoded with straight alpha, as PNG stores them; float texels are linear and
-/// premultiplied by alpha, as OpenEXR stores them. Alpha is laid over the background in linear light; where it is 1,
-/// integer texels stay as they are.
+/// Integer texels are sRGB-encoded with straight alpha, as PNG stores them; float texels are linear and premultiplied
+/// by alpha, as OpenEXR stores them. Alpha is composited over the background in linear light; where it is 1, integer
+/// texels are unchanged.
 ///
 /// # Errors
-/// As [`DisplayImage::new`], of which none can happen to a sound bitmap.
+/// As [`DisplayImage::new`], none of which can occur for a valid bitmap.
 pub fn stored_picture(bitmap: &Bitmap, background: Vec3) -> Result<(DisplayImage, usize)> {
     let linear = matches!(bitmap.texels(), Texels::F32(_));
     let background = background.to_f64().to_array();
@@ -85,7 +85,7 @@ fn over([r, g, b, alpha]: [f64; 4], background: [f64; 3]) -> [f64; 3] {
     [r + rest * background[0], g + rest * background[1], b + rest * background[2]]
 }
 
-/// The encoded colour, and whether it had to be clipped. Rounding alone is no clipping; NaN is black.
+/// Returns the encoded colour, and `true` if it had to be clipped, not merely rounded; NaN is black.
 fn encoded(linear: [f64; 3]) -> ([f32; 3], bool) {
     const ROUNDING: f64 = 1e-6;
     let inside = linear.iter().all(|v| (-ROUNDING..=1.0 + ROUNDING).contains(v));

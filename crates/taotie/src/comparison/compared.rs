@@ -1,4 +1,4 @@
-//! Every method's images from one camera in one light, measured.
+//! Measured images by every method, from one camera in one light.
 
 use super::look::Look;
 use super::matching::Matching;
@@ -15,7 +15,7 @@ use crate::progress::Progress;
 use crate::scene::Scene;
 use crate::surface::SurfaceMethod;
 
-/// A model by several surface methods in images and angles: see [`Comparison::of`].
+/// A model rendered by several surface methods, with images and angles: see [`Comparison::of`].
 ///
 /// ```
 /// use taotie::Progress;
@@ -42,25 +42,25 @@ use crate::surface::SurfaceMethod;
 pub struct Comparison {
     /// Names and sizes of model and reference.
     pub subject: SubjectReport,
-    /// Everything that the images depend on.
+    /// All parameters of the images.
     pub parameters: Parameters,
     /// The rules behind the figures.
     pub rules: Rules,
-    /// The methods that could be drawn in their order, then the reference.
+    /// The methods that could be rendered, in their order, then the reference.
     pub surfaces: Vec<RenderedSurface>,
-    /// The methods that could not be drawn.
+    /// The methods that could not be rendered.
     pub skipped: Vec<SkippedMethod>,
-    /// The index in `surfaces` of the one that the others are compared with: the reference, else the first method.
+    /// The index in `surfaces` of the one with which the others are compared: the reference, else the first method.
     pub against: usize,
-    /// The true normal at the point of the model that each pixel shows; the fourth channel is 1 where there is one.
+    /// The true normal at the point of the model seen in each pixel; the fourth channel is 1 where there is one.
     pub truth: Image,
-    /// Of the covered samples, the part without a corresponding point on the reference, [0, 1].
+    /// The fraction of covered samples without a corresponding point on the reference, [0, 1].
     pub unmatched: f64,
     /// `true` for each pixel away from silhouettes, row by row.
     pub inner: Vec<bool>,
     /// The pixels whose normals are listed.
     pub points: Vec<[u32; 2]>,
-    /// Whatever could not be drawn as asked, counted.
+    /// Counts of what could not be rendered as requested.
     pub warnings: Warnings,
     /// Notes on maps that were derived from others.
     pub notes: Vec<String>,
@@ -69,11 +69,11 @@ pub struct Comparison {
 impl Comparison {
     /// Renders the model by every method and the reference, and measures them. `progress` has one stage, `compare`.
     ///
-    /// A method that the model's materials do not allow is skipped; see [`Comparison::skipped`].
+    /// A method that the model's materials do not support is skipped; see [`Comparison::skipped`].
     ///
     /// # Errors
-    /// [`crate::Error::Invalid`] for options that cannot be met and where no method can be drawn, those of rendering, and
-    /// [`crate::Error::Cancelled`].
+    /// [`crate::Error::Invalid`] for options that cannot be satisfied and if no method can be rendered, those of
+    /// rendering, and [`crate::Error::Cancelled`].
     pub fn of(subject: &Subject<'_>, options: &ComparisonOptions, progress: Progress<'_>) -> Result<Self> {
         options.check()?;
         let mut photographer = Photographer::new(subject, options, progress.stage("compare"))?;
@@ -109,7 +109,7 @@ impl Comparison {
         })
     }
 
-    /// Returns the name of what the others are compared with.
+    /// Returns the name of the surface with which the others are compared.
     pub fn against(&self) -> String {
         self.surfaces[self.against].id()
     }

@@ -1,4 +1,4 @@
-//! A material's normal map in the other space.
+//! Converts a material's normal map to the other space.
 
 use crate::bake::{TexelGrid, TexelSurface};
 use crate::error::Result;
@@ -8,7 +8,7 @@ use crate::normal_map::{Storage, decoded_normals, object_from_tangent, store_nor
 use crate::scene::{GreenChannel, NormalMap, NormalSpace};
 use crate::surface::{TangentMethod, with_frames};
 
-/// Texels around UV islands that are filled too, as a part of the map's side: enough for the mip levels that are seen.
+/// Texels around UV islands that are also filled, as a fraction of the map's side: enough for visible mip levels.
 const PADDING: u32 = 128;
 
 /// A converted map.
@@ -17,11 +17,11 @@ pub(super) struct Converted {
     pub(super) bitmap: Bitmap,
     /// Its space, in words.
     pub(super) space: &'static str,
-    /// Texels under more than one triangle, which cannot be right for all of them in object space.
+    /// Texels covered by more than one triangle, which cannot be right for all of them in object space.
     pub(super) shared: usize,
 }
 
-/// Returns `source`, used as `map` says, in the space that it is not in, for `mesh`.
+/// Returns `source`, a map used as in `map`, converted to the other space for `mesh`.
 pub(super) fn other_space(
     mesh: &Mesh,
     source: &Bitmap,
@@ -44,8 +44,8 @@ pub(super) fn other_space(
     Ok(Converted { bitmap, space, shared: surface.coverage().shared() })
 }
 
-/// Returns the mesh on the map, by the uvs that the map is looked up with and with the frames that the renderer gives
-/// it.
+/// Returns the mesh laid out on the map, by the uvs used to look up the map and with the frames that the renderer
+/// gives it.
 fn laid_out(
     mesh: &Mesh,
     [width, height]: [u32; 2],

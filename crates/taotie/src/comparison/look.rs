@@ -1,4 +1,4 @@
-//! Normals, depths and uvs of a surface as a camera sees them, before any light.
+//! Normals, depths and uvs of a surface as seen by a camera, before lighting.
 
 use crate::error::Result;
 use crate::image::Image;
@@ -7,16 +7,16 @@ use crate::parallel;
 use crate::render::{Frame, GrazingNormals, Lighting, RenderSettings, Shot};
 use crate::scene::Camera;
 
-/// Neighbouring samples whose depths differ by more than this many of their sizes see a silhouette, or a surface slanted
-/// by more than 76°.
+/// Neighbouring samples whose depths differ by more than this many of their sizes see a silhouette, or a surface
+/// slanted by more than 76°.
 const STEEPEST: f64 = 4.0;
 
 /// The rule of [`Look::inner`] in words, for reports.
-pub(super) const INNER_RULE: &str = "a pixel is away from silhouettes where each of its samples and their eight neighbours are \
-    covered and matched, and no neighbour's depth differs by more than 4 sample sizes, so that the model slants by less \
-    than about 76°";
+pub(super) const INNER_RULE: &str = "a pixel is away from silhouettes if each of its samples and their eight \
+    neighbours are covered and matched, and no neighbour's depth differs by more than 4 sample sizes, so the model \
+    slants by less than about 76°";
 
-/// Normals, depths and uvs at the middles of samples, which lie in squares of `per_side` × `per_side` in each pixel.
+/// Normals, depths and uvs at the centres of samples, in squares of `per_side` × `per_side` in each pixel.
 pub(super) struct Look {
     /// As [`crate::render::Aovs::normals`].
     pub(super) normals: Image,
@@ -29,17 +29,17 @@ pub(super) struct Look {
     per_side: u32,
 }
 
-/// The most samples of a look: each takes 96 bytes while it is taken.
+/// Maximum number of samples of a look: each takes 96 bytes during rendering.
 const MOST: u64 = 1 << 24;
 
-/// As many as `settings` ask for, fewer where the look would become larger than [`MOST`].
+/// Returns the number that `settings` requests, or fewer if the look would exceed [`MOST`].
 pub(super) fn samples_per_side(settings: &RenderSettings) -> u32 {
     let pixels = u64::from(settings.width) * u64::from(settings.height);
     let wanted = settings.samples.isqrt();
     (1..=wanted).rev().find(|n| pixels * u64::from(n * n) <= MOST).unwrap_or(1)
 }
 
-/// Looks with `take`, with as many samples a pixel as `settings` ask for, fewer where that would be too many.
+/// Makes a look with `take`, with as many samples per pixel as `settings` requests, or fewer if that is too many.
 pub(super) fn look(
     camera: &Camera,
     settings: &RenderSettings,
@@ -47,7 +47,7 @@ pub(super) fn look(
 ) -> Result<Look> {
     let per_side = samples_per_side(settings);
     let (width, height) = (settings.width * per_side, settings.height * per_side);
-    // The map's own normals are to be judged, not what shading makes of them.
+    // The map's own normals are to be judged, not their modification by shading.
     let grazing_normals = GrazingNormals::Keep;
     let settings = RenderSettings {
         width,
@@ -60,13 +60,13 @@ pub(super) fn look(
     };
     let lighting = Lighting::default();
     let frame = take(&Shot { camera, lighting: &lighting, settings: &settings })?;
-    let aovs = frame.aovs.expect("output variables were asked for");
+    let aovs = frame.aovs.expect("output variables were requested");
     Ok(Look { normals: aovs.normals, depth: aovs.depth, uv: aovs.uv, camera: camera.clone(), per_side })
 }
 
 impl Look {
-    /// Returns the mean normal of each pixel, unit, of this look's samples or of others at the same places. The fourth
-    /// channel is 1 where all of them saw something.
+    /// Returns the unit mean normal of each pixel, over this look's samples or others at the same positions. The
+    /// fourth channel is 1 if all of them saw a surface.
     pub(super) fn mean_normals(&self, normals: &Image) -> Result<Image> {
         let n = self.per_side;
         let mut means = Image::new(normals.width() / n, normals.height() / n, [0.0; 4])?;
@@ -86,7 +86,7 @@ impl Look {
     }
 
     /// Returns `true` for each pixel away from silhouettes, row by row: see [`INNER_RULE`]. The fourth channel of
-    /// `matched` is 1 where a sample has a corresponding point.
+    /// `matched` is 1 if a sample has a corresponding point.
     pub(super) fn inner(&self, matched: &Image) -> Vec<bool> {
         let n = self.per_side;
         let (width, height) = (matched.width() / n, matched.height() / n);

@@ -1,6 +1,6 @@
 //! The point of the reference that corresponds to a point of the model.
 //!
-//! A low-poly mesh lies beside the high-poly one, so at the same pixel the two show different points of the relief.
+//! A low-poly mesh deviates from the high-poly one, so at the same pixel the two show different points of the relief.
 
 use super::look::Look;
 use crate::bake::{ProjectionRay, Scan, UvLookup};
@@ -11,7 +11,7 @@ use crate::names::Named;
 use crate::parallel;
 use crate::scene::Scene;
 
-/// The way in which corresponding points of model and reference are found.
+/// How corresponding points of model and reference are found.
 ///
 /// ```
 /// use taotie::comparison::Matching;
@@ -33,22 +33,22 @@ pub enum Matching {
 }
 
 impl Named for Matching {
-    const WHAT: &'static str = "way to find corresponding points";
+    const WHAT: &'static str = "matching method";
     const NAMES: &'static [(&'static str, Self)] =
         &[("normal", Self::Normal), ("uv", Self::Uv), ("pixel", Self::Pixel)];
 }
 
-/// The greatest distance between reference and model, as a fraction of the model's diagonal.
+/// The maximum distance between reference and model, as a fraction of the model's diagonal.
 const REACH: f64 = 0.02;
 
 impl Matching {
-    /// States the rule in words.
+    /// Returns the rule in words.
     pub fn rule(self) -> &'static str {
         match self {
             Self::Normal => {
-                "each covered sample shows a point of the model; along the interpolated vertex normal there, both ways \
-                 and at most 2 % of the model's diagonal, lies the corresponding point of the reference, if that faces \
-                 the same way"
+                "each covered sample shows a point of the model; the corresponding point of the reference is along \
+                 the interpolated vertex normal there, in either direction and at most 2 % of the model's diagonal \
+                 away, if it faces the same way"
             }
             Self::Uv => {
                 "each covered sample shows a point of the model; the reference's point of the same uv corresponds to it"
@@ -60,11 +60,11 @@ impl Matching {
     /// Returns the reference's normals at the points that correspond to each sample's; the fourth channel is 1 where
     /// there is one.
     ///
-    /// `smooth` shows the model without relief, whose diagonal is `diagonal`. By pixel nothing corresponds: what the
-    /// reference shows there is for the caller to see.
+    /// `smooth` shows the model without relief, whose diagonal is `diagonal`. By pixel there are no corresponding
+    /// points: the caller compares with the reference at the same pixel.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] where the reference has too many vertices.
+    /// [`crate::Error::Limit`] if the reference has too many vertices.
     pub(super) fn normals(self, smooth: &Look, reference: &Scene, diagonal: f64) -> Result<Image> {
         match self {
             Self::Pixel => matched(smooth, |_| None),

@@ -1,10 +1,10 @@
-//! The memory that a comparison takes, foreseen from its options.
+//! The memory needed for a comparison, estimated from its options.
 
 use super::look::samples_per_side;
 use super::options::ComparisonOptions;
 
 impl ComparisonOptions {
-    /// Returns the bytes that the images of a comparison take, beside the scenes.
+    /// Returns the memory in bytes for the images of a comparison, in addition to the scenes.
     ///
     /// ```
     /// use taotie::comparison::ComparisonOptions;
@@ -18,12 +18,12 @@ impl ComparisonOptions {
     pub fn image_bytes(&self) -> u64 {
         /// A sample of a look: light, output variables, and the truth there.
         const SAMPLE: u64 = 96 + 32;
-        /// What a method keeps of a pixel: its normal, two angles, and for each shading the colours and FLIP.
+        /// Data kept per pixel for each method: its normal, two angles, and for each shading the colours and FLIP.
         const METHOD: u64 = 16 + 8;
         const SHADING: u64 = 12 + 4;
         /// Colours and features in double precision while FLIP and SSIM are measured, and the heat maps' codes.
         const MEASURING: u64 = 160;
-        /// A picture and its copies as it is written.
+        /// A picture and its copies during writing.
         const PICTURE: u64 = 32;
         let pixels = u64::from(self.settings.width) * u64::from(self.settings.height);
         let per_side = u64::from(samples_per_side(&self.settings));

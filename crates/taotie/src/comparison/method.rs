@@ -1,9 +1,9 @@
-//! The methods that are compared.
+//! The methods to compare.
 
 use crate::names::Named;
 use crate::surface::SurfaceMethod;
 
-/// A way to find the shading normal: a surface method, for the bump methods with a factor.
+/// A way to find the shading normal: a surface method, and for the bump methods a factor.
 ///
 /// ```
 /// use taotie::comparison::Method;
@@ -19,8 +19,8 @@ use crate::surface::SurfaceMethod;
 pub struct Method {
     /// The surface method.
     pub surface: SurfaceMethod,
-    /// For `bump` the number of texels that white stands above black, for `bump-printed` the factor of Guo and Wang 2025.
-    /// `None` takes the height of the material.
+    /// For `bump` the height of white above black in texels, for `bump-printed` the factor of Guo and Wang 2025.
+    /// `None` uses the height in the material.
     pub factor: Option<f32>,
 }
 
@@ -34,8 +34,8 @@ impl From<SurfaceMethod> for Method {
 const PAPER_FACTORS: [f32; 2] = [5.0, 50.0];
 
 impl Method {
-    /// Returns the methods that are compared if none is named: the four of Guo and Wang 2025, bump mapping as it is
-    /// meant, and both kinds of normal map.
+    /// Returns the methods compared by default: the four of Guo and Wang 2025, bump mapping as intended, and both
+    /// kinds of normal map.
     pub fn defaults() -> Vec<Self> {
         let by_factor = |surface| PAPER_FACTORS.map(|factor| Self { surface, factor: Some(factor) });
         let mut methods = vec![Self::from(SurfaceMethod::Smooth), Self::from(SurfaceMethod::Bump)];
@@ -45,7 +45,7 @@ impl Method {
         methods
     }
 
-    /// Returns whether the factor means something: only bump mapping has one.
+    /// Returns `true` if the method takes a factor, which only bump mapping does.
     pub fn takes_factor(surface: SurfaceMethod) -> bool {
         matches!(surface, SurfaceMethod::Bump | SurfaceMethod::BumpPrinted)
     }
@@ -63,13 +63,13 @@ impl Method {
         self.id().replace(':', "-")
     }
 
-    /// Describes it in a few words.
+    /// Returns a short description.
     pub fn describe(self) -> String {
         let what = match self.surface {
-            SurfaceMethod::Facet => "one normal a triangle",
+            SurfaceMethod::Facet => "one normal per triangle",
             SurfaceMethod::Smooth => "vertex normals",
             SurfaceMethod::Bump => "surface gradient",
-            SurfaceMethod::BumpPrinted => "as the paper prints it",
+            SurfaceMethod::BumpPrinted => "as printed in the paper",
             SurfaceMethod::ObjectNormal => "object-space map",
             SurfaceMethod::TangentNormal => "tangent-space map",
         };

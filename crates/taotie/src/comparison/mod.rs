@@ -1,8 +1,8 @@
-//! Comparisons: one model by several surface methods, from one camera in one light, measured against a high-poly
-//! reference or against the first method.
+//! Comparisons: one model rendered by several surface methods, from one camera in one light, measured against a
+//! high-poly reference or against the first method.
 //!
-//! [`Comparison::of`] renders and measures, [`Comparison::report`] returns the figures as plain data. [`diff`] measures two
-//! images or normal maps.
+//! [`Comparison::of`] renders and measures, [`Comparison::report`] returns the figures as plain data. [`diff`]
+//! measures two images or normal maps.
 //!
 //! ```no_run
 //! use taotie::comparison::{Comparison, ComparisonOptions, Method, Subject};
@@ -44,8 +44,8 @@ pub use method::Method;
 pub use options::ComparisonOptions;
 pub use parameters::Parameters;
 pub use report::{
-    CountedWarning, ErrorReport, HISTOGRAM_BINS, MethodReport, MethodTime, ModelReport, PictureFigures,
-    PictureReport, PointNormal, PointReport, Report,
+    CountedWarning, ErrorReport, MethodReport, MethodTime, ModelReport, PictureFigures, PictureReport,
+    PointNormal, PointReport, Report,
 };
 pub use rules::Rules;
 pub use sample_points::SamplePoints;

@@ -1,4 +1,4 @@
-//! The options of a comparison.
+//! Options of a comparison.
 
 use super::matching::Matching;
 use super::method::Method;
@@ -13,7 +13,7 @@ use crate::scene::{Camera, Scene, three_point_rig};
 use crate::shade::Shading;
 use crate::studio::{CameraOptions, Framing, Viewpoint};
 
-/// The options of a comparison of models.
+/// Options of a comparison of models.
 ///
 /// ```
 /// use taotie::comparison::{ComparisonOptions, Matching, Method, SamplePoints};
@@ -30,24 +30,23 @@ use crate::studio::{CameraOptions, Framing, Viewpoint};
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ComparisonOptions {
-    /// The surface methods, at least one and each once; the first is what the angles at sample points are measured from.
+    /// The surface methods, at least one and each once; the angles at sample points are measured from the first.
     pub methods: Vec<Method>,
     /// The reflectance models, at least one and each once.
     pub shadings: Vec<Shading>,
-    /// The reflectance model whose image of a surface its images under all others are measured against: one of
-    /// `shadings`, which then has another. `None` measures surfaces alone.
+    /// The reflectance model with whose image of a surface the images under all others are compared: one of
+    /// `shadings`, which must then contain another. `None` measures surfaces only.
     pub baseline: Option<Shading>,
     /// The pixels whose normals are listed.
     pub points: SamplePoints,
-    /// The way in which the corresponding point of the reference is found.
+    /// How the corresponding point of the reference is found.
     pub matching: Matching,
-    /// The camera of all images; `None` fits the model into the image, seen a little from the side and from
-    /// above.
+    /// The camera of all images; `None` fits the model into the image, seen slightly from the side and from above.
     pub camera: Option<Camera>,
-    /// The light of all images; `None` for the model's own lights, else key, fill and rim.
+    /// The light of all images; `None` uses the model's own lights, else key, fill and rim.
     pub lighting: Option<Lighting>,
-    /// Size, samples, shadows, tangents, the height of white for `bump`, and the SIMD level. Shading and surface method
-    /// are not read.
+    /// Size, samples, shadows, tangents, the height of white for `bump`, and the SIMD level. Shading and surface
+    /// method are ignored.
     pub settings: RenderSettings,
     /// The development of all images; it needs a background, since images are compared as a screen shows them.
     pub development: Development,
@@ -76,15 +75,12 @@ fn charcoal() -> Vec3 {
 }
 
 impl ComparisonOptions {
-    /// Refuses what cannot be compared.
+    /// Checks that the comparison is possible.
     pub(super) fn check(&self) -> Result<()> {
         let refuse = |what: &str, why: &str| Err(Error::invalid(what, why));
         Image::check_size(self.settings.width, self.settings.height)?;
         if self.methods.is_empty() || self.shadings.is_empty() {
-            return refuse(
-                "a comparison of nothing",
-                "name at least one surface method and one shading model",
-            );
+            return refuse("an empty comparison", "name at least one surface method and one shading model");
         }
         let meaningless = |method: &&Method| method.factor.is_some() && !Method::takes_factor(method.surface);
         if let Some(method) = self.methods.iter().find(meaningless) {
@@ -96,22 +92,22 @@ impl ComparisonOptions {
             let what = format!("the baseline {}", baseline.name());
             return refuse(
                 &what,
-                "it is measured against nothing; let the shading models hold it and another",
+                "there is nothing to compare it with; include it and another in the shading models",
             );
         }
         if self.development.background.is_none() {
             return refuse(
                 "a transparent background",
-                "pictures are compared before a background; give a colour",
+                "images are compared over a background; choose a colour",
             );
         }
         match self.points.outside([self.settings.width, self.settings.height]) {
-            Some([x, y]) => refuse("sample points", &format!("pixel {x},{y} lies outside the picture")),
+            Some([x, y]) => refuse("sample points", &format!("pixel {x},{y} is outside the picture")),
             None => Ok(()),
         }
     }
 
-    /// Returns the camera asked for, else one that fits the model into the image.
+    /// Returns the requested camera, else one that fits the model into the image.
     pub(super) fn camera_for(&self, model: &Scene) -> Result<Camera> {
         if let Some(camera) = &self.camera {
             return Ok(camera.clone());
@@ -121,7 +117,7 @@ impl ComparisonOptions {
         Ok(viewpoint.at(0.0).camera())
     }
 
-    /// Returns the light asked for, else the model's own lights, else key, fill and rim.
+    /// Returns the requested light, else the model's own lights, else key, fill and rim.
     pub(super) fn lighting_for(&self, model: &Scene, camera: &Camera) -> Lighting {
         if let Some(lighting) = &self.lighting {
             return lighting.clone();

@@ -1,4 +1,4 @@
-//! Everything that the images of a comparison depend on, as data.
+//! All parameters of the images of a comparison, as data.
 
 use super::options::ComparisonOptions;
 use crate::compare::PIXELS_PER_DEGREE;
@@ -8,13 +8,13 @@ use crate::render::Lighting;
 use crate::scene::Camera;
 use crate::studio::{CameraParameters, LightParameters};
 
-/// Camera, light, film and whatever else the images of a comparison depend on, as plain data. Choices are named as on
+/// Camera, light, film and all other parameters of the images of a comparison, as plain data. Choices are named as on
 /// the command line.
 ///
 /// ```
 /// use taotie::comparison::Parameters;
 ///
-/// /// Returns a line for below an image.
+/// /// Returns a caption for an image.
 /// fn legend(parameters: &Parameters) -> String {
 ///     let [width, height] = parameters.size;
 ///     format!("{width}×{height} pixels, {} samples, {} lights", parameters.samples, parameters.lights.len())
@@ -26,25 +26,25 @@ use crate::studio::{CameraParameters, LightParameters};
 pub struct Parameters {
     /// Pixels across and down.
     pub size: [u32; 2],
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub samples: u32,
-    /// `true` where lights cast shadows.
+    /// `true` if lights cast shadows.
     pub shadows: bool,
     /// The reflectance models.
     pub shadings: Vec<String>,
-    /// The one that the others are measured against on the same surface, where that was asked for.
+    /// The one with which the others are compared on the same surface, if requested.
     pub baseline: Option<String>,
-    /// The way in which corresponding points were found.
+    /// How corresponding points were found.
     pub matching: String,
-    /// The sample points asked for.
+    /// The requested sample points.
     pub points: String,
-    /// The method of making tangents, where something was asked for.
+    /// The method of making tangents, if one was requested.
     pub tangents: Option<String>,
-    /// Height of white for `bump`, model units, where something was asked for.
+    /// Height of white for `bump`, in model units, if one was requested.
     pub bump_scale: Option<f32>,
-    /// The way in which reflectance models keep their energy.
+    /// How reflectance models conserve energy.
     pub energy: String,
-    /// `true` where relief too fine for the pixel widens highlights.
+    /// `true` if relief too fine for the pixel widens highlights.
     pub specular_aa: bool,
     /// The method for mapped normals at grazing angles.
     pub grazing_normals: String,
@@ -60,12 +60,12 @@ pub struct Parameters {
     pub tone: String,
     /// The background, linear RGB.
     pub background: Option<[f32; 3]>,
-    /// Pixels per degree of the field of view of the viewer that FLIP assumes.
+    /// The resolution that FLIP assumes, in pixels per degree of the viewer's field of view.
     pub pixels_per_degree: f32,
 }
 
 impl Parameters {
-    /// Gathers the parameters of a comparison with the camera and the light that it uses.
+    /// Collects the parameters of a comparison with its camera and light.
     pub(super) fn new(options: &ComparisonOptions, camera: &Camera, lighting: &Lighting) -> Self {
         let (settings, development) = (&options.settings, &options.development);
         Self {

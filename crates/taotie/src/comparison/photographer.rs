@@ -1,4 +1,4 @@
-//! One image after the other, from one camera in one light.
+//! Renders images one after the other, from one camera in one light.
 
 use super::look::{self, Look};
 use super::method::Method;
@@ -16,13 +16,13 @@ use crate::render::{Lighting, RenderSettings, Renderer, Shot, SurfaceSettings, r
 use crate::scene::{Camera, Scene};
 use crate::surface::SurfaceMethod;
 
-/// The normals that surfaces are measured against, and the pixels away from silhouettes.
+/// The normals with which surfaces are compared, and the pixels away from silhouettes.
 pub(super) struct Expected<'a> {
     pub(super) normals: &'a Image,
     pub(super) inner: &'a [bool],
 }
 
-/// Takes one image after the other.
+/// Renders one image after the other.
 pub(super) struct Photographer<'a> {
     pub(super) options: &'a ComparisonOptions,
     camera: Camera,
@@ -50,7 +50,7 @@ impl<'a> Photographer<'a> {
             camera,
             diagonal: model.bounds().map_or(0.0, |bounds| bounds.diagonal()),
             progress,
-            // A look and a picture for each shading, and then measuring each picture, against a baseline once more.
+            // A look and a picture for each shading, then measuring each picture, and again with a baseline.
             steps: surfaces * (1 + (2 + usize::from(options.baseline.is_some())) * options.shadings.len()),
             done: 0,
             warnings: Warnings::default(),
@@ -61,7 +61,7 @@ impl<'a> Photographer<'a> {
         Parameters::new(self.options, &self.camera, &self.lighting)
     }
 
-    /// Returns the part of the progress that the next step makes.
+    /// Returns the fraction of the progress that the next step makes.
     fn next_step(&self) -> Progress<'a> {
         self.progress.part(self.fraction(self.done), self.fraction(self.done + 1))
     }
@@ -75,7 +75,7 @@ impl<'a> Photographer<'a> {
         self.progress.at(self.fraction(self.done))
     }
 
-    /// Takes all images by every method that the model's relief allows, and lists those that it does not.
+    /// Renders all images by every method that the model's relief supports, and lists those that it does not.
     pub(super) fn by_all_methods(
         &mut self,
         scene: &mut Scene,
@@ -96,7 +96,7 @@ impl<'a> Photographer<'a> {
         Ok((surfaces, skipped))
     }
 
-    /// Takes all images of a scene by `method`, or by the best that its materials provide.
+    /// Renders all images of a scene by `method`, or by the best that its materials provide.
     pub(super) fn surface(&mut self, scene: &Scene, method: Option<Method>) -> Result<RenderedSurface> {
         let watch = Stopwatch::start();
         let surface = self.surface_settings(method);
@@ -124,7 +124,7 @@ impl<'a> Photographer<'a> {
         })
     }
 
-    /// Looks at a scene by a method that needs no map, or by the best that its materials provide.
+    /// Makes a look of a scene by a method that needs no map, or by the best that its materials provide.
     pub(super) fn look(&self, scene: &Scene, method: Option<SurfaceMethod>) -> Result<Look> {
         let surface = SurfaceSettings { method, ..self.options.settings.surface };
         let settings = RenderSettings { surface, ..self.options.settings.clone() };
@@ -136,7 +136,7 @@ impl<'a> Photographer<'a> {
         let asked = &self.options.settings.surface;
         let bump_scale = method.and_then(|method| match (method.surface, method.factor) {
             (SurfaceMethod::BumpPrinted, factor) => factor,
-            // The factor already stands in the materials.
+            // The factor is already in the materials.
             (_, Some(_)) => None,
             (_, None) => asked.bump_scale,
         });

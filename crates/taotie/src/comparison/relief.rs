@@ -1,4 +1,4 @@
-//! A model's relief in the form that each method reads: heights, and normals in either space.
+//! A model's relief in the form that each method uses: heights, and normals in either space.
 
 use super::convert;
 use super::method::Method;
@@ -9,22 +9,22 @@ use crate::scene::{GreenChannel, HeightMap, Material, NormalMap, NormalSpace, Sc
 use crate::surface::{SurfaceMethod, TangentMethod};
 use std::collections::HashMap;
 
-/// Gives the scene's materials what each method needs, deriving what the file has in another form.
+/// Provides the scene's materials with what each method needs, deriving it from other forms in the file.
 pub(super) struct Relief {
-    /// As the file and the options have them.
+    /// As in the file and the options.
     materials: Vec<Material>,
-    /// The texture with the grey of each colour texture.
+    /// The texture with the greyscale version of each colour texture.
     greys: HashMap<usize, usize>,
     /// The texture with the normals of each material in the other space.
     converted: HashMap<usize, usize>,
-    /// The method of making tangents, if not as the renderer chooses.
+    /// The method of making tangents, if not the renderer's choice.
     tangents: Option<TangentMethod>,
     /// Notes on derived maps, for the report.
     notes: Vec<String>,
 }
 
 impl Relief {
-    /// Remembers the scene's materials, one for each mesh that uses it: converted maps belong to one mesh.
+    /// Stores the scene's materials, one for each mesh that uses it: converted maps belong to one mesh.
     pub(super) fn new(scene: &mut Scene, tangents: Option<TangentMethod>) -> Result<Self> {
         scene.edit(part_materials)?;
         Ok(Self {
@@ -41,10 +41,10 @@ impl Relief {
         &self.notes
     }
 
-    /// Sets the scene's materials up for `method`; the reason why not where none of them has the relief for it.
+    /// Sets up the scene's materials for `method`; returns the reason if none of them has the relief for it.
     ///
     /// # Errors
-    /// Fails where a derived texture cannot be made.
+    /// Fails if a derived texture cannot be made.
     pub(super) fn apply(&mut self, scene: &mut Scene, method: Method) -> Result<Option<&'static str>> {
         scene.edit(|scene| scene.materials.clone_from(&self.materials))?;
         let mut any = false;
@@ -59,11 +59,11 @@ impl Relief {
         Ok((!any).then(|| lacking(method)))
     }
 
-    /// Gives a material its height map, whose white stands `method.factor` texels above black where one is given.
+    /// Gives a material its height map, with white `method.factor` texels above black if specified.
     fn give_height(&mut self, scene: &mut Scene, index: usize, method: Method) -> Result<bool> {
         let height = match self.materials[index].height {
             Some(height) => height,
-            // Nothing says how high the white of a colour texture stands.
+            // The height of white in a colour texture is unknown.
             None if method == (Method { surface: SurfaceMethod::Bump, factor: None }) => return Ok(false),
             None => match self.grey_of_color(scene, index)? {
                 Some(texture) => HeightMap { texture, scale: 1.0 },
@@ -78,7 +78,7 @@ impl Relief {
         Ok(true)
     }
 
-    /// Returns the base colour's grey as heights, which is what the paper's bump mapping reads.
+    /// Returns the base colour's grey as heights, as used by the paper's bump mapping.
     fn grey_of_color(&mut self, scene: &mut Scene, index: usize) -> Result<Option<TextureRef>> {
         let Some(color) = self.materials[index].base_color_texture else { return Ok(None) };
         let texture = match self.greys.get(&color.texture) {
@@ -88,14 +88,14 @@ impl Relief {
                 let texture = scene.add_texture(Texture::new(grey, Encoding::Linear));
                 self.greys.insert(color.texture, texture);
                 self.notes
-                    .push("heights: no height map, so the grey of the base colour, as in the paper".into());
+                    .push("heights: used the grey of the base colour, as in the paper: no height map".into());
                 texture
             }
         };
         Ok(Some(TextureRef { texture, ..color }))
     }
 
-    /// Gives a material its normal map in `space`, converted where the file has the other.
+    /// Gives a material its normal map in `space`, converted if the file has the other.
     fn give_normals(&mut self, scene: &mut Scene, index: usize, space: NormalSpace) -> Result<bool> {
         let Some(map) = self.materials[index].normal else { return Ok(false) };
         if map.space != space {
@@ -109,7 +109,7 @@ impl Relief {
         Ok(true)
     }
 
-    /// Returns the texture with a material's normals in the other space; `None` where no mesh with uvs uses the
+    /// Returns the texture with a material's normals in the other space; `None` if no mesh with uvs uses the
     /// material.
     fn convert(&mut self, scene: &mut Scene, index: usize, map: &NormalMap) -> Result<Option<usize>> {
         if let Some(texture) = self.converted.get(&index) {
@@ -124,7 +124,7 @@ impl Relief {
         let converted = convert::other_space(mesh, source, map, self.tangents)?;
         if converted.shared > 0 {
             self.notes.push(format!(
-                "normals: {} texels lie under several triangles; the converted map holds the normal of the first",
+                "normals: {} texels are covered by several triangles; the converted map has the normal of the first",
                 converted.shared
             ));
         }
@@ -154,16 +154,16 @@ fn part_materials(scene: &mut SceneData) {
 fn lacking(method: Method) -> &'static str {
     match (method.surface, method.factor) {
         (SurfaceMethod::Bump, None) => {
-            "no material has a height map of known height; give it one, or write a factor: bump:5"
+            "no material has a height map of known height; add one, or specify a factor: bump:5"
         }
         (SurfaceMethod::Bump | SurfaceMethod::BumpPrinted, _) => {
-            "no material has a height map or a base colour texture; give it a height map"
+            "no material has a height map or a base colour texture; add a height map"
         }
-        _ => "no material of a mesh with uvs has a normal map; give it one",
+        _ => "no material of a mesh with uvs has a normal map; add one",
     }
 }
 
-/// Returns the luma of encoded colour, as paint programs turn it into grey; 16 bits.
+/// Returns the luma of encoded colour, the greyscale conversion of paint programs; 16 bits.
 ///
 /// Source: ITU-R BT.601, the weights of Y'.
 fn grey(color: &Texture) -> Result<Bitmap> {
@@ -179,8 +179,8 @@ fn grey(color: &Texture) -> Result<Bitmap> {
     Bitmap::new(width, height, 1, Texels::U16(texels.collect()))
 }
 
-/// Returns the length of a texel's side on the surface, model units: √(area / texels) over all triangles of the
-/// material. Zero where they have no area in the texture.
+/// Returns the side length of a texel on the surface, in model units: √(area / texels) over all triangles of the
+/// material. Zero if they have no area in the texture.
 fn texel_size(scene: &Scene, material: usize, texture: &TextureRef) -> f64 {
     let map = &scene.textures()[texture.texture];
     let texels = f64::from(map.width()) * f64::from(map.height());

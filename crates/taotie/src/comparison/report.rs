@@ -11,17 +11,8 @@ use crate::math::Vec3;
 use crate::names::Named;
 use crate::shade::Shading;
 
-/// Bins of the histogram of angular error, one a degree; the last one holds everything from there on.
-///
-/// ```
-/// use taotie::comparison::{ErrorReport, HISTOGRAM_BINS};
-///
-/// /// Returns the number of pixels in the last bin, which is open.
-/// fn far_off(error: &ErrorReport) -> Option<&u64> {
-///     error.histogram.get(HISTOGRAM_BINS - 1)
-/// }
-/// ```
-pub const HISTOGRAM_BINS: usize = 60;
+/// Number of bins of the angular error histogram, one per degree; the last one is open.
+const HISTOGRAM_BINS: usize = 60;
 
 /// Every parameter and every figure of a comparison.
 ///
@@ -40,17 +31,17 @@ pub const HISTOGRAM_BINS: usize = 60;
 pub struct Report {
     /// Names and sizes of model and reference.
     pub subject: SubjectReport,
-    /// The surface that errors are measured against: `reference`, or the first method.
+    /// The surface with which errors are measured: `reference`, or the first method.
     pub against: String,
-    /// Camera, light, film and whatever else the images depend on.
+    /// Camera, light, film and all other parameters of the images.
     pub parameters: Parameters,
-    /// Of the covered samples, the part without a corresponding point on the reference, [0, 1].
+    /// The fraction of covered samples without a corresponding point on the reference, [0, 1].
     pub unmatched: f64,
-    /// The rules by which pixels and points are chosen, and the meaning of the figures.
+    /// How pixels and points are chosen, and the meaning of the figures.
     pub rules: Rules,
     /// The methods in their order, then the reference.
     pub methods: Vec<MethodReport>,
-    /// Methods that could not be drawn.
+    /// Methods that could not be rendered.
     pub skipped: Vec<SkippedMethod>,
     /// Normals at sample points.
     pub points: Vec<PointReport>,
@@ -58,11 +49,11 @@ pub struct Report {
     pub notes: Vec<String>,
     /// The duration of each of `methods`: all that differs from run to run.
     pub times: Vec<MethodTime>,
-    /// Whatever could not be drawn as asked, counted.
+    /// Counts of what could not be rendered as requested.
     pub warnings: Vec<CountedWarning>,
 }
 
-/// A method that is done, and how long all its images took.
+/// A completed method, and how long its images took.
 ///
 /// ```
 /// use taotie::comparison::{MethodTime, Report};
@@ -88,7 +79,7 @@ pub struct MethodTime {
 /// ```
 /// use taotie::comparison::Report;
 ///
-/// /// Returns the warnings, a line each.
+/// /// Returns the warnings, one per line.
 /// fn warnings(report: &Report) -> Vec<String> {
 ///     let warnings = report.warnings.iter();
 ///     warnings.map(|warning| format!("{} × {}", warning.count, warning.what)).collect()
@@ -109,7 +100,7 @@ pub struct CountedWarning {
 /// ```
 /// use taotie::comparison::MethodReport;
 ///
-/// /// Returns a row of a table: the method and its mean error, degrees.
+/// /// Returns a row of a table: the method and its mean error in degrees.
 /// fn row(method: &MethodReport) -> String {
 ///     let mean = method.inner_mean().map_or("-".into(), |mean| format!("{mean:.2}"));
 ///     format!("{} {mean}", method.method)
@@ -121,16 +112,16 @@ pub struct CountedWarning {
 pub struct MethodReport {
     /// Its name with the factor, or `reference`.
     pub method: String,
-    /// A description in a few words.
+    /// A short description.
     pub what: String,
     /// The name of the file for its normals as an image.
     pub normals: String,
-    /// Angular error; absent for what the others are compared with.
+    /// Angular error; absent for the surface with which the others are compared.
     pub error: Option<ErrorReport>,
     /// The shaded images.
     pub pictures: Vec<PictureReport>,
-    /// The differences of its images from its own under the baseline, for each other reflectance model; empty without a
-    /// baseline.
+    /// The differences of its images from its own under the baseline, for each other reflectance model; empty without
+    /// a baseline.
     #[cfg_attr(feature = "serde", serde(default))]
     pub models: Vec<ModelReport>,
 }
@@ -152,7 +143,7 @@ pub struct MethodReport {
 pub struct ModelReport {
     /// The reflectance model.
     pub shading: String,
-    /// The one that it is measured against.
+    /// The one with which it is compared.
     pub baseline: String,
     /// The difference of their images.
     pub difference: PictureFigures,
@@ -163,7 +154,7 @@ pub struct ModelReport {
 /// ```
 /// use taotie::comparison::ErrorReport;
 ///
-/// /// Returns the part of the matched pixels whose normal is off by less than `degrees`.
+/// /// Returns the fraction of matched pixels whose normal is off by less than `degrees`.
 /// fn part_below(error: &ErrorReport, degrees: usize) -> f64 {
 ///     let below: u64 = error.histogram.iter().take(degrees).sum();
 ///     below as f64 / error.histogram.iter().sum::<u64>().max(1) as f64
@@ -179,11 +170,11 @@ pub struct ErrorReport {
     pub all: Option<Summary>,
     /// Over those away from silhouettes.
     pub inner: Option<Summary>,
-    /// The number of matched pixels in each bin of a degree; the last of [`HISTOGRAM_BINS`] is open.
+    /// The number of matched pixels in each of 60 bins of a degree; the last is open.
     pub histogram: Vec<u64>,
 }
 
-/// A shaded image, and its difference where there is one.
+/// A shaded image, and its difference if there is one.
 ///
 /// ```
 /// use taotie::comparison::{MethodReport, PictureReport};
@@ -201,7 +192,7 @@ pub struct PictureReport {
     pub shading: String,
     /// The name of its file.
     pub file: String,
-    /// Absent for what the others are compared with.
+    /// Absent for the surface with which the others are compared.
     pub difference: Option<PictureFigures>,
 }
 
@@ -210,7 +201,7 @@ pub struct PictureReport {
 /// ```
 /// use taotie::comparison::{PictureFigures, PictureReport};
 ///
-/// /// Returns `true` where an image is the expected one to the last code.
+/// /// Returns `true` if an image equals the expected one to the last code.
 /// fn is_equal(picture: &PictureReport) -> bool {
 ///     picture.difference.as_ref().is_some_and(|figures: &PictureFigures| figures.psnr.is_none())
 /// }
@@ -221,7 +212,7 @@ pub struct PictureReport {
 pub struct PictureFigures {
     /// In [0, 1] of encoded values.
     pub rmse: f64,
-    /// Decibels; absent for equal images, where it is infinite.
+    /// Decibels; absent for equal images, for which it is infinite.
     pub psnr: Option<f64>,
     /// At most 1.
     pub ssim: f64,
@@ -256,7 +247,7 @@ pub struct PointReport {
 /// ```
 /// use taotie::comparison::PointNormal;
 ///
-/// /// Returns `true` where the normal is within a degree of the true one.
+/// /// Returns `true` if the normal is within a degree of the true one.
 /// fn is_near(normal: &PointNormal) -> bool {
 ///     normal.error.is_some_and(|degrees| degrees < 1.0)
 /// }
@@ -267,11 +258,11 @@ pub struct PointReport {
 pub struct PointNormal {
     /// Its name with the factor, or `reference`.
     pub method: String,
-    /// Unit, world space; absent where the method covers no such pixel.
+    /// Unit, world space; absent if the method does not cover this pixel.
     pub normal: Option<[f32; 3]>,
     /// To the first method's, degrees.
     pub angle_to_first: Option<f64>,
-    /// To what the others are compared with, degrees.
+    /// To the normal of the surface with which the others are compared, degrees.
     pub error: Option<f64>,
 }
 

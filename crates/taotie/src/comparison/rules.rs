@@ -19,7 +19,7 @@ use crate::compare::PIXELS_PER_DEGREE;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Rules {
-    /// Between which normals angles are measured.
+    /// The normals between which angles are measured.
     pub angles: String,
     /// The rule by which corresponding points are found.
     pub places: String,
@@ -41,18 +41,18 @@ impl Rules {
             silhouettes: look::INNER_RULE.into(),
             points: match points {
                 SamplePoints::Spread(_) => SPREAD_RULE.into(),
-                SamplePoints::Pixels(_) => "pixels as asked for, from the top left".into(),
+                SamplePoints::Pixels(_) => "the requested pixels, from the top left".into(),
             },
             pictures: format!(
                 "developed sRGB pictures of 8 bits with their background; SSIM with Gaussian windows of 11×11 pixels \
-                 (Wang et al. 2004), FLIP at {PIXELS_PER_DEGREE:.0} pixels per degree (Andersson et al. 2020). Pixel \
-                 by pixel, so they count where the low-poly mesh lies beside the high-poly one as well as what its \
-                 normals miss"
+                 (Wang et al. 2004), FLIP at {PIXELS_PER_DEGREE:.0} pixels per degree (Andersson et al. 2020). They \
+                 are compared pixel by pixel, so they include the deviation of the low-poly mesh from the high-poly \
+                 one as well as errors of its normals"
             ),
         }
     }
 
-    /// Returns the rules, a sentence each.
+    /// Returns the rules, one sentence each.
     pub fn in_words(&self) -> Vec<String> {
         vec![
             format!("Angles: {}.", self.angles),

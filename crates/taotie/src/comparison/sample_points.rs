@@ -23,8 +23,9 @@ pub enum SamplePoints {
 }
 
 /// The rule of [`SamplePoints::Spread`] in words, for reports.
-pub(super) const SPREAD_RULE: &str = "points (i₂, i₃) of the Halton sequence, i = 1, 2, …, stretched over the box around the \
-    pixels away from silhouettes; each takes the pixel it falls into if that is such a pixel and not yet taken";
+pub(super) const SPREAD_RULE: &str = "points (i₂, i₃) of the Halton sequence, i = 1, 2, …, stretched over the \
+    box around the pixels away from silhouettes; each takes the pixel it falls into if that is away from silhouettes \
+    and not yet taken";
 
 /// A count, or pixels as `X,Y;X,Y`.
 impl fmt::Display for SamplePoints {
@@ -40,7 +41,7 @@ impl fmt::Display for SamplePoints {
 }
 
 impl SamplePoints {
-    /// Returns the first pixel that lies outside an image of this width and height.
+    /// Returns the first pixel outside an image of this width and height.
     pub fn outside(&self, [width, height]: [u32; 2]) -> Option<[u32; 2]> {
         match self {
             Self::Spread(_) => None,
@@ -48,7 +49,7 @@ impl SamplePoints {
         }
     }
 
-    /// Returns the pixels. `inner` says, row by row in rows of `width`, which are away from silhouettes.
+    /// Returns the pixels. `inner` marks, row by row in rows of `width`, those away from silhouettes.
     pub(super) fn choose(&self, inner: &[bool], width: usize) -> Vec<[u32; 2]> {
         match self {
             Self::Pixels(pixels) => pixels.clone(),
@@ -57,7 +58,7 @@ impl SamplePoints {
     }
 }
 
-/// Chooses pixels: see [`SPREAD_RULE`]. Fewer than `count` only where there are fewer such pixels.
+/// Chooses pixels: see [`SPREAD_RULE`]. Fewer than `count` only if there are fewer such pixels.
 fn spread(count: usize, inner: &[bool], width: usize) -> Vec<[u32; 2]> {
     let all: Vec<[usize; 2]> =
         inner.iter().enumerate().filter(|(_, inner)| **inner).map(|(i, _)| [i % width, i / width]).collect();
@@ -84,7 +85,7 @@ fn spread(count: usize, inner: &[bool], width: usize) -> Vec<[u32; 2]> {
     chosen
 }
 
-/// Returns the digits of `i` mirrored at the point, in [0, 1).
+/// Returns the digits of `i` mirrored at the radix point, in [0, 1).
 ///
 /// Source: Halton 1964, "Algorithm 247: Radical-inverse quasi-random point sequence".
 fn radical_inverse(mut i: u64, base: u64) -> f64 {

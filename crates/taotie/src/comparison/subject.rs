@@ -1,12 +1,12 @@
-//! The model that is compared, and the truth that it is measured against.
+//! The model to compare, and its ground truth.
 
 use crate::scene::{Material, Scene};
 use crate::{Result, Warnings};
 
-/// Model and reference should not differ in place or size by more than this fraction of the diagonal.
+/// The maximum difference in position or size of model and reference, as a fraction of the diagonal.
 const TOLERANCE: f64 = 0.05;
 
-/// A scene with the name that reports and warnings give it, such as its file's.
+/// A scene with the name used for it in reports and warnings, such as its file's.
 ///
 /// ```
 /// # use taotie::mesh::Mesh;
@@ -26,7 +26,7 @@ pub struct NamedScene<'a> {
     pub scene: &'a Scene,
 }
 
-/// A model, and where there is one a high-poly reference: the same object with its relief as geometry.
+/// A model, and optionally a high-poly reference: the same object with its relief as geometry.
 ///
 /// ```
 /// # use taotie::mesh::Mesh;
@@ -43,11 +43,11 @@ pub struct NamedScene<'a> {
 pub struct Subject<'a> {
     /// The model.
     pub model: NamedScene<'a>,
-    /// The truth. Without it the first method is what the others are measured against.
+    /// The ground truth. Without it the others are compared with the first method.
     pub reference: Option<NamedScene<'a>>,
 }
 
-/// The names and sizes of what was compared.
+/// The names and sizes of the compared models.
 ///
 /// ```
 /// # use taotie::mesh::Mesh;
@@ -80,7 +80,7 @@ impl<'a> Subject<'a> {
         Self { model: NamedScene { name, scene: model }, reference: None }
     }
 
-    /// Returns the same model, measured against `reference`.
+    /// Returns the same model, with `reference` to compare it with.
     pub fn with_reference(self, name: &'a str, reference: &'a Scene) -> Self {
         Self { reference: Some(NamedScene { name, scene: reference }), ..self }
     }
@@ -95,21 +95,21 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// Warns where model and reference do not lie in one place.
+    /// Warns if model and reference are not in the same place.
     pub(super) fn check_place(&self, warnings: &mut Warnings) {
         let Some(reference) = self.reference else { return };
         let (Some(a), Some(b)) = (self.model.scene.bounds(), reference.scene.bounds()) else { return };
         let off = (a.center() - b.center()).length().max((a.diagonal() - b.diagonal()).abs());
         if off > TOLERANCE * a.diagonal() {
             let percent = 100.0 * off / a.diagonal();
-            let what = "place or size differs from the model's by";
-            let advice = "angles between them say little; bring both into one coordinate system";
+            let what = "position or size differs from the model's by";
+            let advice = "angles between them mean little; use one coordinate system for both";
             warnings.note(format!("{}: {what} {percent:.0} % of its diagonal: {advice}", reference.name), 1);
         }
     }
 }
 
-/// Gives materials of a reference that say nothing the factors of the model's first, so that both are of one material.
+/// Gives materials of a reference that are all defaults the factors of the model's first, so that both match.
 ///
 /// ```
 /// # use taotie::mesh::Mesh;
@@ -125,7 +125,7 @@ impl<'a> Subject<'a> {
 /// ```
 ///
 /// # Errors
-/// None but where the model's factors do not fit, which a checked scene's do.
+/// Only if the model's factors are invalid, which they are not in a validated scene.
 pub fn dress_reference(reference: &mut Scene, model: &Scene) -> Result<()> {
     let Some(first) = model.materials().first() else { return Ok(()) };
     reference.edit(|reference| {

@@ -1,4 +1,4 @@
-//! The surfaces of a comparison as they are seen, and their differences.
+//! The surfaces of a comparison as seen, and their differences.
 
 use super::method::Method;
 use crate::compare::{self, DisplayImage, Field, PIXELS_PER_DEGREE};
@@ -26,12 +26,12 @@ pub struct RenderedSurface {
     pub normals: Image,
     /// The developed image under each shading.
     pub pictures: Vec<(Shading, DisplayImage)>,
-    /// Time from scene to all of these.
+    /// The time from scene to all of these.
     pub milliseconds: f64,
-    /// The difference from what it is compared with; `None` for that itself.
+    /// The difference from the surface with which it is compared; `None` for that surface itself.
     pub difference: Option<Difference>,
-    /// The differences of its images from its own under the baseline, one for each other reflectance model; empty without
-    /// a baseline.
+    /// The differences of its images from its own under the baseline, one for each other reflectance model; empty
+    /// without a baseline.
     pub model_differences: Vec<ModelDifference>,
 }
 
@@ -41,7 +41,7 @@ pub struct RenderedSurface {
 /// use taotie::comparison::{ModelDifference, RenderedSurface};
 /// use taotie::names::Named;
 ///
-/// /// Returns the reflectance model that an observer could best tell from the baseline.
+/// /// Returns the reflectance model easiest to distinguish from the baseline.
 /// fn most_visible(surface: &RenderedSurface) -> Option<&'static str> {
 ///     let mean = |model: &ModelDifference| model.picture.flip.summary().map_or(0.0, |flip| flip.mean);
 ///     let models = surface.model_differences.iter();
@@ -53,13 +53,13 @@ pub struct RenderedSurface {
 pub struct ModelDifference {
     /// The reflectance model.
     pub shading: Shading,
-    /// The one that it is measured against.
+    /// The one with which it is compared.
     pub baseline: Shading,
     /// The difference of their images.
     pub picture: PictureDifference,
 }
 
-/// The difference of a surface from what it is compared with.
+/// The difference of a surface from the one with which it is compared.
 ///
 /// ```
 /// use taotie::comparison::Difference;
@@ -72,7 +72,7 @@ pub struct ModelDifference {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Difference {
-    /// Degrees, where both are covered.
+    /// Degrees, if both are covered.
     pub angles: Field,
     /// The same away from silhouettes.
     pub inner_angles: Field,
@@ -85,7 +85,7 @@ pub struct Difference {
 /// ```
 /// use taotie::comparison::PictureDifference;
 ///
-/// /// Returns `true` where an observer sees hardly any difference.
+/// /// Returns `true` if an observer sees hardly any difference.
 /// fn are_alike(difference: &PictureDifference) -> bool {
 ///     let flip = difference.flip.summary();
 ///     difference.ssim > 0.99 && flip.is_some_and(|flip| flip.mean < 0.01)
@@ -104,12 +104,12 @@ pub struct PictureDifference {
     pub flip: Field,
 }
 
-/// A method that the model's materials do not allow.
+/// A method that the model's materials do not support.
 ///
 /// ```
 /// use taotie::comparison::Comparison;
 ///
-/// /// Returns the reasons why methods are missing, a line each.
+/// /// Returns the reasons why methods are missing, one per line.
 /// fn reasons(comparison: &Comparison) -> Vec<String> {
 ///     let skipped = comparison.skipped.iter();
 ///     skipped.map(|skipped| format!("{}: {}", skipped.method, skipped.reason)).collect()
@@ -121,7 +121,7 @@ pub struct PictureDifference {
 pub struct SkippedMethod {
     /// The method, as [`Method::id`] writes it.
     pub method: String,
-    /// The map that is lacking, and what to do.
+    /// The missing map, and what to do.
     pub reason: String,
 }
 
@@ -131,18 +131,18 @@ impl RenderedSurface {
         self.method.map_or_else(|| "reference".into(), Method::id)
     }
 
-    /// Describes the method in a few words.
+    /// Returns a short description of the method.
     pub fn describe(&self) -> String {
         self.method.map_or_else(|| "the geometry itself".into(), Method::describe)
     }
 
-    /// Returns the name of the file for its image of this kind: `bump-5.normals.png`. Kinds are `normals`, `error`, the
-    /// name of a shading, and that with `.flip`.
+    /// Returns the file name for its image of this kind: `bump-5.normals.png`. Kinds are `normals`, `error`, the name
+    /// of a shading, and that with `.flip`.
     pub fn file_name(&self, kind: &str) -> String {
         format!("{}.{kind}.png", self.file_stem())
     }
 
-    /// Returns the name of the file for the exact numbers of this kind, `normals` or `error`: `bump-5.normals.exr`.
+    /// Returns the file name for the exact values of this kind, `normals` or `error`: `bump-5.normals.exr`.
     pub fn exact_name(&self, kind: &str) -> String {
         format!("{}.{kind}.exr", self.file_stem())
     }

@@ -1,12 +1,12 @@
-//! The 8-bit sRGB code of a linear value, looked up instead of raised to a power.
+//! The 8-bit sRGB code of a linear value, by table lookup instead of a power.
 
 use crate::math::codes::Codes;
 
-/// The code nearest to the sRGB encoding of a linear value in [0, 1], once [`Codes::bounded`]: that which
-/// `round_to_codes(srgb_from_linear(value), 255.0)` gives, bit for bit (`every_value_has_the_code_of_the_formula`).
+/// The code nearest to the sRGB encoding of a linear value in [0, 1], after [`Codes::bounded`]: bit-identical to
+/// `round_to_codes(srgb_from_linear(value), 255.0)` (`every_value_has_the_code_of_the_formula`).
 pub static SRGB_CODES: Codes = Codes::new(&THRESHOLDS);
 
-/// The bits of the least float of each code from 1 to 255; `thresholds_are_those_of_the_formula` finds and prints
+/// The bits of the smallest float of each code from 1 to 255; `thresholds_are_those_of_the_formula` finds and prints
 /// them.
 #[rustfmt::skip]
 const THRESHOLDS: [u32; 255] = [
@@ -49,7 +49,7 @@ mod tests {
     use super::super::{round_to_codes, srgb_from_linear};
     use super::*;
 
-    /// The code of the formula.
+    /// The code by the formula.
     fn formula(bits: u32) -> u32 {
         round_to_codes(srgb_from_linear(f32::from_bits(bits)), 255.0) as u32
     }
@@ -84,9 +84,9 @@ mod tests {
         same_codes([1.0f32, 0.0, 1.0 / 8192.0].into_iter().map(f32::to_bits));
     }
 
-    /// About a minute of one core: `cargo test --release -p taotie --lib codes8 -- --ignored`.
+    /// Takes about a minute on one core: `cargo test --release -p taotie --lib codes8 -- --ignored`.
     #[test]
-    #[ignore = "visits every f32 in [0, 1], which takes a minute"]
+    #[ignore = "tests every f32 in [0, 1], which takes a minute"]
     fn every_value_has_the_code_of_the_formula() {
         same_codes(0..=1.0f32.to_bits());
     }

@@ -1,20 +1,20 @@
-//! The tone curves. They take linear colours with channels in [0, 1e9] and sRGB primaries; results may leave [0, 1]
-//! by rounding, or where a gamut does, and [`super::ToneCurve::apply`] cuts that.
+//! The tone curves. They map linear colours with channels in [0, 1e9] and sRGB primaries; results may leave [0, 1] by
+//! rounding or out-of-gamut colours, and [`super::ToneCurve::apply`] clamps them.
 
 use crate::math::{Lane, Mask, Vec3, poly};
 
 /// Khronos PBR Neutral.
 ///
-/// Takes off the 0.04 that a dielectric reflects under a uniform white light (less towards black), leaves
-/// everything up to a peak of 0.76 alone and compresses brighter peaks hyperbolically towards one, with
-/// desaturation:
+/// Subtracts the 0.04 that a dielectric reflects under uniform white light (less towards black), leaves everything up
+/// to a peak of 0.76 unchanged and compresses brighter peaks hyperbolically towards one, with desaturation:
 ///
 /// ```text
 /// x = min(r, g, b);  c ← c − (x < 0.08 ? x − 6.25 x² : 0.04);  p = max(c);  p ≤ 0.76: c
 /// p' = 1 − 0.24² / (p − 0.52);  g = 1 / (0.15 (p − p') + 1);  c ← mix(p', c p'/p, g)
 /// ```
 ///
-/// Laws: colours with one channel at zero and none above 0.76 stay; no channel order changes (`laws::film`).
+/// Laws: colours with one channel at zero and none above 0.76 are unchanged; the order of channels is kept
+/// (`laws::film`).
 /// Source: Khronos PBR Neutral tone mapper, specification 1.0 (2024).
 #[inline(always)]
 pub fn neutral<L: Lane>(rgb: Vec3<L>) -> Vec3<L> {
@@ -42,8 +42,8 @@ pub fn linear<L: Lane>(rgb: Vec3<L>) -> Vec3<L> {
     rgb
 }
 
-/// x / (1 + x) of each channel: the simplest of Reinhard's operators, without its luminance and white point, as
-/// three.js and most real-time renderers have it.
+/// x / (1 + x) of each channel: the simplest of Reinhard's operators, without its luminance and white point, as in
+/// three.js and most real-time renderers.
 ///
 /// Source: Reinhard et al. 2002, "Photographic tone reproduction for digital images", eq. 3.
 #[inline(always)]
@@ -53,7 +53,7 @@ pub fn reinhard<L: Lane>(rgb: Vec3<L>) -> Vec3<L> {
 }
 
 /// Hill's fit of the ACES reference rendering transform and the sRGB output transform, for colours divided by 0.6
-/// beforehand, as three.js has it, which brightens mid grey to the level of the other curves.
+/// first, as in three.js, which brightens mid grey to the level of the other curves.
 ///
 /// Source: Stephen Hill, BakingLab `ACES.hlsl` (2016), MIT; the factor: three.js `ACESFilmicToneMapping`.
 #[inline(always)]
@@ -75,10 +75,10 @@ fn aces_fit<L: Lane>(v: L) -> L {
     a / b
 }
 
-/// AgX, base look: a log encoding of 16.5 stops about mid grey, inset towards white in Rec. 2020, then a sigmoid.
+/// AgX, base look: a log encoding of 16.5 stops around mid grey, inset towards white in Rec. 2020, then a sigmoid.
 ///
-/// The sigmoid is Wrensch's polynomial of degree six in place of a table (mean squared error 3.7e-6), the matrices
-/// are those of Blender's configuration; both as in three.js and Filament. Its large terms cancel, so `f32` is good
+/// The sigmoid is Wrensch's polynomial of degree six instead of a table (mean squared error 3.7e-6), the matrices are
+/// those of Blender's configuration; both as in three.js and Filament. Its large terms cancel, so `f32` is accurate
 /// to 1e-5 here and to 3e-7 in the other curves.
 ///
 /// Sources: Troy Sobotka, AgX (2022); Benjamin Wrensch, "Minimal AgX implementation" (2023); Filament, `AgxToneMapper`.
@@ -107,10 +107,10 @@ pub fn agx<L: Lane>(rgb: Vec3<L>) -> Vec3<L> {
     )
 }
 
-/// The display value of AgX for a scene value, both of one channel.
+/// The display value of AgX for a scene value of one channel.
 #[inline(always)]
 fn agx_sigmoid<L: Lane>(v: L) -> L {
-    /// Stops below and above one: mid grey 0.18 less 10 and plus 6.5.
+    /// Stops below and above one: mid grey 0.18 minus 10 and plus 6.5.
     const LOW: f64 = -12.47393;
     const HIGH: f64 = 4.026069;
     let stops = poly::log2(v.max(v.lit(1e-10)));
@@ -119,7 +119,7 @@ fn agx_sigmoid<L: Lane>(v: L) -> L {
     ((cubic * x + v.lit(0.4298)) * x + v.lit(0.1191)) * x - v.lit(0.00232)
 }
 
-/// The product of a matrix, by rows, and a column.
+/// The product of a matrix, given by rows, and a column vector.
 #[inline(always)]
 fn transformed<L: Lane>([a, b, c]: &[[f64; 3]; 3], v: Vec3<L>) -> Vec3<L> {
     Vec3::new(row(a, v), row(b, v), row(c, v))

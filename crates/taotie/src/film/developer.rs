@@ -1,4 +1,4 @@
-//! Pixels developed pack by pack.
+//! Develops pixels pack by pack.
 
 use super::ToneCurve;
 use super::codes8::SRGB_CODES;
@@ -9,7 +9,7 @@ use crate::math::codes::{Codes, in_low_bits};
 use crate::math::{Lane, Mask, Pack, Vec3, dispatch_pack, scalar};
 use fearless_simd::Level;
 
-/// A [`Development`] made ready to be done to any number of pixels, in pieces of any size.
+/// A [`Development`] prepared for any number of pixels, in pieces of any size.
 #[derive(Debug, Clone, Copy)]
 pub struct Developer {
     level: Level,
@@ -17,7 +17,7 @@ pub struct Developer {
 }
 
 impl Developer {
-    /// Checks a development once.
+    /// Validates a development once.
     ///
     /// # Errors
     /// [`Error::Invalid`] for an exposure or a background out of range, [`Error::Unsupported`] for a SIMD level that
@@ -26,13 +26,13 @@ impl Developer {
         Ok(Self { level: development.simd.dispatch()?, recipe: Recipe::new(development)? })
     }
 
-    /// Premultiplied linear RGBA in, 8 bits a channel out: sRGB and straight alpha. The pixels of `out` beyond those
-    /// of `pixels` stay as they are.
+    /// Converts premultiplied linear RGBA to 8 bits per channel: sRGB and straight alpha. Pixels of `out` beyond
+    /// those of `pixels` are unchanged.
     pub fn codes8(&self, pixels: &[[f32; 4]], out: &mut [[u8; 4]]) {
         dispatch_pack!(self.level, P, token => all_codes::<P, u8>(token, &self.recipe, pixels, out));
     }
 
-    /// Returns codes as [`Self::codes8`] does, with 16 bits a channel.
+    /// Like [`Self::codes8`], with 16 bits per channel.
     pub fn codes16(&self, pixels: &[[f32; 4]], out: &mut [[u16; 4]]) {
         dispatch_pack!(self.level, P, token => all_codes::<P, u16>(token, &self.recipe, pixels, out));
     }
@@ -63,20 +63,20 @@ impl Recipe {
         Ok(Self { exposure, tone: development.tone, background: development.background })
     }
 
-    /// The light that is shown, in [0, 1], and alpha.
+    /// The displayed light, in [0, 1], and alpha.
     #[inline(always)]
     fn light<L: Lane>(&self, rgba: [L; 4]) -> (Vec3<L>, L) {
         developed_light(rgba, self.exposure, self.tone, self.background)
     }
 
-    /// [`Self::light`] where alpha is 1 or more: there is nothing to divide by and no background to be seen.
+    /// [`Self::light`] if alpha is 1 or more: nothing to divide by, and no background visible.
     #[inline(always)]
     fn opaque_light<L: Lane>(&self, [r, g, b, _]: [L; 4]) -> Vec3<L> {
         self.tone.apply(Vec3::new(r, g, b) * r.lit(f64::from(self.exposure)))
     }
 }
 
-/// The number of pixels developed before their codes are looked up: whole packs, whatever the level.
+/// The number of pixels developed before their codes are looked up: whole packs at any level.
 const RUN: usize = 64;
 
 /// A run of pixels, channel by channel: prepared light, and the codes of alpha.
@@ -167,12 +167,12 @@ enum Kind {
 struct Runner<'r, P: Pack> {
     token: P::Token,
     recipe: &'r Recipe,
-    /// The values of pixels that show nothing.
+    /// The values of fully transparent pixels.
     nothing: [P; 4],
 }
 
 impl<P: Pack> Runner<'_, P> {
-    /// Fills `columns` for [`RUN`] pixels. Pictures are in large part wholly transparent or wholly opaque, and both are
+    /// Fills `columns` for [`RUN`] pixels. Images are largely fully transparent or fully opaque, and both are
     /// cheaper.
     #[inline(always)]
     fn develop<C: Code>(&self, pixels: &[[f32; 4]], columns: &mut Columns) -> Kind {

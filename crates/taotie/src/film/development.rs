@@ -1,29 +1,29 @@
-//! Development from light to what a screen shows: the settings, and the formula for a pixel.
+//! Development from light to display values: the settings, and the formula for a pixel.
 
 use super::ToneCurve;
 use super::encode::srgb_from_linear;
 use super::tone::clamped;
 use crate::math::{Lane, SimdLevel, Vec3};
 
-/// The settings by which an image is developed.
+/// The settings for developing an image.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Development {
-    /// Light is multiplied by two to this power; [−60, 60].
+    /// The exponent of two by which light is multiplied; [−60, 60].
     pub exposure_stops: f32,
-    /// The curve that fits light into the range of a screen.
+    /// The curve that compresses light into the range of a display.
     pub tone: ToneCurve,
-    /// The colour that is seen where the image is transparent: linear, display-referred, in [0, 1]. It is laid
-    /// under after the tone curve. `None` leaves transparency in the file.
+    /// The colour behind transparent parts of the image: linear, display-referred, in [0, 1]. It is composited after
+    /// the tone curve. `None` keeps transparency in the file.
     pub background: Option<Vec3>,
-    /// The SIMD level; no level changes a bit.
+    /// The SIMD level; it never changes a bit.
     pub simd: SimdLevel,
 }
 
-/// One pixel, or a pack: premultiplied linear RGBA in, sRGB and straight alpha in [0, 1] out.
+/// Develops one pixel, or a pack: from premultiplied linear RGBA to sRGB and straight alpha in [0, 1].
 ///
-/// Colour is divided by alpha, multiplied by `exposure`, taken through the curve, laid over the background in
-/// linear light, and encoded. Where alpha is zero, colour is black.
+/// Colour is divided by alpha, multiplied by `exposure`, mapped through the curve, composited over the background in
+/// linear light, and encoded. If alpha is zero, colour is black.
 #[inline(always)]
 pub fn develop_pixel<L: Lane>(
     rgba: [L; 4],

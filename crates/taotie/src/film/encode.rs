@@ -12,7 +12,7 @@ pub fn srgb_from_linear<L: Lane>(linear: L) -> L {
     L::select(linear.le(linear.lit(0.003_130_8)), linear * linear.lit(12.92), curve)
 }
 
-/// The code nearest to a value in [0, 1], where `top` is the code of one: an integral number in [0, `top`].
+/// The code nearest to a value in [0, 1], if `top` is the code of one: an integral number in [0, `top`].
 #[inline(always)]
 pub fn round_to_codes<L: Lane>(value: L, top: f64) -> L {
     (value * value.lit(top) + value.lit(0.5)).floor()

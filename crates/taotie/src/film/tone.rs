@@ -4,14 +4,14 @@ use super::curves::{aces, agx, linear, neutral, reinhard};
 use crate::math::{Lane, Vec3};
 use crate::names::Named;
 
-/// The curve that fits unbounded light into the range of a screen.
+/// The curve that compresses unbounded light into the range of a display.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum ToneCurve {
-    /// Khronos PBR Neutral: authored colours come out as authored, only highlights are compressed.
+    /// Khronos PBR Neutral: authored colours are reproduced as authored, only highlights are compressed.
     #[default]
     Neutral,
-    /// No curve: what is above one is cut.
+    /// No curve: values above one are clipped.
     Linear,
     /// x / (1 + x) of each channel.
     Reinhard,
@@ -33,7 +33,7 @@ impl Named for ToneCurve {
 }
 
 impl ToneCurve {
-    /// The display-referred linear colour in [0, 1] of a scene-referred one (linear sRGB primaries).
+    /// The display-referred linear colour in [0, 1] for a scene-referred one (linear sRGB primaries).
     ///
     /// Channels below zero or NaN count as zero, those above 1e9 as 1e9.
     #[inline(always)]
@@ -50,7 +50,7 @@ impl ToneCurve {
     }
 }
 
-/// Each channel kept within [0, `high`]; NaN becomes zero.
+/// Each channel clamped to [0, `high`]; NaN becomes zero.
 #[inline(always)]
 pub(super) fn clamped<L: Lane>(v: Vec3<L>, high: f64) -> Vec3<L> {
     Vec3::new(v.x.clamp(0.0, high), v.y.clamp(0.0, high), v.z.clamp(0.0, high))

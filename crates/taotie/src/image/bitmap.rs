@@ -1,4 +1,4 @@
-//! Texels as a file stores them, before anybody says what they mean.
+//! Texels as stored in a file, before they are interpreted.
 
 use crate::error::{Error, Result};
 
@@ -23,12 +23,12 @@ impl Texels {
         }
     }
 
-    /// Says whether there are no texels.
+    /// Returns true if there are no texels.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Returns the bytes that they take in memory.
+    /// Returns the memory that they occupy in bytes.
     pub fn bytes(&self) -> u64 {
         match self {
             Self::U8(t) => size_of_val(t.as_slice()) as u64,
@@ -51,16 +51,16 @@ impl Bitmap {
     /// The largest width or height.
     pub const MAX_SIDE: u32 = 32_768;
 
-    /// Checks the size. `channels` says how many of the four the file held: 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA.
+    /// Checks the size. `channels` is the number of channels in the file: 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where a side is zero or the texel count is not `width · height`,
-    /// [`Error::Limit`] where a side is above [`Bitmap::MAX_SIDE`].
+    /// [`Error::Invalid`] if a side is zero or the number of texels is not `width · height`, [`Error::Limit`] if a
+    /// side is above [`Bitmap::MAX_SIDE`].
     pub fn new(width: u32, height: u32, channels: u8, texels: Texels) -> Result<Self> {
         if width == 0 || height == 0 {
             return Err(Error::invalid(
                 "image",
-                format!("its size is {width}×{height}; both must be above 0"),
+                format!("its size is {width}×{height}; both sides must be above 0"),
             ));
         }
         if width > Self::MAX_SIDE || height > Self::MAX_SIDE {
@@ -83,7 +83,7 @@ impl Bitmap {
         self.height
     }
 
-    /// The number of channels that the file held, 1 to 4.
+    /// The number of channels in the file, 1 to 4.
     pub fn channels(&self) -> u8 {
         self.channels
     }
@@ -93,12 +93,12 @@ impl Bitmap {
         &self.texels
     }
 
-    /// The texels as stored, without the rest.
+    /// Converts the bitmap to its texels.
     pub(crate) fn into_texels(self) -> Texels {
         self.texels
     }
 
-    /// The numbers of texel `i` as stored, 1 being the largest of an integer type; nothing is decoded.
+    /// The channels of texel `i` as stored, 1 being the maximum of an integer type; nothing is decoded.
     #[inline]
     pub fn stored(&self, i: usize) -> [f32; 4] {
         match &self.texels {
@@ -108,12 +108,12 @@ impl Bitmap {
         }
     }
 
-    /// Says whether some texel is not fully there: whether the file held alpha, and it is below one anywhere.
+    /// Returns true if some texel is not opaque: if the file contained alpha, and it is below one anywhere.
     pub fn has_alpha(&self) -> bool {
         matches!(self.channels, 2 | 4) && (0..self.texels.len()).any(|i| self.stored(i)[3] < 1.0)
     }
 
-    /// Bits a channel: 8, 16 or 32.
+    /// Bits per channel: 8, 16 or 32.
     pub fn bits(&self) -> u8 {
         match self.texels {
             Texels::U8(_) => 8,

@@ -5,7 +5,7 @@ use super::decode::linear_from_code;
 use crate::math::codes::{Codes, in_low_bits};
 use crate::math::{Lane, Pack, Vec3};
 
-/// The meaning of the numbers of one level.
+/// The encoding of one level.
 #[derive(Debug, Clone)]
 pub(super) struct Codec {
     pub encoding: Encoding,
@@ -14,7 +14,7 @@ pub(super) struct Codec {
     srgb: Option<Box<Srgb>>,
 }
 
-/// The tables by which 8 bits of colour are read and written.
+/// The tables for decoding and encoding 8-bit colour.
 #[derive(Debug, Clone)]
 struct Srgb {
     decode: [f32; 256],
@@ -31,7 +31,7 @@ impl Codec {
     }
 }
 
-/// The linear value of each code of 8 bits.
+/// The linear value of each 8-bit code.
 pub(super) fn decode_u8(encoding: Encoding) -> [f32; 256] {
     std::array::from_fn(|code| match encoding {
         Encoding::Linear | Encoding::Normal => (code as f64 / 255.0) as f32,
@@ -39,7 +39,8 @@ pub(super) fn decode_u8(encoding: Encoding) -> [f32; 256] {
     })
 }
 
-/// The index of the entry that is nearest to a value, for a table that rises from 0 to 1; the larger where two are.
+/// The index of the entry nearest to a value, for a table that rises from 0 to 1; the larger index if two are equally
+/// near.
 fn nearest_codes(table: &[f32; 256]) -> Codes {
     Codes::new(&std::array::from_fn(|i| {
         let (below, above) = (table[i], table[i + 1]);
@@ -53,11 +54,11 @@ fn nearest_codes(table: &[f32; 256]) -> Codes {
     }))
 }
 
-/// Numbers of some stored precision. Rows of floats are as long as whole packs.
+/// Channels in one of the stored precisions. Rows of floats are padded to whole packs.
 pub(super) trait Texel: Copy + Default + Send + Sync {
     /// Decodes a row of texels into its contribution to the means of the next level.
     fn decode<P: Pack>(token: P::Token, codec: &Codec, from: &[[Self; 4]], to: &mut [[f32; 4]]);
-    /// The texels of a row of means, which is changed.
+    /// Encodes a row of means, which is modified.
     fn encode<P: Pack>(token: P::Token, codec: &Codec, means: &mut [[f32; 4]], to: &mut [[Self; 4]]);
 }
 
@@ -134,7 +135,7 @@ impl Texel for f32 {
     }
 }
 
-/// Makes unit vectors of the normals of the finest level, still stored as (n + 1)/2, without variance.
+/// Normalises the normals of the finest level, still stored as (n + 1)/2, and sets the variance to zero.
 #[inline(always)]
 fn finest_normals<P: Pack>(token: P::Token, codec: &Codec, row: &mut [[f32; 4]]) {
     if codec.encoding != Encoding::Normal || !codec.is_finest {
@@ -168,7 +169,7 @@ fn vector<L: Lane>(r: L, g: L, b: L) -> Vec3<L> {
     Vec3::new(two * r - one, two * g - one, two * b - one)
 }
 
-/// Colours made ready to be looked up, alphas with their code in the lowest bits.
+/// Colours prepared for lookup, alphas with their code in the lowest bits.
 #[inline(always)]
 fn prepare_srgb<P: Pack>(token: P::Token, row: &mut [[f32; 4]]) {
     for texels in row.chunks_exact_mut(P::LANES) {
@@ -178,7 +179,7 @@ fn prepare_srgb<P: Pack>(token: P::Token, row: &mut [[f32; 4]]) {
     }
 }
 
-/// Values in [0, 1] to floats with their code in the lowest bits.
+/// Converts values in [0, 1] to floats with their code in the lowest bits.
 #[inline(always)]
 fn round_codes<P: Pack>(token: P::Token, top: f64, row: &mut [[f32; 4]]) {
     for values in row.as_flattened_mut().chunks_exact_mut(P::LANES) {

@@ -2,13 +2,13 @@
 
 use crate::math::Lane;
 
-/// Up to this code sRGB is a straight line: 0.04045 · 255 = 10.3.
+/// Up to this code, sRGB is linear: 0.04045 · 255 = 10.3.
 const LINE_UP_TO: f64 = 10.5;
 
-/// The slope of that line, by the code.
+/// The slope of that segment, per code.
 const LINE: f64 = 1.0 / (255.0 * 12.92);
 
-/// Minimax over the codes from 11 to 255, the error weighed by the step from code to code; lowest power first.
+/// Minimax over the codes from 11 to 255, the error weighted by the step between codes; lowest power first.
 const CURVE: [f64; 7] = [
     8.766_406_683e-4,
     1.346_828_103e-4,
@@ -21,7 +21,7 @@ const CURVE: [f64; 7] = [
 
 /// The linear value of an 8-bit sRGB code, [0, 255] to [0, 1]; 0 and 255 exactly.
 ///
-/// Within 0.004 of the step from one code to the next. Law: `tests::codes_are_decoded_as_the_standard_says`.
+/// Within 0.004 of the step between two codes. Law: `tests::codes_are_decoded_as_the_standard_says`.
 /// Source: IEC 61966-2-1.
 #[inline(always)]
 pub(super) fn linear_from_code<L: Lane>(code: L) -> L {

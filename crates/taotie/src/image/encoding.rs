@@ -5,9 +5,9 @@
 pub enum Encoding {
     /// Colour encoded by the sRGB transfer function; alpha is linear.
     Srgb,
-    /// The numbers themselves: roughness, heights.
+    /// Linear numbers: roughness, heights.
     Linear,
-    /// Unit vectors, (n + 1)/2. Coarser levels hold the mean of the unit vectors below, which is shorter the more they
-    /// diverge, and in the fourth channel their variance 1 − |mean|²; the finest level has none.
+    /// Unit vectors, (n + 1)/2. Coarser levels contain the mean of the unit vectors below, which is shorter the more
+    /// they diverge, and in the fourth channel their variance 1 − |mean|²; the finest level has none.
     Normal,
 }

@@ -1,4 +1,4 @@
-//! Texels of many points decoded and filtered in packs, however they are stored.
+//! Decodes and filters the texels of many points in packs, for every storage format.
 
 use super::decode::linear_from_code;
 use crate::math::{Column, Lane, Pack, Quads};
@@ -6,15 +6,15 @@ use crate::math::{Column, Lane, Pack, Quads};
 /// The four texels read around each point, as the bits of floats; see [`Format`].
 pub(super) type Found = [Quads; 4];
 
-/// The storage of texels, and the order in [`Found`] of those around a point.
+/// The storage format of texels, and the order in [`Found`] of those around a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Format {
-    /// Four codes of 8 bits: all four texels are the first quad.
+    /// Four 8-bit codes: all four texels are the first quad.
     Codes,
     /// The same, with colour in sRGB.
     Srgb,
-    /// Four codes of 16 bits, or of 8 where the point's level has no more: the first quad has the upper two texels, the
-    /// second the lower two.
+    /// Four 16-bit codes, or 8-bit ones if the point's level has no more: the first quad has the upper two texels,
+    /// the second the lower two.
     Wide,
     /// Four floats: a quad each.
     Floats,
@@ -23,7 +23,7 @@ pub(super) enum Format {
 /// The weights of the texels around points, in one level.
 #[derive(Debug, Clone)]
 pub(super) struct Weights {
-    /// The fraction of the way to the right texels, and with `down` to the lower ones.
+    /// The fraction of the way to the right texels; `down` is the fraction to the lower ones.
     pub across: Column,
     pub down: Column,
     /// The factor of filtered values of [`Format::Wide`], and of the fourth channel of [`Format::Codes`] and
@@ -41,13 +41,13 @@ impl Weights {
 pub(super) struct Filter<'w> {
     pub found: &'w Found,
     pub format: Format,
-    /// Says whether the fourth channel may be anything but 1.
+    /// Returns true if the fourth channel may differ from 1.
     pub alpha: bool,
     pub len: usize,
 }
 
 impl Filter<'_> {
-    /// Writes the channels at all points.
+    /// Writes the channels of all points.
     #[inline(always)]
     pub(super) fn fill<P: Pack>(&self, token: P::Token, weights: &Weights, out: &mut [&mut Column; 4]) {
         match self.format {
@@ -58,7 +58,7 @@ impl Filter<'_> {
         }
     }
 
-    /// Goes by `share` from what `out` holds to this level's.
+    /// Blends by `share` from the content of `out` to this level.
     #[inline(always)]
     pub(super) fn blend<P: Pack>(
         &self,
@@ -96,7 +96,7 @@ impl Filter<'_> {
         }
     }
 
-    /// The mean of a channel by nearness. What is read for one channel serves the others too.
+    /// The bilinear mean of a channel. Values loaded for one channel serve the others too.
     #[inline(always)]
     fn mean<P: Pack, T: Stored>(&self, token: P::Token, weights: &Weights, channel: usize, i: usize) -> P {
         let (across, down) = (P::load(token, &weights.across[i..]), P::load(token, &weights.down[i..]));
@@ -107,7 +107,7 @@ impl Filter<'_> {
     }
 }
 
-/// The use that is made of filtered values.
+/// The operation on filtered values.
 trait Way {
     fn lay<P: Pack>(token: P::Token, mean: P, share: &[f32], out: &[f32]) -> P;
 }
@@ -130,11 +130,11 @@ impl Way for Blend {
     }
 }
 
-/// A way of storing channels.
+/// A storage format of channels.
 trait Stored {
     /// The factor of the means.
     fn scale<P: Pack>(token: P::Token, weights: &Weights, channel: usize, i: usize) -> P;
-    /// A channel of the four texels around the points from `i` on.
+    /// A channel of the four texels around the points from `i` onwards.
     fn load<P: Pack>(token: P::Token, found: &Found, channel: usize, i: usize) -> [P; 4];
 }
 

@@ -1,8 +1,8 @@
-//! A linear float image: what rendering writes and comparing reads.
+//! A linear float image: the output of rendering and the input of comparisons.
 
 use crate::error::{Error, Result};
 
-/// A linear RGBA image, row by row from the top. Colour is premultiplied by alpha where alpha means coverage.
+/// A linear RGBA image, row by row from the top. Colour is premultiplied if alpha means coverage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
     width: u32,
@@ -14,19 +14,19 @@ impl Image {
     /// The largest width or height.
     pub const MAX_SIDE: u32 = 16_384;
 
-    /// An image with every pixel equal to `fill`.
+    /// Creates an image with every pixel equal to `fill`.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where a side is zero, [`Error::Limit`] where one is above [`Image::MAX_SIDE`].
+    /// [`Error::Invalid`] if a side is zero, [`Error::Limit`] if one is above [`Image::MAX_SIDE`].
     pub fn new(width: u32, height: u32, fill: [f32; 4]) -> Result<Self> {
         Self::check_size(width, height)?;
         Ok(Self { width, height, pixels: vec![fill; width as usize * height as usize] })
     }
 
-    /// An image of these pixels, row by row from the top.
+    /// Creates an image of these pixels, row by row from the top.
     ///
     /// # Errors
-    /// As [`Image::new`]; [`Error::Invalid`] where the number of pixels is not `width · height`.
+    /// As for [`Image::new`]; [`Error::Invalid`] if the number of pixels is not `width · height`.
     pub(crate) fn from_pixels(width: u32, height: u32, pixels: Vec<[f32; 4]>) -> Result<Self> {
         Self::check_size(width, height)?;
         if pixels.len() != width as usize * height as usize {
@@ -35,10 +35,10 @@ impl Image {
         Ok(Self { width, height, pixels })
     }
 
-    /// Checks that an image of this size can be made.
+    /// Checks that an image of this size is allowed.
     ///
     /// # Errors
-    /// As [`Image::new`].
+    /// As for [`Image::new`].
     pub fn check_size(width: u32, height: u32) -> Result<()> {
         if width == 0 || height == 0 {
             return Err(Error::invalid(
@@ -48,7 +48,7 @@ impl Image {
         }
         if width > Self::MAX_SIDE || height > Self::MAX_SIDE {
             let why = format!("at most {0}x{0}", Self::MAX_SIDE);
-            return Err(Error::limit(format!("a picture of {width}x{height}"), why));
+            return Err(Error::limit(format!("an image of {width}x{height}"), why));
         }
         Ok(())
     }
@@ -68,7 +68,7 @@ impl Image {
         &self.pixels
     }
 
-    /// All pixels, to change them.
+    /// All pixels, mutably.
     pub fn pixels_mut(&mut self) -> &mut [[f32; 4]] {
         &mut self.pixels
     }

@@ -1,4 +1,4 @@
-//! Filtered lookup of many points at once: places in packs, texels one by one, decoding and filtering in packs.
+//! Filtered lookup of many points at a time: positions in packs, texels one by one, decoding and filtering in packs.
 
 use super::filter::{Filter, Format, Found, Weights};
 use super::sampler::{MipFilter, Sampler, TexelFilter, Wrap};
@@ -7,18 +7,18 @@ use crate::math::{BATCH, Column, Lane, Mask, Pack, Quads, Words, dispatch_pack};
 use fearless_simd::Level;
 use std::ops::Range;
 
-/// A lookup of [`BATCH`] points in textures of one size: levels, texels and weights. It serves every texture that has
-/// this size and is read by the same sampler at the same places.
+/// A lookup of [`BATCH`] points in textures of one size: levels, texels and weights. It is shared by all textures
+/// that have this size and are read with the same sampler at the same positions.
 #[derive(Debug, Clone)]
 pub struct Lookup {
     len: usize,
-    /// 1 where texels are combined by nearness, 0 where the nearest is taken.
+    /// 1 to interpolate between texels, 0 to take the nearest.
     smooth: Column,
     fine: Taps,
     coarse: Taps,
     /// The weight of the coarse level in the mean.
     share: Column,
-    /// `true` where any point needs the coarse level.
+    /// `true` if any point needs the coarse level.
     blended: bool,
     /// The texels last read.
     found: Found,
@@ -28,13 +28,13 @@ pub struct Lookup {
 #[derive(Debug, Clone)]
 struct Taps {
     level: Words,
-    /// Neighbours of one level: the level, and where they end.
+    /// Runs of points in one level: the level, and the end of the run.
     runs: Vec<(usize, usize)>,
-    /// `true` where no point lies between the last texel of a row and the texel that follows by wrapping.
+    /// `true` if no point is between the last texel of a row and the texel that follows by wrapping.
     neighbours: bool,
     width: Column,
     height: Column,
-    /// Top left and bottom left: indices in the level.
+    /// Top left and bottom left: indices into the level.
     place: [Words; 2],
     /// The step from the left texels to the right ones, modulo 2³².
     step: Words,
@@ -65,19 +65,19 @@ impl Default for Lookup {
     }
 }
 
-/// Points that a texture is looked up at.
+/// Points at which a texture is looked up.
 #[derive(Clone, Copy)]
 pub struct LookupPoints<'a> {
     /// u and v; origin top left.
     pub uv: [&'a Column; 2],
-    /// log2 of the texels of the finest level that a pixel covers.
+    /// log2 of the number of finest-level texels covered by a pixel.
     pub lod: &'a Column,
-    /// The number of entries of the columns that are points, at most [`BATCH`].
+    /// The number of points in the columns, at most [`BATCH`].
     pub len: usize,
 }
 
 impl Lookup {
-    /// Finds the texels for some points. `texture` is any of the textures that are to be read.
+    /// Finds the texels for some points. `texture` is any of the textures to be read.
     pub fn place(&mut self, level: Level, texture: &Texture, sampler: &Sampler, points: LookupPoints<'_>) {
         let LookupPoints { uv, lod, len } = points;
         self.len = len.min(BATCH);
@@ -90,7 +90,7 @@ impl Lookup {
         }
     }
 
-    /// The linear RGBA values of `texture`, column by column; the last of `out`, where it has no alpha, is 1.
+    /// The linear RGBA values of `texture`, column by column; the last column of `out` is 1 if it has no alpha.
     pub fn read(&mut self, level: Level, texture: &Texture, mut out: [&mut Column; 4]) {
         let alpha = has_alpha(texture);
         let format = self.fine.fetch(texture, &mut self.found);
@@ -139,14 +139,15 @@ impl Lookup {
 /// Points whose texels are to be found.
 struct Wanted<'a> {
     sampler: &'a Sampler,
-    /// 1 where texels are filtered, 0 where the nearest is taken.
+    /// 1 for filtered texels, 0 for the nearest.
     smooth: &'a Column,
     uv: [&'a Column; 2],
     len: usize,
 }
 
 impl Taps {
-    /// Sets the level of the points from `i` on, with its size: each level halves the one before, rounding down.
+    /// Sets the level of the points from `i` onwards, with its size: each level halves the previous one, rounding
+    /// down.
     #[inline(always)]
     fn set_level<P: Pack>(&mut self, texture: &Texture, level: P, i: usize) {
         let halved = |side: u32| level.lit(f64::from(side)).ldexp(-level).floor().max(level.lit(1.0));
@@ -155,12 +156,12 @@ impl Taps {
         halved(texture.height()).store(&mut self.height[i..]);
     }
 
-    /// Finds neighbours of one level.
+    /// Finds runs of consecutive points in one level.
     fn find_runs(&mut self, len: usize) {
         let levels = &self.level[..len];
         let Some(first) = levels.first() else { return self.runs.clear() };
         self.runs.clear();
-        // Mostly all are of one level, which is faster to see than where they change.
+        // Usually all points are in one level, which is faster to detect than to search for changes.
         if levels.iter().fold(0, |parted, level| parted | (level ^ first)) == 0 {
             self.runs.push((*first as usize, len));
             return;
@@ -181,7 +182,7 @@ impl Taps {
             let (width, height) = (P::load(token, &self.width[i..]), P::load(token, &self.height[i..]));
             let [left, right, across] = around(sampler.wrap_u, P::load(token, &u[i..]), width, smooth);
             let [top, bottom, down] = around(sampler.wrap_v, P::load(token, &v[i..]), height, smooth);
-            // Lanes beyond `len` may say so too; that costs time alone.
+            // Lanes beyond `len` may also report this, which only costs time.
             let parted = (right - left).lt(P::splat(token, 1.0)).or(P::splat(token, 1.0).lt(right - left));
             self.neighbours &= !parted.any();
             left.store_place(top, width, &mut self.place[0][i..]);
@@ -195,7 +196,7 @@ impl Taps {
     /// Reads the texels.
     fn fetch(&mut self, texture: &Texture, found: &mut Found) -> Format {
         let is_coded = |(level, _): &(usize, usize)| matches!(texture.level(*level).texels(), Texels::U8(_));
-        // A texel of the finest level of a normal map has no variance, whatever its alpha says.
+        // A texel of the finest level of a normal map has no variance, whatever its alpha is.
         let normals = texture.encoding() == Encoding::Normal;
         let format = match texture.bitmap().texels() {
             Texels::F32(_) => Format::Floats,
@@ -223,16 +224,16 @@ impl Taps {
     }
 }
 
-/// Points that are looked up in one level.
+/// Points looked up in one level.
 struct Points<'t> {
     taps: &'t Taps,
-    /// `true` where the fourth channel counts.
+    /// `true` if the fourth channel matters.
     alpha: bool,
     span: Range<usize>,
 }
 
 impl Points<'_> {
-    /// Texels of 8 bits.
+    /// 8-bit texels.
     fn fetch_codes(&self, texels: &[[u8; 4]], found: &mut Found) {
         let quads = &mut found[0][self.span.start..][..self.span.len()];
         self.each(texels, |i, four| quads[i] = four.map(|texel| f32::from_bits(u32::from_le_bytes(texel))));
@@ -247,7 +248,7 @@ impl Points<'_> {
             let [r, g, b, a] = codes(texel).map(u64::from);
             (r | g << 16 | b << 32 | a << 48) & mask
         };
-        // What fits a register is moved as one.
+        // Values that fit a register are moved as one.
         let pair = |a, b| {
             let (a, b) = (words(a), words(b));
             [a as u32, (a >> 32) as u32, b as u32, (b >> 32) as u32].map(f32::from_bits)
@@ -263,12 +264,12 @@ impl Points<'_> {
         });
     }
 
-    /// Calls `write` for each point with its number in the span and the four texels around it: top left, top right,
-    /// bottom left, bottom right. What is not there is zero.
+    /// Calls `write` for each point with its index in the span and the four texels around it: top left, top right,
+    /// bottom left, bottom right. Missing texels are zero.
     #[inline(always)]
     fn each<T: Copy + Default>(&self, texels: &[T], mut write: impl FnMut(usize, [T; 4])) {
         let count = self.span.len();
-        // As long as what is written to, which spares comparing.
+        // As long as the output, which avoids bounds checks.
         let [tops, bottoms] = &self.taps.place;
         let (tops, bottoms) = (&tops[self.span.start..][..count], &bottoms[self.span.start..][..count]);
         let two = |place: u32| match texels.get(place as usize..place as usize + 2) {
@@ -291,8 +292,8 @@ impl Points<'_> {
     }
 }
 
-/// The two texels around the coordinate `u` on an axis of `size` texels, and how far it is from the first to the
-/// second; where `smooth` is 0, the one it lies in.
+/// The two texels around the coordinate `u` on an axis of `size` texels, and the fraction of the way from the first
+/// to the second; if `smooth` is 0, the texel that contains it.
 #[inline(always)]
 fn around<L: Lane>(wrap: Wrap, u: L, size: L, smooth: L) -> [L; 3] {
     let reduced = match wrap {
@@ -307,7 +308,7 @@ fn around<L: Lane>(wrap: Wrap, u: L, size: L, smooth: L) -> [L; 3] {
     [wrapped(wrap, first, size), wrapped(wrap, second, size), share]
 }
 
-/// The texel, [0, size), at the integral coordinate `i`; 0 for what is no number.
+/// The texel, in [0, size), at the integral coordinate `i`; 0 for NaN.
 #[inline(always)]
 fn wrapped<L: Lane>(wrap: Wrap, i: L, size: L) -> L {
     let (zero, one) = (i.lit(0.0), i.lit(1.0));
@@ -323,14 +324,14 @@ fn wrapped<L: Lane>(wrap: Wrap, i: L, size: L) -> L {
     index.max(zero).min(size - one)
 }
 
-/// `i` in [−period, 2 · period) brought into [0, period).
+/// Wraps `i` from [−period, 2 · period) to [0, period).
 #[inline(always)]
 fn within<L: Lane>(i: L, period: L) -> L {
     let above = L::select(period.le(i), i - period, i);
     L::select(i.lt(i.lit(0.0)), i + period, above)
 }
 
-/// Says whether the fourth channel may be anything but 1.
+/// Returns true if the fourth channel may differ from 1.
 fn has_alpha(texture: &Texture) -> bool {
     texture.encoding() == Encoding::Normal || matches!(texture.bitmap().channels(), 2 | 4)
 }
@@ -345,7 +346,7 @@ mod tests {
     const FILTERS: [TexelFilter; 2] = [TexelFilter::Nearest, TexelFilter::Linear];
     const MIPS: [MipFilter; 3] = [MipFilter::None, MipFilter::Nearest, MipFilter::Linear];
 
-    /// Textures of every way of storing, of sizes that do not halve evenly.
+    /// Textures of every storage format, of sizes that do not halve evenly.
     fn textures() -> Vec<Texture> {
         let noise = |i: usize| (i as u32).wrapping_mul(0x9e37_79b9) ^ 0x5bd1_e995;
         let count = 13 * 10;
@@ -398,10 +399,13 @@ mod tests {
                         lookup.place(level, &texture, &sampler, points);
                         lookup.read(level, &texture, out.each_mut());
                         for i in 0..len {
-                            let alone = sampler.sample(&texture, Vec2::new(u[i], v[i]), lod[i]);
+                            let expected = sampler.sample(&texture, Vec2::new(u[i], v[i]), lod[i]);
                             let found = [0, 1, 2, 3].map(|c| out[c][i]);
-                            let finite = alone.iter().all(|v| v.is_finite());
-                            assert!(!finite || alone == found, "{sampler:?} {i}: {found:?} for {alone:?}");
+                            let finite = expected.iter().all(|v| v.is_finite());
+                            assert!(
+                                !finite || expected == found,
+                                "{sampler:?} {i}: {found:?} for {expected:?}"
+                            );
                         }
                     }
                 }

@@ -1,4 +1,5 @@
-//! Mip chains: each level is the area-weighted mean of the one below in linear space, made row by row, in parallel.
+//! Mip chains: each level is the area-weighted mean of the finer one in linear space, computed row by row, in
+//! parallel.
 
 use super::codec::{Codec, Texel};
 use super::{Bitmap, Encoding, Texels};
@@ -6,7 +7,7 @@ use crate::math::{MOST_LANES, Pack, SimdLevel, dispatch_pack};
 use crate::parallel;
 use fearless_simd::Level;
 
-/// All levels, the given one first. Each halves the size, rounding down.
+/// All levels, starting with the given one. Each halves the size, rounding down.
 pub(super) fn chain(finest: Bitmap, encoding: Encoding) -> Vec<Bitmap> {
     let level = SimdLevel::fastest();
     chain_at(level, finest, encoding)
@@ -25,8 +26,8 @@ fn chain_at(level: Level, finest: Bitmap, encoding: Encoding) -> Vec<Bitmap> {
     levels
 }
 
-/// Returns a level in another size, of which each side has at least half as many texels and at most as many. `is_finest` as
-/// it is the first of its chain.
+/// Returns a level scaled down to `size`, each side to no less than half. `is_finest` is true for the first of a
+/// chain.
 pub(super) fn shrunk(bitmap: &Bitmap, encoding: Encoding, (size, is_finest): ([u32; 2], bool)) -> Bitmap {
     let mut codec = Codec::new(encoding);
     codec.is_finest = is_finest;
@@ -38,7 +39,7 @@ fn halved(level: Level, codec: &Codec, bitmap: &Bitmap) -> Bitmap {
     sized(level, codec, (bitmap, [bitmap.width(), bitmap.height()].map(|side| (side / 2).max(1))))
 }
 
-/// A smaller level. Those of 8-bit normals keep 16 bits, since a variance is a small difference of lengths.
+/// The level at a smaller size. 8-bit normals get 16 bits, since a variance is a small difference of lengths.
 fn sized(level: Level, codec: &Codec, (bitmap, size): (&Bitmap, [u32; 2])) -> Bitmap {
     let shrink = Shrink::new([bitmap.width(), bitmap.height()], size);
     let texels = match bitmap.texels() {
@@ -47,24 +48,24 @@ fn sized(level: Level, codec: &Codec, (bitmap, size): (&Bitmap, [u32; 2])) -> Bi
         Texels::U16(t) => Texels::U16(shrink.all(level, codec, t)),
         Texels::F32(t) => Texels::F32(shrink.all(level, codec, t)),
     };
-    Bitmap::new(size[0], size[1], bitmap.channels(), texels).expect("less than a valid size is a valid size")
+    Bitmap::new(size[0], size[1], bitmap.channels(), texels).expect("a size below a valid one is valid")
 }
 
-/// The approximate number of texels that one task makes.
+/// The approximate number of texels computed per task.
 const TASK: usize = 1 << 14;
 
-/// The texels of a level that make each one of the next.
+/// The texels of a level that contribute to each texel of the next.
 struct Shrink {
-    /// Texels across, of either level.
+    /// Width in texels of both levels.
     width: usize,
     half_width: usize,
     columns: Vec<Span>,
     rows: Vec<Span>,
-    /// Every texel is the plain mean of 2×2.
+    /// Whether every texel is the plain mean of 2×2.
     is_plain: bool,
 }
 
-/// The rows of the finer level that a band of the next one is made from.
+/// The rows of the finer level from which a band of the next is computed.
 struct FinerRows<'a, S> {
     /// All texels of the level.
     texels: &'a [[S; 4]],
@@ -93,7 +94,7 @@ impl Shrink {
         out
     }
 
-    /// Some rows of the next level, which the source's rows start with.
+    /// Some rows of the next level; the source's rows start with theirs.
     #[inline(always)]
     fn band<P: Pack, S: Texel, T: Texel>(
         &self,
@@ -138,7 +139,7 @@ impl Shrink {
     }
 }
 
-/// Computes [`Shrink::means`] where every texel is the mean of 2×2, bit for bit.
+/// Computes [`Shrink::means`] if every texel is the mean of 2×2, bit for bit.
 #[inline(always)]
 fn plain_means([top, bottom, _]: &[Vec<[f32; 4]>; 3], means: &mut [[f32; 4]]) {
     let pairs = top.as_chunks::<2>().0.iter().zip(bottom.as_chunks::<2>().0);
@@ -157,7 +158,7 @@ struct Span {
 }
 
 impl Span {
-    /// Those of texel `i` of `halved` in a row of `size`, which is 1 to 3 times as long.
+    /// The texels for texel `i` of `halved` in a row of `size`, which is 1 to 3 times as long.
     fn new(i: u32, halved: u32, size: u32) -> Self {
         let (halved, size) = (f64::from(halved), f64::from(size));
         let start = f64::from(i) * size / halved;
@@ -175,7 +176,7 @@ impl Span {
 mod tests {
     use super::*;
 
-    /// Numbers without a pattern, [0, 2^24).
+    /// Numbers without a pattern, in [0, 2^24).
     fn numbers(count: usize) -> Vec<[u32; 4]> {
         let mut state = 1u32;
         let mut next = || {

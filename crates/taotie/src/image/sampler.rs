@@ -3,7 +3,7 @@
 use super::Texture;
 use crate::math::Vec2;
 
-/// The continuation of a texture outside [0, 1].
+/// How a texture continues outside [0, 1].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Wrap {
@@ -12,21 +12,21 @@ pub enum Wrap {
     Repeat,
     /// Every second copy is mirrored.
     Mirror,
-    /// The border texel goes on.
+    /// The border texel is extended.
     Clamp,
 }
 
-/// The way in which texels of one level are combined.
+/// How texels of one level are combined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TexelFilter {
-    /// The texel whose square holds the point.
+    /// The texel that contains the point.
     Nearest,
     /// Bilinear between four texel centres.
     #[default]
     Linear,
 }
 
-/// The way in which mip levels are combined under minification.
+/// How mip levels are combined under minification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MipFilter {
     /// Only the finest level.
@@ -41,21 +41,21 @@ pub enum MipFilter {
 /// The wrap and filter modes of one use of a texture. The default is trilinear with repetition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Sampler {
-    /// The continuation along u.
+    /// How the texture continues along u.
     pub wrap_u: Wrap,
-    /// The continuation along v.
+    /// How the texture continues along v.
     pub wrap_v: Wrap,
-    /// The filter where a texel is larger than a pixel.
+    /// The filter when a texel is larger than a pixel.
     pub magnify: TexelFilter,
-    /// The filter where a texel is smaller than a pixel.
+    /// The filter when a texel is smaller than a pixel.
     pub minify: TexelFilter,
     /// The filter between levels, under minification.
     pub mip: MipFilter,
 }
 
 impl Wrap {
-    /// The texel index in [0, size) for the integral coordinate `i` in [-1, period], where the period is `size`, for
-    /// mirroring twice that. Comparisons do what a slow division would.
+    /// The texel index in [0, size) for the integral coordinate `i` in [-1, period]; the period is `size`, or twice
+    /// that for mirroring. Comparisons replace a slow division.
     #[inline]
     fn apply(self, i: i32, size: i32) -> usize {
         let within = |period: i32| match i {
@@ -95,8 +95,8 @@ impl Sampler {
         mip: MipFilter::None,
     };
 
-    /// The linear RGBA value of `texture` at `uv` (origin top left), where `lod` is log2 of texels a pixel on the
-    /// finest level.
+    /// The linear RGBA value of `texture` at `uv` (origin top left); `lod` is log2 of texels per pixel on the finest
+    /// level.
     pub fn sample(&self, texture: &Texture, uv: Vec2, lod: f32) -> [f32; 4] {
         let switch = self.switch();
         if lod <= switch || lod.is_nan() {
@@ -123,7 +123,7 @@ impl Sampler {
         }
     }
 
-    /// Up to this log2 of texels a pixel, a texture is magnified: OpenGL 4.6, 8.14.1 moves it where only minification
+    /// A texture is magnified up to this log2 of texels per pixel: OpenGL 4.6, 8.14.1 shifts it if only minification
     /// uses levels coarsely.
     pub(super) fn switch(&self) -> f32 {
         let coarse = self.minify == TexelFilter::Nearest && self.mip != MipFilter::None;

@@ -6,7 +6,7 @@ use crate::parallel;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// A bitmap, its mip chain and the meaning of its numbers. Texels stay in stored precision. Copies share them.
+/// A bitmap, its mip chain and the encoding of its channels. Texels stay in stored precision. Copies share them.
 #[derive(Debug, Clone)]
 pub struct Texture {
     levels: Arc<[Bitmap]>,
@@ -16,13 +16,13 @@ pub struct Texture {
 
 impl Texture {
     /// Builds the mip chain: each level halves the size, rounding down, by the area-weighted mean in linear space.
-    /// 16-bit sRGB texels are kept as float, since half of their precision would be lost otherwise.
-    /// Levels of normals keep 16 bits, since a variance is a small difference of lengths.
+    /// 16-bit sRGB texels are kept as floats, since half of their precision would be lost otherwise. Levels of
+    /// normals use 16 bits, since a variance is a small difference of lengths.
     pub fn new(bitmap: Bitmap, encoding: Encoding) -> Self {
         let bitmap = match (encoding, bitmap.texels()) {
             (Encoding::Srgb, Texels::U16(texels)) => {
                 let linear = linear_from_srgb16(&bitmap, texels);
-                // Levels are made without the memory of the codes.
+                // Levels are computed without keeping the codes in memory.
                 drop(bitmap);
                 linear
             }
@@ -50,14 +50,14 @@ impl Texture {
     /// A level as stored; 0 is the finest.
     ///
     /// # Panics
-    /// Where there is no such level.
+    /// If the level does not exist.
     #[inline]
     pub fn level(&self, level: usize) -> &Bitmap {
         &self.levels[level]
     }
 
-    /// Returns the texture with `side` texels along its longer side, as mip levels are made: the next finer level where it has
-    /// fewer than the finest one, else that. Normals are shorter than 1 where they differ.
+    /// Returns the texture scaled down to `side` texels along its longer side, computed like mip levels from the next
+    /// finer level; the finest level if that has no more. Normals are shorter than 1 wherever they differ.
     pub(crate) fn resized(&self, side: u32) -> Cow<'_, Bitmap> {
         let (at, size) = self.resized_from(side);
         let level = &self.levels[at];
@@ -72,7 +72,7 @@ impl Texture {
         self.resized_from(side).1
     }
 
-    /// Returns the number of the next finer level, and the size to make of it.
+    /// Returns the index of the next finer level, and the size to compute from it.
     fn resized_from(&self, side: u32) -> (usize, [u32; 2]) {
         let longer = |level: &Bitmap| level.width().max(level.height());
         let at = self.levels.iter().rposition(|level| longer(level) >= side).unwrap_or_default();
@@ -82,7 +82,7 @@ impl Texture {
         (at, [level.width(), level.height()].map(scaled))
     }
 
-    /// The meaning of the stored numbers.
+    /// The encoding of the stored channels.
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }
@@ -92,7 +92,7 @@ impl Texture {
         self.levels.len()
     }
 
-    /// Returns the bytes that all levels take in memory.
+    /// Returns the memory that all levels occupy in bytes.
     pub fn bytes(&self) -> u64 {
         self.levels.iter().map(|level| level.texels().bytes()).sum()
     }
@@ -113,7 +113,7 @@ impl Texture {
         }
     }
 
-    /// Returns [`Self::texel`] but for a factor, so that filtering multiplies once.
+    /// Returns [`Self::texel`] up to a factor, so that filtering multiplies only once.
     #[inline]
     pub(super) fn unscaled(&self, level: usize, x: usize, y: usize) -> [f32; 4] {
         let bitmap = &self.levels[level];
@@ -188,17 +188,13 @@ mod tests {
 
     #[test]
     fn levels_of_normals_know_how_far_they_diverge() {
-        // Two unit vectors 2θ apart have the mean length cos θ, and the variance sin² θ.
+        // Two unit vectors 2θ apart have a mean of length cos θ, and the variance sin² θ.
         let (sin, cos) = (0.28f32, 0.96f32);
         let code = |v: f32| ((v + 1.0) * 0.5 * 65535.0).round() as u16;
         let texels = vec![[code(sin), code(0.0), code(cos), 9], [code(-sin), code(0.0), code(cos), 9]];
         let bitmap = Bitmap::new(2, 1, 4, Texels::U16(texels)).unwrap();
         let texture = Texture::new(bitmap, Encoding::Normal);
-        assert_eq!(
-            texture.texel(0, 0, 0)[3],
-            0.0,
-            "a single normal has no variance, whatever its alpha says"
-        );
+        assert_eq!(texture.texel(0, 0, 0)[3], 0.0, "a single normal has no variance, whatever its alpha is");
         let [_, _, b, variance] = texture.texel(1, 0, 0);
         assert!((2.0 * b - 1.0 - cos).abs() < 1e-4 && (variance - sin * sin).abs() < 1e-4, "{b} {variance}");
     }

@@ -1,19 +1,19 @@
-//! Hints about what will not look as meant.
+//! Hints about content that will not look as intended.
 
 use super::material::MaterialReport;
 use super::mesh::MeshReport;
 use crate::scene::{GreenChannel, NormalSpace};
 use crate::surface::{GreenVerdict, NormalMapKind};
 
-/// Mean angle from MikkTSpace's tangents that is worth a word, degrees.
+/// The mean angle from MikkTSpace's tangents that is worth a hint, in degrees.
 const FAR_FROM_MIKKTSPACE: f64 = 5.0;
 
-/// Something that will not look as meant.
+/// Content that will not look as intended.
 ///
 /// ```
 /// use taotie::inspection::Hint;
 ///
-/// /// Returns a word of advice.
+/// /// Returns a short explanation.
 /// fn advice(hint: &Hint) -> String {
 ///     match hint {
 ///         Hint::OtherGreen { material, by_pixels, .. } => format!("{material}: green points {by_pixels:?}"),
@@ -26,27 +26,27 @@ const FAR_FROM_MIKKTSPACE: f64 = 5.0;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Hint {
-    /// The normal map of a material is none by its pixels.
+    /// The normal map of a material does not look like one.
     NoNormalMap {
         /// The material's name.
         material: String,
     },
-    /// A normal map is drawn in another space than its pixels say.
+    /// A normal map is drawn in a different space from the one that its pixels suggest.
     OtherSpace {
         /// The material's name.
         material: String,
-        /// The space it is drawn in.
+        /// The space in which it is drawn.
         drawn: NormalSpace,
-        /// The space that its pixels say.
+        /// The space that its pixels suggest.
         by_pixels: NormalSpace,
     },
-    /// A normal map is drawn with another green direction than its pixels say.
+    /// A normal map is drawn with a different green direction from the one that its pixels suggest.
     OtherGreen {
         /// The material's name.
         material: String,
-        /// The direction it is drawn with.
+        /// The direction with which it is drawn.
         drawn: GreenChannel,
-        /// The direction that its pixels say.
+        /// The direction that its pixels suggest.
         by_pixels: GreenChannel,
     },
     /// The tangents of a mesh are far from MikkTSpace's.
@@ -58,7 +58,7 @@ pub enum Hint {
     },
 }
 
-/// Hints about normal maps and tangents.
+/// Returns hints about normal maps and tangents.
 pub(super) fn of(materials: &[MaterialReport], meshes: &[MeshReport]) -> Vec<Hint> {
     materials.iter().filter_map(about_map).chain(meshes.iter().filter_map(about_tangents)).collect()
 }

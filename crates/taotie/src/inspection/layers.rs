@@ -1,13 +1,13 @@
 //! The layers that glTF's extensions add to a material.
 
-use crate::scene::{Material, TextureRef};
+use crate::scene::Material;
 
 /// The layers that glTF's extensions add to a material.
 ///
 /// ```
 /// use taotie::inspection::LayersReport;
 ///
-/// /// Returns `true` where a viewer without extensions shows the same.
+/// /// Returns `true` if a viewer without extensions shows the same.
 /// fn is_plain(layers: &LayersReport) -> bool {
 ///     layers.ior == 1.5
 ///         && layers.specular.factor == 1.0
@@ -38,7 +38,7 @@ pub struct LayersReport {
 /// ```
 /// use taotie::inspection::SpecularReport;
 ///
-/// /// Returns `true` where the dielectric part reflects nothing.
+/// /// Returns `true` if the dielectric part reflects nothing.
 /// fn is_dull(specular: &SpecularReport) -> bool {
 ///     specular.factor == 0.0 || specular.color == [0.0; 3]
 /// }
@@ -58,7 +58,7 @@ pub struct SpecularReport {
 /// ```
 /// use taotie::inspection::ClearcoatReport;
 ///
-/// /// Returns `true` where the clearcoat is flat and mirrors.
+/// /// Returns `true` if the clearcoat is flat and mirrors.
 /// fn is_mirror(coat: &ClearcoatReport) -> bool {
 ///     coat.normal_scale.is_none() && coat.roughness == 0.0
 /// }
@@ -71,7 +71,7 @@ pub struct ClearcoatReport {
     pub factor: f32,
     /// [0, 1].
     pub roughness: f32,
-    /// Of its own normal map, where it has one.
+    /// The scale of its normal map, if it has one.
     pub normal_scale: Option<f32>,
 }
 
@@ -80,7 +80,7 @@ pub struct ClearcoatReport {
 /// ```
 /// use taotie::inspection::AnisotropyReport;
 ///
-/// /// Returns `true` where highlights run along the tangent.
+/// /// Returns `true` if highlights run along the tangent.
 /// fn runs_along_tangent(anisotropy: &AnisotropyReport) -> bool {
 ///     anisotropy.strength > 0.0 && anisotropy.rotation_deg == 0.0
 /// }
@@ -133,21 +133,4 @@ impl LayersReport {
             sheen: material.sheen.map(|sheen| SheenReport { color: sheen.color, roughness: sheen.roughness }),
         }
     }
-}
-
-/// Returns the textures of the layers in their roles.
-pub(super) fn textures(material: &Material) -> impl Iterator<Item = (&'static str, Option<TextureRef>)> {
-    let specular = &material.specular;
-    let (coat, sheen) = (material.clearcoat, material.sheen);
-    let roles = [
-        ("specular", specular.factor_texture),
-        ("specular-color", specular.color_texture),
-        ("clearcoat", coat.and_then(|coat| coat.factor_texture)),
-        ("clearcoat-roughness", coat.and_then(|coat| coat.roughness_texture)),
-        ("clearcoat-normal", coat.and_then(|coat| coat.normal).map(|map| map.texture)),
-        ("anisotropy", material.anisotropy.and_then(|anisotropy| anisotropy.texture)),
-        ("sheen-color", sheen.and_then(|sheen| sheen.color_texture)),
-        ("sheen-roughness", sheen.and_then(|sheen| sheen.roughness_texture)),
-    ];
-    roles.into_iter()
 }

@@ -1,18 +1,18 @@
 //! The factors and textures of a material.
 
-use super::layers::{self, LayersReport};
+use super::layers::LayersReport;
 use super::normal_map::{NormalMapReport, Pixels};
 use crate::image::Encoding;
 use crate::io::Loaded;
-use crate::scene::{AlphaMode, Classic, Material, TextureRef};
+use crate::scene::{AlphaMode, Classic, Material, TextureRef, TextureRole};
 use std::collections::HashMap;
 
-/// A material: its factors, its textures, and what is known about its normal map.
+/// A material: its factors, its textures, and information about its normal map.
 ///
 /// ```
 /// use taotie::inspection::{Inspection, MaterialReport};
 ///
-/// /// Returns the materials through which one can see.
+/// /// Returns the materials that are see-through.
 /// fn blended(inspection: &Inspection) -> impl Iterator<Item = &MaterialReport> {
 ///     inspection.materials.iter().filter(|material| material.alpha_mode == "blend")
 /// }
@@ -29,7 +29,7 @@ pub struct MaterialReport {
     pub metallic: f32,
     /// [0, 1].
     pub roughness: f32,
-    /// Reflectance at normal incidence, linear RGB, where the file states it.
+    /// Reflectance at normal incidence, linear RGB, if specified in the file.
     pub f0: Option<[f32; 3]>,
     /// The layers that extensions of glTF add.
     #[cfg_attr(feature = "serde", serde(flatten))]
@@ -38,11 +38,11 @@ pub struct MaterialReport {
     pub emissive: [f32; 3],
     /// `opaque`, `mask` or `blend`.
     pub alpha_mode: String,
-    /// Of `mask`.
+    /// The cutoff of `mask`.
     pub alpha_cutoff: Option<f32>,
-    /// `true` where back faces are drawn.
+    /// `true` if back faces are drawn.
     pub double_sided: bool,
-    /// `true` where light does not count.
+    /// `true` if lighting is ignored.
     pub unlit: bool,
     /// The weight of the occlusion texture, [0, 1].
     pub occlusion_strength: f32,
@@ -50,18 +50,18 @@ pub struct MaterialReport {
     pub height_scale: Option<f32>,
     /// The parameters of the classic models.
     pub classic: ClassicReport,
-    /// The textures that it reads.
+    /// The textures that it uses.
     pub textures: Vec<TextureReport>,
-    /// The normal map: how it is drawn, and what its pixels say.
+    /// The normal map: how it is drawn, and the guess from its pixels.
     pub normal_map: Option<NormalMapReport>,
 }
 
-/// Parameters of the classic models where the file states them.
+/// Parameters of the classic models specified in the file.
 ///
 /// ```
 /// use taotie::inspection::ClassicReport;
 ///
-/// /// Returns `true` where the file states parameters of Phong's model.
+/// /// Returns `true` if the file specifies parameters of Phong's model.
 /// fn is_for_phong(classic: &ClassicReport) -> bool {
 ///     classic.specular.is_some() && classic.shininess.is_some()
 /// }
@@ -105,7 +105,7 @@ pub struct TextureReport {
     pub width: u32,
     /// Texels down.
     pub height: u32,
-    /// Bits a channel.
+    /// Bits per channel.
     pub bits: u8,
     /// Channels in the file, 1 to 4.
     pub channels: u8,
@@ -115,7 +115,7 @@ pub struct TextureReport {
     pub uv_set: usize,
 }
 
-/// Reports about materials, looking at the pixels of each normal map once.
+/// Reports on materials, analysing the pixels of each normal map once.
 pub(super) struct Materials<'a> {
     loaded: &'a Loaded,
     pixels: HashMap<usize, Pixels>,
@@ -127,7 +127,7 @@ impl<'a> Materials<'a> {
         Self { loaded, pixels: HashMap::new() }
     }
 
-    /// Returns one report a material, in order.
+    /// Returns one report per material, in order.
     pub fn reports(mut self) -> Vec<MaterialReport> {
         self.loaded.scene.materials().iter().map(|material| self.report(material)).collect()
     }
@@ -161,24 +161,15 @@ impl<'a> Materials<'a> {
     }
 
     fn textures(&self, material: &Material) -> Vec<TextureReport> {
-        let roles = [
-            ("base-color", material.base_color_texture),
-            ("metallic-roughness", material.metallic_roughness_texture),
-            ("normal", material.normal.map(|map| map.texture)),
-            ("height", material.height.map(|map| map.texture)),
-            ("occlusion", material.occlusion_texture),
-            ("emissive", material.emissive_texture),
-        ];
-        let roles = roles.into_iter().chain(layers::textures(material));
-        let used = roles.filter_map(|(role, texture)| Some((role, texture?)));
-        used.map(|(role, texture)| self.texture(role, &texture)).collect()
+        let used = TextureRole::ALL.into_iter().filter_map(|role| Some((role, role.of(material)?)));
+        used.map(|(role, texture)| self.texture(role, texture)).collect()
     }
 
-    fn texture(&self, role: &str, used: &TextureRef) -> TextureReport {
+    fn texture(&self, role: TextureRole, used: &TextureRef) -> TextureReport {
         let texture = &self.loaded.scene.textures()[used.texture];
         let name = self.loaded.texture_names.get(used.texture).cloned();
         TextureReport {
-            role: role.into(),
+            role: role.label(),
             file: name.unwrap_or_else(|| format!("texture {}", used.texture)),
             width: texture.width(),
             height: texture.height(),

@@ -8,12 +8,12 @@ use crate::mesh::Mesh;
 use crate::scene::{NormalSpace, Scene};
 use std::collections::BTreeSet;
 
-/// A mesh: how much it holds and how sound it is.
+/// A mesh: its size and its faults.
 ///
 /// ```
 /// use taotie::inspection::MeshReport;
 ///
-/// /// Returns `true` where all normals can be used as they are.
+/// /// Returns `true` if all normals can be used as they are.
 /// fn has_sound_normals(mesh: &MeshReport) -> bool {
 ///     mesh.zero_area_triangles == 0 && mesh.normals_not_unit == 0
 /// }
@@ -22,25 +22,25 @@ use std::collections::BTreeSet;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct MeshReport {
-    /// As in the file, else its number.
+    /// As in the file, else derived from its index.
     pub name: String,
     /// The number of triangles.
     pub triangles: usize,
     /// The number of vertices.
     pub vertices: usize,
-    /// Triangles without area, to the last bit.
+    /// Triangles with an area of exactly 0.
     pub zero_area_triangles: usize,
-    /// Says whether there are vertex normals.
+    /// The kind of vertex normals.
     pub normals: Normals,
     /// Normals more than 1 % from unit length.
     pub normals_not_unit: usize,
-    /// `true` where there are vertex colours.
+    /// `true` if there are vertex colours.
     pub colors: bool,
-    /// Of the tangents in the file; `None` where it has none.
+    /// Faults of the tangents in the file; `None` if it has none.
     pub tangents: Option<TangentHealth>,
-    /// Of each uv set.
+    /// Faults of each uv set.
     pub uv_sets: Vec<UvHealth>,
-    /// The numbers of the materials that its instances have.
+    /// The indices of the materials of its instances.
     pub materials: Vec<usize>,
 }
 
@@ -60,15 +60,15 @@ pub struct MeshReport {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Normals {
-    /// None; smooth ones are made from the faces.
+    /// None; smooth ones are computed from the faces.
     Missing,
-    /// Each corner has its face's normal, as glTF demands for meshes without normals.
+    /// Each corner has its face's normal, as glTF requires for meshes without normals.
     Flat,
-    /// Some corner's normal leans from its face's.
+    /// At least one corner's normal differs from its face's.
     Smooth,
 }
 
-/// Reports about all meshes, in order.
+/// Returns reports on all meshes, in order.
 pub(super) fn reports(loaded: &Loaded) -> Vec<MeshReport> {
     let materials = materials(&loaded.scene).into_iter().enumerate();
     materials.map(|(index, materials)| report(loaded, index, materials)).collect()
@@ -91,7 +91,7 @@ fn report(loaded: &Loaded, index: usize, materials: Vec<usize>) -> MeshReport {
     }
 }
 
-/// Returns the materials of each mesh's instances, each once.
+/// Returns the distinct materials of each mesh's instances.
 fn materials(scene: &Scene) -> Vec<Vec<usize>> {
     let mut materials = vec![BTreeSet::new(); scene.meshes().len()];
     for instance in scene.instances() {
@@ -116,7 +116,7 @@ impl Normals {
     }
 }
 
-/// Returns `true` where the corners' normals are the face's, to a thousandth. A triangle without area has no normal to
+/// Returns `true` if the corners' normals equal the face's, to a thousandth. A triangle without area has no normal to
 /// compare.
 fn is_flat(mesh: &Mesh, triangle: usize) -> bool {
     const MARGIN: f64 = 1e-3;

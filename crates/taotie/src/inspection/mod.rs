@@ -1,4 +1,4 @@
-//! The content of a model file and what is wrong with it, as data.
+//! The content and faults of a model file, as data.
 //!
 //! ```no_run
 //! use taotie::inspection::{Hint, Inspection};

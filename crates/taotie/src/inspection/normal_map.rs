@@ -1,16 +1,16 @@
-//! The kind of a normal map: as it is drawn, and as its pixels say.
+//! The kind of a normal map: as drawn, and as guessed from its pixels.
 
 use crate::image::Bitmap;
 use crate::scene::{GreenChannel, NormalMap, NormalSpace};
 use crate::surface::{GreenVerdict, NormalMapKind, green_direction, invalid_texels, is_normal_map};
 
-/// A normal map: how it is drawn, and what its pixels say.
+/// A normal map: how it is drawn, and the guess from its pixels.
 ///
 /// ```
 /// use taotie::inspection::{MaterialReport, NormalMapReport};
 /// use taotie::scene::GreenChannel;
 ///
-/// /// Returns `true` where green points down, as DirectX has it.
+/// /// Returns `true` if green points down, as in DirectX.
 /// fn is_directx(material: &MaterialReport) -> bool {
 ///     let is_down = |map: &NormalMapReport| map.green == GreenChannel::Down;
 ///     material.normal_map.as_ref().is_some_and(is_down)
@@ -22,9 +22,9 @@ use crate::surface::{GreenVerdict, NormalMapKind, green_direction, invalid_texel
 pub struct NormalMapReport {
     /// Multiplies x and y.
     pub scale: f32,
-    /// The space it is drawn in.
+    /// The space in which it is drawn.
     pub space: NormalSpace,
-    /// The green direction it is drawn with.
+    /// The green direction with which it is drawn.
     pub green: GreenChannel,
     /// The guess from its pixels.
     #[cfg_attr(feature = "serde", serde(flatten))]
@@ -37,7 +37,7 @@ pub struct NormalMapReport {
 /// use taotie::inspection::Pixels;
 /// use taotie::surface::NormalMapKind;
 ///
-/// /// Returns `true` where the pixels leave no doubt that this is a tangent-space map.
+/// /// Returns `true` if the pixels leave no doubt that this is a tangent-space map.
 /// fn is_surely_tangent(pixels: &Pixels) -> bool {
 ///     pixels.kind_by_pixels == NormalMapKind::Tangent && pixels.invalid_texels == Some(0)
 /// }
@@ -50,7 +50,7 @@ pub struct Pixels {
     pub kind_by_pixels: NormalMapKind,
     /// Its green direction; `None` unless it is a tangent-space map.
     pub green_by_pixels: Option<GreenVerdict>,
-    /// The confidence in the green direction, [0, 1]; 0 where unclear.
+    /// The confidence in the green direction, [0, 1]; 0 if unclear.
     pub green_confidence: Option<f32>,
     /// Texels that cannot be tangent-space normals; `None` unless it is such a map.
     pub invalid_texels: Option<usize>,
@@ -59,7 +59,7 @@ pub struct Pixels {
 }
 
 impl NormalMapReport {
-    /// Reports on `map`, of which `pixels` are.
+    /// Makes the report on `map`, given the analysis of its `pixels`.
     pub(super) fn new(map: &NormalMap, pixels: Pixels) -> Self {
         Self { scale: map.scale, space: map.space, green: map.green, pixels }
     }

@@ -9,7 +9,7 @@ use crate::render::{SurfaceSettings, foreseen_warnings};
 use crate::scene::animation::Animation;
 use crate::scene::{Camera, Light, LightKind, Projection, Scene};
 
-/// The content of a model and what is wrong with it.
+/// The content and faults of a model.
 ///
 /// ```no_run
 /// use taotie::inspection::Inspection;
@@ -29,18 +29,18 @@ pub struct Inspection {
     pub generator: Option<String>,
     /// The rights notice.
     pub copyright: Option<String>,
-    /// The rights that the XMP metadata of the whole asset state.
+    /// The rights stated in the XMP metadata of the whole asset.
     pub rights: Option<String>,
-    /// The sources that they name, such as the scan of a baked asset.
+    /// The sources that it names, such as the scan of a baked asset.
     pub sources: Vec<String>,
-    /// The steps that made the model, the oldest first, as they tell them.
+    /// The recorded steps that made the model, oldest first.
     pub history: Vec<XmpEvent>,
-    /// The number of each kind of thing.
+    /// The number of objects of each kind.
     pub counts: Counts,
-    /// The bytes of a glTF file by content, and what it takes on a graphics card: [`GltfSizes::read`]. `None` unless the caller
-    /// adds them, since the model's file may be gone.
+    /// The bytes of a glTF file by content, and its memory on a graphics card: [`GltfSizes::read`]. `None` unless the
+    /// caller adds them, since the model's file may be gone.
     pub sizes: Option<GltfSizes>,
-    /// World space; `None` where nothing is drawn.
+    /// World space; `None` if nothing is drawn.
     pub bounds: Option<Extent>,
     /// In the order of the file.
     pub meshes: Vec<MeshReport>,
@@ -52,19 +52,19 @@ pub struct Inspection {
     pub cameras: Vec<Listed>,
     /// The file's animations.
     pub animations: Vec<AnimationReport>,
-    /// Names of the sets of materials that the file offers.
+    /// Names of the material variants in the file.
     pub variants: Vec<String>,
-    /// Files that the model names and that are not there.
+    /// Files that the model refers to and that are missing.
     pub missing_files: Vec<String>,
     /// glTF extensions that the file uses.
     pub extensions_used: Vec<String>,
     /// glTF extensions that the file requires.
     pub extensions_required: Vec<String>,
-    /// Things that would be ignored or put right when the model is rendered.
+    /// Faults that would be ignored or corrected when the model is rendered.
     pub warnings: Vec<Counted>,
 }
 
-/// The number of each kind of thing.
+/// The number of objects of each kind.
 ///
 /// ```
 /// # use taotie::Warnings;
@@ -93,7 +93,7 @@ pub struct Counts {
     pub vertices: usize,
     /// Materials.
     pub materials: usize,
-    /// Textures that could be read.
+    /// Textures that were readable.
     pub textures: usize,
     /// Lights.
     pub lights: usize,
@@ -120,9 +120,9 @@ pub struct Counts {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Extent {
-    /// The corner of least coordinates.
+    /// The corner of minimum coordinates.
     pub min: [f64; 3],
-    /// The corner of greatest coordinates.
+    /// The corner of maximum coordinates.
     pub max: [f64; 3],
     /// `max` − `min`.
     pub size: [f64; 3],
@@ -133,7 +133,7 @@ pub struct Extent {
 /// ```
 /// use taotie::inspection::{Inspection, Listed};
 ///
-/// /// Returns the cameras that see in perspective.
+/// /// Returns the perspective cameras.
 /// fn perspective(inspection: &Inspection) -> impl Iterator<Item = &Listed> {
 ///     inspection.cameras.iter().filter(|camera| camera.kind == "perspective")
 /// }
@@ -153,7 +153,7 @@ pub struct Listed {
 /// ```
 /// use taotie::inspection::{AnimationReport, Inspection};
 ///
-/// /// Returns the animation that lasts longest.
+/// /// Returns the longest animation.
 /// fn longest(inspection: &Inspection) -> Option<&AnimationReport> {
 ///     inspection.animations.iter().max_by(|a, b| a.seconds.total_cmp(&b.seconds))
 /// }
@@ -166,7 +166,7 @@ pub struct AnimationReport {
     pub name: String,
     /// The time of its last keyframe.
     pub seconds: f64,
-    /// Its channels that can be used.
+    /// Its usable channels.
     pub channels: usize,
     /// The keyframes of all channels.
     pub keyframes: usize,
@@ -191,14 +191,14 @@ pub struct AnimationReport {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Counted {
-    /// The thing that was wrong.
+    /// A description of the fault.
     pub what: String,
     /// The number of times.
     pub count: usize,
 }
 
 impl Inspection {
-    /// Inspects a model that was read.
+    /// Inspects a loaded model.
     pub fn of(loaded: &Loaded) -> Self {
         let (scene, packet) = (&loaded.scene, loaded.xmp.first());
         Self {
@@ -224,7 +224,7 @@ impl Inspection {
         }
     }
 
-    /// Returns what will not look as meant.
+    /// Returns hints about content that will not look as intended.
     pub fn hints(&self) -> Vec<Hint> {
         hints::of(&self.materials, &self.meshes)
     }
@@ -289,11 +289,11 @@ fn named_camera(camera: &Camera) -> Listed {
     Listed { name: camera.name.clone(), kind: kind.into() }
 }
 
-/// Returns everything that reading noted and that rendering would note.
+/// Returns all warnings from reading and rendering.
 fn warnings(loaded: &Loaded) -> Vec<Counted> {
     let mut all: Warnings = loaded.warnings.clone();
     match foreseen_warnings(&loaded.scene, &SurfaceSettings::default()) {
-        Ok(foreseen) => all.absorb(foreseen),
+        Ok(found) => all.absorb(found),
         Err(error) => all.note(format!("it cannot be rendered: {error}"), 1),
     }
     all.iter().map(|(what, count)| Counted { what: what.to_owned(), count }).collect()

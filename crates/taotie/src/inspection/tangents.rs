@@ -1,4 +1,4 @@
-//! The soundness of the tangents of a file, and their distance from MikkTSpace's.
+//! The soundness of the tangents in a file, and their deviation from MikkTSpace's.
 
 use crate::math::{Vec3, scalar};
 use crate::mesh::Mesh;
@@ -24,16 +24,16 @@ pub struct TangentHealth {
     pub not_perpendicular: usize,
     /// Triangles whose corners differ in handedness.
     pub mixed_handedness: usize,
-    /// Against MikkTSpace's, where a normal map is read.
+    /// Comparison with MikkTSpace's tangents, if a normal map is used.
     pub mikktspace: Option<Agreement>,
 }
 
-/// Tangents against MikkTSpace's, over the corners of triangles that have uv area.
+/// Tangents compared with MikkTSpace's, over the corners of triangles that have uv area.
 ///
 /// ```
 /// use taotie::inspection::{Agreement, MeshReport};
 ///
-/// /// Returns how far the tangents of a mesh are from MikkTSpace's, where both are known.
+/// /// Returns the deviation of a mesh's tangents from MikkTSpace's, if both are known.
 /// fn agreement(mesh: &MeshReport) -> Option<&Agreement> {
 ///     mesh.tangents.as_ref()?.mikktspace.as_ref()
 /// }
@@ -46,13 +46,13 @@ pub struct Agreement {
     pub uv_set: usize,
     /// Mean angle, degrees.
     pub mean_degrees: f64,
-    /// Greatest angle, degrees.
+    /// Maximum angle, degrees.
     pub max_degrees: f64,
-    /// Corners with the other handedness.
+    /// Corners with the opposite handedness.
     pub other_handedness: usize,
 }
 
-/// The largest difference between the length of a direction and one.
+/// The maximum difference of a direction's length from 1.
 const UNIT_MARGIN: f32 = 0.01;
 
 /// The sine of 1°.
@@ -75,7 +75,7 @@ impl TangentHealth {
     }
 }
 
-/// Returns `true` where `v` has unit length within [`UNIT_MARGIN`].
+/// Returns `true` if `v` has unit length within [`UNIT_MARGIN`].
 pub(super) fn is_unit(v: Vec3) -> bool {
     (v.length() - 1.0).abs() <= UNIT_MARGIN
 }
@@ -84,7 +84,7 @@ fn direction([x, y, z, _]: &[f32; 4]) -> Vec3 {
     Vec3::new(*x, *y, *z)
 }
 
-/// Returns `true` where the angle between them is more than 1° from a right one.
+/// Returns `true` if the angle between them differs by more than 1° from a right angle.
 fn leans(t: Vec3, n: Vec3) -> bool {
     t.dot(n).abs() > PERPENDICULAR_MARGIN * t.length() * n.length()
 }
@@ -121,7 +121,7 @@ impl Agreement {
     }
 }
 
-/// Returns the angle in radians, exact for small angles too.
+/// Returns the angle in radians, accurate for small angles too.
 fn angle(a: Vec3, b: Vec3) -> f64 {
     let (a, b) = (a.to_f64(), b.to_f64());
     scalar::atan2(a.cross(b).length(), a.dot(b))

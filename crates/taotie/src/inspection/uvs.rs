@@ -9,7 +9,7 @@ use crate::surface::uv_derivatives;
 /// ```
 /// use taotie::inspection::UvHealth;
 ///
-/// /// Returns `true` where maps can be baked onto this uv set.
+/// /// Returns `true` if maps can be baked onto this uv set.
 /// fn can_be_baked_onto(uvs: &UvHealth) -> bool {
 ///     uvs.outside == 0.0 && uvs.degenerate == 0
 /// }
@@ -26,7 +26,7 @@ pub struct UvHealth {
     pub mirrored: f64,
 }
 
-/// The largest distance of a uv outside [0, 1] that is allowed: less than half a texel of a 4K map.
+/// The allowed distance of a uv outside [0, 1]: less than half a texel of a 4K map.
 const MARGIN: f32 = 1e-4;
 
 impl UvHealth {

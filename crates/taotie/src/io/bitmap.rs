@@ -29,15 +29,15 @@ use widen::expand;
 /// Reads an image file.
 ///
 /// # Errors
-/// As [`decode_bitmap`], and [`Error::Io`] where the file cannot be read.
+/// As [`decode_bitmap`], and [`Error::Io`] if the file cannot be read.
 pub fn read_bitmap(path: &Path) -> Result<Bitmap> {
     read_bitmap_within(path, &Limits::default())
 }
 
-/// Reads an image file within limits of memory and pixels, of which its header tells before it is decoded.
+/// Reads an image file within limits on memory and pixels, which are checked against its header before decoding.
 ///
 /// # Errors
-/// As [`read_bitmap`]; [`Error::Limit`] where a limit is exceeded.
+/// As [`read_bitmap`]; [`Error::Limit`] if a limit is exceeded.
 pub fn read_bitmap_within(path: &Path, limits: &Limits) -> Result<Bitmap> {
     let reading = Reading::new(path, limits);
     let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -46,18 +46,18 @@ pub fn read_bitmap_within(path: &Path, limits: &Limits) -> Result<Bitmap> {
     decoded
 }
 
-/// Reads an image that a model names, as a part of reading that.
+/// Reads an image that a model refers to, as part of reading the model.
 pub(super) fn read_map(path: &Path, reading: &Reading) -> Result<Bitmap> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     decode_within(&reading.read(path)?, &name, path, reading)
 }
 
-/// Decodes an image in memory. The content decides the format; for TGA, which has no signature, the ending of `name`
-/// decides. `path` is the file that errors are about.
+/// Decodes an image in memory. The content determines the format, except for TGA, which has no signature and is
+/// recognised by the extension of `name`. `path` is the file that errors refer to.
 ///
 /// # Errors
-/// [`Error::Unsupported`] for a format that is not read, [`Error::Limit`] for a size beyond [`Bitmap::MAX_SIDE`] a
-/// side, 2²⁸ texels, or what so few bytes can hold, [`Error::Parse`] for damaged content.
+/// [`Error::Unsupported`] for a format that is not read, [`Error::Limit`] for a size beyond [`Bitmap::MAX_SIDE`] per
+/// side, 2²⁸ texels, or what `bytes` can hold, [`Error::Parse`] for damaged content.
 pub fn decode_bitmap(bytes: &[u8], name: &str, path: &Path) -> Result<Bitmap> {
     let reading = Reading::new(path, &Limits::default());
     let decoded = decode_within(bytes, name, path, &reading);
@@ -65,7 +65,7 @@ pub fn decode_bitmap(bytes: &[u8], name: &str, path: &Path) -> Result<Bitmap> {
     decoded
 }
 
-/// Does what [`decode_bitmap`] does as a part of `reading`.
+/// Like [`decode_bitmap`], but as part of `reading`.
 pub(super) fn decode_within(bytes: &[u8], name: &str, path: &Path, reading: &Reading) -> Result<Bitmap> {
     let is_the_file = path.file_name().is_some_and(|file| file.to_string_lossy() == name);
     let at = || if is_the_file { "image".to_owned() } else { format!("image '{name}'") };
@@ -84,7 +84,7 @@ pub(super) fn decode_within(bytes: &[u8], name: &str, path: &Path, reading: &Rea
     let format = format.ok_or_else(|| {
         Error::unsupported(
             format!("{}: the image format of '{name}'", path.display()),
-            "images are read from PNG, JPEG, WebP, AVIF, KTX2, TGA, HDR and EXR",
+            "use PNG, JPEG, WebP, AVIF, KTX2, TGA, HDR or EXR",
         )
     })?;
     #[cfg(feature = "exr")]
@@ -111,7 +111,7 @@ fn is_avif(bytes: &[u8]) -> bool {
     bytes.get(4..12) == Some(b"ftypavif")
 }
 
-/// Names the format of an image that this build does not read, and the feature that reads it.
+/// Returns the format of an image that this build does not read, and the feature that reads it.
 fn lacking(bytes: &[u8], format: Option<ImageFormat>) -> Option<(&'static str, &'static str)> {
     let kinds = [
         (!cfg!(feature = "avif") && is_avif(bytes), ("AVIF", "avif")),
@@ -147,16 +147,15 @@ fn decode(bytes: &[u8], format: ImageFormat, reading: &Reading) -> std::result::
     let color = decoder.color_type();
     let depth = u64::from(color.bytes_per_pixel() / color.channel_count());
     let (texels, own) = (u64::from(width) * u64::from(height), u64::from(color.bytes_per_pixel()));
-    let beside = match format {
+    let scratch = match format {
         ImageFormat::Jpeg => {
-            let room =
-                jpeg::room(bytes, own).ok_or_else(|| Failure::Damaged("it has no sound header".into()))?;
+            let room = jpeg::room(bytes, own).ok_or_else(|| Failure::Damaged("invalid header".into()))?;
             room.saturating_sub(KEPT_OF_8_BITS * texels)
         }
-        // The decoder's own image lies beside the texels that are made of it, and some copy it once more.
+        // The decoder's own image exists alongside the texels made from it, and some decoders copy it again.
         _ => 2 * own * texels,
     };
-    check_room(reading, [width, height], TexelRoom { depth, beside })?;
+    check_room(reading, [width, height], TexelRoom { depth, scratch })?;
     let mut limits = image::Limits::default();
     limits.max_alloc = Some(MAX_TEXELS * 16);
     decoder.set_limits(limits).map_err(failure)?;
@@ -186,7 +185,7 @@ fn bitmap_from(picture: DynamicImage) -> std::result::Result<Bitmap, Failure> {
         DynamicImage::ImageRgba16(p) => Texels::U16(expand(p, channels, u16::MAX)),
         DynamicImage::ImageRgb32F(p) => Texels::F32(expand(p, channels, 1.0)),
         DynamicImage::ImageRgba32F(p) => Texels::F32(expand(p, channels, 1.0)),
-        other => return Err(Failure::Unsupported(format!("pixels of type {:?}", other.color()))),
+        other => return Err(Failure::Unsupported(format!("pixel type {:?}", other.color()))),
     };
     Bitmap::new(width, height, channels, texels).map_err(|e| Failure::Damaged(e.to_string()))
 }
@@ -216,7 +215,7 @@ mod tests {
 
     #[test]
     fn tga_origins() {
-        let data = [0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0, 4]; // blue, green, red of a 2×2 picture
+        let data = [0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0, 4]; // blue, green, red of a 2×2 image
         let order =
             |descriptor| reds(&tga(Tga { kind: 2, size: [2, 2], bits: 24, descriptor }, &data).unwrap());
         assert_eq!(order(0x20), [1, 2, 3, 4], "top left");
@@ -227,7 +226,7 @@ mod tests {
 
     #[test]
     fn tga_run_lengths_and_truncation() {
-        let packets = [0x82, 9, 9, 7, 0x00, 9, 9, 5]; // three times red 7, then one red 5
+        let packets = [0x82, 9, 9, 7, 0x00, 9, 9, 5]; // red 7 three times, then red 5 once
         let head = || Tga { kind: 10, size: [2, 2], bits: 24, descriptor: 0x20 };
         let bitmap = tga(head(), &packets).unwrap();
         assert_eq!(reds(&bitmap), [7, 7, 7, 5]);

@@ -1,6 +1,6 @@
-//! Files in the user's cache folder, bounded in size: things that need not be made twice.
+//! A size-limited cache in the user's cache folder, for files that are expensive to make.
 //!
-//! Nothing here can fail: what cannot be read or written is made anew.
+//! Nothing here can fail: anything that cannot be read or written is recomputed.
 
 use super::write::write_bytes;
 use crate::error::{Error, Result};
@@ -9,10 +9,10 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// The most bytes that the folder holds; the files used longest ago go first.
+/// Maximum number of bytes in the folder; the least recently used files are removed first.
 const MOST_BYTES: u64 = 512 << 20;
 
-/// Opens the file `name`, if it is there. Opening counts as use.
+/// Opens the file `name` if it exists. Opening counts as use.
 pub(crate) fn open(name: &str) -> Option<File> {
     let path = cache_folder()?.join(name);
     let file = File::open(&path).ok()?;
@@ -22,7 +22,7 @@ pub(crate) fn open(name: &str) -> Option<File> {
     Some(file)
 }
 
-/// Leaves the file `name`, whole or not at all.
+/// Writes the file `name`, completely or not at all.
 pub(crate) fn write(name: &str, bytes: &[u8]) {
     if let Some(folder) = cache_folder() {
         let _ = write_in(&folder, name, bytes);
@@ -30,16 +30,10 @@ pub(crate) fn write(name: &str, bytes: &[u8]) {
     }
 }
 
-/// Returns the folder of files that need not be made twice, such as filtered environments: the one that the environment
-/// variable `TAOTIE_CACHE_DIR` names, else one in the user's cache folder; `None` where the system has no such folder.
-/// It may be absent, and can be removed at any time.
-///
-/// ```
-/// if let Some(folder) = taotie::io::cache_folder() {
-///     println!("{}", folder.display());
-/// }
-/// ```
-pub fn cache_folder() -> Option<PathBuf> {
+/// Returns the folder of cached files, such as filtered environments: the one in the environment variable
+/// `TAOTIE_CACHE_DIR` if set, otherwise one in the user's cache folder; `None` if the system has no such folder. It
+/// may not exist, and can be removed at any time.
+fn cache_folder() -> Option<PathBuf> {
     if let Some(folder) = std::env::var_os("TAOTIE_CACHE_DIR") {
         return Some(PathBuf::from(folder));
     }
@@ -51,7 +45,7 @@ fn write_in(folder: &Path, name: &str, bytes: &[u8]) -> Result<()> {
     write_bytes(&folder.join(name), bytes)
 }
 
-/// Removes the files used longest ago until no more than `most` bytes are left.
+/// Removes the least recently used files until at most `most` bytes are left.
 fn make_room(folder: &Path, most: u64) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     let ours = entries.flatten().filter(|entry| entry.path().extension().is_some_and(|e| e == "env"));

@@ -7,20 +7,20 @@ use crate::error::{Error, Result};
 use crate::image::{Image, Texels};
 use std::path::Path;
 
-/// Decodes the equirectangular image of an environment, of any size that is twice as wide as high. `path` is the file
-/// that it comes from, which errors are about.
+/// Decodes the equirectangular image of an environment, of any size that is twice as wide as high. `path` is the
+/// source file that errors refer to.
 ///
 /// # Errors
-/// As [`super::decode_bitmap`]; [`Error::Unsupported`] for numbers that are not floats, since only they hold the brightness of
-/// lamps; [`Error::Parse`] for another shape; [`Error::Limit`] above [`Image::MAX_SIDE`].
+/// As [`super::decode_bitmap`]; [`Error::Unsupported`] for values other than floats, since only floats can hold the
+/// brightness of lamps; [`Error::Parse`] for another shape; [`Error::Limit`] above [`Image::MAX_SIDE`].
 pub fn decode_environment(bytes: &[u8], path: &Path) -> Result<Image> {
     decode_environment_within(bytes, path, &Limits::default())
 }
 
-/// Decodes an environment as [`decode_environment`], within limits of memory and pixels.
+/// Decodes an environment like [`decode_environment`], within limits on memory and pixels.
 ///
 /// # Errors
-/// As [`decode_environment`]; [`Error::Limit`] where a limit is exceeded.
+/// As [`decode_environment`]; [`Error::Limit`] if a limit is exceeded.
 pub fn decode_environment_within(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Image> {
     let reading = Reading::new(path, limits);
     let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -33,15 +33,12 @@ pub fn decode_environment_within(bytes: &[u8], path: &Path, limits: &Limits) -> 
     let (width, height) = (bitmap.width(), bitmap.height());
     let bits = bitmap.bits();
     let Texels::F32(texels) = bitmap.into_texels() else {
-        let what = format!("{}: an environment of {bits} bits a channel", path.display());
-        return Err(Error::unsupported(
-            what,
-            "environments are read from .hdr and .exr, whose numbers are floats",
-        ));
+        let what = format!("{}: an environment with {bits} bits per channel", path.display());
+        return Err(Error::unsupported(what, "use a float image, .hdr or .exr"));
     };
     if width != 2 * height {
         let what = format!(
-            "it is {width}×{height}; an environment is an equirectangular picture, twice as wide as high, such as \
+            "invalid size {width}×{height}: an environment is an equirectangular image twice as wide as high, e.g. \
              2048×1024"
         );
         return Err(Error::parse(path, "image", what));
@@ -52,16 +49,16 @@ pub fn decode_environment_within(bytes: &[u8], path: &Path, limits: &Limits) -> 
     })
 }
 
-/// Returns the bytes that so many pixels take while they are filtered, which follows, beside those counted as they were
-/// decoded.
+/// Returns the bytes that filtering `pixels` pixels needs, in addition to those already counted for decoding, which
+/// comes first.
 fn filtering_bytes(pixels: u64) -> u64 {
-    /// Texels as decoded with the mip levels that nobody makes of them here.
+    /// Texels as decoded, counted with mip levels that are not generated here.
     const DECODED: u64 = 22;
     /// Texels as decoded, and as an image.
     const COPIED: u64 = 16 + 16 + 2;
     /// Half floats.
     const KEPT: u64 = 8;
-    /// Means of the image in ever coarser cells, and the levels made of them, whose number is bounded.
+    /// Means of the image in ever coarser cells, and the levels made from them, whose number is bounded.
     const FILTERED: u64 = 220;
     const MOST_FILTERED: u64 = 330 << 20;
     let filtered = pixels * KEPT + (pixels * FILTERED).min(MOST_FILTERED);
@@ -107,7 +104,7 @@ mod tests {
             let limits = Limits { memory: Some(crate::io::Bytes(memory)), ..Limits::default() };
             decode_environment_within(&bytes, &path, &limits)
         };
-        // 22 + 16 a pixel while it is decoded, 206 afterwards.
+        // 22 + 16 bytes per pixel during decoding, 206 afterwards.
         assert!(within(2 * (38 + 206)).is_ok() && within(2 * (38 + 206) - 1).is_err());
     }
 
@@ -115,7 +112,7 @@ mod tests {
     fn other_shapes_are_refused_with_what_is_expected() {
         let error = exr(4, 4).unwrap_err().to_string();
         assert!(
-            error.contains("sky.exr: image: it is 4×4") && error.contains("twice as wide as high"),
+            error.contains("sky.exr: image: invalid size 4×4") && error.contains("twice as wide as high"),
             "{error}"
         );
     }
@@ -126,6 +123,6 @@ mod tests {
         let png = PngImage { width: 2, height: 1, color: PngColor::Rgb, samples, encoding: Encoding::Srgb };
         let error =
             decode_environment(&encode_png(&png).unwrap(), Path::new("a.hdr")).unwrap_err().to_string();
-        assert!(error.contains("a.hdr: an environment of 8 bits") && error.contains(".exr"), "{error}");
+        assert!(error.contains("a.hdr: an environment with 8 bits") && error.contains(".exr"), "{error}");
     }
 }

@@ -1,4 +1,4 @@
-//! Reading bytes from regular files only, since a model may name any path.
+//! Reading bytes, from regular files only, since a model may refer to any path.
 
 use crate::error::{Error, Result};
 use crate::parallel;
@@ -8,16 +8,16 @@ use std::io::{self, Read};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The largest file read, in bytes.
+/// Size of the largest file read, in bytes.
 const MAX_BYTES: u64 = 1 << 34;
 
-/// The size from which a file is read by several threads, in bytes. Memory of so many comes from the system as zeros.
+/// File size in bytes from which several threads read. Allocations of this size come zeroed from the system.
 const LARGE: usize = 1 << 25;
 
 /// Reads a whole regular file.
 ///
 /// # Errors
-/// [`Error::Io`] where it cannot be read or is a device or a pipe, [`Error::Limit`] above 16 GiB.
+/// [`Error::Io`] if it cannot be read or is a device or a pipe, [`Error::Limit`] above 16 GiB.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
     let (file, length) = open(path)?;
     if length as usize > LARGE
@@ -30,7 +30,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Reads a file of `length` bytes in pieces at once; `None` where that fails, and nothing of it was passed over.
+/// Reads a file of `length` bytes in parallel; returns `None` if that fails, leaving the read position unchanged.
 #[cfg(unix)]
 fn read_pieces(file: &File, length: usize) -> Option<Vec<u8>> {
     use std::os::unix::fs::FileExt;
@@ -50,7 +50,7 @@ fn read_pieces(_file: &File, _length: usize) -> Option<Vec<u8>> {
     None
 }
 
-/// The first bytes of the file, at most `count`.
+/// Returns the first bytes of the file, at most `count`.
 pub(super) fn read_start(path: &Path, count: u64) -> Result<Vec<u8>> {
     let (file, _) = open(path)?;
     let mut bytes = Vec::new();
@@ -61,12 +61,12 @@ pub(super) fn read_start(path: &Path, count: u64) -> Result<Vec<u8>> {
 /// Returns the length of a regular file in bytes.
 ///
 /// # Errors
-/// [`Error::Io`] where there is no such file.
+/// [`Error::Io`] if there is no such file.
 pub fn file_size(path: &Path) -> Result<u64> {
     std::fs::metadata(path).map(|about| about.len()).map_err(|e| Error::io(path, e))
 }
 
-/// Returns the SHA-256 of a file's bytes, hexadecimal.
+/// Returns the SHA-256 of a file's bytes, in hexadecimal.
 ///
 /// # Errors
 /// As [`read`].
@@ -82,7 +82,7 @@ pub fn sha256(path: &Path) -> Result<String> {
     Ok(hexadecimal(hash))
 }
 
-/// Returns the SHA-256 of bytes, hexadecimal.
+/// Returns the SHA-256 of bytes, in hexadecimal.
 pub fn sha256_of(bytes: &[u8]) -> String {
     hexadecimal(Sha256::new().chain_update(bytes))
 }
@@ -91,14 +91,17 @@ fn hexadecimal(hash: Sha256) -> String {
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Opens a regular file and returns it with its length. Devices and pipes are refused before opening, since both can block for ever.
+/// Opens a regular file and returns it with its length. Devices and pipes are rejected first: opening them can block.
 pub(super) fn open(path: &Path) -> Result<(File, u64)> {
     let about = std::fs::metadata(path).map_err(|e| Error::io(path, e))?;
     if !about.is_file() {
-        return Err(Error::io(path, io::Error::new(io::ErrorKind::InvalidInput, "it is not a regular file")));
+        return Err(Error::io(path, io::Error::new(io::ErrorKind::InvalidInput, "not a regular file")));
     }
     if about.len() > MAX_BYTES {
-        return Err(Error::limit(path.display().to_string(), format!("at most {} GiB", MAX_BYTES >> 30)));
+        return Err(Error::limit(
+            path.display().to_string(),
+            format!("the maximum is {} GiB", MAX_BYTES >> 30),
+        ));
     }
     Ok((File::open(path).map_err(|e| Error::io(path, e))?, about.len()))
 }

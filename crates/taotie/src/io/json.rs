@@ -1,4 +1,4 @@
-//! JSON that is handed on as it is.
+//! JSON that is passed through unchanged.
 
 use crate::error::{Error, Result};
 use serde_json::Value;
@@ -6,7 +6,7 @@ use serde_json::error::Category;
 use std::fmt;
 use std::path::Path;
 
-/// A JSON value, kept as it was read; its `Display` writes it without spaces.
+/// A JSON value, kept as read; its `Display` writes it without spaces.
 ///
 /// ```
 /// use taotie::io::Json;
@@ -20,18 +20,18 @@ use std::path::Path;
 pub struct Json(pub(crate) Value);
 
 impl Json {
-    /// Reads one JSON value.
+    /// Parses one JSON value.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where the text is anything else; it names the line and the column.
+    /// [`Error::Invalid`] if the text is anything else; the message has the line and the column.
     pub fn parse(text: &str) -> Result<Self> {
         serde_json::from_str(text).map(Self).map_err(not_json)
     }
 
-    /// Returns what serde writes of a value.
+    /// Converts a value through serde.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where JSON cannot say it, such as a map whose keys are no text.
+    /// [`Error::Invalid`] if JSON cannot represent it, such as a map with keys that are not text.
     #[cfg(feature = "serde")]
     pub fn of(value: &impl serde::Serialize) -> Result<Self> {
         serde_json::to_value(value).map(Self).map_err(not_json)
@@ -42,7 +42,7 @@ fn not_json(error: serde_json::Error) -> Error {
     Error::invalid("JSON", error.to_string())
 }
 
-/// Returns the error of a file whose JSON cannot be read: where, what is wrong there, and what to do.
+/// Returns the error for a file whose JSON cannot be read: the position, the fault and the remedy.
 pub(super) fn broken(path: &Path, error: &serde_json::Error) -> Error {
     let at = match error.line() {
         0 => "JSON".to_owned(),
@@ -51,9 +51,9 @@ pub(super) fn broken(path: &Path, error: &serde_json::Error) -> Error {
     let text = error.to_string();
     let said = text.split(" at line ").next().unwrap_or_default();
     let what = match error.classify() {
-        Category::Eof => "the JSON ends here: the file is cut off; fetch or export it again".to_owned(),
-        Category::Syntax => format!("this is no JSON ({said}); mend the file or export it again"),
-        Category::Data | Category::Io => format!("{said}; mend the file or export it again"),
+        Category::Eof => "unexpected end of JSON: the file is truncated; download or re-export it".to_owned(),
+        Category::Syntax => format!("not valid JSON ({said}): fix the file or re-export it"),
+        Category::Data | Category::Io => format!("{said}; fix the file or re-export it"),
     };
     Error::parse(path, at, what)
 }
@@ -82,9 +82,9 @@ mod tests {
             broken(Path::new("a.gltf"), &error).to_string()
         };
         let cases = [
-            ("[1,\n2", "line 2", "the JSON ends here: the file is cut off"),
-            ("[1,\n}", "line 2", "this is no JSON (expected value); mend the file"),
-            ("[\"a\"]", "line 1", "invalid type: string \"a\", expected u8; mend the file"),
+            ("[1,\n2", "line 2", "unexpected end of JSON: the file is truncated"),
+            ("[1,\n}", "line 2", "not valid JSON (expected value): fix the file"),
+            ("[\"a\"]", "line 1", "invalid type: string \"a\", expected u8; fix the file"),
         ];
         for (text, at, why) in cases {
             let said = said(text);

@@ -1,4 +1,4 @@
-//! The limits of what reading, and the work on what was read, may take and reach.
+//! Limits on the memory and files used by reading, and by work on the content read.
 
 use super::file::file_size;
 use super::system::free_memory;
@@ -7,7 +7,7 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
-/// A number of bytes, written as 4G, 1.5GB, 800M.
+/// A number of bytes, written as e.g. 4G, 1.5GB or 800M.
 ///
 /// ```
 /// use taotie::asset::Bytes;
@@ -25,8 +25,12 @@ impl FromStr for Bytes {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let wrong =
-            || Error::invalid(format!("`{text}`"), "it is no amount of memory; write it as 4G or 800M");
+        let wrong = || {
+            Error::invalid(
+                format!("invalid memory size `{text}`"),
+                "use a number with a unit, e.g. 4G or 800M",
+            )
+        };
         let upper = text.trim().to_ascii_uppercase();
         let digits = upper.trim_end_matches("IB").trim_end_matches('B');
         let (number, power) = match digits.char_indices().last() {
@@ -53,7 +57,7 @@ impl fmt::Display for Bytes {
     }
 }
 
-/// The limits of what work may take of the machine, and of what a file may make it read.
+/// Limits on the resources that work may use, and on the files that a model may cause to be read.
 ///
 /// ```
 /// use taotie::asset::{BakeOptions, Baker, Limits};
@@ -66,21 +70,21 @@ impl fmt::Display for Bytes {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Limits {
-    /// The most memory; `None` for what the machine has free.
+    /// Maximum memory; `None` for the machine's free memory.
     pub memory: Option<Bytes>,
-    /// The most pixels of an image that is read; never more than 2²⁸, which is 16384 × 16384.
+    /// Maximum number of pixels of an image that is read; never more than 2²⁸, which is 16384 × 16384.
     pub pixels: u64,
-    /// The most triangles of a model, over all instances.
+    /// Maximum number of triangles of a model, over all instances.
     pub triangles: u64,
-    /// The most nodes of a model.
+    /// Maximum number of nodes of a model.
     pub nodes: u64,
-    /// `true` where files outside the model's folder are read too, when the model names them.
+    /// `true` if files outside the model's folder are read too, when the model refers to them.
     pub allow_outside: bool,
 }
 
 impl Default for Limits {
-    /// The machine's free memory, images of 16384 × 16384 pixels, 2³² − 2 triangles, 16 million nodes; nothing
-    /// outside the model's folder.
+    /// Returns the machine's free memory, images of 16384 × 16384 pixels, 2³² − 2 triangles, 16 million nodes;
+    /// nothing outside the model's folder.
     fn default() -> Self {
         Self {
             memory: None,
@@ -93,17 +97,17 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Returns these limits with what the machine has free now where none is set; a machine that does not say sets none.
+    /// Returns these limits with the machine's free memory filled in if no memory limit is set and it is known.
     pub fn or_free(self) -> Self {
         Self { memory: self.memory.or_else(|| free_memory().map(Bytes)), ..self }
     }
 
-    /// Returns the limits of reading a file that was just written: none but those of the formats.
+    /// Returns the limits for reading a file that was just written: only those of the formats.
     pub(crate) fn of_own_files() -> Self {
         Self { memory: Some(Bytes(u64::MAX)), ..Self::default() }
     }
 
-    /// Refuses work that needs more memory than there may be. `what` is the work.
+    /// Rejects work that needs more memory than allowed. `what` is the work.
     ///
     /// ```
     /// use taotie::asset::{Bytes, Limits};
@@ -121,24 +125,24 @@ impl Limits {
             Some(limit) if need > limit => Err(Error::limit(
                 what,
                 format!(
-                    "it needs about {need} of memory, the limit is {limit}; raise the memory limit (--memory-limit), free \
-                     memory, or ask for less"
+                    "it needs about {need} of memory, but the limit is {limit}; raise it with --memory-limit, free \
+                     memory, or request less"
                 ),
             )),
             _ => Ok(()),
         }
     }
 
-    /// Refuses a file that cannot even be read within the limit.
+    /// Rejects a file that cannot even be read within the limit.
     pub(crate) fn check_file(self, path: &Path) -> Result<()> {
-        // Reading says what is wrong with a file that has no size.
+        // Reading reports the error for a file without a size.
         let Ok(size) = file_size(path).map(Bytes) else { return Ok(()) };
         match self.memory {
             Some(limit) if size > limit => Err(Error::limit(
                 path.display().to_string(),
                 format!(
-                    "the file has {size}, the limit is {limit}; raise the memory limit, free memory, or simplify the scan \
-                     first"
+                    "its size is {size}, but the limit is {limit}; raise the memory limit, free memory, or simplify \
+                     the scan first"
                 ),
             )),
             _ => Ok(()),

@@ -1,13 +1,13 @@
-//! Finding the files that models name, whatever system the name was written on.
+//! Locates the files that models refer to, whatever system the name was written on.
 
 use super::reading::Reading;
 use std::path::{Path, PathBuf};
 
-/// Finds the file that a name written on any system means: as it stands below one of `folders`, else its last part
-/// beside them, else the same without regard to upper and lower case. `None` where it is not there.
+/// Locates the file that a name from any system refers to: the path as written in one of `folders`, else its last
+/// component there, else the same ignoring case. Returns `None` if it does not exist.
 ///
 /// # Errors
-/// Says that a file may not be read, where nothing but one outside the model's folder has that name.
+/// An error message if the only file with that name is outside the model's folder and may not be read.
 pub(super) fn find(
     name: &str,
     folders: &[&Path],

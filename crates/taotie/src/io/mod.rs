@@ -1,4 +1,5 @@
-//! Files in and out: models, textures and images. The only module that meets paths and sRGB-encoded numbers.
+//! Reading and writing files: models, textures and images. The only module that handles paths and sRGB-encoded
+//! numbers.
 
 mod bitmap;
 pub(crate) mod cache;
@@ -27,33 +28,35 @@ mod words;
 mod write;
 mod xmp;
 
-pub use gltf::{GltfSource, SUPPORTED as GLTF_EXTENSIONS, StoredImage, StoredParts};
+pub use gltf::{GLTF_EXTENSIONS, GltfSource};
+pub(crate) use gltf::{StoredImage, StoredParts};
 
 pub use bitmap::{decode_bitmap, read_bitmap, read_bitmap_within};
-pub use cache::cache_folder;
 pub use environment::{decode_environment, decode_environment_within};
 pub use file::{file_size, read as read_bytes, sha256, sha256_of};
 pub use json::Json;
 pub use limits::{Bytes, Limits};
 pub use loaded::Loaded;
 pub use sizes::{ContentSize, GltfSizes, ImageSize};
-pub use stopwatch::Stopwatch;
+pub(crate) use stopwatch::Stopwatch;
 pub use structure::{GltfStructure, RootNode};
 pub use system::free_memory;
 pub use variants::Variants;
-pub use write::{
-    AnimatedImage, AnimationFormat, AnimationSpec, CodecKind, CodecSet, EncodedModel, FileBytes, FileSet,
-    GltfAsset, GltfDraft, GltfFormat, GltfGraft, GltfImage, GltfLevel, GltfMaterial, GltfPacker,
-    GraftedMaterial, ImageCodec, ImageFormat, LossyTexture, PackedGeometry, PackedImage, PngColor, PngImage,
-    PngSamples, Stopper, TextureCodecs, VertexBits, WrittenScene, encode_glb, encode_gltf, encode_graft,
-    encode_jpeg_bitmap, encode_png, encode_png_bitmap, encode_scene, encode_scene_as, encode_webp_bitmap,
-    gltf_files, gltf_sampler, join_levels, write_bytes, write_gltf, write_image, write_png, write_png_bitmap,
-    write_scene, write_text,
-};
 #[cfg(feature = "exr")]
-pub use write::{ExrLayer, encode_exr, write_exr};
-pub(crate) use xmp::XmpProperties;
-pub use xmp::{Provenance, XmpEvent, xmp_history, xmp_rights, xmp_sources};
+pub(crate) use write::encode_exr;
+pub use write::{
+    AnimatedImage, AnimationFormat, AnimationSpec, CodecKind, CodecSet, FileBytes, FileSet, GltfAsset,
+    GltfDraft, GltfFormat, GltfImage, GltfLevel, GltfMaterial, GltfPacker, ImageCodec, ImageFormat,
+    LossyTexture, PackedGeometry, PackedImage, PngColor, PngImage, PngSamples, Stopper, TextureCodecs,
+    VertexBits, WrittenScene, encode_glb, encode_gltf, encode_jpeg_bitmap, encode_png, encode_png_bitmap,
+    encode_scene, encode_scene_as, encode_webp_bitmap, gltf_sampler, join_levels, write_bytes, write_gltf,
+    write_image, write_png, write_png_bitmap, write_scene, write_text,
+};
+pub(crate) use write::{EncodedModel, GltfGraft, GraftedMaterial, encode_graft, gltf_files};
+#[cfg(feature = "exr")]
+pub use write::{ExrLayer, write_exr};
+pub use xmp::{Provenance, XmpEvent, xmp_rights, xmp_sources};
+pub(crate) use xmp::{XmpProperties, xmp_history};
 
 use crate::error::{Error, Result};
 use reading::Reading;
@@ -61,22 +64,22 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Reads a model by its extension: `gltf`, `glb`, `obj`, `ply` or `stl`, in any case; its finest level of detail. Where
-/// the first bytes of the file contradict the extension, the bytes are believed.
+/// Reads a model by its extension: `gltf`, `glb`, `obj`, `ply` or `stl`, in any case; its finest level of detail. If
+/// the first bytes of the file contradict the extension, the bytes take precedence.
 ///
 /// # Errors
-/// [`Error::Io`] where the file cannot be read, [`Error::Unsupported`] for another extension or a feature that is
-/// not there, [`Error::Parse`] where the content is wrong and nothing can be drawn, [`Error::Limit`] where it does not fit
+/// [`Error::Io`] if the file cannot be read, [`Error::Unsupported`] for another extension or an unsupported feature,
+/// [`Error::Parse`] if the content is invalid and nothing can be drawn, [`Error::Limit`] if it does not fit
 /// [`Limits::default`].
 pub fn load_model(path: &Path) -> Result<Loaded> {
     load_model_within(path, &Limits::default())
 }
 
-/// Reads a model as [`load_model`], within limits: of memory, as far as headers tell before anything is decoded, of
-/// pixels, triangles and nodes, and of the files that it may name.
+/// Reads a model like [`load_model`], within limits: on memory, as far as headers reveal it before anything is
+/// decoded, on pixels, triangles and nodes, and on the files that it may refer to.
 ///
 /// # Errors
-/// As [`load_model`]; [`Error::Limit`] where a limit is exceeded.
+/// As [`load_model`]; [`Error::Limit`] if a limit is exceeded.
 pub fn load_model_within(path: &Path, limits: &Limits) -> Result<Loaded> {
     let format = format_of(path)?;
     let reading = Arc::new(Reading::new(path, limits));
@@ -89,23 +92,23 @@ pub fn load_model_within(path: &Path, limits: &Limits) -> Result<Loaded> {
         Format::Ply => ply::read(&reading),
         Format::Stl => stl::read(&reading),
     };
-    // What readers make a warning of, such as an image that is left out, still counts as wanted.
+    // Content that readers reduce to a warning, such as a skipped image, still counts towards the limits.
     reading.check()?;
     let loaded = with_size(loaded?, path)?;
     let triangles = loaded.scene.triangle_count() as u64;
     match triangles > limits.triangles {
         true => Err(Error::limit(
             format!("{}: {triangles} triangles", path.display()),
-            format!("at most {} are read; simplify the model", limits.triangles),
+            format!("the maximum is {}; simplify the model", limits.triangles),
         )),
         false => Ok(loaded),
     }
 }
 
-/// Reads the bytes of a GLB that names no files, at its finest level of detail, within limits.
+/// Reads the bytes of a GLB that refers to no files, at its finest level of detail, within limits.
 ///
 /// # Errors
-/// As [`load_model_within`], but for files that cannot be read.
+/// As [`load_model_within`], except for files that cannot be read.
 pub(crate) fn load_glb(content: Vec<u8>, limits: &Limits) -> Result<Loaded> {
     let reading = Arc::new(Reading::new(GltfSource::Glb(&[]).path(), limits));
     let loaded = gltf::read_glb(&reading, content);
@@ -113,21 +116,21 @@ pub(crate) fn load_glb(content: Vec<u8>, limits: &Limits) -> Result<Loaded> {
     loaded
 }
 
-/// Reads a model at all of its levels of detail, the finest first, as [`load_model`] reads that. Levels are those of
-/// glTF's MSFT_lod: a node with fewer of them shows its coarsest. Other formats have one. Files are read and textures
-/// decoded once, and all levels share them; notes on the file as a whole stand with the finest.
+/// Reads a model at all its levels of detail, the finest first, like [`load_model`]. Levels are those of glTF's
+/// MSFT_lod: a node with fewer levels shows its coarsest. Other formats have one. Files are read and textures decoded
+/// once, and all levels share them; notes on the file as a whole are attached to the finest.
 ///
 /// # Errors
-/// As [`load_model`], of any level; [`Error::Parse`] where a file has more than 64 levels.
+/// As [`load_model`], for any level; [`Error::Parse`] if a file has more than 64 levels.
 pub fn load_levels(path: &Path) -> Result<Vec<Loaded>> {
     load_levels_within(path, &Limits::default())
 }
 
-/// Reads a model at all of its levels of detail as [`load_levels`] does, within limits.
+/// Reads a model at all its levels of detail like [`load_levels`], within limits.
 ///
 /// # Errors
 /// As [`load_levels`] and [`load_model_within`].
-pub fn load_levels_within(path: &Path, limits: &Limits) -> Result<Vec<Loaded>> {
+pub(crate) fn load_levels_within(path: &Path, limits: &Limits) -> Result<Vec<Loaded>> {
     match format_of(path)? {
         Format::Gltf => {
             let reading = Arc::new(Reading::new(path, limits));
@@ -139,18 +142,18 @@ pub fn load_levels_within(path: &Path, limits: &Limits) -> Result<Vec<Loaded>> {
     }
 }
 
-/// Reads the XMP packet of a glTF file as a whole, and nothing else of it; `None` if it has none, or is of another format.
+/// Reads only the XMP packet for a glTF file as a whole; returns `None` if it has none, or is another format.
 ///
 /// # Errors
-/// [`Error::Io`], [`Error::Parse`] and [`Error::Limit`] as of [`load_model_within`].
-pub fn read_xmp(path: &Path, limits: &Limits) -> Result<Option<Json>> {
+/// [`Error::Io`], [`Error::Parse`] and [`Error::Limit`] as for [`load_model_within`].
+pub(crate) fn read_xmp(path: &Path, limits: &Limits) -> Result<Option<Json>> {
     match format_of(path)? {
         Format::Gltf => Ok(gltf::read_xmp(path, limits)?.into_iter().next().map(Json)),
         _ => Ok(None),
     }
 }
 
-/// Returns the model with the size of its file and of the files it was read from; each counts once.
+/// Returns the model with the total size of its file and the further files it was read from; each counts once.
 fn with_size(loaded: Loaded, path: &Path) -> Result<Loaded> {
     let others: BTreeSet<&Path> = loaded.files.iter().map(PathBuf::as_path).collect();
     let sizes = others.into_iter().chain([path]).map(file_size);
@@ -158,7 +161,7 @@ fn with_size(loaded: Loaded, path: &Path) -> Result<Loaded> {
     Ok(Loaded { bytes: Some(bytes), ..loaded })
 }
 
-/// Returns `true` if a file's first bytes or its extension make it glTF.
+/// Returns `true` if a file is glTF according to its first bytes or its extension.
 ///
 /// # Errors
 /// [`Error::Io`] if it cannot be read, [`Error::Unsupported`] if it is not a model.
@@ -175,7 +178,7 @@ enum Format {
 }
 
 impl Format {
-    /// Returns the bytes that a byte of the file takes in all; `None` where its content tells.
+    /// Returns the total bytes needed per byte of the file; `None` if this depends on the content.
     fn unpacked(self) -> Option<u64> {
         match self {
             Self::Gltf | Self::Stl => None,
@@ -196,13 +199,13 @@ fn format_of(path: &Path) -> Result<Format> {
         "ply" => Ok(Format::Ply),
         "stl" => Ok(Format::Stl),
         _ => Err(Error::unsupported(
-            format!("{}: the extension '{extension}'", path.display()),
-            "models are read from .gltf, .glb, .obj, .ply and .stl",
+            format!("{}: the file extension '{extension}'", path.display()),
+            "use .gltf, .glb, .obj, .ply or .stl",
         )),
     }
 }
 
-/// The format whose signature `start` bears. OBJ and binary STL have none.
+/// Returns the format whose signature `start` has. OBJ and binary STL have none.
 fn format_from_content(start: &[u8]) -> Option<Format> {
     let text = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start).trim_ascii_start();
     if start.starts_with(b"glTF") || text.starts_with(b"{") {

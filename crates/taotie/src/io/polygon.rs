@@ -1,20 +1,20 @@
-//! Polygons into triangles, keeping their corners, their winding and their area.
+//! Triangulates polygons, keeping their corners, winding and area.
 
 use crate::math::Vec3;
 use earcut::Earcut;
 
-/// The shape of a polygon's outline, found while it is cut.
+/// The shape of a polygon's outline, determined during triangulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Outline {
     /// Its triangles cover it once.
     Simple,
     /// It has no area.
     Flat,
-    /// It crosses itself, so that no set of triangles covers it once.
+    /// It intersects itself, so that no set of triangles covers it exactly once.
     Crossing,
 }
 
-/// Cuts polygons; its buffers are reused from one to the next.
+/// Triangulates polygons; its buffers are reused between them.
 #[derive(Default)]
 pub(super) struct Cutter {
     ears: Earcut<f64>,
@@ -23,12 +23,12 @@ pub(super) struct Cutter {
 }
 
 impl Cutter {
-    /// The most corners a polygon may have, so that the time of one cut is bounded.
+    /// Maximum number of corners of a polygon, which bounds the time of one triangulation.
     pub(super) const MAX_CORNERS: usize = 1 << 14;
 
-    /// Appends to `triangles` those of the polygon with the given corners, as indices into `corners`.
+    /// Appends the triangles of the polygon with the given corners to `triangles`, as indices into `corners`.
     ///
-    /// A triangle stays as it is. A convex quadrilateral is cut along its shorter diagonal (the first where both are
+    /// A triangle is unchanged. A convex quadrilateral is cut along its shorter diagonal (the first if both are
     /// equal), a concave one through its reflex corner. Larger polygons are projected along their normal (Newell's
     /// method) onto the coordinate plane they face most, and ears are clipped there.
     pub(super) fn cut(&mut self, corners: &[Vec3], triangles: &mut Vec<[u32; 3]>) -> Outline {
@@ -93,7 +93,7 @@ fn cut_quad(corners: &[Vec3], normal: Vec3<f64>, triangles: &mut Vec<[u32; 3]>) 
     if turns.iter().filter(|t| **t < 0.0).count() > 1 { Outline::Crossing } else { Outline::Simple }
 }
 
-/// The two coordinates across the axis that `normal` is nearest to, in an order that keeps the winding.
+/// Returns the two coordinates across the axis nearest to `normal`, in an order that preserves the winding.
 fn project(p: Vec3<f64>, normal: Vec3<f64>) -> [f64; 2] {
     let size = normal.map(f64::abs);
     let (pair, facing) = if size.z >= size.x && size.z >= size.y {
@@ -106,7 +106,7 @@ fn project(p: Vec3<f64>, normal: Vec3<f64>) -> [f64; 2] {
     if facing < 0.0 { [pair[1], pair[0]] } else { pair }
 }
 
-/// Returns twice the area of a triangle, above zero where it is counter-clockwise.
+/// Returns twice the area of a triangle, positive if it is counter-clockwise.
 fn signed_area([a, b, c]: [[f64; 2]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }

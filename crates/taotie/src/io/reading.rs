@@ -1,4 +1,4 @@
-//! The reading of one model or image: what it may take and reach, and what it has taken.
+//! The context for reading one model or image: its limits, and the memory used so far.
 
 use super::file;
 use super::limits::{Bytes, Limits};
@@ -8,48 +8,48 @@ use std::path::{Component, Path, PathBuf, Prefix};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The reading of one model or image. Every file that a model names is opened through it, and everything that is
-/// decoded is counted by it before memory is taken.
+/// The context for reading one model or image. Every file that a model refers to is opened through it, and all
+/// decoded data is counted by it before memory is allocated.
 pub(super) struct Reading {
     path: PathBuf,
     limits: Limits,
-    /// Bytes wanted so far, those that were refused too, so that the sum does not depend on the order of threads.
+    /// Bytes requested so far, including rejected requests, so that the sum does not depend on the order of threads.
     wanted: AtomicU64,
-    /// What the machine has free, once it was asked.
+    /// The machine's free memory, once queried.
     free: OnceLock<Option<Bytes>>,
 }
 
 impl Reading {
-    /// Begins to read a file.
+    /// Starts reading a file.
     pub fn new(path: &Path, limits: &Limits) -> Self {
         Self { path: path.to_path_buf(), limits: *limits, wanted: AtomicU64::new(0), free: OnceLock::new() }
     }
 
-    /// The model or image.
+    /// Returns the path of the model or image.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The folder that names in it start from, and that nothing leaves.
+    /// Returns the folder that relative names start from, and that no file may leave.
     pub fn folder(&self) -> &Path {
         self.path.parent().unwrap_or(Path::new(""))
     }
 
-    /// The limits.
+    /// Returns the limits.
     pub fn limits(&self) -> &Limits {
         &self.limits
     }
 
-    /// Counts bytes that are about to be taken, and says whether they fit beside all others.
+    /// Counts bytes that are about to be allocated, and returns `true` if they fit in addition to all others.
     pub fn take(&self, bytes: u64) -> bool {
         let before = self.wanted.fetch_add(bytes, Ordering::Relaxed);
         let wanted = Bytes(before.saturating_add(bytes));
         self.within(wanted).memory.is_none_or(|most| wanted <= most)
     }
 
-    /// Returns the limits as they stand for so many bytes. The machine is asked for what it has free where that matters.
+    /// Returns the limits that apply to `wanted` bytes. The machine's free memory is queried only if it matters.
     fn within(&self, wanted: Bytes) -> Limits {
-        /// Any machine has so much.
+        /// Every machine has this much.
         const LITTLE: Bytes = Bytes(1 << 26);
         match self.limits.memory {
             None if wanted > LITTLE => {
@@ -59,13 +59,13 @@ impl Reading {
         }
     }
 
-    /// Returns how many bytes may still be taken.
+    /// Returns how many bytes may still be allocated.
     pub fn left(&self) -> u64 {
         let most = self.within(Bytes(u64::MAX)).memory.map_or(u64::MAX, |most| most.0);
         most.saturating_sub(self.wanted.load(Ordering::Relaxed))
     }
 
-    /// Refuses what has taken, or was denied, more than there may be.
+    /// Fails if the memory requested so far, including rejected requests, exceeds the limit.
     ///
     /// # Errors
     /// [`Error::Limit`] with both figures.
@@ -74,11 +74,11 @@ impl Reading {
         self.within(wanted).check(self.path.display().to_string(), wanted)
     }
 
-    /// Reads a file that the model names.
+    /// Reads a file that the model refers to.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where it lies outside the model's folder, [`Error::Limit`] where it does not fit the memory;
-    /// those of reading.
+    /// [`Error::Invalid`] if it is outside the model's folder, [`Error::Limit`] if it does not fit in memory; those
+    /// of reading.
     pub fn read(&self, path: &Path) -> Result<Vec<u8>> {
         if let Err(why) = self.allows(path) {
             return Err(Error::invalid(path.display().to_string(), why));
@@ -86,11 +86,11 @@ impl Reading {
         self.read_own(path)
     }
 
-    /// Counts what a file of text or packed numbers takes: OBJ, MTL, PLY, STL. `unpacked` is the number of bytes for each of
-    /// its bytes.
+    /// Counts the memory for a file of text or packed numbers: OBJ, MTL, PLY, STL. `unpacked` is the number of bytes
+    /// per byte of the file.
     ///
     /// # Errors
-    /// [`Error::Limit`] where it does not fit the memory; [`Error::Io`] where it is not there.
+    /// [`Error::Limit`] if it does not fit in memory; [`Error::Io`] if it does not exist.
     pub fn count_file(&self, path: &Path, unpacked: u64) -> Result<()> {
         match self.take(unpacked * file::file_size(path)?) {
             true => Ok(()),
@@ -101,7 +101,7 @@ impl Reading {
     /// Reads the model or image itself.
     ///
     /// # Errors
-    /// [`Error::Limit`] where it does not fit the memory; those of reading.
+    /// [`Error::Limit`] if it does not fit in memory; those of reading.
     pub fn read_own(&self, path: &Path) -> Result<Vec<u8>> {
         if !self.take(file::file_size(path)?) {
             self.check()?;
@@ -109,20 +109,18 @@ impl Reading {
         file::read(path)
     }
 
-    /// Says why a file may not be read, where it lies outside the model's folder. Links are followed first.
+    /// Returns an error message if a file is outside the model's folder and may not be read. Links are followed
+    /// first.
     pub fn allows(&self, path: &Path) -> std::result::Result<(), String> {
         if self.limits.allow_outside || !is_outside(path, self.folder()) {
             return Ok(());
         }
-        Err(format!(
-            "{} lies outside the model's folder and is not read; allow it by --allow-outside",
-            path.display()
-        ))
+        Err(format!("{} is outside the model's folder; use --allow-outside to read it", path.display()))
     }
 }
 
-/// Says whether a path, which starts with `folder` or is absolute, leaves it: by its words, or by links. Nothing is
-/// asked of the system about a path that leaves it by its words.
+/// Returns `true` if a path, which starts with `folder` or is absolute, leaves the folder: by its components, or
+/// through links. The system is not queried for a path that leaves it by its components.
 fn is_outside(path: &Path, folder: &Path) -> bool {
     let inner = inside(path, folder);
     if names_network(path) && inner.is_none() || inner.is_some_and(leaves) {
@@ -131,24 +129,25 @@ fn is_outside(path: &Path, folder: &Path) -> bool {
     let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     match (path.canonicalize(), here.canonicalize()) {
         (Ok(path), Ok(folder)) => !path.starts_with(folder),
-        // What is not there cannot be read either, unless it is absolute and no business of the model's.
+        // A file that does not exist cannot be read either, unless the path is absolute and thus outside.
         _ => inner.is_none(),
     }
 }
 
-/// Returns the rest of a path that starts with a folder; an empty one stands for the current folder.
+/// Returns the rest of a path that starts with a folder; an empty one means the current folder.
 fn inside<'a>(path: &'a Path, folder: &Path) -> Option<&'a Path> {
     let is_elsewhere = folder.as_os_str().is_empty() && path.is_absolute();
     if is_elsewhere { None } else { path.strip_prefix(folder).ok() }
 }
 
-/// Says whether a path names a share of the network or a device, as paths of Windows can: asking for it would reach out.
+/// Returns `true` if a path refers to a network share or a device, as Windows paths can: querying it would access
+/// them.
 fn names_network(path: &Path) -> bool {
     let Some(Component::Prefix(prefix)) = path.components().next() else { return false };
     matches!(prefix.kind(), Prefix::UNC(..) | Prefix::VerbatimUNC(..) | Prefix::DeviceNS(_))
 }
 
-/// Says whether a relative path climbs above its start, or is no relative path.
+/// Returns `true` if a path climbs above its start, or is not relative.
 fn leaves(path: &Path) -> bool {
     let mut depth = 0i64;
     for component in path.components() {
@@ -193,7 +192,7 @@ mod tests {
             let limits = Limits { allow_outside: true, ..Limits::default() };
             assert!(reading(place.path(), limits).read(path).is_ok(), "{}", path.display());
         }
-        assert!(ours.allows(&folder.join("../absent.bin")).is_err(), "whether it is there is not told");
+        assert!(ours.allows(&folder.join("../absent.bin")).is_err(), "existence is not revealed");
     }
 
     #[cfg(unix)]

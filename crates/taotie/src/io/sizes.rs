@@ -1,4 +1,4 @@
-//! The bytes of a glTF file by content, and the memory that the content takes on a graphics card.
+//! The size of a glTF file by content, and the GPU memory that the content needs.
 
 /// The bytes of a glTF file by content.
 ///
@@ -31,9 +31,9 @@ pub struct GltfSizes {
     pub images: Vec<ImageSize>,
     /// Bytes of animations and skins.
     pub animations: u64,
-    /// Bytes of buffers that hold none of these: instance transforms, unused data, padding.
+    /// Bytes of buffers that contain none of these: instance transforms, unused data, padding.
     pub other: u64,
-    /// Bytes that vertices, indices and textures take on a graphics card. A viewer may hold more, such as copies of textures
+    /// GPU memory for vertices, indices and textures, in bytes. A viewer may use more, such as copies of textures
     /// with other samplers.
     pub gpu_bytes: u64,
 }
@@ -46,7 +46,7 @@ pub struct ContentSize {
     pub name: String,
     /// Bytes in the file, as compressed.
     pub bytes: u64,
-    /// Bytes on a graphics card: uncompressed, each element a multiple of four bytes.
+    /// GPU memory in bytes: uncompressed, each element a multiple of four bytes.
     pub gpu_bytes: u64,
 }
 
@@ -54,7 +54,7 @@ pub struct ContentSize {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ImageSize {
-    /// Its file, else its name, else its number.
+    /// Its file, else its name, else its index.
     pub name: String,
     /// The media type found in its content, such as `image/png`; empty if unknown.
     pub media_type: String,
@@ -64,13 +64,13 @@ pub struct ImageSize {
     pub height: u32,
     /// Bytes in the file.
     pub bytes: u64,
-    /// Bytes on a graphics card with all mip levels: four per texel, one per texel of KTX2 (BC7, ASTC 4×4); 0 if no texture
-    /// shows it.
+    /// GPU memory in bytes with all mip levels: four per texel, one per texel of KTX2 (BC7, ASTC 4×4); 0 if no
+    /// texture uses it.
     pub gpu_bytes: u64,
 }
 
 impl GltfSizes {
-    /// Returns it with the sum of what its parts take on a graphics card.
+    /// Returns it with the total GPU memory of its parts filled in.
     pub(super) fn summed(self) -> Self {
         let vertices = self.attributes.iter().chain([&self.indices]).map(|size| size.gpu_bytes);
         let all = vertices.chain(self.images.iter().map(|image| image.gpu_bytes));
@@ -86,7 +86,7 @@ impl GltfSizes {
 }
 
 impl ImageSize {
-    /// Returns the bytes that an image of this size takes on a graphics card, with all mip levels.
+    /// Returns the GPU memory in bytes of an image of this size, with all mip levels.
     pub fn on_gpu(size: [u32; 2], is_block_compressed: bool) -> u64 {
         let [mut width, mut height] = size.map(u64::from);
         let mut bytes: u64 = 0;

@@ -1,8 +1,8 @@
-//! Elapsed time.
+//! Measures elapsed time.
 
 use std::time::Instant;
 
-/// A clock that was started.
+/// A running clock.
 #[derive(Debug, Clone, Copy)]
 pub struct Stopwatch(Instant);
 
@@ -12,7 +12,7 @@ impl Stopwatch {
         Self(Instant::now())
     }
 
-    /// Returns the time since the start, milliseconds.
+    /// Returns the time since the start in milliseconds.
     pub fn milliseconds(&self) -> f64 {
         self.0.elapsed().as_secs_f64() * 1e3
     }

@@ -1,11 +1,11 @@
 //! The free memory of the machine.
 
-/// Returns the memory free for new work, bytes: the system's number, or what its limit on this group of processes leaves
-/// where that is less; files that it keeps in memory go when others need it. `None` where the system does not say.
+/// Returns the memory available for new work, in bytes: the system's figure, or the rest of its limit on this process
+/// group if that is less; file caches count as available. `None` if unknown.
 pub fn free_memory() -> Option<u64> {
     let mut system = sysinfo::System::new();
     system.refresh_memory();
-    // Where the system tells nothing, as without /proc, the limits of groups are not asked for: that panics.
+    // If the system reports nothing, as without /proc, the limits of groups are not queried: that panics.
     if system.total_memory() == 0 {
         return None;
     }

@@ -1,4 +1,4 @@
-//! Text files of unknown encoding, as lines that know their number.
+//! Text files of unknown encoding, as numbered lines.
 
 use super::file;
 use crate::error::{Error, Result};
@@ -8,18 +8,18 @@ use std::path::Path;
 /// Reads the text of a file, see [`decode`].
 ///
 /// # Errors
-/// [`Error::Io`] where the file cannot be read, [`Error::Limit`] where it is so long that counts of what it holds may
-/// not fit 32 bits.
+/// [`Error::Io`] if the file cannot be read, [`Error::Limit`] if it is so long that counts of its contents may not
+/// fit 32 bits.
 pub(super) fn read_text(path: &Path) -> Result<String> {
     let bytes = file::read(path)?;
     if bytes.len() >= u32::MAX as usize {
-        return Err(Error::limit(path.display().to_string(), "at most 4 GiB of text; split the file"));
+        return Err(Error::limit(path.display().to_string(), "the maximum is 4 GiB of text; split the file"));
     }
     Ok(decode(bytes))
 }
 
 /// Decodes text from UTF-16 (with a byte order mark, or with a zero in the first two bytes), UTF-8, or else Latin-1,
-/// which any bytes are. Lone carriage returns, the line ends of old Macs, become line feeds.
+/// in which any bytes are valid. Lone carriage returns, the line ends of classic Mac OS, become line feeds.
 pub(super) fn decode(bytes: Vec<u8>) -> String {
     let text = match bytes.as_slice() {
         [0xFF, 0xFE, rest @ ..] => utf16(rest, u16::from_le_bytes),
@@ -43,8 +43,8 @@ fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> String {
     char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
 }
 
-/// Returns the lines of `text`, trimmed and not empty, with their number from 1. A line that ends in a backslash goes
-/// on in the next one; a line that starts with `#` is left out and never goes on.
+/// Returns the trimmed, non-empty lines of `text` with their numbers, starting at 1. A line that ends in a backslash
+/// continues on the next one; a line that starts with `#` is skipped and never continues.
 pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let mut rest = text.lines().enumerate();
     std::iter::from_fn(move || {

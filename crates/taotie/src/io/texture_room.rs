@@ -1,38 +1,37 @@
-//! The memory that textures take, counted before they are made of images.
+//! Counts the memory for textures before they are made from images.
 
 use super::reading::Reading;
 use crate::image::{Bitmap, Encoding, Texels, Texture};
 
-/// Makes a texture of an image, whose texels and mip levels were counted as it was read; `None` where what it takes beside
-/// does not fit the memory.
+/// Makes a texture from an image whose texels and mip levels were counted when it was read; `None` if its additional
+/// needs do not fit in memory.
 pub(super) fn texture(reading: &Reading, bitmap: Bitmap, encoding: Encoding) -> Option<Texture> {
     count_first(reading, &bitmap, encoding).then(|| Texture::new(bitmap, encoding))
 }
 
-/// Makes a texture of an image that was put together from others, and counts all of it; `None` where it does not fit the
-/// memory.
+/// Makes a texture from an image combined from others, and counts all of it; `None` if it does not fit in memory.
 pub(super) fn combined(reading: &Reading, bitmap: Bitmap, encoding: Encoding) -> Option<Texture> {
     count_copy(reading, &bitmap, encoding).then(|| Texture::new(bitmap, encoding))
 }
 
-/// Counts what the first texture of an image takes beside what was counted as it was read, and says whether it fits.
+/// Counts the needs of an image's first texture beyond those counted when it was read; returns `true` if they fit.
 pub(super) fn count_first(reading: &Reading, bitmap: &Bitmap, encoding: Encoding) -> bool {
-    // As it is read nobody knows its meaning.
+    // When it is read, its encoding is unknown.
     let counted = bytes(bitmap.texels(), Encoding::Linear);
     reading.take(bytes(bitmap.texels(), encoding) - counted)
 }
 
-/// Counts all of a texture of a copy of an image, and says whether it fits.
+/// Counts all of a texture of a copied image; returns `true` if it fits.
 pub(super) fn count_copy(reading: &Reading, bitmap: &Bitmap, encoding: Encoding) -> bool {
     reading.take(bytes(bitmap.texels(), encoding))
 }
 
-/// Returns the bytes of texels and of all that a texture makes of them, at the peak. Mip levels are a third of the finest;
-/// those of normals of 8 bits have 16 bits.
+/// Returns the peak number of bytes for texels and everything that a texture makes from them. Mip levels are a third
+/// of the finest; those of 8-bit normals have 16 bits.
 fn bytes(texels: &Texels, encoding: Encoding) -> u64 {
     let per_texel = match (texels, encoding) {
         (Texels::U8(_), _) => 4 + 3,
-        // It becomes float before it is given up.
+        // It is converted to float before it is freed.
         (Texels::U16(_), Encoding::Srgb) => 8 + 16,
         (Texels::U16(_), _) => 8 + 3,
         (Texels::F32(_), _) => 16 + 6,
@@ -53,7 +52,7 @@ mod tests {
     #[test]
     fn deep_colours_become_float_and_that_counts() {
         let bitmap = Bitmap::new(8, 8, 3, Texels::U16(vec![[1, 2, 3, 4]; 64])).unwrap();
-        // 11 of 24 bytes a texel were counted as the image was read.
+        // 11 of 24 bytes per texel were counted when the image was read.
         assert!(texture(&reading(13 * 64), bitmap.clone(), Encoding::Srgb).is_some());
         assert!(texture(&reading(13 * 64 - 1), bitmap.clone(), Encoding::Srgb).is_none());
         assert!(texture(&reading(1), bitmap.clone(), Encoding::Linear).is_some());

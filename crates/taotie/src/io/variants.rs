@@ -9,32 +9,32 @@ pub struct Variants {
     pub(super) names: Vec<String>,
     /// The lists of materials by variant.
     pub(super) mappings: Vec<Mapping>,
-    /// The mapping of each mesh of the scene; meshes beyond its end have none.
+    /// The mapping of each mesh of the scene; meshes beyond the end have none.
     pub(super) mapping_of_mesh: Vec<Option<usize>>,
-    /// The material of each instance of the scene where no variant is chosen.
+    /// The material of each instance of the scene if no variant is chosen.
     pub(super) authored: Vec<usize>,
 }
 
-/// Variant and material, in rising order of variant.
+/// Variant and material, by ascending variant.
 pub(super) type Mapping = Vec<(usize, usize)>;
 
 impl Variants {
-    /// Returns the names, in the order of the file; empty where it has no variants.
+    /// Returns the names, in file order; empty if there are no variants.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Gives every instance of `scene` the material that it has in the variant `name`. What the variant does not
-    /// mention has the material of a file without variants, so the order of calls does not count. `scene` is the one
-    /// that was loaded with this.
+    /// Gives every instance of `scene` its material in the variant `name`. Anything that the variant does not mention
+    /// gets the material without variants, so the order of calls does not matter. `scene` is the one that was loaded
+    /// with this.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where there is no variant of this name; the text lists those that there are; also where
-    /// `scene` is another one, which lacks the material.
+    /// [`Error::Invalid`] if there is no variant with this name; the text lists the existing ones; also if `scene` is
+    /// a different one that lacks the material.
     pub fn apply(&self, name: &str, scene: &mut Scene) -> Result<()> {
         let variant = self.names.iter().position(|known| known == name);
-        let variant =
-            variant.ok_or_else(|| Error::invalid(format!("variant '{name}'"), self.what_there_is()))?;
+        let variant = variant
+            .ok_or_else(|| Error::invalid(format!("unknown variant '{name}'"), self.what_there_is()))?;
         let chosen: Vec<Option<usize>> = self.mappings.iter().map(|m| material_in(m, variant)).collect();
         scene.edit(|scene| {
             for (instance, authored) in scene.instances.iter_mut().zip(&self.authored) {
@@ -48,7 +48,7 @@ impl Variants {
         match self.names.is_empty() {
             true => "the file has no variants".into(),
             false => {
-                format!("the file has no such variant; it has: {}", self.names.join(", "))
+                format!("expected one of: {}", self.names.join(", "))
             }
         }
     }

@@ -1,38 +1,38 @@
-//! The words of plain text, read line by line. What is not plain is left to those who tell what is wrong.
+//! The words of plain text, read line by line. Anything unusual is left to the parsers that report errors.
 
-/// Text from some place on. Spaces, tabs and carriage returns part words; line feeds end lines.
+/// The remaining text. Spaces, tabs and carriage returns separate words; line feeds end lines.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Words<'a> {
     rest: &'a [u8],
 }
 
 impl<'a> Words<'a> {
-    /// The words of `text`.
+    /// Creates a reader for the words of `text`.
     #[inline]
     pub fn new(text: &'a [u8]) -> Self {
         Self { rest: text }
     }
 
-    /// The text that was not passed over yet.
+    /// Returns the remaining text.
     #[inline]
     pub fn rest(&self) -> &'a [u8] {
         self.rest
     }
 
-    /// Passes over so many bytes.
+    /// Skips `count` bytes.
     #[inline]
     pub fn skip(&mut self, count: usize) {
         self.rest = self.rest.get(count..).unwrap_or_default();
     }
 
-    /// Says whether no word is left in this line.
+    /// Returns `true` if no words are left on this line.
     #[inline]
     pub fn at_end_of_line(&mut self) -> bool {
         self.skip_blanks();
         matches!(self.rest, [] | [b'\n', ..])
     }
 
-    /// Passes over the end of the line; `None` where a word is left in it.
+    /// Skips the end of the line; `None` if a word is left on it.
     #[inline]
     pub fn end_line(&mut self) -> Option<()> {
         let ends = self.at_end_of_line();
@@ -40,18 +40,18 @@ impl<'a> Words<'a> {
         ends.then_some(())
     }
 
-    /// Passes over this line, whatever it holds.
+    /// Skips this line, whatever it contains.
     pub fn skip_line(&mut self) {
         let end = self.rest.iter().position(|byte| *byte == b'\n').map_or(self.rest.len(), |i| i + 1);
         self.skip(end);
     }
 
-    /// Passes over the lines from here on that hold no word.
+    /// Skips any following lines without words.
     pub fn skip_empty_lines(&mut self) {
         while !self.rest.is_empty() && self.end_line().is_some() {}
     }
 
-    /// Passes over the word that follows, in small or capital letters; `None` where it is another.
+    /// Skips the next word if it is `word`, ignoring case; `None` if it is different.
     #[inline]
     pub fn keyword(&mut self, word: &[u8]) -> Option<()> {
         self.skip_blanks();
@@ -59,7 +59,7 @@ impl<'a> Words<'a> {
         (found && self.parts(word.len())).then(|| self.skip(word.len()))
     }
 
-    /// Takes a number; `None` where the line has no word left or the word is no number.
+    /// Reads a number; `None` if no words are left on the line or the word is not a number.
     #[inline]
     pub fn number(&mut self) -> Option<f32> {
         self.skip_blanks();
@@ -69,7 +69,7 @@ impl<'a> Words<'a> {
         value
     }
 
-    /// Takes a whole number of at most nine digits, which any byte may follow; `None` where there is none.
+    /// Reads an integer of at most nine digits, which any byte may follow; `None` if there is none.
     #[inline]
     pub fn whole(&mut self) -> Option<u32> {
         let (mut value, mut length) = (0_u32, 0);
@@ -86,7 +86,7 @@ impl<'a> Words<'a> {
         (length > 0).then_some(value)
     }
 
-    /// Passes over a byte where it is the next, and says whether it was.
+    /// Skips the next byte if it is `byte`, and returns whether it was.
     #[inline]
     pub fn byte(&mut self, byte: u8) -> bool {
         let is_next = self.rest.first() == Some(&byte);
@@ -94,13 +94,13 @@ impl<'a> Words<'a> {
         is_next
     }
 
-    /// Says whether a word ends here.
+    /// Returns `true` if a word ends here.
     #[inline]
     pub fn between_words(&self) -> bool {
         self.parts(0)
     }
 
-    /// Passes over blanks within the line.
+    /// Skips blanks within the line.
     #[inline]
     pub fn skip_blanks(&mut self) {
         while let [b' ' | b'\t' | b'\r', rest @ ..] = self.rest {
@@ -114,9 +114,9 @@ impl<'a> Words<'a> {
     }
 }
 
-/// Returns the number of lines that end in `text`.
+/// Returns the number of line ends in `text`.
 pub(super) fn line_ends(text: &[u8]) -> usize {
-    /// As many as a byte counts, so that the compiler counts in many bytes at once.
+    /// The range of a byte counter, so that the compiler counts in many bytes simultaneously.
     const COUNTED: usize = 255;
     let ends = |few: &[u8]| few.iter().fold(0_u8, |ends, byte| ends.wrapping_add(u8::from(*byte == b'\n')));
     text.chunks(COUNTED).map(|few| usize::from(ends(few))).sum()

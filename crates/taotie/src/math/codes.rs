@@ -1,33 +1,33 @@
-//! Rising functions from floats to 8-bit codes, looked up.
+//! Lookup of increasing functions from floats to 8-bit codes.
 //!
-//! Codes that rise with a value are known by 255 thresholds. A bucket of floats that share sign, exponent and the
-//! first seven bits of the mantissa holds at most one threshold of any curve like sRGB's, so one look-up, one
-//! addition and one shift give a code, and it is the exact one.
+//! A function that increases with a value is determined by 255 thresholds. A bucket of floats that share sign,
+//! exponent and the first seven bits of the mantissa contains at most one threshold of any curve like sRGB's, so one
+//! lookup, one addition and one shift give the exact code.
 
 use super::Lane;
 
-/// The number of low bits of a float that do not choose its bucket.
+/// The number of low bits of a float that do not affect its bucket.
 const SHIFT: u32 = 16;
-/// The least value that is looked up, and below the first threshold.
+/// The smallest value in the table, below the first threshold.
 const LEAST: f32 = 1.0 / 8192.0;
 /// The bucket of [`LEAST`].
 const FIRST: u32 = LEAST.to_bits() >> SHIFT;
 /// The buckets from [`FIRST`] to that of one.
 const USED: u32 = (1.0f32.to_bits() >> SHIFT) - FIRST + 1;
-/// [`USED`], rounded up to a power of two so that a mask keeps indices inside.
+/// [`USED`], rounded up to a power of two so that a mask keeps indices in range.
 const BUCKETS: usize = 2048;
 
 /// The table of one function from [2⁻¹³, 1] to codes.
 ///
-/// An entry is added to the bits of a value, so that its code stands above the lowest 16 bits: the code at the start
-/// of its bucket replaces the bucket's number, and from the threshold on the sum carries one more.
-/// A bucket stands at its number modulo the size.
+/// An entry is added to the bits of a value, so that its code is above the lowest 16 bits: the code at the start of
+/// its bucket replaces the bucket's number, and from the threshold upwards the sum carries one more. The index of a
+/// bucket is its number modulo the size.
 #[derive(Debug, Clone)]
 pub struct Codes([u32; BUCKETS]);
 
 impl Codes {
-    /// The function whose code is `i + 1` from the float of the bits `thresholds[i]` on. The first lies above 2⁻¹³,
-    /// and no bucket holds two.
+    /// The function whose code is `i + 1` from the float with the bits `thresholds[i]` upwards. The first is above
+    /// 2⁻¹³, and no bucket contains two.
     pub const fn new(thresholds: &[u32; 255]) -> Self {
         let mut table = [0; BUCKETS];
         let (mut bucket, mut code) = (FIRST, 0);
@@ -36,7 +36,7 @@ impl Codes {
             while bits_of(thresholds, code) <= start {
                 code += 1;
             }
-            assert!(bits_of(thresholds, code + 1) >= end, "a bucket holds one threshold at most");
+            assert!(bits_of(thresholds, code + 1) >= end, "a bucket contains at most one threshold");
             let base = ((code as u32) << SHIFT) + end.saturating_sub(bits_of(thresholds, code));
             table[bucket as usize % BUCKETS] = base.wrapping_sub(start);
             bucket += 1;
@@ -44,7 +44,7 @@ impl Codes {
         Self(table)
     }
 
-    /// The value to look up in place of one in [0, 1].
+    /// The value to look up for one in [0, 1].
     #[inline(always)]
     pub fn bounded<L: Lane>(value: L) -> L {
         value.max(value.lit(f64::from(LEAST)))
@@ -59,7 +59,7 @@ impl Codes {
     }
 }
 
-/// The bits of the least float of the code `index + 1`; those of infinity for codes that do not exist.
+/// The bits of the smallest float with the code `index + 1`; those of infinity for codes that do not exist.
 const fn bits_of(thresholds: &[u32; 255], index: usize) -> u32 {
     if index < thresholds.len() { thresholds[index] } else { f32::INFINITY.to_bits() }
 }

@@ -1,26 +1,26 @@
-//! Columns: one number of each of many points, so that neighbours load as one pack.
+//! Columns: one number for each of many points, so that neighbours load as one pack.
 
 use super::pack::MOST_LANES;
 use std::ops::{Deref, DerefMut};
 
-/// The number of points that go through a stage together; small enough to stay in the nearest caches.
+/// The number of points that pass through a stage together; small enough to stay in the L1 and L2 caches.
 pub const BATCH: usize = 256;
 
-/// The number of entries of a column: a pack may be stored from any point on.
+/// The number of entries of a column: a pack may be stored starting at any point.
 pub const COLUMN: usize = BATCH + MOST_LANES;
 
-/// Something of each point, where registers are read in one piece.
+/// A value for each point, in code that loads whole registers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
 pub struct Aligned<T>(pub [T; COLUMN]);
 
-/// One number of each point.
+/// One number per point.
 pub type Column = Aligned<f32>;
 
-/// One word of each point.
+/// One word per point.
 pub type Words = Aligned<u32>;
 
-/// Four numbers of each point that come together.
+/// Four adjacent numbers per point.
 pub type Quads = Aligned<[f32; 4]>;
 
 impl Column {

@@ -5,11 +5,11 @@ use std::array::from_fn;
 use std::f64::consts::{LN_2, LOG2_E};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A number and its partial derivatives by `N` variables.
+/// A number and its partial derivatives with respect to `N` variables.
 ///
-/// Every formula over [`Lane`] takes it and gives its own derivatives with its result, exact but for rounding. Where a
-/// formula has a kink (`min`, `abs`, a choice) they are those of the branch that was taken; a root has none at zero.
-/// Powers and logarithms are differentiated as functions, not as the polynomials that stand for them.
+/// Every formula over [`Lane`] accepts it and returns its derivatives with its result, exact except for rounding. At
+/// a kink (`min`, `abs`, a select) they are those of the branch taken; a root has none at zero. Powers and logarithms
+/// are differentiated as functions, not as their polynomial approximations.
 ///
 /// ```
 /// use taotie::math::Dual;
@@ -25,7 +25,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub struct Dual<L, const N: usize> {
     /// The number itself.
     pub value: L,
-    /// Its derivative by each variable.
+    /// Its derivative with respect to each variable.
     pub partials: [L; N],
 }
 
@@ -36,13 +36,13 @@ impl<L: Lane, const N: usize> Dual<L, N> {
         Self { value, partials: [value.lit(0.0); N] }
     }
 
-    /// Variable number `index`; a constant where `index` is not below `N`.
+    /// The variable with index `index`; a constant if `index` is not below `N`.
     #[inline(always)]
     pub fn variable(value: L, index: usize) -> Self {
         Self { value, partials: from_fn(|i| value.lit(if i == index { 1.0 } else { 0.0 })) }
     }
 
-    /// A function of this number, from its value and its derivative here.
+    /// A function of this number, from its value and derivative at this number.
     #[inline(always)]
     fn function(self, value: L, slope: L) -> Self {
         Self { value, partials: self.partials.map(|partial| partial * slope) }
@@ -73,7 +73,7 @@ impl<L: Number, const N: usize> Number for Dual<L, N> {
     fn index(self) -> usize {
         self.value.index()
     }
-    /// At the origin, where the angle has no derivative, that is 0.
+    /// At the origin, where the angle has no derivative, it is 0.
     fn angle(y: Self, x: Self) -> Self {
         let squared = x.value * x.value + y.value * y.value;
         let zero = squared.lit(0.0);
@@ -166,7 +166,7 @@ impl<L: Lane, const N: usize> Lane for Dual<L, N> {
     #[inline(always)]
     fn frexp(self) -> (Self, Self) {
         let (mantissa, exponent) = self.value.frexp();
-        // The power of two may lie beyond what `ldexp` takes.
+        // The power of two may be outside the range of `ldexp`.
         (self.function(mantissa, mantissa / self.value), Self::constant(exponent))
     }
     #[inline(always)]

@@ -2,27 +2,27 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// The truth values that comparing two [`Lane`]s gives.
+/// The result of comparing two [`Lane`]s.
 pub trait Mask: Copy {
-    /// True where both are true.
+    /// True if both are true.
     fn and(self, other: Self) -> Self;
-    /// True where either is true.
+    /// True if either is true.
     fn or(self, other: Self) -> Self;
-    /// True where `self` is false.
+    /// True if `self` is false.
     fn not(self) -> Self;
-    /// Says whether any lane is true.
+    /// Returns true if any lane is true.
     fn any(self) -> bool;
 }
 
-/// A number or a pack of numbers; all that a formula may use.
+/// A number or a pack of numbers; formulas use nothing else.
 ///
-/// Implementations for `f32`, `f64` and the packs of eight and sixteen `f32` round alike: every operation is one of IEEE
-/// 754's basic operations, exact, or one of the polynomials of [`super::poly`] in these, so lane `i` of a pack has the
-/// bits that `f32` would have. There is no fused multiply-add and no approximate reciprocal. Branches are written as
-/// [`Lane::select`].
+/// Implementations for `f32`, `f64` and the packs of eight and sixteen `f32` round the same way: every operation is
+/// one of IEEE 754's basic operations, exact, or one of the polynomials of [`super::poly`] in these, so lane `i` of a
+/// pack has the bits that `f32` would have. There is no fused multiply-add and no approximate reciprocal. Branches
+/// are written as [`Lane::select`].
 ///
-/// Constants are made from a value at hand, [`Lane::lit`], since a pack needs the proof of its SIMD level and a
-/// recorder its graph, and both travel with values.
+/// Constants are created from an existing value with [`Lane::lit`], since a pack needs the proof of its SIMD level
+/// and a recorder its graph, and values carry both.
 pub trait Lane:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
@@ -41,7 +41,7 @@ pub trait Lane:
     fn lt(self, other: Self) -> Self::Mask;
     /// `self <= other`.
     fn le(self, other: Self) -> Self::Mask;
-    /// `if_true` where `mask` holds, else `if_false`.
+    /// `if_true` if `mask` is true, else `if_false`.
     fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
     /// `self · 2^n` for an integral `n` in [-126, 127].
     fn ldexp(self, n: Self) -> Self;
@@ -58,19 +58,19 @@ pub trait Lane:
     /// self^exponent; `self` below 0 counts as 0. Numbers and packs: [`super::poly::pow`], with its range.
     fn pow(self, exponent: Self) -> Self;
 
-    /// The smaller; `other` where either is NaN.
+    /// The minimum; `other` if either is NaN.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
         Self::select(self.lt(other), self, other)
     }
 
-    /// The larger; `other` where either is NaN.
+    /// The maximum; `other` if either is NaN.
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         Self::select(other.lt(self), self, other)
     }
 
-    /// `self` kept within [low, high].
+    /// `self` clamped to [low, high].
     #[inline(always)]
     fn clamp(self, low: f64, high: f64) -> Self {
         self.max(self.lit(low)).min(self.lit(high))

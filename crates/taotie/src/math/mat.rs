@@ -1,9 +1,9 @@
-//! Affine and projective transforms of set-up code, in double precision, for column vectors.
+//! Affine and projective transforms for set-up code, in double precision, for column vectors.
 
 use super::{Vec3, scalar};
 use std::ops::Mul;
 
-/// A 4×4 matrix for column vectors; `a_from_b * b_from_c` takes c to a. `columns[j][i]` is row i of column j.
+/// A 4×4 matrix for column vectors; `a_from_b * b_from_c` maps c to a. `columns[j][i]` is row i of column j.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
 pub struct Mat4 {
@@ -18,19 +18,19 @@ impl Default for Mat4 {
 }
 
 impl Mat4 {
-    /// Changes nothing.
+    /// The identity.
     pub const IDENTITY: Self = Self {
         columns: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]],
     };
 
-    /// Moves by `offset`.
+    /// A translation by `offset`.
     pub fn translation(offset: Vec3<f64>) -> Self {
         let mut m = Self::IDENTITY;
         m.columns[3] = [offset.x, offset.y, offset.z, 1.0];
         m
     }
 
-    /// Scales each axis.
+    /// A scale of each axis.
     pub fn scale(factors: Vec3<f64>) -> Self {
         let mut m = Self::IDENTITY;
         m.columns[0][0] = factors.x;
@@ -39,7 +39,7 @@ impl Mat4 {
         m
     }
 
-    /// Rotates by the unit quaternion (x, y, z, w).
+    /// A rotation by the unit quaternion (x, y, z, w).
     pub fn rotation([x, y, z, w]: [f64; 4]) -> Self {
         let mut m = Self::IDENTITY;
         m.columns[0] = [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w), 0.0];
@@ -48,13 +48,13 @@ impl Mat4 {
         m
     }
 
-    /// Rotates about the unit `axis` by `angle` radians, right-handed.
+    /// A rotation about the unit `axis` by `angle` radians, right-handed.
     pub fn rotation_about(axis: Vec3<f64>, angle: f64) -> Self {
         let (s, c) = (scalar::sin(angle / 2.0), scalar::cos(angle / 2.0));
         Self::rotation([axis.x * s, axis.y * s, axis.z * s, c])
     }
 
-    /// A rigid transform from its orthonormal axes and origin.
+    /// A rigid transform from orthonormal axes and an origin.
     pub fn from_axes(x: Vec3<f64>, y: Vec3<f64>, z: Vec3<f64>, origin: Vec3<f64>) -> Self {
         Self {
             columns: [
@@ -92,12 +92,12 @@ impl Mat4 {
         self.axis(0) * v.x + self.axis(1) * v.y + self.axis(2) * v.z
     }
 
-    /// The determinant of the upper 3×3 part; negative where the transform mirrors.
+    /// The determinant of the upper 3×3 part; negative if the transform mirrors.
     pub fn determinant3(&self) -> f64 {
         self.axis(0).dot(self.axis(1).cross(self.axis(2)))
     }
 
-    /// The matrix that carries normals: the cofactors of the upper 3×3 part, which is its inverse transpose times
+    /// The matrix that transforms normals: the cofactors of the upper 3×3 part, which is its inverse transpose times
     /// the determinant. It exists for singular transforms and keeps normals on their side under mirroring.
     pub fn normal_matrix(&self) -> Self {
         let (x, y, z) = (self.axis(0), self.axis(1), self.axis(2));
@@ -105,7 +105,7 @@ impl Mat4 {
         Self::from_axes(y.cross(z) * sign, z.cross(x) * sign, x.cross(y) * sign, Vec3::new(0.0, 0.0, 0.0))
     }
 
-    /// The inverse of an affine transform, or `None` where the upper 3×3 part is singular.
+    /// The inverse of an affine transform, or `None` if the upper 3×3 part is singular.
     pub fn inverse_affine(&self) -> Option<Self> {
         let (x, y, z) = (self.axis(0), self.axis(1), self.axis(2));
         let det = self.determinant3();
@@ -124,7 +124,7 @@ impl Mat4 {
         Some(inverse)
     }
 
-    /// Says whether all entries are finite: none is infinite or NaN.
+    /// Returns true if all entries are finite, neither infinite nor NaN.
     pub fn is_finite(&self) -> bool {
         self.columns.iter().flatten().all(|v| v.is_finite())
     }

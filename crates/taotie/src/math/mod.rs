@@ -19,12 +19,15 @@ pub mod scalar;
 pub mod sequence;
 pub mod srgb;
 
-pub use column::{Aligned, BATCH, COLUMN, Column, Quads, Words};
+pub(crate) use column::BATCH;
+pub use column::{Aligned, Column, Quads, Words};
 pub use dual::Dual;
 pub use lane::{Lane, Mask};
 pub use mat::Mat4;
 pub use number::Number;
-pub use pack::{MOST_LANES, Pack};
-pub(crate) use pack::{at_least_baseline, at_most_eight, dispatch_eight, dispatch_pack, dispatch_registers};
+pub use pack::Pack;
+pub(crate) use pack::{
+    MOST_LANES, at_least_baseline, at_most_eight, dispatch_eight, dispatch_pack, dispatch_registers,
+};
 pub use simd::SimdLevel;
 pub use vec::{Vec2, Vec3};

@@ -1,10 +1,10 @@
-//! Lanes that hold one number, not a pack of them or a recording: they can say where an array is read.
+//! Lanes of one number, not a pack or a recording: they can be converted to array indices.
 
 use super::{Lane, scalar};
 
 /// A [`Lane`] of one number.
 pub trait Number: Lane {
-    /// The number as an index: without its fraction, and 0 for what is negative or no number.
+    /// The number as an index: truncated, and 0 if it is negative or NaN.
     fn index(self) -> usize;
     /// The angle of the point (`x`, `y`) from the x axis, [−π, π].
     fn angle(y: Self, x: Self) -> Self;

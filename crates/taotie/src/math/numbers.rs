@@ -1,9 +1,9 @@
-//! The machine's own numbers and packs as [`Lane`]s; powers and logarithms are those of [`poly`].
+//! Native numbers and packs as [`Lane`]s; powers and logarithms are those of [`poly`].
 
 use super::{Lane, Mask, poly};
 use fearless_simd::{Simd, f32x8, f32x16, i32x8, i32x16, mask32x8, mask32x16, prelude::*};
 
-/// The methods of [`Lane`] that are no operation of the machine.
+/// The methods of [`Lane`] that are not machine operations.
 macro_rules! by_polynomials {
     () => {
         #[inline(always)]
@@ -132,7 +132,7 @@ macro_rules! packed_lane {
             fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self {
                 mask.select(if_true, if_false)
             }
-            // The instructions of x86 take the second operand where either is NaN or both are zero, as `select` does;
+            // The x86 instructions return the second operand if either is NaN or both are zero, as `select` does;
             // other levels need not.
             #[cfg(target_arch = "x86_64")]
             #[inline(always)]

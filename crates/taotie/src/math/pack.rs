@@ -1,15 +1,14 @@
-//! Packs of numbers that load from and store to slices, and the choice of one by SIMD level.
+//! Packs of numbers that load from and store to slices, and their selection by SIMD level.
 
 use super::Lane;
 use fearless_simd::{Level, Simd, f32x4, f32x8, f32x16, i32x8, i32x16, prelude::*, u32x8, u32x16};
 
-/// The most numbers that a pack holds.
+/// The maximum number of lanes in a pack.
 pub const MOST_LANES: usize = 16;
 
-/// A [`Lane`] that loads from and stores to neighbours in memory: one `f32`, or eight, or
-/// sixteen.
+/// A [`Lane`] that loads from and stores to contiguous memory: one `f32`, or eight, or sixteen.
 pub trait Pack: Lane {
-    /// The proof that the processor has the pack's instructions.
+    /// The proof that the CPU supports the pack's instructions.
     type Token: Copy;
     /// The number of lanes.
     const LANES: usize;
@@ -21,14 +20,14 @@ pub trait Pack: Lane {
     fn store(self, to: &mut [f32]);
     /// The first [`Self::LANES`] pixels of `from`, channel by channel.
     fn load_pixels(token: Self::Token, from: &[[f32; 4]]) -> [Self; 4];
-    /// Bit i is set where lane i of `mask` is true.
+    /// Bit i is set if lane i of `mask` is true.
     fn bits(mask: Self::Mask) -> u64;
     /// Writes the first [`Self::LANES`] pixels of `to`.
     fn store_pixels(channels: [Self; 4], to: &mut [[f32; 4]]);
-    /// The bits of each lane, `shift` further down and only those of `mask`, as a number.
+    /// The bits of each lane shifted right by `shift` and masked with `mask`, as a number.
     fn field(self, shift: u32, mask: u32) -> Self;
-    /// The lower or, with `n` of 1, the higher half of the bits of each lane as a positive half float, but for a factor
-    /// of 2^112: its exponent and mantissa, moved to where a float has them.
+    /// The lower or, if `n` is 1, the upper half of the bits of each lane as a positive half float, up to a factor of
+    /// 2^112: its exponent and mantissa, moved to their positions in a float.
     fn half_float(self, n: u32) -> Self;
     /// Writes integral lanes of a magnitude below 2^31, modulo 2^32, to the first [`Self::LANES`] words of `to`.
     fn store_words(self, to: &mut [u32]);
@@ -82,7 +81,7 @@ impl Pack for f32 {
     }
 }
 
-/// A register of `$lanes` floats. Pixels are stored as those of its two halves.
+/// A register of `$lanes` floats. Pixels are stored half by half.
 macro_rules! register_pack {
     ($float:ident, $int:ident, $word:ident, $lanes:literal, $load_pixels:ident, $store_pixels:ident) => {
         impl<S: Simd> Pack for $float<S> {
@@ -176,10 +175,10 @@ fn store8<S: Simd>(channels: [f32x8<S>; 4], to: &mut [[f32; 4]]) {
 }
 
 /// Evaluates `call` once, with `$pack` naming the pack type of `level` and `$token` its proof, compiled for that
-/// level. Everything that `call` runs must be `#[inline(always)]`, or it falls out of the level.
+/// level. Everything that `call` runs must be `#[inline(always)]`, or it loses the level.
 ///
-/// `fearless_simd::dispatch!` would compile five levels, one of them eight scalars wide; this compiles those that
-/// differ: one `f32` at a time, packs of eight on SSE2, AVX2 or NEON, and packs of sixteen on AVX-512.
+/// `fearless_simd::dispatch!` would compile five levels, one of them eight scalars wide; this compiles only those
+/// that differ: one `f32` at a time, packs of eight on SSE2, AVX2 or NEON, and packs of sixteen on AVX-512.
 macro_rules! dispatch_pack {
     ($level:expr, $pack:ident, $token:ident => $call:expr) => {
         match $level {
@@ -198,7 +197,7 @@ macro_rules! dispatch_pack {
 }
 pub(crate) use dispatch_pack;
 
-/// Does the same as [`dispatch_pack`], with packs of at most eight, for what comes in eights.
+/// Like [`dispatch_pack`], with packs of at most eight, for data in groups of eight.
 macro_rules! dispatch_eight {
     ($level:expr, $pack:ident, $token:ident => $call:expr) => {{
         #[allow(unused_imports, reason = "the scalar level needs none")]
@@ -238,11 +237,12 @@ macro_rules! dispatch_eight {
 }
 pub(crate) use dispatch_eight;
 
-/// Evaluates `call` once, with `$simd` the proof of a level that has registers: at the scalar level that of the
-/// processor's baseline. Everything that `call` runs must be `#[inline(always)]`, or it falls out of the level.
+/// Evaluates `call` once, with `$simd` the proof of a level that has registers: at the scalar level, the CPU's
+/// baseline. Everything that `call` runs must be `#[inline(always)]`, or it loses the level.
 ///
-/// What emulates registers takes the compiler four times as long as all the levels that have them, so it is compiled only
-/// where there are none. `fearless_simd::dispatch!` would compile it everywhere, and SSE4.2, which is never chosen.
+/// Compiling emulated registers takes four times as long as all the levels with real ones, so it is only done for
+/// targets without registers. `fearless_simd::dispatch!` would compile it everywhere, and SSE4.2, which is never
+/// selected.
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 macro_rules! dispatch_registers {
     ($level:expr, $simd:ident => $call:expr) => {{
@@ -268,7 +268,7 @@ macro_rules! dispatch_registers {
                 #[inline(always)]
                 || $call,
             ),
-            _ => unreachable!("a level that `SimdLevel` does not name"),
+            _ => unreachable!("a level without a `SimdLevel`"),
         }
     }};
 }
@@ -280,12 +280,12 @@ macro_rules! dispatch_registers {
 }
 pub(crate) use dispatch_registers;
 
-/// Returns the level; at the scalar level the processor's baseline.
+/// Returns the level; at the scalar level, the CPU's baseline.
 pub(crate) fn at_least_baseline(level: Level) -> Level {
     if level.is_fallback() { Level::baseline() } else { level }
 }
 
-/// The level, or the next lower one whose packs hold eight.
+/// The level, or the next lower one with packs of eight.
 pub(crate) fn at_most_eight(level: Level) -> Level {
     #[cfg(target_arch = "x86_64")]
     if let (Level::Avx512(_), Some(avx2)) = (level, level.as_avx2()) {

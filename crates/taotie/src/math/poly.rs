@@ -1,6 +1,6 @@
 //! `exp`, `ln` and `pow` as polynomials in [`Lane`] operations: the same bits in every lane and on every machine.
 //!
-//! Two minimax polynomials carry the module, found by the Remez exchange algorithm in 50 digits
+//! The module is based on two minimax polynomials, found by the Remez exchange algorithm in 50 digits
 //! (`tests/oracle/poly_coefficients.py` derives and prints them):
 //!
 //! ```text
@@ -8,8 +8,8 @@
 //! ln(1+u)  = u − u²/2 + u³ P(u)       √½ − 1 ≤ u ≤ √2 − 1       relative error 7.5e-10
 //! ```
 //!
-//! In `f32` rounding dominates; in `f64` the polynomials do, so an `f64` result is good to about 1e-8. The bounds
-//! stated at each function of one number were found by visiting every `f32` of its range: at most 0.99 ulp for
+//! In `f32`, rounding dominates; in `f64`, the polynomials do, so an `f64` result is accurate to about 1e-8. The
+//! bounds stated at each function of one number were found by testing every `f32` of its range: at most 0.99 ulp for
 //! `exp` and `exp2`, 0.67 for `ln`, 1.55 for `log2`. The tests below repeat that, by default with a stride.
 
 use super::{Lane, Mask};
@@ -47,7 +47,7 @@ const EXP_MAX: f64 = 88.0;
 /// The smallest normal `f32`, 2⁻¹²⁶.
 const SMALLEST: f64 = f32::MIN_POSITIVE as f64;
 
-/// Σ c_i x^i by Horner's rule, written out: a loop would have to be unrolled within the caller of a whole model.
+/// Σ c_i x^i by Horner's rule, unrolled: a loop would have to be unrolled within the caller of a whole model.
 macro_rules! horner {
     ($c:expr, $x:expr; $first:literal $(, $next:literal)*) => {{
         let value = $x.lit($c[$first]);
@@ -79,7 +79,7 @@ pub fn exp2<L: Lane>(x: L) -> L {
 
 /// ln x, for a normal `x` above 0.
 ///
-/// `f32`: within 1 ulp. What is below 2⁻¹²⁶, negative or NaN counts as 2⁻¹²⁶.
+/// `f32`: within 1 ulp. Values below 2⁻¹²⁶, negative or NaN count as 2⁻¹²⁶.
 #[inline(always)]
 pub fn ln<L: Lane>(x: L) -> L {
     let (high, low) = ln_parts(x);
@@ -88,7 +88,7 @@ pub fn ln<L: Lane>(x: L) -> L {
 
 /// log₂ x, for a normal `x` above 0.
 ///
-/// `f32`: within 2 ulp, exact at powers of two. What is below 2⁻¹²⁶, negative or NaN counts as 2⁻¹²⁶.
+/// `f32`: within 2 ulp, exact at powers of two. Values below 2⁻¹²⁶, negative or NaN count as 2⁻¹²⁶.
 #[inline(always)]
 pub fn log2<L: Lane>(x: L) -> L {
     let (u, exponent) = reduce(x);
@@ -98,11 +98,12 @@ pub fn log2<L: Lane>(x: L) -> L {
 
 /// x^y for x ≥ 0.
 ///
-/// `f32`: relative error at most 1.2e-7 + 1e-8 |y ln x|, so 2.6e-7 where the result is above 1e-6 and 1e-6 at the
-/// ends of the range: the logarithm is carried in two parts, and the rounding of its product with y is kept. One
-/// rounded logarithm would give 5e-6 there.
+/// `f32`: relative error at most 1.2e-7 + 1e-8 |y ln x|, so 2.6e-7 for results above 1e-6 and 1e-6 at the ends of the
+/// range: the logarithm is carried in two parts, and the rounding error of its product with y is kept. One rounded
+/// logarithm would give 5e-6 there.
 /// |y| up to 1e30. Results below 1.2e-38 are zero, those above e^88 are e^88.
-/// x⁰ = 1 for every x; 0^y = 0 for y > 0 (and 1 for y < 0, where mathematics has no value). x < 0 counts as 0.
+/// x⁰ = 1 for every x; 0^y = 0 for y > 0 (and 1 for y < 0, for which it is undefined in mathematics). x < 0 counts as
+/// 0.
 #[inline(always)]
 pub fn pow<L: Lane>(x: L, y: L) -> L {
     let zero = x.lit(0.0);
@@ -115,8 +116,8 @@ pub fn pow<L: Lane>(x: L, y: L) -> L {
 
 /// The angle of the point (`x`, `y`) from the x axis, [−π, π]; 0 at the origin.
 ///
-/// `f32`: the bits of `libm::atan2f`, for finite coordinates that are 0 or at least 1e-30 in magnitude, and within a factor of
-/// 2²⁶ of each other where neither is 0.
+/// `f32`: the bits of `libm::atan2f`, for finite coordinates that are 0 or at least 1e-30 in magnitude, and within a
+/// factor of 2²⁶ of each other if neither is 0.
 ///
 /// Source: Sun Microsystems 1993, fdlibm, `s_atan.c` and `e_atan2.c`, in single precision by Ian Lance Taylor.
 #[inline(always)]
@@ -131,11 +132,12 @@ pub(crate) fn angle<L: Lane>(y: L, x: L) -> L {
 /// π in two parts.
 const PI: [f64; 2] = [std::f32::consts::PI as f64, -8.742_278e-8_f32 as f64];
 
-/// The odd powers of the series of the arc tangent, from the third on.
+/// The odd powers of the arc tangent's series, from the third upwards.
 const ARC_TANGENT: [f32; 5] =
     [3.333_332_8e-1, -1.999_915_8e-1, 1.425_363_6e-1, -1.064_801_74e-1, 6.168_760_6e-2];
 
-/// Arcs: for numbers from the first on, the second and third are added to the arc tangent of a small one.
+/// Arcs: for arguments from the first number upwards, the second and third are added to the arc tangent of a small
+/// one.
 const ARCS: [[f32; 3]; 4] = [
     [0.4375, f32::from_bits(0x3eed_6338), 5.012_158_2e-9],
     [0.6875, f32::from_bits(0x3f49_0fda), 3.774_894_7e-8],
@@ -143,7 +145,7 @@ const ARCS: [[f32; 3]; 4] = [
     [2.4375, f32::from_bits(0x3fc9_0fda), 7.549_789_4e-8],
 ];
 
-/// The arc tangent of a `t` from 0 on.
+/// The arc tangent of `t` ≥ 0.
 #[inline(always)]
 fn arc_tangent<L: Lane>(t: L) -> L {
     let (one, two, half) = (t.lit(1.0), t.lit(2.0), t.lit(1.5));
@@ -168,12 +170,12 @@ fn number<L: Lane>(like: L, value: f32) -> L {
     like.lit(f64::from(value))
 }
 
-/// e^(high + low), for a `low` that is small beside `high`.
+/// e^(high + low), for a `low` that is small compared with `high`.
 #[inline(always)]
 fn exp_sum<L: Lane>(high: L, low: L) -> L {
     let kept = high.clamp(EXP_MIN, EXP_MAX);
     let n = (kept * kept.lit(std::f64::consts::LOG2_E) + kept.lit(0.5)).floor();
-    // Where `high` was clamped, `low` has lost its meaning and may even be infinite.
+    // If `high` was clamped, `low` is meaningless and may even be infinite.
     let inside = high.lit(EXP_MIN).le(high).and(high.le(high.lit(EXP_MAX)));
     let low = L::select(inside, low, high.lit(0.0));
     let r = (kept - n * kept.lit(LN_2_HIGH)) - n * kept.lit(LN_2_LOW) + low;
@@ -216,7 +218,7 @@ fn ln_1p_parts<L: Lane>(u: L) -> (L, L) {
     (high, tail + (error - half * product_error(u, u, squared)))
 }
 
-/// a + b rounded, and what rounding lost, for |a| ≥ |b| or a = 0 (Dekker 1971, Fast2Sum).
+/// a + b rounded, and the rounding error, for |a| ≥ |b| or a = 0 (Dekker 1971, Fast2Sum).
 #[inline(always)]
 fn sum_and_error<L: Lane>(a: L, b: L) -> (L, L) {
     let sum = a + b;
@@ -231,7 +233,7 @@ fn product_error<L: Lane>(a: L, b: L, product: L) -> L {
     a_low * b_low - (((product - a_high * b_high) - a_low * b_high) - a_high * b_low)
 }
 
-/// `a` as a sum of two numbers of 12 bits (in `f32`; Veltkamp's splitting).
+/// `a` as the sum of two 12-bit numbers (in `f32`; Veltkamp's splitting).
 #[inline(always)]
 fn halves<L: Lane>(a: L) -> (L, L) {
     let shifted = a * a.lit(4097.0);
@@ -244,7 +246,7 @@ mod tests {
     use super::*;
     use crate::math::scalar;
 
-    /// Distance of `value` from the exact `truth` in units of the last place of `truth`.
+    /// The distance of `value` from the exact `truth` in units of the last place of `truth`.
     fn ulps(value: f32, truth: f64) -> f64 {
         let nearest = truth as f32;
         let ulp = f64::from(f32::from_bits(nearest.abs().to_bits() + 1)) - f64::from(nearest.abs());
@@ -258,7 +260,7 @@ mod tests {
         (a..=b).step_by(stride).map(of).fold(0.0, f64::max)
     }
 
-    /// The bounds that the functions state, over every `stride`th `f32`.
+    /// Checks the bounds stated by the functions, over every `stride`th `f32`.
     fn bounds_hold(stride: usize) {
         let smallest = f32::MIN_POSITIVE;
         let found = [
@@ -294,14 +296,14 @@ mod tests {
         bounds_hold(1021);
     }
 
-    /// About eight minutes of one core: `cargo test --release -p taotie --lib poly -- --ignored`.
+    /// Takes about eight minutes on one core: `cargo test --release -p taotie --lib poly -- --ignored`.
     #[test]
-    #[ignore = "visits every f32, which takes minutes"]
+    #[ignore = "tests every f32, which takes minutes"]
     fn errors_stay_within_the_bounds_everywhere() {
         bounds_hold(1);
     }
 
-    /// The bases of [`the_power_keeps_its_bound`]: every size, and densely the cosines of a highlight.
+    /// The bases of [`the_power_keeps_its_bound`]: all magnitudes, and densely the cosines of a highlight.
     fn bases(count: u32) -> impl Iterator<Item = f32> {
         let (least, most) = (f32::MIN_POSITIVE.to_bits(), f32::MAX.to_bits());
         let any_size = (0..count).map(move |i| f32::from_bits(least + i * ((most - least) / count)));

@@ -1,4 +1,4 @@
-//! Numerical integration, for set-up and for checks of formulas: nothing here runs per pixel.
+//! Numerical integration, for set-up and for checking formulas: not used per pixel.
 
 use super::scalar;
 use std::f64::consts::PI;
@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 ///
 /// Law: exact for polynomials of degree 2 · `count` − 1 (`quadrature::tests`).
 /// Source: Press et al. 2007, *Numerical Recipes*, §4.6.1.
-pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
+pub(crate) fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     (0..count)
         .map(|i| {
             let mut x = scalar::cos(PI * (i as f64 + 0.75) / (count as f64 + 0.5));
@@ -26,7 +26,7 @@ pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Legendre's polynomials of degree `count` and `count` − 1 at x.
+/// Legendre polynomials of degree `count` and `count` − 1 at x.
 fn legendre(count: usize, x: f64) -> (f64, f64) {
     let (mut below, mut p) = (1.0, x);
     for k in 2..=count {
@@ -41,8 +41,8 @@ pub fn nodes(points: usize, ends: &[f64]) -> Vec<(f64, f64)> {
     nodes_of(&gauss_legendre(points), ends)
 }
 
-/// Nodes and weights over all intervals between consecutive `ends`, in each those of a `rule` on [−1, 1].
-pub fn nodes_of(rule: &[(f64, f64)], ends: &[f64]) -> Vec<(f64, f64)> {
+/// Nodes and weights over all intervals between consecutive `ends`, with a `rule` on [−1, 1] in each.
+pub(crate) fn nodes_of(rule: &[(f64, f64)], ends: &[f64]) -> Vec<(f64, f64)> {
     let within = |pair: &[f64]| {
         let (middle, half) = ((pair[0] + pair[1]) / 2.0, (pair[1] - pair[0]) / 2.0);
         rule.iter().map(|(x, w)| (middle + half * x, w * half)).collect::<Vec<_>>()

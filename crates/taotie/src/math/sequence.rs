@@ -1,9 +1,10 @@
-//! Numbers that look random, fill space evenly, and are the same on every machine.
+//! Quasi-random numbers: they fill space evenly and are the same on every machine.
 
-/// Points of many dimensions in [0, 1), of which every few cover every part of space: Sobol's sequence with Owen's
-/// scrambling. Different seeds give independent sequences.
+/// Points of many dimensions in [0, 1), of which any few consecutive ones cover all of space: Sobol's sequence with
+/// Owen's scrambling. Different seeds give independent sequences.
 ///
-/// Law: of the first 4ⁿ points, each of 2ⁿ × 2ⁿ squares holds one (`sequence::tests::squares_hold_one_point_each`).
+/// Law: of the first 4ⁿ points, each of 2ⁿ × 2ⁿ squares contains one
+/// (`sequence::tests::squares_hold_one_point_each`).
 /// Source: Burley 2020, "Practical hash-based Owen scrambling", with its padding (§5); the crate `sobol_burley`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sequence {
@@ -11,18 +12,18 @@ pub struct Sequence {
 }
 
 impl Sequence {
-    /// The most points that a sequence has.
+    /// The maximum number of points in a sequence.
     pub const MOST: u32 = 1 << 16;
 
-    /// The sequence of a seed.
+    /// The sequence for a seed.
     pub fn new(seed: u32) -> Self {
         Self { seed }
     }
 
-    /// Four coordinates of point `index`, below [`Sequence::MOST`]. Those of one set cover space evenly together, and best
-    /// two by two; sets are independent of each other.
+    /// Four coordinates of point `index`, below [`Sequence::MOST`]. Those of one set cover space evenly together, and
+    /// best in pairs; sets are independent of each other.
     ///
-    /// Each set is the first four dimensions of a sequence of its own: the later ones of Sobol's sequence leave squares
+    /// Each set is the first four dimensions of a separate sequence: the later ones of Sobol's sequence leave squares
     /// empty that its first points should cover.
     pub fn four(self, index: u32, set: u32) -> [f32; 4] {
         let seed = if set == 0 { self.seed } else { hash(self.seed, set) };
@@ -30,7 +31,7 @@ impl Sequence {
     }
 }
 
-/// Mixes `value` into `state`: each bit of the result depends on all of theirs.
+/// Mixes `value` into `state`: each bit of the result depends on all bits of both.
 ///
 /// Source: the PCG hash of Jarzynski and Olano 2020, "Hash functions for GPU rendering", §4.
 #[inline]
@@ -45,7 +46,7 @@ fn pcg(v: u32) -> u32 {
     (word >> 22) ^ word
 }
 
-/// A number in [0, 1) of a hash, a multiple of 2⁻²⁴.
+/// A number in [0, 1) from a hash, a multiple of 2⁻²⁴.
 #[inline]
 pub fn unit(hash: u32) -> f32 {
     (hash >> 8) as f32 * (1.0 / (1 << 24) as f32)

@@ -1,4 +1,4 @@
-//! Vectors as serde writes them: arrays of their components.
+//! Serialises vectors as arrays of their components.
 
 use super::Vec3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

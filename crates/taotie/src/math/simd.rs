@@ -1,4 +1,4 @@
-//! The choice of the SIMD level: it changes the speed, never the pixels.
+//! The choice of the SIMD level, which affects speed but never pixels.
 
 use crate::error::{Error, Result};
 use crate::names::Named;
@@ -8,10 +8,10 @@ use fearless_simd::Level;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum SimdLevel {
-    /// The level that is fastest on this machine.
+    /// The fastest level on this machine.
     #[default]
     Auto,
-    /// One number at a time; what has no such form runs at the processor's baseline.
+    /// One number at a time; code without such a form runs at the CPU's baseline.
     Scalar,
     /// 128-bit registers, the baseline of x86-64.
     Sse2,
@@ -36,29 +36,29 @@ impl Named for SimdLevel {
 }
 
 impl SimdLevel {
-    /// The levels that this machine can run, `Auto` left out.
+    /// The levels supported by this machine, without `Auto`.
     pub fn available() -> Vec<SimdLevel> {
         let named = Self::NAMES.iter().map(|(_, level)| *level);
         named.filter(|level| *level != Self::Auto && level.dispatch().is_ok()).collect()
     }
 
-    /// Checks that this machine can run the level.
+    /// Checks that this machine supports the level.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] where the processor lacks the level.
+    /// [`Error::Unsupported`] if the CPU lacks the level.
     pub fn check(self) -> Result<()> {
         self.dispatch().map(|_| ())
     }
 
-    /// The proof that this machine can run the level that is fastest on it.
+    /// The proof that this machine supports its fastest level.
     pub(crate) fn fastest() -> Level {
         Self::Auto.dispatch().unwrap_or(Level::fallback())
     }
 
-    /// The proof that this machine can run this level.
+    /// The proof that this machine supports this level.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] where the processor lacks the level.
+    /// [`Error::Unsupported`] if the CPU lacks the level.
     #[doc(hidden)]
     pub fn dispatch(self) -> Result<Level> {
         let machine = Level::new();
@@ -77,7 +77,7 @@ impl SimdLevel {
         level.ok_or_else(|| {
             Error::unsupported(
                 format!("SIMD level `{}`", self.name()),
-                "this processor does not have it; leave it at `auto`",
+                "this CPU does not support it; use `auto`",
             )
         })
     }

@@ -74,7 +74,7 @@ impl<L> Vec3<L> {
         [self.x, self.y, self.z]
     }
 
-    /// Each component changed by `f`.
+    /// Applies `f` to each component.
     #[inline(always)]
     pub fn map<M>(self, mut f: impl FnMut(L) -> M) -> Vec3<M> {
         Vec3::new(f(self.x), f(self.y), f(self.z))
@@ -88,13 +88,13 @@ impl<L: Lane> Vec3<L> {
         Self::new(value, value, value)
     }
 
-    /// The scalar product.
+    /// The dot product.
     #[inline(always)]
     pub fn dot(self, o: Self) -> L {
         self.x * o.x + self.y * o.y + self.z * o.z
     }
 
-    /// The vector product, right-handed.
+    /// The cross product, right-handed.
     #[inline(always)]
     pub fn cross(self, o: Self) -> Self {
         Self::new(self.y * o.z - self.z * o.y, self.z * o.x - self.x * o.z, self.x * o.y - self.y * o.x)
@@ -112,7 +112,7 @@ impl<L: Lane> Vec3<L> {
         self * (self.x.lit(1.0) / self.length())
     }
 
-    /// The unit vector of this direction, or `fallback` where the length is not above 1e-18.
+    /// The unit vector of this direction, or `fallback` if the length is not above 1e-18.
     #[inline(always)]
     pub fn normalize_or(self, fallback: Self) -> Self {
         let squared = self.dot(self);
@@ -131,13 +131,13 @@ impl<L: Lane> Vec3<L> {
         Self::new(one + sign * self.x * self.x * a, sign * self.x * self.y * a, -sign * self.x)
     }
 
-    /// The product of each pair of components.
+    /// The component-wise product.
     #[inline(always)]
     pub fn mul_elements(self, o: Self) -> Self {
         Self::new(self.x * o.x, self.y * o.y, self.z * o.z)
     }
 
-    /// `if_true` where `mask` holds, else `if_false`.
+    /// `if_true` if `mask` is true, else `if_false`.
     #[inline(always)]
     pub fn select(mask: L::Mask, if_true: Self, if_false: Self) -> Self {
         Self::new(
@@ -154,7 +154,7 @@ impl Vec3<f32> {
         Vec3::new(f64::from(self.x), f64::from(self.y), f64::from(self.z))
     }
 
-    /// Says whether all components are finite: none is infinite or NaN.
+    /// Returns true if all components are finite, neither infinite nor NaN.
     pub fn is_finite(self) -> bool {
         self.x.is_finite() && self.y.is_finite() && self.z.is_finite()
     }

@@ -1,12 +1,12 @@
-//! Sets of numbers that are joined pair by pair.
+//! Disjoint sets of numbers, joined in pairs.
 
-/// The numbers below a count in sets, each alone at first; the lowest number of a set stands for it.
+/// The numbers below a count in sets, initially one each; the lowest number of a set represents it.
 pub(crate) struct DisjointSets {
     parents: Vec<u32>,
 }
 
 impl DisjointSets {
-    /// Makes a set of each number below `count`, at most 2^32.
+    /// Creates a set for each number below `count`, at most 2^32.
     pub fn new(count: usize) -> Self {
         Self { parents: (0..count as u32).collect() }
     }
@@ -19,14 +19,14 @@ impl DisjointSets {
 
     /// Returns the lowest number of the set of each number.
     pub fn into_lowest(mut self) -> Vec<u32> {
-        // A set's lowest number comes before all others, which lead to it by then.
+        // A set's lowest number precedes all others, which refer to it by then.
         for i in 0..self.parents.len() {
             self.parents[i] = self.parents[self.parents[i] as usize];
         }
         self.parents
     }
 
-    /// Returns the lowest number of a set, and halves the way there.
+    /// Returns the lowest number of a set, and halves the path to it.
     fn lowest(&mut self, mut i: u32) -> u32 {
         while self.parents[i as usize] != i {
             self.parents[i as usize] = self.parents[self.parents[i as usize] as usize];

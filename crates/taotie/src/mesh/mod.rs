@@ -1,4 +1,4 @@
-//! Triangle meshes whose arrays are checked once, so that nothing after them can fail.
+//! Triangle meshes, validated once so that later code cannot fail.
 
 pub mod deform;
 mod disjoint_sets;
@@ -16,39 +16,39 @@ use crate::math::{Mat4, Vec2, Vec3};
 use crate::parallel;
 use std::sync::Arc;
 
-/// The weight of normals, as unit vectors, in the simplification of meshes whose relief nothing but vertex normals shows. Measured
+/// The weight of normals, as unit vectors, when simplifying meshes whose relief is only in vertex normals. Measured
 /// on five scans: weights of 1 to 8 are within 7 % of its mean angle as seen, 0 has 1.4 times as much.
 pub(crate) const RELIEF_OF_VERTICES: f32 = 0.5;
 
-/// The arrays a [`Mesh`] is made from. Optional arrays are empty where absent.
+/// The arrays from which a [`Mesh`] is created. Optional arrays are empty if absent.
 #[derive(Debug, Clone, Default)]
 pub struct MeshData {
     /// Points in object space, model units.
     pub positions: Vec<Vec3>,
-    /// One normal a position, unit or empty.
+    /// One normal per position, unit or empty.
     pub normals: Vec<Vec3>,
-    /// One tangent (x, y, z, handedness ±1) a position, or empty.
+    /// One tangent (x, y, z, handedness ±1) per position, or empty.
     pub tangents: Vec<[f32; 4]>,
-    /// Any number of uv sets, each one pair a position; the uv origin is top left, as in glTF.
+    /// Any number of uv sets, each one pair per position; the uv origin is top left, as in glTF.
     pub uvs: Vec<Vec<Vec2>>,
-    /// One linear RGBA colour a position, or empty.
+    /// One linear RGBA colour per position, or empty.
     pub colors: Vec<[f32; 4]>,
     /// Counter-clockwise triangles as indices into the arrays above.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A triangle mesh: every index is in range, every position finite, every array as long as the positions.
-/// Copies share the arrays.
+/// A triangle mesh: every index is in range, every position finite, every array as long as the positions. Copies
+/// share the arrays.
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
     data: Arc<MeshData>,
 }
 
 impl MeshData {
-    /// Checks that a mesh can be made of it.
+    /// Checks that a mesh can be created from the data.
     ///
     /// # Errors
-    /// As [`Mesh::new`].
+    /// As for [`Mesh::new`].
     pub fn check(&self) -> Result<()> {
         let count = self.positions.len();
         if count > u32::MAX as usize {
@@ -63,13 +63,13 @@ impl MeshData {
             }
         }
         if let Some(i) = first(&self.positions, |p| !p.is_finite()) {
-            return Err(Error::invalid(format!("position {i}"), "it is infinite or NaN; mend the file"));
+            return Err(Error::invalid(format!("position {i}"), "it is infinite or NaN; fix the file"));
         }
         let beyond = |index: &u32| *index as usize >= count;
         match first(&self.triangles, |t| t.iter().any(beyond)) {
             Some(i) => {
                 let index = self.triangles[i].into_iter().find(beyond).unwrap_or_default();
-                let what = format!("it names vertex {index}, but there are {count}; mend the file");
+                let what = format!("it refers to vertex {index}, but there are {count}; fix the file");
                 Err(Error::invalid(format!("triangle {i}"), what))
             }
             None => Ok(()),
@@ -78,27 +78,27 @@ impl MeshData {
 }
 
 impl Mesh {
-    /// Checks `data`.
+    /// Validates `data`.
     ///
     /// # Errors
-    /// [`Error::Invalid`] naming the first array, element and reason: an array shorter or longer than the
-    /// positions, a position that is infinite or NaN, or an index out of range.
+    /// [`Error::Invalid`] with the first invalid array, its element and the reason: an array shorter or longer than
+    /// the positions, a position that is infinite or NaN, or an index out of range.
     pub fn new(data: MeshData) -> Result<Self> {
         data.check()?;
         Ok(Self { data: Arc::new(data) })
     }
 
-    /// The positions, object space.
+    /// The positions, in object space.
     pub fn positions(&self) -> &[Vec3] {
         &self.data.positions
     }
 
-    /// The normals; empty where there are none.
+    /// The normals; empty if there are none.
     pub fn normals(&self) -> &[Vec3] {
         &self.data.normals
     }
 
-    /// The tangents with handedness; empty where there are none.
+    /// The tangents with handedness; empty if there are none.
     pub fn tangents(&self) -> &[[f32; 4]] {
         &self.data.tangents
     }
@@ -108,7 +108,7 @@ impl Mesh {
         &self.data.uvs
     }
 
-    /// The linear RGBA vertex colours; empty where there are none.
+    /// The linear RGBA vertex colours; empty if there are none.
     pub fn colors(&self) -> &[[f32; 4]] {
         &self.data.colors
     }
@@ -118,7 +118,7 @@ impl Mesh {
         &self.data.triangles
     }
 
-    /// Gives the arrays back, to change them and check them again; copied where another mesh shares them.
+    /// Returns the arrays, for changing and validating them again; copied if another mesh shares them.
     pub fn into_data(self) -> MeshData {
         Arc::unwrap_or_clone(self.data)
     }
@@ -127,20 +127,20 @@ impl Mesh {
     #[inline]
     pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
         let [a, b, c] = self.data.triangles[triangle];
-        // Written out, since `map` over an array is a call, which takes longer than all the rest.
+        // Written out, since `map` over an array is a call, which takes longer than the rest of the function.
         [self.data.positions[a as usize], self.data.positions[b as usize], self.data.positions[c as usize]]
     }
 
-    /// Returns `true` if the front of a triangle, where its corners run counter-clockwise, is turned to `toward`.
+    /// Returns true if the front of a triangle, from which its corners are counter-clockwise, faces `toward`.
     ///
     /// # Panics
-    /// If there is no such triangle.
+    /// If the triangle does not exist.
     pub fn faces(&self, triangle: u32, toward: Vec3) -> bool {
         let [a, b, c] = self.corners(triangle as usize);
         (b - a).cross(c - a).dot(toward) > 0.0
     }
 
-    /// The length of the diagonal of the box around all positions; 0 where there are none.
+    /// The length of the diagonal of the bounding box of all positions; 0 if there are none.
     pub fn diagonal(&self) -> f64 {
         let positions = || self.data.positions.iter().map(|p| p.to_f64());
         let Some(first) = positions().next() else { return 0.0 };
@@ -150,7 +150,7 @@ impl Mesh {
         (pick(f64::max) - pick(f64::min)).length()
     }
 
-    /// The area of its triangles where a transform puts them, square units of the world.
+    /// The area of its triangles under a transform, in square world units.
     pub fn area(&self, world_from_object: &Mat4) -> f64 {
         let area = |triangle: usize| {
             let corners = self.corners(triangle);
@@ -160,7 +160,7 @@ impl Mesh {
         (0..self.data.triangles.len()).map(area).sum()
     }
 
-    /// The number of triangles that have no area, to the last bit.
+    /// The number of triangles whose area is exactly zero.
     pub fn degenerate_triangles(&self) -> usize {
         parallel::count(self.data.triangles.len(), |i| {
             let [a, b, c] = self.corners(i).map(Vec3::to_f64);
@@ -169,7 +169,7 @@ impl Mesh {
     }
 }
 
-/// The first element that is bad.
+/// The first invalid element.
 pub(crate) fn first<T: Sync>(elements: &[T], is_bad: impl Fn(&T) -> bool + Sync) -> Option<usize> {
     parallel::first(elements.len(), |i| is_bad(&elements[i]))
 }

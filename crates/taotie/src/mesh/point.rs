@@ -1,4 +1,4 @@
-//! Points on triangles, and what a mesh is there.
+//! Points on triangles, and the mesh's values there.
 
 use super::Mesh;
 use crate::math::{Vec2, Vec3};
@@ -6,12 +6,12 @@ use std::ops::{Add, Mul};
 
 /// A point on a triangle of a mesh.
 ///
-/// All that a mesh says at its vertices is interpolated linearly in between.
+/// All vertex values of the mesh are interpolated linearly.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
     /// Index of the triangle.
     pub triangle: u32,
-    /// Barycentric weights of its corners, which sum to 1; none is below 0 within the triangle.
+    /// Barycentric weights of its corners, with sum 1; none is negative within the triangle.
     pub weights: [f32; 3],
 }
 
@@ -26,22 +26,23 @@ pub struct TangentFrame {
     pub handedness: f32,
 }
 
-/// The mean of three values with these weights, added in the order of the corners.
+/// The mean of three values with these weights, summed in the order of the corners.
 #[inline]
 pub(crate) fn blend<T: Mul<f32, Output = T> + Add<Output = T>>([a, b, c]: [T; 3], [u, v, w]: [f32; 3]) -> T {
     a * u + b * v + c * w
 }
 
-/// The values of three corners. Written out, since `map` over an array may become a call, which takes longer than the rest.
+/// The values of three corners. Written out, since `map` over an array may become a call, which takes longer than the
+/// rest of the function.
 #[inline(always)]
 pub(crate) fn each<I: Copy, T>([a, b, c]: [I; 3], value: impl Fn(I) -> T) -> [T; 3] {
     [value(a), value(b), value(c)]
 }
 
-/// Each method reads the mesh that the point lies on.
+/// Each method must be passed the mesh of the point.
 ///
 /// # Panics
-/// All do where that mesh has no such triangle; those that read an array do where the mesh lacks it.
+/// All methods panic if that mesh lacks the triangle; those that read an array, if the mesh lacks the array.
 impl Point {
     /// The vertices of the triangle.
     #[inline]
@@ -49,13 +50,13 @@ impl Point {
         each(mesh.triangles()[self.triangle as usize], |v| v as usize)
     }
 
-    /// The position, object space.
+    /// The position, in object space.
     #[inline]
     pub fn position(&self, mesh: &Mesh) -> Vec3 {
         blend(mesh.corners(self.triangle as usize), self.weights)
     }
 
-    /// The interpolated normal, unit; where it vanishes, that of the first corner.
+    /// The interpolated normal, unit; if it vanishes, that of the first corner.
     #[inline]
     pub fn normal(&self, mesh: &Mesh) -> Vec3 {
         let normals = mesh.normals();

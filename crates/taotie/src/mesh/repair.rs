@@ -1,11 +1,11 @@
-//! Mending what a mesh's arrays hold, as read or as deformed, each kind of repair counted.
+//! Repairs a mesh's arrays, as read or as deformed, and counts each kind of repair.
 
 use super::MeshData;
 use crate::error::Warnings;
 use crate::math::{Vec2, Vec3};
 use crate::parallel;
 
-/// Makes normals unit and finite, invents flat ones where there are none, and cleans uvs, colours and tangents.
+/// Makes normals unit and finite, adds flat ones if there are none, and cleans uvs, colours and tangents.
 pub(crate) fn repair(data: &mut MeshData, warnings: &mut Warnings) {
     let mut note = |what: &str, count| warnings.note(what, count);
     if data.normals.is_empty() {
@@ -13,12 +13,13 @@ pub(crate) fn repair(data: &mut MeshData, warnings: &mut Warnings) {
     } else {
         note("normals that were zero or NaN, taken from the faces", mend_normals(data));
     }
-    note("tangents that were zero or NaN; all are computed anew", mend_tangents(data));
+    note("tangents that were zero or NaN; all are recomputed", mend_tangents(data));
     note("uvs that were infinite, NaN or beyond ±1e12, set to 0", mend_uvs(&mut data.uvs));
     note("vertex colours that were infinite or NaN, set to white", mend_colors(&mut data.colors));
 }
 
-/// Every triangle with its own three vertices and its face's normal. Tangents are dropped, as glTF 2.0, 3.7.2.1 says.
+/// Returns the mesh with three separate vertices per triangle and the face's normal. Tangents are dropped, as glTF
+/// 2.0, 3.7.2.1 specifies.
 pub(crate) fn with_flat_normals(data: &MeshData) -> MeshData {
     let corners = data.triangles.as_flattened();
     let normal = |t: &[u32; 3]| face_vector(data, t).normalize_or(Vec3::new(0.0, 0.0, 1.0)).to_f32();
@@ -69,7 +70,7 @@ fn area_weighted_normals(data: &MeshData) -> Vec<Vec3> {
     sums.into_iter().map(|s| s.normalize_or(Vec3::new(0.0, 0.0, 1.0)).to_f32()).collect()
 }
 
-/// Drops all tangents where one is unusable: one vertex cannot be corrected without its neighbours.
+/// Drops all tangents if one is unusable: one vertex cannot be corrected without its neighbours.
 fn mend_tangents(data: &mut MeshData) -> usize {
     let usable = |[x, y, z, _]: &[f32; 4]| {
         let t = Vec3::new(*x, *y, *z);
@@ -86,7 +87,7 @@ fn mend_tangents(data: &mut MeshData) -> usize {
 }
 
 fn mend_uvs(sets: &mut [Vec<Vec2>]) -> usize {
-    /// Texture transforms have the same bound: what both make is finite.
+    /// Texture transforms have the same bound, so transformed uvs are finite.
     const MOST: f32 = 1e12;
     let mut count = 0;
     for uv in sets.iter_mut().flatten().filter(|uv| !(uv.x.abs() <= MOST && uv.y.abs() <= MOST)) {

@@ -1,14 +1,15 @@
-//! The sphere, on which materials are shown and measured.
+//! The sphere on which materials are shown and measured.
 
 use super::{Mesh, MeshData};
 use crate::math::{Vec2, Vec3, scalar};
 use std::f64::consts::{PI, TAU};
 
 impl Mesh {
-    /// A sphere about the origin, with normals and one uv set: u runs once around from +z over +x, v from the top down.
+    /// A sphere around the origin, with normals and one uv set: u runs once around from +z over +x, v from the top
+    /// down.
     ///
-    /// `radius` above 0, model units; `columns` at least 3 around, `rows` at least 2 from pole to pole: fewer are taken
-    /// as these. It has 2 · `columns` · (`rows` − 1) triangles.
+    /// `radius` above 0, in model units; `columns` at least 3 around, `rows` at least 2 from pole to pole: smaller
+    /// values are raised to these. It has 2 · `columns` · (`rows` − 1) triangles.
     pub fn sphere(radius: f64, columns: usize, rows: usize) -> Self {
         let (columns, rows) = (columns.max(3), rows.max(2));
         let mut data = MeshData { uvs: vec![Vec::new()], ..MeshData::default() };

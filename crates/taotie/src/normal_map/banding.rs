@@ -1,13 +1,13 @@
-//! Bands: places where a gentle curve is stored as one code and shows steps in highlights.
+//! Banding: places where a gentle curve is stored as a single code and shows steps in highlights.
 
 use crate::compare::angle_deg;
 use crate::math::Vec3;
 use crate::parallel;
 use crate::surface::encode_normal;
 
-/// A run of equal codes along a row or a column is seen as a band from so many texels on.
+/// The minimum length, in texels, of a run of equal codes along a row or column that is visible as a band.
 const LEAST_RUN: usize = 8;
-/// The turn over a run, degrees, below which the surface is flat and its even colour no band.
+/// The turn over a run, in degrees, below which the surface is flat and its constant colour is not a band.
 const LEAST_TURN: f64 = 0.05;
 
 /// Unit vectors of a map, row by row from the top, and which of its texels a surface covers.
@@ -18,8 +18,8 @@ pub(crate) struct CoveredNormals<'a> {
 }
 
 impl CoveredNormals<'_> {
-    /// Returns the share of the covered texels that lie in bands if vectors are rounded to 8 bits: in runs of one code along
-    /// their row and along their column, over one of which the vectors turn.
+    /// Returns the share of covered texels that are banded if vectors are rounded to 8 bits: in runs of one code
+    /// along their row and their column, over at least one of which the vectors turn.
     pub fn banded_share(&self) -> f64 {
         let [width, height] = self.size.map(|side| side as usize);
         let covered = parallel::count(self.normals.len(), |i| (self.is_covered)(i));
@@ -43,8 +43,8 @@ impl CoveredNormals<'_> {
             && runs.iter().any(|[first, last, _]| self.turn(*first, *last) >= LEAST_TURN)
     }
 
-    /// Returns the first and the last texel of the run of equal codes around a texel, at most [`LEAST_RUN`] to either side, and
-    /// the step from one to the next; `before` and `after` are the texels there are.
+    /// Returns the first and the last texel of the run of equal codes around a texel, at most [`LEAST_RUN`] to either
+    /// side, and the step from one to the next; `before` and `after` are the number of texels on each side.
     fn run(&self, texel: usize, step: usize, (before, after): (usize, usize)) -> [usize; 3] {
         let code = self.code(texel);
         let is_same = |other: &usize| (self.is_covered)(*other) && self.code(*other) == code;
@@ -58,7 +58,7 @@ impl CoveredNormals<'_> {
         number.map(|v| (v * 255.0 + 0.5) as u8)
     }
 
-    /// Returns the angle between two vectors, degrees.
+    /// Returns the angle between two vectors, in degrees.
     fn turn(&self, a: usize, b: usize) -> f64 {
         let [a, b] = [a, b].map(|i| Vec3::from_array(self.normals[i]).to_f64());
         angle_deg(a, b)
@@ -69,7 +69,8 @@ impl CoveredNormals<'_> {
 mod tests {
     use super::*;
 
-    /// The share of bands of a map of 64² texels whose normals lean by so many degrees a texel along x.
+    /// Returns the share of banded texels on a map of 64² texels whose normals turn by this many degrees per texel
+    /// along x.
     fn share(degrees_a_texel: f64) -> f64 {
         let lean = |i: usize| (degrees_a_texel * (i % 64) as f64).to_radians();
         let normal = |i: usize| {

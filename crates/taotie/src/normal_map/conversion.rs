@@ -1,4 +1,4 @@
-//! From a stored map to another, and how far off it is.
+//! Conversion of a stored map to another, and its error.
 
 use super::convert::{
     decoded_normals, object_from_tangent, tangent_from_height, tangent_from_height_on, tangent_from_object,
@@ -14,7 +14,7 @@ use crate::mesh::Mesh;
 use crate::scene::{GreenChannel, NormalSpace};
 use crate::surface::{TangentMethod, with_frames};
 
-/// The map that is wanted.
+/// The requested map.
 ///
 /// ```
 /// use taotie::image::{Bitmap, Texels};
@@ -31,17 +31,17 @@ use crate::surface::{TangentMethod, with_frames};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ConversionOptions {
-    /// Its space; `None` for the source's, tangent space for heights.
+    /// Its space; `None` uses the source's, tangent space for heights.
     pub space: Option<NormalSpace>,
     /// The direction in which its green points.
     pub green: GreenChannel,
-    /// Bits a channel, 8 or 16; `None` for those of the source where its space stays, else 16.
+    /// Bits per channel, 8 or 16; `None` uses those of the source if its space is kept, else 16.
     pub bits: Option<u8>,
     /// See [`Storage::dither`].
     pub dither: bool,
-    /// Height of white: in texels, or in model units on a mesh. Heights cannot be converted without.
+    /// Height of white: in texels, or in model units on a mesh. Required to convert heights.
     pub height_scale: Option<f64>,
-    /// The way in which heights go on beyond the border of the map.
+    /// How heights continue beyond the border of the map.
     pub border: Wrap,
 }
 
@@ -58,12 +58,12 @@ impl Default for ConversionOptions {
     }
 }
 
-/// A map that was made, and its errors.
+/// The converted map, and its errors.
 ///
 /// ```
 /// use taotie::normal_map::Conversion;
 ///
-/// /// Returns the largest angle that this map is off by, degrees.
+/// /// Returns the largest angular error of this map, in degrees.
 /// fn most(made: &Conversion) -> Option<f64> {
 ///     let round_trip = made.round_trip.as_ref().and_then(|field| field.summary());
 ///     Some(round_trip.or(made.stored.summary())?.max)
@@ -76,15 +76,16 @@ pub struct Conversion {
     pub bitmap: Bitmap,
     /// The space of its normals.
     pub space: NormalSpace,
-    /// The angle between the exact normals and the stored ones, degrees.
+    /// The angle between the exact normals and the stored ones, in degrees.
     pub stored: Field,
-    /// The angle between the source's normals and those that come back from the map, degrees; where the space changed.
+    /// The angle between the source's normals and those converted back from the map, in degrees; `None` if the space
+    /// was kept.
     pub round_trip: Option<Field>,
-    /// Normals that the map cannot hold, counted.
+    /// Counts of normals that the map cannot represent.
     pub warnings: Warnings,
 }
 
-/// Converts `source` to the space and the bits asked for. `surface` is the mesh that the map is for: it is needed
+/// Converts `source` to the requested space and bit depth. `surface` is the mesh that the map is for: it is required
 /// between tangent and object space.
 ///
 /// ```
@@ -101,15 +102,15 @@ pub struct Conversion {
 /// ```
 ///
 /// # Errors
-/// [`Error::Invalid`] where the height of white or the mesh is lacking, where the mesh covers no texel or was laid out
-/// on a map of another size, and for bits other than 8 and 16.
+/// [`Error::Invalid`] if the height of white or the mesh is missing, if the mesh covers no texel or was laid out on a
+/// map of another size, and for bit depths other than 8 and 16.
 pub fn convert_map(
     source: &MapSource,
     options: &ConversionOptions,
     surface: Option<&TexelSurface>,
 ) -> Result<Conversion> {
     if surface.is_some_and(|surface| surface.coverage().covered() == 0) {
-        return Err(Error::invalid("a mesh for a map", "its uvs cover no texel of the map"));
+        return Err(Error::invalid("the mesh for a map", "its uvs cover no texel of the map"));
     }
     let own = match source.content {
         MapContent::Heights => None,
@@ -124,7 +125,7 @@ pub fn convert_map(
     }
 }
 
-/// Returns a mesh laid out on a map, with the frames that the renderer gives it, and what the map cannot hold.
+/// Returns a mesh laid out on a map, with the frames that the renderer gives it, and warnings about what is lost.
 ///
 /// ```
 /// use taotie::bake::TexelGrid;
@@ -149,11 +150,11 @@ pub fn lay_out(
     warnings.note("triangles without uv area", without_area);
     let surface = TexelSurface::new(mesh.into_owned(), grid)?;
     let shared = surface.coverage().shared();
-    warnings.note("texels under several triangles: the map holds the normal of the first alone", shared);
+    warnings.note("texels covered by several triangles: the map holds only the normal of the first", shared);
     Ok((surface, warnings))
 }
 
-/// A conversion with all that it depends on.
+/// A conversion with all its inputs.
 #[derive(Clone, Copy)]
 struct Task<'a> {
     source: &'a MapSource,
@@ -165,7 +166,7 @@ struct Task<'a> {
 impl Task<'_> {
     fn of_heights(self) -> Result<Conversion> {
         let Some(scale) = self.options.height_scale else {
-            let why = "say how high white stands: in texels, or in model units on a mesh";
+            let why = "set the height of white: in texels, or in model units on a mesh";
             return Err(Error::invalid("heights without a scale", why));
         };
         let heights = Heights::from_bitmap(&self.source.bitmap, [self.options.border; 2]);
@@ -180,7 +181,7 @@ impl Task<'_> {
         self.stored(&exact)
     }
 
-    /// Converts the bits and turns green: number by number, so that what can stay does.
+    /// Converts the bits and flips green, value by value, so that unchanged values are preserved.
     fn of_same_space(self) -> Result<Conversion> {
         let (source, green) = (self.source, self.options.green);
         let turned = self.space == NormalSpace::Tangent && source.green != green;
@@ -224,12 +225,12 @@ impl Task<'_> {
         self.surface.ok_or_else(|| {
             Error::invalid(
                 "normals between tangent and object space",
-                "the mesh has to be known; lay it out on the map",
+                "a mesh is required; lay it out on the map",
             )
         })
     }
 
-    /// Returns the field where UV islands are, without their padding.
+    /// Returns the field inside UV islands, without their padding.
     fn in_islands(self, field: Field) -> Result<Field> {
         match self.surface {
             Some(surface) => field.within(&surface.coverage().mask()),
@@ -240,7 +241,7 @@ impl Task<'_> {
 
 type Turn = fn(&TexelSurface, &Image) -> Result<Image>;
 
-/// Counts what the map cannot hold.
+/// Counts the normals that the map cannot represent.
 fn lost(surface: &TexelSurface, exact: &Image, space: NormalSpace) -> Warnings {
     let mut warnings = Warnings::default();
     let mask = surface.coverage().mask();

@@ -1,7 +1,7 @@
-//! Normal maps from heights and from one another.
+//! Conversion of heights to normal maps, and of normal maps to one another.
 //!
-//! All work on images of vectors: x, y and z, and a fourth channel that is 1 where there is a normal. Where there is
-//! none the vector is what padding should hold.
+//! All functions work on images of vectors: x, y and z, and a fourth channel that is 1 if there is a normal. If not,
+//! the vector is the padding value.
 
 use super::heights::Heights;
 use crate::bake::{SurfacePoint, TexelSurface};
@@ -17,13 +17,13 @@ use crate::surface::{
 
 /// The padding of a tangent-space map: no relief.
 const FLAT: [f32; 4] = [0.0, 0.0, 1.0, 0.0];
-/// The padding of an object-space map: grey, which no normal is.
+/// The padding of an object-space map: grey, which is not a normal.
 const NOTHING: [f32; 4] = [0.0; 4];
 
-/// Returns the vectors that a normal map stores, not normalised, green turned up.
+/// Returns the vectors stored in a normal map, not normalised, with green up.
 ///
-/// Texels with alpha 0 or a vector shorter than 0.25 have no normal: grey padding is that. In tangent space z is raised
-/// above 0 ([`decode_normal`]).
+/// Texels with alpha 0 or a vector shorter than 0.25, such as grey padding, have no normal. In tangent space z is
+/// raised above 0 ([`decode_normal`]).
 ///
 /// ```
 /// use taotie::image::{Bitmap, Texels};
@@ -39,7 +39,7 @@ const NOTHING: [f32; 4] = [0.0; 4];
 /// ```
 ///
 /// # Errors
-/// [`Error::Limit`] where a side is above [`Image::MAX_SIDE`].
+/// [`Error::Limit`] if a side is above [`Image::MAX_SIDE`].
 pub fn decoded_normals(bitmap: &Bitmap, space: NormalSpace, green: GreenChannel) -> Result<Image> {
     const SHORTEST: f32 = 0.25;
     let sign = if green == GreenChannel::Up { 1.0 } else { -1.0 };
@@ -56,10 +56,10 @@ pub fn decoded_normals(bitmap: &Bitmap, space: NormalSpace, green: GreenChannel)
     picture([bitmap.width(), bitmap.height()], parallel::collect(bitmap.texels().len(), normal))
 }
 
-/// Returns the tangent-space normals of a height map by itself, green up. `scale` is the height of 1 in texels, so a
-/// slope of 1 a texel is 45° where it is 1.
+/// Returns the tangent-space normals of a height map without a mesh, green up. `scale` is the height of 1 in texels,
+/// so a slope of 1 per texel is 45° if it is 1.
 ///
-/// n = (−s ∂h/∂x, −s ∂h/∂y, 1), normalised, with y up the image; differences as [`Heights::slopes`] has them.
+/// n = (−s ∂h/∂x, −s ∂h/∂y, 1), normalised, with y up the image; differences as in [`Heights::slopes`].
 ///
 /// ```
 /// use taotie::image::Wrap;
@@ -72,7 +72,7 @@ pub fn decoded_normals(bitmap: &Bitmap, space: NormalSpace, green: GreenChannel)
 /// ```
 ///
 /// # Errors
-/// [`Error::Limit`] where a side is above [`Image::MAX_SIDE`].
+/// [`Error::Limit`] if a side is above [`Image::MAX_SIDE`].
 pub fn tangent_from_height(heights: &Heights, scale: f64) -> Result<Image> {
     let [width, height] = heights.size();
     let normal = |i: usize| {
@@ -82,8 +82,8 @@ pub fn tangent_from_height(heights: &Heights, scale: f64) -> Result<Image> {
     picture([width, height], parallel::collect(width as usize * height as usize, normal))
 }
 
-/// Returns the tangent-space normals, green up, of a height map on a mesh: what makes the mesh look as if it were
-/// displaced by it. `scale` is the height of 1 in model units.
+/// Returns the tangent-space normals, green up, of a height map on a mesh: they make the mesh look as if it were
+/// displaced by the map. `scale` is the height of 1 in model units.
 ///
 /// ```
 /// use taotie::image::Wrap;
@@ -91,7 +91,7 @@ pub fn tangent_from_height(heights: &Heights, scale: f64) -> Result<Image> {
 ///
 /// # let grid = taotie::bake::TexelGrid { width: 32, height: 32, uv_set: 0, padding: 0 };
 /// # let (ball, _) = taotie::normal_map::lay_out(&taotie::mesh::Mesh::sphere(1.0, 32, 16), &grid, None)?;
-/// // Even heights do not bend the normals of a ball that is laid out on 32×32 texels.
+/// // Constant heights do not bend the normals of a ball that is laid out on 32×32 texels.
 /// let even = Heights::new([32, 32], vec![0.5; 32 * 32], [Wrap::Repeat; 2])?;
 /// let [.., z, _] = tangent_from_height_on(&ball, &even, 0.1)?.pixel(16, 16);
 /// assert!(z > 0.999_99);
@@ -99,7 +99,7 @@ pub fn tangent_from_height(heights: &Heights, scale: f64) -> Result<Image> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Invalid`] where the mesh was laid out on a map of another size.
+/// [`Error::Invalid`] if the mesh was laid out on a map of another size.
 pub fn tangent_from_height_on(surface: &TexelSurface, heights: &Heights, scale: f64) -> Result<Image> {
     check_size(surface, heights.size())?;
     let [width, height] = heights.size().map(f64::from);
@@ -116,7 +116,7 @@ pub fn tangent_from_height_on(surface: &TexelSurface, heights: &Heights, scale: 
     picture(heights.size(), normals)
 }
 
-/// Makes object-space normals from tangent-space ones, as the renderer turns them: [`tangent_normal`].
+/// Converts tangent-space normals to object-space ones, as the renderer does: [`tangent_normal`].
 ///
 /// ```
 /// use taotie::image::Image;
@@ -139,7 +139,7 @@ pub fn object_from_tangent(surface: &TexelSurface, tangent: &Image) -> Result<Im
     })
 }
 
-/// Makes tangent-space normals, green up, from object-space ones: the inverse of [`object_from_tangent`].
+/// Converts object-space normals to tangent-space ones, green up: the inverse of [`object_from_tangent`].
 ///
 /// ```
 /// use taotie::compare::angular_error;
@@ -186,7 +186,7 @@ fn check_size(surface: &TexelSurface, [width, height]: [u32; 2]) -> Result<()> {
     }
     Err(Error::invalid(
         format!("a map of {width}x{height} on a mesh laid out for {w}x{h}"),
-        "lay the mesh out for the size of the map",
+        "lay out the mesh for the size of the map",
     ))
 }
 

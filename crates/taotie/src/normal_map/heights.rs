@@ -1,9 +1,9 @@
-//! Height maps as numbers.
+//! Height maps as numeric values.
 
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Wrap};
 
-/// The heights of a map, [0, 1] where they come from integers; row by row from the top.
+/// The heights of a map, [0, 1] if they come from integers; row by row from the top.
 ///
 /// ```
 /// use taotie::image::Wrap;
@@ -22,55 +22,55 @@ pub struct Heights {
 }
 
 impl Heights {
-    /// Makes heights of numbers; `wrap` says how they go on beyond the borders, along u and v.
+    /// Makes heights from numbers; `wrap` defines how they continue beyond the borders, along u and v.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where a side is zero or the count is not `width · height`.
+    /// [`Error::Invalid`] if a side is zero or the count is not `width · height`.
     pub fn new([width, height]: [u32; 2], values: Vec<f32>, wrap: [Wrap; 2]) -> Result<Self> {
         let (width, height) = (width as usize, height as usize);
         if width == 0 || height == 0 || values.len() != width * height {
             return Err(Error::invalid(
                 format!("heights of {width}x{height}"),
-                format!("{} numbers", values.len()),
+                format!("expected one number per texel, found {}", values.len()),
             ));
         }
         Ok(Self { width, height, values, wrap })
     }
 
-    /// Takes the first channel of a bitmap, nothing decoded.
+    /// Takes the first channel of a bitmap, without decoding.
     pub fn from_bitmap(bitmap: &Bitmap, wrap: [Wrap; 2]) -> Self {
         let values = (0..bitmap.texels().len()).map(|i| bitmap.stored(i)[0]).collect();
         Self { width: bitmap.width() as usize, height: bitmap.height() as usize, values, wrap }
     }
 
-    /// Returns the number of texels across and down.
+    /// Returns the width and height in texels.
     pub fn size(&self) -> [u32; 2] {
         [self.width as u32, self.height as u32]
     }
 
     /// Returns the height at a texel.
     pub fn at(&self, x: u32, y: u32) -> f64 {
-        self.beside([x.into(), y.into()], [0, 0])
+        self.neighbour([x.into(), y.into()], [0, 0])
     }
 
-    /// Returns the change of the height a texel to the right and a texel down: central differences over ±1 and ±2
-    /// texels, exact for polynomials of the fourth degree (Fornberg 1988, table 1). Where three texels do not hold it,
-    /// fine relief is kept better than by Sobel's or Prewitt's operators, which blur.
+    /// Returns the change of the height per texel to the right and per texel down: central differences over ±1 and ±2
+    /// texels, exact for polynomials of the fourth degree (Fornberg 1988, table 1). Relief not confined to three
+    /// texels is preserved better than by Sobel's or Prewitt's operators, which blur.
     pub fn slopes(&self, x: u32, y: u32) -> [f64; 2] {
-        let at = |offset| self.beside([x.into(), y.into()], offset);
+        let at = |offset| self.neighbour([x.into(), y.into()], offset);
         let across = 8.0 * (at([1, 0]) - at([-1, 0])) - (at([2, 0]) - at([-2, 0]));
         let down = 8.0 * (at([0, 1]) - at([0, -1])) - (at([0, 2]) - at([0, -2]));
         [across / 12.0, down / 12.0]
     }
 
-    fn beside(&self, [x, y]: [i64; 2], [dx, dy]: [i64; 2]) -> f64 {
+    fn neighbour(&self, [x, y]: [i64; 2], [dx, dy]: [i64; 2]) -> f64 {
         let column = within(self.wrap[0], x + dx, self.width);
         let row = within(self.wrap[1], y + dy, self.height);
         f64::from(self.values[row * self.width + column])
     }
 }
 
-/// Returns the texel in [0, size) that stands at `i`.
+/// Returns the texel in [0, size) to which index `i` wraps.
 fn within(wrap: Wrap, i: i64, size: usize) -> usize {
     let size = size as i64;
     let i = match wrap {

@@ -1,7 +1,8 @@
-//! Normal maps: made from heights, turned from one space to the other, stored in few bits, and what that costs.
+//! Normal maps: made from heights, converted between spaces and stored in few bits, and the error this causes.
 //!
-//! [`tangent_from_height`], [`object_from_tangent`] and their like turn whole maps, [`store_normals`] rounds them to 8 or
-//! 16 bits. [`convert_map`] strings them together: from a map as it is stored to another, with the angles between both.
+//! [`tangent_from_height`], [`object_from_tangent`] and similar functions convert whole maps, [`store_normals`]
+//! rounds them to 8 or 16 bits. [`convert_map`] combines them: it converts a stored map to another, with the angles
+//! between both.
 //!
 //! ```
 //! use taotie::image::{Bitmap, Texels};
@@ -34,6 +35,5 @@ pub use convert::{
 };
 pub use heights::Heights;
 pub use source::{MapContent, MapSource, guessed_content};
-pub use store::{
-    Storage, Stored, green_turned, requantised, store_codes, store_normals, store_rgba, store_unit_vectors,
-};
+pub use store::{Storage, Stored, green_turned, requantised, store_normals, store_unit_vectors};
+pub(crate) use store::{store_codes, store_rgba};

@@ -1,4 +1,4 @@
-//! The map that is converted.
+//! The map to convert.
 
 use crate::image::Bitmap;
 use crate::scene::{GreenChannel, NormalSpace};
@@ -26,7 +26,7 @@ pub enum MapContent {
     Normals(NormalSpace),
 }
 
-/// A map to be converted.
+/// A map to convert.
 ///
 /// ```no_run
 /// use taotie::normal_map::{MapContent, MapSource};
@@ -39,15 +39,15 @@ pub enum MapContent {
 /// ```
 #[derive(Debug, Clone)]
 pub struct MapSource {
-    /// The texels as they are stored.
+    /// The texels as stored.
     pub bitmap: Bitmap,
-    /// The meaning of its numbers.
+    /// The meaning of its values.
     pub content: MapContent,
-    /// The direction in which green points; read for tangent-space normals alone.
+    /// The direction in which green points; used only for tangent-space normals.
     pub green: GreenChannel,
 }
 
-/// Returns what a map holds by its pixels: normals, or heights where it is grey; `None` where it looks like neither.
+/// Guesses the content of a map from its pixels: normals, or heights if it is grey; `None` if it looks like neither.
 ///
 /// ```
 /// use taotie::image::{Bitmap, Texels};

@@ -1,4 +1,4 @@
-//! Storing normals in few bits, and what that costs.
+//! Storing normals in few bits, and the error this causes.
 
 use crate::compare::{Field, angular_error};
 use crate::error::{Error, Result};
@@ -8,52 +8,53 @@ use crate::parallel;
 use crate::scene::{GreenChannel, NormalSpace};
 use crate::surface::{decode_object_normal, encode_normal};
 
-/// The way in which numbers are stored.
+/// How numbers are stored.
 ///
 /// ```
 /// use taotie::image::Bitmap;
-/// use taotie::normal_map::{Storage, store_codes};
+/// use taotie::normal_map::{Storage, store_unit_vectors};
 ///
-/// let grey = |dither| store_codes([8, 8], |_| [76.25 / 255.0; 3], 1, Storage { bits: 8, dither });
+/// let tilted = |dither| store_unit_vectors([8, 8], &[[0.3, 0.2, 0.9]; 64], Storage { bits: 8, dither });
 /// let is_even = |map: &Bitmap| (1..64).all(|i| map.stored(i) == map.stored(0));
-/// assert!(is_even(&grey(false)?) && !is_even(&grey(true)?));
+/// assert!(is_even(&tilted(false)?) && !is_even(&tilted(true)?));
 /// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Storage {
-    /// Bits a channel, 8 or 16.
+    /// Bits per channel, 8 or 16.
     pub bits: u8,
-    /// `true` where a pattern of less than one code is added before rounding.
+    /// `true` to add a pattern of less than one code before rounding.
     ///
-    /// Rounding alone turns gentle curves into steps, which highlights show; with dithering the mean over neighbours
-    /// is right, at the price of a larger error of each texel. The pattern is the additive recurrence R2 (Roberts
-    /// 2018, "The unreasonable effectiveness of quasirandom sequences"): fract(x · 0.7549 + y · 0.5698), moved by the
-    /// golden ratio from channel to channel, in integers. Neighbours get numbers far apart, so the error is high in
-    /// frequency, as with blue noise, and the same on every machine. Values that are codes already do not change.
+    /// Rounding without dithering turns gentle curves into steps, which show in highlights; with dithering the mean
+    /// over neighbours is right, at the price of a larger error per texel. The pattern is the additive recurrence R2
+    /// (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences"): fract(x · 0.7549 + y · 0.5698),
+    /// offset by the golden ratio from channel to channel, in integers. Neighbours get numbers far apart, so the
+    /// error is high in frequency, as with blue noise, and the same on every machine. Values that are already codes
+    /// do not change.
     pub dither: bool,
 }
 
-/// A normal map and what storing it cost.
+/// A normal map and its storage error.
 ///
 /// ```
 /// use taotie::normal_map::Stored;
 ///
-/// /// Returns the mean angle that storing cost, degrees.
+/// /// Returns the mean angular error of storage, in degrees.
 /// fn cost(stored: &Stored) -> Option<f64> {
 ///     Some(stored.error.summary()?.mean)
 /// }
 /// ```
 #[derive(Debug, Clone)]
 pub struct Stored {
-    /// Red, green and blue in the bits asked for.
+    /// Red, green and blue at the requested bit depth.
     pub bitmap: Bitmap,
-    /// The angle between what was to be stored and what is read back, degrees, where there is a normal.
+    /// The angle between the input and the values read back, in degrees, where there is a normal.
     pub error: Field,
 }
 
-/// Stores vectors, green up in memory, with green as asked for. The fourth channel is the mask of `error` alone:
-/// vectors are stored where it is 0 too.
+/// Stores vectors, green up in memory, with the requested green. The fourth channel masks only `error`: vectors are
+/// also stored where it is 0.
 ///
 /// ```
 /// use taotie::image::{Image, Texels};
@@ -70,7 +71,7 @@ pub struct Stored {
 /// ```
 ///
 /// # Errors
-/// [`Error::Invalid`] where the bits are neither 8 nor 16.
+/// [`Error::Invalid`] if the bits are neither 8 nor 16.
 pub fn store_normals(
     normals: &Image,
     space: NormalSpace,
@@ -93,7 +94,7 @@ pub fn store_normals(
     Ok(Stored { error: angular_error(normals, &read)?, bitmap })
 }
 
-/// Stores vectors as normals, (n + 1)/2, each made unit first; row by row from the top.
+/// Stores vectors as normals, (n + 1)/2, each normalised first; row by row from the top.
 ///
 /// ```
 /// use taotie::image::Texels;
@@ -106,26 +107,17 @@ pub fn store_normals(
 /// ```
 ///
 /// # Errors
-/// As [`store_codes`].
+/// [`Error::Invalid`] if the bits are neither 8 nor 16.
 pub fn store_unit_vectors(size: [u32; 2], vectors: &[[f32; 3]], storage: Storage) -> Result<Bitmap> {
     let up = Vec3::new(0.0, 0.0, 1.0);
     let code = |i: usize| encode_normal(Vec3::from_array(vectors[i]).normalize_or(up)).to_array();
     store_codes(size, code, 3, storage)
 }
 
-/// Stores a map of one or three `channels`, whose numbers in [0, 1] `code` gives for each texel.
-///
-/// ```
-/// use taotie::image::Texels;
-/// use taotie::normal_map::{Storage, store_codes};
-///
-/// let map = store_codes([2, 1], |i| [i as f32; 3], 1, Storage { bits: 8, dither: false })?;
-/// assert_eq!(map.texels(), &Texels::U8(vec![[0, 0, 0, 255], [255; 4]]));
-/// # Ok::<(), taotie::Error>(())
-/// ```
+/// Stores a map of one or three `channels`, with values in [0, 1] given by `code` for each texel.
 ///
 /// # Errors
-/// [`Error::Invalid`] where the bits are neither 8 nor 16.
+/// [`Error::Invalid`] if the bits are neither 8 nor 16.
 pub fn store_codes(
     size: [u32; 2],
     code: impl Fn(usize) -> [f32; 3] + Sync,
@@ -139,21 +131,11 @@ pub fn store_codes(
     stored(size, channels, storage, number)
 }
 
-/// Returns numbers in [0, 1] with their alpha, stored: those of texel i, row by row from the top, are `code(i)`. Alpha
-/// is not dithered, so what is opaque stays so.
-///
-/// ```
-/// use taotie::image::Texels;
-/// use taotie::normal_map::{Storage, store_rgba};
-///
-/// let map = store_rgba([1, 1], |_| [1.0, 0.5, 0.0, 0.2], Storage { bits: 8, dither: false })?;
-/// assert_eq!(map.texels(), &Texels::U8(vec![[255, 128, 0, 51]]));
-/// assert_eq!(map.channels(), 4);
-/// # Ok::<(), taotie::Error>(())
-/// ```
+/// Stores numbers in [0, 1] with alpha: those of texel i, row by row from the top, are `code(i)`. Alpha is not
+/// dithered, so opaque texels stay opaque.
 ///
 /// # Errors
-/// [`Error::Invalid`] where the bits are neither 8 nor 16.
+/// [`Error::Invalid`] if the bits are neither 8 nor 16.
 pub fn store_rgba(
     size: [u32; 2],
     code: impl Fn(usize) -> [f32; 4] + Sync,
@@ -162,7 +144,8 @@ pub fn store_rgba(
     stored(size, 4, storage, code)
 }
 
-/// Returns the numbers of a bitmap in other bits; alpha is kept. More bits change nothing, and back again neither.
+/// Returns the numbers of a bitmap at another bit depth; alpha is kept. Increasing the depth and reducing it again is
+/// lossless.
 ///
 /// ```
 /// use taotie::image::{Bitmap, Texels};
@@ -180,7 +163,8 @@ pub fn requantised(bitmap: &Bitmap, storage: Storage) -> Result<Bitmap> {
     stored([bitmap.width(), bitmap.height()], bitmap.channels(), storage, |i| bitmap.stored(i))
 }
 
-/// Returns the bitmap with each green number g made 1 − g: what turns green up into green down and back, to the bit.
+/// Returns the bitmap with each green value g replaced by 1 − g: converts green up to green down and back,
+/// bit-exactly.
 ///
 /// ```
 /// use taotie::image::{Bitmap, Texels};
@@ -198,12 +182,12 @@ pub fn green_turned(bitmap: &Bitmap) -> Bitmap {
         Texels::U16(texels) => Texels::U16(with_green(texels, |g| 65535 - g)),
         Texels::F32(texels) => Texels::F32(with_green(texels, |g| 1.0 - g)),
     };
-    // One channel would have been three equal ones.
+    // One channel would become three equal ones.
     let channels = bitmap.channels().max(3);
     Bitmap::new(bitmap.width(), bitmap.height(), channels, texels).expect("the size is that of a bitmap")
 }
 
-/// Returns the texels with each green number changed.
+/// Returns the texels with each green value changed.
 fn with_green<T: Copy + Default + Send + Sync>(
     texels: &[[T; 4]],
     change: impl Fn(T) -> T + Sync,
@@ -224,29 +208,49 @@ fn stored(
     let codes = |i: usize, top: f64| {
         let at = [i as u32 % width, i as u32 / width];
         let offset = |channel: u32| if storage.dither { dither(at, channel) } else { 0.0 };
-        // Cut off, which is rounding down for what is not below 0.
+        // Truncation, which rounds down since the value is not below 0.
         let code = |channel: usize, v: f32| {
             (f64::from(v) * top + 0.5 + offset(channel as u32)).clamp(0.0, top) as u16
         };
         let [r, g, b, a] = number(i);
-        // Alpha is not dithered: what is opaque stays so.
+        // Alpha is not dithered: opaque texels stay opaque.
         [code(0, r), code(1, g), code(2, b), (f64::from(a) * top + 0.5).clamp(0.0, top) as u16]
     };
     let texels = match storage.bits {
         8 => Texels::U8(parallel::collect(count, |i| codes(i, 255.0).map(|c| c as u8))),
         16 => Texels::U16(parallel::collect(count, |i| codes(i, 65535.0))),
         bits => {
-            return Err(Error::invalid(format!("{bits} bits a channel"), "normals are stored in 8 or 16"));
+            return Err(Error::invalid(format!("{bits} bits per channel"), "use 8 or 16"));
         }
     };
     Bitmap::new(width, height, channels, texels)
 }
 
-/// Returns the pattern at a texel, within ±0.49: what is a code up to single precision stays that code.
+/// Returns the pattern at a texel, within ±0.49: a value that is a code up to single precision stays that code.
 fn dither([x, y]: [u32; 2], channel: u32) -> f64 {
-    // 2³² over the plastic number and over its square, and 2³² over the golden ratio.
+    // 2³² divided by the plastic number and by its square, and 2³² divided by the golden ratio.
     const STEPS: [u32; 3] = [0xC13F_A9A9, 0x91E1_0DA5, 0x9E37_79B9];
     let phase =
         [x, y, channel].iter().zip(STEPS).fold(0u32, |sum, (v, step)| sum.wrapping_add(v.wrapping_mul(step)));
     (f64::from(phase) / 4_294_967_296.0 - 0.5) * 0.98
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STORAGE: Storage = Storage { bits: 8, dither: false };
+
+    #[test]
+    fn one_channel_is_stored_as_grey() {
+        let map = store_codes([2, 1], |i| [i as f32; 3], 1, STORAGE).unwrap();
+        assert_eq!(map.texels(), &Texels::U8(vec![[0, 0, 0, 255], [255; 4]]));
+    }
+
+    #[test]
+    fn alpha_is_stored() {
+        let map = store_rgba([1, 1], |_| [1.0, 0.5, 0.0, 0.2], STORAGE).unwrap();
+        assert_eq!(map.texels(), &Texels::U8(vec![[255, 128, 0, 51]]));
+        assert_eq!(map.channels(), 4);
+    }
 }

@@ -1,4 +1,4 @@
-//! Where a point looks its environment up, and what it finds there.
+//! Environment lookups at a point: directions, roughness, and the light found.
 
 use super::frame::Frame;
 use crate::math::{Lane, Vec3};
@@ -35,7 +35,7 @@ pub struct Anisotropic<L> {
     pub roughness: L,
 }
 
-/// Finds the highlight of the base; `roughness` is that of its lobe, [0, 1].
+/// Returns the highlight of the base; `roughness` is the roughness of its lobe, [0, 1].
 #[inline(always)]
 pub fn highlight<L: Lane>(
     frame: &Frame<L>,
@@ -47,23 +47,23 @@ pub fn highlight<L: Lane>(
     Highlight { direction: towards_normal(mirrored(v, lobe_normal), n, roughness), roughness }
 }
 
-/// Finds the highlight of a clearcoat with the unit normal `n`.
+/// Returns the highlight of a clearcoat with the unit normal `n`.
 #[inline(always)]
 pub fn coat_highlight<L: Lane>(n: Vec3<L>, v: Vec3<L>, roughness: L) -> Highlight<L> {
     Highlight { direction: mirrored(v, n), roughness }
 }
 
-/// The direction in which a rough highlight gathers its light: rough surfaces seen at a grazing angle mirror less
-/// than their mirror direction says, since half of their lobe lies below the horizon. From the mirror direction of a
-/// smooth surface it goes to the normal of the roughest with roughness⁴, which lowers the error of the split sum
-/// threefold at roughness 1 and leaves it alone below 0.5 (docs/errors.md).
+/// The direction in which a rough highlight gathers its light: half of the lobe of a rough
+/// surface at a grazing angle is below the horizon. The direction moves from the mirror direction to the normal with
+/// roughness⁴, which divides the error of the split sum by three at roughness 1 and hardly changes it below 0.5
+/// (docs/errors.md).
 #[inline(always)]
 fn towards_normal<L: Lane>(mirrored: Vec3<L>, n: Vec3<L>, roughness: L) -> Vec3<L> {
     let share = roughness.squared().squared();
     (mirrored * (roughness.lit(1.0) - share) + n * share).normalize_or(n)
 }
 
-/// The normal that an anisotropic highlight mirrors by: turned towards the viewer, across the direction of anisotropy.
+/// The normal about which an anisotropic highlight is mirrored: bent towards the viewer, across the anisotropy.
 /// Source: McAuley 2015, "Rendering the World of Far Cry 4"; the blend of KHR_materials_anisotropy.
 #[inline(always)]
 fn anisotropic_normal<L: Lane>(frame: &Frame<L>, anisotropic: &Anisotropic<L>) -> Vec3<L> {
@@ -87,7 +87,7 @@ pub struct Turn<L> {
 }
 
 impl<N> Turn<N> {
-    /// The same turn of other numbers.
+    /// Converts the numbers.
     #[inline(always)]
     pub fn map<L>(self, f: impl Fn(N) -> L) -> Turn<L> {
         Turn { sin: f(self.sin), cos: f(self.cos) }
@@ -95,14 +95,14 @@ impl<N> Turn<N> {
 }
 
 impl<L: Lane> Turn<L> {
-    /// The direction in the environment's own space that lies in direction `world`.
+    /// Transforms a direction from world space to the environment's space.
     #[inline(always)]
     pub fn to_environment(self, world: Vec3<L>) -> Vec3<L> {
         let Self { sin, cos } = self;
         Vec3::new(world.x * cos - world.z * sin, world.y, world.z * cos + world.x * sin)
     }
 
-    /// The direction in the world in which the environment's `direction` lies.
+    /// Transforms a direction from the environment's space to world space.
     #[inline(always)]
     pub fn to_world(self, direction: Vec3<L>) -> Vec3<L> {
         let Self { sin, cos } = self;

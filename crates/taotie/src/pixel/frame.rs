@@ -1,4 +1,4 @@
-//! The shading normal and the other directions of a point that lighting needs.
+//! The directions of a point that lighting needs, the shading normal among them.
 
 use super::geometry::Geometry;
 use crate::math::{Lane, Vec3};
@@ -8,18 +8,18 @@ use crate::math::{Lane, Vec3};
 pub struct Frame<L> {
     /// The shading normal; not unit for `bump-printed`.
     pub n: Vec3<L>,
-    /// The normal before any map, on the side that is seen.
+    /// The normal before any map, on the visible side.
     pub smooth: Vec3<L>,
     /// The direction to the viewer.
     pub v: Vec3<L>,
 }
 
 impl<L: Lane> Frame<L> {
-    /// Makes the frame of the front's shading normal `n`. `side` is −1 if the surface is seen from behind and turns
+    /// Creates the frame for the front's shading normal `n`. `side` is −1 if the surface is seen from behind and turns
     /// with it, else 1. If `softened`, a normal that faces away from the viewer is bent until it is just visible.
     ///
-    /// Light is measured against this normal only, never against the smooth one: where a baked map and its coarse mesh
-    /// disagree, the map is right, and the mesh's own horizon would cut dark wedges into lit relief.
+    /// Light is measured against this normal only, never against the smooth one: if a baked map and its coarse mesh
+    /// disagree, the map is right, and the mesh's horizon would cut dark wedges into lit relief.
     #[inline(always)]
     pub fn new(geometry: &Geometry<L>, n: Vec3<L>, side: L, softened: bool) -> Self {
         let (smooth, n, v) = (geometry.smooth() * side, n * side, geometry.v);
@@ -28,14 +28,14 @@ impl<L: Lane> Frame<L> {
     }
 }
 
-/// The clearcoat's normal: `n` of its own map, on the side that is seen, turned towards the viewer.
+/// Returns the clearcoat's normal: `n` from its normal map, on the visible side, bent towards the viewer.
 #[inline(always)]
 pub fn coat_normal<L: Lane>(n: Vec3<L>, frame: &Frame<L>) -> Vec3<L> {
     towards_viewer(n, frame.smooth, frame.v)
 }
 
-/// The direction of anisotropy, unit, at a right angle to the shading normal `n`: `turn` is cosine and sine of its angle
-/// from the tangent.
+/// Returns the direction of anisotropy, unit, at a right angle to the shading normal `n`. The last argument is the cosine
+/// and sine of its angle from the tangent.
 ///
 /// Source: KHR_materials_anisotropy.
 #[inline(always)]
@@ -47,12 +47,12 @@ pub fn anisotropy_direction<L: Lane>(geometry: &Geometry<L>, n: Vec3<L>, [cos, s
     flat.normalize_or(n.any_perpendicular())
 }
 
-/// The least n·v that a mapped normal keeps where the smooth normal has as much, and where it has none.
+/// The smallest n·v of a mapped normal: where the smooth normal has at least as much, and at the rim, where it has none.
 const LEAST_N_DOT_V: f64 = 0.25;
 const LEAST_AT_RIM: f64 = 0.01;
 
-/// A mapped normal that turns away from a viewer who sees the surface, turned back until it is just seen: the least
-/// change there is, and without a step, where mirroring the normal would light the wrong side of every steep slope.
+/// Bends a mapped normal that faces away from the viewer until it is just visible: the smallest possible change, and a
+/// continuous one. Mirroring the normal instead would light the wrong side of every steep slope.
 #[inline(always)]
 fn towards_viewer<L: Lane>(n: Vec3<L>, smooth: Vec3<L>, v: Vec3<L>) -> Vec3<L> {
     let zero = n.x.lit(0.0);

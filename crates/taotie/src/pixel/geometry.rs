@@ -1,12 +1,12 @@
-//! Interpolated geometry at a point, and the normals that each surface method makes of it.
+//! Interpolated geometry at a point, and the normals that the surface methods derive from it.
 
 use crate::math::{Lane, Vec3};
 use crate::surface;
 
-/// A point of a surface as interpolation gives it, world space.
+/// The interpolated geometry of a surface point, world space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Geometry<L> {
-    /// The geometric normal: unit, on the side of the face that is seen.
+    /// The geometric normal: unit, on the visible side of the face.
     pub n_geom: Vec3<L>,
     /// The interpolated normal, not normalised; object space for [`Self::bumped_as_printed`].
     pub normal: Vec3<L>,
@@ -14,25 +14,25 @@ pub struct Geometry<L> {
     pub tangent: Vec3<L>,
     /// The sign of the bitangent, ±1.
     pub handedness: L,
-    /// The side that is seen: 1 for the front, −1 for the back.
+    /// The visible side: 1 for the front, −1 for the back.
     pub facing: L,
     /// The direction to the viewer, unit.
     pub v: Vec3<L>,
 }
 
-/// A texel of a normal map and what it is decoded by.
+/// A texel of a normal map with its decoding parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MappedNormal<L> {
     /// The stored vector, each component in [0, 1].
     pub stored: Vec3<L>,
     /// Multiplies x and y.
     pub scale: L,
-    /// 1 where green points up (OpenGL, glTF), −1 where it points down (DirectX).
+    /// 1 if green points up (OpenGL, glTF), −1 if it points down (DirectX).
     pub green: L,
 }
 
 impl<N: Copy> Geometry<N> {
-    /// The same geometry in other numbers.
+    /// Converts the numbers.
     #[inline(always)]
     pub fn map<L>(&self, f: impl Fn(N) -> L) -> Geometry<L> {
         Geometry {
@@ -47,14 +47,14 @@ impl<N: Copy> Geometry<N> {
 }
 
 impl<N: Copy> MappedNormal<N> {
-    /// The same texel in other numbers.
+    /// Converts the numbers.
     #[inline(always)]
     pub fn map<L>(&self, f: impl Fn(N) -> L) -> MappedNormal<L> {
         MappedNormal { stored: self.stored.map(&f), scale: f(self.scale), green: f(self.green) }
     }
 }
 
-/// The normals are those of the front; [`super::Frame::new`] turns them to the side that is seen.
+/// All normals are those of the front; [`super::Frame::new`] turns them to the visible side.
 impl<L: Lane> Geometry<L> {
     /// The normal of the facet.
     #[inline(always)]
@@ -68,16 +68,16 @@ impl<L: Lane> Geometry<L> {
         self.normal.normalize_or(self.n_geom)
     }
 
-    /// The normal of a height map: `dp` the derivatives of the position and `dh` those of the height by u and v, model
-    /// units.
+    /// The normal of a height map. `dp` are the derivatives of the position and `dh` those of the height with respect to
+    /// u and v, model units.
     #[inline(always)]
     pub fn bumped(&self, dp: [Vec3<L>; 2], dh: [L; 2]) -> Vec3<L> {
         let n = self.smooth();
         surface::bump(n, surface::surface_gradient(n, dp, dh))
     }
 
-    /// The normal of a height map as Guo and Wang 2025 print it: `factor` theirs, `g` half the difference of grey
-    /// levels. The normal is in object space; `normal_matrix` takes it to the world.
+    /// The normal of a height map as printed by Guo and Wang 2025: `factor` is theirs, `g` half the difference of grey
+    /// levels. The computed normal is in object space; `normal_matrix` transforms it to world space.
     #[inline(always)]
     pub fn bumped_as_printed(&self, factor: L, g: L, normal_matrix: [Vec3<L>; 3]) -> Vec3<L> {
         let bumped = surface::bump_printed(self.smooth(), factor, g);
@@ -85,7 +85,7 @@ impl<L: Lane> Geometry<L> {
         x * bumped.x + y * bumped.y + z * bumped.z
     }
 
-    /// The normal of an object-space map; `stored` each in [0, 1].
+    /// The normal of an object-space map; the components of `stored` are in [0, 1].
     #[inline(always)]
     pub fn object_mapped(stored: Vec3<L>, normal_matrix: [Vec3<L>; 3]) -> Vec3<L> {
         surface::object_normal(surface::decode_object_normal(stored), normal_matrix)

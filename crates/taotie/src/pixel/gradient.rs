@@ -1,15 +1,16 @@
 //! The derivatives of a pixel's radiance, by running the whole pixel program on dual numbers.
 
-use super::inputs::{NormalSource, PixelInputs, Surroundings};
+use super::inputs::{IncidentLight, PixelInputs};
 use super::light::Incidence;
 use crate::math::{Dual, Number, Vec3};
+use crate::surface::SurfaceMethod;
 use std::array::from_fn;
 
-/// Radiance and its derivatives by what it depends on.
+/// Radiance with its derivatives.
 ///
-/// A derivative by one number is the change of the radiance, linear RGB, per unit of that number; one by a vector or a
-/// colour has three of them, in the order x, y, z or red, green, blue. Vectors are changed freely, not along the sphere:
-/// what a change along the vector itself gives is part of it.
+/// The derivative with respect to a number is the change of the radiance, linear RGB, per unit of that number; with
+/// respect to a vector or colour there are three, in the order x, y, z or red, green, blue. Vectors vary freely, not
+/// only on the sphere, so the effect of a change of length is included.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gradient<L> {
     /// Radiance to the viewer, linear RGB.
@@ -18,12 +19,12 @@ pub struct Gradient<L> {
     pub roughness: Vec3<L>,
     /// By the factor [`MaterialUniforms::base_color`](super::MaterialUniforms::base_color).
     pub base_color: [Vec3<L>; 3],
-    /// By the authored F0; where there is none, by that of the dielectric part, which is `dielectric_f0` times
+    /// By the authored F0, or, if there is none, by that of the dielectric part, which is `dielectric_f0` times
     /// [`MaterialValues::specular_color`](super::MaterialValues::specular_color).
     pub f0: [Vec3<L>; 3],
-    /// By the interpolated normal; for [`NormalSource::Facet`] by the triangle's own.
+    /// By the interpolated normal; for [`SurfaceMethod::Facet`] by the facet's.
     pub normal: [Vec3<L>; 3],
-    /// By the shading normal that the method makes of it, before it is turned: [`PixelInputs::front_normal`].
+    /// By the shading normal before it is turned to the visible side: [`PixelInputs::front_normal`].
     pub shading_normal: [Vec3<L>; 3],
     /// By the direction to each light, [`Incidence::l`](super::Incidence::l).
     pub lights: Vec<[Vec3<L>; 3]>,
@@ -41,33 +42,34 @@ const ALL: usize = 16;
 /// A number with its derivatives by all variables.
 type Derived<L> = Dual<L, ALL>;
 
-/// The variables from number `first` on.
+/// The variables numbered from `first`.
 fn variables<L: Number>(values: Vec3<L>, first: usize) -> Vec3<Derived<L>> {
     let [x, y, z] = values.to_array();
     Vec3::new(Dual::variable(x, first), Dual::variable(y, first + 1), Dual::variable(z, first + 2))
 }
 
-/// The derivatives of a colour by a variable.
+/// The derivatives of a colour with respect to a variable.
 fn partial<L: Number>(color: &Vec3<Derived<L>>, variable: usize) -> Vec3<L> {
     color.map(|channel| channel.partials[variable])
 }
 
-/// The derivatives of a colour by three variables.
+/// The derivatives of a colour with respect to three variables.
 fn partials<L: Number>(color: &Vec3<Derived<L>>, first: usize) -> [Vec3<L>; 3] {
     from_fn(|i| partial(color, first + i))
 }
 
 impl<L: Number> PixelInputs<L> {
-    /// The radiance with its derivatives: exact but for rounding, at points where it has any. At kinks, such as the
-    /// nodes of a table, they are those of one side.
+    /// Returns the radiance with its derivatives, exact except for rounding. At kinks, such as the nodes of a table, they
+    /// are one-sided.
     ///
     /// ```
     /// use taotie::math::Vec3;
     /// use taotie::pixel::{
-    ///     Geometry, Incidence, LayerInputs, MaterialUniforms, MaterialValues, NormalSource, PixelInputs, Surroundings,
+    ///     Geometry, Incidence, LayerInputs, MaterialUniforms, MaterialValues, NormalValues, PixelInputs, IncidentLight,
     /// };
     /// use taotie::scene::Material;
     /// use taotie::shade::Shading;
+    /// use taotie::surface::SurfaceMethod;
     ///
     /// let up = Vec3::new(0.0, 0.0, 1.0);
     /// let pixel = PixelInputs {
@@ -80,7 +82,8 @@ impl<L: Number> PixelInputs<L> {
     ///         facing: 1.0,
     ///         v: up,
     ///     },
-    ///     normal: NormalSource::Smooth,
+    ///     method: SurfaceMethod::Smooth,
+    ///     normal: NormalValues::none(0.0),
     ///     turns: false,
     ///     softened: false,
     ///     compensated: true,
@@ -98,15 +101,15 @@ impl<L: Number> PixelInputs<L> {
     ///     layers: LayerInputs { clearcoat: None, sheen: None, anisotropy: None },
     /// };
     /// let light = Incidence { l: Vec3::new(0.6, 0.0, 0.8), irradiance: Vec3::splat(3.0) };
-    /// let light = Surroundings { arriving: vec![light], ambient: Vec3::splat(0.0), environment: None };
+    /// let light = IncidentLight { arriving: vec![light], ambient: Vec3::splat(0.0), environment: None };
     /// let gradient = pixel.gradient(&light);
     /// assert_eq!(gradient.radiance, pixel.radiance(&light));
-    /// // Red light comes back where the base is redder, and blue light does not.
+    /// // A redder base reflects more red light, and no more blue light.
     /// assert!(gradient.base_color[0].x > 0.0 && gradient.base_color[0].z == 0.0);
-    /// // The highlight lies between viewer and light; turned towards it, the surface is brighter.
+    /// // The surface gets brighter as its normal turns towards the half vector.
     /// assert!(gradient.shading_normal[0].x > 0.0);
     /// ```
-    pub fn gradient(&self, light: &Surroundings<'_, L>) -> Gradient<L> {
+    pub fn gradient(&self, light: &IncidentLight<'_, L>) -> Gradient<L> {
         let inputs = self.with_variables();
         let origin = Vec3::splat(self.values.roughness.lit(0.0));
         let front = inputs.front_normal() + variables(origin, SHADING_NORMAL);
@@ -123,7 +126,7 @@ impl<L: Number> PixelInputs<L> {
         Gradient { lights, ..Gradient::of(&radiance) }
     }
 
-    /// The same inputs with the variables among them.
+    /// Converts the inputs to dual numbers, with the variables marked.
     fn with_variables(&self) -> PixelInputs<Derived<L>> {
         let mut inputs = self.map(Dual::constant);
         let one = Dual::constant(self.values.roughness.lit(1.0));
@@ -137,8 +140,8 @@ impl<L: Number> PixelInputs<L> {
                 inputs.uniforms.dielectric_f0 = one;
             }
         }
-        match self.normal {
-            NormalSource::Facet => inputs.geometry.n_geom = variables(self.geometry.n_geom, NORMAL),
+        match self.method {
+            SurfaceMethod::Facet => inputs.geometry.n_geom = variables(self.geometry.n_geom, NORMAL),
             _ => inputs.geometry.normal = variables(self.geometry.normal, NORMAL),
         }
         inputs
@@ -146,7 +149,7 @@ impl<L: Number> PixelInputs<L> {
 }
 
 impl<L: Number> Gradient<L> {
-    /// The derivatives but for those by lights.
+    /// Collects the derivatives, except those with respect to lights.
     fn of(radiance: &Vec3<Derived<L>>) -> Self {
         Self {
             radiance: radiance.map(|channel| channel.value),

@@ -1,27 +1,31 @@
-//! The inputs of a whole pixel: interpolated geometry, values of textures, factors, and the light around.
+//! The inputs of a whole pixel: interpolated geometry, texture values, factors, and incident light.
 
 use super::environment::Turn;
 use super::geometry::{Geometry, MappedNormal};
 use super::light::Incidence;
 use super::material::{MaterialUniforms, MaterialValues};
-use crate::math::Vec3;
+use super::normal_source::NormalInputs;
+use crate::math::{Lane, Vec3};
 use crate::shade::Shading;
 use crate::shade::environment::Environment;
+use crate::surface::SurfaceMethod;
 
-/// A point of a surface before any stage has run, and what is known of it before any pixel.
+/// A surface point before any stage has run, with the facts that are the same for all pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PixelInputs<L> {
     /// The reflectance model.
     pub shading: Shading,
     /// The interpolated geometry.
     pub geometry: Geometry<L>,
-    /// The source of the shading normal.
-    pub normal: NormalSource<L>,
-    /// `true` where the normal turns with the side that is seen.
+    /// The method of the shading normal.
+    pub method: SurfaceMethod,
+    /// The inputs of that method.
+    pub normal: NormalValues<L>,
+    /// `true` if the normal turns to the visible side.
     pub turns: bool,
-    /// `true` where mapped normals at grazing angles are softened.
+    /// `true` if mapped normals are softened at grazing angles.
     pub softened: bool,
-    /// `true` where light that scatters several times is added, for models that have a form of it.
+    /// `true` if multiple scattering is added, for models that support it.
     pub compensated: bool,
     /// The factors of the material.
     pub uniforms: MaterialUniforms<L>,
@@ -31,41 +35,57 @@ pub struct PixelInputs<L> {
     pub layers: LayerInputs<L>,
 }
 
-/// The source of the shading normal, with what it needs beside [`Geometry`].
+/// The inputs of the shading normal as plain values: [`NormalInputs`]. Fields that the method does not read may have any
+/// value.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum NormalSource<L> {
-    /// The triangle's own normal: [`Geometry::facet`].
-    Facet,
-    /// The interpolated normal: [`Geometry::smooth`].
-    Smooth,
-    /// A height map: [`Geometry::bumped`].
-    Bump {
-        /// The derivatives of the position by u and v, model units.
-        dp: [Vec3<L>; 2],
-        /// Those of the height, model units.
-        dh: [L; 2],
-    },
-    /// A height map as Guo and Wang 2025 print it: [`Geometry::bumped_as_printed`].
-    BumpPrinted {
-        /// Their factor.
-        factor: L,
-        /// Half the difference of grey levels.
-        grey: L,
-        /// The columns of the matrix that takes normals to world space.
-        normal_matrix: [Vec3<L>; 3],
-    },
-    /// A normal map in object space: [`Geometry::object_mapped`].
-    ObjectMap {
-        /// The texel, each component in [0, 1].
-        stored: Vec3<L>,
-        /// The columns of the matrix that takes normals to world space.
-        normal_matrix: [Vec3<L>; 3],
-    },
-    /// A normal map in tangent space: [`Geometry::tangent_mapped`].
-    TangentMap(MappedNormal<L>),
+pub struct NormalValues<L> {
+    /// The derivatives of the position by two parameters of the surface, model units.
+    pub dp: [Vec3<L>; 2],
+    /// Those of the height, model units.
+    pub dh: [L; 2],
+    /// The factor of Guo and Wang 2025, and half the difference of the grey levels.
+    pub printed: [L; 2],
+    /// The texel of the normal map.
+    pub texel: MappedNormal<L>,
+    /// The columns of the matrix that takes normals from object to world space.
+    pub normal_matrix: [Vec3<L>; 3],
 }
 
-/// The layers at a point, for models that take any; `None` where the material has none.
+impl<L: Copy> NormalInputs<L> for NormalValues<L> {
+    fn bump(&self) -> ([Vec3<L>; 2], [L; 2]) {
+        (self.dp, self.dh)
+    }
+    fn printed_bump(&self) -> [L; 2] {
+        self.printed
+    }
+    fn texel(&self) -> MappedNormal<L> {
+        self.texel
+    }
+    fn normal_matrix(&self) -> [Vec3<L>; 3] {
+        self.normal_matrix
+    }
+}
+
+impl<L: Lane> NormalValues<L> {
+    /// Returns the inputs of methods that read no map, from any number.
+    pub fn none(zero: L) -> Self {
+        let (zero, one) = (zero.lit(0.0), zero.lit(1.0));
+        let none = Vec3::splat(zero);
+        Self {
+            dp: [none; 2],
+            dh: [zero; 2],
+            printed: [zero; 2],
+            texel: MappedNormal { stored: none, scale: one, green: one },
+            normal_matrix: [
+                Vec3::new(one, zero, zero),
+                Vec3::new(zero, one, zero),
+                Vec3::new(zero, zero, one),
+            ],
+        }
+    }
+}
+
+/// The layers at a point, for models that support them; `None` if the material lacks one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LayerInputs<L> {
     /// The clearcoat.
@@ -79,11 +99,11 @@ pub struct LayerInputs<L> {
 /// A clearcoat at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoatInputs<L> {
-    /// The part of the surface that it covers, [0, 1].
+    /// The share of the surface that it covers, [0, 1].
     pub factor: L,
-    /// The roughness as artists set it, widened by what hides within the pixel, [0, 1].
+    /// The roughness as artists set it, widened by detail within the pixel, [0, 1].
     pub roughness: L,
-    /// The texel of its own normal map; without one it has the smooth normal.
+    /// The texel of its normal map; without one it follows the smooth normal.
     pub normal: Option<MappedNormal<L>>,
 }
 
@@ -105,29 +125,29 @@ pub struct AnisotropyInputs<L> {
     pub strength: L,
 }
 
-/// The light that reaches a point.
+/// The light that arrives at a point.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Surroundings<'e, L> {
-    /// The light of each light.
+pub struct IncidentLight<'e, L> {
+    /// The light from each light source.
     pub arriving: Vec<Incidence<L>>,
-    /// Radiance from all around, linear RGB.
+    /// Ambient radiance, linear RGB.
     pub ambient: Vec3<L>,
     /// The environment, if there is one.
     pub environment: Option<EnvironmentSource<'e, L>>,
 }
 
-/// An environment as a scene has it.
+/// An environment as placed in a scene.
 #[derive(Debug, Clone, Copy)]
 pub struct EnvironmentSource<'e, L> {
     /// The environment.
     pub environment: &'e Environment,
-    /// Its turn.
+    /// Its rotation.
     pub turn: Turn<L>,
     /// The factor of its radiance, at least 0.
     pub intensity: L,
 }
 
-/// Two sources are equal where they are the same environment, not another with the same light.
+/// Two sources are equal only if they share the environment; equal contents do not count.
 impl<L: PartialEq> PartialEq for EnvironmentSource<'_, L> {
     fn eq(&self, other: &Self) -> bool {
         let is_same = std::ptr::eq(self.environment, other.environment);
@@ -136,11 +156,12 @@ impl<L: PartialEq> PartialEq for EnvironmentSource<'_, L> {
 }
 
 impl<N: Copy> PixelInputs<N> {
-    /// The same inputs in other numbers.
+    /// Converts the numbers.
     pub fn map<L>(&self, f: impl Fn(N) -> L) -> PixelInputs<L> {
         PixelInputs {
             shading: self.shading,
             geometry: self.geometry.map(&f),
+            method: self.method,
             normal: self.normal.map(&f),
             turns: self.turns,
             softened: self.softened,
@@ -152,22 +173,15 @@ impl<N: Copy> PixelInputs<N> {
     }
 }
 
-impl<N: Copy> NormalSource<N> {
-    fn map<L>(&self, f: impl Fn(N) -> L) -> NormalSource<L> {
+impl<N: Copy> NormalValues<N> {
+    fn map<L>(&self, f: impl Fn(N) -> L) -> NormalValues<L> {
         let vector = |vector: Vec3<N>| vector.map(&f);
-        match *self {
-            Self::Facet => NormalSource::Facet,
-            Self::Smooth => NormalSource::Smooth,
-            Self::Bump { dp, dh } => NormalSource::Bump { dp: dp.map(vector), dh: dh.map(&f) },
-            Self::BumpPrinted { factor, grey, normal_matrix } => NormalSource::BumpPrinted {
-                factor: f(factor),
-                grey: f(grey),
-                normal_matrix: normal_matrix.map(vector),
-            },
-            Self::ObjectMap { stored, normal_matrix } => {
-                NormalSource::ObjectMap { stored: vector(stored), normal_matrix: normal_matrix.map(vector) }
-            }
-            Self::TangentMap(texel) => NormalSource::TangentMap(texel.map(&f)),
+        NormalValues {
+            dp: self.dp.map(vector),
+            dh: self.dh.map(&f),
+            printed: self.printed.map(&f),
+            texel: self.texel.map(&f),
+            normal_matrix: self.normal_matrix.map(vector),
         }
     }
 }
@@ -191,10 +205,10 @@ impl<N: Copy> LayerInputs<N> {
     }
 }
 
-impl<'e, N: Copy> Surroundings<'e, N> {
-    /// The same light in other numbers.
-    pub fn map<L>(&self, f: impl Fn(N) -> L) -> Surroundings<'e, L> {
-        Surroundings {
+impl<'e, N: Copy> IncidentLight<'e, N> {
+    /// Converts the numbers.
+    pub fn map<L>(&self, f: impl Fn(N) -> L) -> IncidentLight<'e, L> {
+        IncidentLight {
             arriving: self.arriving.iter().map(|arriving| arriving.map(&f)).collect(),
             ambient: self.ambient.map(&f),
             environment: self.environment.map(|source| EnvironmentSource {

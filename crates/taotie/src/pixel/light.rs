@@ -1,19 +1,19 @@
-//! A light as a point of a surface sees it.
+//! Lights as seen from a surface point.
 
 use crate::math::{Lane, Vec3, scalar};
 use crate::scene;
 use crate::shade::lights;
 
-/// A light made ready for shading.
+/// A light prepared for shading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightSource<L> {
-    /// Intensity, or irradiance where it is infinitely far, linear RGB.
+    /// Intensity, or irradiance if it is infinitely far away, linear RGB.
     pub color: Vec3<L>,
     /// Its place.
     pub place: Place<L>,
-    /// The falloff with the distance; nothing falls off from infinity.
+    /// The falloff with distance; none for infinitely distant lights.
     pub falloff: Falloff<L>,
-    /// The cone that it is kept in.
+    /// The cone that limits it.
     pub cone: Option<Cone<L>>,
 }
 
@@ -26,14 +26,14 @@ pub enum Place<L> {
     Towards(Vec3<L>),
 }
 
-/// The falloff of a light with the distance.
+/// The falloff of a light with distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Falloff<L> {
     /// None.
     None,
-    /// By the inverse square.
+    /// Inverse square.
     InverseSquare,
-    /// By the inverse square, faded to zero at a range, model units.
+    /// Inverse square, faded to zero at a range, model units.
     Windowed(L),
 }
 
@@ -58,7 +58,7 @@ pub struct Incidence<L> {
 }
 
 impl<N: Copy> Incidence<N> {
-    /// The same light in other numbers.
+    /// Converts the numbers.
     #[inline(always)]
     pub fn map<L>(&self, f: impl Fn(N) -> L) -> Incidence<L> {
         Incidence { l: self.l.map(&f), irradiance: self.irradiance.map(&f) }
@@ -66,9 +66,9 @@ impl<N: Copy> Incidence<N> {
 }
 
 impl LightSource<f32> {
-    /// Makes a scene's light ready.
+    /// Prepares a light of a scene.
     pub fn new(light: &scene::Light) -> Self {
-        // In the 32 bits that files hold, so that an angle and its decimals are one light.
+        // In the 32 bits of files, so that an angle and its decimal text are the same light.
         let cos = |angle: f64| scalar::cos(f64::from(angle as f32)) as f32;
         let cone = |axis, inner, outer| Cone { axis, cos_inner: cos(inner), cos_outer: cos(outer) };
         let (place, cone) = match light.kind {
@@ -86,7 +86,7 @@ impl LightSource<f32> {
         Self { color: light.color, place, falloff, cone }
     }
 
-    /// The same light as other numbers.
+    /// Converts the numbers.
     #[inline(always)]
     pub fn map<L>(&self, f: impl Fn(f32) -> L) -> LightSource<L> {
         let vector = |vector: Vec3| vector.map(&f);
@@ -117,7 +117,7 @@ impl LightSource<f32> {
         }
     }
 
-    /// The limit of a shadow ray along [`Self::ray_from`], in its lengths.
+    /// The length limit of a shadow ray along [`Self::ray_from`], in multiples of that vector.
     pub fn ray_limit(&self) -> f32 {
         match self.place {
             Place::At(_) => 1.0,
@@ -127,7 +127,7 @@ impl LightSource<f32> {
 }
 
 impl<L: Lane> LightSource<L> {
-    /// The light that arrives at `position`, unshadowed.
+    /// Returns the light that arrives at `position`, unshadowed.
     #[inline(always)]
     pub fn incidence(&self, position: Vec3<L>) -> Incidence<L> {
         let place = match self.place {

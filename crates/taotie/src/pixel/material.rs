@@ -1,4 +1,4 @@
-//! The material sample of a point, in every model's terms.
+//! The material sample of a point, in the terms of every model.
 
 use super::model::{is_cook_torrance, takes_compensation, takes_fresnel};
 use crate::math::{Lane, Vec3};
@@ -6,10 +6,10 @@ use crate::scene::Material;
 use crate::shade::dfg::Dfg;
 use crate::shade::{self, MaterialSample, Shading, fresnel, ndf};
 
-/// The least α that shininess and slope are made from.
+/// The smallest α from which shininess and slope are derived.
 const LEAST_ALPHA: f64 = 0.02;
 
-/// The factors of a material, the same at all points. What is `None` is not authored and follows from the
+/// The factors of a material, the same at all points. A factor that is `None` is not authored and follows from the
 /// metallic-roughness values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MaterialUniforms<L> {
@@ -34,7 +34,7 @@ pub struct MaterialUniforms<L> {
 }
 
 impl MaterialUniforms<f32> {
-    /// The factors of a scene's material.
+    /// Returns the factors of a scene's material.
     pub fn new(material: &Material) -> Self {
         let [r, g, b, _] = material.base_color;
         let ratio = (material.ior - 1.0) / (material.ior + 1.0);
@@ -54,7 +54,7 @@ impl MaterialUniforms<f32> {
 }
 
 impl<N: Copy> MaterialUniforms<N> {
-    /// The same factors as other numbers.
+    /// Converts the numbers.
     #[inline(always)]
     pub fn map<L>(&self, f: impl Fn(N) -> L) -> MaterialUniforms<L> {
         let vector = |vector: Vec3<N>| vector.map(&f);
@@ -79,22 +79,22 @@ pub struct MaterialValues<L> {
     pub tint: Vec3<L>,
     /// [0, 1].
     pub metallic: L,
-    /// The roughness as artists set it, widened by what hides within the pixel, [0, 1].
+    /// The roughness as artists set it, widened by detail within the pixel, [0, 1].
     pub roughness: L,
     /// The strength of a dielectric's reflection, [0, 1].
     pub specular: L,
     /// Multiplies the dielectric's F0, linear RGB, at least 0.
     pub specular_color: Vec3<L>,
-    /// The share of the hemisphere that is open, [0, 1].
+    /// The unoccluded share of the hemisphere, [0, 1].
     pub occlusion: L,
     /// Emitted radiance, linear RGB.
     pub emissive: Vec3<L>,
-    /// What hides within the pixel: [`shade::SubPixelVariance::variance`].
+    /// The variance of normals within the pixel: [`shade::SubPixelVariance::variance`].
     pub variance: L,
 }
 
 impl<N: Copy> MaterialValues<N> {
-    /// The same values as other numbers.
+    /// Converts the numbers.
     #[inline(always)]
     pub fn map<L>(&self, f: impl Fn(N) -> L) -> MaterialValues<L> {
         MaterialValues {
@@ -110,22 +110,22 @@ impl<N: Copy> MaterialValues<N> {
     }
 }
 
-/// The material at a point, in every model's terms.
+/// The material at a point, in the terms of every model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MaterialPoint<L> {
-    /// What reflectance depends on.
+    /// The parameters of reflectance.
     pub sample: MaterialSample<L>,
     /// k_a, linear RGB.
     pub ambient: Vec3<L>,
     /// Emitted radiance, linear RGB.
     pub emissive: Vec3<L>,
-    /// The share of the hemisphere that is open, [0, 1].
+    /// The unoccluded share of the hemisphere, [0, 1].
     pub occlusion: L,
 }
 
 impl<L: Lane> MaterialPoint<L> {
-    /// Makes the material of factors and values. `dfg`, the directional albedos of the lobe, adds the light that
-    /// scatters several times, where the model has a form of it.
+    /// Combines factors and values. `dfg`, the directional albedos of the lobe, adds multiple scattering, if the model
+    /// supports it.
     #[inline(always)]
     pub fn new(
         shading: Shading,
@@ -177,8 +177,8 @@ impl<L: Lane> MaterialPoint<L> {
     }
 }
 
-/// Returns F0 and F90: a dielectric's by its index of refraction and its specular strength and colour, a metal's by
-/// its base colour.
+/// Returns F0 and F90: of a dielectric from its index of refraction, specular strength and colour, of a metal from its
+/// base colour.
 ///
 /// Source: glTF 2.0, appendix B; KHR_materials_ior; KHR_materials_specular.
 #[inline(always)]
@@ -195,7 +195,7 @@ fn normal_and_grazing<L: Lane>(
     (f0, strength * (one - metallic) + metallic)
 }
 
-/// Beckmann's slope and the exponent of the Phong family: as authored, widened by what hides within the pixel, or from
+/// Beckmann's slope and the exponent of the Phong family: as authored, widened by detail within the pixel, or from
 /// the roughness, which is widened already.
 #[inline(always)]
 fn classic_widths<L: Lane>(uniforms: &MaterialUniforms<L>, values: &MaterialValues<L>) -> (L, L) {
@@ -213,7 +213,7 @@ fn classic_widths<L: Lane>(uniforms: &MaterialUniforms<L>, values: &MaterialValu
     (slope, shininess)
 }
 
-/// Beckmann's slope by which the tables of `cook-torrance` are read, at least 0.
+/// Returns Beckmann's slope for the tables of `cook-torrance`, at least 0.
 #[inline(always)]
 pub fn lobe_slope<L: Lane>(uniforms: &MaterialUniforms<L>, values: &MaterialValues<L>) -> L {
     match uniforms.slope {
@@ -222,7 +222,7 @@ pub fn lobe_slope<L: Lane>(uniforms: &MaterialUniforms<L>, values: &MaterialValu
     }
 }
 
-/// The roughness of the GGX lobe that comes nearest to the model's highlight, [0, 1].
+/// Returns the roughness of the GGX lobe closest to the model's highlight, [0, 1].
 #[inline(always)]
 pub fn lobe_roughness<L: Lane>(
     shading: Shading,

@@ -1,4 +1,4 @@
-//! A point of a surface with everything that its reflection depends on.
+//! A surface point with everything that its reflection depends on.
 
 use super::environment::EnvironmentTexels;
 use super::frame::Frame;
@@ -8,7 +8,7 @@ use crate::math::{Lane, Vec3};
 use crate::shade::dfg::Dfg;
 use crate::shade::{self, Angles, AnisotropicLobe, Shading};
 
-/// A point of a surface, or a pack of them, with all that their reflection depends on.
+/// A surface point, or a pack of them, with everything that reflection depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint<L> {
     /// The reflectance model.
@@ -21,7 +21,7 @@ pub struct SurfacePoint<L> {
     pub layers: PointLayers<L>,
 }
 
-/// The layers over or in a surface; `None` where the material, or the model, has none.
+/// The layers of a surface; `None` if the material or the model lacks one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointLayers<L> {
     /// The anisotropic lobe, in place of the model's own.
@@ -33,20 +33,20 @@ pub struct PointLayers<L> {
 }
 
 impl<L: Lane> SurfacePoint<L> {
-    /// Radiance to the viewer per unit of irradiance on a plane that faces the light in direction `l` (unit, world
-    /// space), linear RGB: f · n·l.
+    /// Returns the radiance to the viewer per unit of irradiance on a plane that faces the light in direction `l` (unit,
+    /// world space), linear RGB: f · n·l.
     #[inline(always)]
     pub fn reflect(&self, l: Vec3<L>) -> Vec3<L> {
-        let reflected = self.reflect_bare(l);
+        let reflected = self.reflect_base(l);
         match &self.layers.coat {
             Some(coat) => coat.over(reflected, self.frame.v, l),
             None => reflected,
         }
     }
 
-    /// Does what [`Self::reflect`] does, without the clearcoat.
+    /// Like [`Self::reflect`], without the clearcoat.
     #[inline(always)]
-    pub fn reflect_bare(&self, l: Vec3<L>) -> Vec3<L> {
+    pub fn reflect_base(&self, l: Vec3<L>) -> Vec3<L> {
         let Frame { n, v, .. } = self.frame;
         let angles = Angles::new(n, v, l);
         let sample = &self.material.sample;
@@ -60,7 +60,7 @@ impl<L: Lane> SurfacePoint<L> {
         reflected
     }
 
-    /// Emission, and reflection of the `ambient` light, linear RGB.
+    /// Returns the emission and the reflection of the `ambient` light, linear RGB.
     #[inline(always)]
     pub fn own(&self, ambient: Vec3<L>) -> Vec3<L> {
         let MaterialPoint { emissive, ambient: reflected, occlusion, .. } = self.material;
@@ -68,7 +68,7 @@ impl<L: Lane> SurfacePoint<L> {
         emitted + reflected.mul_elements(ambient * occlusion)
     }
 
-    /// Radiance to the viewer of what the environment sends, linear RGB; `dfg` the directional albedos of the lobe.
+    /// Returns the environment's reflection to the viewer, linear RGB; `dfg` are the directional albedos of the lobe.
     #[inline(always)]
     pub fn reflect_environment(&self, light: &EnvironmentTexels<L>, dfg: &Dfg<L>) -> Vec3<L> {
         let weights = shade::environment_weights(self.shading, &self.material.sample, dfg);

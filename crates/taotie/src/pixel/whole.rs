@@ -1,58 +1,41 @@
-//! All stages of a pixel in turn, with what is fetched between them.
+//! All stages of a pixel in order, with the lookups between them.
 
 use super::environment::{Anisotropic, EnvironmentTexels, Highlight, coat_highlight, highlight};
 use super::frame::{Frame, anisotropy_direction, coat_normal};
-use super::geometry::Geometry;
-use super::inputs::{CoatInputs, EnvironmentSource, NormalSource, PixelInputs, Surroundings};
+use super::inputs::{CoatInputs, EnvironmentSource, IncidentLight, PixelInputs};
 use super::layers::{Coat, Sheen, coat_albedo, sheen_albedo};
 use super::light::Incidence;
 use super::material::{MaterialPoint, lobe_roughness, lobe_slope};
 use super::model::{is_cook_torrance, takes_albedos, takes_layers};
 use super::surface_point::{PointLayers, SurfacePoint};
-use crate::math::{Lane, Number, Vec3};
+use crate::math::{Number, Vec3};
 use crate::shade::AnisotropicLobe;
 use crate::shade::dfg::{AlbedoTable, Dfg, TablePosition};
 use std::f64::consts::FRAC_1_PI;
 
-/// A point ready for light.
+/// A surface point ready for lighting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShadedPixel<L> {
-    /// All that its reflection of a light depends on.
+    /// The parameters of its reflection.
     pub point: SurfacePoint<L>,
-    /// The directional albedos of its lobe; zeros for models without one.
+    /// The directional albedos of its lobe; zeros for models without them.
     pub dfg: Dfg<L>,
-    /// The highlight by which it gathers the environment's light.
+    /// The highlight that gathers the environment's light.
     pub highlight: Highlight<L>,
 }
 
-impl<L: Lane> NormalSource<L> {
-    /// The shading normal of the front.
-    fn front(&self, geometry: &Geometry<L>) -> Vec3<L> {
-        match *self {
-            Self::Facet => geometry.facet(),
-            Self::Smooth => geometry.smooth(),
-            Self::Bump { dp, dh } => geometry.bumped(dp, dh),
-            Self::BumpPrinted { factor, grey, normal_matrix } => {
-                geometry.bumped_as_printed(factor, grey, normal_matrix)
-            }
-            Self::ObjectMap { stored, normal_matrix } => Geometry::object_mapped(stored, normal_matrix),
-            Self::TangentMap(texel) => geometry.tangent_mapped(texel),
-        }
-    }
-}
-
 impl<L: Number> PixelInputs<L> {
-    /// The shading normal of the front, before it is turned to the side and to the viewer.
+    /// Returns the shading normal of the front, before it is turned to the visible side and the viewer.
     pub fn front_normal(&self) -> Vec3<L> {
-        self.normal.front(&self.geometry)
+        self.geometry.front_normal(self.method, &self.normal)
     }
 
-    /// Radiance to the viewer, linear RGB, unshadowed.
-    pub fn radiance(&self, light: &Surroundings<'_, L>) -> Vec3<L> {
+    /// Returns the radiance to the viewer, linear RGB, unshadowed.
+    pub fn radiance(&self, light: &IncidentLight<'_, L>) -> Vec3<L> {
         self.shaded(self.front_normal()).radiance(light)
     }
 
-    /// Makes the point ready for light, with this shading normal of the front.
+    /// Prepares the point for lighting, with this shading normal of the front.
     pub fn shaded(&self, front: Vec3<L>) -> ShadedPixel<L> {
         let frame = Frame::new(&self.geometry, front, self.side(), self.softened);
         let (dfg, anisotropic) = (self.albedos(&frame), self.anisotropic(&frame));
@@ -124,15 +107,15 @@ impl<L: Number> PixelInputs<L> {
 }
 
 impl<L: Number> ShadedPixel<L> {
-    /// Radiance to the viewer, linear RGB, unshadowed.
-    pub fn radiance(&self, light: &Surroundings<'_, L>) -> Vec3<L> {
+    /// Returns the radiance to the viewer, linear RGB, unshadowed.
+    pub fn radiance(&self, light: &IncidentLight<'_, L>) -> Vec3<L> {
         let mut radiance = self.without_lights(light);
         light.arriving.iter().for_each(|arriving| radiance += self.lit(arriving));
         radiance
     }
 
-    /// Radiance to the viewer that no light is needed for: emission, ambient light, and the environment's.
-    pub fn without_lights(&self, light: &Surroundings<'_, L>) -> Vec3<L> {
+    /// Returns the radiance to the viewer without light sources: emission, ambient light, and the environment.
+    pub fn without_lights(&self, light: &IncidentLight<'_, L>) -> Vec3<L> {
         let own = self.point.own(light.ambient);
         match &light.environment {
             Some(source) => own + self.point.reflect_environment(&self.gathered(source), &self.dfg),
@@ -140,7 +123,7 @@ impl<L: Number> ShadedPixel<L> {
         }
     }
 
-    /// Radiance to the viewer of what arrives of a light.
+    /// Returns the radiance to the viewer due to the light that arrives from a light source.
     pub fn lit(&self, arriving: &Incidence<L>) -> Vec3<L> {
         self.point.reflect(arriving.l).mul_elements(arriving.irradiance)
     }

@@ -1,4 +1,4 @@
-//! Points spread over what can be seen of a surface, each compared with what the other surface shows there.
+//! Points spread over the visible part of a surface, each compared with the other surface in its place.
 
 use super::footprint::Footprint;
 use super::pair::{Look, Pair, Sample, Side, view_ray};
@@ -9,48 +9,49 @@ use crate::mesh::Point;
 use crate::parallel;
 use crate::surface::facet_normal;
 
-/// A surface farther along the line of sight than this part of the diagonal is another part of the object.
+/// A surface farther along the line of sight than this fraction of the diagonal is another part of the object.
 const SAME_PART: f32 = 0.02;
-/// A surface within this part of the diagonal of a line of sight that misses it is that of an outline.
+/// A surface within this fraction of the diagonal of a line of sight that misses it belongs to an outline.
 const OUTLINE: f32 = 0.005;
-/// The cosine to the viewer below which that surface is turned away, as one with reversed winding is.
+/// The cosine to the viewer below which that surface is turned away, as with reversed winding.
 const AWAY: f32 = -0.5;
-/// Pixels across the object, at least: edges of modelled shapes may be as long as the object, and say nothing of its detail.
+/// Minimum number of pixels across the object: edges of modelled shapes may be as long as the object, and carry no
+/// information about its detail.
 const LEAST_PIXELS: f32 = 256.0;
-/// The angle that counts where the other surface shows nothing, degrees.
+/// The angle used if the other surface shows nothing, in degrees.
 const NOTHING_DEG: f32 = 90.0;
 
-/// A visible point and what the other surface shows in its place.
+/// A visible point and its counterpart on the other surface.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SurfaceSample {
-    /// The place, world space.
+    /// The position, world space.
     pub position: Vec3,
     /// The direction of the viewer, unit.
     pub toward: Vec3,
-    /// The triangle of its own surface.
+    /// The triangle on the sampled surface.
     pub triangle: u32,
-    /// Degrees between the normals shown; 90 where the other surface shows nothing.
+    /// Degrees between the shown normals; 90 if the other surface shows nothing.
     pub angle_deg: f32,
-    /// CIEDE2000 between the base colours; NaN if colours are not compared, or where nothing is shown.
+    /// CIEDE2000 between the base colours; NaN if colours are not compared, or if nothing is shown.
     pub color: f32,
     /// `true` if the other surface shows nothing there, or another part of the object.
     pub is_missing: bool,
-    /// The distance of the closest point of the other surface, model units.
+    /// The distance to the closest point of the other surface, in model units.
     pub distance: f32,
-    /// The width of the asset's finest texel there, model units; NaN without a texture.
+    /// The width of the asset's finest texel there, in model units; NaN without a texture.
     pub texel: f32,
-    /// The same by the width of the close-up's pixels, which are as fine as the scan's detail.
+    /// The same relative to the width of the close-up's pixels, which are as fine as the scan's detail.
     pub coarser: f32,
 }
 
-/// Samples of what can be seen of one surface.
+/// Samples of the visible part of one surface.
 #[derive(Debug, Clone, Default)]
 pub struct CloseUp {
     /// Visible points, spread evenly.
     pub samples: Vec<SurfaceSample>,
-    /// The share of the area that cannot be seen, [0, 1].
+    /// The share of the area that is hidden, [0, 1].
     pub hidden: f64,
-    /// Points that were looked at, hidden ones too.
+    /// Number of points sampled, including hidden ones.
     pub points: usize,
     /// `true` if the points are those of the scan, `false` if they are the asset's.
     pub is_of_scan: bool,
@@ -67,18 +68,18 @@ pub(super) struct Viewer<'a> {
 }
 
 impl<'a> Viewer<'a> {
-    /// Looks at points of the scan, and at what the asset shows in their place.
+    /// Views points of the scan, and the asset in their place.
     pub fn of_scan(pair: &'a Pair<'a>) -> Self {
         let footprint = Footprint::of(pair.scan.surface);
         Self { pair, own: pair.scan, other: pair.asset, footprint, is_of_scan: true }
     }
 
-    /// Looks at points of the asset, and at what the scan shows in their place.
+    /// Views points of the asset, and the scan in their place.
     pub fn of_asset(pair: &'a Pair<'a>) -> Self {
         Self { own: pair.asset, other: pair.scan, is_of_scan: false, ..Self::of_scan(pair) }
     }
 
-    /// Returns what is seen at a point of its own surface; `None` if it is hidden.
+    /// Returns the sample at a point of the sampled surface; `None` if it is hidden.
     pub fn sample(&self, point: Point) -> Option<SurfaceSample> {
         let (own, other) = (self.own.surface, self.other.surface);
         if !own.surface().is_opaque_at(point) {
@@ -102,8 +103,8 @@ impl<'a> Viewer<'a> {
         let texel =
             on_asset.and_then(|at| self.pair.asset.surface.surface().texel_size(at)).unwrap_or(f32::NAN);
         let closest = other.bvh().closest(position, f32::INFINITY);
-        // Beside an outline the line of sight passes by a surface that is there, and not turned away from the viewer. It need
-        // not be the closest: at the edge of a blade that is as likely its other side.
+        // Next to an outline the line of sight passes an existing surface that is not turned away from the viewer. It
+        // need not be the closest: at the edge of a blade that may well be its other side.
         let is_not_away = |triangle: u32| {
             let facet = facet_normal(other.mesh().corners(triangle as usize));
             facet.is_none_or(|facet| facet.dot(line.toward) > AWAY)
@@ -131,10 +132,10 @@ impl<'a> Viewer<'a> {
         Some(sample)
     }
 
-    /// Returns `true` if its own surface ends or steps back beside a line of sight to one of its points: otherwise the other
-    /// surface has a hole there.
+    /// Returns `true` if its own surface ends or steps back next to a line of sight to one of its points: otherwise
+    /// the other surface has a hole there.
     fn is_at_outline(&self, (position, line): (Vec3, SightLine)) -> bool {
-        /// Lines of sight beside it, on each of some rings, every ring half as wide as the one before.
+        /// Neighbouring lines of sight on each of several rings, every ring half as wide as the previous one.
         const AROUND: usize = 8;
         const RINGS: usize = 3;
         let reach = self.pair.diagonal * SAME_PART;
@@ -151,14 +152,14 @@ impl<'a> Viewer<'a> {
         !(0..AROUND * RINGS).all(is_there)
     }
 
-    /// Returns the surface whose points are looked at.
+    /// Returns the surface whose points are sampled.
     pub fn own(&self) -> &'a Side<'a> {
         self.own
     }
 }
 
 impl CloseUp {
-    /// Looks at `count` points spread evenly over the scan.
+    /// Samples `count` points spread evenly over the scan.
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] if it has no area.
@@ -166,7 +167,7 @@ impl CloseUp {
         Self::by(Viewer::of_scan(pair), count)
     }
 
-    /// Looks at `count` points spread evenly over the asset.
+    /// Samples `count` points spread evenly over the asset.
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] if it has no area.
@@ -182,7 +183,7 @@ impl CloseUp {
         Ok(Self { samples, hidden, points: count, is_of_scan: viewer.is_of_scan })
     }
 
-    /// Returns the share of the visible area where the other surface shows nothing, or another part, [0, 1].
+    /// Returns the share of the visible area at which the other surface shows nothing, or another part, [0, 1].
     pub fn missing(&self) -> f64 {
         let missing = self.samples.iter().filter(|sample| sample.is_missing).count();
         missing as f64 / self.samples.len().max(1) as f64

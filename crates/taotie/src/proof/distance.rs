@@ -1,4 +1,4 @@
-//! The largest distance of a surface from another, between two bounds that are proven.
+//! The largest distance of a surface from another, with proven bounds.
 
 use super::pair::Side;
 use crate::bake::Scan;
@@ -7,33 +7,33 @@ use crate::mesh::{Mesh, Point, blend};
 use crate::parallel;
 use crate::trace::distance_to_triangle;
 
-/// Triangles of the other surface that some that lie together are compared with, at most.
+/// Maximum number of triangles of the other surface with which a cluster of triangles is compared.
 const MOST_NEAR: usize = 768;
-/// A triangle is cut so many times, at most, before its pieces are bounded in order of their distances.
+/// Maximum number of times a triangle is subdivided before its pieces are bounded in order of distance.
 const MOST_CUTS: u32 = 3;
-/// Pieces of triangles that are looked at, at most; the upper bound is then wider than was asked for.
+/// Maximum number of pieces of triangles examined; beyond it the upper bound is wider than requested.
 const MOST_PIECES: usize = 4_000_000;
-/// Rounding of distances in single precision, as a part of the largest coordinate.
+/// Rounding of distances in single precision, as a fraction of the largest coordinate.
 const ROUNDING: f32 = 1e-6;
-/// Hidden pieces that are no larger than this part of the surface's diagonal are passed over as a whole.
+/// Hidden pieces no larger than this fraction of the surface's diagonal are skipped as a whole.
 const HIDDEN_PIECE: f32 = 0.01;
 
-/// Two numbers between which the largest distance of a surface from another lies.
+/// Bounds of the largest distance of a surface from another.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct DistanceBounds {
-    /// The distance of a point that was found, model units.
+    /// The distance of a point that was found, in model units.
     pub lower: f64,
-    /// No point is farther away, model units.
+    /// The distance that no point exceeds, in model units.
     pub upper: f64,
-    /// The point at the lower bound, model units; `None` if it is not known.
+    /// The point at the lower bound, in model units; `None` if unknown.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub at: Option<[f64; 3]>,
 }
 
 impl DistanceBounds {
-    /// Bounds a distance that is known.
+    /// Bounds a known distance.
     pub fn exactly(distance: f64) -> Self {
         Self { lower: distance, upper: distance, at: None }
     }
@@ -50,11 +50,11 @@ impl DistanceBounds {
     }
 }
 
-/// Bounds the largest distance of a surface from `to`, up to `width` model units apart where the search ends in time.
+/// Bounds the largest distance of a surface from `to`, to within `width` model units if the search ends in time.
 ///
-/// The distance of a point changes by no more than the point moves, and the distance from one triangle is convex. So over a
-/// piece of a triangle it is at most that of its middle plus the piece's radius, and at most the largest of its corners from
-/// any one triangle. Pieces that may hold a larger distance than was found are cut in four.
+/// The distance of a point changes by no more than the point moves, and the distance from one triangle is convex. So
+/// over a piece of a triangle it is at most that of its centroid plus the piece's radius, and at most the largest of
+/// its corners from any one triangle. Pieces that may have a larger distance than found so far are split into four.
 pub fn distance_bounds(from: Source<'_>, to: &Scan, width: f32) -> DistanceBounds {
     let slack = rounding(from.side.surface.mesh()).max(rounding(to.mesh()));
     let width = width.max(slack);
@@ -81,11 +81,11 @@ pub fn distance_bounds(from: Source<'_>, to: &Scan, width: f32) -> DistanceBound
 /// The surface whose distance is measured.
 #[derive(Clone, Copy)]
 pub struct Source<'a> {
-    /// The surface, and what can be seen of it.
+    /// The surface and its visibility.
     pub side: &'a Side<'a>,
-    /// `true` if only what can be seen counts.
+    /// `true` if only the visible part counts.
     pub is_partly_hidden: bool,
-    /// The distance of one of its points that counts, model units.
+    /// The known distance of a visible point, in model units.
     pub known: f32,
 }
 
@@ -95,11 +95,11 @@ struct Piece {
     triangle: u32,
     /// The weights of the triangle's corners at its own corners.
     corners: [[f32; 3]; 3],
-    /// The distance of its middle.
+    /// The distance of its centroid.
     middle: f32,
-    /// No point of it is farther away.
+    /// The distance that no point of it exceeds.
     most: f32,
-    /// `true` if its middle counts.
+    /// `true` if its centroid is visible.
     is_seen: bool,
 }
 
@@ -130,13 +130,13 @@ struct Search<'a> {
     from: Source<'a>,
     to: &'a Scan,
     width: f32,
-    /// Rounding of distances, model units.
+    /// Rounding of distances, in model units.
     slack: f32,
-    /// Hidden pieces no larger than this are passed over, model units.
+    /// Hidden pieces no larger than this are skipped, in model units.
     hidden_piece: f32,
     lower: f32,
     upper: f32,
-    /// The place of the lower bound, if the search found it.
+    /// The position of the lower bound, if the search found it.
     at: Option<Vec3>,
 }
 
@@ -145,7 +145,7 @@ impl Search<'_> {
         self.from.side.surface.mesh()
     }
 
-    /// Returns the triangles, or pieces of them, but for those that hold no larger distance than is known.
+    /// Returns the triangles, or pieces of them, that may exceed the known distance.
     fn all_pieces(&mut self) -> Vec<Piece> {
         let clusters: Vec<&[u32]> = self.from.side.surface.bvh().clusters().collect();
         let settled = parallel::collect(clusters.len(), |i| self.settled(clusters[i]));
@@ -154,8 +154,8 @@ impl Search<'_> {
         settled.into_iter().flat_map(|(_, rest)| rest).collect()
     }
 
-    /// Compares triangles that lie together with those of the other surface that are near: returns the largest bound of what
-    /// holds no larger distance than is known, and the pieces that may.
+    /// Compares a cluster of triangles with nearby ones of the other surface: returns the largest bound of those that
+    /// do not exceed the known distance, and the pieces that may.
     fn settled(&self, triangles: &[u32]) -> (f32, Vec<Piece>) {
         let corners = |t: u32| self.mesh().corners(t as usize);
         let Some(near) = Near::of(triangles.iter().flat_map(|t| corners(*t)), self) else {
@@ -183,7 +183,8 @@ impl Search<'_> {
         (most, rest)
     }
 
-    /// Cuts a piece until all pieces are bounded by one triangle each, up to some times; adds those that are not to `rest`.
+    /// Splits a piece until all pieces are bounded by one triangle each, up to a limit; adds those that are not to
+    /// `rest`.
     fn settle_quarters(&self, piece: &Piece, near: &Near, rest: &mut Vec<Piece>) -> f32 {
         let mut most = 0f32;
         let mut waiting = piece.quarters().map(|quarter| (quarter, 1)).to_vec();
@@ -204,7 +205,7 @@ impl Search<'_> {
         parallel::change(&mut pieces, |_, piece| {
             let places = piece.places(self.mesh());
             let middle = (places[0] + places[1] + places[2]) * (1.0 / 3.0);
-            // No point of the piece that it was cut from is farther away than that.
+            // The distance that no point of the parent piece exceeds.
             let reach = piece.most + self.slack;
             let Some(closest) = self.to.bvh().closest(middle, reach) else { return };
             let radius = places.into_iter().map(|place| (place - middle).length()).fold(0.0, f32::max);
@@ -216,7 +217,7 @@ impl Search<'_> {
         pieces
     }
 
-    /// Raises the lower bound, and returns the pieces that may hold a larger distance.
+    /// Raises the lower bound, and returns the pieces that may exceed it.
     fn promising(&mut self, mut pieces: Vec<Piece>) -> Vec<Piece> {
         if self.from.is_partly_hidden {
             pieces.retain(|piece| piece.most > self.lower);
@@ -236,7 +237,7 @@ impl Search<'_> {
         pieces
     }
 
-    /// Returns `true` if the middle of a piece can be seen.
+    /// Returns `true` if the centroid of a piece is visible.
     fn is_seen(&self, piece: &Piece) -> bool {
         let point = Point { triangle: piece.triangle, weights: piece.middle_weights() };
         self.from.side.surface.is_seen(point)
@@ -252,17 +253,18 @@ impl Search<'_> {
 /// The triangles of the other surface near some points.
 struct Near {
     triangles: Vec<[Vec3; 3]>,
-    /// The middles of the triangles, eight by eight, coordinate by coordinate; infinite beyond the last.
+    /// The centroids of the triangles, in groups of eight, coordinate by coordinate; infinite beyond the last.
     middles: Vec<[[f32; LANES]; 3]>,
-    /// A distance that is no larger than is known.
+    /// A distance small enough not to need further refinement.
     enough: f32,
 }
 
-/// Middles that are compared at once.
+/// Number of centroids compared in parallel.
 const LANES: usize = 8;
 
 impl Near {
-    /// Returns all triangles that may be within the known distance of some points; `None` if there are many or none.
+    /// Returns all triangles that may be within the known distance of some points; `None` if there are too many or
+    /// none.
     fn of(points: impl Iterator<Item = Vec3> + Clone, search: &Search<'_>) -> Option<Self> {
         let count = points.clone().count() as f32;
         let center = points.clone().fold(Vec3::splat(0.0), |sum, point| sum + point) * (1.0 / count);
@@ -283,7 +285,8 @@ impl Near {
         Some(Self { triangles, middles, enough })
     }
 
-    /// Bounds the distances of the points between three by one of the triangles: the first that is near enough, else the best.
+    /// Bounds the distances of a triangle's points by one of the triangles: the first that is near enough, else the
+    /// best.
     fn bound(&self, places: [Vec3; 3]) -> f32 {
         let mut least = self.quick_bound(places);
         for triangle in &self.triangles {
@@ -295,13 +298,13 @@ impl Near {
         least
     }
 
-    /// Bounds them by the triangle whose middle is closest to theirs.
+    /// Bounds them by the triangle with the closest centroid.
     fn quick_bound(&self, places: [Vec3; 3]) -> f32 {
         let middle = (places[0] + places[1] + places[2]) * (1.0 / 3.0);
         farthest(places, self.triangles[self.closest_middle(middle)], f32::INFINITY)
     }
 
-    /// Returns the triangle whose middle is closest to a point, the first of several.
+    /// Returns the triangle whose centroid is closest to a point, the first in a tie.
     fn closest_middle(&self, point: Vec3) -> usize {
         let (mut least, mut found) = ([f32::INFINITY; LANES], [0u32; LANES]);
         for (group, [x, y, z]) in self.middles.iter().enumerate() {
@@ -319,7 +322,7 @@ impl Near {
     }
 }
 
-/// Returns the largest distance of three points from a triangle, or `least` if it is no less than that.
+/// Returns the largest distance of three points from a triangle, capped at `least`.
 fn farthest(points: [Vec3; 3], triangle: [Vec3; 3], least: f32) -> f32 {
     let mut most = 0f32;
     for point in points {
@@ -331,7 +334,7 @@ fn farthest(points: [Vec3; 3], triangle: [Vec3; 3], least: f32) -> f32 {
     most
 }
 
-/// Returns the rounding of places on a mesh and of distances from it, model units.
+/// Returns the rounding of positions on a mesh and of distances from it, in model units.
 pub(super) fn rounding(mesh: &Mesh) -> f32 {
     let coordinates = mesh.positions().iter().flat_map(|p| p.to_array());
     coordinates.fold(0.0f32, |most, v| most.max(v.abs())) * ROUNDING

@@ -1,9 +1,9 @@
-//! Means and quantiles of samples, with the interval in which the true ones lie.
+//! Means and quantiles of samples, with confidence intervals.
 
 use crate::compare::{Field, Summary};
 use crate::error::Result;
 
-/// Standard deviations on either side of the mean within which 99 % of a normal distribution lie.
+/// Standard deviations on either side of the mean that contain 99 % of a normal distribution.
 const SIGMAS_99: f64 = 2.5758;
 
 /// A summary of samples of a quantity and the 99 % intervals of its mean and its p95.
@@ -11,7 +11,7 @@ const SIGMAS_99: f64 = 2.5758;
 /// ```
 /// use taotie::proof::Estimate;
 ///
-/// /// Returns `true` if samples cannot tell whether the mean is below `limit`.
+/// /// Returns `true` if samples cannot decide if the mean is below `limit`.
 /// fn is_undecided(estimate: &Estimate, limit: f64) -> bool {
 ///     let [low, high] = estimate.mean_interval;
 ///     (low..high).contains(&limit)
@@ -21,16 +21,16 @@ const SIGMAS_99: f64 = 2.5758;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Estimate {
-    /// The samples themselves. Its largest is a maximum over samples, no bound.
+    /// The summary of the samples. Its maximum is over samples, not a bound.
     pub summary: Summary,
     /// The 99 % interval of the mean: mean ± 2.58 s/√n, with the sample standard deviation s.
     pub mean_interval: [f64; 2],
-    /// The 99 % interval of the quantile 0.95, from the order of the samples.
+    /// The 99 % interval of the quantile 0.95, from order statistics.
     pub p95_interval: [f64; 2],
 }
 
 impl Estimate {
-    /// Summarises samples, NaN left out; `None` if there are none.
+    /// Summarises samples, ignoring NaN; `None` if there are none.
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] for more than 2^32 − 1 samples.
@@ -57,7 +57,7 @@ impl Estimate {
     }
 }
 
-/// Returns the 99 % interval of a share that was found of `count` samples, [0, 1].
+/// Returns the 99 % interval of a share measured with `count` samples, [0, 1].
 ///
 /// Source: Wilson 1927, "Probable inference, the law of succession, and statistical inference".
 pub fn share_interval(share: f64, count: usize) -> [f64; 2] {

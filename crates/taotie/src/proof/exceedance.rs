@@ -1,18 +1,18 @@
-//! The share of a surface on which a difference exceeds a limit, whatever the limit.
+//! The share of a surface on which a difference exceeds a limit, for any limit.
 
 use super::estimate::share_interval;
 
-/// The digits of the limits that shares are always counted at. Between two limits the share is between theirs.
+/// The digits of the standard limits. Between two limits the share is between theirs.
 const DIGITS: [u32; 23] =
     [10, 11, 12, 13, 14, 15, 16, 18, 20, 22, 25, 28, 30, 32, 35, 40, 45, 50, 55, 60, 70, 80, 90];
-/// What the digits are multiplied by and divided by: limits are 0.0001 to 900, and 0. They are divided where they can be, so
-/// that 0.5 is the number that is written so.
+/// Multipliers and divisors of the digits: limits are 0.0001 to 900, and 0. Division is used where possible, so that
+/// 0.5 is exactly the number written like that.
 const SCALES: [[f64; 2]; 7] =
     [[1.0, 1e5], [1.0, 1e4], [1.0, 1e3], [1.0, 1e2], [1.0, 10.0], [1.0, 1.0], [10.0, 1.0]];
-/// Limits that differ by less than this part are the same.
+/// Limits that differ by less than this fraction are the same.
 const SAME: f64 = 1e-9;
 
-/// The shares of the visible surface on which a difference is larger than each of many limits, the worse of scan and asset.
+/// The shares of the visible surface on which a difference exceeds each of many limits, the worse of scan and asset.
 ///
 /// ```
 /// use taotie::proof::Exceedance;
@@ -27,13 +27,13 @@ const SAME: f64 = 1e-9;
 pub struct Exceedance {
     /// Limits in ascending order, from the last that everything exceeds to the first that nothing does.
     pub limits: Vec<f64>,
-    /// The share of the surface that is beyond each, the larger one of scan and asset, [0, 1].
+    /// The share of the surface beyond each, the larger of scan and asset, [0, 1].
     pub shares: Vec<f64>,
-    /// The number of samples of the surface that has fewer.
+    /// The number of samples of the surface with fewer of them.
     pub samples: usize,
 }
 
-/// A share of a surface and the two numbers that it lies between, with a confidence of 99 %.
+/// A share of a surface and its confidence interval of 99 %.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Share {
@@ -44,8 +44,8 @@ pub struct Share {
 }
 
 impl Exceedance {
-    /// Counts samples of scan and asset, NaN left out, beyond the usual limits and the ones `asked` for; `None` if there are no
-    /// samples.
+    /// Counts samples of scan and asset, ignoring NaN, beyond the standard limits and those in `asked`; `None` if
+    /// there are no samples.
     pub fn of(surfaces: [&[f32]; 2], asked: &[f64]) -> Option<Self> {
         let sorted: Vec<Vec<f64>> = surfaces.into_iter().map(sorted).filter(|v| !v.is_empty()).collect();
         let samples = sorted.iter().map(Vec::len).min()?;
@@ -87,7 +87,7 @@ impl Exceedance {
     }
 }
 
-/// Returns the limits that every curve has.
+/// Returns the limits common to all curves.
 fn usual_limits() -> impl Iterator<Item = f64> {
     let above_zero = SCALES
         .into_iter()

@@ -1,4 +1,4 @@
-//! The cause of a gross mismatch: a change of the whole asset, without which it lies on its scan.
+//! The cause of a gross mismatch: a change of the whole asset that, if undone, brings it onto its scan.
 
 use crate::bake::{Scan, sample_area};
 use crate::length::Unit;
@@ -8,39 +8,40 @@ use crate::names::Named;
 use crate::parallel;
 use crate::scene::Bounds;
 
-/// Points of each surface at which a change is tried, and at which the best one is confirmed.
+/// Number of points of each surface with which a change is tried, and with which the best one is confirmed.
 const FEW: usize = 300;
 const POINTS: usize = 2_000;
-/// Surfaces closer than this part of the diagonal on average are in the same place.
+/// Surfaces closer than this fraction of the diagonal on average are in the same place.
 const NEAR: f64 = 0.003;
-/// Without the change the asset is closer to the scan than this part of the diagonal on average.
+/// Without the change the asset is closer to the scan than this fraction of the diagonal on average.
 const ON_SCAN: f64 = 0.005;
-/// Without the change the surfaces are so many times closer, at least.
+/// Without the change the surfaces are closer by at least this factor.
 const TIMES: f64 = 3.0;
-/// Changes whose distances differ by less than this ratio are equally good: objects are symmetric.
+/// Changes whose distances differ by less than this ratio are equally good, since objects may be symmetric.
 const EQUAL: f64 = 1.25;
-/// The sides of the boxes differ by less than this part of the diagonal, and the diagonals by less than this part.
+/// The sides of the boxes differ by less than this fraction of the diagonal, and the diagonals by less than this
+/// fraction.
 const SIDES: f64 = 0.1;
 const SIZES: f64 = 0.08;
 
-/// A change of a whole asset, as programs make it that take another axis for up, another unit or another origin.
+/// A change of a whole asset, as made by programs that use another up axis, unit or origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Mismatch {
     axes: Axes,
-    /// The units of the asset's and of the scan's numbers, if they differ.
+    /// The units of the asset's and of the scan's coordinates, if they differ.
     pub units: Option<[Unit; 2]>,
-    /// The way from the scan to the asset, model units of the scan; `None` if both have the same origin.
+    /// The offset from the scan to the asset, in model units of the scan; `None` if both have the same origin.
     pub moved: Option<[f64; 3]>,
-    /// The mean distance between the surfaces as a part of the diagonal, and the same without the change.
+    /// The mean distance between the surfaces as a fraction of the diagonal.
     pub distance: f64,
-    /// See `distance`.
+    /// The same without the change.
     pub without: f64,
 }
 
 impl Mismatch {
-    /// Finds the change that explains why an asset is not on its scan; `None` if it is, or if no change explains it. If
-    /// `is_off`, the asset differs so much in other ways that the cause is sought even if it is near its scan, as a mirrored
-    /// face is.
+    /// Finds the change that explains why an asset is not on its scan; `None` if it is, or if no change explains it.
+    /// If `is_off`, the asset differs so much in other ways that the cause is searched even if it is near its scan,
+    /// such as a mirrored face.
     pub fn find(scan: &Scan, asset: &Scan, is_off: bool) -> Option<Self> {
         let pair = Surfaces::of(scan, asset)?;
         let before = pair.distances(&Placement::NONE, POINTS)?;
@@ -62,18 +63,19 @@ impl Mismatch {
         Some(Self { axes: placement.axes, units, moved, distance, without })
     }
 
-    /// Returns the axes of the asset in words, such as `turned by 90° about x`; `None` if they are the scan's.
+    /// Describes the axes of the asset in words, such as `turned by 90° about x`; `None` if they are the scan's.
     pub fn axes_text(&self) -> Option<String> {
         (self.axes != Axes::SAME).then(|| self.axes.text())
     }
 
-    /// Returns how many times as large as the scan the asset is.
+    /// Returns the size of the asset relative to the scan.
     pub fn size(&self) -> f64 {
         self.units.map_or(1.0, |[asset, scan]| scan.metres() / asset.metres())
     }
 }
 
-/// The axes of a scan as those of the asset: coordinate i of the scan is that of the asset's axis `from[i]`, or its negative.
+/// The axes of a scan in terms of the asset's: coordinate i of the scan is the asset's axis `from[i]`, or its
+/// negative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Axes {
     from: [usize; 3],
@@ -86,8 +88,7 @@ const NAMES: [&str; 3] = ["x", "y", "z"];
 impl Axes {
     const SAME: Self = Self { from: [0, 1, 2], negative: [false; 3] };
 
-    /// Returns all 48 ways in which axes can be swapped and reversed: first those that turn an object, the simplest first, then
-    /// those that mirror it.
+    /// Returns all 48 ways to swap and reverse axes: first the rotations, simplest first, then the reflections.
     fn all() -> Vec<Self> {
         const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [2, 1, 0], [1, 0, 2], [1, 2, 0], [2, 0, 1]];
         let signs = |of: u8| [0, 1, 2].map(|i| of >> i & 1 != 0);
@@ -97,24 +98,24 @@ impl Axes {
         all
     }
 
-    /// Returns the axes that stay as they are.
+    /// Returns the axes that are unchanged.
     fn kept(&self) -> Vec<usize> {
         (0..3).filter(|i| self.from[*i] == *i && !self.negative[*i]).collect()
     }
 
-    /// Returns `true` if an object and its image have different hands.
+    /// Returns `true` if an object and its image have opposite handedness.
     fn mirrors(&self) -> bool {
         let is_odd = (0..3).filter(|i| self.from[*i] == *i).count() == 1;
         let negatives = self.negative.iter().filter(|negative| **negative).count();
         is_odd != (negatives % 2 == 1)
     }
 
-    /// Takes a point of the asset to the scan's axes.
+    /// Converts a point from the asset's axes to the scan's.
     fn apply(&self, p: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|i| if self.negative[i] { -p[self.from[i]] } else { p[self.from[i]] })
     }
 
-    /// Takes a point of the scan to the asset's axes.
+    /// Converts a point from the scan's axes to the asset's.
     fn invert(&self, p: [f64; 3]) -> [f64; 3] {
         let mut found = [0.0; 3];
         for i in 0..3 {
@@ -123,7 +124,7 @@ impl Axes {
         found
     }
 
-    /// Describes the asset as it is seen from the scan.
+    /// Describes the asset as seen from the scan.
     fn text(&self) -> String {
         match (self.mirrors(), &self.kept()[..]) {
             (false, [axis]) => {
@@ -155,7 +156,7 @@ impl Axes {
     }
 }
 
-/// A way to bring an asset onto its scan: axes, then scale, then shift.
+/// A way to align an asset with its scan: axes, then scale, then shift.
 #[derive(Debug, Clone, Copy)]
 struct Placement {
     axes: Axes,
@@ -182,7 +183,7 @@ impl Placement {
     }
 }
 
-/// Mean distances as parts of the scan's diagonal.
+/// Mean distances as fractions of the scan's diagonal.
 #[derive(Debug, Clone, Copy)]
 struct Distances {
     of_asset: f64,
@@ -195,7 +196,7 @@ impl Distances {
     }
 }
 
-/// The surfaces, and their boxes: middles and sides.
+/// The surfaces, and their boxes: centres and sides.
 struct Surfaces<'a> {
     scan: &'a Scan,
     asset: &'a Scan,
@@ -210,7 +211,7 @@ impl<'a> Surfaces<'a> {
         (diagonal > 0.0).then_some(Self { scan, asset, boxes, diagonal })
     }
 
-    /// Returns the ways to bring the asset's box onto the scan's, those about the origin first.
+    /// Returns the ways to align the asset's box with the scan's, those about the origin first.
     fn placements(&self) -> Vec<Placement> {
         let [[scan_middle, scan_sides], [middle, sides]] = self.boxes;
         let Some(units) = self.units(self.diagonal / length(sides)) else { return Vec::new() };
@@ -232,8 +233,8 @@ impl<'a> Surfaces<'a> {
         here
     }
 
-    /// Returns the units of asset and scan that explain this ratio of their sizes: `Some(None)` if they are the same, `None` if
-    /// none explain it.
+    /// Returns the units of asset and scan that explain this ratio of their sizes: `Some(None)` if they are the same,
+    /// `None` if none explain it.
     fn units(&self, ratio: f64) -> Option<Option<[Unit; 2]>> {
         let fits = |explained: f64| (ratio / explained - 1.0).abs() < SIZES;
         if fits(1.0) {
@@ -260,7 +261,7 @@ impl<'a> Surfaces<'a> {
     }
 }
 
-/// Returns the middle and the sides of the box around a mesh's triangles; `None` without any.
+/// Returns the centre and the sides of the box around a mesh's triangles; `None` without any.
 fn box_of(mesh: &Mesh) -> Option<[[f64; 3]; 2]> {
     let corners = (0..mesh.triangles().len()).flat_map(|t| mesh.corners(t));
     let bounds = Bounds::around(corners.map(Vec3::to_f64))?;
@@ -277,7 +278,7 @@ mod tests {
     use crate::mesh::MeshData;
     use crate::scene::{Material, Scene};
 
-    /// A ball pressed and pulled so that no turn and no mirror takes it to itself.
+    /// A distorted ball that no rotation and no reflection maps to itself.
     fn lump([columns, rows]: [usize; 2], change: impl Fn([f64; 3]) -> [f64; 3]) -> Scan {
         let data = Mesh::sphere(1.0, columns, rows).into_data();
         let place = |p: &Vec3| {
@@ -337,7 +338,7 @@ mod tests {
     fn other_differences_are_not_named() {
         assert_eq!(found(|p| p), None);
         assert_eq!(found(|[x, y, z]| [x, y.max(0.4), z]), None, "a part is missing");
-        assert_eq!(found(|p| p.map(|v| v * 1.3)), None, "no unit is so large");
+        assert_eq!(found(|p| p.map(|v| v * 1.3)), None, "no unit explains this factor");
         assert_eq!(found(|[x, y, z]| [x + 0.4 * y * y, y, z]), None, "another shape");
     }
 }

@@ -1,9 +1,9 @@
-//! The proof: how an asset differs from its scan as a viewer sees both, obtained without the rays of a bake.
+//! The proof: how an asset differs from its scan in the eyes of a viewer, measured without the rays of a bake.
 //!
-//! A bake looks from the asset to the scan along its own rays; whatever it finds there is what its map shows, so measuring
-//! along the same rays confirms any mistake. Here both surfaces are looked at from the viewer's side: the same pixel, the
-//! first surface that is drawn, the normal as it is shaded. [`overview`] looks at whole objects, [`CloseUp`] at points
-//! spread over either surface, [`silhouettes`] at outlines, [`distance_bounds`] at shape.
+//! A bake looks from the asset to the scan along its own rays and stores the result in its maps, so measuring along
+//! the same rays would confirm any mistake. Here both surfaces are seen from the viewer's side: the same pixel, the
+//! first surface drawn, its shading normal. [`overview`] looks at whole objects, [`CloseUp`] at points spread over
+//! either surface, [`silhouettes`] at outlines, [`distance_bounds`] at shape.
 
 mod close_up;
 mod distance;
@@ -23,18 +23,21 @@ mod window;
 
 pub use close_up::{CloseUp, SurfaceSample};
 pub use distance::{DistanceBounds, Source, distance_bounds};
-pub use estimate::{Estimate, share_interval};
+pub use estimate::Estimate;
+pub(crate) use estimate::share_interval;
 pub use exceedance::{Exceedance, Share};
-pub use footprint::Footprint;
-pub(crate) use footprint::edges;
+pub(crate) use footprint::{Footprint, edges};
 pub(crate) use mismatch::Mismatch;
 pub use overview::{Overview, Picture, overview};
 pub(crate) use overview::{PixelDifferences, pixel_differences};
 pub use pair::{Pair, Side};
-pub use patch::{Patch, most_missing, worst_patch};
-pub use patch_view::{PatchQuantity, PatchView};
+pub use patch::Patch;
+pub(crate) use patch::{most_missing, worst_patch};
+pub use patch_view::PatchQuantity;
+pub(crate) use patch_view::PatchView;
 pub use region::{Region, WorstRegions};
 pub(crate) use relook::{ImageLook, Relook, Shown};
-pub use shape::{hausdorff, root_mean_square};
+pub use shape::hausdorff;
+pub(crate) use shape::root_mean_square;
 pub use silhouette::{SilhouetteFigures, silhouettes};
 pub use window::Window;

@@ -1,4 +1,4 @@
-//! A surface as seen: the same pixels of scan and asset, from all sides.
+//! Compares scan and asset as seen: the same pixels of both, from all sides.
 
 use super::estimate::Estimate;
 use super::pair::{Look, Pair, Sample, Side};
@@ -8,41 +8,41 @@ use crate::math::{Vec3, scalar, sequence::Sequence};
 use crate::parallel;
 use crate::trace::Ray;
 
-/// Fixed directions from which the object is seen.
+/// Number of fixed directions from which the object is seen.
 pub(super) const VIEWS: usize = 32;
 /// Pixels across an object that is seen as a whole.
 pub(super) const SIDE: usize = 512;
-/// Samples along each side of a pixel of an object that is seen as a whole. Larger pixels have more of them, as close to one
-/// another, up to a number.
+/// Samples along each side of a pixel of an object seen as a whole. Larger pixels have more of them, equally spaced,
+/// up to a maximum.
 const SAMPLES: f32 = 4.0;
 const MOST_SAMPLES: f32 = 16.0;
-/// Depths within a pixel that differ by more than so many pixels belong to an outline, or to a surface that slants by more
-/// than 76°.
+/// Depths within a pixel that differ by more than this many pixels belong to an outline, or to a surface that slants
+/// by more than 76°.
 const STEEPEST: f32 = 4.0;
 
-/// Differences at the same pixel, the object seen as a whole.
+/// Differences at the same pixels, the object seen as a whole.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Overview {
-    /// Degrees between the mean normals of a pixel, outlines left out.
+    /// Degrees between the mean normals of a pixel, excluding outlines.
     pub angles: Option<Estimate>,
     /// CIEDE2000 between the mean base colours of a pixel; `None` if colours are not compared.
     pub color: Option<Estimate>,
-    /// Pixels that were compared.
+    /// Number of pixels compared.
     pub pixels: usize,
-    /// Pixels across the object: 512, or fewer of a level of detail that is only shown where it is that small.
+    /// Pixels across the object: 512, or fewer for a level of detail that is only shown at that size.
     pub across: f32,
 }
 
 impl Default for Overview {
-    /// Of no pixels of a whole object.
+    /// No pixels of a whole object.
     fn default() -> Self {
         Self { angles: None, color: None, pixels: 0, across: SIDE as f32 }
     }
 }
 
-/// The pixels that an overview compares.
+/// The pixels to compare in an overview.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Picture {
     /// Pixels across the object.
@@ -57,8 +57,8 @@ impl Picture {
         Self::of(SIDE as f32, count)
     }
 
-    /// Returns the picture of an object that fills fewer pixels across, with about as many samples as so many pixels of the
-    /// whole have.
+    /// Returns the picture of an object that is fewer pixels across, with about as many samples as `whole` pixels of
+    /// the whole have.
     pub fn of(across: f32, whole: usize) -> Self {
         Self { across, count: (whole as f32 * across / SIDE as f32).ceil() as usize }
     }
@@ -69,9 +69,9 @@ impl Picture {
     }
 }
 
-/// Compares random pixels, 16 samples each, up to 256 of smaller pictures: of 32 fixed views in which the object just fills the
-/// picture; of an interior, of views in all directions from places in its free space, as many pixels to a right angle. Textures are read as finely as the
-/// samples lie apart.
+/// Compares random pixels, with 16 samples each, up to 256 for smaller pictures: of 32 fixed views in which the
+/// object just fills the picture; of an interior, of views in all directions from viewpoints in its free space, with
+/// as many pixels per right angle. Textures are read at the sample spacing.
 ///
 /// # Errors
 /// As [`Estimate::of`].
@@ -91,7 +91,7 @@ pub(crate) struct PixelDifferences {
 }
 
 impl PixelDifferences {
-    /// Returns the same in rising order.
+    /// Returns the same in ascending order.
     pub fn sorted(mut self) -> Self {
         for differences in [&mut self.angles, &mut self.colors] {
             differences.sort_unstable_by(f32::total_cmp);
@@ -110,7 +110,7 @@ pub(crate) fn pixel_differences(pair: &Pair<'_>, picture: Picture) -> PixelDiffe
     PixelDifferences { angles, colors }
 }
 
-/// Returns the samples of those random pixels all of which see a surface, away from outlines.
+/// Returns the samples of those random pixels that see a surface throughout, away from outlines.
 pub(super) fn overview_samples(side: &Side<'_>, picture: Picture) -> Vec<Vec<Sample>> {
     let diagonal = side.surface.mesh().diagonal() as f32;
     let pair = Pair { scan: side, asset: side, diagonal, has_material: false };
@@ -122,7 +122,7 @@ pub(super) fn overview_samples(side: &Side<'_>, picture: Picture) -> Vec<Vec<Sam
 struct Pixels {
     eyes: Vec<Eye>,
     numbers: Sequence,
-    /// Surfaces are seen as far as this.
+    /// The distance up to which surfaces are seen.
     far: f32,
     picture: Picture,
 }
@@ -148,8 +148,8 @@ impl Pixels {
     }
 }
 
-/// Returns the differences of angle and colour at a pixel; `None` unless all of its samples see both surfaces, away from
-/// outlines.
+/// Returns the differences of angle and colour at a pixel; `None` unless all of its samples see both surfaces, away
+/// from outlines.
 fn difference(pair: &Pair<'_>, pixel: &Pixel) -> Option<(f32, f32)> {
     let scan = pixel.look(pair.scan, pair.has_material)?;
     let asset = pixel.look(pair.asset, pair.has_material)?;
@@ -157,17 +157,17 @@ fn difference(pair: &Pair<'_>, pixel: &Pixel) -> Option<(f32, f32)> {
     Some((scan.angle_deg(&asset), color))
 }
 
-/// Where a viewer stands.
+/// The position of a viewer.
 enum Eye {
     /// Far away, so that all lines of sight are parallel.
     Outside(View),
-    /// At a place within, who looks around.
+    /// At a point within, looking around.
     Within(Vec3),
 }
 
 impl Eye {
-    /// Returns the pixel at a place of the picture, [0, 1)², or of the sphere around the viewer. Surfaces are seen as far as
-    /// `far`.
+    /// Returns the pixel at a position of the picture, [0, 1)², or of the sphere around the viewer. Surfaces are seen
+    /// as far as `far`.
     fn pixel(&self, [x, y]: [f32; 2], (picture, far): (Picture, f32)) -> Pixel {
         let (across, samples) = (picture.across, picture.samples());
         match self {
@@ -195,7 +195,7 @@ impl Eye {
     }
 }
 
-/// Returns a direction, spread evenly over the sphere for places spread evenly over [0, 1)².
+/// Returns a direction, uniform over the sphere for positions uniform over [0, 1)².
 fn on_sphere([x, y]: [f32; 2]) -> Vec3 {
     let z = 1.0 - 2.0 * f64::from(x);
     let (r, angle) = ((1.0 - z * z).max(0.0).sqrt(), 2.0 * std::f64::consts::PI * f64::from(y));
@@ -207,9 +207,9 @@ struct Pixel {
     /// The viewer, or the pixel's corner at the viewer's depth.
     origin: Vec3,
     direction: Vec3,
-    /// Along the pixel's sides: of a parallel view added to the origin, of a central one to the direction.
+    /// Along the pixel's sides: for a parallel view added to the origin, for a central one to the direction.
     steps: [Vec3; 2],
-    /// The side of the pixel, model units; of a central view at the distance 1.
+    /// The side of the pixel, in model units; for a central view at the distance 1.
     size: f32,
     /// Samples along each side.
     samples: u32,
@@ -218,14 +218,14 @@ struct Pixel {
 }
 
 impl Pixel {
-    /// Returns what the pixel shows of a surface; `None` if a sample sees nothing, or if it shows an outline.
+    /// Returns the pixel's look at a surface; `None` if a sample sees nothing, or if it shows an outline.
     fn look(&self, side: &Side<'_>, reads_material: bool) -> Option<Look> {
         let mut look = Look::default();
         self.samples(side)?.into_iter().for_each(|sample| look.add(side.surface, sample, reads_material));
         Some(look)
     }
 
-    /// Returns the places that its samples see; `None` if one sees nothing, or if the pixel shows an outline.
+    /// Returns the points that its samples see; `None` if one sees nothing, or if the pixel shows an outline.
     fn samples(&self, side: &Side<'_>) -> Option<Vec<Sample>> {
         let count = self.samples;
         let mut samples = Vec::with_capacity((count * count) as usize);
@@ -257,16 +257,17 @@ pub(super) struct View {
     pub toward: Vec3,
     /// Across and down the picture, unit.
     pub axes: [Vec3; 2],
-    /// The point that the picture's corner shows, at the depth of the object's centre.
+    /// The point at the picture's corner, at the depth of the object's centre.
     pub corner: Vec3,
-    /// The side of a pixel, model units.
+    /// The side of a pixel, in model units.
     pub pixel: f32,
-    /// From the object's centre to the viewer, model units.
+    /// From the object's centre to the viewer, in model units.
     away: f32,
 }
 
 impl View {
-    /// Returns the view along a direction in which both surfaces of a pair just fit, with so many pixels across.
+    /// Returns the view along a direction into which both surfaces of a pair just fit, with this number of pixels
+    /// across.
     pub fn fitting(pair: &Pair<'_>, (toward, pixels): (Vec3, f32)) -> Self {
         let across = toward.any_perpendicular();
         let axes = [across, toward.cross(across)];

@@ -1,31 +1,31 @@
-//! An asset and the scan that it should look like, ready to be looked at.
+//! An asset and the scan that it should match, ready for viewing.
 
 use crate::bake::{LookupPoint, Scan, Visibility};
 use crate::compare::{angle_deg, color_difference};
 use crate::math::Vec3;
 use crate::trace::Ray;
 
-/// A surface and which of its points can be seen.
+/// A surface and its visibility.
 pub struct Side<'a> {
-    /// The triangles with their materials, sorted for rays.
+    /// The triangles with their materials, indexed for rays.
     pub surface: &'a Scan,
-    /// Which of its points can be seen.
+    /// Determines which of its points can be seen.
     pub visibility: Visibility<'a>,
 }
 
 /// A scan and an asset in the same space.
 pub struct Pair<'a> {
-    /// The surface that should be shown.
+    /// The expected surface.
     pub scan: &'a Side<'a>,
-    /// The surface that is shown.
+    /// The shown surface.
     pub asset: &'a Side<'a>,
-    /// The scan's diagonal, model units.
+    /// The scan's diagonal, in model units.
     pub diagonal: f32,
-    /// `true` if colours are compared: the scan states colours or materials, and the asset's files show any.
+    /// `true` if colours are compared: the scan specifies colours or materials, and the asset's files contain any.
     pub has_material: bool,
 }
 
-/// What one pixel shows of a surface: the mean over its samples.
+/// One pixel's view of a surface: the mean over its samples.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Look {
     normal: Vec3,
@@ -33,24 +33,24 @@ pub(super) struct Look {
     samples: u32,
 }
 
-/// A place of a surface as a viewer looks at it.
+/// A point of a surface as seen by a viewer.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
-    /// The place, and how finely it is read.
+    /// The point, and its lookup width.
     pub at: LookupPoint,
     /// The direction of the viewer, unit.
     pub toward: Vec3,
 }
 
 impl<'a> Side<'a> {
-    /// Finds out what of a surface can be seen.
+    /// Determines the visibility of a surface.
     pub fn of(surface: &'a Scan) -> Self {
         Self { surface, visibility: Visibility::of(surface) }
     }
 }
 
 impl Look {
-    /// Adds what a place of a surface shows.
+    /// Adds a point of a surface.
     pub fn add(&mut self, surface: &Scan, sample: Sample, reads_material: bool) {
         let Sample { at, toward } = sample;
         self.normal += surface.seen_normal(at, toward);
@@ -60,7 +60,7 @@ impl Look {
         self.samples += 1;
     }
 
-    /// Returns the angle to another look's normal, degrees; NaN if one of them saw nothing.
+    /// Returns the angle to another look's normal, in degrees; NaN if one of them saw nothing.
     pub fn angle_deg(&self, other: &Self) -> f32 {
         match self.samples.min(other.samples) {
             0 => f32::NAN,

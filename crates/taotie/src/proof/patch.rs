@@ -10,17 +10,18 @@ use crate::math::Vec3;
 use crate::mesh::{Mesh, Point};
 use crate::parallel;
 
-/// The share of a surface's samples that a window holds.
+/// The share of a surface's samples that a window contains.
 pub(super) const SHARE: f64 = 0.01;
-/// Windows that are tried, their middles spread over the surface.
+/// Number of windows to try, their centres spread over the surface.
 const WINDOWS: usize = 512;
-/// Samples among which a window is sought, at most.
+/// Maximum number of samples among which a window is searched.
 const MOST_SAMPLES: usize = 20_000;
-/// Fresh points at which the worst window is measured, at least, and as a part of those of the whole surface.
+/// Minimum number of new points at which the worst window is measured, and as a fraction of those of the whole
+/// surface.
 const POINTS: usize = 2_048;
 const PART: usize = 8;
 
-/// Points that are spread over the triangles around it for each of these, at most.
+/// Maximum number of points spread over the surrounding triangles for each of these.
 const MOST_TRIED: usize = 128;
 
 /// The window of one per cent of the visible surface in which an asset differs most from its scan.
@@ -28,13 +29,13 @@ const MOST_TRIED: usize = 128;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Patch {
-    /// The mean difference within, degrees or CIEDE2000.
+    /// The mean difference within it, in degrees or CIEDE2000.
     pub mean: f64,
     /// Its 99 % interval.
     pub interval: [f64; 2],
-    /// Its middle, model units.
+    /// Its centre, in model units.
     pub center: [f64; 3],
-    /// Its radius, model units.
+    /// Its radius, in model units.
     pub radius: f64,
     /// The direction from which it is seen, unit.
     pub toward: [f64; 3],
@@ -42,9 +43,9 @@ pub struct Patch {
     pub is_of_scan: bool,
 }
 
-/// Finds the window of one per cent of the samples with the largest mean of `difference`, and measures it at fresh points, so
-/// that it is not the worst by chance: more of them for more `points` of the whole surface. `None` if there is nothing to
-/// compare.
+/// Finds the window of one per cent of the samples with the largest mean of `difference`, and measures it at new
+/// points, so that it is not the worst by chance: the more `points` the whole surface has, the more are used. `None`
+/// if there is nothing to compare.
 ///
 /// # Errors
 /// As [`Estimate::of`].
@@ -69,14 +70,14 @@ pub fn worst_patch(
     }))
 }
 
-/// Returns the middle of the window of one per cent of the samples in which most of them are missing, model units; `None` if
-/// none is.
+/// Returns the centre of the window of one per cent of the samples in which most of them are missing, in model units;
+/// `None` if none is.
 pub fn most_missing(close_up: &CloseUp) -> Option<[f64; 3]> {
     let window = worst_window(&close_up.samples, SHARE, |sample| f32::from(u8::from(sample.is_missing)))?;
     (window.mean > 0.0).then(|| window.center.to_f64().to_array())
 }
 
-/// A ball that holds a share of the samples.
+/// A ball that contains a share of the samples.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Ball {
     center: Vec3,
@@ -86,7 +87,7 @@ pub(super) struct Ball {
 }
 
 impl Patch {
-    /// Returns the window without what was measured in it.
+    /// Returns the window without its measurements.
     pub fn window(&self) -> Window {
         let Self { center, radius, toward, .. } = *self;
         Window { center, radius, toward }
@@ -94,7 +95,7 @@ impl Patch {
 }
 
 impl Ball {
-    /// Returns it in the numbers of figures.
+    /// Returns it with values of the types used in figures.
     pub fn shown(&self) -> Window {
         Window {
             center: self.center.to_f64().to_array(),
@@ -104,8 +105,8 @@ impl Ball {
     }
 }
 
-/// Finds the ball around a sample that holds a `share` of them and has the largest mean of `difference`; `None` if there is
-/// nothing to compare.
+/// Finds the ball around a sample that contains a `share` of them and has the largest mean of `difference`; `None` if
+/// there is nothing to compare.
 pub(super) fn worst_window(
     samples: &[SurfaceSample],
     share: f64,
@@ -122,7 +123,7 @@ pub(super) fn worst_window(
     }
     let (windows, held) = (WINDOWS.min(known.len()), ((known.len() as f64 * share) as usize).max(1));
     let window = |i: usize| {
-        // Half of the windows lie around the worst samples of as many equal parts, half around their first.
+        // Half of the windows are around the worst samples of as many equal parts, half around their first.
         let part = i / 2 * known.len() / windows.div_ceil(2);
         let end = ((i / 2 + 1) * known.len() / windows.div_ceil(2)).max(part + 1).min(known.len());
         let worst = (part..end).fold(part, |best, k| if known[k].2 > known[best].2 { k } else { best });
@@ -143,7 +144,7 @@ pub(super) fn worst_window(
     all.into_iter().reduce(|worst, next| if next.mean > worst.mean { next } else { worst })
 }
 
-/// Returns what is seen at points spread evenly over the part of a surface that lies in a window.
+/// Returns the samples at points spread evenly over the part of a surface inside a window.
 fn fresh_samples(viewer: Viewer<'_>, window: &Ball, points: usize) -> Result<Vec<SurfaceSample>> {
     let mesh = viewer.own().surface.mesh();
     let near: Vec<u32> = parallel::filter(mesh.triangles().len(), |t| touches(mesh, t, window))
@@ -155,7 +156,7 @@ fn fresh_samples(viewer: Viewer<'_>, window: &Ball, points: usize) -> Result<Vec
     }
     let is_inside =
         |position: Vec3| (position - window.center).length() <= window.radius.max(f32::MIN_POSITIVE);
-    // Large triangles reach far beyond the window: more points, until enough of them lie in it.
+    // Large triangles reach far beyond the window: add points until enough of them are inside.
     let mut count = points * 2;
     let inside = loop {
         let point = sample_triangles(mesh, Triangles::These(&near), count)?;
@@ -169,7 +170,7 @@ fn fresh_samples(viewer: Viewer<'_>, window: &Ball, points: usize) -> Result<Vec
     Ok(found.into_iter().flatten().collect())
 }
 
-/// Returns `true` if the ball around a triangle meets a window.
+/// Returns `true` if the ball around a triangle intersects a window.
 fn touches(mesh: &Mesh, triangle: usize, window: &Ball) -> bool {
     let [a, b, c] = mesh.corners(triangle);
     let middle = (a + b + c) * (1.0 / 3.0);

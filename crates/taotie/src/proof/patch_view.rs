@@ -1,4 +1,4 @@
-//! A worst patch, looked at from where it is seen.
+//! A view of a worst patch from the direction in which it is seen.
 
 use super::footprint::Footprint;
 use super::pair::{Look, Sample};
@@ -13,12 +13,12 @@ use crate::trace::Ray;
 
 /// Half the width of the picture in radii of the patch.
 const MARGIN: f64 = 1.5;
-/// The distance of the viewer in radii of the patch: parts of the object that are nearer are cut away.
+/// The distance of the viewer in radii of the patch: closer parts of the object are cut away.
 const AWAY: f64 = 4.0;
-/// The angle that counts where one of the surfaces shows nothing, degrees.
+/// The angle used if one of the surfaces shows nothing, in degrees.
 const NOTHING_DEG: f32 = 90.0;
 
-/// The quantity of which a patch is the worst.
+/// The quantity by which a patch is the worst.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PatchQuantity {
     /// The angle between normals, degrees.
@@ -27,26 +27,26 @@ pub enum PatchQuantity {
     Color,
 }
 
-/// A parallel view of a patch, from the direction from which it is seen, with some margin.
+/// A parallel view of a patch, from the direction in which it is seen, with some margin.
 #[derive(Debug, Clone, Copy)]
 pub struct PatchView {
     center: Vec3<f64>,
     right: Vec3<f64>,
     up: Vec3<f64>,
     toward: Vec3<f64>,
-    /// Half the width and height, model units.
+    /// Half the width and height, in model units.
     half: f64,
-    /// The distance of the viewer, model units.
+    /// The distance of the viewer, in model units.
     away: f64,
-    /// The distance of the farthest surface from the viewer, model units.
+    /// The distance of the farthest surface from the viewer, in model units.
     far: f64,
 }
 
 impl PatchView {
-    /// Looks at a window of an object with this diagonal, model units.
+    /// Makes the view of a window on an object with this diagonal, in model units.
     pub fn of(window: Window, diagonal: f64) -> Self {
         let toward = Vec3::from_array(window.toward);
-        // Up is that of the world, unless one looks along it.
+        // Up is that of the world, unless the view is along it.
         let world_up =
             if toward.y.abs() < 0.95 { Vec3::new(0.0, 1.0, 0.0) } else { Vec3::new(0.0, 0.0, -1.0) };
         let right = world_up.cross(toward).normalize();
@@ -63,7 +63,7 @@ impl PatchView {
         }
     }
 
-    /// Returns the camera of a renderer.
+    /// Returns the camera for a renderer.
     pub fn camera(&self) -> Camera {
         let eye = self.center + self.toward * self.away;
         Camera {
@@ -78,7 +78,7 @@ impl PatchView {
         }
     }
 
-    /// Compares what two surfaces show at each pixel, read as finely as the scan has detail, as a close-up does; NaN where
+    /// Compares the two surfaces at each pixel, sampled as finely as the scan has detail, as in a close-up; NaN where
     /// there is nothing to compare. An angle counts as 90° where only one of them shows anything.
     ///
     /// # Errors
@@ -108,7 +108,7 @@ impl PatchView {
         Field::new(side, side, parallel::collect((side * side) as usize, difference))
     }
 
-    /// Returns the ray through the middle of a pixel.
+    /// Returns the ray through the centre of a pixel.
     fn ray(&self, pixel: u32, side: u32) -> Ray {
         let from_middle = |k: u32| ((f64::from(k) + 0.5) / f64::from(side) * 2.0 - 1.0) * self.half;
         let [x, y] = [from_middle(pixel % side), -from_middle(pixel / side)];
@@ -124,7 +124,7 @@ mod tests {
     use crate::mesh::{Mesh, MeshData};
     use crate::scene::{Material, Scene};
 
-    /// A square in the plane z = 0 whose right half leans by this angle. The halves share no vertices.
+    /// A square in the plane z = 0 whose right half is tilted by this angle. The halves share no vertices.
     fn bent(degrees: f64) -> Scan {
         let (sin, cos) = (scalar::sin(degrees.to_radians()), scalar::cos(degrees.to_radians()));
         let at = |x: f64, y: f64| Vec3::new(x, y, -sin / cos * x.max(0.0)).to_f32();
@@ -147,7 +147,10 @@ mod tests {
         let field = view.differences([&bent(0.0), &bent(20.0)], PatchQuantity::Angle, 16).unwrap();
         let row = &field.values()[8 * 16..9 * 16];
         assert!(row[..7].iter().all(|angle| *angle < 1e-3), "the left half is the same: {row:?}");
-        assert!(row[9..].iter().all(|angle| (angle - 20.0).abs() < 0.01), "the right half leans: {row:?}");
+        assert!(
+            row[9..].iter().all(|angle| (angle - 20.0).abs() < 0.01),
+            "the right half is tilted: {row:?}"
+        );
         let Projection::Orthographic { half_width, .. } = view.camera().projection else {
             panic!("parallel")
         };

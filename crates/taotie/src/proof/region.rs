@@ -11,49 +11,49 @@ use crate::math::Vec3;
 use crate::parallel;
 use std::collections::BTreeMap;
 
-/// Samples that a region needs for its mean to be compared with that of others.
+/// Minimum number of samples for a region's mean to be compared with others.
 const LEAST_SAMPLES: usize = 16;
-/// Fresh points at which the worst region is measured.
+/// Number of new points at which the worst region is measured.
 const POINTS: usize = 2_048;
 
-/// A region of an asset, and how far it is from its scan.
+/// A region of an asset, and its difference from the scan.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Region {
-    /// The number of the region among all, from 0, in the order of their first triangles.
+    /// The index of the region, in the order of their first triangles.
     pub number: usize,
-    /// The mean difference in it, degrees or CIEDE2000.
+    /// The mean difference in it, in degrees or CIEDE2000.
     pub mean: f64,
     /// Its 99 % interval.
     pub interval: [f64; 2],
     /// Its share of the asset's visible area, [0, 1].
     pub share: f64,
-    /// A point in its middle, model units.
+    /// A point in its middle, in model units.
     pub center: [f64; 3],
     /// Where it differs most: one per cent of the visible surface, or all of the region if that is less.
     #[cfg_attr(feature = "serde", serde(default))]
     pub worst: Window,
 }
 
-/// The worst of the regions that an asset is divided into, seen close up.
+/// The worst of the regions that an asset is divided into, seen in close-up.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct WorstRegions {
     /// The number of regions.
     pub count: usize,
-    /// The number of regions with too few samples to be compared.
+    /// The number of regions with too few samples to compare.
     pub skipped: usize,
-    /// The region with the largest mean angle between normals, degrees.
+    /// The region with the largest mean angle between normals, in degrees.
     pub angle: Option<Region>,
     /// The region with the largest mean difference of base colours, CIEDE2000; `None` if colours are not compared.
     pub color: Option<Region>,
 }
 
 impl WorstRegions {
-    /// Finds the worst regions of an asset whose triangles have these `labels`, one for each region. The worst ones are then
-    /// measured at fresh points, so that none is the worst by chance.
+    /// Finds the worst regions of an asset whose triangles have these `labels`, one label per region. The worst ones
+    /// are then measured at new points, so that none is the worst by chance.
     ///
     /// # Errors
     /// As [`Estimate::of`].
@@ -78,7 +78,7 @@ impl WorstRegions {
 struct Regions<'a> {
     labels: &'a [u32],
     all: usize,
-    /// The number of each label, in the order of first triangles.
+    /// The index of each label, in the order of first triangles.
     numbers: BTreeMap<u32, usize>,
     samples: BTreeMap<u32, Vec<&'a SurfaceSample>>,
 }
@@ -108,7 +108,7 @@ impl<'a> Regions<'a> {
         means.reduce(|worst, next| if next.1 > worst.1 { next } else { worst }).map(|(label, _)| label)
     }
 
-    /// Measures a region at fresh points; `None` if none of them can be seen.
+    /// Measures a region at new points; `None` if none of them is visible.
     fn measured(
         &self,
         pair: &Pair<'_>,

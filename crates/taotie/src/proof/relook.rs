@@ -1,4 +1,4 @@
-//! A surface looked at again and again, with other images in its textures.
+//! Repeated views of a surface with different images in its textures.
 
 use super::overview::{Picture, overview_samples};
 use super::pair::{Sample, Side};
@@ -9,37 +9,37 @@ use crate::image::{Encoding, Texture};
 use crate::math::Vec3;
 use crate::parallel;
 
-/// The pixels of an overview of one surface. As the triangles stay, what changes is found without another ray.
+/// The pixels of an overview of one surface. As the triangles stay, changes are found without tracing more rays.
 pub(crate) struct Relook<'a> {
     side: &'a Side<'a>,
     pixels: Vec<Vec<Sample>>,
 }
 
-/// Textures that show one image, by their numbers, and the meaning of their texels.
+/// Textures that use one image, by index, and the meaning of their texels.
 #[derive(Debug, Clone)]
 pub(crate) struct Shown {
     pub textures: Vec<usize>,
     pub encoding: Encoding,
 }
 
-/// What a pixel shows of what textures of one meaning decide.
+/// A pixel's values that textures of one meaning determine.
 #[derive(Debug, Clone, Copy, Default)]
 struct Seen {
     /// The sum of normals, or of colours.
     sum: Vec3,
     /// The sum of emission, or of metallic, roughness and occlusion.
     other: Vec3,
-    /// The sum of what is opaque, for colours.
+    /// The sum of opacities, for colours.
     alpha: f32,
 }
 
 impl<'a> Relook<'a> {
-    /// Looks at the pixels of [`super::overview`].
+    /// Finds the pixels of [`super::overview`].
     pub fn new(side: &'a Side<'a>, picture: Picture) -> Self {
         Self { side, pixels: overview_samples(side, picture) }
     }
 
-    /// Looks at the pixels that see the first texture whose texels have a meaning; `None` if there is none.
+    /// Returns the pixels that show the first texture whose texels have this meaning; `None` if there is none.
     ///
     /// # Errors
     /// Those of [`Retextured::new`].
@@ -49,7 +49,7 @@ impl<'a> Relook<'a> {
         number.map(|number| self.at(Shown { textures: vec![number], encoding })).transpose()
     }
 
-    /// Looks at the pixels that see an image.
+    /// Returns the pixels that show an image.
     ///
     /// # Errors
     /// Those of [`Retextured::new`].
@@ -65,18 +65,18 @@ impl<'a> Relook<'a> {
     }
 }
 
-/// The pixels that see one image.
+/// The pixels that show one image.
 pub(crate) struct ImageLook<'a> {
     side: &'a Side<'a>,
     shown: Shown,
     pixels: Vec<&'a [Sample]>,
-    /// What each of them shows.
+    /// The original values of each pixel.
     seen: Vec<Seen>,
 }
 
 impl ImageLook<'_> {
-    /// Returns the differences from the same pixels with another texture in the place of the image, in rising order: degrees,
-    /// CIEDE2000, or parts of the largest number.
+    /// Returns the differences from the same pixels with another texture replacing the image, in ascending order:
+    /// degrees, CIEDE2000, or fractions of the largest number.
     ///
     /// # Errors
     /// Those of [`Retextured::new`].
@@ -120,7 +120,7 @@ impl Seen {
         match encoding {
             Encoding::Normal => angle_deg(self.sum.to_f64(), other.sum.to_f64()) as f32,
             Encoding::Srgb => {
-                // From black to white as from clear to opaque.
+                // From black to white counts the same as from transparent to opaque.
                 let alpha = (self.alpha - other.alpha).abs() / samples as f32 * 100.0;
                 color_difference(a[0], b[0]).max(color_difference(a[1], b[1])).max(alpha.into()) as f32
             }

@@ -13,11 +13,11 @@ use crate::trace::{EightTriangles, Sweep};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct SilhouetteFigures {
-    /// The mean distance of the asset's outline from the scan's and back, pixels.
+    /// The mean distance from the asset's outline to the scan's and back, in pixels.
     pub mean_pixels: f64,
-    /// The largest, pixels.
+    /// The largest such distance, in pixels.
     pub max_pixels: f64,
-    /// The largest, model units.
+    /// The largest such distance, in model units.
     pub max_length: f64,
 }
 
@@ -57,11 +57,11 @@ impl Sums {
     }
 }
 
-/// A surface, and which of its triangles have two sides that are drawn; none if that is empty.
+/// A surface, and which of its triangles are drawn on both sides; empty if none are.
 struct Shape<'a> {
     surface: &'a Scan,
     is_double_sided: Vec<bool>,
-    /// Rounding of places, model units.
+    /// Rounding of positions, in model units.
     slack: f32,
 }
 
@@ -77,18 +77,18 @@ impl<'a> Shape<'a> {
     }
 }
 
-/// Bits of a row of pixels, and of a picture of them.
+/// Bits of a row of pixels, and of a whole picture.
 const WORDS: usize = SIDE / 64;
 type Rows = Vec<[u64; WORDS]>;
-/// A box of a smaller product of sides is looked at pixel by pixel.
+/// A box with a smaller product of sides is tested pixel by pixel.
 const FEW: usize = 16;
 
-/// The pixels whose middles a surface covers in a view. Back faces are not drawn, but those of double-sided materials.
+/// The pixels whose centres a surface covers in a view. Backfaces are not drawn, except for double-sided materials.
 struct Mask {
     rows: Rows,
 }
 
-/// A surface that is being drawn.
+/// A surface being drawn.
 struct Drawing<'a> {
     mask: Mask,
     shape: &'a Shape<'a>,
@@ -98,7 +98,7 @@ struct Drawing<'a> {
 }
 
 impl Drawing<'_> {
-    /// Returns where a point appears, pixels; whole numbers are the middles of pixels.
+    /// Returns the position of a point in the picture, in pixels; integers are the centres of pixels.
     #[inline(always)]
     fn place(&self, p: Vec3) -> [f32; 2] {
         let away = p - self.view.corner;
@@ -107,7 +107,7 @@ impl Drawing<'_> {
 }
 
 impl Sweep for Drawing<'_> {
-    /// Returns `true` if the box has the middle of a pixel that is not covered yet.
+    /// Returns `true` if the box contains the centre of a pixel that is not covered yet.
     fn wants(&self, [low, high]: [Vec3; 2]) -> bool {
         let middle = self.place((low + high) * 0.5);
         let half = (high - low) * 0.5;
@@ -122,7 +122,7 @@ impl Sweep for Drawing<'_> {
     }
 
     fn take(&mut self, triangles: &[u32], corners: &EightTriangles) {
-        // Eight at once: absent ones are not a number.
+        // Eight in parallel: absent ones are NaN.
         let mut places = [[[0.0; 2]; 3]; LANES];
         for (corner, [x, y, z]) in corners.iter().enumerate() {
             let all: [[f32; 2]; LANES] = std::array::from_fn(|i| self.place(Vec3::new(x[i], y[i], z[i])));
@@ -137,9 +137,9 @@ impl Sweep for Drawing<'_> {
     }
 }
 
-/// Triangles that are placed at once.
+/// Number of triangles placed in one batch.
 const LANES: usize = 8;
-/// Rounding of places within a picture, pixels.
+/// Rounding of positions within a picture, in pixels.
 const MARGIN: f32 = 1e-3;
 
 impl Mask {
@@ -151,7 +151,7 @@ impl Mask {
         drawing.mask
     }
 
-    /// Covers the pixels whose middles, whole numbers, lie in a triangle or on its border.
+    /// Covers the pixels whose centres, at integers, are inside a triangle or on its border.
     fn cover(&mut self, corners: [[f32; 2]; 3]) {
         let [a, b, c] = corners;
         let range = |k: usize| [a[k].min(b[k]).min(c[k]), a[k].max(b[k]).max(c[k])];
@@ -159,7 +159,7 @@ impl Mask {
         if self.rows[top..=bottom].iter().all(|row| is_set(row, left, right)) {
             return;
         }
-        // Spans pay off for triangles of some size.
+        // Spans pay off for larger triangles.
         if (right - left) * (bottom - top) < FEW {
             return self.cover_few(corners, [left, right, top, bottom]);
         }
@@ -171,7 +171,7 @@ impl Mask {
         }
     }
 
-    /// Covers the pixels of a small box that lie in a triangle or on its border.
+    /// Covers the pixels of a small box that are inside a triangle or on its border.
     fn cover_few(&mut self, [a, b, c]: [[f32; 2]; 3], [left, right, top, bottom]: [usize; 4]) {
         let edge = |p: [f32; 2], q: [f32; 2], [x, y]: [f32; 2]| {
             (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0])
@@ -187,7 +187,7 @@ impl Mask {
         }
     }
 
-    /// Returns the covered pixels with a neighbour that is not.
+    /// Returns the covered pixels that have an uncovered neighbour.
     fn outline(&self) -> Outline {
         let rows = &self.rows;
         let row = |y: usize| {
@@ -205,13 +205,13 @@ impl Mask {
     }
 }
 
-/// Returns `true` if the corners go around as those of a front face do: axes across, down the picture and towards the viewer
-/// are right-handed.
+/// Returns `true` if the corners have the winding of a front face: the axes across, down the picture and towards the
+/// viewer are right-handed.
 fn faces_viewer([a, b, c]: [[f32; 2]; 3]) -> bool {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) >= 0.0
 }
 
-/// Returns the first and the last whole number of a range that are pixels; `None` if there are none. Most triangles of a
+/// Returns the first and the last integer of a range that are pixels; `None` if there are none. Most triangles of a
 /// scan have none: conversions decide that faster than rounding.
 fn whole([from, to]: [f32; 2]) -> Option<[usize; 2]> {
     if !(to >= 0.0 && from <= SIDE as f32 - 1.0) {
@@ -223,7 +223,7 @@ fn whole([from, to]: [f32; 2]) -> Option<[usize; 2]> {
     (first <= last).then_some([first, last])
 }
 
-/// Returns where a row enters and leaves a triangle; nothing if it does not meet it.
+/// Returns where a row enters and leaves a triangle; nothing if it does not intersect it.
 fn across(corners: [[f32; 2]; 3], y: f32) -> [f32; 2] {
     let mut span = [f32::INFINITY, f32::NEG_INFINITY];
     for (k, [x, from]) in corners.into_iter().enumerate() {
@@ -241,14 +241,14 @@ fn across(corners: [[f32; 2]; 3], y: f32) -> [f32; 2] {
     span
 }
 
-/// Sets the bits of the columns `from` to `to`, the last included.
+/// Sets the bits of the columns `from` to `to`, inclusive.
 fn set(row: &mut [u64; WORDS], from: usize, to: usize) {
     for (i, word) in row.iter_mut().enumerate().take(to / 64 + 1).skip(from / 64) {
         *word |= bits(i, from, to);
     }
 }
 
-/// Returns `true` if the bits of the columns `from` to `to`, the last included, are set.
+/// Returns `true` if the bits of the columns `from` to `to`, inclusive, are set.
 fn is_set(row: &[u64; WORDS], from: usize, to: usize) -> bool {
     (from / 64..=to / 64).all(|i| !row[i] & bits(i, from, to) == 0)
 }
@@ -287,9 +287,10 @@ impl Outline {
         pixels
     }
 
-    /// Returns how far each of its pixels lies from another outline, pixels; as far as the picture is wide if that is empty.
+    /// Returns the distance of each of its pixels from another outline, in pixels; the width of the picture if that
+    /// is empty.
     fn distances(&self, other: &Self) -> Vec<f64> {
-        /// Pixels are looked at one by one as far as this.
+        /// Pixels are searched one by one up to this distance.
         const REACH: isize = 4;
         let around = (-REACH..=REACH).flat_map(|v| (-REACH..=REACH).map(move |u| [u, v]));
         let mut near: Vec<(isize, [isize; 2])> = around.map(|[u, v]| (u * u + v * v, [u, v])).collect();

@@ -3,52 +3,52 @@
 use super::Viewport;
 use crate::math::{Lane, Mask};
 
-/// A triangle in clip space, from which barycentrics at points of the screen are computed.
+/// A triangle in clip space, from which barycentrics at screen positions are computed.
 ///
-/// A point of the triangle is Σ bᵢ Pᵢ with Pᵢ = (x, y, w) of corner i, and is seen at (X, Y) where it is parallel
-/// to (X, Y, 1). So bᵢ/w is (Pⱼ × Pₖ)·(X, Y, 1) over the determinant of the corners, a plane over the screen: Olano and
+/// A point of the triangle is Σ bᵢ Pᵢ with Pᵢ = (x, y, w) of corner i, and is visible at (X, Y) if it is parallel to
+/// (X, Y, 1). So bᵢ/w is (Pⱼ × Pₖ)·(X, Y, 1) over the determinant of the corners, a plane over the screen: Olano and
 /// Greer 1997. No clipping is needed.
 #[derive(Debug, Clone, Copy)]
 pub struct PerspectiveTriangle<L = f32> {
-    /// The planes of each corner: value at the origin, step a pixel right, step a pixel down.
+    /// The planes of each corner: value at the origin, step per pixel to the right, step per pixel down.
     pub planes: [[L; 3]; 3],
 }
 
-/// Barycentrics at points of the screen.
+/// Barycentrics at screen positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Barycentric<L = f32> {
     /// Weights of the three corners; their sum is 1.
     pub weights: [L; 3],
-    /// Change of the weights a pixel to the right.
+    /// Change of the weights one pixel to the right.
     pub d_x: [L; 3],
-    /// Change of the weights a pixel down.
+    /// Change of the weights one pixel down.
     pub d_y: [L; 3],
 }
 
-/// The number of triangles whose planes are made side by side.
+/// The number of triangles whose planes are computed together.
 pub const TRIANGLES: usize = 8;
 
-/// Makes the planes of triangles that are seen in one image.
+/// Computes the planes of triangles visible in one image.
 ///
-/// Points are counted from an origin, in pixels from the image's top left corner; near it they are most exact.
+/// Positions are relative to an origin, in pixels from the image's top left corner; accuracy is best near it.
 #[derive(Debug, Clone, Copy)]
 pub struct PlaneSetup {
-    /// A pixel right and down, in the image's halves.
+    /// One pixel right and down, in halves of the image.
     step: [f64; 2],
     origin: [f64; 2],
 }
 
-/// Three numbers of each of three corners of some triangles.
+/// Three numbers for each of three corners of several triangles.
 pub type CornerNumbers<T> = [[[T; TRIANGLES]; 3]; 3];
 
 impl PlaneSetup {
-    /// Counts points from `origin`, pixels.
+    /// Makes positions relative to `origin`, in pixels.
     pub fn new(viewport: &Viewport, origin: [f64; 2]) -> Self {
         Self { step: [2.0 / f64::from(viewport.width), -2.0 / f64::from(viewport.height)], origin }
     }
 
-    /// The planes of triangles whose corners have these (x, y, w) in clip space. One loop over all, of which compilers
-    /// make packs.
+    /// The planes of triangles whose corners have these (x, y, w) in clip space. One loop over all, which compilers
+    /// vectorise.
     #[inline(always)]
     pub fn planes(&self, corners: &CornerNumbers<f64>) -> CornerNumbers<f32> {
         let mut planes = [[[0.0; TRIANGLES]; 3]; 3];
@@ -81,8 +81,8 @@ impl PlaneSetup {
 impl<L: Lane> PerspectiveTriangle<L> {
     /// The barycentrics at (x, y) in pixels from the origin.
     ///
-    /// Vertices are snapped for coverage, so a covered sample can lie a little outside the exact triangle: its weights
-    /// are brought inside. A sliver seen edge-on has no weights at all and takes the mean of its corners.
+    /// Vertices are snapped for coverage, so a covered sample can be slightly outside the exact triangle: its weights
+    /// are clamped inside. A sliver seen edge-on has no weights at all and gets the mean of its corners.
     #[inline(always)]
     pub fn at(&self, x: L, y: L) -> Barycentric<L> {
         let [zero, one, third] = [x.lit(0.0), x.lit(1.0), x.lit(1.0 / 3.0)];
@@ -136,13 +136,13 @@ mod tests {
     #[test]
     fn corners_and_perspective_midpoint() {
         let viewport = Viewport { width: 100, height: 50, pattern: SamplePattern::new(1).unwrap() };
-        // A triangle whose second corner is three times as far as the others.
+        // A triangle whose second corner is three times as far away as the others.
         let corners = [[-1.0, -1.0, 0.0, 1.0], [3.0, -3.0, 0.0, 3.0], [-1.0, 1.0, 0.0, 1.0]];
         let triangle = triangle(corners, &viewport, [0.0; 2]);
         let close = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6);
         assert!(close(triangle.at(0.0f32, 50.0).weights, [1.0, 0.0, 0.0]));
         assert!(close(triangle.at(100.0f32, 50.0).weights, [0.0, 1.0, 0.0]));
-        // Halfway on the screen the near corner weighs three times the far one.
+        // Halfway on the screen, the near corner has three times the weight of the far one.
         assert!(close(triangle.at(50.0f32, 50.0).weights, [0.75, 0.25, 0.0]));
     }
 

@@ -1,4 +1,4 @@
-//! Clipping, culling, snapping and sorting triangles into tiles.
+//! Clips, culls and snaps triangles, and sorts them into tiles.
 
 use super::cull::{BLOCK, Corners, CullResult, Culling};
 use super::setup::{ScreenTriangle, Setup};
@@ -9,10 +9,10 @@ use crate::math::SimdLevel;
 use fearless_simd::Level;
 use rayon::prelude::*;
 
-/// The most chunks that the triangles of a draw are split into; a tile walks over all of them in order.
+/// The maximum number of chunks into which the triangles of a draw are split; a tile visits all of them in order.
 const MAX_CHUNKS: usize = 64;
 
-/// The fewest triangles worth a chunk.
+/// The minimum number of triangles per chunk.
 const MIN_CHUNK: usize = 4096;
 
 /// Triangles to draw.
@@ -22,7 +22,7 @@ pub struct Geometry<'a> {
     pub clip: &'a [[f32; 4]],
     /// Indices into `clip`, in range.
     pub triangles: &'a [[u32; 3]],
-    /// The faces that are drawn.
+    /// The faces to draw.
     pub faces: Faces,
     /// The id of the first triangle; the others follow.
     pub first_id: u32,
@@ -36,27 +36,27 @@ pub struct Bins {
     vertices: Vec<ScreenVertices>,
 }
 
-/// Neighbours in drawing order.
+/// Consecutive triangles in drawing order.
 #[derive(Debug, Default)]
 struct Chunk {
     triangles: Vec<ScreenTriangle>,
-    /// The tile in which each triangle lies, or [`SEVERAL`].
+    /// The tile that contains each triangle, or [`SEVERAL`].
     homes: Vec<u32>,
-    /// The start of each tile's part of `members`; two more at the end.
+    /// The start of each tile's part of `members`, and two more at the end.
     starts: Vec<u32>,
     /// Indices into `triangles`.
     members: Vec<u32>,
 }
 
-/// The mark of more than one tile.
+/// Marks more than one tile.
 const SEVERAL: u32 = u32::MAX;
 
 impl Bins {
-    /// Clips, culls, snaps and sorts `geometry` into the tiles of `viewport`, in the memory of what was there
-    /// before. The result does not depend on threads, nor on `simd`.
+    /// Clips, culls, snaps and sorts `geometry` into the tiles of `viewport`, reusing the memory of the previous
+    /// content. The result depends neither on threads nor on `simd`.
     ///
     /// # Errors
-    /// Returns an error if the SIMD level is not available on this machine.
+    /// If the SIMD level is not available on this machine.
     pub fn rebuild(&mut self, geometry: &[Geometry<'_>], viewport: &Viewport, simd: SimdLevel) -> Result<()> {
         let level = simd.dispatch()?;
         self.vertices.resize_with(geometry.len(), ScreenVertices::default);
@@ -82,7 +82,7 @@ impl Bins {
         Ok(())
     }
 
-    /// The triangles that may touch a tile, in drawing order: chunks, and which of a chunk's triangles.
+    /// The triangles that may touch a tile, in drawing order: chunks, and the triangles of each.
     pub(super) fn tile(&self, tile: usize) -> impl Iterator<Item = (&[ScreenTriangle], &[u32])> {
         self.chunks.iter().map(move |chunk| {
             let members = match chunk.starts.get(tile..tile + 2) {
@@ -93,16 +93,16 @@ impl Bins {
         })
     }
 
-    /// The number of triangles that are left after clipping and culling.
+    /// The number of triangles remaining after clipping and culling.
     pub fn triangle_count(&self) -> usize {
         self.chunks.iter().map(|chunk| chunk.triangles.len()).sum()
     }
 }
 
-/// [`Bins::rebuild`] from nothing, at the level that is fastest on this machine.
+/// [`Bins::rebuild`] from scratch, at the fastest level of this machine.
 pub fn bin(geometry: &[Geometry<'_>], viewport: &Viewport) -> Bins {
     let mut bins = Bins::default();
-    // The level that is chosen for the machine is always there.
+    // The level chosen for the machine is always available.
     let _ = bins.rebuild(geometry, viewport, SimdLevel::Auto);
     bins
 }
@@ -135,7 +135,7 @@ impl Chunk {
         self.sort_into_tiles(part.viewport);
     }
 
-    /// Counts, then places: for each tile the triangles whose box touches it, in order.
+    /// Counts, then fills: for each tile the triangles whose box touches it, in order.
     fn sort_into_tiles(&mut self, viewport: &Viewport) {
         let (across, down) = viewport.tiles();
         self.starts.clear();
@@ -149,7 +149,7 @@ impl Chunk {
         for i in 2..self.starts.len() {
             self.starts[i] += self.starts[i - 1];
         }
-        // What is one further than a tile's start moves from its start to its end.
+        // The entry one past a tile's start moves from its start to its end.
         self.members.clear();
         self.members.resize(self.starts.last().map_or(0, |count| *count as usize), 0);
         for (i, home) in self.homes.iter().enumerate() {
@@ -166,7 +166,7 @@ impl Chunk {
 }
 
 impl Part<'_> {
-    /// Adds the triangles of a block, the first of which is `start`, that may be seen.
+    /// Adds the triangles of a block, starting at `start`, that may be visible.
     fn push(&self, start: usize, corners: &Corners, result: CullResult, out: &mut Vec<ScreenTriangle>) {
         let mut left = result.seen | result.unknown;
         while left != 0 {
@@ -195,10 +195,10 @@ impl Part<'_> {
     }
 }
 
-/// The number of bits by which coordinates in 1/256 pixel are shifted to those of tiles.
+/// The shift that converts coordinates in 1/256 pixel to those of tiles.
 const TILE_SHIFT: u32 = (TILE_SIZE * SUBPIXELS as u32).trailing_zeros();
 
-/// The tiles that a triangle's box touches.
+/// The tiles touched by a triangle's box.
 struct Tiles {
     columns: [usize; 2],
     rows: [usize; 2],
@@ -217,7 +217,7 @@ impl Tiles {
         }
     }
 
-    /// The only one, or [`SEVERAL`].
+    /// The only tile, or [`SEVERAL`].
     fn home(&self) -> u32 {
         match self.columns[0] == self.columns[1] && self.rows[0] == self.rows[1] {
             true => (self.rows[0] * self.across + self.columns[0]) as u32,

@@ -2,13 +2,13 @@
 
 use super::Viewport;
 
-/// The distance outside the image at which vertices are clipped, pixels.
+/// The distance outside the image at which vertices are clipped, in pixels.
 const GUARD: f64 = 8192.0;
 
 /// A vertex in clip space: x, y, z, w.
 pub(super) type ClipVertex = [f64; 4];
 
-/// The most corners a triangle has after six planes.
+/// The maximum number of corners of a triangle after six planes.
 const MAX_CORNERS: usize = 9;
 
 /// A convex polygon of at most nine corners.
@@ -18,7 +18,7 @@ pub(super) struct Polygon {
     count: usize,
 }
 
-/// The half-spaces that geometry must lie in: near, far, and four guard planes outside the image that keep screen
+/// The half-spaces that contain the geometry: near, far, and four guard planes outside the image that keep screen
 /// coordinates small enough for exact edge functions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ClipVolume {
@@ -49,7 +49,7 @@ impl ClipVolume {
         code
     }
 
-    /// The part of the triangle inside the planes named in `planes`.
+    /// The part of the triangle inside the planes in `planes`.
     pub(super) fn clip(&self, triangle: [ClipVertex; 3], planes: u8) -> Polygon {
         let mut polygon = Polygon::triangle(triangle);
         for plane in (0..6).filter(|plane| planes & (1 << plane) != 0) {

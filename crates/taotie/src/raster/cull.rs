@@ -1,34 +1,34 @@
-//! Finds the many small triangles that can be seen at all, eight at a time and exactly.
+//! Finds the small triangles that are visible at all, eight at a time and exactly.
 
 use super::{Faces, SUBPIXELS, Viewport};
 use crate::math::dispatch_registers;
 use fearless_simd::{Level, Simd, i32x8, mask32x8, prelude::*};
 
-/// Triangles that are looked at together: filled in one by one long before they are read as packs.
+/// Triangles tested together: filled in one by one long before they are read as packs.
 pub(super) const BLOCK: usize = 64;
 
 const PACK: usize = 8;
 
-/// Triangles with a longer side take the long way: products of shorter ones fit 32 bits.
+/// Triangles with a longer side take the slow path: products of shorter ones fit 32 bits.
 const LONG: i32 = 1 << 15;
 
-/// Corners of the triangles of a block, x and y in turn, in 1/256 pixel.
+/// Corners of the triangles of a block, x and y alternating, in 1/256 pixel.
 pub(super) struct Corners {
     pub places: [[[i32; 2]; BLOCK]; 3],
 }
 
-/// The facts known of the triangles of a block; bit i belongs to triangle i.
+/// Facts about the triangles of a block; bit i belongs to triangle i.
 #[derive(Debug, Default, Clone, Copy)]
 pub(super) struct CullResult {
-    /// The triangles that cover a sample, or have so many around them that they may.
+    /// The triangles that cover a sample, or have enough samples around them that they may.
     pub seen: u64,
-    /// The triangles that turn counter-clockwise.
+    /// The counter-clockwise triangles.
     pub counter_clockwise: u64,
-    /// The triangles that are too large for this, or need clipping.
+    /// The triangles that are too large for this test or need clipping.
     pub unknown: u64,
 }
 
-/// The test for what can be seen in a viewport.
+/// The visibility test for a viewport.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Culling {
     viewport: Viewport,
@@ -41,7 +41,7 @@ impl Culling {
         Self { viewport: *viewport, faces, level }
     }
 
-    /// Tests the first `count` triangles of a block; the others must be there and may be anything.
+    /// Tests the first `count` triangles of a block; the others must exist but may have any values.
     pub fn test(&self, corners: &Corners, count: usize) -> CullResult {
         dispatch_registers!(self.level, simd => self.block(simd, corners, count))
     }
@@ -97,7 +97,7 @@ impl<S: Simd> Small<S> {
         (right - left).simd_lt(long) & (bottom - top).simd_lt(long)
     }
 
-    /// Returns the triangles that turn counter-clockwise, and those that have area and a face that is drawn.
+    /// Returns the counter-clockwise triangles, and those with an area and a face that is drawn.
     #[inline(always)]
     fn turn(&self, faces: Faces) -> (mask32x8<S>, mask32x8<S>) {
         let ([x0, x1, x2], [y0, y1, y2]) = (self.x, self.y);
@@ -121,8 +121,8 @@ impl<S: Simd> Small<S> {
         Self { x, y, ..*self }
     }
 
-    /// Returns the triangles, of those `asked` for, that cover a sample of the image. A triangle with more than two
-    /// columns or rows of samples around it counts as covering one.
+    /// Returns the triangles, among those `asked` for, that cover a sample of the image. A triangle with more than
+    /// two columns or rows of samples around it counts as covering one.
     #[inline(always)]
     fn covers(&self, viewport: &Viewport, asked: mask32x8<S>) -> mask32x8<S> {
         let mut covers = self.splat(0).simd_lt(self.splat(0));
@@ -156,13 +156,13 @@ impl<S: Simd> Small<S> {
         some & (many | here | right | below | across)
     }
 
-    /// The first column or row of samples from `low` on.
+    /// The first column or row of samples at or after `low`.
     #[inline(always)]
     fn first(&self, low: i32x8<S>, offset: i32) -> i32x8<S> {
         ((low + (SUBPIXELS - 1 - offset)) >> 8).max(self.splat(0))
     }
 
-    /// The last column or row of samples up to `high`.
+    /// The last column or row of samples at or before `high`.
     #[inline(always)]
     fn last(&self, high: i32x8<S>, offset: i32, side: u32) -> i32x8<S> {
         ((high - offset) >> 8).min(self.splat(side as i32 - 1))
@@ -174,8 +174,8 @@ impl<S: Simd> Small<S> {
         (edges[0][0] | edges[1][0] | edges[2][0]).simd_ge(self.splat(0))
     }
 
-    /// The edge function from corner `i` to corner `j`, lowered by one unless the edge is a top or left one,
-    /// at a place; with its steps a pixel to the right and a pixel down.
+    /// The edge function from corner `i` to corner `j`, lowered by one unless the edge is a top or left one, at a
+    /// position; with its steps one pixel to the right and one pixel down.
     #[inline(always)]
     fn edge(&self, [i, j]: [usize; 2], [x, y]: [i32x8<S>; 2]) -> [i32x8<S>; 3] {
         let (dx, dy) = (self.x[j] - self.x[i], self.y[j] - self.y[i]);
@@ -191,14 +191,14 @@ impl<S: Simd> Small<S> {
     }
 }
 
-/// Eight places as x and y.
+/// Eight positions as x and y.
 #[inline(always)]
 fn load_places<S: Simd>(simd: S, places: &[[i32; 2]]) -> (i32x8<S>, i32x8<S>) {
     let (low, high) = places.as_flattened().split_at(PACK);
     i32x8::from_slice(simd, low).deinterleave(i32x8::from_slice(simd, high))
 }
 
-/// Edge functions a `step` further: 1 to the right, 2 down.
+/// Edge functions one `step` further: 1 to the right, 2 down.
 #[inline(always)]
 fn moved<S: Simd>(edges: &[[i32x8<S>; 3]; 3], step: usize) -> [[i32x8<S>; 3]; 3] {
     let mut moved = *edges;

@@ -6,14 +6,14 @@ use super::small::{PACK, Setups};
 use super::triangle::clamped;
 use fearless_simd::{Simd, f32x8, i32x8, mask32x8, prelude::*};
 
-/// The number of columns, and of rows, of samples up to which they are few.
+/// The maximum number of columns, and of rows, of samples that count as few.
 pub(super) const FEW: usize = 5;
 
-/// The samples that eight triangles cover, and how near they are there.
+/// The samples covered by eight triangles, and their depths.
 pub(super) struct Few {
     /// The pixel of the top left sample around each triangle.
     first: [i32; PACK],
-    /// Bit `row · FEW + column` is set where that sample is covered.
+    /// Bit `row · FEW + column` is set if that sample is covered.
     covered: [u32; PACK],
     /// The depths, by `row · FEW + column`.
     depths: [[f32; PACK]; FEW * FEW],
@@ -73,7 +73,7 @@ impl Few {
         covered
     }
 
-    /// Hands on what triangle `i` covers.
+    /// Passes on the samples covered by triangle `i`.
     #[inline(always)]
     pub fn visit<K: Sink>(&self, i: usize, id: u32, sink: &mut K) {
         let mut left = self.covered[i];

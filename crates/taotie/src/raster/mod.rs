@@ -1,5 +1,5 @@
-//! Rasterisation, from clip space to visibility: clipping, binning to tiles, coverage and depth. Finds triangles, never
-//! colours.
+//! Rasterisation, from clip space to visibility: clipping, binning to tiles, coverage and depth. Finds triangles,
+//! never colours.
 //!
 //! Clip space has x right, y up, z reversed: z/w is 1 on the near plane and 0 on the far plane (or at infinity).
 //! Screen space has its origin top left, y down. Vertices are snapped to 1/256 pixel, so edge functions are exact
@@ -21,12 +21,15 @@ mod triangle;
 mod vertices;
 mod viewport;
 
-pub use barycentric::{Barycentric, CornerNumbers, PerspectiveTriangle, PlaneSetup, TRIANGLES};
+pub use barycentric::{Barycentric, PerspectiveTriangle};
+pub(crate) use barycentric::{CornerNumbers, PlaneSetup, TRIANGLES};
 pub use bin::{Bins, Geometry, bin};
 pub use rasterize::{rasterize_layers, rasterize_opaque};
 pub use samples::SamplePattern;
-pub use tile::{Layer, NO_TRIANGLE, Tile, TilePlane, TileSample};
-pub use viewport::{Faces, TILE_PIXELS, TILE_SIZE, Viewport};
+pub(crate) use tile::NO_TRIANGLE;
+pub use tile::{Layer, Tile, TilePlane, TileSample};
+pub(crate) use viewport::TILE_SIZE;
+pub use viewport::{Faces, TILE_PIXELS, Viewport};
 
-/// Subpixel positions in a pixel, along each axis.
+/// Subpixel positions per pixel, along each axis.
 const SUBPIXELS: i32 = 256;

@@ -1,4 +1,4 @@
-//! Finds the triangles that are seen in one tile.
+//! Finds the triangles visible in one tile.
 
 use super::scan::scan;
 use super::sink::{InFront, Nearest};
@@ -6,11 +6,10 @@ use super::{Bins, Layer, TilePlane, TileSample};
 use crate::error::Result;
 use crate::math::{SimdLevel, dispatch_registers};
 
-/// Fills `plane` with the nearest triangle of `bins` at a sample. At equal depth the
-/// triangle drawn first stays.
+/// Fills `plane` with the nearest triangle of `bins` at a sample. At equal depth, the triangle drawn first wins.
 ///
 /// # Errors
-/// Returns an error if the SIMD level is not available on this machine.
+/// If the SIMD level is not available on this machine.
 pub fn rasterize_opaque(
     bins: &Bins,
     at: TileSample<'_>,
@@ -29,7 +28,7 @@ pub fn rasterize_opaque(
 /// Lists every triangle of `bins` in front of `opaque` at a sample, in drawing order.
 ///
 /// # Errors
-/// Returns an error if the SIMD level is not available on this machine.
+/// If the SIMD level is not available on this machine.
 pub fn rasterize_layers(
     bins: &Bins,
     at: TileSample<'_>,

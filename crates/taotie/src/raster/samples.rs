@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 
-/// Sample positions of a pixel in 1/256 of it, from its top left corner.
+/// Sample positions of a pixel in 1/256 pixel, from its top left corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SamplePattern {
     offsets: &'static [[i32; 2]],
@@ -38,7 +38,7 @@ impl SamplePattern {
             1 => &ONE,
             4 => &FOUR,
             16 => &SIXTEEN,
-            other => return Err(Error::invalid(format!("{other} samples a pixel"), "choose 1, 4 or 16")),
+            other => return Err(Error::invalid(format!("{other} samples per pixel"), "expected 1, 4 or 16")),
         };
         Ok(Self { offsets })
     }

@@ -1,4 +1,4 @@
-//! Going over the triangles of a tile, by their size.
+//! Visits the triangles of a tile, by their size.
 
 use super::few::{FEW, Few};
 use super::setup::ScreenTriangle;
@@ -8,7 +8,7 @@ use super::triangle::{TileTriangle, scan_packs};
 use super::{Bins, TileSample};
 use fearless_simd::{Simd, i32x8, mask32x8, prelude::*};
 
-/// Hands what the triangles of `bins` cover to `sink`, in drawing order.
+/// Passes the coverage of the triangles of `bins` to `sink`, in drawing order.
 #[inline(always)]
 pub(super) fn scan<S: Simd, K: Sink>(simd: S, bins: &Bins, at: TileSample<'_>, sink: &mut K) {
     let samples = Samples::new(at.tile, at.offset);
@@ -119,7 +119,7 @@ impl Columns {
         columns
     }
 
-    /// Returns triangle `i`, or `None` where no sample lies around it.
+    /// Returns triangle `i`, or `None` if there is no sample around it.
     #[inline(always)]
     fn triangle(&self, i: usize, id: u32) -> Option<TileTriangle> {
         let (n, f) = (&self.integers, &self.floats);

@@ -1,4 +1,4 @@
-//! One triangle from clip space to the screen: the long way, for those that are clipped or large.
+//! One triangle from clip space to the screen: the slow path, for clipped or large ones.
 
 use super::clip::{ClipVertex, ClipVolume};
 use super::{Faces, SUBPIXELS, Viewport};
@@ -21,7 +21,7 @@ impl ScreenTriangle {
         [low(self.x), low(self.y), high(self.x), high(self.y)]
     }
 
-    /// Returns the triangle with the other turn.
+    /// Returns the triangle with the opposite orientation.
     pub fn turned(mut self) -> Self {
         self.x.swap(1, 2);
         self.y.swap(1, 2);
@@ -30,7 +30,7 @@ impl ScreenTriangle {
     }
 }
 
-/// The inputs for turning clip space into screen triangles.
+/// The inputs for converting clip space to screen triangles.
 pub(super) struct Setup<'a> {
     viewport: &'a Viewport,
     volume: ClipVolume,
@@ -42,7 +42,7 @@ impl<'a> Setup<'a> {
         Self { viewport, volume: ClipVolume::new(viewport), faces }
     }
 
-    /// Adds what is left of a triangle after clipping and culling.
+    /// Adds the parts of a triangle that remain after clipping and culling.
     pub fn push(&self, corners: [ClipVertex; 3], id: u32, out: &mut Vec<ScreenTriangle>) {
         let codes = corners.map(|v| self.volume.outcode(v));
         if codes[0] & codes[1] & codes[2] != 0 {
@@ -78,7 +78,7 @@ impl<'a> Setup<'a> {
         self.may_cover(&triangle).then_some(triangle)
     }
 
-    /// Says whether the triangle's box holds a sample of the image.
+    /// Returns true if the triangle's box contains a sample of the image.
     fn may_cover(&self, triangle: &ScreenTriangle) -> bool {
         let [left, top, right, bottom] = triangle.bounds();
         if right < 0 || bottom < 0 {

@@ -5,12 +5,12 @@ use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 
 const PACK: usize = 8;
 
-/// Takes what triangles cover, in drawing order.
+/// Receives the coverage of triangles, in drawing order.
 pub(super) trait Sink {
-    /// Takes eight pixels from `pixel` on; `covered` marks the covered ones, `depth` is how near they are.
+    /// Receives eight pixels starting at `pixel`; `covered` marks the covered ones, `depth` is their depth.
     fn pack<S: Simd>(&mut self, pixel: usize, covered: mask32x8<S>, depth: f32x8<S>, id: u32);
 
-    /// Takes one pixel.
+    /// Receives one pixel.
     fn one(&mut self, pixel: usize, depth: f32, id: u32);
 }
 
@@ -44,9 +44,9 @@ impl Sink for Nearest<'_> {
     }
 }
 
-/// Lists all that lies in front of what is opaque.
+/// Lists everything in front of the opaque surfaces.
 pub(super) struct InFront<'a> {
-    /// Its depths.
+    /// Their depths.
     pub opaque: &'a [f32],
     pub layers: &'a mut Vec<Layer>,
 }

@@ -1,21 +1,21 @@
-//! Small triangles relative to a tile, set up eight at a time: edge functions and depth as planes over its
+//! Triangles that are small relative to a tile, set up eight at a time: edge functions and depth as planes over its
 //! pixels.
 
 use super::setup::ScreenTriangle;
 use super::{SUBPIXELS, Tile};
 use fearless_simd::{Simd, f32x8, f64x4, i32x8, mask32x8, prelude::*};
 
-/// Triangles that are set up together: filled in one by one long before they are read as packs.
+/// Triangles set up together: filled in one by one long before they are read as packs.
 pub(super) const BLOCK: usize = 64;
 
-/// Triangles that are worked on side by side.
+/// Triangles processed side by side.
 pub(super) const PACK: usize = 8;
 
-/// Triangles with a longer side, in 1/256 pixel, are not small: products of shorter ones with places within a
-/// tile fit 32 bits.
+/// Triangles with a longer side, in 1/256 pixel, are not small: products of shorter ones with positions within a tile
+/// fit 32 bits.
 const LONG: i32 = 1 << 14;
 
-/// The corners of a block of triangles, one column a number.
+/// The corners of a block of triangles, one column per coordinate.
 pub(super) struct Corners {
     x: [[i32; BLOCK]; 3],
     y: [[i32; BLOCK]; 3],
@@ -37,14 +37,13 @@ impl Corners {
     }
 }
 
-/// Eight triangles relative to the samples of a tile. What it says of a triangle that is not small means
-/// nothing.
+/// Eight triangles relative to the samples of a tile. The values of a triangle that is not small are meaningless.
 #[derive(Clone, Copy)]
 pub(super) struct Setups<S: Simd> {
     /// Pixels of the tile to visit: left, top, right, bottom, inclusive; none where left > right or top >
     /// bottom.
     pub bounds: [i32x8<S>; 4],
-    /// The edge functions, each: value at pixel (0, 0), step a column, step a row. Inside where all values are ≥ 0.
+    /// The edge functions, each: value at pixel (0, 0), step per column, step per row. Inside if all values are ≥ 0.
     pub edges: [[i32x8<S>; 3]; 3],
     /// The same for depth.
     pub depth: [f32x8<S>; 3],
@@ -52,7 +51,7 @@ pub(super) struct Setups<S: Simd> {
     pub depth_range: [f32x8<S>; 2],
 }
 
-/// The place of a tile's first sample in 1/256 pixel, and its size.
+/// The position of a tile's first sample in 1/256 pixel, and its size.
 #[derive(Clone, Copy)]
 pub(super) struct Samples {
     pub origin: [i32; 2],
@@ -75,7 +74,7 @@ struct Octet<S: Simd> {
 }
 
 impl<S: Simd> Setups<S> {
-    /// Sets up the triangles from `start` on, and returns which of them are small.
+    /// Sets up the triangles from `start` onwards, and returns which of them are small.
     #[inline(always)]
     pub fn new(simd: S, corners: &Corners, start: usize, samples: &Samples) -> (Self, mask32x8<S>) {
         let octet = Octet::load(simd, corners, start);
@@ -136,7 +135,7 @@ impl<S: Simd> Octet<S> {
         ((high - origin) >> 8).min(i32x8::splat(self.simd, side - 1))
     }
 
-    /// Does what `edge` of large triangles does, where nothing overflows.
+    /// Equivalent to `edge` of large triangles, without overflow.
     #[inline(always)]
     fn edge(&self, [i, j]: [usize; 2], [ox, oy]: [i32; 2]) -> [i32x8<S>; 3] {
         let (zero, one) = (i32x8::splat(self.simd, 0), i32x8::splat(self.simd, 1));
@@ -151,7 +150,7 @@ impl<S: Simd> Octet<S> {
     fn depth_plane(&self, z: [f32x8<S>; 3], [ox, oy]: [i32; 2]) -> [f32x8<S>; 3] {
         let (ox, oy) = (i32x8::splat(self.simd, ox), i32x8::splat(self.simd, oy));
         let ([x0, x1, x2], [y0, y1, y2]) = (self.x, self.y);
-        // Whole numbers of at most 24 bits.
+        // Integers of at most 24 bits.
         let (x1, y1, x2, y2) = (wide(x1 - x0), wide(y1 - y0), wide(x2 - x0), wide(y2 - y0));
         let (ox, oy) = (wide(ox - x0), wide(oy - y0));
         let (z0, z1, z2) = (z[0].widen(), z[1].widen(), z[2].widen());
@@ -183,13 +182,13 @@ fn plane<S: Simd>(
     [at_origin, dz_dx * subpixels, dz_dy * subpixels]
 }
 
-/// The lesser, and `a` where either is NaN.
+/// The minimum; `a` if either is NaN.
 #[inline(always)]
 fn least<S: Simd>(a: f32x8<S>, b: f32x8<S>) -> f32x8<S> {
     b.simd_lt(a).select(b, a)
 }
 
-/// The greater, and `a` where either is NaN.
+/// The maximum; `a` if either is NaN.
 #[inline(always)]
 fn most<S: Simd>(a: f32x8<S>, b: f32x8<S>) -> f32x8<S> {
     a.simd_lt(b).select(b, a)

@@ -1,11 +1,11 @@
-//! Tiles of the image, and what is seen in them.
+//! Tiles of the image, and what is visible in them.
 
 use super::{TILE_PIXELS, TILE_SIZE, Viewport};
 
 /// The id that means "nothing here".
 pub const NO_TRIANGLE: u32 = u32::MAX;
 
-/// A tile by its place in the image.
+/// A tile by its position in the image.
 #[derive(Debug, Clone, Copy)]
 pub struct Tile {
     /// Index, row by row.
@@ -14,9 +14,9 @@ pub struct Tile {
     pub x: u32,
     /// The top row of pixels.
     pub y: u32,
-    /// Columns that are inside the image, 1 to [`TILE_SIZE`].
+    /// Columns inside the image, 1 to 64.
     pub width: u32,
-    /// Rows that are inside the image.
+    /// Rows inside the image.
     pub height: u32,
 }
 
@@ -37,14 +37,14 @@ impl Tile {
 pub struct TileSample<'t> {
     /// The tile.
     pub tile: &'t Tile,
-    /// The place in the pixel, 1/256 pixel right and down from its corner.
+    /// The position in the pixel, in 1/256 pixel right and down from its corner.
     pub offset: [i32; 2],
 }
 
-/// The nearest triangle at one sample of each pixel of a tile. Pixel (x, y) is at `y · TILE_SIZE + x`.
+/// The nearest triangle at one sample of each pixel of a tile. Pixel (x, y) is at `y · 64 + x`.
 #[derive(Debug, Clone)]
 pub struct TilePlane {
-    /// Triangle ids, or [`NO_TRIANGLE`].
+    /// Triangle ids, or `u32::MAX` where there is no triangle.
     pub ids: Vec<u32>,
     /// Reversed depth: 1 near, 0 far or nothing.
     pub depths: Vec<f32>,
@@ -65,10 +65,10 @@ impl TilePlane {
     }
 }
 
-/// A triangle seen at a sample, in front of what is opaque.
+/// A triangle visible at a sample, in front of the opaque surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Layer {
-    /// `y · TILE_SIZE + x` in the tile.
+    /// `y · 64 + x` in the tile.
     pub pixel: u32,
     /// Triangle id.
     pub id: u32,

@@ -8,14 +8,14 @@ use fearless_simd::{Simd, f32x8, i32x8, prelude::*};
 const SIDE: i32 = TILE_SIZE as i32;
 const PACK: i32 = 8;
 
-/// Edge values beyond this decide the whole tile, since steps within a tile sum to less.
+/// Edge values beyond this decide for the whole tile, since the steps within a tile have a smaller sum.
 const FAR: i64 = 1 << 30;
 
 /// A triangle relative to a tile: edge functions and depth as planes over its pixels.
 pub(super) struct TileTriangle {
     /// Pixels of the tile to visit: left, top, right, bottom, inclusive.
     pub bounds: [i32; 4],
-    /// The edge functions, each: value at pixel (0, 0), step a column, step a row. Inside where all values are ≥ 0.
+    /// The edge functions, each: value at pixel (0, 0), step per column, step per row. Inside if all values are ≥ 0.
     pub edges: [[i32; 3]; 3],
     /// The same for depth.
     pub depth: [f32; 3],
@@ -56,7 +56,7 @@ impl TileTriangle {
 ///
 /// In 1/256 pixel it is 256·(A·column + B·row) + C with integers A, B, C; since A·column + B·row is an integer, its
 /// sign is that of A·column + B·row + ⌊C/256⌋, which fits 32 bits. Samples on an edge count only for top and left
-/// edges: for the others C is lowered by one.
+/// edges: for the others, C is lowered by one.
 fn edge(triangle: &ScreenTriangle, [i, j]: [usize; 2], [ox, oy]: [i32; 2]) -> [i32; 3] {
     let dx = i64::from(triangle.x[j] - triangle.x[i]);
     let dy = i64::from(triangle.y[j] - triangle.y[i]);
@@ -82,7 +82,7 @@ fn depth_plane(triangle: &ScreenTriangle, [ox, oy]: [i32; 2]) -> [f32; 3] {
 pub(super) fn scan_packs<S: Simd, K: Sink>(simd: S, triangle: &TileTriangle, sink: &mut K) {
     let [left, _, right, _] = triangle.bounds;
     if right - left < PACK {
-        // One pack a row; it may begin anywhere, if only it ends in its row.
+        // One pack per row; it may begin anywhere as long as it ends in its row.
         scan_column::<S, K, false>(simd, triangle, left.min(SIDE - PACK), sink);
         return;
     }
@@ -93,7 +93,7 @@ pub(super) fn scan_packs<S: Simd, K: Sink>(simd: S, triangle: &TileTriangle, sin
     }
 }
 
-/// Visits a pack of pixels in each row. Where many of them may hold no covered one, `SPARSE` is faster.
+/// Visits a pack of pixels in each row. `SPARSE` is faster if many packs may have no covered pixel.
 #[inline(always)]
 fn scan_column<S: Simd, K: Sink, const SPARSE: bool>(
     simd: S,
@@ -127,7 +127,7 @@ fn scan_column<S: Simd, K: Sink, const SPARSE: bool>(
     }
 }
 
-/// `depth` brought into the range; NaN stays.
+/// `depth` clamped to the range; NaN stays.
 #[inline(always)]
 pub(super) fn clamped<S: Simd>(depth: f32x8<S>, [low, high]: [f32x8<S>; 2]) -> f32x8<S> {
     let depth = depth.simd_lt(low).select(low, depth);

@@ -1,4 +1,4 @@
-//! Snaps vertices from clip space to the screen's grid, once a vertex.
+//! Snaps vertices from clip space to the screen's grid, once per vertex.
 
 use super::clip::ClipVolume;
 use super::{SUBPIXELS, Viewport};
@@ -6,31 +6,31 @@ use crate::math::dispatch_registers;
 use fearless_simd::{Level, Simd, f32x4, f32x8, f64x4, i32x8, prelude::*};
 use rayon::prelude::*;
 
-/// Vertices that a task takes at once.
+/// Vertices per task.
 const BLOCK: usize = 4096;
 
-/// Vertices that are worked on side by side.
+/// Vertices processed side by side.
 const PACK: usize = 8;
 
 /// Vertices on the screen.
 #[derive(Debug, Default)]
 pub(super) struct ScreenVertices {
-    /// x and y in 1/256 pixel, or for a vertex outside the clip volume a pair that is far from all that are
-    /// inside: triangles of vertices inside, or all outside the same planes, are the only ones whose corners
-    /// lie near one another, and the latter have no area.
+    /// x and y in 1/256 pixel, or, for a vertex outside the clip volume, a pair that is far from all those inside:
+    /// only triangles of vertices inside, or all outside the same planes, have corners near one another, and the
+    /// latter have no area.
     pub places: Vec<[i32; 2]>,
-    /// Reversed depth, z/w; of no meaning outside.
+    /// Reversed depth, z/w; meaningless outside.
     pub depths: Vec<f32>,
 }
 
-/// The x of vertices outside; the planes come on top of it.
+/// The x of vertices outside; the planes are added to it.
 const OUTSIDE: f64 = -1_073_741_824.0;
 
 /// The distance in x between vertices outside different planes.
 const OUTSIDE_STEP: f64 = 65536.0;
 
 impl ScreenVertices {
-    /// Replaces all vertices, and keeps the memory.
+    /// Replaces all vertices, reusing the memory.
     pub fn fill(&mut self, clip: &[[f32; 4]], viewport: &Viewport, level: Level) {
         let volume = ClipVolume::new(viewport);
         let size = [viewport.width, viewport.height].map(f64::from);
@@ -79,7 +79,7 @@ impl<S: Simd> Snap<S> {
         let low = self.four([x.0, y.0, z.0, w.0]);
         let high = self.four([x.1, y.1, z.1, w.1]);
         let [x, y, depth] = [low[0].narrow(high[0]), low[1].narrow(high[1]), low[2].narrow(high[2])];
-        // Whole numbers of at most 24 bits, or few bits, are the same as floats.
+        // Integers of at most 24 bits, or with few bits, are exact as floats.
         let (x, y): (i32x8<S>, i32x8<S>) = (x.to_int_precise(), y.to_int_precise());
         let (first, second) = x.interleave(y);
         let places = places.as_flattened_mut();

@@ -1,19 +1,19 @@
-//! The image that is drawn into, and how it is cut into tiles.
+//! The image to draw into, and its division into tiles.
 
 use super::SamplePattern;
 
-/// The side of a tile in pixels.
+/// The side length of a tile in pixels.
 pub const TILE_SIZE: u32 = 64;
 
-/// The pixels of a tile.
+/// The number of pixels in a tile.
 pub const TILE_PIXELS: usize = (TILE_SIZE * TILE_SIZE) as usize;
 
 /// The image to draw into.
 #[derive(Debug, Clone, Copy)]
 pub struct Viewport {
-    /// Pixels across, 1 to 16384.
+    /// Width in pixels, 1 to 16384.
     pub width: u32,
-    /// Pixels down, 1 to 16384.
+    /// Height in pixels, 1 to 16384.
     pub height: u32,
     /// The sample positions in a pixel.
     pub pattern: SamplePattern,
@@ -26,19 +26,19 @@ impl Viewport {
     }
 }
 
-/// The faces that are drawn.
+/// The faces to draw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Faces {
-    /// Triangles that turn counter-clockwise as seen.
+    /// Triangles that are counter-clockwise as seen.
     CounterClockwise,
-    /// Triangles that turn clockwise as seen: the front of a mirrored mesh.
+    /// Triangles that are clockwise as seen: the front of a mirrored mesh.
     Clockwise,
     /// All triangles.
     Both,
 }
 
 impl Faces {
-    /// Says whether clockwise triangles and counter-clockwise ones are drawn.
+    /// Returns whether clockwise and counter-clockwise triangles are drawn.
     pub(super) fn turns(self) -> [bool; 2] {
         [self != Self::CounterClockwise, self != Self::Clockwise]
     }

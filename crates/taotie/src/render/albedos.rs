@@ -1,4 +1,4 @@
-//! The directional albedos of each fragment's lobes, from the tables.
+//! The directional albedos of each fragment's lobes, looked up in the tables.
 
 use super::batch::{Batch, Lanes};
 use super::columns::{Column, get3};
@@ -32,7 +32,7 @@ pub(super) fn look_up(level: Level, settings: &RenderSettings, draw: &Draw<'_>, 
     }
 }
 
-/// The places in the tables where fragments are looked up.
+/// The table positions at which fragments are looked up.
 struct Places {
     node: Words,
     across: Column,

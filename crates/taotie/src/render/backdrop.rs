@@ -1,4 +1,4 @@
-//! The environment where nothing stands before it.
+//! The environment as background.
 
 use super::rays::CameraRays;
 use super::settings::{EnvironmentLight, Shot};
@@ -7,8 +7,8 @@ use crate::parallel;
 use crate::pixel::Turn;
 use crate::raster::{TILE_SIZE, Tile};
 
-/// Lays the shot's environment, where it is visible, under an image with premultiplied alpha, linear RGB: what a renderer
-/// does last that draws surfaces alone. `image` is of the shot's size.
+/// Composites the shot's environment, if it is visible, below an image with premultiplied alpha, linear RGB: the last
+/// step of a renderer that only draws surfaces. `image` has the size of the shot.
 pub fn fill_backdrop(image: &mut Image, shot: &Shot<'_>) {
     let (width, height) = (image.width(), image.height());
     let rays = CameraRays::new(shot.camera, [width, height]);
@@ -18,7 +18,7 @@ pub fn fill_backdrop(image: &mut Image, shot: &Shot<'_>) {
     });
 }
 
-/// An environment that is seen, from a camera.
+/// A visible environment, seen from a camera.
 pub(super) struct Backdrop {
     light: EnvironmentLight,
     turn: Turn<f32>,
@@ -26,7 +26,7 @@ pub(super) struct Backdrop {
 }
 
 impl Backdrop {
-    /// Makes the backdrop; `None` where there is nothing to be seen.
+    /// Creates the backdrop; `None` if nothing is visible.
     pub(super) fn new(light: Option<&EnvironmentLight>, rays: CameraRays) -> Option<Self> {
         light.filter(|light| light.visible).map(|light| Self {
             light: light.clone(),
@@ -35,7 +35,7 @@ impl Backdrop {
         })
     }
 
-    /// Lays the environment under the premultiplied pixels of a tile, as the middle of each pixel sees it.
+    /// Composites the environment below the premultiplied pixels of a tile, as seen through the centre of each pixel.
     pub(super) fn fill(&self, tile: &Tile, color: &mut [[f32; 4]]) {
         for y in 0..tile.height {
             for x in 0..tile.width {
@@ -45,7 +45,7 @@ impl Backdrop {
         }
     }
 
-    /// Lays the environment under the pixel in column and row `at`.
+    /// Composites the environment below the pixel in column and row `at`.
     fn lay_under(&self, pixel: &mut [f32; 4], at: [u32; 2]) {
         let uncovered = (1.0 - pixel[3]).max(0.0);
         if uncovered == 0.0 {

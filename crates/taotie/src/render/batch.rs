@@ -3,13 +3,14 @@
 use super::columns::{Column, Column3, ZERO, ZERO3, load, load3, splat3};
 use super::corners::{Run, VertexAttributes};
 use super::lookups::{Lookups, UvSet};
-pub use crate::math::BATCH;
+pub(super) use crate::math::BATCH;
 use crate::math::{MOST_LANES, Pack, Quads, Vec3};
 use crate::shade::dfg::Dfg;
 use crate::shade::environment::{EnvironmentLookup, LookupDirections};
 
-/// Fragments of one draw between interpolation and film, those of a triangle together. Each stage has columns of its
-/// own, which it fills for those behind it. Entries from `len` on hold what packs leave there, which only packs read.
+/// Fragments of one draw between interpolation and film, those of a triangle together. Each stage has separate
+/// columns, which it fills for later stages. Entries from `len` onwards contain leftovers of packs, which only packs
+/// read.
 #[derive(Debug, Clone)]
 pub struct Batch {
     pub(super) len: usize,
@@ -22,31 +23,31 @@ pub struct Batch {
     pub(super) albedos: Albedos,
     pub(super) environment: EnvironmentColumns,
     pub(super) lit: Lit,
-    /// `true` where the normal turns to a viewer behind the surface even where the material is single-sided.
+    /// `true` if the normal turns to a viewer behind the surface even if the material is single-sided.
     pub(super) both_sides: bool,
 }
 
-/// Points of triangles, and what their corners hold there.
+/// Points of triangles, and the values at their corners.
 #[derive(Debug, Clone)]
 pub(super) struct Points {
     pub runs: Vec<Run>,
-    /// Places on the screen, pixels from the tile's corner; of the rasteriser's fragments.
+    /// Screen positions, in pixels from the tile's corner; of the rasteriser's fragments.
     pub place: [Column; 2],
-    /// Barycentric weights of the three corners, and their changes a sample to the right and down.
+    /// Barycentric weights of the three corners, and their changes one sample to the right and one down.
     pub weights: Column3,
     pub d_x: Column3,
     pub d_y: Column3,
     pub corners: VertexAttributes,
-    /// The uv sets, as many as the mesh has.
+    /// The uv sets of the mesh.
     pub uv_sets: Vec<UvSet>,
-    /// Vertex colours, where the mesh has some.
+    /// Vertex colours, if the mesh has any.
     pub color: [Column; 4],
 }
 
-/// The columns of [`crate::pixel::Geometry`], and what is interpolated beside it.
+/// The columns of [`crate::pixel::Geometry`], and other interpolated values.
 #[derive(Debug, Clone)]
 pub(super) struct GeometryColumns {
-    /// The position, world space.
+    /// The position, in world space.
     pub position: Column3,
     pub n_geom: Column3,
     pub normal: Column3,
@@ -54,25 +55,25 @@ pub(super) struct GeometryColumns {
     pub handedness: Column,
     pub facing: Column,
     pub v: Column3,
-    /// The derivatives of the position by the uv of a height map, model units.
+    /// The derivatives of the position by the uv of a height map, in model units.
     pub dp_du: Column3,
     pub dp_dv: Column3,
     /// The variance within a pixel that the curvature of the smooth surface adds to α².
     pub curvature: Column,
 }
 
-/// Texels that normals are made of, and the memory in which textures are read.
+/// The texels of normal and height maps, and scratch memory for reading textures.
 #[derive(Debug, Clone)]
 pub(super) struct TexelColumns {
     pub lookups: Lookups,
-    /// Columns for the channels of textures that nothing needs.
+    /// Columns for the channels of textures that are not needed.
     pub spare: [Column; 3],
-    /// The first triangle of the draw whose constants fill the columns that no texture does; none while they may hold
-    /// anything.
+    /// The first triangle of the draw whose constants fill the columns without textures; none while the content is
+    /// undefined.
     pub constants_of: Option<u32>,
-    /// The normal map's stored vector, each component in [0, 1].
+    /// The stored vector of the normal map, each component in [0, 1].
     pub map: Column3,
-    /// Height derivatives in model units a uv unit; for `bump-printed` the first holds half the grey difference.
+    /// Height derivatives in model units per uv unit; for `bump-printed`, the first is half the grey difference.
     pub dh_du: Column,
     pub dh_dv: Column,
     /// The variance within a pixel that the normal map adds to α².
@@ -90,7 +91,7 @@ pub(super) struct MaterialColumns {
     pub emissive: Column3,
     pub specular: Column,
     pub specular_color: Column3,
-    /// The sum of curvature and variance of the normal map.
+    /// The sum of the variances of curvature and normal map.
     pub variance: Column,
 }
 
@@ -106,11 +107,11 @@ pub(super) struct FrameColumns {
 pub(super) struct Albedos {
     /// Scale, bias, edge, diffuse edge; valid once they were looked up.
     pub dfg: Quads,
-    /// `true` where light that scatters several times is added.
+    /// `true` to add light that scatters several times.
     pub compensated: bool,
 }
 
-/// The columns of [`crate::pixel::EnvironmentTexels`], and where they are looked up.
+/// The columns of [`crate::pixel::EnvironmentTexels`], and their lookup positions.
 #[derive(Debug, Clone)]
 pub(super) struct EnvironmentColumns {
     pub radiance: EnvironmentRadiance,
@@ -121,22 +122,22 @@ pub(super) struct EnvironmentColumns {
 /// The results of lighting.
 #[derive(Debug, Clone)]
 pub(super) struct Lit {
-    /// Base colour with its factor.
+    /// Base colour times its factor.
     pub albedo: Column3,
-    /// The radiance that leaves towards the viewer, linear RGB.
+    /// The radiance towards the viewer, linear RGB.
     pub radiance: Column3,
-    /// The visibility of each light: 1 where it is seen and 0 where it is not.
+    /// The visibility of each light: 1 if it is visible, otherwise 0.
     pub visibility: Vec<Column>,
 }
 
-/// The layers over or in the surface; filled where the material has them.
+/// The layers over or in the surface; filled if the material has them.
 #[derive(Debug, Clone)]
 pub(super) struct Layers {
     pub coat: Column,
     pub coat_roughness: Column,
     /// The stored vector of the clearcoat's normal map.
     pub coat_map: Column3,
-    /// The clearcoat's normal: unit, world space.
+    /// The clearcoat's normal: unit, in world space.
     pub coat_n: Column3,
     pub coat_albedo: Column,
     pub sheen_color: Column3,
@@ -144,20 +145,20 @@ pub(super) struct Layers {
     pub sheen_albedo: Column,
     /// The strength of anisotropy.
     pub anisotropy: Column,
-    /// Cosine and sine of the angle of anisotropy from the tangent.
+    /// Cosine and sine of the angle from the tangent to the direction of anisotropy.
     pub anisotropy_turn: [Column; 2],
-    /// The direction of anisotropy: unit, world space.
+    /// The direction of anisotropy: unit, in world space.
     pub anisotropy_direction: Column3,
 }
 
 /// The light of the environment at a fragment, linear RGB.
 #[derive(Debug, Clone)]
 pub(super) struct EnvironmentRadiance {
-    /// The radiance that the highlight gathers.
+    /// The radiance gathered by the highlight.
     pub specular: Column3,
-    /// The irradiance over π.
+    /// The irradiance divided by π.
     pub mean: Column3,
-    /// The radiance that the clearcoat's highlight gathers.
+    /// The radiance gathered by the clearcoat's highlight.
     pub coat: Column3,
 }
 
@@ -232,13 +233,13 @@ impl Batch {
         })
     }
 
-    /// Begins with an image's tile: makes room for the visibility of so many lights, and forgets earlier materials.
+    /// Prepares for a tile: allocates the visibility of `lights` lights, and forgets earlier materials.
     pub(super) fn begin(&mut self, lights: usize) {
         self.lit.visibility.resize(lights, Column::ONE);
         self.texels.constants_of = None;
     }
 
-    /// Texture coordinates of an entry in the first set; zero where the mesh has none.
+    /// Texture coordinates of an entry in the first set; zero if the mesh has none.
     pub(super) fn first_uv(&self, i: usize) -> [f32; 2] {
         self.points.uv_sets.first().map_or([0.0; 2], |set| [set.uv[0][i], set.uv[1][i]])
     }
@@ -248,29 +249,29 @@ impl Batch {
         self.len
     }
 
-    /// Says whether there are none.
+    /// Returns true if there are none.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// The entries that packs read: the fragments, up to the next multiple of the longest.
+    /// The entries read by packs: the fragments, up to the next multiple of the longest pack.
     pub(super) fn entries(&self) -> std::ops::Range<usize> {
         0..self.len.next_multiple_of(MOST_LANES)
     }
 
-    /// The fragments from entry `i` on.
+    /// The fragments from entry `i` onwards.
     #[inline(always)]
     pub(super) fn lanes<P: Pack>(&self, token: P::Token, i: usize) -> Lanes<'_, P> {
         Lanes { token, batch: self, i }
     }
 
-    /// The first entries of the packs that hold the fragments.
+    /// The first entries of the packs that contain the fragments.
     pub(super) fn packs<P: Pack>(&self) -> impl Iterator<Item = usize> + use<P> {
         (0..self.len).step_by(P::LANES)
     }
 }
 
-/// The fragments of a batch that a pack holds: those from entry `i` on.
+/// The fragments of a batch in one pack: those from entry `i` onwards.
 pub(super) struct Lanes<'b, P: Pack> {
     pub token: P::Token,
     pub batch: &'b Batch,

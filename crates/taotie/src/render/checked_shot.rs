@@ -1,4 +1,4 @@
-//! A shot made ready for any machine that draws it.
+//! A shot prepared for any renderer.
 
 use super::settings::{RenderSettings, Shot};
 use super::view::{Eye, View};
@@ -7,25 +7,26 @@ use crate::image::Image;
 use crate::math::Mat4;
 use crate::raster::SamplePattern;
 
-/// A shot that has been checked, with the settings that its model takes and the camera's transform.
+/// A shot that has been validated, with the settings effective for its model and the camera's transform.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct CheckedShot {
-    /// The settings; models as printed in the paper take no corrections.
+    /// The settings; models as printed in the paper use no corrections.
     pub settings: RenderSettings,
-    /// The positions of the samples in a pixel.
+    /// The sample positions in a pixel.
     pub pattern: SamplePattern,
     /// The transform to reversed-z clip space: 1 at the near plane, 0 at the far plane or at infinity.
     pub clip_from_world: Mat4,
-    /// The place that the scene is seen from.
+    /// The viewpoint of the scene.
     pub eye: Eye,
 }
 
 impl CheckedShot {
-    /// Checks a shot as [`super::Pass::new`] does.
+    /// Validates a shot like [`super::Pass::new`].
     ///
     /// # Errors
-    /// [`crate::Error::Invalid`] or [`crate::Error::Limit`] for a size, sample count, light or camera that cannot be drawn.
+    /// [`crate::Error::Invalid`] or [`crate::Error::Limit`] for a size, sample count, light or camera that cannot be
+    /// rendered.
     pub fn new(shot: &Shot<'_>) -> Result<Self> {
         shot.check()?;
         let settings = shot.settings.as_taken();

@@ -3,7 +3,7 @@
 pub(super) use crate::math::Column;
 use crate::math::{Pack, Vec3};
 
-/// A vector of each fragment.
+/// A vector per fragment.
 pub(super) type Column3 = [Column; 3];
 
 pub(super) const ZERO: Column = Column::ZERO;

@@ -1,4 +1,4 @@
-//! The data at the corners of each fragment's triangle, in columns.
+//! The values at the corners of each fragment's triangle, in columns.
 
 use super::columns::{Column3, load};
 use crate::math::{Column, Pack, Vec3};
@@ -6,27 +6,27 @@ use crate::math::{Column, Pack, Vec3};
 /// The fragments of one triangle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Run {
-    /// The triangle's number over all draws.
+    /// The triangle's index over all draws.
     pub triangle: u32,
     pub start: usize,
     pub end: usize,
 }
 
-/// The most fragments that are written one by one, which takes less than a pack that reaches over lines of the caches.
+/// The maximum number of fragments that are written one by one, which is faster than a pack that crosses cache lines.
 const SHORT: usize = 2;
 
 /// Up to four numbers of each corner, side by side with the fragments of a batch.
 ///
-/// Triangles may be smaller than a pixel. Written out for each fragment, what their corners hold can be weighted in
-/// packs that go over all fragments, whichever triangles they belong to.
+/// Triangles may be smaller than a pixel. Written out per fragment, the values of their corners can be weighted in
+/// packs over all fragments, regardless of their triangles.
 #[derive(Debug, Clone)]
 pub(super) struct VertexAttributes([[Column; 4]; 3]);
 
 impl VertexAttributes {
     pub(super) const ZERO: Self = Self([[Column::ZERO; 4]; 3]);
 
-    /// Writes numbers of the three corners as they are. Runs come in the order of their fragments: a pack's end may
-    /// reach over a run's.
+    /// Writes numbers of the three corners unchanged. Runs come in the order of their fragments, since the end of a
+    /// pack may overwrite the next run.
     #[inline(always)]
     pub(super) fn write<P: Pack, const N: usize>(
         &mut self,
@@ -52,8 +52,8 @@ impl VertexAttributes {
         }
     }
 
-    /// Writes the first corner's numbers and their differences to the others': two weights do then, and what is the
-    /// same at all corners stays as it is.
+    /// Writes the first corner's numbers and their differences to the others: two weights then suffice, and a value
+    /// that is equal at all corners stays exact.
     #[inline(always)]
     pub(super) fn write_differences<P: Pack, const N: usize>(
         &mut self,
@@ -68,7 +68,7 @@ impl VertexAttributes {
         self.write::<P, N>(token, run, [first, second, third]);
     }
 
-    /// A number as written, at the fragments from `i` on.
+    /// A number as written, at the fragments from `i` onwards.
     #[inline(always)]
     pub(super) fn written<P: Pack>(&self, token: P::Token, corner: usize, n: usize, i: usize) -> P {
         load(token, &self.0[corner][n], i)
@@ -81,7 +81,7 @@ impl VertexAttributes {
         Vec3::new(load(token, x, i), load(token, y, i), load(token, z, i))
     }
 
-    /// A number written by [`Self::write_differences`], where the corners have these weights.
+    /// A number written by [`Self::write_differences`], for these weights of the corners.
     #[inline(always)]
     pub(super) fn at<P: Pack>(&self, token: P::Token, weights: &Column3, n: usize, i: usize) -> P {
         self.written::<P>(token, 0, n, i) + self.change(token, weights, n, i)
@@ -94,7 +94,7 @@ impl VertexAttributes {
         self.written::<P>(token, 1, n, i) * second + self.written::<P>(token, 2, n, i) * third
     }
 
-    /// The first three numbers written by [`Self::write_differences`], where the corners have these weights.
+    /// The first three numbers written by [`Self::write_differences`], for these weights of the corners.
     #[inline(always)]
     pub(super) fn at3<P: Pack>(&self, token: P::Token, weights: &Column3, i: usize) -> Vec3<P> {
         let (x, y) = (self.at(token, weights, 0, i), self.at(token, weights, 1, i));

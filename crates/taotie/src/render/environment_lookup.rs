@@ -11,7 +11,7 @@ use crate::shade::Shading;
 use crate::shade::environment::{Environment, LookupDirections, LookupRequest};
 use fearless_simd::Level;
 
-/// An environment as a model of reflectance asks for it.
+/// The environment as needed by a reflectance model.
 #[derive(Clone, Copy)]
 pub(super) struct EnvironmentQuery<'l> {
     pub light: &'l EnvironmentLight,
@@ -80,7 +80,7 @@ fn coat<P: Pack>(token: P::Token, light: &EnvironmentLight, batch: &mut Batch) {
     }
 }
 
-/// Writes entries from `i` on.
+/// Writes entries from `i` onwards.
 #[inline(always)]
 fn set<P: Pack>(highlight: Highlight<P>, turn: Turn<P>, i: usize, directions: &mut LookupDirections) {
     let direction = turn.to_environment(highlight.direction);

@@ -1,4 +1,4 @@
-//! Tangents that follow a surface as it moves.
+//! Tangents that follow a surface as it is deformed.
 
 use super::settings::SurfaceSettings;
 use crate::error::{Result, Warnings};
@@ -8,18 +8,18 @@ use crate::scene::animation::Rig;
 use crate::scene::{NormalSpace, Scene};
 use crate::surface::{self, SurfaceMethod, TangentMethod};
 
-/// Gives each mesh on which a tangent-space normal map is read the tangents of its authored shape, where it lacks them
-/// or `settings` asks for others; from then on `rig` deforms them with it. Brings `scene` to rest. Returns the rig, and
-/// the settings that leave those tangents alone.
+/// Gives each mesh with a tangent-space normal map the tangents of its authored shape, if it lacks them or `settings`
+/// asks for others; from then on `rig` deforms them with it. Resets `scene` to rest. Returns the rig, and the
+/// settings that keep those tangents.
 ///
-/// Without this they are made anew from every pose. A map is baked with the tangents of the shape at hand, which was
-/// the authored one, so these, moved along, are right for it, and glTF 2.0, 3.7.2.1 asks for them. MikkTSpace of a
-/// deformed mesh follows the stretched uvs instead, and may weld and split other vertices from one image to the next.
+/// Otherwise they are recomputed for every pose. A map is baked with the tangents of the authored shape, so these,
+/// moved along, are correct for it, and glTF 2.0, 3.7.2.1 requires them. MikkTSpace of a deformed mesh follows the
+/// stretched uvs instead, and may weld and split different vertices from one image to the next.
 ///
-/// Meshes without normals are passed over: they are flat in every pose, and so are their tangents.
+/// Meshes without normals are skipped: they are flat in every pose, and so are their tangents.
 ///
 /// # Errors
-/// As [`surface::with_tangents`] and [`Rig::rest`].
+/// As for [`surface::with_tangents`] and [`Rig::rest`].
 pub fn bind_tangents(
     scene: &mut Scene,
     rig: Rig,
@@ -77,7 +77,7 @@ impl Maker<'_> {
     }
 }
 
-/// The uv set of the tangent-space normal map that is read on a mesh; of several the first counts.
+/// The uv set of the tangent-space normal map of a mesh; if there are several, the first.
 fn tangent_uv_set(scene: &Scene, mesh: usize) -> Option<usize> {
     let materials =
         scene.instances().iter().filter(|i| i.mesh == mesh).map(|i| &scene.materials()[i.material]);
@@ -97,7 +97,7 @@ mod tests {
     use crate::scene::animation::{Animation, Channel, Interpolation, Node, Path, RigData, Sampler};
     use crate::scene::{GreenChannel, Instance, Material, NormalMap, SceneData, TextureRef, UvTransform};
 
-    /// A square whose uvs follow it, and that a morph target shears along x.
+    /// A square whose uvs follow it, and which a morph target shears along x.
     fn sheared() -> (Scene, Rig) {
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let base = MeshData {
@@ -148,11 +148,12 @@ mod tests {
         let (rig, settings) = bind_tangents(&mut scene, rig, &asked, &mut Warnings::default()).unwrap();
         assert_eq!((settings.tangents, scene.meshes()[0].tangents().len()), (None, 4));
         rig.pose(&mut scene, 0, 1.0).unwrap();
-        // The target moves positions only, so tangents stay; made from the sheared mesh they would follow its uvs.
+        // The target moves only positions, so tangents stay; computed from the sheared mesh, they would follow its
+        // uvs.
         assert_eq!(scene.meshes()[0].positions()[1], Vec3::new(1.0, 1.0, 0.0));
         assert!(scene.meshes()[0].tangents().iter().all(|t| *t == [1.0, 0.0, 0.0, 1.0]));
-        let anew = surface::with_tangents(&scene.meshes()[0], 0, TangentMethod::Face).unwrap().mesh;
-        assert!(anew.tangents().iter().all(|t| (t[1] - 0.5f32.sqrt()).abs() < 1e-6));
+        let recomputed = surface::with_tangents(&scene.meshes()[0], 0, TangentMethod::Face).unwrap().mesh;
+        assert!(recomputed.tangents().iter().all(|t| (t[1] - 0.5f32.sqrt()).abs() < 1e-6));
     }
 
     #[test]

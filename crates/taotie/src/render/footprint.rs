@@ -1,4 +1,4 @@
-//! A single point of a triangle, for rays that ask how opaque a surface is.
+//! A single point of a triangle, for rays that need the opacity of a surface.
 
 use super::draw::Draw;
 use crate::math::Vec2;
@@ -11,11 +11,11 @@ pub(super) struct Footprint {
     weights: [f32; 3],
 }
 
-/// The log2 of texels a pixel of a point without extent: it is looked up in the finest level.
+/// The log2 of texels per pixel for a point without extent: it is looked up in the finest level.
 const POINT: f32 = -50.0;
 
 impl Footprint {
-    /// The point where a ray met a triangle of `draw`, by its number over all draws.
+    /// The point where a ray hit a triangle of `draw`, given by its index over all draws.
     pub(super) fn of(draw: &Draw<'_>, hit: &Hit) -> Self {
         Self { vertices: draw.vertices(hit.triangle), weights: hit.weights }
     }

@@ -1,20 +1,19 @@
-//! Makes fragments from interpolated vertices and textures.
+//! Computes fragments from interpolated vertices and textures.
 
 use super::batch::{BATCH, Batch, Points, TexelColumns};
 use super::columns::{Column, get3, load};
-use super::draw::NormalSource;
 use super::interpolate::Interpolation;
 use super::lookups::{Coordinates, Lookups, TextureUse};
 use super::shadows::SmoothTriangle;
 use super::view::Eye;
 use crate::math::{Aligned, Mask, Pack, Vec3, dispatch_pack, poly, scalar};
-use crate::pixel::{anisotropy_turn, height_derivative, height_step, occluded};
+use crate::pixel::{NormalSource, anisotropy_turn, height_derivative, height_step, occluded};
 use crate::scene::{Clearcoat, HeightMap, TextureRef};
 use crate::shade::SubPixelVariance;
 use fearless_simd::Level;
 
 impl Interpolation<'_> {
-    /// Makes fragments of points whose runs and weights are there: interpolates, and reads textures.
+    /// Computes fragments of points with known runs and weights: interpolates, and reads textures.
     pub(super) fn fill(&self, eye: Option<Eye>, batch: &mut Batch) {
         self.interpolate(eye, batch);
         batch.texels.lookups.forget();
@@ -26,7 +25,7 @@ impl Interpolation<'_> {
         batch.texels.constants_of = Some(self.draw.first_triangle);
     }
 
-    /// The origins of rays, at the height `offset` above the surface, model units.
+    /// The origins of rays, at the height `offset` above the surface, in model units.
     pub(super) fn origins(&self, offset: f32, batch: &Batch) -> [Vec3; BATCH] {
         let (draw, mut origins) = (self.draw, [Vec3::default(); BATCH]);
         for run in &batch.points.runs {
@@ -44,7 +43,7 @@ impl Interpolation<'_> {
         origins
     }
 
-    /// Fills in the texture data for the method of the shading normal, and the surface detail too fine for the pixel.
+    /// Fills in the texture data for the method of the shading normal, and the subpixel detail of the surface.
     fn normal_inputs(&self, batch: &mut Batch) {
         let len = batch.len;
         match &self.draw.normal_source {
@@ -65,7 +64,8 @@ impl Interpolation<'_> {
                 scale(&mut batch.texels.dh_dv, *factor, len);
             }
             NormalSource::BumpPrinted(map, _) => {
-                // The paper's g: half the difference of the grey levels (0 to 255) of the two neighbours along u.
+                // The paper's g: half the difference between the grey levels (0 to 255) of the two neighbours along
+                // u.
                 batch.texels.normal_variance.fill(0.0);
                 let width = self.scene.textures()[map.texture.texture].width() as f32;
                 [batch.texels.dh_du, _] = self.height_derivatives(map, batch);
@@ -77,7 +77,7 @@ impl Interpolation<'_> {
         }
     }
 
-    /// Computes ∂h/∂u and ∂h/∂v by central differences one texel of the level in use to each side.
+    /// Computes ∂h/∂u and ∂h/∂v by central differences one texel of the current level to each side.
     fn height_derivatives(&self, map: &HeightMap, batch: &mut Batch) -> [Column; 2] {
         let texture = &self.scene.textures()[map.texture.texture];
         let Batch { texels: TexelColumns { lookups, .. }, points: Points { uv_sets, .. }, len, .. } = batch;
@@ -131,7 +131,7 @@ impl Interpolation<'_> {
         let factors = [1.0, material.roughness, material.metallic, 1.0];
         reader.read(&material.metallic_roughness_texture, packed, factors);
         if material.metallic_roughness_texture.is_none() {
-            // What is hidden in a pixel widened it.
+            // Widened by subpixel detail.
             batch.material.roughness.fill(material.roughness);
         }
         // Files often pack occlusion into the red channel of the same texture.
@@ -198,7 +198,7 @@ impl Interpolation<'_> {
             reader.read(&sheen.roughness_texture, [spare, spare2, spare3, roughness], factors);
         }
         if let Some(anisotropy) = &material.anisotropy {
-            // In the 32 bits that files hold.
+            // At the 32-bit precision of files.
             let angle = f64::from(anisotropy.rotation as f32);
             let (sin, cos) = (scalar::sin(angle) as f32, scalar::cos(angle) as f32);
             let has_texture = anisotropy.texture.is_some();
@@ -248,12 +248,12 @@ struct TextureReader<'b, 'i> {
     interpolation: &'i Interpolation<'i>,
     lookups: &'b mut Lookups,
     at: Coordinates<'b>,
-    /// `true` where columns that no texture fills may hold something else than their factors.
+    /// `true` if columns without textures may contain values other than their factors.
     fresh: bool,
 }
 
 impl TextureReader<'_, '_> {
-    /// A texture's linear values times `factors`; without one it is white.
+    /// A texture's linear values times `factors`; a missing texture is white.
     fn read(&mut self, texture: &Option<TextureRef>, mut out: [&mut Column; 4], factors: [f32; 4]) {
         match texture {
             Some(texture) => {
@@ -273,8 +273,8 @@ impl TextureReader<'_, '_> {
     }
 }
 
-/// The detail that the first `len` fragments hide within a pixel: the variance that the curvature of their surface and
-/// its normal map add.
+/// The subpixel detail of the first `len` fragments: the variance of the curvature of their surface and of its normal
+/// map.
 struct Unseen<'b> {
     curvature: &'b Column,
     normal_variance: &'b Column,
@@ -282,7 +282,7 @@ struct Unseen<'b> {
 }
 
 impl Unseen<'_> {
-    /// Widens roughness by what is hidden.
+    /// Widens roughness by subpixel detail.
     fn widen(&self, level: Level, roughness: &mut Column) {
         dispatch_pack!(level, P, token => self.widen_packs::<P>(token, roughness));
     }

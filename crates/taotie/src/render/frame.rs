@@ -11,22 +11,22 @@ use crate::image::Image;
 pub struct Frame {
     /// Linear radiance, premultiplied by coverage, which is the fourth channel.
     pub color: Image,
-    /// The surface data at the first sample of each pixel, where asked for.
+    /// The surface data at the first sample of each pixel, if requested.
     pub aovs: Option<Aovs>,
 }
 
-/// The surface data at the first sample of each pixel. The fourth channel is 1 where a surface was seen.
+/// The surface data at the first sample of each pixel. The fourth channel is 1 if a surface is visible.
 #[derive(Debug, Clone)]
 pub struct Aovs {
-    /// Unit shading normals, world space, components in [-1, 1].
+    /// Unit shading normals, in world space, components in [-1, 1].
     pub normals: Image,
-    /// Distance along the axis of sight, model units, in the first three channels.
+    /// Distance along the viewing axis, in model units, in the first three channels.
     pub depth: Image,
     /// Base colour, linear RGB.
     pub albedo: Image,
     /// The first uv set in the first two channels, origin top left.
     pub uv: Image,
-    /// The triangle's number over all instances, from 0, in the first three channels; exact up to 2^24.
+    /// The triangle's index over all instances, from 0, in the first three channels; exact up to 2^24.
     pub triangle: Image,
 }
 
@@ -46,10 +46,10 @@ impl Aovs {
     pub const NAMES: [&'static str; 5] = ["normals", "depth", "albedo", "uv", "triangle"];
 }
 
-/// The memory that a tile of a frame is written to.
+/// The memory to which a tile of a frame is written.
 pub(super) struct FrameTile<'f> {
     color: TileRows<'f, [f32; 4]>,
-    /// The output variables, in the order of [`Aovs::NAMES`]; none where not asked for.
+    /// The output variables, in the order of [`Aovs::NAMES`]; none if not requested.
     aovs: Vec<TileRows<'f, [f32; 4]>>,
 }
 

@@ -1,4 +1,4 @@
-//! A scene's triangles as a camera sees them: projected and sorted into tiles.
+//! A scene's triangles from a camera: projected and sorted into tiles.
 
 use super::draw::Draw;
 use super::view::View;
@@ -8,17 +8,17 @@ use crate::parallel;
 use crate::raster::{Bins, Faces, Geometry, Viewport};
 use fearless_simd::{Level, Simd, f64x4, prelude::*};
 
-/// Vertices that a task takes at once.
+/// Vertices per task.
 const BLOCK: usize = 4096;
 
-/// The triangles of an image. It can be made anew for the next one in the same memory.
+/// The triangles of an image. Its memory can be reused for the next one.
 #[derive(Debug, Default)]
 pub(super) struct Projected {
     /// Each draw's vertices in clip space.
     pub clip: Vec<Vec<[f32; 4]>>,
-    /// The triangles that hide all behind them.
+    /// The opaque triangles, which hide everything behind them.
     pub opaque: Bins,
-    /// The triangles that may be missing in places.
+    /// The triangles that may have holes.
     pub layered: Bins,
 }
 
@@ -26,7 +26,7 @@ impl Projected {
     /// Projects, clips and bins all draws.
     ///
     /// # Errors
-    /// Returns an error if the SIMD level is not available on this machine.
+    /// If the SIMD level is not available on this machine.
     pub fn rebuild(
         &mut self,
         draws: &[Draw<'_>],
@@ -68,7 +68,7 @@ fn project_block<S: Simd>(simd: S, m: &Mat4, positions: &[Vec3], clip: &mut [[f3
     }
 }
 
-/// [`Mat4::transform_homogeneous`], to the bit.
+/// [`Mat4::transform_homogeneous`], bit for bit.
 #[inline(always)]
 fn transform<S: Simd>(simd: S, m: &Mat4, p: Vec3) -> f64x4<S> {
     let [a, b, c, d] = &m.columns;

@@ -1,4 +1,4 @@
-//! A shadow catcher: the ground under an object, of which nothing is seen but how much darker the object makes it.
+//! A shadow catcher: a ground under an object, visible only where the object darkens it.
 
 use super::prepare::{Prepared, Ready};
 use super::rays::CameraRays;
@@ -13,20 +13,21 @@ use crate::raster::{TILE_SIZE, Tile};
 use crate::scene::Bounds;
 use crate::shade::sampling::{cosine_direction, cosine_pdf};
 
-/// Texels along a side of the map of shadows.
+/// Side length of the shadow map, in texels.
 const SIDE: usize = 160;
 
 /// Half the side of the ground, in radii of the object's foot.
 const REACH: f64 = 2.5;
 
-/// Directions in which each point of the ground looks for the environment.
+/// Directions in which each point of the ground samples the environment.
 const DIRECTIONS: u32 = 128;
 
-/// The distance below the object, as a part of its size, so that what stands on the ground does not cut it.
+/// The distance below the object, as a fraction of its size, so that objects on the ground do not intersect it.
 const GAP: f64 = 1e-4;
 
-/// Lays the shadow on the ground, where the shot has one, under an image with premultiplied alpha, linear RGB: what a
-/// renderer that draws surfaces alone does next, before [`super::fill_backdrop`]. `image` is of the shot's size.
+/// Composites the shadow on the ground, if the shot has one, below an image with premultiplied alpha, linear RGB: the
+/// next step of a renderer that only draws surfaces, before [`super::fill_backdrop`]. `image` has the size of the
+/// shot.
 pub fn fill_ground(image: &mut Image, prepared: &Prepared, shot: &Shot<'_>) {
     let (width, height) = (image.width(), image.height());
     let rays = CameraRays::new(shot.camera, [width, height]);
@@ -36,18 +37,18 @@ pub fn fill_ground(image: &mut Image, prepared: &Prepared, shot: &Shot<'_>) {
     });
 }
 
-/// The part of the light that is missing on a horizontal square under the object.
+/// The fraction of light that is missing on a horizontal square under the object.
 pub(super) struct Ground {
     height: f64,
     center: [f64; 2],
     half: f64,
-    /// The shadow, row by row from the least z, each from the least x; [0, 1].
+    /// The shadow, row by row from the minimum z, each from the minimum x; [0, 1].
     shadow: Vec<f32>,
     rays: CameraRays,
 }
 
 impl Ground {
-    /// The ground of a shot; `None` where it has none.
+    /// The ground of a shot; `None` if it has none.
     pub(super) fn of(ready: Ready<'_>, shot: &Shot<'_>, rays: CameraRays) -> Option<Self> {
         let bounds = ready.bounds().filter(|_| shot.settings.ground)?;
         let casters = Casters { tree: ready.tree(0), draws: &ready.draws() };
@@ -66,14 +67,14 @@ impl Ground {
         ground
     }
 
-    /// The middle of a texel, world space.
+    /// The centre of a texel, in world space.
     fn texel(&self, i: usize) -> Vec3 {
         let along = |k: usize| ((k as f64 + 0.5) / SIDE as f64 * 2.0 - 1.0) * self.half;
         let (x, z) = (self.center[0] + along(i % SIDE), self.center[1] + along(i / SIDE));
         Vec3::new(x, self.height, z).to_f32()
     }
 
-    /// Darkens the premultiplied pixels of a tile where the ground is seen behind them.
+    /// Darkens the premultiplied pixels of a tile where the ground is visible behind them.
     pub(super) fn fill(&self, tile: &Tile, color: &mut [[f32; 4]]) {
         for y in 0..tile.height {
             for x in 0..tile.width {
@@ -91,13 +92,13 @@ impl Ground {
         }
     }
 
-    /// The shadow in the middle of a pixel; none from below.
+    /// The shadow at the centre of a pixel; none from below.
     fn seen_at(&self, at: [f64; 2]) -> f32 {
         let ray = self.rays.through(at);
         self.shadow_along(ray.origin, ray.direction)
     }
 
-    /// The shadow where a ray from above meets the ground.
+    /// The shadow at the point where a ray from above hits the ground.
     pub(super) fn shadow_along(&self, origin: Vec3, direction: Vec3) -> f32 {
         let (origin, direction) = (origin.to_f64(), direction.to_f64());
         if direction.y >= 0.0 || origin.y <= self.height {
@@ -108,7 +109,7 @@ impl Ground {
         self.faded(u) * self.faded(v) * self.bilinear(u, v)
     }
 
-    /// Returns 1 in the middle, 0 at the edge, smooth between; `u` in [−1, 1].
+    /// Returns 1 at the centre, 0 at the edge, and a smooth transition between; `u` in [−1, 1].
     fn faded(&self, u: f64) -> f32 {
         let t = ((1.0 - u.abs()) * 2.0).clamp(0.0, 1.0);
         (t * t * (3.0 - 2.0 * t)) as f32
@@ -148,7 +149,7 @@ impl Lights {
         Self { sources, sky }
     }
 
-    /// The share of light that does not arrive at a point of the ground.
+    /// The fraction of light that does not reach a point of the ground.
     fn missing_at(&self, casters: Casters<'_>, point: Vec3) -> f32 {
         let (mut all, mut seen) = (0.0f32, 0.0f32);
         let mut add = |irradiance: f32, direction: Vec3, limit: f32| {
@@ -168,8 +169,8 @@ impl Lights {
     }
 }
 
-/// Returns directions, half where the environment is bright, half spread by the cosine, weighed so that both agree:
-/// the balance heuristic (Veach 1997, eq. 9.8).
+/// Returns directions, half of them sampled by the environment's brightness, half by the cosine, weighted so that
+/// both agree: the balance heuristic (Veach 1997, eq. 9.8).
 fn environment(light: &EnvironmentLight) -> Vec<(Vec3, f32)> {
     let turn = light.turn();
     let sources = directions().flat_map(|[a, b, c, d]| {
@@ -186,13 +187,13 @@ fn environment(light: &EnvironmentLight) -> Vec<(Vec3, f32)> {
     sources.take(DIRECTIONS as usize).map(weigh).filter(|(_, irradiance)| *irradiance > 0.0).collect()
 }
 
-/// Numbers in [0, 1)⁴ that fill it evenly, the same for every point.
+/// Evenly distributed numbers in [0, 1)⁴, the same for every point.
 fn directions() -> impl Iterator<Item = [f32; 4]> {
     let sequence = Sequence::new(1);
     (0..DIRECTIONS).map(move |i| sequence.four(i, 0))
 }
 
-/// Turns a vector from z up to y up.
+/// Rotates a vector from z up to y up.
 fn upward(v: Vec3) -> Vec3 {
     Vec3::new(v.x, v.z, -v.y)
 }
@@ -228,7 +229,7 @@ mod tests {
             |settings| Pass::new(&prepared, &shot(settings)).unwrap().render(Progress::SILENT).unwrap().color;
         let mut image = render(&settings);
         fill_ground(&mut image, &prepared, &shot(&settings));
-        assert!(image.pixels() == render(&settings).pixels(), "nobody asked for it");
+        assert!(image.pixels() == render(&settings).pixels(), "it was not requested");
         fill_ground(&mut image, &prepared, &shot(&grounded));
         assert!(image.pixels() == render(&grounded).pixels());
         assert!(image.pixels() != render(&settings).pixels(), "there is a shadow");

@@ -1,22 +1,22 @@
-//! The pixels of a tile, sorted by the triangle that they show: what fragments of a triangle share is made once.
+//! The pixels of a tile, sorted by visible triangle: values shared by the fragments of a triangle are computed once.
 
 use super::visible::VisibleSpan;
 use crate::math::dispatch_registers;
 use crate::raster::{NO_TRIANGLE, TILE_PIXELS, TILE_SIZE, TilePlane};
 use fearless_simd::{Level, Simd, prelude::*, u32x16};
 
-/// Entries of the table from triangle to group; twice as many as there may be groups.
+/// Entries of the table from triangle to group; twice the maximum number of groups.
 const TABLE: usize = 2 * TILE_PIXELS;
 
-/// Says that there is no further span.
+/// Marks the last span.
 const LAST: u32 = u32::MAX;
 
-/// Neighbours in a row that show the same triangle.
+/// Consecutive pixels in a row that show the same triangle.
 #[derive(Debug, Clone, Copy)]
 struct Span {
     start: u32,
     end: u32,
-    /// The group's next span.
+    /// The next span of the group.
     next: u32,
 }
 
@@ -26,16 +26,16 @@ struct Group {
     triangle: u32,
     first: u32,
     last: u32,
-    /// Its place in the table.
+    /// Its index in the table.
     entry: u32,
 }
 
-/// Room for sorting.
+/// Scratch memory for sorting.
 #[derive(Debug)]
 pub(super) struct Grouping {
     spans: Vec<Span>,
     groups: Vec<Group>,
-    /// Indices into `groups`, from 1; 0 where there is none. Open addressing.
+    /// Indices into `groups`, from 1; 0 if there is none. Open addressing.
     table: Vec<u16>,
 }
 
@@ -46,8 +46,8 @@ impl Default for Grouping {
 }
 
 impl Grouping {
-    /// Appends the pixels of `plane` to `spans`, those of a triangle together and the triangles in the order of `rank`, at
-    /// equal rank in that of their first pixels.
+    /// Appends the pixels of `plane` to `spans`, those of a triangle together and the triangles in the order of
+    /// `rank`; at equal rank, in the order of their first pixels.
     pub(super) fn append(
         &mut self,
         level: Level,
@@ -106,14 +106,14 @@ impl Grouping {
     }
 }
 
-/// Bit i is set where entry i of a row is the last of neighbours that are alike.
+/// Bit i is set if entry i of a row is the last of equal neighbours.
 #[inline(always)]
 fn ends<S: Simd>(simd: S, row: &[u32; TILE_SIZE as usize]) -> u64 {
     let same = |at: usize| {
         let here: u32x16<S> = u32x16::from_slice(simd, &row[at..at + 16]);
         here.simd_eq(u32x16::from_slice(simd, &row[at + 1..at + 17])).to_bitmask() << at
     };
-    // Nothing follows the last entry, so that the last sixteen begin one earlier.
+    // Nothing follows the last entry, so the last sixteen begin one earlier.
     let last = row.len() - 17;
     !((0..last).step_by(16).fold(0, |all, at| all | same(at)) | same(last))
 }

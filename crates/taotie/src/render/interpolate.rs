@@ -1,26 +1,26 @@
-//! Interpolation of vertices to fragments: what corners hold, at points of their triangles.
+//! Interpolates vertices to fragments: the values of corners, at points of their triangles.
 
 use super::batch::{Batch, Points};
 use super::columns::{load, load3, splat3, store3};
 use super::corners::Run;
-use super::draw::{Draw, NormalSource};
+use super::draw::Draw;
 use super::lookups::UvSet;
 use super::view::Eye;
 use crate::math::{Pack, Vec3, dispatch_pack};
 use crate::raster::{CornerNumbers, PerspectiveTriangle, PlaneSetup, TRIANGLES, Viewport};
 use crate::scene::Scene;
 use crate::shade::curvature_variance;
-use crate::surface;
+use crate::surface::{self, SurfaceMethod};
 use fearless_simd::Level;
 
-/// Makes fragments of points on one draw's triangles.
+/// Computes fragments of points on one draw's triangles.
 pub(super) struct Interpolation<'p> {
     pub level: Level,
     pub scene: &'p Scene,
     pub draw: &'p Draw<'p>,
-    /// `true` where detail too fine for the pixel widens highlights.
+    /// `true` if subpixel detail widens highlights.
     pub specular_aa: bool,
-    /// `true` where anything depends on the roughness.
+    /// `true` if anything depends on the roughness.
     pub takes_roughness: bool,
 }
 
@@ -29,18 +29,18 @@ pub(super) struct Screen<'p> {
     pub viewport: &'p Viewport,
     /// The draw's vertices in clip space.
     pub clip: &'p [[f32; 4]],
-    /// The origin of `batch.points.place`, pixels from the image's top left corner.
+    /// The origin of `batch.points.place`, in pixels from the image's top left corner.
     pub origin: [f64; 2],
 }
 
 impl Interpolation<'_> {
-    /// Fills the weights of fragments from their places on the screen.
+    /// Fills the weights of fragments from their screen positions.
     pub(super) fn weigh(&self, screen: &Screen<'_>, batch: &mut Batch) {
         dispatch_pack!(self.level, P, token => self.weigh_packs::<P>(token, screen, batch));
     }
 
-    /// Fills what follows from the corners and the weights. `eye` is where they are seen from; without one `batch.geometry.v`
-    /// must be filled.
+    /// Fills everything that follows from the corners and the weights. `eye` is the viewpoint; without one,
+    /// `batch.geometry.v` must be filled.
     pub(super) fn interpolate(&self, eye: Option<Eye>, batch: &mut Batch) {
         let sets = self.draw.mesh.uvs().len();
         batch.points.uv_sets.resize_with(sets, UvSet::default);
@@ -110,7 +110,7 @@ impl Interpolation<'_> {
         }
     }
 
-    /// Fills position, sight and side.
+    /// Fills position, viewing direction and side.
     #[inline(always)]
     fn geometry<P: Pack>(&self, token: P::Token, eye: Option<Eye>, batch: &mut Batch) {
         self.write_vectors::<P>(token, self.draw.positions, batch);
@@ -143,7 +143,7 @@ impl Interpolation<'_> {
     fn normals<P: Pack>(&self, token: P::Token, batch: &mut Batch) {
         let draw = self.draw;
         self.write_vectors::<P>(token, draw.normals, batch);
-        let bends = self.specular_aa && !matches!(draw.normal_source, NormalSource::Facet);
+        let bends = self.specular_aa && draw.normal_source.method() != SurfaceMethod::Facet;
         for i in batch.packs::<P>() {
             let mut bent = P::splat(token, 0.0);
             if bends {
@@ -158,7 +158,7 @@ impl Interpolation<'_> {
                 i,
             );
         }
-        if let NormalSource::BumpPrinted(..) = draw.normal_source {
+        if draw.normal_source.method() == SurfaceMethod::BumpPrinted {
             self.write_vectors::<P>(token, draw.mesh.normals(), batch);
             for i in batch.packs::<P>() {
                 store3(
@@ -173,7 +173,7 @@ impl Interpolation<'_> {
     /// The derivatives of the position with respect to the uv of a height map.
     #[inline(always)]
     fn uv_derivatives<P: Pack>(&self, token: P::Token, batch: &mut Batch) {
-        let (NormalSource::Bump(map, _) | NormalSource::BumpPrinted(map, _)) = self.draw.normal_source else {
+        let Some((map, _)) = self.draw.normal_source.height_map() else {
             return;
         };
         let uvs = &self.draw.mesh.uvs()[map.texture.uv_set];
@@ -194,7 +194,7 @@ impl Interpolation<'_> {
     fn tangents<P: Pack>(&self, token: P::Token, batch: &mut Batch) {
         for run in batch.points.runs.iter().copied() {
             let mut corners = self.draw.vertices(run.triangle).map(|v| self.draw.tangents[v as usize]);
-            // The first corner's handedness serves the whole triangle.
+            // The first corner's handedness applies to the whole triangle.
             let [[_, _, _, handedness], ..] = corners;
             for corner in &mut corners {
                 corner[3] = handedness;

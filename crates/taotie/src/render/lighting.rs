@@ -9,19 +9,19 @@ use crate::scene::Material;
 use crate::shade::Shading;
 use fearless_simd::Level;
 
-/// The inputs of lighting beside a batch.
+/// The inputs of lighting in addition to a batch.
 #[derive(Clone, Copy)]
 pub(super) struct Illumination<'a> {
     pub shading: Shading,
     pub sources: &'a [LightSource<f32>],
     pub ambient: Vec3,
     pub shadows: bool,
-    /// `true` where `batch.environment.radiance` is filled.
+    /// `true` if `batch.environment.radiance` is filled.
     pub has_environment: bool,
 }
 
-/// The models that are compiled by themselves, since nearly all images show them: what the others need would cost
-/// them registers.
+/// The models that are compiled separately, since nearly all images use them: what the others need would cost them
+/// registers.
 const COOK_TORRANCE: u8 = 0;
 const PLAIN_GGX: u8 = 1;
 const ANY: u8 = 2;

@@ -1,4 +1,4 @@
-//! Textures of a batch: where they are read, and what is there.
+//! The textures of a batch: lookup positions and values.
 
 use crate::image::{Lookup, LookupPoints, Sampler, Texture};
 use crate::math::{Column, Pack, dispatch_pack};
@@ -6,17 +6,17 @@ use crate::pixel::{log2_texels, turned_uv};
 use crate::scene::{Scene, TextureRef, UvTransform};
 use fearless_simd::Level;
 
-/// Reads textures at all points of a batch; what finding the texels takes is done once for all textures that lie alike.
+/// Reads textures at all points of a batch; the texels are located once for all textures with the same placement.
 #[derive(Debug, Clone)]
 pub(super) struct Lookups {
     lookup: Box<Lookup>,
-    /// The placement that `lookup` is made for.
+    /// The placement for which `lookup` was computed.
     placed: Option<Placement>,
     pub uv: [Column; 2],
     pub lod: Column,
 }
 
-/// Texture coordinates, and their changes a sample to the right and down.
+/// Texture coordinates, and their changes one sample to the right and one down.
 #[derive(Debug, Clone)]
 pub(super) struct UvSet {
     pub uv: [Column; 2],
@@ -30,7 +30,7 @@ impl Default for UvSet {
     }
 }
 
-/// The points' places in texture space: the texture coordinates of the first `len`, set by set.
+/// The points' positions in texture space: the texture coordinates of the first `len`, set by set.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Coordinates<'b> {
     pub sets: &'b [UvSet],
@@ -68,12 +68,13 @@ impl Default for Lookups {
 }
 
 impl Lookups {
-    /// Forgets the places of the batch before.
+    /// Forgets the positions of the previous batch.
     pub(super) fn forget(&mut self) {
         self.placed = None;
     }
 
-    /// The linear RGBA values of a texture at the points. A mesh without the uv set shows the texel at the origin.
+    /// The linear RGBA values of a texture at the points. If the mesh lacks the uv set, this is the texel at the
+    /// origin.
     pub(super) fn read(&mut self, used: TextureUse<'_>, at: Coordinates<'_>, out: [&mut Column; 4]) {
         let TextureUse { level, image, texture } = used;
         let placement = Placement {
@@ -91,7 +92,7 @@ impl Lookups {
         self.lookup.read(level, image, out);
     }
 
-    /// Reads a texture as [`Self::read`] does at the first `len` points, moved by some uv: `shift(i)` for entry `i`.
+    /// Reads a texture like [`Self::read`] at the first `len` points, offset by uv: `shift(i)` for entry `i`.
     pub(super) fn read_shifted(
         &mut self,
         TextureUse { level, image, texture }: TextureUse<'_>,
@@ -111,7 +112,8 @@ impl Lookups {
         self.placed = None;
     }
 
-    /// Fills `uv`, the places in a texture, and `lod`, log2 of the texels of its finest level that a pixel covers.
+    /// Fills `uv`, the positions in a texture, and `lod`, log2 of the number of finest-level texels that a pixel
+    /// covers.
     pub(super) fn locate(&mut self, used: TextureUse<'_>, at: Coordinates<'_>) {
         let nowhere;
         let set = match at.sets.get(used.texture.uv_set) {

@@ -1,4 +1,4 @@
-//! The memory that images take, foreseen from their settings and the scene.
+//! Estimates the memory that images take, from their settings and the scene.
 
 use super::settings::RenderSettings;
 use crate::image::Texture;
@@ -6,26 +6,26 @@ use crate::mesh::Mesh;
 use crate::scene::{Instance, NormalSpace, Scene};
 use crate::surface::tangent_bytes;
 
-/// The form in which the pixels of an image are held until they are written.
+/// The form in which the pixels of an image are kept until they are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HeldPixels {
-    /// Codes of 8 bits, developed tile by tile.
+    /// 8-bit codes, developed tile by tile.
     Codes,
-    /// Light in floats, then codes of 8 bits.
+    /// Light in floats, then 8-bit codes.
     Light8,
-    /// Light in floats, then codes of 16 bits.
+    /// Light in floats, then 16-bit codes.
     Light16,
-    /// Light in floats, written as it is.
+    /// Light in floats, written unchanged.
     Floats,
 }
 
 impl HeldPixels {
     /// Light in four floats.
     const LIGHT: u64 = 16;
-    /// Floats as they are written: row by row, channel by channel, compressed.
+    /// Floats in output form: row by row, channel by channel, compressed.
     const WRITTEN_FLOATS: u64 = 16 + 16 + 4;
 
-    /// Returns the bytes a pixel: light, codes, and their copies as they are packed.
+    /// Returns the bytes per pixel: light, codes, and their copies during compression.
     fn bytes(self) -> u64 {
         match self {
             Self::Codes => 4 + 4,
@@ -36,27 +36,27 @@ impl HeldPixels {
     }
 }
 
-/// Returns the bytes that a scene takes while it is prepared and an image of it is taken: the scene itself, placed
+/// Returns the memory for preparing a scene and rendering an image of it, in bytes: the scene itself, placed
 /// triangles, the tree of shadow rays, pixels, and the program.
 pub fn image_bytes(scene: &Scene, settings: &RenderSettings, held: HeldPixels) -> u64 {
     /// The program itself.
     const PROGRAM: u64 = 32 << 20;
-    /// What a thread draws tiles in.
+    /// The memory in which a thread draws tiles.
     const THREAD: u64 = 1 << 20;
     let rest = PROGRAM + THREAD * rayon::current_num_threads() as u64;
     let drawing = prepared_bytes(scene, settings) + pixel_bytes(settings, held);
     rest + scene_bytes(scene) + drawing.max(framing_bytes(scene, |mesh| mesh.tangents().is_empty()))
 }
 
-/// Returns the bytes of the pixels of an image until it is written.
+/// Returns the memory of the pixels of an image until it is written, in bytes.
 pub fn pixel_bytes(settings: &RenderSettings, held: HeldPixels) -> u64 {
-    /// Light, five output variables, and one of them as it is written.
+    /// Light, five output variables, and one of them in output form.
     const WITH_AOVS: u64 = HeldPixels::LIGHT + 5 * 16 + HeldPixels::WRITTEN_FLOATS;
     let pixels = u64::from(settings.width) * u64::from(settings.height);
     pixels * if settings.aovs { WITH_AOVS } else { held.bytes() }
 }
 
-/// Returns the bytes that making tangents takes, of the largest mesh under a normal map that gets them.
+/// Returns the memory for computing tangents, in bytes, of the largest mesh under a normal map that gets them.
 pub fn framing_bytes(scene: &Scene, gets_them: impl Fn(&Mesh) -> bool) -> u64 {
     let is_framed = |instance: &&Instance| {
         let normal = scene.materials()[instance.material].normal;
@@ -70,7 +70,7 @@ pub fn framing_bytes(scene: &Scene, gets_them: impl Fn(&Mesh) -> bool) -> u64 {
     scene.instances().iter().filter(is_framed).map(of_mesh).max().unwrap_or(0)
 }
 
-/// Returns the bytes that a scene holds.
+/// Returns the memory of a scene, in bytes.
 pub fn scene_bytes(scene: &Scene) -> u64 {
     const TRIANGLE: usize = 12;
     const POSITION: usize = 12;
@@ -92,13 +92,13 @@ pub fn scene_bytes(scene: &Scene) -> u64 {
 }
 
 fn prepared_bytes(scene: &Scene, settings: &RenderSettings) -> u64 {
-    /// A placed vertex with normal and tangent, and where it falls on the image.
+    /// A placed vertex with normal and tangent, and its position in the image.
     const VERTEX: u64 = 40 + 32;
-    /// A triangle as it is made ready for tiles, and its places in them.
+    /// A triangle prepared for tiles, and its entries in them.
     const TRIANGLE: u64 = 12 + 48;
     /// Corners, order, boxes and sort keys of the tree.
     const TREE: u64 = 49 + 32;
-    /// An instance that is placed, and what is kept of the text that named it.
+    /// A placed instance, and the text stored with its name.
     const INSTANCE: u64 = 1280;
     let triangle = if settings.shadows || settings.ground { TRIANGLE + TREE } else { TRIANGLE };
     let placed = scene.instances().iter().map(|instance| {

@@ -1,9 +1,9 @@
-//! Rendering: hits meet shading, and a scene, a camera and lights become an image.
+//! Rendering: combines hits and shading, and turns a scene, a camera and lights into an image.
 //!
-//! [`Prepared`] holds what does not change with the camera: world-space vertices, tangents, the tree of triangles. A
-//! [`Pass`] is one image of it, which [`Renderer`] renders in the memory of the one before. Tiles are independent; in a
-//! tile every sample goes through the same stages: visibility, fragments (interpolation and textures), normals,
-//! shadows, lighting, and resolve into the tile.
+//! [`Prepared`] contains everything that does not depend on the camera: world-space vertices, tangents, the tree of
+//! triangles. A [`Pass`] is one image of it, which [`Renderer`] renders in the memory of the previous one. Tiles are
+//! independent; in a tile, every sample passes through the same stages: visibility, fragments (interpolation and
+//! textures), normals, shadows, lighting, and resolve into the tile.
 
 mod albedos;
 mod backdrop;
@@ -44,9 +44,8 @@ mod view;
 mod visible;
 
 pub use backdrop::fill_backdrop;
-pub use batch::{BATCH, Batch};
+pub use batch::Batch;
 pub use checked_shot::CheckedShot;
-pub use draw::NormalSource;
 pub use follow::bind_tangents;
 pub use frame::{Aovs, Frame};
 pub use ground::fill_ground;
@@ -54,7 +53,8 @@ pub use ground::fill_ground;
 pub use memory::{HeldPixels, framing_bytes, image_bytes, pixel_bytes, scene_bytes};
 pub use pass::Pass;
 pub use preparation::PRINTED_BUMP;
-pub use prepare::{Prepared, foreseen_warnings};
+pub use prepare::Prepared;
+pub(crate) use prepare::foreseen_warnings;
 pub use reference::{EnvironmentSampling, NormalMapping, ReferenceSettings, reference};
 pub use renderer::Renderer;
 pub use settings::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Shot, SurfaceSettings};
@@ -75,7 +75,7 @@ use prepare::{Parts, Ready};
 /// Prepares `scene` and renders one image of it.
 ///
 /// # Errors
-/// As [`Prepared::new`] and [`Pass::new`].
+/// As for [`Prepared::new`] and [`Pass::new`].
 pub fn render(scene: &Scene, shot: &Shot<'_>) -> Result<Frame> {
     let parts = Parts::new(scene, &shot.settings.surface)?;
     Pass::with(FrameCache::default(), Ready { scene, parts: &parts }, shot)?.render(Progress::SILENT)

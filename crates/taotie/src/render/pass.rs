@@ -27,7 +27,7 @@ pub struct Pass<'p> {
     backdrop: Option<Backdrop>,
 }
 
-/// Room that one image leaves to the next.
+/// Memory that one image passes on to the next.
 #[derive(Default)]
 pub(super) struct FrameCache {
     projected: Projected,
@@ -38,13 +38,13 @@ impl<'p> Pass<'p> {
     /// Projects, clips and bins the triangles.
     ///
     /// # Errors
-    /// [`Error::Invalid`] or [`Error::Limit`] for a size, sample count or camera that cannot be drawn,
-    /// [`Error::Unsupported`] for a SIMD level that the processor lacks.
+    /// [`Error::Invalid`] or [`Error::Limit`] for a size, sample count or camera that cannot be rendered,
+    /// [`Error::Unsupported`] for a SIMD level that the CPU lacks.
     pub fn new(prepared: &'p Prepared, shot: &Shot<'_>) -> Result<Self> {
         Self::with(FrameCache::default(), prepared.ready(), shot)
     }
 
-    /// Does what [`Self::new`] does, in the memory of an earlier image.
+    /// Like [`Self::new`], but reuses the memory of an earlier image.
     pub(super) fn with(cache: FrameCache, ready: Ready<'p>, shot: &Shot<'_>) -> Result<Self> {
         let Shot { camera, lighting, settings } = shot;
         let stages = Stages::new(ready, shot, cache.projected)?;
@@ -60,18 +60,18 @@ impl<'p> Pass<'p> {
     /// Draws all tiles.
     ///
     /// # Errors
-    /// [`Error::Cancelled`]; where the image cannot be allocated as asked.
+    /// [`Error::Cancelled`]; if the image cannot be allocated as requested.
     pub fn render(&self, progress: Progress<'_>) -> Result<Frame> {
         let mut frame = Frame::new(self.stages.settings())?;
         self.draw(frame.tiles(), progress, |scratch, tile| tile.write(&scratch.resolve))?;
         Ok(frame)
     }
 
-    /// Draws all tiles and develops each at once, so that the image in linear light never is in memory as a whole.
-    /// `codes` takes the image as [`crate::film::develop8`] would give it.
+    /// Draws all tiles and develops each immediately, so that the image in linear light is never in memory as a
+    /// whole. `codes` receives the image as from [`crate::film::develop8`].
     ///
     /// # Errors
-    /// [`Error::Cancelled`]; [`Error::Invalid`] where `codes` has not as many pixels as the image; as
+    /// [`Error::Cancelled`]; [`Error::Invalid`] if `codes` does not have as many pixels as the image; as for
     /// [`Developer::new`].
     pub fn develop(
         &self,
@@ -82,8 +82,8 @@ impl<'p> Pass<'p> {
         let viewport = self.stages.viewport();
         let (width, height) = (viewport.width as usize, viewport.height as usize);
         if codes.len() != width * height {
-            let what = format!("room for {} pixels", codes.len());
-            return Err(Error::invalid(what, format!("the picture has {width}×{height}")));
+            let what = format!("a buffer of {} pixels", codes.len());
+            return Err(Error::invalid(what, format!("the image has {width}×{height}")));
         }
         let developer = Developer::new(development)?;
         self.draw(tiles_of(codes, width), progress, |scratch, tile| {
@@ -92,13 +92,13 @@ impl<'p> Pass<'p> {
         })
     }
 
-    /// The stages, to be measured one by one.
+    /// The stages, for measuring them individually.
     #[doc(hidden)]
     pub fn stages(&self) -> &Stages<'p> {
         &self.stages
     }
 
-    /// Draws each tile and hands it over with its output.
+    /// Draws each tile and passes it on with its output.
     fn draw<O: Send>(
         &self,
         mut outputs: Vec<O>,
@@ -136,7 +136,7 @@ impl<'p> Pass<'p> {
         Ok(())
     }
 
-    /// Returns the memory that the next image can use again.
+    /// Returns the memory that the next image can reuse.
     pub(super) fn into_cache(self) -> FrameCache {
         let scratches = self.scratches.into_inner().unwrap_or_else(PoisonError::into_inner);
         FrameCache { projected: self.stages.into_projected(), scratches }

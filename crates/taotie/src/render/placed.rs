@@ -1,22 +1,23 @@
 //! Instances in world space, which refer to the scene by index.
 
-use super::draw::{Draw, NormalSource};
+use super::draw::Draw;
 use crate::math::{Mat4, Vec3, scalar};
 use crate::mesh::Mesh;
+use crate::pixel::NormalSource;
 use crate::scene::Scene;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// A mesh with normals, and with tangents where they are read.
+/// A mesh with normals, and with tangents if they are read.
 #[derive(Clone)]
 pub(super) enum Body {
-    /// The scene's own, by index, where it lacks nothing.
+    /// The scene's own mesh, by index, if it lacks nothing.
     OfScene(usize),
     Made(Arc<Mesh>),
 }
 
 impl Body {
-    /// Keeps what was made of the mesh `index`, if anything.
+    /// Stores the mesh computed for `index`, if any.
     pub(super) fn new(index: usize, mesh: Cow<'_, Mesh>) -> Self {
         match mesh {
             Cow::Borrowed(_) => Self::OfScene(index),
@@ -39,7 +40,7 @@ pub(super) struct Placed {
     material: usize,
     first_triangle: u32,
     normal_source: NormalSource,
-    /// The moved positions; none where nothing moves the mesh's own.
+    /// The deformed positions; none if nothing deforms the mesh.
     positions: Option<Vec<Vec3>>,
     normals: Vec<Vec3>,
     tangents: Vec<[f32; 4]>,
@@ -47,13 +48,13 @@ pub(super) struct Placed {
     mirrored: bool,
 }
 
-/// The parts that a [`Placed`] is made of beside its mesh.
+/// The parts of a [`Placed`] other than its mesh.
 pub(super) struct Placement {
     pub material: usize,
     pub first_triangle: u32,
     pub normal_source: NormalSource,
     pub world_from_object: Mat4,
-    /// `true` where tangents are read.
+    /// `true` if tangents are read.
     pub takes_tangents: bool,
 }
 
@@ -100,7 +101,7 @@ impl Placed {
     }
 }
 
-/// Mirroring turns the cross product of normal and tangent round, so handedness turns with it.
+/// Mirroring reverses the cross product of normal and tangent, so the handedness flips with it.
 fn world_tangents(mesh: &Mesh, m: &Mat4, mirrored: bool) -> Vec<[f32; 4]> {
     let sign = if mirrored { -1.0 } else { 1.0 };
     let turn = |[x, y, z, w]: &[f32; 4]| {

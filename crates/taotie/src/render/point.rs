@@ -1,4 +1,4 @@
-//! Fragments of a batch as the pixel program takes them.
+//! Fragments of a batch as inputs of the pixel program.
 
 use super::albedos;
 use super::batch::{Batch, Lanes};
@@ -14,7 +14,7 @@ use crate::scene::Material;
 use crate::shade::AnisotropicLobe;
 use fearless_simd::Level;
 
-/// Fills what points of a surface need beside interpolated and looked up values: the shading normals and the
+/// Fills what points of a surface need in addition to interpolated and looked-up values: the shading normals and the
 /// directional albedos of the lobes.
 pub(super) fn complete(level: Level, settings: &RenderSettings, draw: &Draw<'_>, batch: &mut Batch) {
     shade_normals(level, draw, settings.grazing_normals, batch);
@@ -38,7 +38,7 @@ impl<P: Pack> Lanes<'_, P> {
         }
     }
 
-    /// The directions, where shading normals are there.
+    /// The directions, once shading normals are filled.
     #[inline(always)]
     pub(super) fn frame(&self) -> Frame<P> {
         let batch = self.batch;
@@ -71,7 +71,7 @@ impl<P: Pack> Lanes<'_, P> {
         }
     }
 
-    /// The anisotropy, where the material has one.
+    /// The anisotropy, if the material has one.
     #[inline(always)]
     pub(super) fn anisotropic(&self) -> Anisotropic<P> {
         let layers = &self.batch.layers;
@@ -82,7 +82,7 @@ impl<P: Pack> Lanes<'_, P> {
         }
     }
 
-    /// All that reflection depends on.
+    /// Everything that reflection depends on.
     #[inline(always)]
     pub(super) fn surface_point(
         &self,
@@ -122,7 +122,7 @@ impl<P: Pack> Lanes<'_, P> {
         }
     }
 
-    /// The environment's light, where it was looked up.
+    /// The environment's light, if it was looked up.
     #[inline(always)]
     pub(super) fn environment(&self) -> EnvironmentTexels<P> {
         let radiance = &self.batch.environment.radiance;

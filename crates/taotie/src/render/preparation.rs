@@ -1,53 +1,50 @@
-//! Prepares a scene's instances for images: the method that each is shaded by, and what its mesh lacks.
+//! Prepares a scene's instances for images: the method of their shading normals, and the data that their meshes lack.
 
-use super::draw::NormalSource;
 use super::placed::{Body, Placed, Placement};
 use super::settings::SurfaceSettings;
 use crate::error::{Error, Result, Warnings};
 use crate::names::Named;
+use crate::pixel::NormalSource;
 use crate::scene::{Instance, Material, NormalSpace, Scene};
 use crate::surface::{self, SurfaceMethod};
 use fearless_simd::Level;
 use std::collections::HashMap;
 
-/// The factor of `bump-printed` where none is given: the smaller one of Guo and Wang 2025.
+/// The default factor of `bump-printed`: the smaller one of Guo and Wang 2025.
 pub const PRINTED_BUMP: f32 = 5.0;
 
-/// The state that preparing keeps from one instance to the next.
+/// The state kept from one instance to the next during preparation.
 pub(super) struct Preparation<'a> {
     scene: &'a Scene,
     settings: &'a SurfaceSettings,
     level: Level,
-    /// Meshes with what was lacking, by mesh and the uv set that tangents follow.
+    /// Meshes with the missing data added, by mesh and the uv set of the tangents.
     bodies: HashMap<(usize, Option<usize>), Body>,
     pub warnings: Warnings,
 }
 
 impl<'a> Preparation<'a> {
-    /// Begins with no instance.
+    /// Starts without instances.
     ///
     /// # Errors
-    /// Returns an error if the SIMD level is not available on this machine.
+    /// If the SIMD level is not available on this machine.
     pub(super) fn new(scene: &'a Scene, settings: &'a SurfaceSettings) -> Result<Self> {
         let level = settings.simd.dispatch()?;
         Ok(Self { scene, settings, level, bodies: HashMap::new(), warnings: Warnings::default() })
     }
 
-    /// Moves an instance to world space and makes what it lacks.
+    /// Transforms an instance to world space and computes the data that it lacks.
     pub(super) fn place(&mut self, instance: &Instance, first_triangle: u32) -> Result<Placed> {
         let m = instance.world_from_object;
         if !m.is_finite() {
-            return Err(Error::invalid("an instance's transform", "it is infinite or NaN; mend the file"));
+            return Err(Error::invalid("an instance's transform", "it is infinite or NaN; fix the file"));
         }
         let material = &self.scene.materials()[instance.material];
         let mut normal_source = self.normal_source(material);
         if self.lacks_uvs(instance.mesh, &normal_source) {
             normal_source = NormalSource::Smooth;
         }
-        let tangent_set = match normal_source {
-            NormalSource::TangentMap(map) => Some(map.texture.uv_set),
-            _ => self.layers_set(instance.mesh, material),
-        };
+        let tangent_set = normal_source.tangent_set().or_else(|| self.layers_set(instance.mesh, material));
         let body = self.body(instance.mesh, tangent_set)?;
         let placement = Placement {
             material: instance.material,
@@ -59,15 +56,9 @@ impl<'a> Preparation<'a> {
         Ok(Placed::new(self.scene, body, &placement))
     }
 
-    /// The method asked for, as far as the material has what it needs.
+    /// The requested method, if the material has the map that it needs.
     fn normal_source(&mut self, material: &Material) -> NormalSource {
-        let best = match (&material.normal, &material.height) {
-            (Some(map), _) if map.space == NormalSpace::Object => SurfaceMethod::ObjectNormal,
-            (Some(_), _) => SurfaceMethod::TangentNormal,
-            (None, Some(_)) => SurfaceMethod::Bump,
-            (None, None) => SurfaceMethod::Smooth,
-        };
-        let method = self.settings.method.unwrap_or(best);
+        let method = self.settings.method.unwrap_or(NormalSource::best(material).method());
         let map = |space| material.normal.filter(|map| map.space == space);
         let found = match method {
             SurfaceMethod::Facet => Some(NormalSource::Facet),
@@ -89,7 +80,7 @@ impl<'a> Preparation<'a> {
         })
     }
 
-    /// The uv set that the layers' tangents follow, where a layer has a direction and the mesh that uv set.
+    /// The uv set that the layers' tangents follow, if a layer has a direction and the mesh has that uv set.
     fn layers_set(&mut self, mesh: usize, material: &Material) -> Option<usize> {
         let coat = material.clearcoat.as_ref().and_then(|coat| coat.normal.as_ref());
         let anisotropy = material.anisotropy.as_ref();
@@ -99,18 +90,14 @@ impl<'a> Preparation<'a> {
             (None, None) => return None,
         };
         let lacks = set >= self.scene.meshes()[mesh].uvs().len();
-        let what = "meshes without the uv set of their clearcoat's normals or of their anisotropy: drawn without direction";
+        let what =
+            "meshes without the uv set of their clearcoat normals or anisotropy: drawn without direction";
         self.warnings.note(what, usize::from(lacks));
         (!lacks).then_some(set)
     }
 
     fn lacks_uvs(&mut self, mesh: usize, source: &NormalSource) -> bool {
-        let texture = match source {
-            NormalSource::Facet | NormalSource::Smooth => return false,
-            NormalSource::Bump(map, _) | NormalSource::BumpPrinted(map, _) => &map.texture,
-            NormalSource::ObjectMap(map) | NormalSource::TangentMap(map) => &map.texture,
-        };
-        let lacks = texture.uv_set >= self.scene.meshes()[mesh].uvs().len();
+        let lacks = source.uv_set().is_some_and(|set| set >= self.scene.meshes()[mesh].uvs().len());
         self.warnings.note(
             "meshes without the uv set of their normal or height map: drawn smooth",
             usize::from(lacks),
@@ -118,7 +105,7 @@ impl<'a> Preparation<'a> {
         lacks
     }
 
-    /// The mesh with normals, and with tangents along `tangent_set` where that is asked for.
+    /// The mesh with normals, and with tangents along `tangent_set` if requested.
     fn body(&mut self, index: usize, tangent_set: Option<usize>) -> Result<Body> {
         if let Some(body) = self.bodies.get(&(index, tangent_set)) {
             return Ok(body.clone());

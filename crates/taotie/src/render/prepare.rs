@@ -1,4 +1,4 @@
-//! World-space geometry, tangents and the tree of triangles: what does not change with the camera.
+//! World-space geometry, tangents and the tree of triangles: everything that does not depend on the camera.
 
 use super::draw::Draws;
 use super::placed::Placed;
@@ -14,19 +14,19 @@ use std::sync::{Arc, OnceLock};
 /// The height above the surface at which shadow rays start, as a fraction of the scene's size.
 const RAY_OFFSET: f64 = 1e-5;
 
-/// A scene made ready for images from any camera. It owns its share of the scene and can be sent between threads.
+/// A scene prepared for images from any camera. It owns its share of the scene and can be sent between threads.
 pub struct Prepared {
     scene: Arc<Scene>,
     parts: Parts,
 }
 
 impl Prepared {
-    /// Transforms vertices to world space and makes the normals and tangents that are lacking. A scene that is shared
-    /// already is not copied.
+    /// Transforms vertices to world space and computes missing normals and tangents. A scene that is already shared
+    /// is not copied.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where the scene draws no triangle, a transform is not finite, or a mesh cannot be given
-    /// tangents; [`Error::Limit`] beyond 2^32 − 2 triangles; [`Error::Unsupported`] for a SIMD level that the processor
+    /// [`Error::Invalid`] if the scene has no triangles, a transform is not finite, or tangents of a mesh cannot be
+    /// computed; [`Error::Limit`] beyond 2^32 − 2 triangles; [`Error::Unsupported`] for a SIMD level that the CPU
     /// lacks.
     pub fn new(scene: impl Into<Arc<Scene>>, settings: &SurfaceSettings) -> Result<Self> {
         let scene = scene.into();
@@ -39,13 +39,13 @@ impl Prepared {
         &self.scene
     }
 
-    /// The warnings about what could not be drawn as asked.
+    /// The warnings about parts that could not be drawn as requested.
     pub fn warnings(&self) -> &Warnings {
         &self.parts.warnings
     }
 
-    /// All triangles sorted for rays, numbered through all [surfaces](Self::surfaces) in their order; sorted when first
-    /// asked for.
+    /// All triangles sorted for rays, numbered through all [surfaces](Self::surfaces) in their order; sorted on first
+    /// use.
     ///
     /// ```
     /// use taotie::mesh::Mesh;
@@ -61,7 +61,7 @@ impl Prepared {
         &self.ready().tree(0).0
     }
 
-    /// The height above the surface at which shadow rays start, model units.
+    /// The height above the surface at which shadow rays start, in model units.
     pub fn ray_offset(&self) -> f32 {
         self.ready().ray_offset()
     }
@@ -71,15 +71,15 @@ impl Prepared {
     }
 }
 
-/// Returns what could not be drawn as asked, without drawing it.
+/// Returns the warnings about parts that cannot be drawn as requested, without drawing.
 ///
 /// # Errors
-/// As [`Prepared::new`].
+/// As for [`Prepared::new`].
 pub fn foreseen_warnings(scene: &Scene, settings: &SurfaceSettings) -> Result<Warnings> {
     Ok(Parts::new(scene, settings)?.warnings)
 }
 
-/// The data that is made from a scene once.
+/// The data computed once from a scene.
 pub(super) struct Parts {
     placed: Vec<Placed>,
     level: Level,
@@ -92,11 +92,11 @@ impl Parts {
     /// Places all instances.
     ///
     /// # Errors
-    /// As [`Prepared::new`].
+    /// As for [`Prepared::new`].
     pub(super) fn new(scene: &Scene, settings: &SurfaceSettings) -> Result<Self> {
         let total = scene.triangle_count();
         if total == 0 {
-            return Err(Error::invalid("scene", "there is no triangle to draw"));
+            return Err(Error::invalid("scene", "there are no triangles to draw"));
         }
         if total >= u32::MAX as usize {
             return Err(Error::limit(format!("{total} triangles"), "at most 2^32 - 2"));
@@ -119,7 +119,7 @@ impl Parts {
     }
 }
 
-/// A scene with what was made of it.
+/// A scene with its prepared data.
 #[derive(Clone, Copy)]
 pub(super) struct Ready<'p> {
     pub scene: &'p Scene,
@@ -127,23 +127,23 @@ pub(super) struct Ready<'p> {
 }
 
 impl<'p> Ready<'p> {
-    /// Its instances as the stages see them.
+    /// Its instances as seen by the stages.
     pub(super) fn draws(self) -> Draws<'p> {
         let Self { scene, parts } = self;
         Draws { scene, all: parts.placed.iter().map(|one| one.draw(scene)).collect() }
     }
 
-    /// All triangles, sorted for rays, of which at least so many are to come; made when first asked for.
+    /// All triangles, sorted for at least `rays` rays; computed on first use.
     pub(super) fn tree(self, rays: u64) -> &'p SceneTree {
         self.parts.tree.get_or_init(|| SceneTree::new(&self.draws(), rays, self.parts.level))
     }
 
-    /// The box around all triangles; measured when first asked for.
+    /// The bounding box of all triangles; computed on first use.
     pub(super) fn bounds(self) -> Option<Bounds> {
         *self.parts.bounds.get_or_init(|| self.scene.bounds())
     }
 
-    /// The height above the surface at which rays start, model units.
+    /// The height above the surface at which rays start, in model units.
     pub(super) fn ray_offset(self) -> f32 {
         let size = self.bounds().map_or(1.0, |bounds| bounds.diagonal());
         (size * RAY_OFFSET) as f32

@@ -1,15 +1,15 @@
-//! Rays of sight.
+//! Camera rays.
 
 use crate::math::{Mat4, Vec3};
 use crate::scene::{Camera, Projection};
 
-/// Rays of sight through points of an image.
+/// Camera rays through points of an image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CameraRays {
     world_from_view: Mat4,
-    /// Half of what the image shows, across and down: at distance 1 in perspective, anywhere else.
+    /// Half the visible extent, across and down: at distance 1 in perspective, at any distance otherwise.
     half: [f64; 2],
-    /// The image's size, pixels.
+    /// The image's size, in pixels.
     size: [f64; 2],
     near: f64,
     far: f64,
@@ -22,12 +22,12 @@ pub(super) struct SightRay {
     pub origin: Vec3,
     /// The direction, unit.
     pub direction: Vec3,
-    /// The limit of the ray, model units.
+    /// The limit of the ray, in model units.
     pub limit: f32,
 }
 
 impl CameraRays {
-    /// Makes the rays; `width` and `height` of the image, pixels; the camera has been checked.
+    /// Creates the rays; `width` and `height` of the image, in pixels; the camera must have been validated.
     pub(super) fn new(camera: &Camera, [width, height]: [u32; 2]) -> Self {
         let size = [f64::from(width), f64::from(height)];
         let aspect = size[0] / size[1];
@@ -40,7 +40,7 @@ impl CameraRays {
         Self { world_from_view: camera.world_from_view, half, size, near, far, parallel }
     }
 
-    /// The ray through a point, pixels from the image's top left corner.
+    /// The ray through a point, in pixels from the image's top left corner.
     pub(super) fn through(&self, [x, y]: [f64; 2]) -> SightRay {
         let x = (2.0 * x / self.size[0] - 1.0) * self.half[0];
         let y = (1.0 - 2.0 * y / self.size[1]) * self.half[1];

@@ -1,4 +1,4 @@
-//! Images of one scene, one after the other.
+//! Renders images of one scene, one after the other.
 
 use super::frame::Frame;
 use super::pass::{FrameCache, Pass};
@@ -10,25 +10,26 @@ use crate::progress::Progress;
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// Renders images of one scene and keeps what does not change between them: vertices in world space, tangents, the tree
-/// of triangles and the mip chains; and the memory of what does. A turntable costs its frames.
+/// Renders images of one scene and keeps everything that is reused between them: vertices in world space, tangents,
+/// the tree of triangles and the mip chains, as well as scratch memory. Each further frame of a turntable costs only
+/// its rendering.
 ///
-/// The same image has the same bits whatever was rendered before.
+/// The same image has the same bits regardless of what was rendered before.
 pub struct Renderer {
     prepared: Prepared,
     cache: FrameCache,
 }
 
 impl Renderer {
-    /// Prepares `scene`. One that is shared already is not copied.
+    /// Prepares `scene`. A scene that is already shared is not copied.
     ///
     /// # Errors
-    /// As [`Prepared::new`].
+    /// As for [`Prepared::new`].
     pub fn new(scene: impl Into<Arc<Scene>>, settings: &SurfaceSettings) -> Result<Self> {
         Ok(Self { prepared: Prepared::new(scene, settings)?, cache: FrameCache::default() })
     }
 
-    /// The scene, prepared.
+    /// The prepared scene.
     pub fn prepared(&self) -> &Prepared {
         &self.prepared
     }
@@ -36,16 +37,16 @@ impl Renderer {
     /// Renders an image in linear light.
     ///
     /// # Errors
-    /// As [`Pass::new`] and [`Pass::render`].
+    /// As for [`Pass::new`] and [`Pass::render`].
     pub fn render(&mut self, shot: &Shot<'_>, progress: Progress<'_>) -> Result<Frame> {
         self.with_pass(shot, |pass| pass.render(progress))
     }
 
-    /// Renders an image and develops it to 8-bit sRGB with straight alpha, row by row from the top. `codes` is made as
-    /// long as the image; handed in again, nothing is allocated.
+    /// Renders an image and develops it to 8-bit sRGB with straight alpha, row by row from the top. `codes` is
+    /// resized to the image; passing it in again avoids allocation.
     ///
     /// # Errors
-    /// As [`Pass::new`] and [`Pass::develop`].
+    /// As for [`Pass::new`] and [`Pass::develop`].
     pub fn develop(
         &mut self,
         shot: &Shot<'_>,

@@ -1,4 +1,4 @@
-//! Collects a tile over its samples.
+//! Accumulates the samples of a tile.
 
 use super::batch::Batch;
 use super::columns::get3;
@@ -8,18 +8,18 @@ use crate::math::Vec3;
 use crate::raster::TILE_PIXELS;
 use crate::scene::AlphaMode;
 
-/// The pixels of a tile, row by row with [`TILE_SIZE`] to a row.
+/// The pixels of a tile, row by row with [`TILE_SIZE`] pixels per row.
 ///
 /// [`TILE_SIZE`]: crate::raster::TILE_SIZE
 #[derive(Default)]
 pub(super) struct Resolve {
     /// The colour, linear, premultiplied.
     pub color: Vec<[f32; 4]>,
-    /// Normals, depth, albedo, uv, triangle; empty where not asked for.
+    /// Normals, depth, albedo, uv, triangle; empty if not requested.
     pub aovs: [Vec<[f32; 4]>; 5],
     /// The weight of a sample in its pixel.
     weight: f32,
-    /// Fragments of a sample that lie over one another.
+    /// Overlapping fragments of a sample.
     layers: Vec<Shaded>,
 }
 
@@ -32,12 +32,12 @@ struct Shaded {
     depth: f32,
     /// The radiance, linear RGB, not premultiplied.
     radiance: Vec3,
-    /// The part of what is behind that is covered.
+    /// The fraction of the background that is covered.
     coverage: f32,
 }
 
 impl Resolve {
-    /// Clears the tile for so many samples a pixel.
+    /// Clears the tile for `samples` samples per pixel.
     pub(super) fn begin(&mut self, samples: usize, aovs: bool) {
         self.weight = 1.0 / samples as f32;
         clear(&mut self.color);
@@ -50,7 +50,7 @@ impl Resolve {
         }
     }
 
-    /// Adds fragments of which each is all that is seen in its pixel.
+    /// Adds fragments, each the only one in its pixel.
     pub(super) fn add_opaque(&mut self, visible: VisibleBatch<'_>, batch: &Batch) {
         let (weight, mut first) = (self.weight, 0);
         for span in visible.spans() {
@@ -64,7 +64,7 @@ impl Resolve {
         }
     }
 
-    /// Keeps fragments that may lie over one another until [`Self::add_layers`].
+    /// Stores possibly overlapping fragments until [`Self::add_layers`].
     pub(super) fn keep(&mut self, visible: VisibleBatch<'_>, mode: AlphaMode, batch: &Batch) {
         self.layers.extend(visible.pixels().enumerate().map(|(i, (pixel, span))| Shaded {
             pixel,
@@ -75,9 +75,9 @@ impl Resolve {
         }));
     }
 
-    /// Lays what was kept of a sample over one another, far ones first, and adds it up.
+    /// Composites the stored fragments of a sample, far ones first, and adds the result.
     pub(super) fn add_layers(&mut self) {
-        // At equal depth what was drawn first lies on top, as in the depth test.
+        // At equal depth, fragments drawn first are on top, as in the depth test.
         self.layers.sort_by(|a, b| {
             let order = |s: &Shaded| (s.pixel, s.depth.to_bits());
             order(a).cmp(&order(b)).then(b.triangle.cmp(&a.triangle))
@@ -98,7 +98,7 @@ impl Resolve {
         self.layers.clear();
     }
 
-    /// Keeps in the output variables what is nearest so far and at least half there.
+    /// Keeps the nearest fragment so far in the output variables, if it is at least half opaque.
     pub(super) fn note_aovs(
         &mut self,
         visible: VisibleBatch<'_>,
@@ -136,7 +136,7 @@ fn clear(plane: &mut Vec<[f32; 4]>) {
     plane.resize(TILE_PIXELS, [0.0; 4]);
 }
 
-/// The part of what is behind it that a fragment hides.
+/// The fraction of the background that a fragment hides.
 fn coverage(mode: AlphaMode, alpha: f32) -> f32 {
     match mode {
         AlphaMode::Opaque => 1.0,

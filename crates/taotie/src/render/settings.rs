@@ -10,31 +10,30 @@ use crate::shade::{Energy, Shading};
 use crate::surface::{SurfaceMethod, TangentMethod};
 use std::sync::Arc;
 
-/// The largest scale of a height map.
+/// The maximum scale of a height map.
 const MOST_SCALE: f32 = 1e18;
 
-/// The preparation of surfaces: where shading normals come from.
+/// How surfaces are prepared: the source of shading normals.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct SurfaceSettings {
-    /// The method, or `None` for the best that each material provides: its normal map, else its height map, else
+    /// The method, or `None` for the best that each material supports: its normal map, else its height map, else
     /// smooth normals.
     pub method: Option<SurfaceMethod>,
-    /// The method that makes tangents, or `None` for the mesh's own, else MikkTSpace.
+    /// The method for computing tangents, or `None` for those of the mesh, else MikkTSpace.
     pub tangents: Option<TangentMethod>,
     /// The scale of the height map: for `bump` the height of 1 in model units, `None` for the material's; for
     /// `bump-printed` the paper's factor, `None` for 5.
     pub bump_scale: Option<f32>,
-    /// The SIMD level of everything that is done for an image, from vertex normals to pixels: a choice of speed, never
-    /// of pixels.
+    /// The SIMD level for the whole image, from vertex normals to pixels: it affects speed, never pixels.
     pub simd: SimdLevel,
 }
 
-/// The treatment of mapped normals that face away from the viewer.
+/// How mapped normals that face away from the viewer are treated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum GrazingNormals {
-    /// The normal is bent until the viewer just sees it.
+    /// The normal is bent until it is just visible to the viewer.
     #[default]
     Soften,
     /// The normal is kept as in the map, with black fringes at silhouettes.
@@ -42,7 +41,7 @@ pub enum GrazingNormals {
 }
 
 impl Named for GrazingNormals {
-    const WHAT: &'static str = "way with normals at grazing angles";
+    const WHAT: &'static str = "treatment of grazing normals";
     const NAMES: &'static [(&'static str, Self)] = &[("soften", Self::Soften), ("keep", Self::Keep)];
 }
 
@@ -50,27 +49,27 @@ impl Named for GrazingNormals {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct RenderSettings {
-    /// Pixels across, 1 to 16384.
+    /// Width in pixels, 1 to 16384.
     pub width: u32,
-    /// Pixels down, 1 to 16384.
+    /// Height in pixels, 1 to 16384.
     pub height: u32,
-    /// Samples a pixel: 1, 4 or 16; each is shaded.
+    /// Samples per pixel: 1, 4 or 16; each is shaded.
     pub samples: u32,
     /// The reflectance model.
     pub shading: Shading,
     /// The source of shading normals.
     pub surface: SurfaceSettings,
-    /// The method by which `ggx` and `cook-torrance` keep their energy.
+    /// How `ggx` and `cook-torrance` conserve energy.
     pub energy: Energy,
-    /// `true` where relief too fine for the pixel widens the highlight instead of sparkling.
+    /// `true` if subpixel relief widens the highlight instead of sparkling.
     pub specular_aa: bool,
-    /// The treatment of mapped normals at grazing angles. The models as printed keep them.
+    /// How mapped normals at grazing angles are treated. The models as printed keep them.
     pub grazing_normals: GrazingNormals,
-    /// `true` where lights cast shadows.
+    /// `true` if lights cast shadows.
     pub shadows: bool,
-    /// `true` where the object stands on a ground that shows nothing but its shadow.
+    /// `true` to place the object on a ground that shows only its shadow.
     pub ground: bool,
-    /// `true` where [`Frame::aovs`](super::Frame::aovs) is filled.
+    /// `true` to fill [`Frame::aovs`](super::Frame::aovs).
     pub aovs: bool,
 }
 
@@ -93,9 +92,9 @@ impl Default for RenderSettings {
 }
 
 impl RenderSettings {
-    /// The settings as the model takes them: models as printed in the paper take no corrections.
+    /// Returns the settings effective for the model: models as printed in the paper use no corrections.
     ///
-    /// This is the one place that asks whether an image's model is as printed.
+    /// This is the only place that checks whether an image's model is a printed one.
     pub(super) fn as_taken(&self) -> Self {
         let corrected = !self.shading.is_printed();
         let grazing_normals = if corrected { self.grazing_normals } else { GrazingNormals::Keep };
@@ -103,10 +102,10 @@ impl RenderSettings {
     }
 }
 
-/// An image to render: from where, in what light, and how.
+/// An image to render: camera, light and settings.
 #[derive(Debug, Clone, Copy)]
 pub struct Shot<'a> {
-    /// The camera that it is taken from.
+    /// The camera.
     pub camera: &'a Camera,
     /// The light on the scene.
     pub lighting: &'a Lighting,
@@ -115,43 +114,43 @@ pub struct Shot<'a> {
 }
 
 impl Shot<'_> {
-    /// Refuses light and scales that no number of an image could hold.
+    /// Rejects light and scales that would exceed the range of an image's numbers.
     pub(super) fn check(&self) -> error::Result<()> {
         self.lighting.check()?;
         match self.settings.surface.bump_scale {
             Some(scale) if scale.is_nan() || scale.abs() > MOST_SCALE => {
-                Err(Error::invalid(format!("bump scale {scale}"), "it must lie between -1e18 and 1e18"))
+                Err(Error::invalid(format!("bump scale {scale}"), "it must be between -1e18 and 1e18"))
             }
             _ => Ok(()),
         }
     }
 }
 
-/// Light from all around as it falls on a scene.
+/// The light of an environment as it falls on a scene.
 #[derive(Debug, Clone)]
 pub struct EnvironmentLight {
-    /// The source of its light.
+    /// The source of the light.
     pub environment: Arc<Environment>,
-    /// Radians by which it is turned about +y, counter-clockwise as seen from above.
+    /// The rotation about +y in radians, counter-clockwise as seen from above.
     pub rotation: f64,
-    /// A factor of its radiance, at least 0.
+    /// The factor of its radiance, at least 0.
     pub intensity: f32,
-    /// `true` where it is seen wherever nothing stands before it.
+    /// `true` if it is visible wherever no surface is in front of it.
     pub visible: bool,
 }
 
 impl EnvironmentLight {
-    /// The direction in the environment's own space that lies in direction `world`.
+    /// The direction `world` in the environment's local space.
     pub fn to_environment(&self, world: Vec3) -> Vec3 {
         self.turn().to_environment(world)
     }
 
-    /// The world-space direction in which the environment's `direction` lies.
+    /// The world-space direction of the environment's `direction`.
     pub fn to_world(&self, direction: Vec3) -> Vec3 {
         self.turn().to_world(direction)
     }
 
-    /// Both of these for many directions.
+    /// The precomputed rotation for both of these, for many directions.
     pub fn turn(&self) -> Turn<f32> {
         Turn { sin: scalar::sin(self.rotation) as f32, cos: scalar::cos(self.rotation) as f32 }
     }
@@ -163,9 +162,9 @@ impl EnvironmentLight {
 pub struct Lighting {
     /// The lights, of any number.
     pub lights: Vec<Light>,
-    /// Radiance I_a from all around, linear RGB; reflected by k_a and darkened by occlusion maps.
+    /// Ambient radiance I_a from all directions, linear RGB; reflected by k_a and darkened by occlusion maps.
     pub ambient: Vec3,
-    /// Light from infinitely far all around; serde cannot say it.
+    /// Light from infinitely far away in all directions; not serialisable.
     #[cfg_attr(
         feature = "serde",
         serde(serialize_with = "write_no_environment", deserialize_with = "read_no_environment")
@@ -174,22 +173,22 @@ pub struct Lighting {
 }
 
 impl Lighting {
-    /// Checks ranges; all renderers do so before they begin.
+    /// Checks ranges; all renderers do so first.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where light is negative, not a number, or above [`Light::MOST`].
+    /// [`Error::Invalid`] if light is negative, NaN, or above [`Light::MOST`].
     pub fn check(&self) -> error::Result<()> {
         let intensity = self.environment.as_ref().map(|e| ("environment", Vec3::splat(e.intensity)));
         let lights = self.lights.iter().map(|light| ("light", light.color));
         let mut all = lights.chain([("ambient", self.ambient)]).chain(intensity);
         match all.find(|(_, color)| !Light::is_strength(*color)) {
-            Some((what, _)) => Err(Error::invalid(what, "its strength must lie between 0 and 1e12")),
+            Some((what, _)) => Err(Error::invalid(what, "its strength must be between 0 and 1e12")),
             None => Ok(()),
         }
     }
 }
 
-/// Refuses the light of an environment: it holds an image.
+/// Rejects the light of an environment: it contains an image.
 #[cfg(feature = "serde")]
 fn write_no_environment<S: serde::Serializer>(
     light: &Option<EnvironmentLight>,
@@ -198,12 +197,12 @@ fn write_no_environment<S: serde::Serializer>(
     match light {
         None => serializer.serialize_none(),
         Some(_) => Err(serde::ser::Error::custom(
-            "light of an environment holds an image; write its `EnvironmentOptions` instead",
+            "environment light contains an image; serialise its `EnvironmentOptions` instead",
         )),
     }
 }
 
-/// Reads nothing, and refuses everything else.
+/// Accepts only absence.
 #[cfg(feature = "serde")]
 fn read_no_environment<'de, D: serde::Deserializer<'de>>(
     deserializer: D,

@@ -1,4 +1,4 @@
-//! Finds the lights that a fragment sees.
+//! Finds the lights visible from a fragment.
 
 use super::batch::{BATCH, Batch};
 use super::columns::get3;
@@ -6,7 +6,7 @@ use super::tree::Casters;
 use crate::math::Vec3;
 use crate::pixel::LightSource;
 
-/// Fills `batch.lit.visibility`. `origins` are the points that rays leave from.
+/// Fills `batch.lit.visibility`. `origins` are the origins of the rays.
 pub(super) fn trace_shadows(
     casters: Casters<'_>,
     sources: &[LightSource<f32>],
@@ -26,14 +26,14 @@ pub(super) fn trace_shadows(
 /// A flat triangle of a smooth surface.
 pub(super) struct SmoothTriangle {
     pub corners: [Vec3; 3],
-    /// The normals at the corners: unit, on the side that is seen.
+    /// The normals at the corners: unit, on the visible side.
     pub normals: [Vec3; 3],
 }
 
 impl SmoothTriangle {
-    /// The origin of shadow rays: the point of the smooth surface above the triangle's `point`, so that a low-poly mesh
-    /// does not shade itself in facets (Hanika 2021, "Hacking the Shadow Terminator"), moved by `offset`, a little
-    /// along the geometric normal, against rounding.
+    /// The origin of shadow rays: the point of the smooth surface above the triangle's `point`, so that a low-poly
+    /// mesh does not shade itself in facets (Hanika 2021, "Hacking the Shadow Terminator"), moved by `offset`, a
+    /// small distance along the geometric normal, against rounding errors.
     pub(super) fn shadow_origin(&self, point: Vec3, weights: [f32; 3], offset: Vec3) -> Vec3 {
         let mut shift = Vec3::default();
         for ((corner, normal), weight) in self.corners.into_iter().zip(self.normals).zip(weights) {

@@ -22,7 +22,7 @@ use crate::pixel::{LightSource, takes_roughness};
 use crate::raster::{self, SamplePattern, TILE_PIXELS, TILE_SIZE, Tile, TilePlane, TileSample, Viewport};
 use fearless_simd::Level;
 
-/// The stages that each tile of an image goes through, and what they read.
+/// The stages that each tile of an image passes through, and their inputs.
 pub struct Stages<'p> {
     ready: Ready<'p>,
     draws: Draws<'p>,
@@ -32,7 +32,7 @@ pub struct Stages<'p> {
     sources: Vec<LightSource<f32>>,
     ambient: Vec3,
     environment: Option<EnvironmentLight>,
-    /// The settings, as the model takes them.
+    /// The settings effective for the model.
     settings: RenderSettings,
     level: Level,
     ray_offset: f32,
@@ -49,15 +49,15 @@ pub(super) struct TileScratch {
 }
 
 impl<'p> Stages<'p> {
-    /// Projects, clips and bins the triangles, in the memory of `projected`.
+    /// Projects, clips and bins the triangles, reusing the memory of `projected`.
     ///
     /// # Errors
-    /// As [`super::Pass::new`].
+    /// As for [`super::Pass::new`].
     pub(super) fn new(ready: Ready<'p>, shot: &Shot<'_>, mut projected: Projected) -> Result<Self> {
         shot.check()?;
         let settings = shot.settings.as_taken();
         let (width, height) = (settings.width, settings.height);
-        // Checks the size before anything is made of it.
+        // Checks the size before anything is allocated for it.
         crate::image::Image::check_size(width, height)?;
         let viewport = Viewport { width, height, pattern: SamplePattern::new(settings.samples)? };
         let view = View::new(shot.camera, width, height)?;
@@ -78,17 +78,17 @@ impl<'p> Stages<'p> {
         })
     }
 
-    /// The triangles' memory, for the next image.
+    /// The memory of the triangles, for the next image.
     pub(super) fn into_projected(self) -> Projected {
         self.projected
     }
 
-    /// The settings as the model takes them.
+    /// The settings effective for the model.
     pub(super) fn settings(&self) -> &RenderSettings {
         &self.settings
     }
 
-    /// The shadow casters; the tree is made when first asked for.
+    /// The shadow casters; the tree is built on first use.
     pub(super) fn casters(&self) -> Casters<'_> {
         Casters { tree: self.ready.tree(0), draws: &self.draws }
     }
@@ -104,12 +104,12 @@ impl<'p> Stages<'p> {
         &self.viewport
     }
 
-    /// A batch with room for the visibility of every light.
+    /// Creates a batch with the visibility of every light.
     pub fn batch(&self) -> Box<Batch> {
         Batch::new(self.sources.len())
     }
 
-    /// Makes empty working memory for drawing a tile.
+    /// Creates empty working memory for drawing a tile.
     pub(super) fn scratch(&self) -> TileScratch {
         TileScratch {
             resolve: Resolve::default(),
@@ -124,7 +124,7 @@ impl<'p> Stages<'p> {
     /// Draws the surfaces in a tile.
     ///
     /// # Errors
-    /// Returns an error if the SIMD level is not available.
+    /// If the SIMD level is not available.
     pub(super) fn tile(&self, tile: &Tile, scratch: &mut TileScratch) -> Result<()> {
         let offsets = self.viewport.pattern.offsets();
         scratch.batch.begin(self.sources.len());
@@ -139,11 +139,11 @@ impl<'p> Stages<'p> {
         Ok(())
     }
 
-    /// Stage 1: finds the triangles that are seen at a sample of a tile, those of a draw and of a triangle together;
+    /// Stage 1: finds the triangles visible at a sample of a tile, those of a draw and of a triangle together;
     /// `plane` is scratch.
     ///
     /// # Errors
-    /// Returns an error if the SIMD level is not available.
+    /// If the SIMD level is not available.
     pub fn visible(&self, at: TileSample<'_>, plane: &mut TilePlane) -> Result<Vec<VisibleSpan>> {
         let mut visible = Vec::new();
         self.find(at, plane, &mut Grouping::default(), &mut visible)?;
@@ -161,7 +161,7 @@ impl<'p> Stages<'p> {
         raster::rasterize_opaque(&self.projected.opaque, at, simd, plane)?;
         let layers = raster::rasterize_layers(&self.projected.layered, at, simd, plane)?;
         grouping.append(self.level, plane, |triangle| self.draws.number_of(triangle), visible);
-        // Layers come in the order of drawing, and no draw has both.
+        // Layers are in drawing order, and no draw has both.
         visible.extend(layers.iter().map(|l| VisibleSpan {
             start: l.pixel,
             end: l.pixel + 1,
@@ -171,7 +171,7 @@ impl<'p> Stages<'p> {
         Ok(())
     }
 
-    /// Runs stages 2 to 5 for all fragments of a sample, the first of its tile or a later one.
+    /// Runs stages 2 to 5 for all fragments of a sample; `first` is true for the first sample of its tile.
     fn shade(&self, at: TileSample<'_>, first: bool, scratch: &mut TileScratch) {
         let TileScratch { visible, batch, resolve, .. } = scratch;
         let layered = visible.last().is_some_and(|last| self.draws.of(last.triangle).layered());
@@ -193,7 +193,7 @@ impl<'p> Stages<'p> {
         resolve.add_layers();
     }
 
-    /// The parts of `visible`, spans in which those of a draw are together, with the draw's number.
+    /// The parts of `visible`, which contains the spans of each draw together, with the draw's index.
     pub fn runs<'k>(
         &self,
         mut visible: &'k [VisibleSpan],
@@ -222,7 +222,7 @@ impl<'p> Stages<'p> {
         interpolation.fill(Some(self.view.eye), batch);
     }
 
-    /// Makes fragments of a draw.
+    /// Computes the fragments of a draw.
     fn interpolation(&self, draw: usize) -> Interpolation<'_> {
         let draw = &self.draws.all[draw];
         Interpolation {
@@ -264,7 +264,7 @@ impl<'p> Stages<'p> {
     }
 }
 
-/// Empties `batch` and fills in the places of what is seen at `offset` within the pixels.
+/// Clears `batch` and fills in the positions of the visible pixels at `offset` within the pixels.
 #[inline(always)]
 fn place<P: Pack>(token: P::Token, visible: VisibleBatch<'_>, offset: [f32; 2], batch: &mut Batch) {
     let Points { place: [x, y], runs, .. } = &mut batch.points;
@@ -276,7 +276,7 @@ fn place<P: Pack>(token: P::Token, visible: VisibleBatch<'_>, offset: [f32; 2], 
         let end = start + span.len();
         let column = (span.start % TILE_SIZE) as f32;
         let row = P::splat(token, (span.start / TILE_SIZE) as f32) + down;
-        // A pack's end may reach over the span's, where the next one is written.
+        // The end of a pack may overwrite the next span, which is written afterwards.
         for i in (start..end).step_by(P::LANES) {
             (numbers + P::splat(token, column + (i - start) as f32) + right).store(&mut x[i..]);
             row.store(&mut y[i..]);

@@ -1,22 +1,23 @@
-//! A prepared scene's surfaces as plain arrays, for machines that draw triangles themselves.
+//! A prepared scene's surfaces as plain arrays, for renderers that draw the triangles themselves.
 
-use super::draw::{Draw, NormalSource};
+use super::draw::Draw;
 use super::prepare::Prepared;
 use crate::math::{Vec2, Vec3};
+use crate::pixel::NormalSource;
 use crate::scene::Material;
 
-/// A mesh in the world with one material, as arrays. Arrays of vertices have equal lengths, but for those that are empty.
+/// A mesh in the world with one material, as arrays. Arrays of vertices have equal lengths, except for empty ones.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct Surface<'p> {
-    /// The vertices' positions, world space.
+    /// The vertices' positions, in world space.
     pub positions: &'p [Vec3],
-    /// The vertices' normals: unit, world space.
+    /// The vertices' normals: unit, in world space.
     pub normals: &'p [Vec3],
-    /// The vertices' normals: unit, object space. [`NormalSource::BumpPrinted`] reads these.
+    /// The vertices' normals: unit, in object space. Read by [`NormalSource::BumpPrinted`].
     pub object_normals: &'p [Vec3],
-    /// The tangents: unit, world space, with handedness in the fourth number; empty unless a tangent-space map or a
-    /// direction is read.
+    /// The tangents: unit, in world space, with handedness in the fourth number; empty unless a tangent-space map or
+    /// a direction is read.
     pub tangents: &'p [[f32; 4]],
     /// The uv sets, origin top left.
     pub uvs: &'p [Vec<Vec2>],
@@ -28,10 +29,10 @@ pub struct Surface<'p> {
     pub material: &'p Material,
     /// The source of the shading normals.
     pub normal_source: NormalSource,
-    /// The columns of the matrix that takes object-space normals to world space and keeps the length of uniformly scaled
-    /// ones.
+    /// The columns of the matrix that transforms object-space normals to world space and keeps the length of
+    /// uniformly scaled ones.
     pub normal_matrix: [Vec3; 3],
-    /// `true` where front faces are clockwise, since the transform mirrors.
+    /// `true` if front faces are clockwise, since the transform mirrors.
     pub mirrored: bool,
 }
 

@@ -1,8 +1,8 @@
-//! An image cut into tiles that can be written in parallel.
+//! An image divided into tiles that can be written in parallel.
 
 use crate::raster::TILE_SIZE;
 
-/// The rows of pixels that a tile has in an image.
+/// The rows of pixels of a tile in an image.
 pub(super) struct TileRows<'p, T>(Vec<&'p mut [T]>);
 
 /// Returns the tiles of an image of this width, row by row.
@@ -22,7 +22,7 @@ pub(super) fn tiles_of<T>(pixels: &mut [T], width: usize) -> Vec<TileRows<'_, T>
 }
 
 impl<T: Copy> TileRows<'_, T> {
-    /// Writes a tile whose rows are [`TILE_SIZE`] long, as much of it as there is room for.
+    /// Writes a tile whose rows are [`TILE_SIZE`] long, cropped to the available size.
     pub(super) fn write(&mut self, pixels: &[T]) {
         for (to, from) in self.0.iter_mut().zip(pixels.chunks_exact(TILE_SIZE as usize)) {
             to.copy_from_slice(&from[..to.len()]);

@@ -7,13 +7,13 @@ use crate::scene::AlphaMode;
 use crate::trace::{Bvh, Hit, Ray};
 use fearless_simd::Level;
 
-/// All triangles of a scene, sorted for rays. Hits name them by their numbers over all draws.
+/// All triangles of a scene, sorted for rays. Hits refer to them by their indices over all draws.
 pub(super) struct SceneTree(pub Bvh);
 
 impl SceneTree {
-    /// Sorts all triangles for rays, at least so many, which are traced at a SIMD level.
+    /// Sorts all triangles for at least `rays` rays, which are traced at a SIMD level.
     pub(super) fn new(draws: &Draws<'_>, rays: u64, level: Level) -> Self {
-        /// Rays a triangle from which on it is worth to sort for many.
+        /// The number of rays per triangle from which sorting for many rays pays off.
         const MANY: u64 = 4;
         let triangles = |draw: &Draw<'_>| -> Vec<[Vec3; 3]> {
             draw.mesh.triangles().iter().map(|t| t.map(|v| draw.positions[v as usize])).collect()
@@ -33,12 +33,12 @@ pub(super) struct Casters<'t> {
 }
 
 impl Casters<'_> {
-    /// Says whether nothing stands on the way from `origin` along `direction` up to `limit` of its lengths.
+    /// Returns true if nothing blocks the ray from `origin` along `direction` up to `limit` of its lengths.
     pub(super) fn sees(&self, origin: Vec3, direction: Vec3, limit: f32) -> bool {
         !self.tree.0.occluded(&Ray::new(origin, direction), limit, |hit| self.blocks(hit))
     }
 
-    /// Says whether the surface is there at the point hit.
+    /// Returns true if the surface exists at the point hit.
     fn blocks(&self, hit: &Hit) -> bool {
         let draw = self.draws.of(hit.triangle);
         match draw.material.alpha {

@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::math::{Mat4, Vec3};
 use crate::scene::{Camera, Projection};
 
-/// A camera made ready for one image.
+/// A camera prepared for one image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View {
     /// The transform to reversed-z clip space: 1 at the near plane, 0 at the far plane or at infinity.
@@ -13,12 +13,12 @@ pub(super) struct View {
     pub eye: Eye,
 }
 
-/// The origin of rays of sight.
+/// The origin of camera rays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Eye {
-    /// A point, world space.
+    /// A point, in world space.
     Point(Vec3),
-    /// The unit direction to the viewer, world space.
+    /// The unit direction to the viewer, in world space.
     Direction(Vec3),
 }
 
@@ -29,7 +29,7 @@ impl View {
             .inverse_affine()
             .filter(|_| camera.world_from_view.is_finite())
             .ok_or_else(|| {
-                Error::invalid("camera", "its transform cannot be inverted; mend the file or use --orbit")
+                Error::invalid("camera", "its transform cannot be inverted; fix the file or use --orbit")
             })?;
         let picture_aspect = f64::from(width) / f64::from(height);
         let half_height = camera.projection.half_height(picture_aspect);
@@ -52,7 +52,7 @@ impl View {
         Ok(Self { clip_from_world: clip_from_view * view_from_world, view_from_world, eye })
     }
 
-    /// The distance of a point along the axis of sight.
+    /// The distance of a point along the viewing axis.
     pub(super) fn depth(&self, point: Vec3) -> f32 {
         -self.view_from_world.transform_point(point.to_f64()).z as f32
     }
@@ -60,7 +60,7 @@ impl View {
 
 fn check_perspective(fov_y: f64, near: f64, far: Option<f64>) -> Result<()> {
     if !(fov_y > 0.0 && fov_y < std::f64::consts::PI) {
-        return Err(Error::invalid("camera field of view", "it must lie between 0° and 180°"));
+        return Err(Error::invalid("camera field of view", "it must be between 0° and 180°"));
     }
     if !(near > 0.0 && near.is_finite()) || far.is_some_and(|far| far <= near || far.is_nan()) {
         return Err(Error::invalid("camera planes", "near must be above 0 and below far"));

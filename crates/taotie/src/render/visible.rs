@@ -1,17 +1,17 @@
-//! The surfaces that are seen at a sample of a tile's pixels, and their division into batches.
+//! The surfaces visible at a sample of a tile's pixels, and their division into batches.
 
 use super::batch::BATCH;
 
-/// Neighbours in a row of a tile that show the same triangle at a sample.
+/// Consecutive pixels in a row of a tile that show the same triangle at a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VisibleSpan {
     /// The first pixel, `y · TILE_SIZE + x` in the tile.
     pub start: u32,
     /// One more than the last pixel.
     pub end: u32,
-    /// The triangle's number over all draws.
+    /// The triangle's index over all draws.
     pub triangle: u32,
-    /// Reversed depth of what may let through what is behind; 0, the farthest, of what is opaque.
+    /// Reversed depth of layers that may be transparent; 0, the farthest, for opaque ones.
     pub depth: f32,
 }
 
@@ -21,22 +21,22 @@ impl VisibleSpan {
         (self.end - self.start) as usize
     }
 
-    /// Says whether it holds no pixel.
+    /// Returns true if it contains no pixel.
     pub fn is_empty(&self) -> bool {
         self.start == self.end
     }
 }
 
-/// At most [`BATCH`] neighbours in a list of visible pixels.
+/// At most `BATCH` consecutive entries in a list of visible pixels.
 #[derive(Debug, Clone, Copy)]
 pub struct VisibleBatch<'s> {
     spans: &'s [VisibleSpan],
-    /// The pixels of the first span that the batch before has.
+    /// The pixels of the first span that belong to the previous batch.
     skipped: u32,
     len: usize,
 }
 
-/// Divides spans into batches, each of which but the last is full.
+/// Divides spans into batches, all full except the last.
 pub fn batches(spans: &[VisibleSpan]) -> impl Iterator<Item = VisibleBatch<'_>> {
     let (mut rest, mut taken) = (spans, 0);
     std::iter::from_fn(move || {
@@ -61,12 +61,12 @@ impl VisibleBatch<'_> {
         self.len
     }
 
-    /// Says whether it holds no pixel.
+    /// Returns true if it contains no pixel.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// The spans, without what other batches have of them.
+    /// The spans, without the parts that belong to other batches.
     pub fn spans(&self) -> impl Iterator<Item = VisibleSpan> {
         let (mut skipped, mut left) = (self.skipped, self.len as u32);
         self.spans.iter().map(move |span| {
@@ -77,7 +77,7 @@ impl VisibleBatch<'_> {
         })
     }
 
-    /// Each pixel with the span that it lies in.
+    /// Each pixel with its span.
     pub(super) fn pixels(&self) -> impl Iterator<Item = (u32, VisibleSpan)> {
         self.spans().flat_map(|span| (span.start..span.end).map(move |pixel| (pixel, span)))
     }

@@ -1,23 +1,23 @@
-//! Boxes around things.
+//! Bounding boxes.
 
 use crate::math::Vec3;
 
 /// An axis-aligned box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
-    /// The corner of least coordinates.
+    /// The corner of minimum coordinates.
     pub min: Vec3<f64>,
-    /// The corner of greatest coordinates.
+    /// The corner of maximum coordinates.
     pub max: Vec3<f64>,
 }
 
 impl Bounds {
-    /// The middle.
+    /// Returns the centre.
     pub fn center(&self) -> Vec3<f64> {
         (self.min + self.max) * 0.5
     }
 
-    /// The least box around both.
+    /// Returns the smallest box around both.
     pub fn united(&self, other: &Self) -> Self {
         let lower =
             Vec3::new(self.min.x.min(other.min.x), self.min.y.min(other.min.y), self.min.z.min(other.min.z));
@@ -26,12 +26,12 @@ impl Bounds {
         Self { min: lower, max: upper }
     }
 
-    /// The least box around all points; `None` of none.
+    /// Returns the smallest box around all points; `None` if there are none.
     pub fn around(points: impl Iterator<Item = Vec3<f64>>) -> Option<Self> {
         points.map(|point| Self { min: point, max: point }).reduce(|all, point| all.united(&point))
     }
 
-    /// The eight corners.
+    /// Returns the eight corners.
     pub fn corners(&self) -> [Vec3<f64>; 8] {
         let Self { min, max } = *self;
         std::array::from_fn(|i| {
@@ -40,7 +40,7 @@ impl Bounds {
         })
     }
 
-    /// The length of the diagonal.
+    /// Returns the length of the diagonal.
     pub fn diagonal(&self) -> f64 {
         (self.max - self.min).length()
     }

@@ -14,7 +14,7 @@ pub struct Camera {
     pub projection: Projection,
 }
 
-/// A projection of view space to the image.
+/// A projection of view space onto the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Projection {
@@ -22,7 +22,7 @@ pub enum Projection {
     Perspective {
         /// Full vertical angle in radians, in (0, π).
         fov_y: f64,
-        /// Width over height as authored; `None` takes the image's.
+        /// Width over height as authored; `None` uses the image's.
         aspect: Option<f64>,
         /// Distance of the near plane, above 0, model units.
         near: f64,
@@ -43,8 +43,8 @@ pub enum Projection {
 }
 
 impl Camera {
-    /// Returns the size of a pixel at the distance `depth` along the axis of sight, model units. `width` and `height`
-    /// are the image's, pixels.
+    /// Returns the size of a pixel at the distance `depth` along the viewing axis, in model units. `width` and
+    /// `height` are the image's, in pixels.
     pub fn pixel_size(&self, depth: f64, width: u32, height: u32) -> f64 {
         let half = self.projection.half_height(f64::from(width) / f64::from(height));
         let at_depth = match self.projection {
@@ -54,8 +54,8 @@ impl Camera {
         2.0 * at_depth / f64::from(height)
     }
 
-    /// The point in world space that the middle of pixel `(x, y)` shows at the distance `depth` along the axis of
-    /// sight. `width` and `height` are the image's, pixels.
+    /// Returns the point in world space seen at the centre of pixel `(x, y)` at the distance `depth` along the
+    /// viewing axis. `width` and `height` are the image's, in pixels.
     pub fn point_at(&self, [x, y]: [u32; 2], depth: f64, [width, height]: [u32; 2]) -> Vec3<f64> {
         let size = self.pixel_size(depth, width, height);
         let from_middle = |i: u32, n: u32| f64::from(i) + 0.5 - f64::from(n) / 2.0;
@@ -65,9 +65,10 @@ impl Camera {
 }
 
 impl Projection {
-    /// Half the height that an image of this width over height shows: at distance 1 in perspective, anywhere else.
+    /// Returns half the visible height for an image with this aspect ratio: at distance 1 in perspective, otherwise
+    /// anywhere.
     ///
-    /// A camera narrower or wider than the image keeps all it sees: the other direction shows more.
+    /// A camera narrower or wider than the image keeps everything it sees: the other direction shows more.
     pub fn half_height(&self, picture_aspect: f64) -> f64 {
         match *self {
             Self::Perspective { fov_y, aspect, .. } => {
@@ -80,7 +81,7 @@ impl Projection {
     }
 }
 
-/// A place on a sphere around a target, and the angle of view from there.
+/// A position on a sphere around a target, and the angle of view from there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Orbit {
     /// Radians to the right of the front, which is +z.
@@ -96,7 +97,7 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// The camera there. `size` is the radius around the target that the near plane must not cut.
+    /// Returns the camera there. `size` is the radius around the target that the near plane must not cut.
     pub fn camera(&self, size: f64) -> Camera {
         let (sin_a, cos_a) = (scalar::sin(self.azimuth), scalar::cos(self.azimuth));
         let (sin_e, cos_e) = (scalar::sin(self.elevation), scalar::cos(self.elevation));
@@ -113,8 +114,8 @@ impl Orbit {
     }
 }
 
-/// A transform without scale, shear and mirroring: what a camera takes of the node it hangs on. It keeps where the
-/// camera looks and which way is up.
+/// Returns a transform without scale, shear and mirroring, as a camera uses of the node to which it is attached. The
+/// viewing direction and the up direction are kept.
 pub fn rigid(world: &Mat4) -> Mat4 {
     let fallback = Vec3::new(0.0, 0.0, 1.0);
     let z = world.axis(2).normalize_or(fallback);
@@ -125,8 +126,8 @@ pub fn rigid(world: &Mat4) -> Mat4 {
     Mat4::from_axes(x, z.cross(x), z, world.axis(3))
 }
 
-/// The least distance from `orbit.target` at which all `points` (world space) lie within the part `fill` of the
-/// image's width and height, for width over height `aspect`. `orbit.distance` is not read.
+/// Returns the minimum distance from `orbit.target` at which all `points` (world space) are within the fraction
+/// `fill` of the image's width and height, for the aspect ratio `aspect`. `orbit.distance` is ignored.
 pub fn fitting_distance(
     orbit: &Orbit,
     aspect: f64,
@@ -137,7 +138,7 @@ pub fn fitting_distance(
     points.fold(f64::MIN_POSITIVE, |distance, point| distance.max(frame.need(point)))
 }
 
-/// The part of an image that points are to lie within, from a camera that looks at a target.
+/// The part of an image into which points must fit, from a camera that looks at a target.
 pub(super) struct Frame {
     target: Vec3<f64>,
     right: Vec3<f64>,
@@ -148,7 +149,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// The part `fill` of an image of width over height `aspect`; `orbit.distance` is not read.
+    /// The fraction `fill` of an image of the aspect ratio `aspect`; `orbit.distance` is ignored.
     pub(super) fn new(orbit: &Orbit, aspect: f64, fill: f64) -> Self {
         let tan_y = scalar::tan(orbit.fov_y / 2.0) * fill;
         let camera = Orbit { distance: 0.0, ..*orbit }.camera(0.0).world_from_view;
@@ -156,7 +157,7 @@ impl Frame {
         Self { target: orbit.target, right, up, back, tan: [tan_y * aspect, tan_y] }
     }
 
-    /// The least distance of the camera from its target at which a point lies within.
+    /// Returns the minimum distance of the camera from its target at which a point is within it.
     pub(super) fn need(&self, point: Vec3<f64>) -> f64 {
         let p = point - self.target;
         let (near, [tan_x, tan_y]) = (p.dot(self.back), self.tan);

@@ -1,4 +1,4 @@
-//! The parts of a scene, and whether they fit together.
+//! The parts of a scene and their validation.
 
 use super::{Camera, Light, Material};
 use crate::error::{Error, Result};
@@ -6,14 +6,14 @@ use crate::image::Texture;
 use crate::math::Mat4;
 use crate::mesh::Mesh;
 
-/// The parts a [`super::Scene`] is made from.
+/// The parts of a [`super::Scene`].
 #[derive(Debug, Clone, Default)]
 pub struct SceneData {
     /// The meshes, object space.
     pub meshes: Vec<Mesh>,
     /// The materials.
     pub materials: Vec<Material>,
-    /// The textures that materials name by index.
+    /// The textures that materials refer to by index.
     pub textures: Vec<Texture>,
     /// Meshes placed in the world.
     pub instances: Vec<Instance>,
@@ -30,13 +30,13 @@ pub struct Instance {
     pub mesh: usize,
     /// Index into [`SceneData::materials`].
     pub material: usize,
-    /// Takes object space to world space; finite.
+    /// The transform from object space to world space; finite.
     pub world_from_object: Mat4,
 }
 
 impl SceneData {
-    /// Checks that a scene can be made of it. Takes time for instances, materials and cameras, none for the arrays of
-    /// meshes, which are checked already.
+    /// Checks that it forms a valid scene. Takes time for instances, materials and cameras, but not for the arrays of
+    /// meshes, which are already validated.
     ///
     /// # Errors
     /// As [`super::Scene::new`].
@@ -63,13 +63,13 @@ impl SceneData {
     }
 }
 
-const NOT_FINITE: &str = "it is infinite or NaN; mend the file";
+const NOT_FINITE: &str = "it is infinite or NaN; fix the file";
 
 fn in_range(at: &dyn std::fmt::Display, what: &str, index: usize, count: usize) -> Result<()> {
     match index < count {
         true => Ok(()),
         false => {
-            Err(Error::invalid(at.to_string(), format!("it names {what} {index}, but there are {count}")))
+            Err(Error::invalid(at.to_string(), format!("it refers to {what} {index}, but there are {count}")))
         }
     }
 }

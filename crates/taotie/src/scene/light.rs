@@ -1,4 +1,4 @@
-//! Lights that are points or directions.
+//! Point and directional lights.
 
 use super::Camera;
 use crate::math::{Mat4, Vec3, scalar};
@@ -26,7 +26,7 @@ pub enum LightKind {
         /// World space.
         position: Vec3,
     },
-    /// Shines from infinitely far.
+    /// Shines from infinitely far away.
     Directional {
         /// Unit direction in which the light travels, world space.
         direction: Vec3,
@@ -37,9 +37,9 @@ pub enum LightKind {
         position: Vec3,
         /// Unit direction of the cone's axis, world space.
         direction: Vec3,
-        /// Angle from the axis up to which the light is full, radians, in [0, `outer`).
+        /// Angle from the axis up to which the light has full strength, radians, in [0, `outer`).
         inner: f64,
-        /// Angle from the axis from which there is no light, radians, at most π/2.
+        /// Angle from the axis beyond which there is no light, radians, at most π/2.
         outer: f64,
     },
 }
@@ -51,22 +51,23 @@ pub enum Falloff {
     /// E = I / d².
     #[default]
     InverseSquare,
-    /// E = I / d², faded to zero at the range given (KHR_lights_punctual's window), model units.
+    /// E = I / d², faded to zero at the specified range (KHR_lights_punctual's window), model units.
     Windowed(f32),
     /// E = I at any distance, as in Guo and Wang 2025.
     None,
 }
 
 impl Light {
-    /// The largest strength or radiance that is rendered, of each channel.
+    /// The maximum strength or radiance of each channel that can be rendered.
     pub const MOST: f32 = 1e12;
 
-    /// Says whether a colour is one that light can have: each channel from 0 to [`Light::MOST`].
+    /// Returns `true` if a colour is valid for a light: each channel from 0 to [`Light::MOST`].
     pub fn is_strength(color: Vec3) -> bool {
         color.to_array().iter().all(|v| (0.0..=Self::MOST).contains(v))
     }
 
-    /// Hangs it on a node: it stands at the node's origin and shines along its −z axis, as KHR_lights_punctual says.
+    /// Attaches it to a node: it is at the node's origin and shines along its −z axis, as specified by
+    /// KHR_lights_punctual.
     pub fn place(&mut self, world: &Mat4) {
         let to = world.axis(3).to_f32();
         let along = (-world.axis(2)).normalize_or(Vec3::new(0.0, 0.0, -1.0)).to_f32();
@@ -78,16 +79,16 @@ impl Light {
     }
 }
 
-/// The unit direction, world space, to what lies `azimuth` radians to the right of the viewer and `elevation` above,
-/// as seen from the object: (0, 0) is behind the camera.
+/// Returns the unit direction, in world space, towards `azimuth` radians to the right of the viewer and `elevation`
+/// above, as seen from the object: (0, 0) is behind the camera.
 pub fn from_view(camera: &Camera, azimuth: f64, elevation: f64) -> Vec3 {
     let cos_e = scalar::cos(elevation);
     let local = Vec3::new(scalar::sin(azimuth) * cos_e, scalar::sin(elevation), scalar::cos(azimuth) * cos_e);
     camera.world_from_view.transform_vector(local).normalize().to_f32()
 }
 
-/// Key, fill and rim, fixed to the camera: the key rakes from the upper left so that relief casts its shading, a
-/// weak cool fill opens the shadows, and a rim from behind parts the object from the ground.
+/// Returns key, fill and rim lights, fixed to the camera: the key rakes from the upper left so that it shades the
+/// relief, a weak cool fill opens the shadows, and a rim from behind separates the object from the ground.
 pub fn three_point_rig(camera: &Camera) -> Vec<Light> {
     let rig: [(&str, [f64; 2], [f32; 3]); 3] = [
         ("key", [-52.0, 38.0], [3.4, 3.25, 3.0]),

@@ -2,6 +2,7 @@
 
 use crate::image::Sampler;
 use crate::math::Vec2;
+use crate::names::Named;
 
 /// A texture as a material uses it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,7 +13,7 @@ pub struct TextureRef {
     pub uv_set: usize,
     /// The wrapping and filtering of texels.
     pub sampler: Sampler,
-    /// Applied to the uv before the lookup.
+    /// The transform applied to the uv before the lookup.
     pub transform: UvTransform,
 }
 
@@ -21,7 +22,7 @@ pub struct TextureRef {
 pub struct UvTransform {
     /// Rows of the linear part.
     pub linear: [[f32; 2]; 2],
-    /// Added last.
+    /// The offset, added last.
     pub offset: [f32; 2],
 }
 
@@ -32,22 +33,22 @@ impl Default for UvTransform {
 }
 
 impl UvTransform {
-    /// The largest magnitude of its numbers.
+    /// The maximum magnitude of its numbers.
     pub const MOST: f32 = 1e12;
 
-    /// Says whether all numbers lie within ±[`Self::MOST`], so that uvs of that range stay finite.
+    /// Returns `true` if all numbers are within ±[`Self::MOST`], so that uvs of that range stay finite.
     pub fn is_bounded(&self) -> bool {
         self.linear.iter().chain([&self.offset]).flatten().all(|v| v.abs() <= Self::MOST)
     }
 
-    /// The image of a uv.
+    /// Returns the transformed uv.
     #[inline]
     pub fn apply(&self, uv: Vec2) -> Vec2 {
         let d = self.apply_linear(uv);
         Vec2::new(d.x + self.offset[0], d.y + self.offset[1])
     }
 
-    /// The image of a difference of two uvs.
+    /// Returns the transformed difference of two uvs.
     #[inline]
     pub fn apply_linear(&self, uv: Vec2) -> Vec2 {
         let [[a, b], [c, d]] = self.linear;
@@ -66,7 +67,22 @@ pub enum GreenChannel {
     Down,
 }
 
-/// The space in which a normal map's vectors are written.
+impl GreenChannel {
+    /// Returns 1 for up and −1 for down.
+    pub fn sign(self) -> f32 {
+        match self {
+            Self::Up => 1.0,
+            Self::Down => -1.0,
+        }
+    }
+}
+
+impl Named for GreenChannel {
+    const WHAT: &'static str = "direction of green";
+    const NAMES: &'static [(&'static str, Self)] = &[("up", Self::Up), ("down", Self::Down)];
+}
+
+/// The space of a normal map's vectors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum NormalSpace {
@@ -99,19 +115,19 @@ pub struct HeightMap {
     pub scale: f32,
 }
 
-/// The treatment of alpha, where a surface is not fully there.
+/// The treatment of alpha on a surface that is not fully opaque.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum AlphaMode {
     /// Alpha is ignored.
     #[default]
     Opaque,
-    /// Drawn where alpha is at least the cutoff.
+    /// Drawn if alpha is at least the cutoff.
     Mask(f32),
-    /// Laid over what is behind.
+    /// Composited over the background.
     Blend,
 }
 
-/// The parameters of the classic models, where authored. What is `None` follows from the metallic-roughness values.
+/// The authored parameters of the classic models. Those that are `None` follow from the metallic-roughness values.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Classic {
     /// k_a, linear RGB.
@@ -126,7 +142,7 @@ pub struct Classic {
     pub slope: Option<f32>,
 }
 
-/// The strength of a dielectric's reflection: KHR_materials_specular. Metals do not read it.
+/// The strength of a dielectric's reflection: KHR_materials_specular. Metals ignore it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Specular {
     /// [0, 1]; multiplies the reflectance at every angle.
@@ -152,11 +168,11 @@ pub struct Clearcoat {
     pub factor: f32,
     /// Red multiplies `factor`; linear.
     pub factor_texture: Option<TextureRef>,
-    /// The roughness as artists set it, [0, 1].
+    /// The perceptual roughness, as artists set it, [0, 1].
     pub roughness: f32,
     /// Green multiplies `roughness`; linear.
     pub roughness_texture: Option<TextureRef>,
-    /// The clearcoat's normal map; without one it lies on the smooth surface.
+    /// The clearcoat's normal map; without one it follows the smooth surface.
     pub normal: Option<NormalMap>,
 }
 
@@ -167,24 +183,24 @@ pub struct Anisotropy {
     pub strength: f32,
     /// The direction of the anisotropy, radians counter-clockwise from the tangent.
     pub rotation: f64,
-    /// Red and green turn the direction further, blue multiplies `strength`; linear.
+    /// Red and green rotate the direction further, blue multiplies `strength`; linear.
     pub texture: Option<TextureRef>,
 }
 
-/// Sheen, the reflection of fibres standing on the surface: KHR_materials_sheen.
+/// Sheen, the reflection of upright fibres on the surface: KHR_materials_sheen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sheen {
     /// Linear RGB, [0, 1].
     pub color: [f32; 3],
     /// Multiplies `color`; sRGB-encoded colour.
     pub color_texture: Option<TextureRef>,
-    /// The roughness as artists set it, [0, 1].
+    /// The perceptual roughness, as artists set it, [0, 1].
     pub roughness: f32,
     /// Alpha multiplies `roughness`; linear.
     pub roughness_texture: Option<TextureRef>,
 }
 
-/// A surface: metallic-roughness as in glTF 2.0, with the parameters of other models beside it.
+/// A surface: metallic-roughness as in glTF 2.0, along with the parameters of other models.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// Its name; may be empty.
@@ -195,13 +211,13 @@ pub struct Material {
     pub base_color_texture: Option<TextureRef>,
     /// [0, 1].
     pub metallic: f32,
-    /// The roughness as artists set it, [0, 1]; α is its square.
+    /// The perceptual roughness, as artists set it, [0, 1]; α is its square.
     pub roughness: f32,
     /// Green is roughness, blue is metallic; linear.
     pub metallic_roughness_texture: Option<TextureRef>,
-    /// Reflectance at normal incidence, linear RGB, where authored; else mixed from 0.04 and the base colour.
+    /// Reflectance at normal incidence, linear RGB, if authored; else mixed from 0.04 and the base colour.
     pub f0: Option<[f32; 3]>,
-    /// Reflectance at 82° (cos θ = 1/7), linear RGB, where authored; else Schlick's.
+    /// Reflectance at 82° (cos θ = 1/7), linear RGB, if authored; else Schlick's.
     pub f82: Option<[f32; 3]>,
     /// Index of refraction of the dielectric part, at least 1, or 0 for total reflection: KHR_materials_ior.
     pub ior: f32,
@@ -219,7 +235,7 @@ pub struct Material {
     pub height: Option<HeightMap>,
     /// Red is occlusion; darkens ambient light only.
     pub occlusion_texture: Option<TextureRef>,
-    /// [0, 1]: how much the occlusion counts.
+    /// [0, 1]: the weight of the occlusion.
     pub occlusion_strength: f32,
     /// Emitted radiance, linear RGB.
     pub emissive: [f32; 3],
@@ -227,23 +243,23 @@ pub struct Material {
     pub emissive_texture: Option<TextureRef>,
     /// The treatment of alpha.
     pub alpha: AlphaMode,
-    /// `true` where back faces are drawn, with the normal turned.
+    /// `true` if back faces are drawn, with the normal reversed.
     pub double_sided: bool,
-    /// `true` for KHR_materials_unlit: the base colour is shown without light.
+    /// `true` for KHR_materials_unlit: the base colour is shown without lighting.
     pub unlit: bool,
     /// The parameters of the classic models.
     pub classic: Classic,
 }
 
 impl Material {
-    /// Returns the material of a glTF file that states none: white metal, as the specification has it.
+    /// Returns the default material of a glTF file: white metal, as in the specification.
     pub fn default_of_gltf() -> Self {
         Self { base_color: [1.0; 4], metallic: 1.0, roughness: 1.0, ..Self::default() }
     }
 }
 
 impl Default for Material {
-    /// A neutral grey dielectric, for files that name no material.
+    /// Returns a neutral grey dielectric, for files without materials.
     fn default() -> Self {
         Self {
             name: String::new(),

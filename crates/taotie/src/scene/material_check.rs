@@ -1,43 +1,54 @@
-//! Checks that a material can be shaded: its textures are there, and its factors within their ranges.
+//! Checks that a material can be shaded: its textures exist, and its factors are in range.
 
+use super::layers::{FactorValue, LAYERS};
 use super::{AlphaMode, Light, Material, UvTransform};
 
 /// A factor with its name.
 type Factor = (&'static str, f32);
 
 impl Material {
-    /// Checks the material for a scene of `textures` textures.
+    /// Checks the material for a scene with this number of `textures`.
     ///
     /// # Errors
-    /// The first texture that is not there, or factor outside the range that [`Material`] states.
+    /// The first texture that does not exist, or factor outside the range documented at [`Material`].
     pub(super) fn check(&self, textures: usize) -> Result<(), String> {
         if let Some(lost) = self.textures().into_iter().find(|used| used.texture >= textures) {
-            return Err(format!("it names texture {}, but there are {textures}", lost.texture));
+            return Err(format!("it refers to texture {}, but there are {textures}", lost.texture));
         }
         if self.textures().iter().any(|used| !used.transform.is_bounded()) {
-            return Err(format!("a texture transform has a number beyond ±{:e}", UvTransform::MOST));
+            return Err(format!(
+                "a texture transform has a number beyond the limit of ±{:e}",
+                UvTransform::MOST
+            ));
         }
-        within(&self.fractions(), "between 0 and 1", |v| (0.0..=1.0).contains(&v))?;
-        within(&self.amounts(), "between 0 and 1e12", |v| (0.0..=Light::MOST).contains(&v))?;
+        let fractions = [self.fractions(), self.layer_factors(false)].concat();
+        within(&fractions, "between 0 and 1", |v| (0.0..=1.0).contains(&v))?;
+        let amounts = [self.amounts(), self.layer_factors(true)].concat();
+        within(&amounts, "between 0 and 1e12", |v| (0.0..=Light::MOST).contains(&v))?;
         within(&self.numbers(), "finite", f32::is_finite)?;
-        within(&[("ior", self.ior)], "0, or 1 and more", |v| v == 0.0 || (1.0..=f32::MAX).contains(&v))?;
+        within(&[("ior", self.ior)], "0, or at least 1", |v| v == 0.0 || (1.0..=f32::MAX).contains(&v))?;
         let slope = self.classic.slope.unwrap_or(1.0);
         within(&[("slope", slope)], "above 0", |v| v > 0.0 && v.is_finite())
     }
 
     fn fractions(&self) -> Vec<Factor> {
-        let mut factors = vec![
+        vec![
             ("metallic", self.metallic),
             ("roughness", self.roughness),
             ("occlusion strength", self.occlusion_strength),
-            ("specular factor", self.specular.factor),
-        ];
-        if let Some(coat) = &self.clearcoat {
-            factors.extend([("clearcoat factor", coat.factor), ("clearcoat roughness", coat.roughness)]);
-        }
-        factors.extend(self.anisotropy.iter().map(|a| ("anisotropy strength", a.strength)));
-        factors.extend(self.sheen.iter().map(|sheen| ("sheen roughness", sheen.roughness)));
-        factors
+        ]
+    }
+
+    /// The factors of all layers: numbers, or amounts.
+    fn layer_factors(&self, amounts: bool) -> Vec<Factor> {
+        let factors = LAYERS.iter().flat_map(|layer| layer.factors);
+        let values = factors.filter_map(|factor| Some((factor.name, (factor.get)(self)?)));
+        let flat = |(name, value)| match value {
+            FactorValue::Number(number) if !amounts => vec![(name, number)],
+            FactorValue::Color(color) if amounts => color.map(|v| (name, v)).to_vec(),
+            _ => Vec::new(),
+        };
+        values.flat_map(flat).collect()
     }
 
     fn amounts(&self) -> Vec<Factor> {
@@ -46,8 +57,6 @@ impl Material {
             ("f0", self.f0),
             ("f82", self.f82),
             ("emissive", Some(self.emissive)),
-            ("specular colour", Some(self.specular.color)),
-            ("sheen colour", self.sheen.map(|sheen| sheen.color)),
             ("ambient", classic.ambient),
             ("diffuse", classic.diffuse),
             ("specular", classic.specular),

@@ -1,20 +1,22 @@
-//! Scenes: meshes, materials, textures, instances, lights, cameras, and how they move. Data, and the poses that follow
+//! Scenes: meshes, materials, textures, instances, lights, cameras and animations. Data, and the poses that follow
 //! from it.
 
 pub mod animation;
 mod bounds;
 mod camera;
 mod data;
+mod layers;
 mod light;
 mod material;
 mod material_check;
-mod material_textures;
 mod outline;
 mod presets;
+mod texture_role;
 
 pub use bounds::Bounds;
 pub use camera::{Camera, Orbit, Projection, fitting_distance, rigid};
 pub use data::{Instance, SceneData};
+pub(crate) use layers::{Factor, FactorValue, LAYERS, Layer};
 pub use light::{Falloff, Light, LightKind, from_view, three_point_rig};
 pub use material::{
     AlphaMode, Anisotropy, Classic, Clearcoat, GreenChannel, HeightMap, Material, NormalMap, NormalSpace,
@@ -22,40 +24,40 @@ pub use material::{
 };
 pub use outline::Outline;
 pub use presets::{PRESETS, Preset, preset};
+pub use texture_role::TextureRole;
 
 use crate::error::Result;
 use crate::image::Texture;
 use crate::math::{Mat4, Vec3};
 use crate::mesh::Mesh;
 
-/// A scene: every index in it is in range, every transform of an instance or camera finite, every factor of a material
-/// within its range.
+/// A scene: every index in it is in range, every transform of an instance or camera finite, every factor of a
+/// material in range.
 ///
-/// A mesh may lack the uv set that a material names: textures are then read at uv (0, 0), and maps of normals and
-/// heights left out with a warning.
+/// A mesh may lack the uv set that a material refers to: textures are then read at uv (0, 0), and normal and height
+/// maps ignored with a warning.
 ///
-/// A copy is cheap: it shares meshes and textures with its original.
+/// Cloning is cheap: a clone shares meshes and textures with its original.
 #[derive(Debug, Clone, Default)]
 pub struct Scene {
     data: SceneData,
 }
 
 impl Scene {
-    /// Checks `data`.
+    /// Validates `data`.
     ///
     /// # Errors
-    /// [`crate::Error::Invalid`] naming the first part that does not fit: an instance whose mesh or material is not
-    /// there, a transform that is infinite or NaN, a material whose texture is not there or whose factor is out of
-    /// range.
+    /// [`crate::Error::Invalid`] naming the first invalid part: an instance whose mesh or material does not exist, a
+    /// transform that is infinite or NaN, a material whose texture does not exist or whose factor is out of range.
     pub fn new(data: SceneData) -> Result<Self> {
         data.check()?;
         Ok(Self { data })
     }
 
-    /// Returns a scene of one mesh of one material that stands where it is.
+    /// Returns a scene of one untransformed mesh with one material.
     ///
     /// # Errors
-    /// As [`Self::new`]: a factor of the material is out of range, or it names a texture.
+    /// As [`Self::new`]: a factor of the material is out of range, or it refers to a texture.
     pub fn of_mesh(mesh: Mesh, material: Material) -> Result<Self> {
         let instances = vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }];
         Self::new(SceneData {
@@ -66,7 +68,7 @@ impl Scene {
         })
     }
 
-    /// Changes parts and checks them again. Meshes are not read, so this costs little.
+    /// Changes parts and validates them again. Meshes are not read, so this is cheap.
     ///
     /// # Errors
     /// As [`Self::new`]; the scene is then unchanged.
@@ -77,58 +79,58 @@ impl Scene {
         Ok(())
     }
 
-    /// Adds a texture and returns its index, for materials to name.
+    /// Adds a texture and returns its index, for use by materials.
     pub fn add_texture(&mut self, texture: Texture) -> usize {
         self.data.textures.push(texture);
         self.data.textures.len() - 1
     }
 
-    /// Gives the parts back, to change them and check them again.
+    /// Returns the parts, to change and validate them again.
     pub fn into_data(self) -> SceneData {
         self.data
     }
 
-    /// The parts.
+    /// Returns the parts.
     pub fn data(&self) -> &SceneData {
         &self.data
     }
 
-    /// The meshes, object space.
+    /// Returns the meshes, object space.
     pub fn meshes(&self) -> &[Mesh] {
         &self.data.meshes
     }
 
-    /// The materials.
+    /// Returns the materials.
     pub fn materials(&self) -> &[Material] {
         &self.data.materials
     }
 
-    /// The textures that materials name by index.
+    /// Returns the textures that materials refer to by index.
     pub fn textures(&self) -> &[Texture] {
         &self.data.textures
     }
 
-    /// Meshes placed in the world.
+    /// Returns the meshes placed in the world.
     pub fn instances(&self) -> &[Instance] {
         &self.data.instances
     }
 
-    /// The lights of the file, world space.
+    /// Returns the lights of the file, world space.
     pub fn lights(&self) -> &[Light] {
         &self.data.lights
     }
 
-    /// The cameras of the file, world space.
+    /// Returns the cameras of the file, world space.
     pub fn cameras(&self) -> &[Camera] {
         &self.data.cameras
     }
 
-    /// The world-space box around every triangle's corners, or `None` where there is no triangle.
+    /// Returns the world-space box around every triangle's corners, or `None` if there are no triangles.
     pub fn bounds(&self) -> Option<Bounds> {
         Outline::new(self).bounds()
     }
 
-    /// Every corner of every triangle, world space, as often as it is used.
+    /// Returns every corner of every triangle, world space, each as often as it is used.
     pub fn corners(&self) -> impl Iterator<Item = Vec3<f64>> + '_ {
         self.instances().iter().flat_map(|instance| {
             let mesh = &self.meshes()[instance.mesh];
@@ -138,7 +140,7 @@ impl Scene {
         })
     }
 
-    /// The number of triangles that the instances draw.
+    /// Returns the number of triangles that the instances draw.
     pub fn triangle_count(&self) -> usize {
         self.instances().iter().map(|i| self.meshes()[i.mesh].triangles().len()).sum()
     }
@@ -173,10 +175,11 @@ mod tests {
     #[test]
     fn what_does_not_exist_is_refused() {
         assert!(
-            why(|scene| scene.instances[0].mesh = 1).contains("instance 0: it names mesh 1, but there are 1")
+            why(|scene| scene.instances[0].mesh = 1)
+                .contains("instance 0: it refers to mesh 1, but there are 1")
         );
         assert!(why(|scene| scene.instances[0].material = 7).contains("material 7"));
-        assert!(why(|scene| scene.textures.clear()).contains("it names texture 0, but there are 0"));
+        assert!(why(|scene| scene.textures.clear()).contains("it refers to texture 0, but there are 0"));
         assert!(why(|scene| scene.meshes.clear()).contains("mesh 0, but there are 0"));
         let nowhere = Mat4::scale(Vec3::splat(f64::NAN));
         assert!(

@@ -1,4 +1,4 @@
-//! The outermost of a scene's triangles, found by boxes around neighbours.
+//! The outermost triangles of a scene, found by boxes around neighbours.
 
 use super::camera::{Frame, Orbit};
 use super::{Bounds, Scene};
@@ -9,11 +9,10 @@ use std::ops::Range;
 /// Neighbouring triangles of one mesh that share a box.
 const BLOCK: usize = 1024;
 
-/// What rounding may add to the need of a box, relative to it.
+/// The relative amount that rounding may add to a box's required distance.
 const ROUNDING: f64 = 1e-9;
 
-/// A scene with boxes around neighbouring triangles, by which questions about the outermost are answered without looking
-/// at each.
+/// A scene with boxes around neighbouring triangles, which answer queries about the outermost without visiting each.
 pub struct Outline<'s> {
     scene: &'s Scene,
     blocks: Vec<Block>,
@@ -27,7 +26,7 @@ struct Block {
 }
 
 impl<'s> Outline<'s> {
-    /// Makes the boxes. Each corner is looked at once.
+    /// Makes the boxes. Each corner is visited once.
     pub fn new(scene: &'s Scene) -> Self {
         let ranges: Vec<(usize, Range<usize>)> = scene
             .instances()
@@ -46,15 +45,15 @@ impl<'s> Outline<'s> {
         Self { scene, blocks: blocks.into_iter().flatten().collect() }
     }
 
-    /// The box around every triangle's corners, or `None` where there is no triangle.
+    /// Returns the box around every triangle's corners, or `None` if there are no triangles.
     pub fn bounds(&self) -> Option<Bounds> {
         self.blocks.iter().map(|block| block.bounds).reduce(|all, block| all.united(&block))
     }
 
-    /// [`super::fitting_distance`] of every triangle's corners.
+    /// Returns [`super::fitting_distance`] of every triangle's corners.
     pub fn fitting_distance(&self, orbit: &Orbit, aspect: f64, fill: f64) -> f64 {
         let frame = Frame::new(orbit, aspect, fill);
-        // The need is convex: none within a box is above that of its corners.
+        // The required distance is convex: none within a box is above that of its corners.
         let need = |block: &Block| {
             block.bounds.corners().map(|corner| frame.need(corner)).into_iter().fold(0.0, f64::max)
         };
@@ -73,7 +72,7 @@ impl<'s> Outline<'s> {
     }
 }
 
-/// The corners of some triangles of an instance, world space.
+/// Returns the corners of some triangles of an instance, world space.
 fn corners(scene: &Scene, instance: usize, triangles: Range<usize>) -> impl Iterator<Item = Vec3<f64>> + '_ {
     let instance = &scene.instances()[instance];
     let mesh = &scene.meshes()[instance.mesh];

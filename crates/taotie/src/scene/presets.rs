@@ -2,12 +2,12 @@
 //!
 //! The metals' colours are measured: exact Fresnel reflectance from tabulated n and k (refractiveindex.info, CC0)
 //! under the CIE 1931 observer and D65, in linear sRGB; `tests/oracle/metals_oracle.py` computes them and a test
-//! compares. A value above 1 lies outside the gamut of sRGB and is clipped to 1, which happens to gold's red alone.
+//! compares. A value above 1 is outside the gamut of sRGB and is clipped to 1, which happens only to gold's red.
 //! Roughness is not measured: a dull polish that lights relief well.
 
 use super::{Classic, Material};
 
-/// A material that `--material` knows by name.
+/// A material that `--material` accepts by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Preset {
     /// The name on the command line.
@@ -22,12 +22,12 @@ pub struct Preset {
 pub const PRESETS: &[Preset] = &[
     Preset {
         name: "guo-wang-2025",
-        what: "a ruby lacquer that its authors call bronze, as printed",
+        what: "a ruby lacquer that its authors call bronze, as published",
         source: "Guo and Wang 2025, Table 1",
     },
     Preset {
         name: "bronze",
-        what: "commercial bronze Cu90Zn10, for want of measured tin bronze",
+        what: "commercial bronze Cu90Zn10, for lack of measured tin bronze",
         source: "Querry 1985",
     },
     Preset {
@@ -49,7 +49,7 @@ pub const PRESETS: &[Preset] = &[
     Preset { name: "marble", what: "polished white marble without veins or translucency", source: "by eye" },
 ];
 
-/// The material of this name, or `None`; [`PRESETS`] lists the names.
+/// Returns the material of this name, or `None`; [`PRESETS`] lists the names.
 pub fn preset(name: &str) -> Option<Material> {
     let material = match name {
         "guo-wang-2025" => guo_wang_2025(),
@@ -68,10 +68,10 @@ pub fn preset(name: &str) -> Option<Material> {
     Some(Material { name: name.to_owned(), ..material })
 }
 
-/// Cu90Zn10 at normal incidence.
+/// The reflectance of Cu90Zn10 at normal incidence.
 const BRONZE_F0: [f32; 3] = [0.9626, 0.7133, 0.4640];
 
-/// A bare metal.
+/// Returns a bare metal.
 fn metal(f0: [f32; 3], f82: [f32; 3]) -> Material {
     Material {
         base_color: opaque(f0),
@@ -83,13 +83,13 @@ fn metal(f0: [f32; 3], f82: [f32; 3]) -> Material {
     }
 }
 
-/// A dielectric of the usual reflectance.
+/// Returns a dielectric of the usual reflectance.
 fn matte(base_color: [f32; 3], roughness: f32) -> Material {
     Material { base_color: opaque(base_color), metallic: 0.0, roughness, ..Material::default() }
 }
 
-/// Source: Guo and Wang 2025, Table 1. The metallic-roughness values beside it are ours: k_d for the base colour and
-/// the roughness whose α equals the slope.
+/// Source: Guo and Wang 2025, Table 1. The metallic-roughness values are ours: k_d for the base colour and the
+/// roughness whose α equals the slope.
 fn guo_wang_2025() -> Material {
     let diffuse = [0.614, 0.341, 0.041];
     Material {
@@ -106,7 +106,7 @@ fn guo_wang_2025() -> Material {
     }
 }
 
-/// Cuprite and malachite behave as dielectrics with an index near 1.8 (F0 0.08); a map may vary the share of bare
+/// Cuprite and malachite behave as dielectrics with an index near 1.8 (F0 0.08); a map may vary the fraction of bare
 /// metal, here 0.4 everywhere.
 fn bronze_patina() -> Material {
     let metallic = 0.4;

@@ -2,25 +2,25 @@
 
 use crate::math::{Lane, Mask, Vec3};
 
-/// The smallest n·v that a formula sees: a perturbed or interpolated normal may turn away from a viewer who still
-/// sees the triangle, and several models divide by n·v.
+/// The smallest n·v passed to formulas: a perturbed or interpolated normal may face away from a viewer who still sees
+/// the triangle, and several models divide by n·v.
 pub(super) const MIN_N_DOT_V: f64 = 1e-4;
 
-/// |l + v|² below which the half vector has no direction: the light is behind the surface point as seen.
+/// |l + v|² below which the half vector has no direction: the light is behind the point as seen by the viewer.
 const MIN_HALF_SQUARED: f64 = 1e-12;
 
 /// Cosines between the normal n, the viewer v, the light l, the half vector h = (l + v)/|l + v| and the mirrored
-/// light r = 2(n·l)n − l. Symmetric in v and l but for `n_dot_v`, which is clamped, and `r_dot_v`.
+/// light r = 2(n·l)n − l. Symmetric in v and l except for `n_dot_v`, which is clamped, and `r_dot_v`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Angles<L> {
-    /// n·l, [−1, 1]; models are dark where it is not above 0.
+    /// n·l, [−1, 1]; models are black unless it is above 0.
     pub n_dot_l: L,
     /// n·v, clamped to [1e-4, 1].
     pub n_dot_v: L,
     /// n·h, [0, 1].
     pub n_dot_h: L,
-    /// sin² of the angle between n and h, [0, 1], from |n × h|²: near a highlight, where n·h is 1 but for a few
-    /// rounding errors, 1 − (n·h)² has no correct digit in `f32` and this has all.
+    /// sin² of the angle between n and h, [0, 1], from |n × h|²: near a highlight, where n·h is 1 up to a few
+    /// rounding errors, 1 − (n·h)² has no correct digit in `f32`, while this is fully accurate.
     pub sin2_h: L,
     /// v·h = l·h, [5e-7, 1].
     pub v_dot_h: L,
@@ -41,7 +41,7 @@ impl<L: Lane> Angles<L> {
         let kept = squared.max(squared.lit(MIN_HALF_SQUARED));
         let length = kept.sqrt();
         let cross = n.cross(sum);
-        // Facets that face away or nowhere: the normal and h count as perpendicular.
+        // Facets that face away or have no direction: the normal and h count as perpendicular.
         let towards = n.dot(sum);
         let hidden = towards.le(squared.lit(0.0)).or(squared.lt(kept));
         let sin2_h = (cross.dot(cross) / kept).clamp(0.0, 1.0);

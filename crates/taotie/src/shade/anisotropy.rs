@@ -5,12 +5,12 @@ use super::ndf::alpha_from_roughness;
 use crate::math::{Lane, Vec3};
 use std::f64::consts::PI;
 
-/// A GGX lobe with one width along a tangent and another across.
+/// A GGX lobe with different widths along a tangent and a bitangent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnisotropicLobe<L> {
-    /// The direction of the anisotropy, unit, at a right angle to the normal.
+    /// The direction of the anisotropy, unit, perpendicular to the normal.
     pub tangent: Vec3<L>,
-    /// Unit, at a right angle to both.
+    /// Unit, perpendicular to both.
     pub bitangent: Vec3<L>,
     /// α along `tangent`, (0, 1].
     pub along: L,
@@ -19,7 +19,7 @@ pub struct AnisotropicLobe<L> {
 }
 
 impl<L: Lane> AnisotropicLobe<L> {
-    /// The widths of glTF: across stays α = roughness², along goes from α to 1 with the square of `strength`.
+    /// The widths of glTF: across remains α = roughness², along goes from α to 1 with the square of `strength`.
     ///
     /// `strength` and `roughness` in [0, 1].
     /// Source: KHR_materials_anisotropy.
@@ -35,7 +35,7 @@ impl<L: Lane> AnisotropicLobe<L> {
     /// D(h) = 1 / (π α_t α_b ((t·h/α_t)² + (b·h/α_b)² + (n·h)²)²),
     /// V = 1/2 / (n·l |(α_t t·v, α_b b·v, n·v)| + n·v |(α_t t·l, α_b b·l, n·l)|)
     ///
-    /// Law: the isotropic lobe where both widths are equal; ∫ D n·h dh = 1 (`laws::energy`).
+    /// Law: the isotropic lobe if both widths are equal; ∫ D n·h dh = 1 (`laws::energy`).
     /// Source: Heitz 2014, eq. 85 and 86, height-correlated by eq. 99.
     #[inline(always)]
     pub fn lobe(&self, a: &Angles<L>, v: Vec3<L>, l: Vec3<L>) -> L {
@@ -47,7 +47,7 @@ impl<L: Lane> AnisotropicLobe<L> {
         d * sum.lit(0.5) / masked.max(sum.lit(1e-7))
     }
 
-    /// The root of the projected roughness along `w`.
+    /// The square root of the projected roughness along `w`.
     #[inline(always)]
     fn projected(&self, w: Vec3<L>, cosine: L) -> L {
         let (x, y) = (self.tangent.dot(w) * self.along, self.bitangent.dot(w) * self.across);

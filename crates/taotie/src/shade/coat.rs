@@ -1,4 +1,4 @@
-//! A clearcoat over a surface, as glTF has it: KHR_materials_clearcoat.
+//! A clearcoat over a surface, as in glTF: KHR_materials_clearcoat.
 
 use super::Angles;
 use super::fresnel::pow5;
@@ -6,7 +6,7 @@ use super::masking::v_smith_ggx;
 use super::ndf::{alpha_from_roughness, d_ggx};
 use crate::math::Lane;
 
-/// Reflectance of a clearcoat of index 1.5 at normal incidence.
+/// Reflectance at normal incidence of a clearcoat with index 1.5.
 pub const COAT_F0: f64 = 0.04;
 
 /// The reflection of a clearcoat that covers everything: f · n·l, colourless.

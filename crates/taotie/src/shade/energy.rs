@@ -1,39 +1,39 @@
-//! The energy of microfacet models, and the reflection of light from all around.
+//! The energy of microfacet models, and the reflection of light from all directions.
 
 use super::dfg::Dfg;
 use super::{MaterialSample, Shading};
 use crate::math::{Lane, Vec3};
 
-/// The treatment of the energy of microfacet models.
+/// How microfacet models treat energy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Energy {
-    /// Light that scatters several times is added: a white surface returns all light at any roughness.
+    /// Light scattered several times is added: a white surface reflects all light at any roughness.
     #[default]
     Compensated,
-    /// Light is followed to its first facet only, as in glTF's formulas; rough metals darken.
+    /// Light is followed only to its first facet, as in glTF's formulas; rough metals darken.
     Single,
 }
 
 impl crate::names::Named for Energy {
-    const WHAT: &'static str = "way to keep energy";
+    const WHAT: &'static str = "energy mode";
     const NAMES: &'static [(&'static str, Self)] =
         &[("compensated", Self::Compensated), ("single", Self::Single)];
 }
 
-/// The reflection of light that comes from all around, as weights of two radiances, linear RGB.
+/// The reflection of light from all directions, as weights of two radiances, linear RGB.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnvironmentWeights<L> {
-    /// The weight of the radiance that the highlight gathers.
+    /// The weight of the radiance gathered by the highlight.
     pub specular: Vec3<L>,
-    /// The weight of the mean radiance over the hemisphere, which is the irradiance over π.
+    /// The weight of the mean radiance over the hemisphere, which is the irradiance divided by π.
     pub diffuse: Vec3<L>,
 }
 
 /// The weights for a material sample with the directional albedos `dfg` of its lobe.
 ///
-/// `ggx` and `cook-torrance`: the split sum, albedo and what it leaves to the diffuse part. The other models have no
-/// such lobe: `lambert` reflects its colour, the Phong family k_d and k_s, as if each were normalised.
+/// `ggx` and `cook-torrance`: the split sum, the albedo and the remainder for the diffuse part. The other models have
+/// no such lobe: `lambert` reflects its colour, the Phong family k_d and k_s, as if each were normalised.
 /// Source: Karis 2013; the article's environment term.
 #[inline(always)]
 pub fn environment_weights<L: Lane>(
@@ -66,12 +66,12 @@ pub fn environment_weights<L: Lane>(
     }
 }
 
-/// The share of a highlight's environment that is seen where `occlusion` of the hemisphere's is.
+/// The visible fraction of a highlight's environment, if `occlusion` is that of the hemisphere.
 ///
-/// Lobes narrower than the hemisphere are occluded less seen along the normal and more at grazing angles:
-/// (n·v + o)^(2^(−16 r − 1)) − 1 + o, kept in [0, 1]; r the roughness.
+/// Lobes narrower than the hemisphere are occluded less along the normal and more at grazing angles:
+/// (n·v + o)^(2^(−16 r − 1)) − 1 + o, clamped to [0, 1]; r the roughness.
 ///
-/// All in [0, 1]. Law: 1 where `occlusion` is 1, 0 where it is 0 and n·v is 0.
+/// All in [0, 1]. Law: 1 if `occlusion` is 1, 0 if it is 0 and n·v is 0.
 /// Source: Lagarde and de Rousiers 2014, "Moving Frostbite to PBR", listing 26, with the roughness in α's place.
 #[inline(always)]
 pub fn specular_occlusion<L: Lane>(n_dot_v: L, occlusion: L, roughness: L) -> L {

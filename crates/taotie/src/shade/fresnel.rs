@@ -1,8 +1,8 @@
-//! Fresnel reflectance: how much of the light a smooth facet mirrors.
+//! Fresnel reflectance: the fraction of light that a smooth facet mirrors.
 
 use crate::math::{Lane, Vec3};
 
-/// cos 82° as the F82 model fixes it: 1/7, where its correction is largest.
+/// cos 82° as fixed by the F82 model: 1/7, where its correction is largest.
 pub const COS_82: f64 = 1.0 / 7.0;
 
 /// x⁵.
@@ -12,7 +12,7 @@ pub fn pow5<L: Lane>(x: L) -> L {
     squared * squared * x
 }
 
-/// Schlick's approximation of the Fresnel reflectance, with total reflection at grazing incidence.
+/// Schlick's approximation of Fresnel reflectance, with total reflection at grazing incidence.
 ///
 /// F = F0 + (1 − F0)(1 − v·h)⁵
 ///
@@ -24,7 +24,7 @@ pub fn f_schlick<L: Lane>(f0: Vec3<L>, v_dot_h: L) -> Vec3<L> {
     f_schlick_f90(f0, Vec3::splat(v_dot_h.lit(1.0)), v_dot_h)
 }
 
-/// Schlick's approximation between two given reflectances.
+/// Schlick's approximation between two reflectances.
 ///
 /// F = F0 + (F90 − F0)(1 − v·h)⁵
 ///
@@ -40,7 +40,7 @@ pub fn f_schlick_f90<L: Lane>(f0: Vec3<L>, f90: Vec3<L>, v_dot_h: L) -> Vec3<L> 
 ///
 /// a = (F_schlick(1/7) − F82) / (1/7 · (6/7)⁶)
 ///
-/// `f0`, `f82` linear RGB in [0, 1]. Zero where `f82` is what Schlick gives.
+/// `f0`, `f82` linear RGB in [0, 1]. Zero if `f82` equals Schlick's value.
 /// Law: `laws::shade::f82_passes_through_both_points`.
 /// Source: Lazányi and Szirmay-Kalos 2005, eq. 4; Kutz, Hašan and Edmondson 2021 fix it by the colour at 82°.
 #[inline(always)]
@@ -51,10 +51,10 @@ pub fn f82_drop<L: Lane>(f0: Vec3<L>, f82: Vec3<L>) -> Vec3<L> {
 
 /// Schlick with Lazányi's correction for metals.
 ///
-/// F = F_schlick(v·h) − a · v·h (1 − v·h)⁶, kept in [0, 1]
+/// F = F_schlick(v·h) − a · v·h (1 − v·h)⁶, clamped to [0, 1]
 ///
 /// `f0` linear RGB in [0, 1]; `f90` in [0, 1], 1 for metals; `drop` is a, from [`f82_drop`]; `v_dot_h` in [0, 1]. The
-/// bounds act only where a strong `drop` would pull the curve out of what a reflectance can be.
+/// clamp only matters if a strong `drop` would take the curve outside the range of reflectance.
 /// Law: `laws::shade::f82_passes_through_both_points`.
 /// Source: Kutz, Hašan and Edmondson 2021 (F82-tint), as in the OpenPBR Surface specification.
 #[inline(always)]
@@ -75,8 +75,8 @@ pub(super) fn lazanyi<L: Lane>(mu: L) -> L {
 /// sin θ_t = sin θ / η; R_s = (cos θ − η cos θ_t)/(cos θ + η cos θ_t), R_p = (η cos θ − cos θ_t)/(η cos θ + cos θ_t);
 /// F = (R_s² + R_p²)/2
 ///
-/// `cos_theta` in [0, 1], taken as at least 1e-6 so that grazing incidence on η = 1 divides by no zero;
-/// `eta` = index behind over index before the surface, above 0. 1 beyond the critical angle.
+/// `cos_theta` in [0, 1], taken as at least 1e-6 so that grazing incidence on η = 1 does not divide by zero; `eta` =
+/// index behind over index before the surface, above 0. 1 beyond the critical angle.
 /// Law: ((η − 1)/(η + 1))² at cos θ = 1 (`laws::shade::exact_fresnel_limits`).
 /// Source: Born and Wolf, Principles of Optics, §1.5.2, eq. 21a.
 #[inline(always)]

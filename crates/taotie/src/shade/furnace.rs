@@ -1,14 +1,14 @@
-//! The share of the arriving light that a surface reflects, by numerical integration: the white furnace.
+//! The fraction of incident light that a surface reflects, by numerical integration: the white furnace.
 //!
-//! A surface that absorbs nothing, under a sky of equal radiance all over, cannot be told from that sky: its albedo is
-//! one at every angle. Above one, light is made of nothing; below, the model loses what it does not follow.
+//! A surface that absorbs nothing cannot be distinguished from a uniform sky around it: its albedo is one at every
+//! angle. An albedo above one creates light; below, the model loses the light that it does not follow.
 
 use super::{Angles, MaterialSample, Shading, reflect};
 use crate::math::quadrature::nodes;
 use crate::math::{Vec3, scalar};
 use std::f64::consts::PI;
 
-/// Ends of intervals of [0, 1], ever finer towards 0, where lobes stand.
+/// Ends of intervals of [0, 1], increasingly fine towards 0, where lobes are.
 fn ladder() -> Vec<f64> {
     let mut ends = vec![0.0];
     ends.extend((1..=15).rev().map(|i| 1.0 / f64::from(1u32 << i)));
@@ -16,7 +16,7 @@ fn ladder() -> Vec<f64> {
     ends
 }
 
-/// Ends of intervals of the polar angle from 0 to π/2, ever finer towards 0 where lobes stand, with π/4 among them.
+/// Ends of intervals of the polar angle from 0 to π/2, increasingly fine towards 0 where lobes are, including π/4.
 pub fn polar_ends() -> Vec<f64> {
     ladder().into_iter().map(|end| end * PI / 2.0).collect()
 }
@@ -27,7 +27,7 @@ pub fn over_hemisphere(fineness: usize, f: impl FnMut(Vec3<f64>) -> Vec3<f64>) -
     over_part(fineness, |_| PI / 2.0, f)
 }
 
-/// Integrates as [`over_hemisphere`], only to the polar angle `end` of cos φ, so that no step of f lies between nodes.
+/// Like [`over_hemisphere`], only to the polar angle `end` of cos φ, so that no step of f is between nodes.
 pub(super) fn over_part(
     fineness: usize,
     end: impl Fn(f64) -> f64,
@@ -52,7 +52,7 @@ pub(super) fn over_part(
 /// A sky of radiance one above the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Furnace {
-    /// Nodes in each interval of the polar angle; work grows with its square.
+    /// Nodes in each interval of the polar angle; the time grows with its square.
     pub fineness: usize,
 }
 
@@ -63,10 +63,10 @@ impl Default for Furnace {
 }
 
 impl Furnace {
-    /// The share of light that reaches a viewer at `n_dot_v`, linear RGB; for a reciprocal model also the share of a
-    /// beam from there that is reflected anywhere.
+    /// The fraction of light that reaches a viewer at `n_dot_v`, linear RGB; for a reciprocal model, also the
+    /// fraction of a beam from there that is reflected in any direction.
     ///
-    /// ∫ reflect(l) dl over the hemisphere; lights are taken at the mirror directions of half vectors, dl = 4 v·h dh.
+    /// ∫ reflect(l) dl over the hemisphere; lights are at the mirror directions of half vectors, dl = 4 v·h dh.
     ///
     /// `n_dot_v` in (0, 1]. By default its relative error is below 5e-5 for slopes and α of at least 0.01 and n·v of at
     /// least 0.1 (`laws::shade::albedos_are_as_exact_as_stated`).
@@ -84,7 +84,7 @@ impl Furnace {
         })
     }
 
-    /// The share of the sky's light that is reflected anywhere, linear RGB: 2 ∫ albedo(n·v) n·v d(n·v).
+    /// The fraction of the sky's light that is reflected in any direction, linear RGB: 2 ∫ albedo(n·v) n·v d(n·v).
     ///
     /// By default its relative error is below 1e-4 for slopes and α of at least 0.1.
     pub fn hemispherical_albedo(self, shading: Shading, s: &MaterialSample<f64>) -> Vec3<f64> {

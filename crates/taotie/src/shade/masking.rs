@@ -1,6 +1,6 @@
-//! Masking and shadowing: which share of the facets is seen by the viewer and reached by the light.
+//! Masking and shadowing: the fraction of facets visible to the viewer and reached by the light.
 //!
-//! G is that share; V = G / (4 n·l n·v) is what a microfacet model multiplies by D and F.
+//! G is that fraction; V = G / (4 n·l n·v) is the factor next to D and F in a microfacet model.
 
 use crate::math::Lane;
 
@@ -34,7 +34,7 @@ pub fn v_smith_ggx<L: Lane>(n_dot_l: L, n_dot_v: L, alpha: L) -> L {
     alpha.lit(0.5) / (n_dot_l * to_view + n_dot_v * to_light)
 }
 
-/// Schlick's rational stand-in for Smith's masking of one direction.
+/// Schlick's rational approximation of Smith's masking for one direction.
 ///
 /// g(x) = x / (k + (1 − k) x)
 ///

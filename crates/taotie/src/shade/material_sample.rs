@@ -11,13 +11,13 @@ pub struct MaterialSample<L> {
     pub base_color: Vec3<L>,
     /// [0, 1]; 1 has no diffuse part in `ggx`.
     pub metallic: L,
-    /// The roughness as artists set it, [0, 1]; α is its square (in `ggx-printed` α is the roughness itself).
+    /// Perceptual roughness, [0, 1]; α is its square (in `ggx-printed`, α is the roughness itself).
     pub roughness: L,
-    /// Reflectance at normal incidence, linear RGB in [0, 1], the mix by `metallic` already done.
+    /// Reflectance at normal incidence, linear RGB in [0, 1], already mixed by `metallic`.
     pub f0: Vec3<L>,
-    /// Reflectance at grazing incidence, [0, 1]; 1 but for dielectrics made weaker.
+    /// Reflectance at grazing incidence, [0, 1]; 1 except for weakened dielectrics.
     pub f90: L,
-    /// Lazányi coefficient of the reflectance at 82°, see [`super::fresnel::f82_drop`]; 0 is Schlick's.
+    /// Lazányi coefficient of the reflectance at 82°, see [`super::fresnel::f82_drop`]; 0 means Schlick.
     pub f82_drop: Vec3<L>,
     /// k_d or C_diff of the classic models and of Cook-Torrance, linear RGB in [0, 1].
     pub diffuse: Vec3<L>,
@@ -27,6 +27,7 @@ pub struct MaterialSample<L> {
     pub shininess: L,
     /// Beckmann's rms slope m of Cook-Torrance, above 0.
     pub slope: L,
-    /// Light that has met several facets, for `ggx` and `cook-torrance`; `None` follows light to its first facet only.
+    /// Light scattered by several facets, for `ggx` and `cook-torrance`; `None` follows light only to its first
+    /// facet.
     pub compensation: Option<Compensation<L>>,
 }

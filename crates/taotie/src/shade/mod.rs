@@ -1,10 +1,10 @@
-//! Reflectance, the light that a surface sends to the viewer: numbers in, numbers out, each formula written once over
-//! [`Lane`](crate::math::Lane).
+//! Reflectance, the light that a surface reflects to the viewer: pure functions of numbers, each formula written once
+//! over [`Lane`](crate::math::Lane).
 //!
 //! [`fresnel`], [`ndf`] and [`masking`] are the parts, free to combine; [`reflect`] evaluates the named models of
-//! [`Shading`], and [`furnace`] adds up what they reflect. Nothing here knows of a scene: the caller samples textures
-//! into a [`MaterialSample`], makes [`Angles`] from its directions and multiplies the result by the irradiance that
-//! [`lights`] helps to find.
+//! [`Shading`], and [`furnace`] integrates their reflection. Nothing here depends on a scene: the caller samples
+//! textures into a [`MaterialSample`], creates [`Angles`] from its directions and multiplies the result by the
+//! irradiance, for which [`lights`] has the formulas.
 
 mod angles;
 mod anisotropy;
@@ -29,7 +29,8 @@ pub mod sheen;
 
 pub use angles::Angles;
 pub use anisotropy::AnisotropicLobe;
-pub use coat::{COAT_F0, coat_fresnel, coat_lobe};
+pub(crate) use coat::COAT_F0;
+pub use coat::{coat_fresnel, coat_lobe};
 pub use compensation::{Compensation, compensation};
 pub use energy::{Energy, EnvironmentWeights, environment_weights, specular_occlusion};
 pub use facets::Facets;

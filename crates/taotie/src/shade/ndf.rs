@@ -1,8 +1,8 @@
-//! Normal distributions: which share of a rough surface's facets face a direction.
+//! Normal distributions: the fraction of a rough surface's facets that face a direction.
 //!
 //! All are normalised so that their projection on the surface has area one, ∫ D(h) (n·h) dh = 1 over the hemisphere.
-//! `n_dot_h` and `sin2_h` = 1 − (n·h)² are passed apart, since near the highlight the first determines the second
-//! badly; [`super::Angles`] has both.
+//! `n_dot_h` and `sin2_h` = 1 − (n·h)² are passed separately, since near the highlight the former determines the
+//! latter inaccurately; [`super::Angles`] has both.
 
 use crate::math::Lane;
 use crate::math::poly::horner;
@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_1_PI, PI};
 /// The smallest α: a roughness of 0 would be a mirror, whose highlight of a point light has no finite radiance.
 pub const MIN_ALPHA: f64 = 1e-3;
 
-/// The smallest (n·h)² that [`d_beckmann`] divides by; the exponential there is zero long before.
+/// The smallest (n·h)² by which [`d_beckmann`] divides; the exponential there is zero long before.
 const MIN_COS2: f64 = 1e-6;
 
 /// α = roughness², at least 1e-3 ([`MIN_ALPHA`]).
@@ -23,7 +23,7 @@ pub fn alpha_from_roughness<L: Lane>(roughness: L) -> L {
     (roughness * roughness).max(roughness.lit(MIN_ALPHA))
 }
 
-/// The α whose GGX and Beckmann lobes are about as wide as Blinn's of exponent `shininess`.
+/// The α whose GGX and Beckmann lobes are about as wide as Blinn's with exponent `shininess`.
 ///
 /// α² = 2/(s + 2)
 ///
@@ -35,7 +35,7 @@ pub fn alpha_from_shininess<L: Lane>(shininess: L) -> L {
     (shininess.lit(2.0) / (shininess + shininess.lit(2.0))).sqrt()
 }
 
-/// The Blinn exponent that goes with `alpha`.
+/// The Blinn exponent for `alpha`.
 ///
 /// s = 2/α² − 2
 ///
@@ -91,10 +91,10 @@ pub fn d_blinn<L: Lane>(n_dot_h: L, shininess: L) -> L {
     scale * n_dot_h.pow(shininess)
 }
 
-/// The divergence of the facets of a GGX surface: 1 − ∫ D(m) (n·m)² dm, one less the length of their mean normal.
+/// The divergence of the facets of a GGX surface: 1 − ∫ D(m) (n·m)² dm, one minus the length of their mean normal.
 ///
-/// α²/k (artanh(√k)/√k − 1) with k = 1 − α²: 0 at α = 0, 1/3 at α = 1, rising. Computed as r²/3 with r/α a fraction of
-/// two polynomials, within 1.5e-4 of it.
+/// α²/k (artanh(√k)/√k − 1) with k = 1 − α²: 0 at α = 0, 1/3 at α = 1, increasing. Computed as r²/3 with r/α a ratio
+/// of two polynomials, within 1.5e-4 of it.
 ///
 /// `alpha` in [1e-3, 1].
 /// Law: the integral (`oracle::light::divergence_of_ggx`).
@@ -108,9 +108,9 @@ pub fn divergence_ggx<L: Lane>(alpha: L) -> L {
     root * root * root.lit(1.0 / 3.0)
 }
 
-/// The α² of the GGX surface whose facets diverge this much; 1 for 1/3 and beyond.
+/// The α² of the GGX surface whose facets have this divergence; 1 for 1/3 and beyond.
 ///
-/// `divergence` at least that of [`MIN_ALPHA`]. With r² = 3 · divergence, α/r is a fraction of two polynomials, within
+/// `divergence` at least that of [`MIN_ALPHA`]. With r² = 3 · divergence, α/r is a ratio of two polynomials, within
 /// 6e-5.
 /// Law: its root undoes [`divergence_ggx`] within 2e-4 (`oracle::light::divergence_of_ggx`).
 #[inline(always)]

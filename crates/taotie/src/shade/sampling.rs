@@ -1,7 +1,7 @@
-//! Choosing directions at random, with more likelihood where a surface reflects more, and the density of each choice.
+//! Samples directions proportionally to a surface's reflection, and computes the density of each choice.
 //!
 //! Directions are in a local space with the shading normal along +z. A density is per steradian and belongs to the
-//! function of the same name; `u` are numbers in [0, 1), uniformly distributed.
+//! function with the same name; `u` are numbers in [0, 1), uniformly distributed.
 
 use super::ndf::{MIN_ALPHA, alpha_from_roughness, alpha_from_shininess};
 use super::{MaterialSample, Shading, fresnel};
@@ -10,8 +10,8 @@ use std::f64::consts::{FRAC_1_PI, PI};
 
 /// Cosine and sine of 2πu.
 ///
-/// Exact to 3e-8 and the rounding of the number type (`sampling::tests::azimuths_are_on_the_circle`): the series of
-/// both about the nearest quarter of the circle.
+/// Accurate to 3e-8 and the rounding of the number type (`sampling::tests::azimuths_are_on_the_circle`): the series
+/// of both around the nearest quarter of the circle.
 #[inline(always)]
 pub fn azimuth<L: Lane>(u: L) -> [L; 2] {
     let one = u.lit(1.0);
@@ -24,12 +24,12 @@ pub fn azimuth<L: Lane>(u: L) -> [L; 2] {
     let pairs = (quarters * u.lit(0.5)).floor();
     let swaps = u.lit(0.5).lt(quarters - pairs * u.lit(2.0));
     let (x, y) = (L::select(swaps, -sin, cos), L::select(swaps, cos, sin));
-    // The second and third quarter are opposite to the zeroth and first; the fourth is the zeroth.
+    // The second and third quarter are opposite the zeroth and first; the fourth is the zeroth.
     let opposite = u.lit(0.5).lt(pairs).and(pairs.lt(u.lit(1.5)));
     [L::select(opposite, -x, x), L::select(opposite, -y, y)]
 }
 
-/// A direction of the hemisphere with a density in proportion to its cosine, [`cosine_pdf`].
+/// Samples a direction of the hemisphere with a density proportional to its cosine, [`cosine_pdf`].
 ///
 /// Law: histogram (`laws::sampling::directions_follow_their_densities`).
 /// Source: Malley's method, in Pharr, Jakob and Humphreys 2023, *Physically Based Rendering*, §A.5.3.
@@ -46,7 +46,7 @@ pub fn cosine_pdf<L: Lane>(n_dot_l: L) -> L {
     n_dot_l.max(n_dot_l.lit(0.0)) * n_dot_l.lit(FRAC_1_PI)
 }
 
-/// A direction of the hemisphere, all equally likely: the density is 1/(2π).
+/// Samples a direction of the hemisphere uniformly: the density is 1/(2π).
 ///
 /// Law: histogram (`laws::sampling::directions_follow_their_densities`).
 /// Source: Archimedes; Pharr, Jakob and Humphreys 2023, §A.5.2.
@@ -58,10 +58,10 @@ pub fn uniform_direction<L: Lane>(u: [L; 2]) -> Vec3<L> {
     Vec3::new(radius * x, radius * y, z)
 }
 
-/// A facet of a GGX surface, chosen as likely as a viewer sees it, D_v(m) = G₁(v) (v·m)⁺ D(m) / n·v.
+/// Samples a facet of a GGX surface as seen by a viewer, D_v(m) = G₁(v) (v·m)⁺ D(m) / n·v.
 ///
-/// The surface is stretched to a hemisphere, whose visible part, mirrored at its silhouette, is a spherical cap that is
-/// sampled evenly.
+/// The surface is stretched to a hemisphere, whose visible part, mirrored at its silhouette, is a spherical cap that
+/// is sampled uniformly.
 ///
 /// `v` unit, to the viewer, v.z above 0; `alpha` along x and y, each in [[`MIN_ALPHA`], 1].
 /// Law: histogram, and the weight G₂/G₁ (`laws::sampling::directions_follow_their_densities`,
@@ -76,13 +76,13 @@ pub fn ggx_visible_normal<L: Lane>(v: Vec3<L>, alpha: [L; 2], u: [L; 2]) -> Vec3
     let [x, y] = azimuth(u[1]);
     let cap = Vec3::new(radius * x, radius * y, z);
     let m = cap + stretched;
-    // Straight down only where v lies in the plane and u is 0; straight up is as good.
+    // Straight down only if v is in the plane and u is 0; straight up is equally valid.
     let up = Vec3::new(v.z.lit(0.0), v.z.lit(0.0), one);
     Vec3::new(m.x * alpha[0], m.y * alpha[1], m.z.max(v.z.lit(0.0))).normalize_or(up)
 }
 
-/// The density of the directions `l` that [`ggx_visible_normal`] mirrors the viewer to, D_v(h) / (4 v·h) = G₁(v) D(h) /
-/// (4 n·v); 0 where h points down.
+/// The density of the directions `l` to which [`ggx_visible_normal`] mirrors the viewer, D_v(h) / (4 v·h) = G₁(v)
+/// D(h) / (4 n·v); 0 if h points down.
 ///
 /// Law: integrates to 1 over the sphere (`laws::sampling::densities_integrate_to_one`).
 /// Source: Heitz 2018, "Sampling the GGX distribution of visible normals", eq. 3 and 17; D and G₁ of Heitz 2014, eq. 85
@@ -98,13 +98,13 @@ pub fn ggx_visible_pdf<L: Lane>(v: Vec3<L>, l: Vec3<L>, alpha: [L; 2]) -> L {
     L::select(zero.lt(h.z), d * one.lit(0.5) / (v.z + root), zero)
 }
 
-/// `v` mirrored at the unit vector `m`.
+/// `v` reflected about the unit vector `m`.
 #[inline(always)]
 pub fn mirrored<L: Lane>(v: Vec3<L>, m: Vec3<L>) -> Vec3<L> {
     m * (v.dot(m) * v.x.lit(2.0)) - v
 }
 
-/// `v` turned up as far as densities need it: n·v at least 1e-4, the least that [`super::Angles`] knows.
+/// `v` raised as far as densities require: n·v at least 1e-4, the minimum of [`super::Angles`].
 ///
 /// `n` and `v` unit.
 #[inline(always)]
@@ -115,31 +115,32 @@ pub fn raised<L: Lane>(n: Vec3<L>, v: Vec3<L>) -> Vec3<L> {
     Vec3::select(n_dot_v.lt(least), lifted, v)
 }
 
-/// The weight of a direction found in one way where another way could have found it too: p²/(p² + q²).
+/// The weight of a direction sampled by one technique that another could also have sampled: p²/(p² + q²).
 ///
-/// `own` above 0 and `other` at least 0 are the densities of both ways. The two weights of a direction add up to 1.
+/// `own` above 0 and `other` at least 0 are the densities of both techniques. The two weights of a direction add up
+/// to 1.
 /// Source: Veach and Guibas 1995, "Optimally combining sampling techniques for Monte Carlo rendering", §3: the power
 /// heuristic with β = 2.
 #[inline(always)]
-pub fn power_heuristic<L: Lane>(own: L, other: L) -> L {
+pub(crate) fn power_heuristic<L: Lane>(own: L, other: L) -> L {
     let ratio = other / own;
     own.lit(1.0) / (ratio * ratio + own.lit(1.0))
 }
 
-/// The way in which directions of reflected light are chosen: by visible facets of a GGX surface, evenly, or by cosine.
+/// How directions of reflected light are sampled: by visible facets of a GGX surface, uniformly, or by cosine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lobes<L> {
     /// Widths of the GGX surface along x and y, each in [[`MIN_ALPHA`], 1].
     pub alpha: [L; 2],
-    /// The probability that a facet is chosen, [0, 1].
+    /// The probability of sampling a facet, [0, 1].
     pub glossy: L,
-    /// The probability that all directions are equally likely, [0, 1 − `glossy`]. The rest goes by cosine.
+    /// The probability of sampling uniformly, [0, 1 − `glossy`]. The rest is sampled by cosine.
     pub even: L,
 }
 
 impl<L: Lane> Lobes<L> {
-    /// The choice that suits a model: reflectance divided by density stays bounded but for models whose highlight has
-    /// wider tails than GGX.
+    /// Returns the sampling for a model: reflectance divided by density stays bounded, except for models whose
+    /// highlight has wider tails than GGX.
     ///
     /// `n_dot_v` in (0, 1].
     /// Law: sampled albedos agree with the quadrature (`laws::sampling::the_furnace_by_sampling_is_that_by_quadrature`).
@@ -159,18 +160,18 @@ impl<L: Lane> Lobes<L> {
             Shading::BlinnPhong => (alpha_from_shininess(s.shininess), s.specular, s.diffuse, 0.0),
             Shading::BlinnPhongClassic => (alpha_from_shininess(s.shininess), s.specular, s.diffuse, 0.2),
             Shading::BlinnPhongPrinted => (alpha_from_shininess(one.lit(5.0)), s.specular, s.diffuse, 0.0),
-            // (r·v)^s falls as fast as (n·h)^4s.
+            // (r·v)^s falls off as fast as (n·h)^4s.
             Shading::Phong => (alpha_from_shininess(s.shininess * one.lit(4.0)), s.specular, s.diffuse, 0.2),
         };
         let (gloss, matt) = (mean(gloss), mean(matt));
-        // A metal's lobe is its visible facets' alone; other models need what the cosine finds.
+        // A metal's lobe consists only of its visible facets; other models also need cosine sampling.
         let most = if shading == Shading::Ggx { 0.98 } else { 0.9 };
         let share = (gloss / (gloss + matt).max(one.lit(1e-6))).clamp(0.1, most);
         let even = one.lit(even);
         Self { alpha: [width.clamp(MIN_ALPHA, 1.0); 2], glossy: share * (one - even), even }
     }
 
-    /// A direction for a viewer `v` (unit, v.z above 0); it may lie below the horizon. `u` in [0, 1)².
+    /// Samples a direction for a viewer `v` (unit, v.z above 0); it may be below the horizon. `u` in [0, 1)².
     #[inline(always)]
     pub fn direction(&self, v: Vec3<L>, [u, around]: [L; 2]) -> Vec3<L> {
         let glossy = mirrored(v, ggx_visible_normal(v, self.alpha, [stretched(u, self.glossy), around]));
@@ -181,7 +182,7 @@ impl<L: Lane> Lobes<L> {
         Vec3::select(rest.lt(u.lit(0.0)), glossy, Vec3::select(rest.lt(self.even), even, matt))
     }
 
-    /// The density with which [`Self::direction`] gives `l` (unit) for the same viewer.
+    /// The density of [`Self::direction`] at `l` (unit) for the same viewer.
     ///
     /// Law: integrates to 1 (`laws::sampling::densities_integrate_to_one`).
     #[inline(always)]
@@ -193,8 +194,8 @@ impl<L: Lane> Lobes<L> {
     }
 }
 
-/// The place of `u` in the part of [0, 1) that is `size` wide and begins at 0, as a part of it: so one number chooses
-/// among ways and the direction in each, and numbers that are evenly spread stay so. In [0, 1), whatever they are.
+/// Rescales `u` within the part of [0, 1) that is `size` wide and begins at 0: so one number chooses a technique and
+/// the direction within it, and evenly distributed numbers stay so. In [0, 1) for any input.
 #[inline(always)]
 pub fn stretched<L: Lane>(u: L, size: L) -> L {
     let most = 1.0 - f64::from(f32::EPSILON);

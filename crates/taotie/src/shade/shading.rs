@@ -2,8 +2,8 @@
 
 use crate::names::Named;
 
-/// A reflectance model. The correct models bear their standard names; a model ending in `Printed` computes what
-/// a paper or article prints, errors included, so that its images can be reproduced and compared.
+/// A reflectance model. The correct models have their standard names; a model ending in `Printed` computes what a
+/// paper or article prints, errors included, so that its images can be reproduced and compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Shading {
@@ -29,7 +29,7 @@ pub enum Shading {
 }
 
 impl Shading {
-    /// Says whether it computes what a paper or article prints, errors included, so that no correction may be added.
+    /// Returns true if it computes what a paper or article prints, errors included, so that nothing may be corrected.
     pub fn is_printed(self) -> bool {
         matches!(self, Self::CookTorrancePrinted | Self::BlinnPhongPrinted | Self::GgxPrinted)
     }

@@ -1,9 +1,9 @@
-//! Sheen, the reflection of fibres that stand on a surface, as of velvet.
+//! Sheen, the reflection of fibres perpendicular to a surface, as of velvet.
 
 use crate::math::Lane;
 use std::f64::consts::FRAC_1_PI;
 
-/// The least roughness of sheen: a sharper one would be seen edge-on only.
+/// The minimum roughness of sheen: a sharper one would only be visible edge-on.
 const MIN_ROUGHNESS: f64 = 0.07;
 
 /// The "Charlie" distribution of inverted Gaussian-like fibres, D(h), in sr⁻¹.

@@ -1,4 +1,4 @@
-//! Relief too fine for a pixel, as roughness.
+//! Subpixel relief as roughness.
 
 use super::ndf::{MIN_ALPHA, alpha_squared_from_divergence_ggx, divergence_ggx};
 use crate::math::{Lane, Vec3};
@@ -6,7 +6,7 @@ use crate::math::{Lane, Vec3};
 /// The variance of normals within a pixel or texel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SubPixelVariance<L = f32> {
-    /// The addition to α² by the curvature of the smooth surface.
+    /// The curvature of the smooth surface, added to α².
     pub curvature: L,
     /// The variance of the normal map's vectors, E|n − mean|² = 1 − |mean|², [0, 1].
     pub normal_variance: L,
@@ -19,11 +19,11 @@ impl<L: Lane> SubPixelVariance<L> {
         self.curvature + self.normal_variance
     }
 
-    /// The roughness of a GGX lobe that shows `roughness` and this variance.
+    /// The roughness of a GGX lobe with this `roughness`, widened by this variance.
     ///
-    /// The slopes of GGX have no variance to which one could add. But its facets have a mean normal, and where one
-    /// distribution of directions is spread by another, the lengths of their mean vectors multiply. So the widened
-    /// lobe is the one whose mean normal is that of the lobe times that of the map. As if GGX were a Gaussian, α² plus
+    /// The slopes of GGX have no finite variance to add to. But its facets have a mean normal, and when one
+    /// distribution of directions is spread by another, the lengths of their mean vectors multiply. So the mean
+    /// normal of the widened lobe is that of the lobe times that of the map. As if GGX were a Gaussian, α² plus
     /// variance would be three to five times as much, and relief would glow.
     ///
     /// Source: Toksvig 2005, "Mipmapping Normal Maps", for the length as a measure; Mardia and Jupp 2000, "Directional
@@ -42,8 +42,8 @@ impl<L: Lane> SubPixelVariance<L> {
     }
 }
 
-/// The addition to α² by the curvature of the smooth surface within a pixel: the squared change of its unit normal from
-/// pixel to pixel, as the variance of a normal distribution that wide, at most 0.18.
+/// The addition to α² by the curvature of the smooth surface within a pixel: the squared change of its unit normal
+/// between pixels, as the variance of a normal distribution that wide, at most 0.18.
 ///
 /// Source: Tokuyoshi and Kaplanyan 2019, "Improved Geometric Specular Antialiasing", eq. 9 and §4 (σ² = 1/4, κ = 0.18),
 /// in its form without directions.

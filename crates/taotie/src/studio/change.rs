@@ -3,10 +3,10 @@
 use crate::error::Result;
 use crate::scene::{HeightMap, Material, NormalMap, Scene, TextureRef};
 
-/// A change to every material; a part that is `None` stays.
+/// A change to every material; parts that are `None` are unchanged.
 #[derive(Debug, Default)]
 pub(super) struct Change {
-    /// Replaces how it reflects; maps of relief and occlusion stay.
+    /// Replaces the reflectance; relief and occlusion maps are kept.
     pub reflectance: Option<Material>,
     pub base_color: Option<TextureRef>,
     pub metallic_roughness: Option<TextureRef>,
@@ -20,7 +20,7 @@ impl Change {
     /// Changes every material of `scene`.
     ///
     /// # Errors
-    /// [`crate::Error::Invalid`] where a factor is out of range.
+    /// [`crate::Error::Invalid`] if a factor is out of range.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
         scene.edit(|scene| scene.materials.iter_mut().for_each(|material| self.change(material)))
     }

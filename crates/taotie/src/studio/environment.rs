@@ -1,4 +1,4 @@
-//! Light from all around: the built-in studio or a file, turned, scaled, and cached when it is filtered.
+//! Environment light: the built-in studio or a file, rotated, scaled, and cached after filtering.
 
 use super::parse::MOST;
 use crate::error::{Error, Result, Warnings};
@@ -11,11 +11,11 @@ use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The names of the built-in studio and of no environment.
+/// The names of the built-in studio and of the absence of an environment.
 const STUDIO: &str = "studio";
 const NONE: &str = "none";
 
-/// The source of the light from all around.
+/// The source of the environment light.
 ///
 /// ```no_run
 /// use taotie::Warnings;
@@ -29,14 +29,14 @@ const NONE: &str = "none";
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum EnvironmentSource {
-    /// The studio that is built in.
+    /// The built-in studio.
     Studio,
     /// An equirectangular image, `.hdr` or `.exr`.
     File(PathBuf),
 }
 
 impl EnvironmentSource {
-    /// Returns the source of this name: `studio`, a file's path, or none for `none`.
+    /// Returns the source of this name: `studio`, a file's path, or `None` for `none`.
     ///
     /// ```
     /// use taotie::studio::EnvironmentSource;
@@ -68,7 +68,7 @@ impl EnvironmentSource {
     }
 }
 
-/// Light from all around as it is asked for.
+/// Requested environment light.
 ///
 /// ```
 /// use taotie::Warnings;
@@ -81,13 +81,13 @@ impl EnvironmentSource {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct EnvironmentOptions {
-    /// Its image; `None` for no light from all around.
+    /// Its image; `None` for no environment light.
     pub source: Option<EnvironmentSource>,
-    /// Radians by which it is turned about +y, counter-clockwise as seen from above.
+    /// Rotation in radians about +y, counter-clockwise as seen from above.
     pub rotation: f64,
     /// Multiplies its radiance, at least 0.
     pub intensity: f64,
-    /// `true` where it is seen behind the objects.
+    /// `true` if it is visible behind the objects.
     pub visible: bool,
 }
 
@@ -98,8 +98,8 @@ impl Default for EnvironmentOptions {
 }
 
 impl EnvironmentOptions {
-    /// Reads the image and filters it, or takes it from the cache, which lies in [`crate::io::cache_folder`]. Texels
-    /// that no light can have are mended and counted.
+    /// Reads the image and filters it, or takes it from the cache: in the folder named by the environment variable
+    /// `TAOTIE_CACHE_DIR`, or in the user's cache folder. Invalid texels are replaced and counted.
     ///
     /// # Errors
     /// Those of the file, and [`Error::Invalid`] for an option out of range.
@@ -107,17 +107,17 @@ impl EnvironmentOptions {
         self.load_within(&Limits::default(), warnings)
     }
 
-    /// Does what [`EnvironmentOptions::load`] does, within limits of memory and pixels.
+    /// Like [`EnvironmentOptions::load`], within limits of memory and pixels.
     ///
     /// # Errors
-    /// As [`EnvironmentOptions::load`]; [`Error::Limit`] where a limit is exceeded.
+    /// As [`EnvironmentOptions::load`]; [`Error::Limit`] if a limit is exceeded.
     pub fn load_within(&self, limits: &Limits, warnings: &mut Warnings) -> Result<Option<EnvironmentLight>> {
         self.check()?;
         let Some(source) = &self.source else { return Ok(None) };
         let environment = source.environment(limits)?;
-        let mended = environment.mended_texels();
-        let what = "texels that no light can have (negative, infinite, not a number): mended";
-        warnings.note(format!("{}: {what}", source.name()), mended);
+        let replaced = environment.repaired_texels();
+        let what = "replaced invalid texels (negative, infinite or NaN)";
+        warnings.note(format!("{}: {what}", source.name()), replaced);
         Ok(Some(EnvironmentLight {
             environment: Arc::new(environment),
             rotation: self.rotation,
@@ -129,7 +129,7 @@ impl EnvironmentOptions {
     fn check(&self) -> Result<()> {
         if !(0.0..=f64::from(Light::MOST)).contains(&self.intensity) {
             let what = format!("intensity {}", self.intensity);
-            return Err(Error::invalid(what, "it must be 0 or more, and at most 1e12"));
+            return Err(Error::invalid(what, "it must be between 0 and 1e12"));
         }
         if self.rotation.is_nan() || self.rotation.abs() > MOST {
             return Err(Error::invalid(
@@ -147,7 +147,7 @@ fn read(path: &Path, limits: &Limits) -> Result<Environment> {
     cached(&hash, || decode_environment_within(&bytes, path, limits))
 }
 
-/// Returns the filtered environment of this name from the cache; else made of its image, and left there.
+/// Returns the filtered environment of this name from the cache; otherwise makes it from its image and caches it.
 fn cached(name: &str, picture: impl FnOnce() -> Result<Image>) -> Result<Environment> {
     let key = format!("{name}-{ENVIRONMENT_VERSION}.env");
     if let Some(environment) = cache::open(&key).and_then(|file| Environment::read(file).ok()) {

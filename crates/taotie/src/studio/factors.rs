@@ -3,10 +3,11 @@
 use crate::error::{Error, Result};
 use crate::scene::{Material, Scene};
 
-/// The largest factor without a bound of its own: what is computed with it still fits single precision.
+/// The maximum of factors without their own limit: results computed with it still fit single precision.
 const MOST: f32 = 1e9;
 
-/// Factors for every material of a scene; those that are `None` stay. Textures stay too, and are multiplied by them.
+/// Factors for every material of a scene; those that are `None` are unchanged. Textures are kept and multiplied by
+/// them.
 ///
 /// ```
 /// use taotie::mesh::Mesh;
@@ -24,13 +25,13 @@ const MOST: f32 = 1e9;
 pub struct MaterialFactors {
     /// Base colour, linear RGB, at least 0.
     pub base_color: Option<[f32; 3]>,
-    /// The part that reflects as a metal, [0, 1].
+    /// The fraction that reflects as a metal, [0, 1].
     pub metallic: Option<f32>,
     /// Roughness, [0, 1]; α is its square.
     pub roughness: Option<f32>,
-    /// Root mean square slope of Beckmann's distribution, above 0; `None` takes α.
+    /// Root mean square slope of Beckmann's distribution, above 0; `None` uses α.
     pub slope: Option<f32>,
-    /// Exponent of Phong and Blinn-Phong, at least 0; `None` follows from α.
+    /// Exponent of Phong and Blinn-Phong, at least 0; `None` derives it from α.
     pub shininess: Option<f32>,
 }
 
@@ -42,22 +43,22 @@ impl MaterialFactors {
     pub fn check(&self) -> Result<()> {
         for (name, value) in [("metallic", self.metallic), ("roughness", self.roughness)] {
             if value.is_some_and(|v| !(0.0..=1.0).contains(&v)) {
-                return Err(Error::invalid(name, "it must lie between 0 and 1"));
+                return Err(Error::invalid(name, "it must be between 0 and 1"));
             }
         }
         if self.shininess.is_some_and(|s| !(0.0..=MOST).contains(&s)) {
-            return Err(Error::invalid("shininess", "it must be 0 or more, and at most 1e9"));
+            return Err(Error::invalid("shininess", "it must be between 0 and 1e9"));
         }
         if self.slope.is_some_and(|s| !(s > 0.0 && s <= MOST)) {
-            return Err(Error::invalid("slope", "it must be above 0, and at most 1e9"));
+            return Err(Error::invalid("slope", "it must be above 0 and at most 1e9"));
         }
         if self.base_color.is_some_and(|c| c.iter().any(|v| !(0.0..=MOST).contains(v))) {
-            return Err(Error::invalid("base_color", "its numbers must be 0 or more, and at most 1e9"));
+            return Err(Error::invalid("base_color", "its components must be between 0 and 1e9"));
         }
         Ok(())
     }
 
-    /// Puts the factors on every material of `scene`.
+    /// Applies the factors to every material of `scene`.
     ///
     /// # Errors
     /// As [`MaterialFactors::check`].
@@ -69,7 +70,7 @@ impl MaterialFactors {
         scene.edit(|scene| scene.materials.iter_mut().for_each(|material| self.write_into(material)))
     }
 
-    /// Puts the factors on a material.
+    /// Applies the factors to a material.
     pub(super) fn write_into(&self, material: &mut Material) {
         let [r, g, b, alpha] = material.base_color;
         let [r, g, b] = self.base_color.unwrap_or([r, g, b]);

@@ -8,13 +8,13 @@ use crate::scene::{Falloff, Light, LightKind, from_view};
 use std::collections::BTreeMap;
 use std::str::FromStr;
 
-/// Strength, and full angle of a spot in degrees, where nothing is said.
+/// Default strength, and default full angle of a spot in degrees.
 const DEFAULT_STRENGTH: f64 = 3.0;
 const DEFAULT_ANGLE: f64 = 30.0;
 
-/// A light that stands in the studio: it keeps its place before the camera while a turntable turns the object.
+/// A light fixed in the studio: it keeps its position relative to the camera while a turntable turns the object.
 ///
-/// It is read from a line of text: `point at=X,Y,Z`, `spot at=X,Y,Z toward=X,Y,Z angle=DEGREES inner=DEGREES`,
+/// It is parsed from a line of text: `point at=X,Y,Z`, `spot at=X,Y,Z toward=X,Y,Z angle=DEGREES inner=DEGREES`,
 /// `directional from=AZIMUTH,ELEVATION` (degrees, relative to the view) or `directional toward=X,Y,Z`, each with
 /// `strength=`, `color=` and `falloff=none|inverse-square`.
 ///
@@ -37,7 +37,7 @@ pub struct LightSpec {
     pub falloff: Falloff,
 }
 
-/// The form of a light that stands in the studio. Places are those of the world before the object turns.
+/// The form of a light fixed in the studio. Positions are in world space before the object turns.
 ///
 /// ```
 /// use taotie::math::Vec3;
@@ -63,17 +63,17 @@ pub enum LightForm {
         position: Vec3,
         /// Unit direction of the cone's axis, world space.
         direction: Vec3,
-        /// Angle from the axis up to which the light is full, radians, in [0, `outer`).
+        /// Angle from the axis up to which the light has full strength, radians, in [0, `outer`).
         inner: f64,
-        /// Angle from the axis from which there is no light, radians, at most π/2.
+        /// Angle from the axis beyond which there is no light, radians, at most π/2.
         outer: f64,
     },
-    /// Shines from infinitely far.
+    /// Shines from infinitely far away.
     Directional {
         /// Unit direction in which the light travels, world space.
         direction: Vec3,
     },
-    /// Shines from infinitely far, from a place beside the viewer.
+    /// Shines from infinitely far away, from a direction relative to the viewer.
     FromView {
         /// Radians to the right of the viewer.
         azimuth: f64,
@@ -106,17 +106,17 @@ impl LightSpec {
 impl FromStr for LightSpec {
     type Err = Error;
 
-    /// Reads a light as [`LightSpec`] describes it.
+    /// Parses a light in the format described at [`LightSpec`].
     ///
     /// # Errors
-    /// [`Error::Invalid`] that names the line, the word and what it should be.
+    /// [`Error::Invalid`] that names the line, the word and what is expected.
     fn from_str(line: &str) -> Result<Self> {
         let in_line = |error: Error| Error::invalid(format!("light \"{line}\""), reason(error));
         Words::new(line).and_then(Words::spec).map_err(in_line)
     }
 }
 
-/// Returns the reason why a value cannot be used, after the word that holds it.
+/// Returns the reason why a value is invalid, prefixed by the word that contains it.
 fn reason(error: Error) -> String {
     match error {
         Error::Invalid { what, why } if what.is_empty() => why,
@@ -138,11 +138,11 @@ struct Words<'a> {
 impl<'a> Words<'a> {
     fn new(line: &'a str) -> Result<Self> {
         let mut words = line.split_whitespace();
-        let kind = words.next().ok_or_else(|| wrong("it is empty; start with point, spot or directional"))?;
+        let kind = words.next().ok_or_else(|| wrong("empty; expected point, spot or directional"))?;
         let mut values = BTreeMap::new();
         for word in words {
             let (key, value) =
-                word.split_once('=').ok_or_else(|| wrong(format!("`{word}` is not key=value")))?;
+                word.split_once('=').ok_or_else(|| wrong(format!("expected key=value, found `{word}`")))?;
             values.insert(key, value);
         }
         Ok(Self { kind, values })
@@ -154,22 +154,22 @@ impl<'a> Words<'a> {
             "spot" => self.spot()?,
             "directional" => self.directional()?,
             other => {
-                let choice = "choose point, spot or directional";
-                return Err(wrong(format!("there is no light of the kind `{other}`; {choice}")));
+                let choice = "expected point, spot or directional";
+                return Err(wrong(format!("unknown light `{other}`; {choice}")));
             }
         };
         let strength = self.take("strength", parse::number)?.unwrap_or(DEFAULT_STRENGTH);
         let color = self.take("color", parse::color)?.unwrap_or(Vec3::splat(1.0));
         let falloff = self.take("falloff", falloff)?.unwrap_or_default();
         if let Some((key, _)) = self.values.first_key_value() {
-            return Err(wrong(format!("a {} light has no `{key}`", self.kind)));
+            return Err(wrong(format!("unknown key `{key}` for a {} light", self.kind)));
         }
         if strength < 0.0 {
-            return Err(Error::invalid("strength", "it must not be below 0"));
+            return Err(Error::invalid("strength", "it must be at least 0"));
         }
         let color = color * strength as f32;
         if !Light::is_strength(color) {
-            return Err(Error::invalid("strength", "it must not be above 1e12, its colour included"));
+            return Err(Error::invalid("strength", "it must be at most 1e12, multiplied by the colour"));
         }
         Ok(LightSpec { form, color, falloff })
     }
@@ -185,13 +185,13 @@ impl<'a> Words<'a> {
         let outer = self.take("angle", parse::number)?.unwrap_or(DEFAULT_ANGLE);
         let inner = self.take("inner", parse::number)?.unwrap_or(outer * 0.8);
         if !(outer > 0.0 && outer <= 90.0 && inner >= 0.0 && inner < outer) {
-            return Err(wrong("angle must lie in (0, 90] degrees and inner in [0, angle)"));
+            return Err(wrong("angle must be in (0, 90] degrees and inner in [0, angle)"));
         }
         let [inner, outer] = [inner, outer].map(f64::to_radians);
         Ok(LightForm::Spot { position, direction, inner, outer })
     }
 
-    /// Takes a light from a place relative to the view, or in a world direction.
+    /// Parses a light from a direction relative to the view, or in a world direction.
     fn directional(&mut self) -> Result<LightForm> {
         if let Some(toward) = self.take("toward", parse::vector)? {
             return Ok(LightForm::Directional { direction: unit(toward)? });
@@ -200,7 +200,7 @@ impl<'a> Words<'a> {
             [azimuth, elevation] => {
                 Ok(LightForm::FromView { azimuth: azimuth.to_radians(), elevation: elevation.to_radians() })
             }
-            _ => Err(Error::invalid("from", "write AZIMUTH,ELEVATION in degrees, such as from=-60,20")),
+            _ => Err(Error::invalid("from", "use AZIMUTH,ELEVATION in degrees, such as from=-60,20")),
         }
     }
 
@@ -214,7 +214,7 @@ impl<'a> Words<'a> {
     }
 }
 
-/// Returns the error of a value, under its key.
+/// Returns the error of a value, prefixed with its key.
 fn of_key(key: &str, error: Error) -> Error {
     match error {
         Error::Invalid { why, .. } => Error::invalid(key, why),
@@ -226,13 +226,13 @@ fn falloff(value: &str) -> Result<Falloff> {
     match value {
         "none" => Ok(Falloff::None),
         "inverse-square" => Ok(Falloff::InverseSquare),
-        _ => Err(wrong(format!("there is no falloff `{value}`; choose none or inverse-square"))),
+        _ => Err(wrong(format!("unknown falloff `{value}`; expected none or inverse-square"))),
     }
 }
 
 fn unit(toward: Vec3<f64>) -> Result<Vec3> {
     if toward.length() == 0.0 {
-        return Err(Error::invalid("toward", "the direction has no length"));
+        return Err(Error::invalid("toward", "the direction must not be zero"));
     }
     Ok(toward.normalize().to_f32())
 }
@@ -246,8 +246,8 @@ mod tests {
         let point: LightSpec = "point at=1,2,3 strength=2 color=0.5 falloff=none".parse().unwrap();
         assert_eq!(point.form, LightForm::Point { position: Vec3::new(1.0, 2.0, 3.0) });
         assert_eq!((point.color, point.falloff), (Vec3::splat(1.0), Falloff::None));
-        let beside: LightSpec = "directional from=90,0".parse().unwrap();
-        assert_eq!(beside.form, LightForm::FromView { azimuth: 90f64.to_radians(), elevation: 0.0 });
+        let aside: LightSpec = "directional from=90,0".parse().unwrap();
+        assert_eq!(aside.form, LightForm::FromView { azimuth: 90f64.to_radians(), elevation: 0.0 });
         let down: LightSpec = "directional toward=0,-2,0".parse().unwrap();
         assert_eq!(down.form, LightForm::Directional { direction: Vec3::new(0.0, -1.0, 0.0) });
         let spot: LightSpec = "spot at=0,1,0 toward=0,0,0 angle=20".parse().unwrap();
@@ -257,13 +257,13 @@ mod tests {
     #[test]
     fn says_what_is_wrong() {
         let why = |line: &str| line.parse::<LightSpec>().unwrap_err().to_string();
-        assert_eq!(why(""), "light \"\": it is empty; start with point, spot or directional");
+        assert_eq!(why(""), "light \"\": empty; expected point, spot or directional");
         assert!(why("sun from=0,0").contains("point, spot or directional"));
         assert!(why("point").contains("at="));
-        assert!(why("point at=0,0").contains(": at: three numbers"));
+        assert!(why("point at=0,0").contains(": at: expected three numbers"));
         assert!(why("point at=0,0,0 bright=3").contains("bright"));
-        assert!(why("spot at=0,0,0 toward=0,0,0").contains("toward: the direction has no length"));
-        assert!(why("directional from=0,0 strength=1e13").contains("strength: it must not be above 1e12"));
-        assert!(why("directional from=1").contains("from: write AZIMUTH"));
+        assert!(why("spot at=0,0,0 toward=0,0,0").contains("toward: the direction must not be zero"));
+        assert!(why("directional from=0,0 strength=1e13").contains("strength: it must be at most 1e12"));
+        assert!(why("directional from=1").contains("from: use AZIMUTH"));
     }
 }

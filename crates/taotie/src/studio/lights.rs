@@ -1,4 +1,4 @@
-//! The light on a scene: the lights asked for, else the file's, else key, fill and rim.
+//! The lighting of a scene: the requested lights, else the file's, else key, fill and rim.
 
 use super::light_spec::LightSpec;
 use super::viewpoint::View;
@@ -7,10 +7,10 @@ use crate::math::Vec3;
 use crate::render::{EnvironmentLight, Lighting};
 use crate::scene::{Light, Scene, three_point_rig};
 
-/// Ambient radiance where no light is named: a dim room.
+/// Default ambient radiance without lights: a dim room.
 const ROOM: f32 = 0.12;
 
-/// The lights asked for; by default those of the file, else key, fill and rim in a dim room.
+/// The requested lights; by default those of the file, else key, fill and rim in a dim room.
 ///
 /// ```
 /// use taotie::studio::LightOptions;
@@ -22,9 +22,10 @@ const ROOM: f32 = 0.12;
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct LightOptions {
-    /// Lights that stand still with the camera while a turntable turns the object; the file's turn with it.
+    /// Lights fixed relative to the camera while a turntable turns the object; the file's turn with it.
     pub lights: Vec<LightSpec>,
-    /// Radiance from all around, linear RGB; `None` for none where lights or an environment are named, else a dim room.
+    /// Radiance from all around, linear RGB; `None` for none if lights or an environment are specified, else a dim
+    /// room.
     pub ambient: Option<Vec3>,
 }
 
@@ -32,18 +33,18 @@ impl LightOptions {
     /// Checks ranges.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where a colour is negative, not a number, or above [`Light::MOST`].
+    /// [`Error::Invalid`] if a colour is negative, NaN, or above [`Light::MOST`].
     pub fn check(&self) -> Result<()> {
         let colors = self.lights.iter().map(|light| ("light", light.color));
         let mut colors = colors.chain(self.ambient.map(|ambient| ("ambient", ambient)));
         match colors.find(|(_, color)| !Light::is_strength(*color)) {
-            Some((what, _)) => Err(Error::invalid(what, "its colour must lie between 0 and 1e12")),
+            Some((what, _)) => Err(Error::invalid(what, "its colour must be between 0 and 1e12")),
             None => Ok(()),
         }
     }
 
-    /// Returns the light on `scene` in this view. The environment stands still with the camera; beside it only the
-    /// lights asked for and the file's shine.
+    /// Returns the lighting of `scene` in this view. The environment is fixed relative to the camera; with it, only
+    /// the requested lights and the file's are used.
     pub fn lighting(
         &self,
         environment: Option<&EnvironmentLight>,

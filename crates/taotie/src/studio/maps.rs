@@ -1,4 +1,4 @@
-//! Maps from files, put on every material of a scene.
+//! Maps from files, applied to every material of a scene.
 
 use super::change::Change;
 use crate::error::{Error, Result};
@@ -7,10 +7,10 @@ use crate::io::{self, Limits};
 use crate::scene::{GreenChannel, HeightMap, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
 use std::path::PathBuf;
 
-/// Height of white where nothing says otherwise, as a fraction of the model's size.
+/// Default height of white, as a fraction of the model's size.
 const DEFAULT_HEIGHT: f64 = 0.01;
 
-/// Maps for every material of a scene: paths of images. Maps that are not named stay.
+/// Maps for every material of a scene: paths of images. Maps not specified are unchanged.
 ///
 /// ```
 /// use taotie::scene::GreenChannel;
@@ -30,13 +30,13 @@ pub struct MapOptions {
     pub normal: Option<PathBuf>,
     /// Multiplies x and y of the normal map.
     pub normal_scale: f32,
-    /// The space that the normal map is written in.
+    /// The space of the normal map.
     pub normal_space: NormalSpace,
-    /// The way that green points in the normal map.
+    /// The direction of green in the normal map.
     pub green: GreenChannel,
-    /// A height map, white is high.
+    /// A height map; white is high.
     pub height: Option<PathBuf>,
-    /// The height of white, model units; `None` for a hundredth of the model's size.
+    /// The height of white, in model units; `None` for a hundredth of the model's size.
     pub height_scale: Option<f32>,
     /// Occlusion in red, linear.
     pub occlusion: Option<PathBuf>,
@@ -62,7 +62,7 @@ impl Default for MapOptions {
 }
 
 impl MapOptions {
-    /// Reads the maps and puts them on every material of `scene`.
+    /// Reads the maps and applies them to every material of `scene`.
     ///
     /// # Errors
     /// Those of the files.
@@ -70,7 +70,7 @@ impl MapOptions {
         self.apply_within(scene, &Limits::default())
     }
 
-    /// Does what [`MapOptions::apply`] does, within limits of memory and pixels.
+    /// Like [`MapOptions::apply`], within limits of memory and pixels.
     pub(super) fn apply_within(&self, scene: &mut Scene, limits: &Limits) -> Result<()> {
         self.load(scene, limits)?.apply(scene)?;
         Ok(())
@@ -83,7 +83,7 @@ impl MapOptions {
         all.into_iter().flatten().cloned().collect()
     }
 
-    /// Adds the maps to the textures of `scene`; returns what becomes of its materials.
+    /// Adds the maps to the textures of `scene`; returns the change to its materials.
     pub(super) fn load(&self, scene: &mut Scene, limits: &Limits) -> Result<Change> {
         let size = scene.bounds().map_or(1.0, |bounds| bounds.diagonal());
         let mut load = |path: &Option<PathBuf>, encoding| {
@@ -110,7 +110,7 @@ impl MapOptions {
     }
 }
 
-/// Adds a texture, to be seen as it is.
+/// Adds a texture, shown unchanged.
 fn whole(scene: &mut Scene, texture: Texture) -> TextureRef {
     let (sampler, transform) = (Sampler::default(), UvTransform::default());
     TextureRef { texture: scene.add_texture(texture), uv_set: 0, sampler, transform }

@@ -1,4 +1,4 @@
-//! The materials asked for: a variant, a preset or a TOML file, and maps.
+//! The requested materials: a variant, a preset or a TOML file, and maps.
 
 use super::factors::MaterialFactors;
 use super::maps::MapOptions;
@@ -8,7 +8,7 @@ use crate::io::Limits;
 use crate::scene::{GreenChannel, Scene, SceneData, preset};
 use std::path::PathBuf;
 
-/// The materials asked for; by default they stay as the file says.
+/// The requested materials; by default those of the file.
 ///
 /// ```
 /// use taotie::mesh::Mesh;
@@ -24,20 +24,20 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct MaterialOptions {
-    /// A variant of the file: one of the sets of materials that it offers. [`super::load`] chooses it.
+    /// A variant of the file: one of the sets of materials that it contains. [`super::load`] chooses it.
     pub variant: Option<String>,
     /// A preset's name, or a TOML file's path; see [`MaterialFile`].
     pub material: Option<String>,
-    /// Factors for every material, in place of those of the file or of `material`.
+    /// Factors for every material, replacing those of the file or of `material`.
     pub factors: MaterialFactors,
     /// Maps for every material.
     pub maps: MapOptions,
-    /// `Down` makes green point down in every normal map, the file's own among them; `Up` leaves each as it is.
+    /// `Down` makes green point down in every normal map, including the file's own; `Up` leaves each unchanged.
     pub green: GreenChannel,
 }
 
 impl MaterialOptions {
-    /// Puts the material, the factors and the maps on every material of `scene`.
+    /// Applies the material, the factors and the maps to every material of `scene`.
     ///
     /// # Errors
     /// As [`MaterialFile::choose`], [`MaterialFile::apply`] and [`MaterialFactors::apply`], and those of the maps.
@@ -45,7 +45,7 @@ impl MaterialOptions {
         self.apply_within(scene, &Limits::default())
     }
 
-    /// Does what [`MaterialOptions::apply`] does, within limits of memory and pixels.
+    /// Like [`MaterialOptions::apply`], within limits of memory and pixels.
     pub(super) fn apply_within(&self, scene: &mut Scene, limits: &Limits) -> Result<()> {
         if let Some(choice) = &self.material {
             MaterialFile::choose(choice)?.apply_within(scene, limits)?;
@@ -58,7 +58,7 @@ impl MaterialOptions {
         Ok(())
     }
 
-    /// Returns the files that are read for the materials: a TOML file, its maps, and the maps asked for.
+    /// Returns the files that are read for the materials: a TOML file, its maps, and the requested maps.
     ///
     /// # Errors
     /// As [`MaterialFile::choose`].

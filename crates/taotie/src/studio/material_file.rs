@@ -1,4 +1,4 @@
-//! Materials as TOML files write them.
+//! Materials in TOML files.
 
 use super::change::Change;
 use super::factors::MaterialFactors;
@@ -10,8 +10,8 @@ use crate::scene::{AlphaMode, GreenChannel, Light, Material, NormalSpace, PRESET
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
-/// A material as a TOML file writes it: factors, a preset to start from, and a table `[maps]`. Colours are linear RGB;
-/// paths are relative to the file.
+/// A material in a TOML file: factors, a base preset, and a table `[maps]`. Colours are linear RGB; paths are
+/// relative to the file.
 ///
 /// ```
 /// use taotie::mesh::Mesh;
@@ -33,7 +33,7 @@ pub struct MaterialFile {
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct Content {
-    /// Start from a preset.
+    /// The base preset.
     preset: Option<String>,
     base_color: Option<[f32; 3]>,
     alpha: Option<f32>,
@@ -92,7 +92,7 @@ enum GreenName {
     Down,
 }
 
-/// Returns an error that names the line and what was wrong, in one line.
+/// Returns an error that states the line and the fault, on a single line.
 fn parse_error(path: &Path, text: &str, error: &toml::de::Error) -> Error {
     let line = error.span().map_or(1, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
     Error::parse(path, format!("line {line}"), error.message().replace('\n', " "))
@@ -100,14 +100,14 @@ fn parse_error(path: &Path, text: &str, error: &toml::de::Error) -> Error {
 
 fn unknown_preset() -> String {
     let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
-    format!("there is no preset of this name; name a .toml file or choose one of: {}", names.join(", "))
+    format!("no such preset; use a .toml file or one of: {}", names.join(", "))
 }
 
 impl MaterialFile {
     /// Returns the preset of this name, or reads the TOML file at this path.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where `choice` is neither; the text lists the presets. As [`MaterialFile::parse`].
+    /// [`Error::Invalid`] if `choice` is neither; the message lists the presets. As [`MaterialFile::parse`].
     pub fn choose(choice: &str) -> Result<Self> {
         if preset(choice).is_some() {
             let preset = Some(choice.to_string());
@@ -119,15 +119,15 @@ impl MaterialFile {
         }
         let text = String::from_utf8(io::read_bytes(path)?).map_err(|error| {
             let at = format!("byte {}", error.utf8_error().valid_up_to());
-            Error::parse(path, at, "it is not text in UTF-8")
+            Error::parse(path, at, "not valid UTF-8")
         })?;
         Self::parse(&text, path)
     }
 
-    /// Reads the text of a file. Maps are relative to the folder of `path`, which errors name.
+    /// Parses the text of a file. Maps are relative to the folder of `path`, which appears in errors.
     ///
     /// # Errors
-    /// [`Error::Parse`] where it is no TOML or says what no material has, [`Error::Invalid`] for a value out of range.
+    /// [`Error::Parse`] if it is not valid TOML or has unknown keys, [`Error::Invalid`] for a value out of range.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
         let mut content: Content = toml::from_str(text).map_err(|error| parse_error(path, text, &error))?;
         content.maps.lie_in(path.parent().unwrap_or(Path::new("")));
@@ -140,7 +140,7 @@ impl MaterialFile {
         self.content.maps.options().files()
     }
 
-    /// Puts the material on every material of `scene`; their relief and occlusion stay where it names none.
+    /// Applies the material to every material of `scene`; their relief and occlusion are kept if it has none.
     ///
     /// # Errors
     /// Those of the maps, and [`Error::Invalid`] for an unknown preset.
@@ -148,7 +148,7 @@ impl MaterialFile {
         self.apply_within(scene, &Limits::default())
     }
 
-    /// Does what [`MaterialFile::apply`] does, within limits of memory and pixels.
+    /// Like [`MaterialFile::apply`], within limits of memory and pixels.
     pub(super) fn apply_within(&self, scene: &mut Scene, limits: &Limits) -> Result<()> {
         self.content.change(scene, limits)?.apply(scene)?;
         Ok(())
@@ -156,12 +156,12 @@ impl MaterialFile {
 }
 
 impl Content {
-    /// Checks ranges, so that shading cannot be given nonsense.
+    /// Checks ranges, so that shading gets valid values only.
     fn check(&self) -> Result<()> {
         self.factors().check()?;
         for (name, value) in [("alpha", self.alpha), ("alpha_cutoff", self.alpha_cutoff)] {
             if value.is_some_and(|v| !(0.0..=1.0).contains(&v)) {
-                return Err(Error::invalid(name, "it must lie between 0 and 1"));
+                return Err(Error::invalid(name, "it must be between 0 and 1"));
             }
         }
         let colors = [
@@ -174,7 +174,7 @@ impl Content {
         ];
         for (name, color) in colors {
             if color.is_some_and(|c| !Light::is_strength(Vec3::from_array(c))) {
-                return Err(Error::invalid(name, "its numbers must be 0 or more, and at most 1e12"));
+                return Err(Error::invalid(name, "its components must be between 0 and 1e12"));
             }
         }
         Ok(())
@@ -287,12 +287,9 @@ mod tests {
     #[test]
     fn what_is_wrong_is_told_with_its_place() {
         assert!(refused("roughness = 0.5\nshinyness = 3").starts_with("a/m.toml: line 2: unknown field"));
-        assert_eq!(refused("roughness = 2"), "a/m.toml: roughness: it must lie between 0 and 1");
-        assert_eq!(refused("slope = 0.0"), "a/m.toml: slope: it must be above 0, and at most 1e9");
-        assert_eq!(
-            refused("f0 = [0, 0, -1]"),
-            "a/m.toml: f0: its numbers must be 0 or more, and at most 1e12"
-        );
+        assert_eq!(refused("roughness = 2"), "a/m.toml: roughness: it must be between 0 and 1");
+        assert_eq!(refused("slope = 0.0"), "a/m.toml: slope: it must be above 0 and at most 1e9");
+        assert_eq!(refused("f0 = [0, 0, -1]"), "a/m.toml: f0: its components must be between 0 and 1e12");
         assert!(MaterialFile::choose("unobtainium").unwrap_err().to_string().contains("bronze-patina"));
     }
 
@@ -301,7 +298,7 @@ mod tests {
         let file = MaterialFile::parse("maps = { normal = 'n.png' }", Path::new("a/m.toml")).unwrap();
         assert_eq!(file.content.maps.options().normal, Some(PathBuf::from("a/n.png")));
     }
-    /// Two implementations fit a type that serde reads, and then the compiler cannot choose.
+    /// A type that serde reads matches two implementations, and then the compiler cannot choose.
     trait Choice<T> {
         fn is_made() -> bool {
             true

@@ -1,4 +1,4 @@
-//! The setting of a model: its materials, its light, its camera, and the images that are taken of it.
+//! The setting of a model: its materials, its lighting, its camera, and the images to take.
 //!
 //! Options are plain structs: `Default` with fields set by hand. Angles are radians and lengths model units.
 //!

@@ -1,4 +1,4 @@
-//! The model to be seen.
+//! The model to render.
 
 use super::material::MaterialOptions;
 use super::parse::MOST;
@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::io::{self, Limits, Loaded};
 use std::path::Path;
 
-/// Reads a model, chooses the variant asked for, and gives its materials what the options ask for.
+/// Reads a model, chooses the requested variant, and applies the material options.
 ///
 /// ```no_run
 /// use taotie::studio::{self, MaterialOptions};
@@ -17,25 +17,25 @@ use std::path::Path;
 /// ```
 ///
 /// # Errors
-/// The reader's, those of the maps and the material, and [`Error::Invalid`] where all triangles lie in one point
-/// or the size is not between 1e-18 and 1e18 model units.
+/// The reader's, those of the maps and the material, and [`Error::Invalid`] if all triangles are at one point or the
+/// size is not between 1e-18 and 1e18 model units.
 pub fn load(path: &Path, options: &MaterialOptions) -> Result<Loaded> {
     load_within(path, options, &Limits::default())
 }
 
-/// Refuses a size that cannot be seen, model units.
+/// Rejects a size, in model units, that cannot be rendered.
 fn check_size(path: &Path, diagonal: f64) -> Result<()> {
     let wrong = |why: String| Err(Error::invalid(path.display().to_string(), why));
     if diagonal == 0.0 {
-        return wrong("all its triangles lie in one point; there is nothing to see".into());
+        return wrong("all its triangles are at one point; there is nothing to see".into());
     }
     if !(1.0 / MOST..=MOST).contains(&diagonal) {
-        return wrong(format!("it measures {diagonal:.1e} model units; scale it to between 1e-18 and 1e18"));
+        return wrong(format!("its size is {diagonal:.1e} model units; scale it to between 1e-18 and 1e18"));
     }
     Ok(())
 }
 
-/// Reads a model as [`load`], within limits.
+/// Reads a model like [`load`], within limits.
 ///
 /// ```no_run
 /// use taotie::asset::Limits;

@@ -5,10 +5,10 @@ use crate::render::{SurfaceSettings, bind_tangents};
 use crate::scene::Scene;
 use crate::scene::animation::{Animation, Rig};
 
-/// Moments of an animation at which it must fit into the image.
+/// Number of moments of an animation at which the model must fit into the image.
 const MOMENTS: u32 = 24;
 
-/// A rig and which of its animations moves it.
+/// A rig and the animation that moves it.
 ///
 /// ```no_run
 /// use taotie::studio::Motion;
@@ -25,10 +25,10 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Chooses an animation by name, or by number from 0; the first where `choice` is none.
+    /// Chooses an animation by name, or by index from 0; the first if `choice` is `None`.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where there is none, or none of that name; the text lists those that there are.
+    /// [`Error::Invalid`] if there is none, or none of that name; the message lists the existing ones.
     pub fn choose(rig: Option<Rig>, choice: Option<&str>) -> Result<Self> {
         let Some(rig) = rig.filter(|rig| !rig.animations().is_empty()) else {
             return Err(Error::invalid("animation", "the file has none"));
@@ -45,7 +45,7 @@ impl Motion {
         Ok(Self { rig, animation })
     }
 
-    /// Makes tangents follow the surface; returns the settings for images of it. Brings the scene to rest.
+    /// Makes tangents follow the surface; returns the settings for images of it. Resets the scene to rest.
     ///
     /// # Errors
     /// As [`bind_tangents`].
@@ -59,17 +59,17 @@ impl Motion {
         Ok((Self { rig, ..self }, settings))
     }
 
-    /// Returns its name, or its number where it has none.
+    /// Returns its name, or its index if it has none.
     pub fn name(&self) -> String {
         names(self.rig.animations()).swap_remove(self.animation)
     }
 
-    /// Returns its duration, seconds.
+    /// Returns its duration in seconds.
     pub fn seconds(&self) -> f64 {
         self.rig.animations()[self.animation].seconds()
     }
 
-    /// Brings the scene to a moment.
+    /// Poses the scene at a moment.
     ///
     /// # Errors
     /// As [`Rig::pose`].
@@ -77,7 +77,7 @@ impl Motion {
         self.rig.pose(scene, self.animation, seconds)
     }
 
-    /// Shows `see` the scene at even moments from the animation's beginning to its end.
+    /// Calls `see` with the scene at evenly spaced moments from the animation's beginning to its end.
     ///
     /// # Errors
     /// As [`Motion::pose`].
@@ -95,7 +95,7 @@ fn number_of(animations: &[Animation], name: &str) -> Option<usize> {
     named.or_else(|| name.parse().ok().filter(|number| *number < animations.len()))
 }
 
-/// Returns the names, and numbers for those without.
+/// Returns the names, and indices for those without.
 fn names(animations: &[Animation]) -> Vec<String> {
     let name = |(i, a): (usize, &Animation)| if a.name.is_empty() { i.to_string() } else { a.name.clone() };
     animations.iter().enumerate().map(name).collect()

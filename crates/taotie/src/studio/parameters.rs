@@ -7,7 +7,7 @@ use crate::scene::{Camera, Falloff, Light, LightKind, Projection};
 /// ```
 /// use taotie::studio::CameraParameters;
 ///
-/// /// Returns the place of the camera, world space.
+/// /// Returns the position of the camera, world space.
 /// fn place(camera: &CameraParameters) -> [f64; 3] {
 ///     let [.., [x, y, z, _]] = camera.world_from_view_columns;
 ///     [x, y, z]
@@ -17,7 +17,7 @@ use crate::scene::{Camera, Falloff, Light, LightKind, Projection};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct CameraParameters {
-    /// The columns of the matrix that takes view space to world space.
+    /// The columns of the matrix from view space to world space.
     pub world_from_view_columns: [[f64; 4]; 4],
     /// The projection of view space.
     pub projection: ProjectionParameters,
@@ -45,7 +45,7 @@ pub enum ProjectionParameters {
     Perspective {
         /// Full vertical angle, degrees.
         fov_y_deg: f64,
-        /// Width over height as authored; `None` is the image's.
+        /// Width over height as authored; `None` uses the image's.
         aspect: Option<f64>,
         /// Distance of the near plane.
         near: f64,
@@ -79,7 +79,7 @@ pub enum ProjectionParameters {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct LightParameters {
-    /// Kind, place and direction.
+    /// Kind, position and direction.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub kind: LightKindParameters,
     /// Its strength, linear RGB.
@@ -93,7 +93,7 @@ pub struct LightParameters {
 /// ```
 /// use taotie::studio::LightKindParameters;
 ///
-/// /// Returns the place of a light; `None` where it is infinitely far.
+/// /// Returns the position of a light; `None` if it is infinitely far away.
 /// fn place(light: &LightKindParameters) -> Option<[f32; 3]> {
 ///     match light {
 ///         LightKindParameters::Point { position } | LightKindParameters::Spot { position, .. } => {
@@ -108,23 +108,23 @@ pub struct LightParameters {
 #[cfg_attr(feature = "serde", serde(tag = "kind", rename_all = "lowercase"))]
 #[non_exhaustive]
 pub enum LightKindParameters {
-    /// Shines all around.
+    /// Shines in all directions.
     Point {
-        /// Its place.
+        /// Its position.
         position: [f32; 3],
     },
-    /// Comes from infinitely far.
+    /// Comes from infinitely far away.
     Directional {
-        /// The direction that the light travels in, unit.
+        /// The direction in which the light travels, unit.
         direction: [f32; 3],
     },
     /// Shines into a cone.
     Spot {
-        /// Its place.
+        /// Its position.
         position: [f32; 3],
         /// The axis of the cone, unit.
         direction: [f32; 3],
-        /// Half the angle of the cone in which it is full, degrees.
+        /// Half the angle of the cone in which it has full strength, degrees.
         inner_deg: f32,
         /// Half the angle of the cone beyond which it is dark, degrees.
         outer_deg: f32,
@@ -136,7 +136,7 @@ pub enum LightKindParameters {
 /// ```
 /// use taotie::studio::FalloffParameters;
 ///
-/// /// Returns the distance beyond which a light is dark, model units; `None` where there is none.
+/// /// Returns the distance beyond which a light is dark, model units; `None` if there is none.
 /// fn range(falloff: &FalloffParameters) -> Option<f32> {
 ///     match falloff {
 ///         FalloffParameters::Windowed(range) => Some(*range),
@@ -148,13 +148,13 @@ pub enum LightKindParameters {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum FalloffParameters {
-    /// Not at all.
+    /// None.
     #[cfg_attr(feature = "serde", serde(rename = "none"))]
     None,
     /// With the square of the distance.
     #[cfg_attr(feature = "serde", serde(rename = "inverse-square"))]
     InverseSquare,
-    /// With the square of the distance, and to nothing at this distance, model units.
+    /// With the square of the distance, fading to zero at this distance, model units.
     #[cfg_attr(feature = "serde", serde(rename = "inverse-square within"))]
     Windowed(f32),
 }

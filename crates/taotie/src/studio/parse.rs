@@ -1,4 +1,4 @@
-//! Numbers, vectors and colours as people write them.
+//! Parses numbers, vectors and colours as people write them.
 //!
 //! ```
 //! use taotie::math::Vec3;
@@ -16,10 +16,10 @@ use crate::error::{Error, Result};
 use crate::math::{Vec3, srgb};
 use crate::scene::Light;
 
-/// The largest magnitude of a number that is read. Sums and products of a few such numbers still fit single precision.
+/// The maximum magnitude of a parsed number. Sums and products of a few such numbers still fit single precision.
 pub const MOST: f64 = 1e18;
 
-/// Reads a finite number of at most [`MOST`], above 0 or below.
+/// Parses a finite number of either sign, with a magnitude of at most [`MOST`].
 ///
 /// ```
 /// assert_eq!(taotie::studio::parse::number(" 2.5 ")?, 2.5);
@@ -29,17 +29,17 @@ pub const MOST: f64 = 1e18;
 /// ```
 ///
 /// # Errors
-/// [`Error::Invalid`] where it is none, or too large.
+/// [`Error::Invalid`] if it is not one, or too large.
 pub fn number(text: &str) -> Result<f64> {
     let number = text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
     match number {
         Some(number) if number.abs() <= MOST => Ok(number),
-        Some(_) => Err(Error::invalid("number", format!("`{text}` is too large; at most 1e18 is read"))),
+        Some(_) => Err(Error::invalid("number", format!("`{text}` is too large; use at most 1e18"))),
         None => Err(Error::invalid("number", format!("`{text}` is not a number"))),
     }
 }
 
-/// Reads finite numbers separated by commas.
+/// Parses finite numbers separated by commas.
 ///
 /// ```
 /// assert_eq!(taotie::studio::parse::numbers("1,-2")?, [1.0, -2.0]);
@@ -52,7 +52,7 @@ pub fn numbers(text: &str) -> Result<Vec<f64>> {
     text.split(',').map(number).collect()
 }
 
-/// Reads exactly three numbers separated by commas.
+/// Parses exactly three numbers separated by commas.
 ///
 /// ```
 /// use taotie::math::Vec3;
@@ -64,19 +64,18 @@ pub fn numbers(text: &str) -> Result<Vec<f64>> {
 /// ```
 ///
 /// # Errors
-/// As [`number`], and where there are more or fewer.
+/// As [`number`], and if there are more or fewer.
 pub fn vector(text: &str) -> Result<Vec3<f64>> {
     match numbers(text)?.as_slice() {
         [x, y, z] => Ok(Vec3::new(*x, *y, *z)),
         other => {
-            let why = format!("three numbers are needed, such as 0,1,0, not {}", other.len());
+            let why = format!("expected three numbers, such as 0,1,0, found {}", other.len());
             Err(Error::invalid("vector", why))
         }
     }
 }
 
-/// Reads a colour as CSS writes it, or one linear number for grey. Returns linear RGB, each from 0 to
-/// [`Light::MOST`].
+/// Parses a CSS colour, or one linear number for grey. Returns linear RGB, each from 0 to [`Light::MOST`].
 ///
 /// ```
 /// use taotie::math::Vec3;
@@ -88,16 +87,16 @@ pub fn vector(text: &str) -> Result<Vec3<f64>> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Invalid`] where it is neither, or out of range.
+/// [`Error::Invalid`] if it is neither, or out of range.
 pub fn color(text: &str) -> Result<Vec3> {
     if text.trim().parse::<f64>().is_ok() {
         let grey = Vec3::splat(number(text)? as f32);
-        let why = || format!("`{text}` is no colour; a linear grey lies between 0 and 1e12");
+        let why = || format!("`{text}` is not a colour; a linear grey is between 0 and 1e12");
         return if Light::is_strength(grey) { Ok(grey) } else { Err(Error::invalid("color", why())) };
     }
     let css = csscolorparser::parse(text).map_err(|_| {
-        let advice = "write a CSS colour such as #d0c8b0 or a linear grey such as 0.5";
-        Error::invalid("color", format!("`{text}` is no colour; {advice}"))
+        let advice = "use a CSS colour such as #d0c8b0 or a linear grey such as 0.5";
+        Error::invalid("color", format!("`{text}` is not a colour; {advice}"))
     })?;
     let linear = |v: f32| srgb::linear_from_srgb(f64::from(v)) as f32;
     let color = Vec3::new(linear(css.r), linear(css.g), linear(css.b));
@@ -118,8 +117,8 @@ mod tests {
     #[test]
     fn what_is_wrong_is_named() {
         let why = |error: Error| error.to_string();
-        assert!(why(color("mauve-ish").unwrap_err()).contains("`mauve-ish` is no colour"));
-        assert!(why(vector("1,2").unwrap_err()).contains("not 2"));
+        assert!(why(color("mauve-ish").unwrap_err()).contains("`mauve-ish` is not a colour"));
+        assert!(why(vector("1,2").unwrap_err()).contains("found 2"));
         assert!(number("inf").is_err() && numbers("1,,2").is_err());
         assert!(why(number("-1e39").unwrap_err()).contains("at most 1e18"));
         assert!(why(color("-1").unwrap_err()).contains("between 0 and 1e12"));

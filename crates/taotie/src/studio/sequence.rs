@@ -1,12 +1,12 @@
-//! The images that are taken: one, those of a turn, or those of an animation.
+//! The images to take: one, those of a turntable, or those of an animation.
 
 use super::viewpoint::part_of_turn;
 use crate::error::{Error, Result};
 
-/// The duration of a turn of the turntable where no rate is asked for, seconds.
+/// The default duration of a turn of the turntable, in seconds.
 const TURN_SECONDS: f64 = 4.0;
 
-/// Seconds between images of an animation that has no length.
+/// Seconds between images of an animation without duration.
 const STILL_SECONDS: f64 = 1.0 / 24.0;
 
 /// The images to take, in order.
@@ -29,7 +29,7 @@ pub struct Sequence {
     pub seconds: f64,
 }
 
-/// An image to be taken.
+/// An image to take.
 ///
 /// ```
 /// use std::f64::consts::PI;
@@ -44,26 +44,26 @@ pub struct Sequence {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct SequenceFrame {
-    /// The turn of the turntable, radians; see [`super::Viewpoint::at`].
+    /// The rotation of the turntable, radians; see [`super::Viewpoint::at`].
     pub turn: f64,
     /// The time of the animation, seconds; `None` for the model at rest.
     pub seconds: Option<f64>,
 }
 
 impl Sequence {
-    /// The most images of a sequence.
+    /// The maximum number of images in a sequence.
     pub const MOST: u32 = 9999;
 
-    /// Makes one image at a time of the animation in seconds, or of the model at rest.
+    /// Makes a single image at a time of the animation in seconds, or of the model at rest.
     pub fn still(time: Option<f64>) -> Self {
         Self { shots: vec![SequenceFrame { turn: 0.0, seconds: time }], seconds: 0.0 }
     }
 
-    /// Makes `count` images around the object at one time of its animation, seconds, or at rest; `rate` of them a
-    /// second, or all of them in four seconds.
+    /// Makes `count` images around the object at one time of its animation, in seconds, or at rest; at `rate` images
+    /// per second, or all of them in four seconds.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where `count` is 0 or above [`Sequence::MOST`], or `rate` is not above 0.
+    /// [`Error::Invalid`] if `count` is 0 or above [`Sequence::MOST`], or `rate` is not above 0.
     pub fn turntable(count: u32, time: Option<f64>, rate: Option<f64>) -> Result<Self> {
         check(count, rate)?;
         let shots = (0..count).map(|i| SequenceFrame { turn: part_of_turn(i, count), seconds: time });
@@ -71,11 +71,11 @@ impl Sequence {
         Ok(Self { shots: shots.collect(), seconds })
     }
 
-    /// Makes images of an animation that lasts `length` seconds, from its beginning to just before its end: `count` of
-    /// them, `rate` a second, or both; one where neither is given.
+    /// Makes images of an animation that lasts `length` seconds, from its beginning to just before its end: `count`
+    /// of them, `rate` per second, or both; one if neither is specified.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where `rate` is not above 0, or there are none or more than [`Sequence::MOST`] images.
+    /// [`Error::Invalid`] if `rate` is not above 0, or there are none or more than [`Sequence::MOST`] images.
     pub fn animation(length: f64, count: Option<u32>, rate: Option<f64>) -> Result<Self> {
         let (count, step) = match (count, rate) {
             (None, None) => (1, 0.0),
@@ -89,7 +89,7 @@ impl Sequence {
         Ok(Self { shots: shots.collect(), seconds: f64::from(count) * step })
     }
 
-    /// Returns the time of the animation in each image, seconds; none where the model is at rest.
+    /// Returns the time of the animation in each image, in seconds; none if the model is at rest.
     pub fn times(&self) -> Vec<f64> {
         self.shots.iter().filter_map(|shot| shot.seconds).collect()
     }
@@ -97,10 +97,7 @@ impl Sequence {
 
 fn check(count: u32, rate: Option<f64>) -> Result<()> {
     if !(1..=Sequence::MOST).contains(&count) {
-        return Err(Error::invalid(
-            format!("{count} pictures"),
-            format!("1 to {} can be taken", Sequence::MOST),
-        ));
+        return Err(Error::invalid(format!("{count} pictures"), format!("use 1 to {}", Sequence::MOST)));
     }
     match rate.filter(|rate| !(*rate > 0.0 && rate.is_finite())) {
         Some(rate) => Err(Error::invalid(format!("rate {rate}"), "it must be finite and above 0")),
@@ -108,13 +105,14 @@ fn check(count: u32, rate: Option<f64>) -> Result<()> {
     }
 }
 
-/// Returns the number of images at a rate that begin before an animation ends.
+/// Returns the number of images, at a rate, that start before an animation ends.
 fn needed(length: f64, rate: f64) -> Result<u32> {
     const MOST: u32 = Sequence::MOST;
-    // A length that is stored in 32 bits may lie a hair above a whole number of pictures.
+    // A length stored in 32 bits may be slightly above a whole number of pictures.
     let count = (length * rate - 1e-4).ceil().max(1.0);
     if count > f64::from(MOST) {
-        let why = format!("the animation lasts {length} seconds, which is {count} pictures; {MOST} at most");
+        let why =
+            format!("the animation lasts {length} seconds, which is {count} pictures; the maximum is {MOST}");
         return Err(Error::invalid(format!("rate {rate}"), why));
     }
     Ok(count as u32)

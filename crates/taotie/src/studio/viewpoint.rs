@@ -7,16 +7,16 @@ use crate::math::{Mat4, Vec3};
 use crate::scene::{Bounds, Camera, Orbit, Outline, Scene};
 use std::f64::consts::{PI, TAU};
 
-/// Directions from which an object that turns must fit.
+/// Number of directions from which a turning object must fit.
 const TURNS: u32 = 24;
 
-/// The part of the image that a framed object fills.
+/// The fraction of the image that a framed object fills.
 const FILL: f64 = 0.9;
 
-/// Azimuth, elevation and vertical angle of view where nothing is said, degrees: a little from the side and from above.
+/// Default azimuth, elevation and vertical angle of view, degrees: slightly from the side and from above.
 const DEFAULT_DEGREES: [f64; 3] = [25.0, 15.0, 30.0];
 
-/// The camera of a model: one of its file, else an orbit, by default as far away as frames the object.
+/// The camera of a model: one of its file, else an orbit, by default at the distance that frames the object.
 ///
 /// ```
 /// use taotie::studio::CameraOptions;
@@ -27,7 +27,7 @@ const DEFAULT_DEGREES: [f64; 3] = [25.0, 15.0, 30.0];
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct CameraOptions {
-    /// A camera of the file by name, or a nameless one by its number from 0; the orbit is not read then.
+    /// A camera of the file by name, or one without a name by its index from 0; the orbit is then ignored.
     pub name: Option<String>,
     /// Radians to the right of the front, which is +z.
     pub azimuth: f64,
@@ -58,7 +58,7 @@ impl CameraOptions {
         if !(self.fov_y > 0.0 && self.fov_y < PI) {
             return Err(Error::invalid(
                 format!("fov_y {}", self.fov_y),
-                "it must lie between 0 and π radians",
+                "it must be between 0 and π radians",
             ));
         }
         if let Some(distance) = self.distance.filter(|distance| !(*distance > 0.0 && *distance <= MOST)) {
@@ -79,7 +79,7 @@ impl CameraOptions {
     }
 }
 
-/// The frame into which an object has to fit.
+/// The frame into which an object must fit.
 ///
 /// ```
 /// use taotie::mesh::Mesh;
@@ -100,7 +100,7 @@ impl CameraOptions {
 pub struct Framing {
     /// Width and height of the image, pixels, above 0.
     pub size: [u32; 2],
-    /// `true` where the object must fit wherever a turntable has turned it to, so that the image does not jump.
+    /// `true` if the object must fit at every rotation of a turntable, so that the image does not jump.
     pub all_around: bool,
 }
 
@@ -117,7 +117,7 @@ impl Framing {
     }
 }
 
-/// A camera that can be turned about the vertical through its target.
+/// A camera that can be rotated about the vertical through its target.
 ///
 /// ```
 /// use taotie::mesh::Mesh;
@@ -138,11 +138,11 @@ pub struct Viewpoint {
 }
 
 impl Viewpoint {
-    /// Chooses the camera asked for.
+    /// Chooses the requested camera.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for an option out of range, a name that no camera of the scene has (the text lists those that
-    /// there are), or a scene without triangles.
+    /// [`Error::Invalid`] for an option out of range, a name that no camera of the scene has (the message lists the
+    /// existing ones), or a scene without triangles.
     pub fn choose(options: &CameraOptions, framing: Framing, scene: &Scene) -> Result<Self> {
         let outline = Outline::new(scene);
         let bounds = outline.bounds().ok_or_else(nothing_to_see)?;
@@ -150,8 +150,8 @@ impl Viewpoint {
             .viewpoint(|orbit| Ok(framing.distance(&outline, orbit)))
     }
 
-    /// Chooses as [`Viewpoint::choose`] and frames all that the object fills in the course of its motion, so that every
-    /// image is taken from the same place. Leaves the scene at the end of the motion.
+    /// Like [`Viewpoint::choose`], but frames everything that the object covers during its motion, so that every
+    /// image is taken from the same position. Leaves the scene at the end of the motion.
     ///
     /// # Errors
     /// As [`Viewpoint::choose`] and [`Motion::pose`].
@@ -173,10 +173,10 @@ impl Viewpoint {
         })
     }
 
-    /// Goes with a camera of the file that moves, where such a one was asked for.
+    /// Follows the requested camera of the file if it moves.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where `scene` has no camera of that name.
+    /// [`Error::Invalid`] if `scene` has no camera of that name.
     pub fn follow(&mut self, options: &CameraOptions, scene: &Scene) -> Result<()> {
         if let Some(camera) = options.named(scene)? {
             self.camera = camera;
@@ -184,18 +184,18 @@ impl Viewpoint {
         Ok(())
     }
 
-    /// Returns the view after the object has turned by `turn` radians, as if it stood on a turntable.
+    /// Returns the view after the object has turned by `turn` radians on a turntable.
     pub fn at(&self, turn: f64) -> View<'_> {
         View { viewpoint: self, turn }
     }
 
-    /// Returns `count` views at even steps of a whole turn, from the front.
+    /// Returns `count` views at equal steps of a full turn, from the front.
     pub fn turn(&self, count: u32) -> impl Iterator<Item = View<'_>> {
         (0..count).map(move |i| self.at(part_of_turn(i, count)))
     }
 }
 
-/// Returns the turn of a turntable at image `i` of `count`, radians.
+/// Returns the rotation of a turntable at image `i` of `count`, in radians.
 pub(super) fn part_of_turn(i: u32, count: u32) -> f64 {
     TAU * f64::from(i) / f64::from(count)
 }
@@ -222,12 +222,12 @@ pub struct View<'a> {
 }
 
 impl View<'_> {
-    /// Returns the turn of the object, radians.
+    /// Returns the rotation of the object, in radians.
     pub fn angle(&self) -> f64 {
         self.turn
     }
 
-    /// Returns the camera: it goes around the object, which stands still in the scene.
+    /// Returns the camera: it orbits the object, which is fixed in the scene.
     pub fn camera(&self) -> Camera {
         let mut camera = self.viewpoint.camera.clone();
         camera.world_from_view = self.world_from_studio() * camera.world_from_view;
@@ -271,7 +271,7 @@ impl Chosen<'_> {
 }
 
 fn nothing_to_see() -> Error {
-    Error::invalid("scene", "there is no triangle to look at")
+    Error::invalid("scene", "it has no triangles")
 }
 
 fn united(a: Option<Bounds>, b: Option<Bounds>) -> Option<Bounds> {
@@ -285,14 +285,14 @@ fn named(scene: &Scene, name: &str) -> Result<Camera> {
     if let Some(camera) = scene.cameras().iter().find(|camera| camera.name == name) {
         return Ok(camera.clone());
     }
-    // Nameless cameras can be chosen by number.
+    // Cameras without a name can be chosen by index.
     if let Some(camera) = name.parse::<usize>().ok().and_then(|index| scene.cameras().get(index)) {
         return Ok(camera.clone());
     }
     let title = |(i, c): (usize, &Camera)| if c.name.is_empty() { i.to_string() } else { c.name.clone() };
     let names: Vec<String> = scene.cameras().iter().enumerate().map(title).collect();
     let why = match names.is_empty() {
-        true => "the file has no camera; look from an orbit".into(),
+        true => "the file has no cameras; use an orbit".into(),
         false => format!("the file has no such camera; it has: {}", names.join(", ")),
     };
     Err(Error::invalid(format!("camera {name}"), why))

@@ -1,8 +1,7 @@
-//! Facet normals and corner angles of many triangles at once.
+//! Computes facet normals and corner angles of many triangles at a time.
 //!
-//! The angles take nearly all the time of vertex normals. A branch-free form of the arc tangent lets the compiler
-//! keep several triangles in one register; it gives the bits of `libm::atan2`, and what lies outside its range goes
-//! to that.
+//! The angles take nearly all the time of vertex normals. With a branch-free arc tangent, the compiler can keep
+//! several triangles in one register; it gives the bits of `libm::atan2`, which handles arguments outside its range.
 
 use crate::math::{Vec3, dispatch_eight, scalar};
 use crate::mesh::Mesh;
@@ -15,18 +14,18 @@ const WIDTH: usize = 8;
 /// The contribution of a triangle to the normals of its corners.
 #[derive(Clone, Copy)]
 pub(super) struct Share {
-    /// Its unit normal; zero without an area.
+    /// Its unit normal; zero if it has no area.
     pub normal: Vec3<f64>,
     /// The angle at each corner, in radians.
     pub angles: [f64; 3],
 }
 
 impl Share {
-    /// That of a triangle without an area.
+    /// The contribution of a triangle without area.
     pub const NONE: Self = Self { normal: Vec3::new(0.0, 0.0, 0.0), angles: [0.0; 3] };
 }
 
-/// The shares of `out.len()` triangles from `first` on, compiled for `level`.
+/// The contributions of `out.len()` triangles starting at `first`, compiled for `level`.
 pub(super) fn shares(level: Level, mesh: &Mesh, first: usize, out: &mut [Share]) {
     dispatch_eight!(level, _Pack, _token => any_level(mesh, first, out));
 }
@@ -54,7 +53,7 @@ fn any_level(mesh: &Mesh, first: usize, out: &mut [Share]) {
     }
 }
 
-/// The share of a triangle of any shape.
+/// The contribution of a triangle of any shape.
 fn any_share([a, b, c]: [Vec3<f64>; 3]) -> Share {
     match unit((b - a).cross(c - a)) {
         Some(normal) => Share { normal, angles: corner_angles([a, b, c]) },
@@ -62,7 +61,7 @@ fn any_share([a, b, c]: [Vec3<f64>; 3]) -> Share {
     }
 }
 
-/// The unit vector; `None` where nothing but rounding is left.
+/// The unit vector; `None` if only rounding errors remain.
 pub(super) fn unit(v: Vec3<f64>) -> Option<Vec3<f64>> {
     let length = v.length();
     (length > 1e-300 && length.is_finite()).then(|| v / length)
@@ -76,23 +75,23 @@ pub(super) fn corner_angles([a, b, c]: [Vec3<f64>; 3]) -> [f64; 3] {
     })
 }
 
-/// Numerator and denominator of the tangent between two vectors: Kahan's cross-product form, exact for small angles,
-/// where the arc cosine is not.
+/// Numerator and denominator of the tangent of the angle between two vectors: Kahan's cross-product form, exact for
+/// small angles, unlike the arc cosine.
 #[inline(always)]
 fn tangent(a: Vec3<f64>, b: Vec3<f64>) -> (f64, f64) {
     (a.cross(b).length(), a.dot(b))
 }
 
-/// The shares of as many triangles as fit, lane by lane.
+/// The contributions of a batch of triangles, lane by lane.
 struct Wide {
     normal: [[f64; WIDTH]; 3],
     angles: [[f64; WIDTH]; 3],
-    /// `true` where the triangle is in the range of this form.
+    /// `true` if the triangle is in the range of this form.
     tame: [bool; WIDTH],
 }
 
 impl Wide {
-    /// Computes the shares of triangles, given by corner, coordinate and lane.
+    /// Computes the contributions of triangles, given by corner, coordinate and lane.
     #[inline(always)]
     fn of(corners: &[[[f64; WIDTH]; 3]; 3]) -> Self {
         let mut wide = Self { normal: [[0.0; WIDTH]; 3], angles: [[0.0; WIDTH]; 3], tame: [false; WIDTH] };
@@ -118,16 +117,16 @@ impl Wide {
     }
 }
 
-/// Says whether [`tame_atan2`] is defined.
+/// Returns true if [`tame_atan2`] is defined.
 #[inline(always)]
 fn is_tame(y: f64, x: f64) -> bool {
     const STEEPEST: f64 = 1.0 / (1u64 << 60) as f64;
     (y > 1e-280) & (y < 1e280) & (x < 1e280) & (x > -1e280) & ((x >= 0.0) | (-x > y * STEEPEST))
 }
 
-/// The bits of `libm::atan2(y, x)` where [`is_tame`], without a branch.
+/// The bits of `libm::atan2(y, x)` if [`is_tame`], without a branch.
 ///
-/// The arguments are reduced to |t| ≤ 7/16 about one of four angles, whose arc tangents are known in two parts.
+/// The arguments are reduced to |t| ≤ 7/16 around one of four angles, whose arc tangents are stored in two parts.
 /// Source: `s_atan.c` and `e_atan2.c` of FreeBSD's msun (Sun Microsystems 1993), which `libm` follows.
 #[inline(always)]
 fn tame_atan2(y: f64, x: f64) -> f64 {
@@ -152,7 +151,7 @@ fn tame_atan2(y: f64, x: f64) -> f64 {
     if x < 0.0 { PI - (angle - PI_LOW) } else { angle }
 }
 
-/// The arc tangents of ½, 1, 3/2 and ∞, and what is lacking to them.
+/// The arc tangents of ½, 1, 3/2 and ∞, and their rounding errors.
 const ANGLE_HIGH: [f64; 4] = [0.463_647_609_000_806_1, FRAC_PI_4, 0.982_793_723_247_329, FRAC_PI_2];
 const ANGLE_LOW: [f64; 4] = [
     2.269_877_745_296_168_7e-17,
@@ -161,7 +160,7 @@ const ANGLE_LOW: [f64; 4] = [
     6.123_233_995_736_766e-17,
 ];
 
-/// The polynomial of the arc tangent, from the third power on.
+/// The polynomial of the arc tangent, from the third power upwards.
 const ATAN: [f64; 11] = [
     3.333_333_333_333_293e-1,
     -1.999_999_999_987_648_3e-1,

@@ -1,4 +1,4 @@
-//! The bends of a surface at its edges: which of them are meant to be hard, and normals that part there.
+//! Angles at the edges of a surface: which edges are meant to be hard, and normals split at them.
 
 use super::angles::unit;
 use super::creases::{Corner, Splitter, Spot, sorted_corners};
@@ -9,41 +9,42 @@ use crate::math::{Vec3, scalar};
 use crate::mesh::{Mesh, MeshData};
 use crate::parallel;
 
-/// The crease angle that is chosen for modelled shapes, degrees: between the steps of a cylinder of 16 segments, 22.5°,
-/// and the chamfer of a nut, 30°.
+/// The default crease angle of modelled shapes in degrees: between the steps of a cylinder of 16 segments, 22.5°, and
+/// the chamfer of a nut, 30°.
 pub(crate) const MODELLED_CREASE_DEG: f64 = 26.0;
-/// Neighbours that bend by less than this beyond rounding lie in one plane, radians.
+/// Neighbours whose angle exceeds rounding errors by less than this are coplanar, in radians.
 const FLAT: f64 = 3.5e-4;
-/// The share of the length of sharp edges that has a flat face on at least one side in a modelled shape. Measured:
-/// at least 0.91 in modelled parts; at most 0.07 in scans, and 0.37 in one with hardly any sharp edge.
+/// The minimum fraction of the length of sharp edges with a flat face on at least one side in a modelled shape.
+/// Measured: at least 0.91 in modelled parts; at most 0.07 in scans, and 0.37 in one with hardly any sharp edge.
 const MODELLED: f64 = 0.75;
-/// The share of edges that are neither flat nor sharp below which a shape is a polyhedron.
+/// The fraction of edges that are neither flat nor sharp below which a shape is a polyhedron.
 const POLYHEDRAL: f64 = 0.01;
 
-/// Open edges at a position are each compared with this many others, so that a position with many of them does not take
-/// long.
+/// Each open edge at a position is compared with this many others at most, which bounds the time at positions with
+/// many.
 const COMPARED: usize = 32;
 
-/// A mesh with its edges, and how far the surface bends at each.
+/// A mesh with its edges, and the angle of the surface at each.
 pub(crate) struct Bends<'a> {
     mesh: &'a Mesh,
     edges: Edges,
-    /// The unit normal of each triangle, and the angle by which rounding may have turned it, radians; infinite without area.
+    /// The unit normal of each triangle, and the angle by which rounding may have rotated it, in radians; infinite
+    /// without area.
     facets: Vec<(Vec3, f32)>,
 }
 
-/// The bends of a triangle at those of its edges that lead to triangles with higher numbers.
+/// The angles of a triangle at its edges to triangles with higher indices.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sides {
     sharp: [bool; 3],
     /// The number of edges that are neither flat nor sharp.
     bent: u8,
-    /// `true` if a neighbour, whatever its number, lies in the same plane.
+    /// `true` if a neighbour with any index is coplanar.
     is_flat: bool,
 }
 
-/// Returns `true` if a sample of a mesh of many triangles shows that it is a scan, so that looking at all edges for those
-/// that are meant to be hard can be left out. The sample is made of runs of triangles, since neighbours in a file are mostly
+/// Returns true if a sample of a mesh of many triangles shows that it is a scan, so that the search of all edges for
+/// hard ones can be skipped. The sample consists of runs of triangles, since neighbours in a file are usually
 /// neighbours in space.
 pub(crate) fn looks_scanned(mesh: &Mesh) -> Result<bool> {
     const RUNS: usize = 16;
@@ -59,12 +60,12 @@ pub(crate) fn looks_scanned(mesh: &Mesh) -> Result<bool> {
     Ok(Bends::of(&sample).looks_scanned())
 }
 
-/// Returns the unit normal of a triangle and the angle by which rounding may have turned it, radians.
+/// Returns the unit normal of a triangle and the angle by which rounding may have rotated it, in radians.
 fn facet(corners: [Vec3; 3], rounding: f64) -> (Vec3, f32) {
     let [a, b, c] = corners.map(Vec3::to_f64);
     let cross = (b - a).cross(c - a);
     let longest = (b - a).length().max((c - b).length()).max((a - c).length());
-    // The height over the longest side is its cross product by its length.
+    // The height over the longest side is the cross product divided by its length.
     let doubt = |normal: Vec3<f64>| (normal.to_f32(), (rounding * longest / cross.length()) as f32);
     unit(cross).map_or((Vec3::default(), f32::INFINITY), doubt)
 }
@@ -72,7 +73,7 @@ fn facet(corners: [Vec3; 3], rounding: f64) -> (Vec3, f32) {
 impl<'a> Bends<'a> {
     /// Finds the edges of a mesh.
     pub fn of(mesh: &'a Mesh) -> Self {
-        /// Four times the distance between neighbouring numbers, for the arithmetic before they were stored.
+        /// Four times the distance between adjacent floats, for the arithmetic before they were stored.
         const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
         let largest =
             |most: f64, p: &Vec3| p.to_array().into_iter().fold(most, |m, v| m.max(f64::from(v).abs()));
@@ -81,9 +82,9 @@ impl<'a> Bends<'a> {
         Self { mesh, edges: Edges::of(mesh), facets }
     }
 
-    /// Returns the edges that are hard where no crease angle is given: those of [`MODELLED_CREASE_DEG`] or more if the
-    /// shape looks modelled, and none otherwise. A shape looks modelled if its sharp edges bound flat faces, which scans
-    /// do not have, or if it consists of flat faces alone.
+    /// Returns the hard edges in the absence of a crease angle: those of [`MODELLED_CREASE_DEG`] or more if the shape
+    /// looks modelled, and none otherwise. A shape looks modelled if its sharp edges bound flat faces, which scans do
+    /// not have, or if all its faces are flat.
     pub fn modelled(&self) -> Vec<Edge> {
         let crease = MODELLED_CREASE_DEG.to_radians();
         let sides = parallel::collect(self.mesh.triangles().len(), |t| self.sides(t, crease));
@@ -97,7 +98,7 @@ impl<'a> Bends<'a> {
         if is_polyhedral { sharp } else { Vec::new() }
     }
 
-    /// Returns the sharp edges, and the share of their length that has a flat face on at least one side.
+    /// Returns the sharp edges, and the fraction of their length with a flat face on at least one side.
     fn sharp(&self, sides: &[Sides]) -> (Vec<Edge>, f64) {
         let (mut sharp, mut all, mut beside_flat) = (Vec::new(), 0.0, 0.0);
         for edge in self.edges.iter().filter(|edge| sides[edge.triangle].sharp[edge.side]) {
@@ -111,12 +112,12 @@ impl<'a> Bends<'a> {
         (sharp, if all > 0.0 { beside_flat / all } else { 0.0 })
     }
 
-    /// Returns `true` if a sample of a large mesh looks like a scan: neighbours are in it, and its sharp edges have no flat
-    /// faces, or hardly any face is flat. Small meshes and those in doubt are left to [`Bends::modelled`].
+    /// Returns true if a sample of a large mesh looks like a scan: it contains neighbours, and its sharp edges have
+    /// no flat faces, or hardly any face is flat. Small meshes and doubtful ones are left to [`Bends::modelled`].
     fn looks_scanned(&self) -> bool {
-        /// Sharp edges that say something.
+        /// The minimum number of sharp edges for a conclusion.
         const ENOUGH: usize = 50;
-        /// The share of flat faces in a sample below which a mesh is a scan.
+        /// The fraction of flat faces in a sample below which a mesh is a scan.
         const FLAT_FACES: usize = 20;
         let count = self.mesh.triangles().len();
         let sides = parallel::collect(count, |t| self.sides(t, MODELLED_CREASE_DEG.to_radians()));
@@ -128,7 +129,7 @@ impl<'a> Bends<'a> {
         has_neighbours && (is_rough || flat * FLAT_FACES < count)
     }
 
-    /// Returns the edges at which the surface bends by `crease` radians or more, beyond rounding.
+    /// Returns the edges with an angle of `crease` radians or more, beyond rounding errors.
     pub fn sharper_than(&self, crease: f64) -> Vec<Edge> {
         let sides = parallel::collect(self.mesh.triangles().len(), |t| self.sides(t, crease));
         self.edges.iter().filter(|edge| sides[edge.triangle].sharp[edge.side]).collect()
@@ -146,12 +147,13 @@ impl<'a> Bends<'a> {
         sides
     }
 
-    /// Returns the angle between two facets, radians, less what rounding may have added; 0 for a facet without area.
+    /// Returns the angle between two facets in radians, minus the possible rounding error; 0 for a facet without
+    /// area.
     fn bend(&self, one: usize, other: usize) -> f64 {
         let ((one, doubt), (other, doubt_of_other)) = (self.facets[one], self.facets[other]);
         let [one, other] = [one, other].map(Vec3::to_f64);
         let doubt = f64::from(doubt) + f64::from(doubt_of_other);
-        // Most facets are nearly parallel, and the series is exact to a millionth up to 20°.
+        // Most facets are nearly parallel, and the series is accurate to a millionth up to 20°.
         let chord = (one - other).length();
         let angle = match chord < 0.35 {
             true => chord * (1.0 + chord * chord * (1.0 / 24.0 + chord * chord * (3.0 / 640.0))),
@@ -160,7 +162,7 @@ impl<'a> Bends<'a> {
         (angle - doubt).max(0.0)
     }
 
-    /// Returns the length of an edge, model units.
+    /// Returns the length of an edge in model units.
     pub fn length(&self, edge: Edge) -> f64 {
         let [a, b] = self.ends(edge);
         (b - a).length()
@@ -172,17 +174,17 @@ impl<'a> Bends<'a> {
         [edge.side, (edge.side + 1) % 3].map(|k| corners[k].to_f64())
     }
 
-    /// Returns the length of all edges at which two triangles meet, model units.
+    /// Returns the length of all edges between two triangles, in model units.
     pub fn total_length(&self) -> f64 {
         self.edges.iter().map(|edge| self.length(edge)).sum()
     }
 
-    /// Returns the mesh with vertex normals that part at `hard` edges, all those of `crease` radians or more. At vertices
-    /// away from them normals are [`vertex_normals`](super::vertex_normals), to the bit. Copies of split vertices come
-    /// after all others, and triangles keep their order.
+    /// Returns the mesh with vertex normals split at `hard` edges, all those of `crease` radians or more. At other
+    /// vertices, normals are [`vertex_normals`](super::vertex_normals), bit for bit. Copies of split vertices follow
+    /// all others, and triangles keep their order.
     ///
     /// # Errors
-    /// None can happen to a mesh that was checked.
+    /// None for a validated mesh.
     pub fn split_at(&self, hard: &[Edge], crease: f64) -> Result<Mesh> {
         let bare = MeshData { normals: Vec::new(), ..self.mesh.clone().into_data() };
         let smooth = with_normals(&Mesh::new(bare)?)?.into_owned();
@@ -204,7 +206,7 @@ impl<'a> Bends<'a> {
         self.bend(one.triangle as usize, other.triangle as usize) < crease
     }
 
-    /// Joins fans that end at open edges and bend by less than the crease angle: modelled surfaces are often cut there,
+    /// Joins fans that end at open edges with an angle below the crease angle: modelled surfaces are often cut there,
     /// with a vertex in the middle of a neighbour's edge.
     fn joined_at_gaps(&self, around: &[Corner], mut fans: Vec<u32>, crease: f64) -> Vec<u32> {
         let is_open = |corner: &Corner| {

@@ -2,12 +2,12 @@
 
 use crate::math::{Lane, Vec3};
 
-/// The surface gradient of a height: the tangent vector along which height grows fastest, per model unit.
+/// The surface gradient of a height: the tangent vector along which height increases fastest, per model unit.
 ///
 /// ∇h = (∂h/∂u · (∂p/∂v × n) + ∂h/∂v · (n × ∂p/∂u)) / (n · (∂p/∂u × ∂p/∂v))
 ///
-/// `n` unit; heights in model units; u and v are any two parameters: uvs, or the pixels of the screen. Zero where
-/// the derivatives of position span no area.
+/// `n` unit; heights in model units; u and v are any two parameters: uvs, or screen coordinates. Zero if the
+/// derivatives of position span no area.
 /// Law: the gradient of a linear ramp tilts a plane exactly (`laws::maps::bump_of_a_ramp_is_the_tilted_plane`).
 /// Source: Mikkelsen 2020, "Surface gradient–based bump mapping framework", JCGT 9(3), eq. 4.
 #[inline(always)]
@@ -24,16 +24,16 @@ pub fn surface_gradient<L: Lane>(
     Vec3::select(area.lit(0.0).lt(area.abs()), gradient / area, zero)
 }
 
-/// The unit normal of a surface raised by a height of this surface gradient: n − ∇h, normalised.
+/// The unit normal of a surface raised by a height with this surface gradient: n − ∇h, normalised.
 ///
-/// `n` unit and perpendicular to `gradient`; steepness adds up: gradients of several heights may be summed first.
+/// `n` unit and perpendicular to `gradient`; gradients of several heights may be summed first.
 /// Source: Mikkelsen 2020, eq. 5.
 #[inline(always)]
 pub fn bump<L: Lane>(n: Vec3<L>, gradient: Vec3<L>) -> Vec3<L> {
     (n - gradient).normalize_or(n)
 }
 
-/// A point of a smooth surface that relief is laid on.
+/// A point of a smooth surface beneath relief.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReliefBase<L> {
     /// The interpolated normal, of any length but 0.
@@ -44,7 +44,7 @@ pub struct ReliefBase<L> {
     pub dn: [Vec3<L>; 2],
 }
 
-/// A height at a point and how it changes with u and v, model units.
+/// A height at a point and its derivatives by u and v, in model units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Relief<L> {
     /// h.
@@ -55,12 +55,12 @@ pub struct Relief<L> {
     pub by_v: L,
 }
 
-/// The unit normal of a surface that is displaced along its interpolated normal.
+/// The unit normal of a surface displaced along its interpolated normal.
 ///
-/// The surface is Q = P + h n with the unit normal n. Its derivatives are Q_u = P_u + h n_u + h_u n, and so for v.
-/// P_u + h n_u and P_v + h n_v are made perpendicular to n, so that the facets of P do not show; of what they span the
+/// The surface is Q = P + h n with the unit normal n. Its derivatives are Q_u = P_u + h n_u + h_u n, and likewise for
+/// v. P_u + h n_u and P_v + h n_v are made perpendicular to n, so that the facets of P do not show; with these, the
 /// normal is n − ∇h ([`surface_gradient`]). They need be neither equal in length nor perpendicular. Unlike [`bump`],
-/// which leaves h n_u out, it knows that raised relief on a round surface is stretched.
+/// which omits h n_u, it accounts for the stretching of raised relief on a round surface.
 /// Source: Mikkelsen 2020, "Surface gradient–based bump mapping framework", JCGT 9(3), eq. 4 and 5.
 #[inline(always)]
 pub fn relief_normal<L: Lane>(base: ReliefBase<L>, relief: Relief<L>) -> Vec3<L> {
@@ -74,12 +74,11 @@ pub fn relief_normal<L: Lane>(base: ReliefBase<L>, relief: Relief<L>) -> Vec3<L>
     bump(n, surface_gradient(n, dp, [relief.by_u, relief.by_v]))
 }
 
-/// Bump mapping as Table 2 of Guo and Wang 2025 prints it: n + s · (g / 255) · (1, 1, 0). *Not* normalised.
+/// Bump mapping as printed in Table 2 of Guo and Wang 2025: n + s · (g / 255) · (1, 1, 0). *Not* normalised.
 ///
-/// `bump_scale` s is the paper's "bump" (5 and 50); `g` is half the central grey difference of the height map in
-/// grey levels, in [−127.5, 127.5], one number for both axes; the direction (1, 1, 0) is in object space.
-/// It is shipped to reproduce the paper, not to be used: the result depends on the object's orientation, and its
-/// length on the height.
+/// `bump_scale` s is the paper's "bump" (5 and 50); `g` is half the central grey difference of the height map in grey
+/// levels, in [−127.5, 127.5], one number for both axes; the direction (1, 1, 0) is in object space. It is included
+/// to reproduce the paper, not for use: the result depends on the object's orientation, and its length on the height.
 /// Source: Guo and Wang 2025, Table 2, all ten rows (`bump::tests::follows_table_2`, `taotie compare --paper`).
 #[inline(always)]
 pub fn bump_printed<L: Lane>(n: Vec3<L>, bump_scale: L, g: L) -> Vec3<L> {
@@ -107,7 +106,7 @@ mod tests {
             for (scale, printed) in [(5.0, n2), (50.0, n3)] {
                 let ours = bump_printed(Vec3::from_array(n1), scale, g);
                 let off = ours - Vec3::from_array(printed);
-                // The table cuts N1 and the result after four decimals, towards zero.
+                // The table truncates N1 and the result after four decimals.
                 let worst = off.to_array().iter().fold(0.0f64, |w, d| w.max(d.abs()));
                 assert!(worst < 2e-4, "g {g}, bump {scale}: {ours:?} against {printed:?}");
             }

@@ -1,4 +1,4 @@
-//! The corners of triangles, and the tangent that a triangle alone gives them.
+//! The corners of triangles, and the tangents that each triangle gives them independently.
 
 use super::frame::{gram_schmidt, uv_derivatives};
 use super::normals;
@@ -7,10 +7,10 @@ use crate::error::{Error, Result};
 use crate::math::{Vec2, Vec3};
 use crate::mesh::Mesh;
 
-/// A tangent (x, y, z, handedness) at each corner of a triangle, where one was found.
+/// A tangent (x, y, z, handedness) at each corner of a triangle, if one was found.
 pub(super) type CornerTangents = [Option<[f32; 4]>; 3];
 
-/// The corners of a mesh's triangles, with normals and uvs fit for use.
+/// The corners of a mesh's triangles, with usable normals and uvs.
 pub(super) struct Corners<'a> {
     mesh: &'a Mesh,
     normals: Vec<Vec3>,
@@ -18,13 +18,13 @@ pub(super) struct Corners<'a> {
 }
 
 impl<'a> Corners<'a> {
-    /// Makes what is not fit for use fit.
+    /// Replaces unusable normals and uvs.
     ///
     /// # Errors
-    /// Those of [`super::with_tangents`].
+    /// As for [`super::with_tangents`].
     pub fn new(mesh: &'a Mesh, uv_set: usize) -> Result<Self> {
         if mesh.normals().is_empty() && !mesh.positions().is_empty() {
-            return Err(Error::invalid("tangents", "the mesh has no normals; make vertex normals first"));
+            return Err(Error::invalid("tangents", "the mesh has no normals; compute vertex normals first"));
         }
         if mesh.triangles().len() > (u32::MAX / 3) as usize {
             return Err(Error::limit("a mesh of 2^32 / 3 triangles for tangents", "split it"));
@@ -62,7 +62,7 @@ impl<'a> Corners<'a> {
         self.triangle(t).map(|v| self.uvs[v])
     }
 
-    /// The classes of equal positions, a class a vertex.
+    /// The classes of equal positions, one class per vertex.
     pub fn places(&self) -> Classes {
         by_position(self.mesh.positions())
     }
@@ -75,7 +75,7 @@ impl<'a> Corners<'a> {
     }
 }
 
-/// `n` where it is unit to a thousandth, else its unit vector, else the fallback.
+/// `n` if it is unit to a thousandth, else its unit vector, else the fallback.
 fn usable_normal(n: Vec3) -> Vec3 {
     let squared = n.dot(n);
     if (squared - 1.0).abs() < 1e-3 {
@@ -90,7 +90,7 @@ fn usable_uv(uv: Vec2) -> Vec2 {
     if uv.x.is_finite() && uv.y.is_finite() { uv } else { Vec2::new(0.0, 0.0) }
 }
 
-/// ∂p/∂u of triangle `t` at each of its corners.
+/// ∂p/∂u of triangle `t`, at each of its corners.
 pub(super) fn face_tangent(corners: &Corners, t: usize) -> CornerTangents {
     match uv_derivatives(corners.positions(t), corners.uvs(t)) {
         Some(d) => corners.normals(t).map(|n| tangent_at(n, d.dp_du.to_f64(), d.handedness)),
@@ -103,7 +103,7 @@ pub(super) fn tangent_at(n: Vec3, tangent: Vec3<f64>, handedness: f32) -> Option
     gram_schmidt(n.to_f64(), tangent).map(|t| with_handedness(t, handedness))
 }
 
-/// The tangent as it is stored.
+/// The tangent in stored form.
 pub(super) fn with_handedness(t: Vec3<f64>, handedness: f32) -> [f32; 4] {
     let t = t.to_f32();
     [t.x, t.y, t.z, handedness]

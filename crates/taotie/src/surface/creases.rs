@@ -1,4 +1,4 @@
-//! Normals that part at a position where one for all facets would turn some facet away from it.
+//! Splits normals at positions where a common one would leave some facet facing away from it.
 
 use super::angles::{corner_angles, unit};
 use super::normals::{facet_normal, with_normals};
@@ -9,30 +9,30 @@ use crate::mesh::{DisjointSets, Mesh, MeshData};
 use crate::parallel;
 use std::collections::BTreeMap;
 
-/// The least cosine between a facet and the normals at its corners.
+/// The minimum cosine between a facet and the normals at its corners.
 const LEAST: f64 = 0.1;
-/// The least cosine between neighbours of one fan: that of about 73°.
+/// The minimum cosine between neighbours in one fan: that of about 73°.
 const SMOOTH: f64 = 0.3;
-/// The least cosine between a cone's axis and its facets: that of 40°. Two of them part by 80° at most, so the mean
-/// of all has a cosine of 0.17 or more to each, above [`LEAST`].
+/// The minimum cosine between a cone's axis and its facets: that of 40°. Two of them differ by 80° at most, so the
+/// mean of all has a cosine of 0.17 or more to each, above [`LEAST`].
 const CONE: f64 = 0.767;
-/// A facet with a smaller part of the area around a position is narrow there.
+/// A facet with a smaller fraction of the area around a position is narrow there.
 const NARROW: f64 = 0.2;
-/// Each facet at an edge is compared with so many after it, so that an edge of many facets does not take long.
+/// Each facet at an edge is compared with this many after it, which bounds the time at an edge of many facets.
 const COMPARED: usize = 8;
 
-/// Returns the mesh with normals from which no facet turns away: each has a cosine of at least 0.1 to the normals at its
-/// corners. Narrow facets that are folded over on a surface that goes on are left, since their neighbours say better
-/// which way is out.
+/// Returns the mesh with normals from which no facet faces away: each has a cosine of at least 0.1 to the normals at
+/// its corners. Narrow facets folded over on a continuous surface are ignored, since their neighbours are better
+/// evidence of the outward direction.
 ///
-/// Where one does not, the facets around that position are sorted into fans over edges of less than 73°, and each fan
-/// takes the mean of its facets, weighted by their angles. A fan that winds back on itself is sorted into cones of
-/// 40° instead. Vertices are split where fans part; the copies stand behind all others, and triangles keep their
-/// order. Elsewhere not a bit changes. Normals that are lacking are [`vertex_normals`](super::vertex_normals).
-/// Tangents are left out where a normal changed.
+/// Otherwise, the facets around that position are sorted into fans across edges of less than 73°, and each fan takes
+/// the mean of its facets, weighted by their angles. A fan that winds back on itself is sorted into cones of 40°
+/// instead. Vertices are split between fans; the copies follow all other vertices, and triangles keep their order.
+/// Elsewhere, not a bit changes. Missing normals are [`vertex_normals`](super::vertex_normals). Tangents are dropped
+/// if a normal changed.
 ///
 /// # Errors
-/// None can happen to a mesh that was checked.
+/// None for a validated mesh.
 pub fn creased(mesh: &Mesh) -> Result<Mesh> {
     let mesh = with_normals(mesh)?.into_owned();
     let turned = turned_facets(&mesh);
@@ -55,7 +55,7 @@ pub fn creased(mesh: &Mesh) -> Result<Mesh> {
     splitter.into_mesh()
 }
 
-/// Returns `true` where more than a hundredth of the facets turn away from a normal at their corners: more than are left
+/// Returns true if more than a hundredth of the facets face away from a normal at their corners: more than remain
 /// folded in a [`creased`] mesh.
 pub(crate) fn has_turned_facets(mesh: &Mesh) -> bool {
     let count = mesh.triangles().len();
@@ -78,14 +78,14 @@ fn is_turned_at(mesh: &Mesh, t: usize, k: usize) -> bool {
 /// A corner of a triangle.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Corner {
-    /// Vertices at one position have one.
+    /// Equal for all vertices at one position.
     pub place: u32,
     pub triangle: u32,
     /// 0 to 2.
     pub number: u8,
 }
 
-/// Returns all corners at the places where a facet turns away, sorted.
+/// Returns all corners at the positions where a facet faces away, sorted.
 fn corners_at_creases(mesh: &Mesh, places: &[u32], turned: &[usize]) -> Vec<Corner> {
     let mut is_crease = vec![false; mesh.positions().len()];
     for t in turned {
@@ -96,7 +96,8 @@ fn corners_at_creases(mesh: &Mesh, places: &[u32], turned: &[usize]) -> Vec<Corn
     sorted_corners(mesh, places, |place| is_crease[place as usize])
 }
 
-/// Returns all corners at the places that are wanted, those at one place together. `places` says which place each vertex has.
+/// Returns all corners at the requested positions, grouped by position. `places` is the position index of each
+/// vertex.
 pub(super) fn sorted_corners(mesh: &Mesh, places: &[u32], is_wanted: impl Fn(u32) -> bool) -> Vec<Corner> {
     let mut corners = Vec::new();
     for (triangle, vertices) in (0u32..).zip(mesh.triangles()) {
@@ -116,11 +117,11 @@ pub(super) struct Spot<'a> {
     mesh: &'a Mesh,
     places: &'a [u32],
     around: &'a [Corner],
-    /// Of each corner; `None` where its facet has no area.
+    /// For each corner; `None` if its facet has no area.
     parts: Vec<Option<Part>>,
 }
 
-/// What a corner adds to the normal of its group.
+/// The contribution of a corner to the normal of its group.
 #[derive(Clone, Copy)]
 struct Part {
     /// Unit.
@@ -138,13 +139,13 @@ impl Part {
     }
 }
 
-/// Facets at a position that lie together.
+/// A connected group of facets at a position.
 #[derive(Clone, Copy, Default)]
 struct Fan {
     facets: usize,
     /// Twice the area.
     area: f64,
-    /// `true` where one of them turns away from its normal.
+    /// `true` if one of them faces away from its normal.
     turned: bool,
 }
 
@@ -153,8 +154,8 @@ impl<'a> Spot<'a> {
         Self { mesh, places, around, parts: around.iter().map(|corner| Part::of(mesh, corner)).collect() }
     }
 
-    /// Returns `true` where all that turns away is narrow facets, each alone, beside a surface that goes on: simplification
-    /// folded them over, and the surface knows better than they which way is out.
+    /// Returns true if all facets that face away are narrow and isolated, next to a continuous surface:
+    /// simplification folded them over, and the surface is better evidence of the outward direction.
     fn is_folded(&self, fan_of: &[u32]) -> bool {
         let mut fans = vec![Fan::default(); self.around.len()];
         for (corner, fan) in self.around.iter().zip(fan_of) {
@@ -169,8 +170,8 @@ impl<'a> Spot<'a> {
         fans.iter().any(|fan| fan.facets >= 3) && fans.iter().filter(|fan| fan.turned).all(is_narrow)
     }
 
-    /// Returns the group of each corner, made of these fans, and the group's normal. Facets without area keep the normal
-    /// that they had.
+    /// Returns the group of each corner, formed from these fans, and the group's normal. Facets without area keep
+    /// their previous normal.
     pub fn normals(&self, fans: Vec<u32>) -> Vec<(u32, Vec3)> {
         let (groups, parts) = (self.groups(fans), &self.parts);
         let mut sums = vec![Vec3::<f64>::splat(0.0); self.around.len()];
@@ -190,7 +191,8 @@ impl<'a> Spot<'a> {
         self.mesh.triangles()[corner.triangle as usize][usize::from(corner.number)]
     }
 
-    /// Returns the group of each corner, named by one of its corners: its fan, sorted into cones where it winds back.
+    /// Returns the group of each corner, as the index of one of its corners: its fan, sorted into cones if it winds
+    /// back.
     fn groups(&self, mut fans: Vec<u32>) -> Vec<u32> {
         for fan in members(&fans) {
             if winds_back(&fan, &self.parts) {
@@ -200,8 +202,8 @@ impl<'a> Spot<'a> {
         fans
     }
 
-    /// Returns for each corner the first one of its fan, which goes on across edges whose facets `is_smooth` joins, given
-    /// by the numbers of their corners.
+    /// Returns for each corner the first one of its fan, which continues across edges whose facets are joined by
+    /// `is_smooth`, called with the indices of their corners.
     pub fn fans(&self, is_smooth: impl Fn(usize, usize) -> bool) -> Vec<u32> {
         let mut fans = DisjointSets::new(self.around.len());
         let edges = self.edges();
@@ -217,7 +219,7 @@ impl<'a> Spot<'a> {
         fans.into_lowest()
     }
 
-    /// Returns the edges that end here: the place at their other end and a corner beside them, sorted.
+    /// Returns the edges that end here: the position of their other end and an adjacent corner, sorted.
     fn edges(&self) -> Vec<(u32, u32)> {
         let mut edges = Vec::with_capacity(2 * self.around.len());
         for (i, corner) in (0u32..).zip(self.around) {
@@ -244,15 +246,15 @@ fn members(groups: &[u32]) -> Vec<Vec<u32>> {
     members.into_values().filter(|group| group.len() > 1).collect()
 }
 
-/// Returns `true` where a facet of a fan turns away from the fan's mean.
+/// Returns true if a facet of a fan faces away from the fan's mean.
 fn winds_back(fan: &[u32], parts: &[Option<Part>]) -> bool {
     let own: Vec<Part> = fan.iter().filter_map(|i| parts[*i as usize]).collect();
     let sum = own.iter().fold(Vec3::<f64>::splat(0.0), |sum, part| sum + part.facet * part.angle);
-    // A little more than the least, since normals are rounded.
+    // Slightly above the minimum, since normals are rounded.
     unit(sum).is_none_or(|mean| own.iter().any(|part| part.facet.dot(mean) < LEAST + 1e-3))
 }
 
-/// Sorts the corners of a fan into cones, each around the facet with the widest angle that is left.
+/// Sorts the corners of a fan into cones, each around the remaining facet with the widest angle.
 fn sort_into_cones(mut fan: Vec<u32>, parts: &[Option<Part>], groups: &mut [u32]) {
     let angle = |i: u32| parts[i as usize].map_or(0.0, |part| part.angle);
     fan.sort_by(|a, b| angle(*b).total_cmp(&angle(*a)).then(a.cmp(b)));
@@ -271,12 +273,12 @@ fn sort_into_cones(mut fan: Vec<u32>, parts: &[Option<Part>], groups: &mut [u32]
 /// Splits vertices between groups.
 pub(super) struct Splitter {
     data: MeshData,
-    /// The new vertex of an old one in a group.
+    /// The new vertex for an old one in a group.
     numbers: BTreeMap<(u32, u32), u32>,
 }
 
 impl Splitter {
-    /// Begins with a mesh that has normals. Its tangents are left out.
+    /// Starts from a mesh with normals. Its tangents are dropped.
     pub fn new(data: MeshData) -> Self {
         Self { data: MeshData { tangents: Vec::new(), ..data }, numbers: BTreeMap::new() }
     }
@@ -284,7 +286,7 @@ impl Splitter {
     /// Returns the mesh with split vertices.
     ///
     /// # Errors
-    /// None can happen to a mesh that was checked.
+    /// None for a validated mesh.
     pub fn into_mesh(self) -> Result<Mesh> {
         Mesh::new(self.data)
     }
@@ -301,7 +303,7 @@ impl Splitter {
         self.data.triangles[triangle as usize][usize::from(number)] = new;
     }
 
-    /// Returns the vertex of another group: the old one itself for the first.
+    /// Returns the vertex for another group: the old one itself for the first.
     fn split(&mut self, old: u32, group: u32) -> u32 {
         let is_first = self.numbers.range((old, 0)..=(old, u32::MAX)).next().is_none();
         let new = if is_first { old } else { self.copied(old as usize) };
@@ -355,13 +357,13 @@ mod tests {
         assert_eq!((found.positions(), found.triangles()), (ball.positions(), ball.triangles()));
     }
 
-    /// Two long facets that meet in an edge of a few degrees: their mean looks along both.
+    /// Two long facets that meet at an edge of a few degrees: their mean points along both.
     #[test]
     fn the_sides_of_a_blade_part() {
         let p = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
         let positions = vec![p(0.0, 0.0, 0.0), p(0.0, 1.0, 0.0), p(1.0, 0.5, 0.02), p(1.0, 0.5, -0.02)];
         let blade = bare(positions, vec![[1, 0, 2], [0, 1, 3]]);
-        assert!(has_turned_facets(&with_normals(&blade).unwrap()), "else nothing is tested");
+        assert!(has_turned_facets(&with_normals(&blade).unwrap()), "otherwise nothing is tested");
         let found = creased(&blade).unwrap();
         check(&found);
         assert_eq!(found.positions().len(), 6, "the two corners of the edge are split");
@@ -377,7 +379,7 @@ mod tests {
         assert_eq!(found.positions().len(), 6);
     }
 
-    /// The tip of a needle, whose facets part by 30°: one fan goes all around it.
+    /// The tip of a needle, whose facets differ by 30°: one fan goes all the way around it.
     #[test]
     fn a_fan_that_winds_back_is_cut() {
         let at = |i: u32| {
@@ -390,7 +392,7 @@ mod tests {
         check(&found);
         assert_eq!(found.triangles().len(), 12);
         let copies = found.positions().len() - needle.positions().len();
-        assert!((3..12).contains(&copies), "cones, and not each facet by itself: {copies}");
+        assert!((3..12).contains(&copies), "cones, not individual facets: {copies}");
     }
 
     #[test]

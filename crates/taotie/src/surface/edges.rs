@@ -9,17 +9,17 @@ use std::sync::atomic::{AtomicU32, Ordering};
 /// Marks a side without exactly one triangle across it.
 const NONE: u32 = u32::MAX;
 
-/// The neighbours of each triangle. Vertices at equal positions count as one place.
+/// The neighbours of each triangle. Vertices at equal positions count as one.
 ///
-/// Side k of a triangle runs from its corner k to the next one. Sides at which one triangle ends, or more than two
-/// meet, have no neighbour; nor do those of triangles with two corners at one place.
+/// Side k of a triangle runs from its corner k to the next one. Sides of one triangle or of more than two have no
+/// neighbour; nor have those of triangles with two corners at one position.
 pub(crate) struct Edges {
-    /// The place of each vertex.
+    /// The position index of each vertex.
     pub places: Classes,
     across: Vec<[u32; 3]>,
 }
 
-/// An edge at which exactly two triangles meet.
+/// An edge shared by exactly two triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Edge {
     /// One of the triangles.
@@ -36,7 +36,7 @@ impl Edges {
         Self::with_places(mesh, weld::by_position(mesh.positions()))
     }
 
-    /// Finds the neighbours in a mesh of which the vertices at equal positions are known.
+    /// Finds the neighbours in a mesh, given its classes of vertices at equal positions.
     pub fn with_places(mesh: &Mesh, places: Classes) -> Self {
         let count = mesh.triangles().len();
         let sides = || (0..count).flat_map(|t| sides_of(mesh, &places.of, t));
@@ -61,31 +61,31 @@ impl Edges {
         Self { places, across }
     }
 
-    /// Returns the triangle across a side; `None` where there is not exactly one.
+    /// Returns the triangle across a side; `None` if there is not exactly one.
     pub fn across(&self, triangle: usize, side: usize) -> Option<usize> {
         let other = self.across[triangle][side];
         (other != NONE).then_some(other as usize)
     }
 
-    /// Returns the edges of a triangle, with that triangle first, at which exactly one other meets it.
+    /// Returns the edges of a triangle, with that triangle first, that it shares with exactly one other.
     pub fn around(&self, triangle: usize) -> impl Iterator<Item = Edge> + '_ {
         (0..3).filter_map(move |side| Some(Edge { triangle, side, other: self.across(triangle, side)? }))
     }
 
-    /// Returns each edge at which exactly two triangles meet once, in the order of triangles.
+    /// Returns each edge shared by exactly two triangles once, in the order of triangles.
     pub fn iter(&self) -> impl Iterator<Item = Edge> + '_ {
         let all = (0..self.across.len()).flat_map(|triangle| self.around(triangle));
         all.filter(|edge| edge.triangle < edge.other)
     }
 
-    /// Returns `true` if both triangles run along their edge in the same direction, so that they face opposite ways.
+    /// Returns true if both triangles run along their edge in the same direction, so that they face opposite ways.
     pub fn is_reversed(&self, mesh: &Mesh, edge: Edge) -> bool {
         let ends = self.ends(mesh, edge);
         let corners = self.corners(mesh, edge.other);
         (0..3).any(|k| [corners[k], corners[(k + 1) % 3]] == ends)
     }
 
-    /// Returns the places at both ends of an edge, in the direction of its first triangle.
+    /// Returns the position indices of both ends of an edge, in the direction of its first triangle.
     pub fn ends(&self, mesh: &Mesh, edge: Edge) -> [u32; 2] {
         let corners = self.corners(mesh, edge.triangle);
         [corners[edge.side], corners[(edge.side + 1) % 3]]
@@ -96,10 +96,11 @@ impl Edges {
     }
 }
 
-/// The higher place of a side, its triangle, and its number there.
+/// The higher position index of a side, its triangle, and the index of the side in it.
 type Side = (u32, u32, u8);
 
-/// Returns the sides of a triangle, each grouped by its lower place; none where two corners lie at one place.
+/// Returns the sides of a triangle, each grouped by its lower position index; none if two corners are at one
+/// position.
 fn sides_of(mesh: &Mesh, places: &[u32], triangle: usize) -> impl Iterator<Item = (usize, Side)> {
     let [a, b, c] = mesh.triangles()[triangle].map(|v| places[v as usize]);
     let is_whole = a != b && b != c && c != a;
@@ -123,7 +124,7 @@ mod tests {
             p(1.0, 0.0, 0.0),
             p(0.0, 1.0, 0.0),
             p(1.0, 1.0, 0.0),
-            // The second once more, as behind a cut.
+            // The second one again, as behind a cut.
             p(1.0, 0.0, 0.0),
             p(0.0, 0.0, 1.0),
         ];

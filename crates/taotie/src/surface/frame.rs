@@ -1,4 +1,4 @@
-//! The frame that uvs span on a triangle.
+//! The frame spanned by uvs on a triangle.
 
 use crate::math::{Vec2, Vec3};
 
@@ -9,14 +9,14 @@ pub struct UvDerivatives {
     pub dp_du: Vec3,
     /// ∂p/∂v, in the plane of the triangle. With the uv origin top left it points *down* the image.
     pub dp_dv: Vec3,
-    /// The `w` of glTF's TANGENT: +1 where b = cross(n, t) points up the image, −1 where the uvs are mirrored.
+    /// The `w` of glTF's TANGENT: +1 if b = cross(n, t) points up the image, −1 if the uvs are mirrored.
     pub handedness: f32,
 }
 
 /// Solves the two edge equations e_i = Δu_i ∂p/∂u + Δv_i ∂p/∂v of a triangle; the uv origin is top left.
 ///
-/// `None` where uvs span no area: where the sine of the angle between the uv edges is below 1e-6, or where a uv
-/// or the result is infinite or NaN. The sign of the determinant is kept, since it tells mirrored uvs.
+/// `None` if the uvs span no area: if the sine of the angle between the uv edges is below 1e-6, or a uv or the result
+/// is infinite or NaN. The sign of the determinant is kept, since it indicates mirrored uvs.
 pub fn uv_derivatives(corners: [Vec3; 3], uvs: [Vec2; 3]) -> Option<UvDerivatives> {
     let [a, b, c] = corners.map(Vec3::to_f64);
     let (e1, e2) = (b - a, c - a);
@@ -28,7 +28,7 @@ pub fn uv_derivatives(corners: [Vec3; 3], uvs: [Vec2; 3]) -> Option<UvDerivative
     (dp_du.is_finite() && dp_dv.is_finite()).then_some(UvDerivatives { dp_du, dp_dv, handedness })
 }
 
-/// Twice the signed uv area, negative where an image is not mirrored (v points down); `None` without an area.
+/// Twice the signed uv area, negative if the image is not mirrored (v points down); `None` without an area.
 pub(super) fn uv_determinant(uvs: [Vec2; 3]) -> Option<f64> {
     const SMALLEST_SINE: f64 = 1e-6;
     let [(u1, v1), (u2, v2)] = uv_edges(uvs);
@@ -42,7 +42,7 @@ fn uv_edges([a, b, c]: [Vec2; 3]) -> [(f64, f64); 2] {
     [edge(b), edge(c)]
 }
 
-/// The unit part of `tangent` perpendicular to the unit normal; `None` where they are parallel or it is zero.
+/// The unit part of `tangent` perpendicular to the unit normal; `None` if they are parallel or it is zero.
 pub(super) fn gram_schmidt(n: Vec3<f64>, tangent: Vec3<f64>) -> Option<Vec3<f64>> {
     let length = tangent.length();
     let t = tangent / length;

@@ -1,22 +1,23 @@
-//! Hard edges that UV islands run across.
+//! Hard edges inside UV islands.
 
 use super::edges::{Edge, Edges};
 use crate::math::Vec3;
 use crate::mesh::Mesh;
 
-/// The least cosine between normals of one vertex that are taken for one: that of 15°.
+/// The minimum cosine between two normals at one vertex that count as equal: that of 15°.
 const ALIKE: f32 = 0.966;
 
 /// The length of a mesh's edges, and its hard edges inside UV islands.
 pub(crate) struct HardEdges {
     /// Both ends of each hard edge inside an island.
     pub inside: Vec<[Vec3<f64>; 2]>,
-    /// The length of all edges at which two triangles meet, model units.
+    /// The length of all edges between two triangles, in model units.
     pub length: f64,
 }
 
 impl HardEdges {
-    /// Finds edges at which normals part by more than 15° while the first uvs go on. A mesh without normals or uvs has none.
+    /// Finds edges at which normals differ by more than 15° while the first uvs are continuous. A mesh without
+    /// normals or uvs has none.
     pub fn inside_islands(mesh: &Mesh) -> Self {
         let mut found = Self { inside: Vec::new(), length: 0.0 };
         let (normals, [uvs, ..]) = (mesh.normals(), mesh.uvs()) else { return found };
@@ -55,7 +56,8 @@ mod tests {
     use crate::math::Vec2;
     use crate::mesh::MeshData;
 
-    /// Two squares that meet at a right angle, with the normals of each, and uvs that go on or are cut between them.
+    /// Two squares that meet at a right angle, with the normals of each, and uvs that are continuous or cut between
+    /// them.
     fn fold(normals: [Vec3; 2], cut: f32) -> Mesh {
         let p = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
         let squares = [

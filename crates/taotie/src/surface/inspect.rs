@@ -1,4 +1,4 @@
-//! Inspection of a texture's pixels: is it a normal map, which way is green, what is broken.
+//! Inspects a texture's pixels: whether it is a normal map, which way green points, and invalid texels.
 
 use crate::image::{Bitmap, Texels};
 use crate::math::{Vec2, Vec3};
@@ -8,7 +8,7 @@ use crate::parallel;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum NormalMapKind {
-    /// Unit vectors that nearly all have z > 0.
+    /// Unit vectors, nearly all with z > 0.
     Tangent,
     /// Unit vectors in all directions.
     Object,
@@ -25,7 +25,7 @@ pub enum GreenVerdict {
     Up,
     /// −Y: DirectX.
     Down,
-    /// The map has too little relief, or speaks for both.
+    /// The map has too little relief, or evidence for both.
     Unclear,
 }
 
@@ -34,7 +34,7 @@ pub enum GreenVerdict {
 pub struct GreenGuess {
     /// The direction.
     pub verdict: GreenVerdict,
-    /// The confidence, [0, 1]; 0 where unclear.
+    /// The confidence, [0, 1]; 0 if unclear.
     pub confidence: f32,
 }
 
@@ -51,8 +51,8 @@ pub fn invalid_texels(bitmap: &Bitmap) -> usize {
 
 /// Guesses from its pixels whether a texture is a normal map.
 ///
-/// Nine in ten vectors must be within 0.2 of unit length and six in ten within 0.06; texels that are grey (padding)
-/// do not count. It is a tangent-space map where 99 in 100 of the first have z > 0.
+/// Nine in ten vectors must be within 0.2 of unit length and six in ten within 0.06; grey texels (padding) do not
+/// count. It is a tangent-space map if 99 in 100 of the former have z > 0.
 pub fn is_normal_map(bitmap: &Bitmap) -> NormalMapKind {
     let add = |sum: &mut Tally, i: usize| *sum = sum.plus(Tally::of(vector(bitmap, i)));
     let tallies = parallel::fold(bitmap.texels().len(), add);
@@ -65,7 +65,8 @@ fn vector(bitmap: &Bitmap, i: usize) -> Vec3 {
     Vec3::new(2.0 * r - 1.0, 2.0 * g - 1.0, 2.0 * b - 1.0)
 }
 
-/// Counts of texels: all that are not grey, those nearly and very nearly unit, and of the former those with z > 0.
+/// Counts of texels: all that are not grey, those nearly and very nearly unit, and those of the nearly unit ones with
+/// z > 0.
 #[derive(Default, Clone, Copy)]
 struct Tally {
     all: usize,
@@ -110,10 +111,10 @@ impl Tally {
 
 /// Guesses from the curl of a tangent-space normal map which way its green channel points.
 ///
-/// A map made from relief holds the slopes p = ∂h/∂x and q = ∂h/∂y of a height, so ∂p/∂y = ∂q/∂x. The two signs
-/// that green may have differ in Σ (∂p/∂y − ∂q/∂x)² by four times Σ ∂p/∂y · ∂q/∂x, whose sign therefore decides. It
-/// is summed over cells of 2×2 texels, without those at seams and holes, in blocks; if the blocks' sums had random
-/// signs, a total of t standard deviations would have a chance of at most 1/t² (Chebyshev), which is the doubt.
+/// A map made from relief contains the slopes p = ∂h/∂x and q = ∂h/∂y of a height, so ∂p/∂y = ∂q/∂x. Between the two
+/// possible signs of green, Σ (∂p/∂y − ∂q/∂x)² differs by four times Σ ∂p/∂y · ∂q/∂x, whose sign therefore decides.
+/// It is summed over cells of 2×2 texels, without those at seams and holes, in blocks; if the blocks' sums had random
+/// signs, a total of t standard deviations would have a probability of at most 1/t² (Chebyshev), which is the doubt.
 pub fn green_direction(bitmap: &Bitmap) -> GreenGuess {
     const ENOUGH: f64 = 0.9;
     let votes = block_votes(bitmap);
@@ -128,7 +129,7 @@ pub fn green_direction(bitmap: &Bitmap) -> GreenGuess {
     GreenGuess { verdict, confidence: confidence as f32 }
 }
 
-/// Σ ∂p/∂y · ∂q/∂x of each block, y pointing up the image: positive where green does.
+/// Σ ∂p/∂y · ∂q/∂x of each block, y pointing up the image: positive if green points up.
 fn block_votes(bitmap: &Bitmap) -> Vec<f64> {
     const SIDE: usize = 32;
     let (w, h) = (bitmap.width() as usize - 1, bitmap.height() as usize - 1);
@@ -143,7 +144,7 @@ fn block_votes(bitmap: &Bitmap) -> Vec<f64> {
     parallel::collect(across * h.div_ceil(SIDE), vote)
 }
 
-/// ∂p/∂y · ∂q/∂x at the corner that four texels share; `None` at a seam or hole.
+/// ∂p/∂y · ∂q/∂x at the corner shared by four texels; `None` at a seam or hole.
 fn cell_vote(bitmap: &Bitmap, x: usize, y: usize) -> Option<f64> {
     const SEAM: f32 = 0.5;
     let w = bitmap.width() as usize;
@@ -155,7 +156,7 @@ fn cell_vote(bitmap: &Bitmap, x: usize, y: usize) -> Option<f64> {
     smooth.then(|| f64::from(dp_dy) * f64::from(dq_dx))
 }
 
-/// The slopes of the height whose normal `v` is, where it is nearly unit and not steep.
+/// The slopes of the height with the normal `v`, if it is nearly unit and not steep.
 fn slopes(v: Vec3) -> Option<Vec2> {
     let sound = (v.length() - 1.0).abs() < 0.2 && v.z > 0.2;
     sound.then(|| Vec2::new(-v.x / v.z, -v.y / v.z))

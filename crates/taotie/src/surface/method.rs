@@ -1,9 +1,9 @@
-//! The names of the ways to a shading normal, and of the ways to tangents.
+//! The names of the sources of shading normals and of the methods for tangents.
 
 use crate::names::Named;
 
 /// The source of the shading normal.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum SurfaceMethod {
     /// The geometric normal of the triangle.
@@ -12,13 +12,24 @@ pub enum SurfaceMethod {
     Smooth,
     /// A height map by the surface-gradient method (Mikkelsen 2020).
     Bump,
-    /// Bump mapping as Table 2 of Guo and Wang 2025 prints it: not normalised, see [`super::bump_printed`].
+    /// Bump mapping as printed in Table 2 of Guo and Wang 2025: not normalised, see [`super::bump_printed`].
     BumpPrinted,
     /// Read from an object-space map.
     ObjectNormal,
     /// Read from a tangent-space map.
     #[default]
     TangentNormal,
+}
+
+impl SurfaceMethod {
+    /// Every method, in the order of their names.
+    pub const ALL: [Self; 6] =
+        [Self::Facet, Self::Smooth, Self::Bump, Self::BumpPrinted, Self::ObjectNormal, Self::TangentNormal];
+
+    /// Returns true if a map bends the normals, and not as printed.
+    pub fn is_mapped(self) -> bool {
+        matches!(self, Self::Bump | Self::ObjectNormal | Self::TangentNormal)
+    }
 }
 
 impl Named for SurfaceMethod {
@@ -33,7 +44,7 @@ impl Named for SurfaceMethod {
     ];
 }
 
-/// The method by which tangents are made.
+/// The method for computing tangents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum TangentMethod {
@@ -50,4 +61,15 @@ impl Named for TangentMethod {
     const WHAT: &'static str = "tangent method";
     const NAMES: &'static [(&'static str, Self)] =
         &[("face", Self::Face), ("averaged", Self::Averaged), ("mikktspace", Self::MikkTSpace)];
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_methods_have_a_name_in_their_order() {
+        let named: Vec<_> = SurfaceMethod::NAMES.iter().map(|(_, method)| *method).collect();
+        assert_eq!(named, SurfaceMethod::ALL);
+    }
 }

@@ -1,12 +1,13 @@
-//! MikkTSpace: its contract kept, and its weak spots on hostile meshes guarded.
+//! MikkTSpace: follows its contract, and guards its weak points against hostile meshes.
 
 use super::corners::{CornerTangents, Corners, face_tangent};
 use super::weld::Classes;
 use crate::math::Vec3;
 use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
 
-/// The most corners at one shared vertex, and at one position, that are handed over. The algorithm recurses
-/// around a vertex and compares the triangles there pairwise; beyond this the triangles get their own tangents.
+/// The maximum number of corners at one shared vertex, and at one position, that are passed on. The algorithm
+/// recurses around a vertex and compares the triangles there pairwise; beyond this, each triangle gets its own
+/// tangents.
 const MOST_SHARED: u32 = 1024;
 const MOST_PLACED: u32 = 4096;
 
@@ -29,7 +30,7 @@ pub(super) fn tangents(corners: &Corners) -> Vec<CornerTangents> {
     found
 }
 
-/// The choice of the triangles that are handed over.
+/// Selects the triangles that are passed on.
 struct Sieve<'a> {
     corners: &'a Corners<'a>,
     places: &'a Classes,
@@ -53,7 +54,7 @@ impl<'a> Sieve<'a> {
         !self.collapsed(t) && !self.crowded(t)
     }
 
-    /// Says whether two corners of triangle `t` are at one position.
+    /// Returns true if two corners of triangle `t` are at one position.
     fn collapsed(&self, t: usize) -> bool {
         let [a, b, c] = self.corners.triangle(t).map(|v| self.places.of[v]);
         a == b || b == c || c == a
@@ -72,7 +73,7 @@ impl<'a> Sieve<'a> {
         }
     }
 
-    /// Collapsed triangles take, corner by corner, the tangent of the first sound triangle at that vertex. The
+    /// Collapsed triangles take, corner by corner, the tangent of the first valid triangle at that vertex. The
     /// reference does the same by comparing each with all others.
     fn fill_points_and_lines(&self, found: &mut [CornerTangents]) {
         let class = |t: usize, i: usize| self.shared.of[self.corners.triangle(t)[i]] as usize;
@@ -89,7 +90,7 @@ impl<'a> Sieve<'a> {
     }
 }
 
-/// The mesh as the algorithm takes it: triangles that share nothing, v pointing up.
+/// The mesh in the form the algorithm expects: triangles that share nothing, v pointing up.
 struct Soup<'a> {
     corners: &'a Corners<'a>,
     scale: f32,
@@ -128,8 +129,8 @@ impl Geometry<Libm> for Soup<'_> {
     }
 }
 
-/// A power of two that keeps the squares of coordinates inside single precision; 1 for any ordinary mesh, and
-/// exact for all, so that equal positions stay equal.
+/// A power of two that keeps the squares of coordinates within single precision; 1 for any ordinary mesh, and exact
+/// for all, so that equal positions stay equal.
 fn tame_scale(corners: &Corners) -> f32 {
     let largest = (0..corners.len())
         .flat_map(|t| corners.positions(t))

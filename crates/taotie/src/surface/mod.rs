@@ -1,7 +1,7 @@
-//! The sources of the shading normal: facets, vertex normals, bump and normal maps, and the tangents they need.
+//! The sources of the shading normal: facets, vertex normals, bump and normal maps, and the tangents that they need.
 //!
-//! The formulas that run per pixel ([`tangent_normal`], [`bump`] and their like) are written once over
-//! [`crate::math::Lane`]; what runs once per mesh or per texture works on whole arrays.
+//! The formulas that run per pixel ([`tangent_normal`], [`bump`] and others) are written once over
+//! [`crate::math::Lane`]; code that runs once per mesh or per texture works on whole arrays.
 
 mod angles;
 mod bends;
@@ -24,8 +24,7 @@ mod winding;
 
 pub(crate) use bends::{Bends, MODELLED_CREASE_DEG, looks_scanned};
 pub use bump::{Relief, ReliefBase, bump, bump_printed, relief_normal, surface_gradient};
-pub use creases::creased;
-pub(crate) use creases::has_turned_facets;
+pub(crate) use creases::{creased, has_turned_facets};
 pub use frame::{UvDerivatives, uv_derivatives};
 pub(crate) use hard_edges::HardEdges;
 pub use inspect::{GreenGuess, GreenVerdict, NormalMapKind, green_direction, invalid_texels, is_normal_map};

@@ -1,4 +1,4 @@
-//! Normals from geometry alone: of a triangle, and of the vertices it shares.
+//! Normals from geometry only: of a triangle, and of the vertices it shares.
 
 use super::angles::{self, Share, unit};
 use super::weld::{self, Classes};
@@ -10,7 +10,7 @@ use fearless_simd::Level;
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// The normal of a vertex that no triangle with an area touches.
+/// The normal of a vertex that is not part of any triangle with an area.
 pub(super) const FALLBACK: Vec3 = Vec3::new(0.0, 0.0, 1.0);
 
 /// The unit normal of a triangle on the side from which its corners run counter-clockwise; `None` without an area.
@@ -18,11 +18,11 @@ pub fn facet_normal(corners: [Vec3; 3]) -> Option<Vec3> {
     unit(doubled_area(corners.map(Vec3::to_f64))).map(Vec3::to_f32)
 }
 
-/// One unit normal a position: the facet normals around it, each weighted by the triangle's angle there.
+/// Returns one unit normal per position: the facet normals around it, each weighted by the triangle's angle there.
 ///
-/// Positions that are equal to the last bit count as one vertex, so a surface that is cut for its uvs stays
-/// smooth. Triangles without area are passed over. Where the sum cancels, the vertex takes the normal of its
-/// first triangle; where there is none, (0, 0, 1).
+/// Bit-identical positions count as one vertex, so a surface that is cut for its uvs stays smooth. Triangles without
+/// area are skipped. If the sum cancels, the vertex takes the normal of its first triangle; if it has none, (0, 0,
+/// 1).
 ///
 /// Law: independent of how a flat polygon is split into triangles (`laws::surface::normals_ignore_the_triangulation`).
 /// Source: Thürmer and Wüthrich 1998, "Computing vertex normals from polygonal facets".
@@ -43,10 +43,10 @@ fn vertex_normals_at(level: Level, mesh: &Mesh) -> Vec<Vec3> {
     parallel::collect(places.of.len(), normal_of)
 }
 
-/// The mesh with [`vertex_normals`] where it has none. Tangents without normals mean nothing and are left out.
+/// Returns the mesh with [`vertex_normals`] if it has none. Tangents without normals are meaningless and are dropped.
 ///
 /// # Errors
-/// None can happen to a mesh that was checked.
+/// None for a validated mesh.
 pub fn with_normals(mesh: &Mesh) -> Result<Cow<'_, Mesh>> {
     with_normals_at(SimdLevel::fastest(), mesh)
 }
@@ -86,7 +86,7 @@ fn angle_weighted_sums(level: Level, mesh: &Mesh, places: &Classes) -> Vec<Vec3<
     sums
 }
 
-/// Puts the shares of some triangles into `shares`, in place of what it holds.
+/// Replaces the content of `shares` by the contributions of some triangles.
 fn compute_shares(level: Level, mesh: &Mesh, triangles: Range<usize>, shares: &mut Vec<Share>) {
     const PART: usize = 1 << 10;
     shares.resize(triangles.len(), Share::NONE);
@@ -111,8 +111,8 @@ fn doubled_area([a, b, c]: [Vec3<f64>; 3]) -> Vec3<f64> {
     (b - a).cross(c - a)
 }
 
-/// For each vertex the sum of the vectors of all vertices at its place, each different one counted once, so that how a
-/// surface is cut does not matter.
+/// For each vertex, sums the vectors of all vertices at its position, each distinct one counted once, so that cuts in
+/// a surface do not matter.
 pub(crate) fn mean_by_position(mesh: &Mesh, vectors: &[Vec3]) -> Vec<Vec3> {
     let places = weld::by_position(mesh.positions());
     let kinds = places.split_by(|v| weld::bits(vectors[v].to_array()));
@@ -123,7 +123,7 @@ pub(crate) fn mean_by_position(mesh: &Mesh, vectors: &[Vec3]) -> Vec<Vec3> {
     places.of.iter().map(|place| sums[*place as usize]).collect()
 }
 
-/// Gives all vertices at one place the largest of their values.
+/// Gives all vertices at one position the largest of their values.
 pub(crate) fn shared_by_position(mesh: &Mesh, values: &mut [f32]) {
     let places = weld::by_position(mesh.positions());
     let mut largest = vec![f32::NEG_INFINITY; places.firsts.len()];

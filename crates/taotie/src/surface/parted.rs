@@ -1,4 +1,4 @@
-//! Vertices split where the normals of neighbouring facets part.
+//! Splits vertices where the normals of neighbouring facets diverge.
 
 use super::creases::{Corner, Splitter, Spot, sorted_corners};
 use super::normals::facet_normal;
@@ -7,15 +7,16 @@ use crate::error::Result;
 use crate::math::Vec3;
 use crate::mesh::Mesh;
 
-/// The normals of neighbouring facets part at a vertex if they differ by more than 45°, and the facets by more than 25°.
+/// The normals of neighbouring facets diverge at a vertex if they differ by more than 45°, and the facets by more
+/// than 25°.
 const SAME_NORMAL: f32 = 0.707;
 const SAME_FACET: f32 = 0.906;
 
-/// Splits the vertices of a mesh where the normals that `corners` states for each corner of each triangle, unit, part across
-/// an edge. Each side gets the mean of its own; all other vertices keep their normals. Tangents are left out.
+/// Splits the vertices of a mesh where the unit normals in `corners`, one per corner of each triangle, diverge across
+/// an edge. Each side gets the mean of its normals; all other vertices keep theirs. Tangents are dropped.
 ///
 /// # Errors
-/// None can happen to a mesh that was checked.
+/// None for a validated mesh.
 ///
 /// # Panics
 /// If the mesh has no normals, or there are fewer corners than triangles.
@@ -51,7 +52,7 @@ mod tests {
     use crate::mesh::MeshData;
     use crate::surface::with_normals;
 
-    /// Two squares that share an edge, the second one turned up by so many degrees, with smooth normals.
+    /// Two squares that share an edge, the second one turned up by an angle in degrees, with smooth normals.
     fn book(degrees: f64) -> Mesh {
         let (sin, cos) = {
             let angle = degrees.to_radians();
@@ -80,7 +81,7 @@ mod tests {
             let normals = split.triangles()[t].map(|v| split.normals()[v as usize]);
             assert!(normals.iter().all(|normal| normal.dot(facet[0]) > 0.999), "{t}");
         }
-        // A round spine has the same normal on both sides, a shallow one hardly another.
+        // A round spine has the same normal on both sides, a shallow one hardly a different one.
         let round = vec![[Vec3::new(0.0, 0.0, 1.0); 3]; 4];
         assert_eq!(parted(&sharp, &round).unwrap().positions().len(), 6);
         let shallow = book(40.0);

@@ -1,4 +1,4 @@
-//! Tangents for a mesh, by three methods that end alike: a tangent per corner, then a weld.
+//! Computes tangents for a mesh by three methods that end the same way: a tangent per corner, then a weld.
 
 use super::corners::{CornerTangents, Corners, face_tangent, tangent_at, with_handedness};
 use super::frame::uv_determinant;
@@ -12,25 +12,25 @@ use crate::parallel;
 use fearless_simd::Level;
 use std::borrow::Cow;
 
-/// A mesh that has tangents.
+/// A mesh with tangents.
 #[derive(Debug, Clone)]
 pub struct Tangented {
-    /// Triangle i is triangle i of the mesh that was given; vertices are split where tangents differ and welded
-    /// where all attributes agree. Unused vertices are gone.
+    /// Triangle i is triangle i of the original mesh; vertices are split if their tangents differ and welded if all
+    /// attributes are equal. Unused vertices are removed.
     pub mesh: Mesh,
-    /// Triangles whose uvs span no area. They have a frame about the normal, but one that means nothing.
+    /// Triangles whose uvs span no area. They have a frame around the normal, but an arbitrary one.
     pub degenerate_uvs: usize,
 }
 
 /// The warning for [`Tangented::degenerate_uvs`].
-pub(crate) const NO_UV_AREA: &str = "triangles without uv area, given a tangent frame about their normal";
+pub(crate) const NO_UV_AREA: &str = "triangles without uv area, given a tangent frame around their normal";
 
-/// The mesh with the normals and tangents that a renderer gives it, and how many of its triangles span no area in
-/// `uv_set` if tangents were made. It keeps what it has; normals that are lacking are [`super::vertex_normals`], and
-/// tangents are made by `method` where one is asked for, by MikkTSpace where the mesh has none.
+/// The mesh with the normals and tangents that a renderer needs, and the number of its triangles that span no area in
+/// `uv_set` if tangents were computed. Existing ones are kept; missing normals are [`super::vertex_normals`], and
+/// tangents are computed by `method` if there is one, or by MikkTSpace if the mesh has none.
 ///
 /// # Errors
-/// As [`with_tangents`].
+/// As for [`with_tangents`].
 pub fn with_frames(
     mesh: &Mesh,
     uv_set: usize,
@@ -54,21 +54,22 @@ pub(crate) fn with_frames_at(
     Ok((Cow::Owned(made.mesh), made.degenerate_uvs))
 }
 
-/// Gives `mesh` tangents that follow its uv set `uv_set` (origin top left); those it has are replaced.
+/// Gives `mesh` tangents that follow its uv set `uv_set` (origin top left); existing ones are replaced.
 ///
-/// Each tangent is a unit vector perpendicular to its vertex normal, with the handedness w = ±1 of glTF 2.0:
-/// the bitangent w · cross(n, t) points up the image. The three corners of a triangle whose uvs span an area
-/// share w. Normals that are not unit are normalised for this; a normal that is zero or NaN counts as (0, 0, 1).
+/// Each tangent is a unit vector perpendicular to its vertex normal, with the handedness w = ±1 of glTF 2.0: the
+/// bitangent w · cross(n, t) points up the image. The three corners of a triangle whose uvs span an area share w.
+/// Normals that are not unit are normalised for this; a normal that is zero or NaN counts as (0, 0, 1).
 ///
 /// - `face`: ∂p/∂u of the triangle, made perpendicular to each corner's normal.
-/// - `averaged`: the mean of the triangles at a vertex (equal position, normal and uv) weighted by their angle
-///   there, kept apart by handedness.
-/// - `mikktspace`: as the [reference](http://www.mikktspace.com) gives them, to the bit: fed one corner at a time
-///   with v flipped, and welded after. So too for triangles without uv area, which it leaves with the handedness
-///   of their neighbours corner by corner, or with (1, 0, 0) and w = −1 where they have none.
+/// - `averaged`: the mean of the triangles at a vertex (equal position, normal and uv) weighted by their angle there,
+///   separately for each handedness.
+/// - `mikktspace`: those of the [reference](http://www.mikktspace.com), bit for bit: fed one corner at a time with v
+///   flipped, and welded afterwards. This includes triangles without uv area, which it leaves with the handedness of
+///   their neighbours corner by corner, or with (1, 0, 0) and w = −1 if they have none.
 ///
 /// # Errors
-/// [`crate::Error::Invalid`] where the mesh has no normals or no such uv set, [`crate::Error::Limit`] above 2³² / 3 triangles.
+/// [`crate::Error::Invalid`] if the mesh has no normals or lacks the uv set, [`crate::Error::Limit`] above 2³² / 3
+/// triangles.
 pub fn with_tangents(mesh: &Mesh, uv_set: usize, method: TangentMethod) -> Result<Tangented> {
     let corners = Corners::new(mesh, uv_set)?;
     let (mut tangents, settle): (_, fn(_, _) -> _) = match method {
@@ -93,7 +94,7 @@ fn averaged_tangents(corners: &Corners) -> Vec<CornerTangents> {
         let [mirrored, upright] = sums[shared.of[corners.triangle(t)[i]] as usize];
         match faces[t][i] {
             Some([.., w]) => tangent_at(n, if w > 0.0 { upright } else { mirrored }, w).or(faces[t][i]),
-            // Without uv area a triangle borrows what its neighbours have.
+            // Without uv area, a triangle borrows from its neighbours.
             None => tangent_at(n, upright, 1.0).or_else(|| tangent_at(n, mirrored, -1.0)),
         }
     };
@@ -132,7 +133,7 @@ fn of_one_hand(found: CornerTangents, normals: [Vec3; 3]) -> CornerTangents {
     })
 }
 
-/// A tangent at every corner; the reference's (1, 0, 0) and w = −1 where it finds none, unless that is the normal.
+/// A tangent at every corner; the reference's (1, 0, 0) and w = −1 if it finds none, unless that is the normal.
 fn as_the_reference(found: CornerTangents, normals: [Vec3; 3]) -> CornerTangents {
     const PARALLEL: f32 = 0.999;
     std::array::from_fn(|i| {
@@ -142,7 +143,7 @@ fn as_the_reference(found: CornerTangents, normals: [Vec3; 3]) -> CornerTangents
     })
 }
 
-/// The mesh with these tangents, equal corners being one vertex.
+/// The mesh with these tangents; equal corners become one vertex.
 fn welded(mesh: &Mesh, tangents: &[CornerTangents]) -> Result<Mesh> {
     let vertices = by_attributes(mesh);
     let tangent = |c: usize| tangents[c / 3][c % 3].unwrap_or([1.0, 0.0, 0.0, 1.0]);
@@ -177,11 +178,11 @@ fn by_attributes(mesh: &Mesh) -> Classes {
     }
     classes
 }
-/// Returns the bytes that making tangents of a mesh takes beside it.
+/// Returns the bytes needed for computing tangents of a mesh, in addition to the mesh.
 pub(crate) fn tangent_bytes(triangles: u64, vertices: u64) -> u64 {
-    /// MikkTSpace's triangles, their corners and the tangents of these; the tangents that are taken over.
+    /// MikkTSpace's triangles, their corners and the tangents of these; the tangents that are copied.
     const TRIANGLE: u64 = 152 + 24 + 108 + 68;
-    /// Normals and uvs made fit for use, classes of equal vertices, MikkTSpace's groups of triangles around one.
+    /// Usable normals and uvs, classes of equal vertices, MikkTSpace's groups of triangles around one.
     const VERTEX: u64 = 20 + 24 + 128;
     triangles * TRIANGLE + vertices * VERTEX
 }

@@ -1,10 +1,10 @@
-//! Which UV island each triangle belongs to.
+//! The UV island of each triangle.
 
 use super::weld::{Classes, bits};
 use crate::mesh::{DisjointSets, Mesh};
 
-/// Returns the UV island of each triangle, by a number that its triangles share: those that meet at corners with the same
-/// uvs. The mesh must have uvs.
+/// Returns the UV island of each triangle, as a number shared by its triangles: those that meet at corners with the
+/// same uvs. The mesh must have uvs.
 pub(crate) fn uv_islands(mesh: &Mesh) -> Vec<u32> {
     let uvs = &mesh.uvs()[0];
     let corners = Classes::by(uvs.len(), |i| bits([uvs[i].x, uvs[i].y]));

@@ -1,4 +1,4 @@
-//! Finding equal elements: the one tool behind every weld.
+//! Finds equal elements: the basis of every weld.
 
 use crate::math::Vec3;
 use crate::parallel;
@@ -7,7 +7,7 @@ use rustc_hash::FxBuildHasher;
 use std::hash::{BuildHasher, Hash};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Elements sorted into classes of equal keys, numbered in order of first appearance.
+/// Elements grouped into classes of equal keys, numbered in order of first appearance.
 pub(crate) struct Classes {
     /// The class of each element.
     pub of: Vec<u32>,
@@ -16,12 +16,11 @@ pub(crate) struct Classes {
 }
 
 impl Classes {
-    /// Sorts the elements 0 to `count` − 1, at most 2^32 − 1, by `key`.
+    /// Groups the elements 0 to `count` − 1, at most 2^32 − 1, by `key`.
     ///
-    /// Elements that are alike are most often near each other, so each is first looked for among those near before it.
-    /// What is new there is sorted by hash, and where hashes are equal and keys are not, by key, so that neither many
-    /// elements nor keys that were chosen to collide take long. The classes depend on neither the hash nor the number of
-    /// threads.
+    /// Equal elements are usually near each other, so each is first searched for among the preceding ones nearby. New
+    /// ones are sorted by hash, and if hashes are equal and keys are not, by key, so that neither many elements nor
+    /// keys chosen to collide take long. The classes depend on neither the hash nor the number of threads.
     pub fn by<K: Hash + Ord>(count: usize, key: impl Fn(usize) -> K + Sync) -> Self {
         let mut firsts = vec![0; count];
         parallel::pieces(&mut firsts, NEAR, &|block, part| find_near(part, block * NEAR, &key));
@@ -44,7 +43,7 @@ impl Classes {
         Self::numbered(firsts)
     }
 
-    /// Numbers the classes, given for each element the first of its class, or one before it that leads there.
+    /// Numbers the classes, given for each element the first of its class, or an earlier one that leads there.
     fn numbered(mut of: Vec<u32>) -> Self {
         let mut firsts = Vec::with_capacity(of.len());
         for i in 0..of.len() {
@@ -65,14 +64,14 @@ impl Classes {
     }
 }
 
-/// Elements among which each is first looked for; their numbers and one more fit 16 bits.
+/// The number of elements among which each is first searched for; their indices plus one fit 16 bits.
 const NEAR: usize = 1 << 15;
 
-/// Writes to `firsts` the first of the elements from `start` on that is equal to each one, as far as it is found soon.
+/// Writes to `firsts` the first element, from `start` onwards, that equals each one, as far as it is found quickly.
 fn find_near<K: Hash + Ord>(firsts: &mut [u32], start: usize, key: &impl Fn(usize) -> K) {
-    /// Slots that are looked at, so that keys that were chosen to collide do not take long.
+    /// The maximum number of slots inspected, so that keys chosen to collide do not take long.
     const SLOTS: usize = 8;
-    // The upper half of a hash, and one more than the number of the element that has it; 0 where there is none.
+    // The upper half of a hash, and the index of its element plus one; 0 if there is none.
     let mut table = vec![0u32; 2 * firsts.len().next_power_of_two()];
     let mask = table.len() - 1;
     for (i, first) in firsts.iter_mut().enumerate() {
@@ -100,8 +99,8 @@ fn new_of(firsts: &[u32], word: usize) -> u64 {
     elements.fold(0, |bits, (i, first)| bits | u64::from(*first as usize == i) << (i % 64))
 }
 
-/// Puts the first of the elements with the hash of each one into `firsts`. They come as their hash and below it their
-/// number.
+/// Writes to `firsts` the first element with the hash of each one. Elements are passed as their hash followed by
+/// their index.
 fn firsts_by_hash(mut elements: Vec<u64>, firsts: Vec<u32>) -> Vec<u32> {
     elements.par_sort_unstable();
     let firsts: Vec<AtomicU32> = firsts.into_iter().map(AtomicU32::new).collect();
@@ -118,7 +117,7 @@ fn hash(key: &impl Hash) -> u32 {
     FxBuildHasher.hash_one(key) as u32
 }
 
-/// The bits of numbers, zero having one sign, so that equal finite numbers have equal bits.
+/// The bits of numbers, without the sign of zero, so that equal finite numbers have equal bits.
 pub(crate) fn bits<const N: usize>(values: [f32; N]) -> [u32; N] {
     values.map(|v| (v + 0.0).to_bits())
 }
@@ -139,7 +138,7 @@ mod tests {
         assert_eq!((classes.of, classes.firsts), (vec![0, 1, 0, 2, 1, 0, 3], vec![0, 1, 3, 6]));
     }
 
-    /// All keys have one hash, and every class is found.
+    /// All keys have the same hash, and every class is found.
     #[test]
     fn collisions_are_told_apart() {
         #[derive(PartialEq, Eq, PartialOrd, Ord)]
@@ -154,7 +153,7 @@ mod tests {
         assert!((0..100_000).all(|i| classes.of[i] == (i % 50_000) as u32));
     }
 
-    /// Equal keys are found whether they stand near each other or far apart, as a map finds them.
+    /// Equal keys are found whether they are near each other or far apart, like a map finds them.
     #[test]
     fn classes_are_those_of_a_map() {
         for spread in [1usize, 10, 40_000, 1_000_000] {

@@ -1,4 +1,4 @@
-//! Triangles that are wound the other way round than their neighbours.
+//! Triangles wound in the opposite direction to their neighbours.
 
 use super::edges::Edges;
 use super::weld::{self, Classes};
@@ -6,22 +6,22 @@ use crate::math::Vec3;
 use crate::mesh::Mesh;
 use crate::parallel;
 
-/// The largest share of a connected surface that is taken for wrong because it opposes the rest.
+/// The maximum fraction of a connected surface that counts as wrong because it opposes the rest.
 const MINORITY: f64 = 0.2;
 
-/// The triangles of a mesh that face the other way than the rest of the surface that they are connected to, in the order
+/// The triangles of a mesh that face the opposite way to the rest of the surface they are connected to, in the order
 /// in which they were found.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Opposed {
-    /// A small part of a surface that is otherwise consistent: there is no doubt that these are reversed.
+    /// A small part of an otherwise consistent surface: these are certainly reversed.
     pub reversed: Vec<u32>,
     /// The smaller part of a surface on which it is unclear which part is right.
     pub doubtful: Vec<u32>,
 }
 
 impl Opposed {
-    /// Finds such triangles. Only edges at which exactly two triangles meet connect a surface, vertices at equal
-    /// positions counted as one.
+    /// Finds such triangles. Surfaces are connected only by edges shared by exactly two triangles; vertices at equal
+    /// positions count as one.
     pub fn of(mesh: &Mesh) -> Self {
         let places = weld::by_position(mesh.positions());
         if !has_opposed_edge(mesh, &places) {
@@ -91,11 +91,11 @@ fn doubled_area(mesh: &Mesh, triangle: usize) -> f64 {
     (b - a).cross(c - a).length()
 }
 
-/// Returns `true` if two triangles run along their common edge in the same direction.
+/// Returns true if two triangles run along their common edge in the same direction.
 ///
-/// Around a vertex on a consistent, closed surface every neighbour follows one triangle and precedes another, so that
-/// hashes of those that follow, less those that precede, add up to zero. Where they do not, edges are compared one by
-/// one: at borders and faults alone, which takes a fraction of the time of looking at all.
+/// Around a vertex on a consistent, closed surface, every neighbour follows one triangle and precedes another, so the
+/// hashes of those that follow, minus those that precede, sum to zero. If they do not, edges are compared one by one:
+/// only at borders and faults, which takes a fraction of the time of comparing all.
 fn has_opposed_edge(mesh: &Mesh, places: &Classes) -> bool {
     let mut sums = vec![0u32; places.firsts.len()];
     let corners = |t: &[u32; 3]| t.map(|v| places.of[v as usize]);
@@ -125,7 +125,7 @@ fn has_opposed_edge(mesh: &Mesh, places: &Classes) -> bool {
     edges.any(|edge| matches!(edge, [one, other] if one[2] == other[2]))
 }
 
-/// A number that looks random, so that sums of several cancel by chance only.
+/// A pseudo-random number, so that sums of several cancel only by chance.
 fn mixed(place: u32) -> u32 {
     let x = (place ^ (place >> 16)).wrapping_mul(0x21f0_aaad);
     let x = (x ^ (x >> 15)).wrapping_mul(0x735a_2d97);
@@ -137,7 +137,7 @@ mod tests {
     use super::*;
     use crate::mesh::MeshData;
 
-    /// A ball whose triangles with these numbers are reversed.
+    /// A ball with these triangles reversed.
     fn ball(reversed: impl Fn(usize) -> bool) -> Mesh {
         let data = Mesh::sphere(1.0, 40, 20).into_data();
         let round = |v: f32| (v * 65536.0).round() / 65536.0;

@@ -1,9 +1,9 @@
-//! Columns and rows of eight things at once: blocks of rays, or shadows of triangles.
+//! Columns and rows of eight items at a time: blocks of rays, or shadows of triangles.
 
 use super::tree::WIDTH;
 use crate::math::{Mask, Pack};
 
-/// The columns and rows of eight things: the least and the greatest, `low[axis][i]`; ∞ and −∞ where there is nothing.
+/// The columns and rows of eight items: minimum and maximum, `low[axis][i]`; ∞ and −∞ for none.
 #[derive(Clone, Copy)]
 pub(super) struct Bounds {
     pub low: [[f32; WIDTH]; 2],
@@ -13,7 +13,7 @@ pub(super) struct Bounds {
 impl Bounds {
     pub const EMPTY: Self = Self { low: [[f32::INFINITY; WIDTH]; 2], high: [[f32::NEG_INFINITY; WIDTH]; 2] };
 
-    /// Returns the things that lie within these columns and rows in part, a bit each.
+    /// Returns the items that overlap these columns and rows, one bit each.
     #[inline(always)]
     pub fn touched<P: Pack>(&self, token: P::Token, [low, high]: [[f32; 2]; 2]) -> u64 {
         let mut touched = 0;
@@ -53,7 +53,7 @@ impl Bounds {
     }
 }
 
-/// Returns the bounds of both; numbers that are NaN do not count.
+/// Returns the bounds of both, ignoring NaN.
 #[inline(always)]
 pub(super) fn joined(all: [[f32; 2]; 2], [low, high]: [[f32; 2]; 2]) -> [[f32; 2]; 2] {
     let least = |axis: usize| if low[axis] < all[0][axis] { low[axis] } else { all[0][axis] };

@@ -10,13 +10,13 @@ use crate::math::{SimdLevel, Vec3, dispatch_eight};
 use crate::mesh::Point;
 use fearless_simd::Level;
 
-/// Triangles of a cluster, at most.
+/// The maximum number of triangles in a cluster.
 const CLUSTER: usize = 64;
 
-/// A point where a ray meets a triangle.
+/// An intersection of a ray with a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
-    /// Index of the triangle as given to [`Bvh::build`].
+    /// Index of the triangle as passed to [`Bvh::build`].
     pub triangle: u32,
     /// Weights of its corners.
     pub weights: [f32; 3],
@@ -25,42 +25,42 @@ pub struct Hit {
 }
 
 impl Hit {
-    /// The point of the mesh whose triangles were given.
+    /// The point on the mesh from whose triangles the tree was built.
     #[inline]
     pub fn point(&self) -> Point {
         Point { triangle: self.triangle, weights: self.weights }
     }
 }
 
-/// Triangles sorted for rays. Hits have the same bits on every machine.
+/// Triangles sorted for ray tracing. Hits have the same bits on every machine.
 pub struct Bvh {
     pub(super) tree: Tree,
     pub(super) level: Level,
 }
 
 impl Bvh {
-    /// Sorts `triangles`, of finite positions.
+    /// Sorts `triangles`, whose positions must be finite.
     pub fn build(triangles: &[[Vec3; 3]]) -> Self {
         Self::of(triangles.len(), |t| triangles[t])
     }
 
-    /// Sorts the triangles 0 to `count` − 1, at most 2^32, whose finite corners `corners` returns. It is called several
-    /// times.
+    /// Sorts the triangles 0 to `count` − 1, at most 2^32, whose finite corners are returned by `corners`. It is
+    /// called several times.
     pub fn of(count: usize, corners: impl Fn(usize) -> [Vec3; 3] + Sync) -> Self {
         Self { tree: Tree::new(along_curve(count, &corners), &corners), level: SimdLevel::fastest() }
     }
 
-    /// Sorts as [`Bvh::build`] does, for many rays: sorting takes some seventeen times as long, and rays take a fifth less
-    /// time. It is worth it from about four rays a triangle on. Hits are the same.
+    /// Like [`Bvh::build`], for many rays: sorting takes about seventeen times as long, and tracing a fifth less
+    /// time. Pays off above about four rays per triangle. Hits are the same.
     pub fn for_many_rays(triangles: &[[Vec3; 3]]) -> Self {
         let corners = |t: usize| triangles[t];
         Self { tree: Tree::new(by_area(triangles.len(), &corners), &corners), level: SimdLevel::fastest() }
     }
 
-    /// Returns the same tree, whose rays are traced at another SIMD level than the machine's fastest.
+    /// Returns the same tree, traced at a SIMD level other than the machine's fastest.
     ///
     /// # Errors
-    /// Returns an error if the SIMD level is not available on this machine.
+    /// If the SIMD level is not available on this machine.
     pub fn with_simd(self, simd: SimdLevel) -> Result<Self> {
         Ok(self.at(simd.dispatch()?))
     }
@@ -69,12 +69,13 @@ impl Bvh {
         Self { level, ..self }
     }
 
-    /// The nearest hit with a distance below `limit`.
+    /// Returns the nearest hit with a distance below `limit`.
     pub fn nearest(&self, ray: &Ray, limit: f32) -> Option<Hit> {
         self.nearest_of(ray, limit, |_| true)
     }
 
-    /// Returns the nearest hit below the distance `limit` that `counts`, which may be called for any hit in any order.
+    /// Returns the nearest hit below the distance `limit` that `counts`, which may be called for any hit in any
+    /// order.
     pub fn nearest_of(&self, ray: &Ray, limit: f32, counts: impl Fn(&Hit) -> bool) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         self.walk::<true>(ray, Span { from: 0.0, to: limit }, |hit, span| {
@@ -87,7 +88,7 @@ impl Bvh {
         best
     }
 
-    /// Says whether anything that `blocks` is hit at a distance below `limit`.
+    /// Returns true if anything that `blocks` is hit at a distance below `limit`.
     pub fn occluded(&self, ray: &Ray, limit: f32, blocks: impl Fn(&Hit) -> bool) -> bool {
         let mut blocked = false;
         self.walk::<false>(ray, Span { from: 0.0, to: limit }, |hit, span| {
@@ -97,7 +98,7 @@ impl Bvh {
         blocked
     }
 
-    /// The point of all triangles that is closest to `point`, where one is at most `reach` away.
+    /// Returns the point of all triangles closest to `point`, if one is at most `reach` away.
     pub fn closest(&self, point: Vec3, reach: f32) -> Option<Closest> {
         self.closest_of(point, reach, |_| true)
     }
@@ -128,7 +129,7 @@ impl Bvh {
     }
 }
 
-/// Says whether a hit is nearer; of equal distances the smaller index, whatever the order of the walk.
+/// Returns true if a hit is nearer; at equal distances the smaller index wins, in any order of traversal.
 fn comes_before(hit: &Hit, best: &Hit) -> bool {
     hit.distance < best.distance || hit.distance == best.distance && hit.triangle < best.triangle
 }
@@ -170,7 +171,7 @@ mod tests {
             assert_eq!(bvh.occluded(&ray, f32::INFINITY, |_| true), brute.is_finite());
             hits += usize::from(brute.is_finite());
         }
-        assert!(hits > 200, "the test must see hits, saw {hits}");
+        assert!(hits > 200, "the test needs hits, found {hits}");
     }
 
     #[test]

@@ -1,14 +1,15 @@
-//! An order of triangles for many rays: halves chosen so that the boxes around them have little surface.
+//! An order of triangles for many rays: split so that the boxes around the halves have a small surface area.
 //!
-//! To find it takes seventeen times as long as the order along a curve, and rays take a fifth less time. Large triangles
-//! among small ones, such as the walls around a scan, end up side by side, where each would widen a box of its own.
+//! Finding it takes seventeen times as long as the order along a curve, and tracing takes a fifth less time. Large
+//! triangles among small ones, such as the walls around a scan, are grouped, whereas on a curve each would enlarge a
+//! separate box.
 //! Source: MacDonald and Booth 1990, "Heuristics for ray tracing using space subdivision".
 
 use super::tree::{Corners, WIDTH};
 use crate::math::Vec3;
 use crate::parallel;
 
-/// A triangle by its box.
+/// A triangle, represented by its box.
 #[derive(Debug, Clone, Copy, Default)]
 struct Item {
     min: [f32; 3],
@@ -16,7 +17,7 @@ struct Item {
     number: u32,
 }
 
-/// What halves are told apart by: the middle of the box along each axis, or its longest side.
+/// The keys by which halves are separated: the centre of the box along each axis, or its longest side.
 const KEYS: [usize; 4] = [0, 1, 2, LONGEST];
 const LONGEST: usize = 3;
 
@@ -36,7 +37,7 @@ impl Item {
     }
 }
 
-/// Returns the numbers of triangles in the order in which a tree takes them, eight by eight.
+/// Returns the indices of triangles in the order for a tree, eight by eight.
 pub(super) fn by_area(count: usize, corners: Corners<'_>) -> Vec<u32> {
     let mut items = parallel::collect(count, |t| Item::new(t, corners(t)));
     let mut child = WIDTH;
@@ -47,9 +48,9 @@ pub(super) fn by_area(count: usize, corners: Corners<'_>) -> Vec<u32> {
     parallel::collect(count, |i| items[i].number)
 }
 
-/// Arranges the triangles of a node whose children hold `child` triangles each.
+/// Arranges the triangles of a node whose children contain `child` triangles each.
 fn arrange(items: &mut [Item], child: usize) {
-    /// Triangles from which on two halves are arranged side by side.
+    /// Two halves with at least this number of triangles are arranged in parallel.
     const APART: usize = 4096;
     if items.len() <= WIDTH {
         items.sort_unstable_by_key(|item| item.number);
@@ -75,13 +76,13 @@ fn arrange(items: &mut [Item], child: usize) {
     }
 }
 
-/// Moves the triangles with the lower numbers to the front.
+/// Moves the triangles with the lower keys to the front.
 fn halve(items: &mut [Item], half: usize, key: usize) {
     items
         .select_nth_unstable_by(half, |a, b| a.key(key).total_cmp(&b.key(key)).then(a.number.cmp(&b.number)));
 }
 
-/// Returns what rays pay for a box around triangles: half of its surface, as often as there are triangles.
+/// Returns the cost of a box around triangles for rays: half of its surface area times the number of triangles.
 fn cost(items: &[Item]) -> f32 {
     let (mut min, mut max) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for item in items {

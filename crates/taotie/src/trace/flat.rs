@@ -1,30 +1,30 @@
-//! A bounding volume hierarchy as a list that is walked without a stack.
+//! A bounding volume hierarchy as a list for stackless traversal.
 
 use super::bvh::Bvh;
 use super::tree::WIDTH;
 use std::ops::Range;
 
-/// A bounding volume hierarchy as a list, for machines that trace rays themselves: every box comes before those in it.
+/// A bounding volume hierarchy as a list, for GPUs that trace rays themselves: every box precedes those inside it.
 ///
-/// Who walks it goes to the next box where a ray meets one, and to [`FlatBox::skip`] where it does not.
+/// Traversal continues with the next box if a ray hits one, and with [`FlatBox::skip`] if it does not.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FlatBvh {
     /// The boxes.
     pub boxes: Vec<FlatBox>,
-    /// The triangles as given to [`Bvh::build`], those of a box side by side.
+    /// The triangles as passed to [`Bvh::build`], those of a box side by side.
     pub order: Vec<u32>,
 }
 
 /// A box of a [`FlatBvh`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatBox {
-    /// The least coordinates.
+    /// The minimum coordinates.
     pub low: [f32; 3],
-    /// The largest coordinates.
+    /// The maximum coordinates.
     pub high: [f32; 3],
-    /// The number of the next box that does not lie in this one.
+    /// The index of the next box outside this one.
     pub skip: u32,
-    /// The places in [`FlatBvh::order`] of its triangles, at most eight; empty where it holds boxes.
+    /// The range of its triangles in [`FlatBvh::order`], at most eight; empty if it contains boxes.
     pub triangles: Range<u32>,
 }
 
@@ -45,7 +45,7 @@ impl Bvh {
         FlatBvh { boxes, order: self.tree.order.clone() }
     }
 
-    /// Adds the boxes in a node of a level above the leaves, 1 the lowest.
+    /// Adds the boxes in a node of a level above the leaves; 1 is the lowest.
     fn flatten(&self, level: usize, node: usize, boxes: &mut Vec<FlatBox>) {
         for child in 0..self.tree.children(level, node) {
             let around = &self.tree.levels[level - 1][node];

@@ -1,16 +1,16 @@
-//! The order of points along a curve that fills space.
+//! The order of points along a space-filling curve.
 
-/// Bits a coordinate.
+/// Bits per coordinate.
 pub(super) const BITS: u32 = 10;
 
-/// The number of cells that are looked at side by side.
+/// The number of cells processed side by side.
 pub(super) const CELLS: usize = 8;
 
 /// The coordinates of cells, axis by axis.
 pub(super) type Cells = [[u32; CELLS]; 3];
 
-/// Returns the places along Hilbert's curve of cells of a cube of 2^[`BITS`] cells a side; neighbours on the curve are
-/// neighbours in space. Loops without branches over all cells, of which compilers make packs.
+/// Returns the positions along Hilbert's curve of cells in a cube of 2^[`BITS`] cells per side; neighbours on the
+/// curve are neighbours in space. Branchless loops over all cells, which compilers vectorise.
 ///
 /// Source: Skilling 2004, "Programming the Hilbert curve".
 #[inline]
@@ -19,7 +19,7 @@ pub(super) fn hilbert_indices(cells: &Cells) -> [u64; CELLS] {
     for bit in (1..BITS).rev() {
         let low = (1 << bit) - 1;
         let [first, second, third] = &mut x;
-        // The first is swapped with itself, which leaves it.
+        // The first is swapped with itself, which has no effect.
         first.iter_mut().for_each(|first| *first ^= low & all_ones(*first >> bit & 1));
         for (first, other) in first.iter_mut().zip(second) {
             turn(first, other, bit);
@@ -38,7 +38,7 @@ pub(super) fn hilbert_indices(cells: &Cells) -> [u64; CELLS] {
     indices
 }
 
-/// Where a bit of `other` is set, flips the lower ones of `first`; elsewhere swaps those of both.
+/// If a bit of `other` is set, flips the lower ones of `first`; otherwise swaps those of both.
 #[inline(always)]
 fn turn(first: &mut u32, other: &mut u32, bit: u32) {
     let (low, set) = ((1 << bit) - 1, all_ones(*other >> bit & 1));
@@ -53,7 +53,7 @@ fn all_ones(bit: u32) -> u32 {
     0u32.wrapping_sub(bit)
 }
 
-/// The bits of a number of at most 21, two zeros between each and the next.
+/// The lowest 21 bits of a number, with two zeros between consecutive bits.
 fn spread_bits(v: u32) -> u64 {
     let mut v = u64::from(v);
     v = (v | v << 32) & 0x001f_0000_0000_ffff;
@@ -69,7 +69,7 @@ mod tests {
 
     #[test]
     fn neighbours_on_the_curve_are_neighbours_in_space() {
-        // A cube of 8 cells a side at the origin is the first part of the curve.
+        // A cube of 8 cells per side at the origin is the first part of the curve.
         let side = 8u32;
         let mut cells: Vec<[u32; 3]> =
             (0..side.pow(3)).map(|i| [i % side, i / side % side, i / side / side]).collect();

@@ -20,7 +20,8 @@ mod walk;
 
 pub use bvh::{Bvh, Hit};
 pub use flat::{FlatBox, FlatBvh};
-pub use nearby::{Closest, distance_to_triangle};
+pub use nearby::Closest;
+pub(crate) use nearby::distance_to_triangle;
 pub use nearest::{Nearest, RayInterval};
 pub use packet_origins::{PacketOrigins, ParallelRays};
 pub use ray_packet::{PacketView, RayPacket};

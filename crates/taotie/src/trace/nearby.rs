@@ -1,11 +1,11 @@
-//! The point of a surface that is closest to a given one, and the triangles within a distance of it.
+//! The closest point of a surface to a given one, and the triangles within a distance of it.
 
 use super::tree::{Boxes, Leaf, Tree, WIDTH};
 use crate::math::Vec3;
 use crate::mesh::Point;
 use arrayvec::ArrayVec;
 
-/// The point of a surface that is closest to another.
+/// The closest point of a surface to another point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Closest {
     /// Index of its triangle.
@@ -17,7 +17,7 @@ pub struct Closest {
 }
 
 impl Closest {
-    /// The point of the mesh whose triangles were given.
+    /// The point on the mesh from whose triangles the tree was built.
     pub fn point(&self) -> Point {
         Point { triangle: self.triangle, weights: self.weights }
     }
@@ -29,11 +29,11 @@ pub fn distance_to_triangle(corners: [Vec3; 3], point: Vec3) -> f32 {
     (corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2] - point).length()
 }
 
-/// Nodes that wait to be visited, at most: of each of 11 levels those of one node, but for the one that is visited.
+/// The maximum number of nodes waiting to be visited: the siblings of the visited node on each of 11 levels.
 const STACK: usize = 11 * (WIDTH - 1) + WIDTH;
 
-/// Returns the closest point of the triangles that `counts`. Visits nodes from near to far, and passes over those that begin
-/// farther away than the best so far.
+/// Returns the closest point of the triangles that `counts`. Visits nodes from near to far, and skips those farther
+/// away than the best so far.
 pub(super) fn closest(tree: &Tree, point: Vec3, reach: f32, counts: impl Fn(u32) -> bool) -> Option<Closest> {
     let mut best: Option<(f32, Closest)> = None;
     let mut limit = reach * reach;
@@ -118,7 +118,7 @@ fn squared_distances(boxes: &Boxes, point: Vec3) -> [f32; WIDTH] {
     squared
 }
 
-/// The weights of the corners at the point of a triangle that is closest to `p`.
+/// The weights of the corners at the point of a triangle closest to `p`.
 ///
 /// Source: Ericson 2004, "Real-Time Collision Detection", 5.1.5.
 fn closest_weights([a, b, c]: [Vec3; 3], p: Vec3) -> [f32; 3] {
@@ -201,7 +201,7 @@ mod tests {
         for _ in 0..300 {
             let p = point() * 2.0 - Vec3::splat(0.5);
             let found = bvh.closest(p, f32::INFINITY).unwrap();
-            // A grid over every triangle, its borders too: none of it may lie closer, and the best of it hardly farther.
+            // A grid over every triangle, including its borders: no point may be closer, and the best hardly farther.
             let steps = 24;
             let grid = |[a, b, c]: [Vec3; 3]| {
                 (0..=steps).flat_map(move |i| {

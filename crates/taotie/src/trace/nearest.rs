@@ -1,22 +1,22 @@
-//! The hit nearest to a place on a ray.
+//! The hit nearest to a given distance along a ray.
 
 use super::Ray;
 use super::bvh::{Bvh, Hit};
 use super::walk::{Cast, Met, Span, walk};
 use crate::math::dispatch_eight;
 
-/// An interval of a ray in which the hit nearest to its centre is sought: distances in lengths of the direction.
+/// An interval of a ray in which to find the hit nearest to its centre: distances in lengths of the direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayInterval {
     /// The start of the interval, at least 0.
     pub from: f32,
-    /// The distance that hits are to be near to.
+    /// The distance to which hits should be near.
     pub center: f32,
     /// The end of the interval.
     pub to: f32,
 }
 
-/// The two hits nearest to the centre of an interval so far, with what was said of them.
+/// The two hits nearest to the centre of an interval so far, with the values returned for them.
 #[derive(Debug, Clone, Copy)]
 pub struct Nearest<T> {
     interval: RayInterval,
@@ -25,15 +25,15 @@ pub struct Nearest<T> {
 }
 
 impl<T: Copy> Nearest<T> {
-    /// Begins without a hit.
+    /// Starts without a hit.
     #[inline]
     pub fn on(interval: RayInterval) -> Self {
         Self { interval, best: None, second: None }
     }
 
-    /// Takes a hit that lies in the interval, is nearer than the second so far, and for which `judge` returns something;
-    /// of two equally near the one farther along the ray, then the triangle with the lower number. So the order of hits
-    /// does not matter.
+    /// Offers a hit, which is accepted if it is in the interval, is nearer than the second so far, and `judge`
+    /// returns a value; of two equally near, the one farther along the ray wins, then the triangle with the lower
+    /// index. So the order of hits does not matter.
     #[inline]
     pub fn offer(&mut self, hit: Hit, judge: impl FnOnce(&Hit) -> Option<T>) {
         let RayInterval { from, to, .. } = self.interval;
@@ -54,7 +54,7 @@ impl<T: Copy> Nearest<T> {
         self.best
     }
 
-    /// The best of all others.
+    /// The best of the others.
     #[inline]
     pub fn second(self) -> Option<(Hit, T)> {
         self.second
@@ -68,7 +68,7 @@ impl<T: Copy> Nearest<T> {
         order.then(hit.triangle.cmp(&other.triangle)).is_lt()
     }
 
-    /// The interval in which a better hit may still lie.
+    /// The interval in which a better hit is still possible.
     #[inline]
     fn span(&self) -> Span {
         let RayInterval { from, center, to } = self.interval;
@@ -78,8 +78,8 @@ impl<T: Copy> Nearest<T> {
 }
 
 impl Bvh {
-    /// Returns the two hits in an interval of a ray that are nearest to its centre, of those for which `judge` returns
-    /// something. It may be called for any hit, in any order; its answers are returned with them.
+    /// Returns the two hits in an interval of a ray that are nearest to its centre, among those for which `judge`
+    /// returns a value. It may be called for any hit, in any order; its values are returned with the hits.
     pub fn nearest_to<T: Copy>(
         &self,
         ray: &Ray,
@@ -114,9 +114,9 @@ mod tests {
         let nearest = |interval: [f32; 3]| found(interval, &|_| Some(0)).map(|(triangle, _)| triangle);
         assert_eq!(nearest([0.0, 0.1, 9.0]), Some(0));
         assert_eq!(nearest([0.0, 3.5, 9.0]), Some(2));
-        assert_eq!(nearest([0.0, 3.0, 9.0]), Some(2), "of equals the farther");
+        assert_eq!(nearest([0.0, 3.0, 9.0]), Some(2), "the farther of two equals");
         assert_eq!(nearest([0.0, 1.4, 9.0]), Some(0));
-        assert_eq!(nearest([1.5, 1.0, 9.0]), Some(1), "not before its beginning");
+        assert_eq!(nearest([1.5, 1.0, 9.0]), Some(1), "not before its start");
         assert_eq!(nearest([4.5, 5.0, 9.0]), None);
         let second = |[from, center, to]: [f32; 3]| {
             let nearest = bvh.nearest_to(&ray, RayInterval { from, center, to }, |_| Some(0));

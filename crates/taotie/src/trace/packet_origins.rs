@@ -1,27 +1,27 @@
-//! Packets of rays that are the same but for their origins.
+//! Packets of parallel rays, which differ only in their origins.
 
 use super::ray_packet::{PacketView, Places, RayPacket};
 use super::tree::WIDTH;
 use crate::math::Vec3;
 
-/// The origins of rays that run the same way, in the order of the packet's rays: neighbours one after the other.
+/// The origins of parallel rays, in the order of the packet's rays: neighbours one after the other.
 pub struct PacketOrigins {
     blocks: Vec<Places>,
 }
 
-/// The way that the rays of a packet run.
+/// The direction and reach of the rays of a packet.
 #[derive(Debug, Clone, Copy)]
 pub struct ParallelRays {
     /// Unit.
     pub direction: Vec3,
-    /// The distance within which they look.
+    /// The distance within which they search.
     pub reach: f32,
-    /// The distance beside it at which a ray may meet something, apart from rounding.
+    /// The distance to its side at which a ray may hit something, apart from rounding.
     pub margin: f32,
 }
 
 impl PacketOrigins {
-    /// Takes origins.
+    /// Stores origins.
     pub fn new(origins: impl ExactSizeIterator<Item = Vec3>) -> Self {
         let mut blocks = vec![Places::default(); origins.len().div_ceil(WIDTH)];
         for (ray, origin) in origins.enumerate() {
@@ -37,8 +37,8 @@ impl PacketOrigins {
         Vec3::new(x[ray % WIDTH], y[ray % WIDTH], z[ray % WIDTH])
     }
 
-    /// Makes a packet of rays from these origins. `going` has a bit of each ray, eight in a byte: those whose bit is 0
-    /// are left out. Returns `None` where one ray at a time is faster, as [`RayPacket::new`] does.
+    /// Creates a packet of rays from these origins. `going` has one bit per ray, eight in a byte: those whose bit is
+    /// 0 are excluded. Returns `None` if tracing one ray at a time is faster, like [`RayPacket::new`].
     pub fn packet(&self, mut going: Vec<u8>, rays: ParallelRays) -> Option<RayPacket> {
         let ParallelRays { direction, reach, margin } = rays;
         going.resize(self.blocks.len(), 0);
@@ -57,7 +57,7 @@ impl PacketOrigins {
                 (nearest, farthest) = (nearest.min(depth), farthest.max(depth));
             }
         }
-        // Rounding of places and of their shadows, which grows with how far away they are from zero.
+        // Rounding of coordinates and of their shadows, which grows with their distance from zero.
         let slack = (origin.length() + farthest - nearest) * 2e-6 + margin;
         let depths = [nearest - slack, farthest + reach];
         RayPacket::parallel(PacketView { origin, axes, slack: [slack; 2], depths }, places, going)

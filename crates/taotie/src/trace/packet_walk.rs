@@ -1,9 +1,10 @@
-//! Rays of a packet, met by triangles instead of meeting them.
+//! Traces the rays of a packet by projecting triangles onto the rays.
 //!
-//! Neighbouring samples of a map look the same way, for triangles of about their own size. To ask for each ray which
-//! triangles it meets costs a walk through the tree a ray. Here the tree is walked once for all: a triangle near the
-//! rays casts a shadow along their direction, and only the rays of the blocks that its shadow touches are tested, eight
-//! at once. The test is that of [`super::Ray::intersect`], in the coordinates of the packet.
+//! Neighbouring samples of a map look in the same direction, for triangles of about their own size. Finding the
+//! triangles of each ray separately costs a traversal of the tree per ray. Here the tree is traversed once for all: a
+//! triangle near the rays casts a shadow along their direction, and only the rays of the blocks that its shadow
+//! touches are tested, eight at a time. The test is that of [`super::Ray::intersect`], in the coordinates of the
+//! packet.
 
 use super::bvh::{Bvh, Hit};
 use super::ray_packet::RayPacket;
@@ -12,8 +13,8 @@ use super::tree::{Boxes, WIDTH};
 use crate::math::{Mask, Pack, dispatch_eight};
 
 impl Bvh {
-    /// Calls `meet` with each ray of a packet that goes on, by its number, and each triangle that it meets at any distance
-    /// from 0 on, in no particular order; what it returns says whether the ray goes on from there.
+    /// Calls `meet` with each active ray of a packet, by its index, and each triangle that it hits at a distance of
+    /// at least 0, in no particular order; the ray stays active if it returns true.
     pub fn meet_all(&self, packet: &mut RayPacket, meet: impl FnMut(usize, Hit) -> bool) {
         dispatch_eight!(self.level, P, token => walk_packet::<P>(token, self, packet, meet));
     }
@@ -49,7 +50,7 @@ fn walk_packet<P: Pack>(
     }
 }
 
-/// Returns the boxes that the rays may run through, a bit each.
+/// Returns the boxes that the rays may cross, one bit each.
 #[inline(always)]
 fn touched<P: Pack>(token: P::Token, boxes: &Boxes, packet: &RayPacket) -> u64 {
     let mut touched = 0;
@@ -67,7 +68,7 @@ fn touched<P: Pack>(token: P::Token, boxes: &Boxes, packet: &RayPacket) -> u64 {
                 middle = middle + ((min + max) * half - P::splat(token, origin[i])) * along;
                 reach = reach + (max - min) * half * along.abs();
             }
-            // What rounding takes from a box, generously.
+            // A generous bound of the rounding error of a box.
             let reach = reach + (reach + middle.abs()) * P::splat(token, 1e-5);
             within = within.and((middle - reach).le(P::splat(token, high)));
             within = within.and(P::splat(token, low).le(middle + reach));
@@ -84,10 +85,10 @@ mod tests {
     use super::*;
     use crate::math::Vec3;
 
-    /// A ray, the triangle that it meets, distance and weights.
+    /// A ray, the triangle that it hits, distance and weights.
     type Met = (usize, u32, f32, [f32; 3]);
 
-    /// How far apart distances of about 2 may be, which are computed in other coordinates; measured: 2.4e-6.
+    /// The maximum difference of distances of about 2 that are computed in other coordinates; measured: 2.4e-6.
     const APART: f32 = 4e-6;
 
     #[test]
@@ -131,7 +132,7 @@ mod tests {
                         expected.push((i, t as u32, distance, weights));
                     }
                 }
-                // Hits of the one that the other lacks run through an edge, or beyond the depths, where nothing need be met.
+                // Hits found by only one of them are at an edge, or outside the depths, where no hit is required.
                 let lacks = |hits: &[Met], hit: &Met| {
                     let same = |other: &&Met| (other.0, other.1) == (hit.0, hit.1);
                     let inside = hit.3.iter().all(|weight| *weight > 1e-4) && hit.2 < depths[1] * 0.9;

@@ -1,50 +1,50 @@
-//! Rays that run side by side, in blocks of eight neighbours.
+//! Nearly parallel rays, in blocks of eight neighbours.
 
 use super::Ray;
 use super::bounds::{Bounds, joined};
 use super::tree::WIDTH;
 use crate::math::Vec3;
 
-/// The coordinates in which a ray packet is seen: a place V has column · (V − origin), row · (V − origin) and
-/// depth · (V − origin). Along the rays' mean direction column and row do not change.
+/// The coordinates of a ray packet: a position V has column · (V − origin), row · (V − origin) and depth · (V −
+/// origin). Along the rays' mean direction, column and row are constant.
 #[derive(Debug, Clone, Copy)]
 pub struct PacketView {
-    /// The place where coordinates are zero.
+    /// The origin of the coordinates.
     pub origin: Vec3,
     /// Column, row and depth.
     pub axes: [Vec3; 3],
-    /// The distance beside its column and row at which a ray may meet something, as it parts from the mean direction.
+    /// The distance from its column and row at which a ray may hit something, as it diverges from the mean direction.
     pub slack: [f32; 2],
-    /// The range of depths in which the rays look.
+    /// The range of depths that the rays search.
     pub depths: [f32; 2],
 }
 
-/// Three coordinates of eight places.
+/// Three coordinates of eight positions.
 pub(super) type Places = [[f32; WIDTH]; 3];
 
-/// Rays that run side by side, of which each eight that follow one another are a block. Blocks should be narrow, so
-/// rays that follow one another should be neighbours.
+/// Nearly parallel rays; every eight consecutive ones are a block. Blocks should be narrow, so consecutive rays
+/// should be neighbours.
 pub struct RayPacket {
     pub(super) view: PacketView,
     /// Column, row and depth of the origins of each block's rays.
     pub(super) origins: Vec<Places>,
-    /// What the rays of each block gain for a step in depth: columns, rows, lengths of their directions. Empty where all
-    /// run along the depth: 0, 0 and 1.
+    /// The change of the rays of each block per step in depth: columns, rows, lengths of their directions. Empty if
+    /// all are parallel to the depth: 0, 0 and 1.
     pub(super) slopes: Vec<Places>,
-    /// The rays of eight blocks that go on.
+    /// The bounds of the active rays of eight blocks each.
     pub(super) bounds: Vec<Bounds>,
-    /// The rays of each block that go on, a bit each.
+    /// The active rays of each block, one bit each.
     pub(super) going: Vec<u8>,
-    /// How many go on.
+    /// The number of active rays.
     pub(super) left: usize,
-    /// The least and the greatest column, row and depth that matter.
+    /// The minimum and maximum column, row and depth that matter.
     pub(super) limits: [[f32; 2]; 3],
 }
 
 impl RayPacket {
-    /// Makes a packet of rays that lie at these columns and rows; `None` where there is no ray or not a place for each,
-    /// where one does not run into the depth, or where the slack spreads each over many others, so that one ray at a
-    /// time is faster.
+    /// Creates a packet of rays at these columns and rows; `None` if there are no rays or the numbers of rays and
+    /// positions differ, if a ray does not run in the direction of depth, or if the slack spreads each over many
+    /// others, so that tracing one ray at a time is faster.
     pub fn new(rays: &[Ray], places: &[[f32; 2]], view: PacketView) -> Option<Self> {
         if rays.len() != places.len() {
             return None;
@@ -69,16 +69,16 @@ impl RayPacket {
         Some(Self { origins, slopes, ..Self::within(view, bounds, going)? })
     }
 
-    /// Makes a packet of those rays along the depth, one length a step, that `going` has a bit of. Origins and depths of
-    /// the view are in its coordinates.
+    /// Creates a packet of the rays parallel to the depth, one length per step, whose bits are set in `going`.
+    /// Origins and depths of the view are in its coordinates.
     pub(super) fn parallel(view: PacketView, origins: Vec<Places>, going: Vec<u8>) -> Option<Self> {
         let bounds = bounds(&going, |ray| [0, 1].map(|axis| origins[ray / WIDTH][axis][ray % WIDTH]));
         Some(Self { origins, ..Self::within(view, bounds, going)? })
     }
 
-    /// Makes a packet of rays within these bounds, whose origins and slopes the caller adds.
+    /// Creates a packet of rays within these bounds, whose origins and slopes the caller adds.
     fn within(view: PacketView, bounds: Vec<Bounds>, going: Vec<u8>) -> Option<Self> {
-        /// Rays that one may be spread over by the slack, along each side.
+        /// The maximum number of rays over which the slack may spread one, along each side.
         const WIDEST: f32 = 16.0;
         let left: usize = going.iter().map(|going| going.count_ones() as usize).sum();
         let [least, most] = bounds.iter().fold(Bounds::EMPTY.of(0), |all, bounds| joined(all, bounds.all()));
@@ -92,12 +92,12 @@ impl RayPacket {
         (narrow(0) && narrow(1)).then_some(Self { view, origins, slopes, bounds, going, left, limits })
     }
 
-    /// Returns the rays that go on, a bit each, eight in a byte.
+    /// Returns the active rays, one bit each, eight in a byte.
     pub fn into_going(self) -> Vec<u8> {
         self.going
     }
 
-    /// Takes a ray out.
+    /// Deactivates a ray.
     pub(super) fn end(&mut self, block: usize, lane: usize) {
         self.left -= 1;
         self.going[block] &= !(1 << lane);
@@ -107,7 +107,7 @@ impl RayPacket {
     }
 }
 
-/// Returns the bounds of the rays of each block that go on, which lie at the columns and rows that `place` returns.
+/// Returns the bounds of the active rays of each block; their columns and rows are returned by `place`.
 fn bounds(going: &[u8], place: impl Fn(usize) -> [f32; 2]) -> Vec<Bounds> {
     let mut bounds = vec![Bounds::EMPTY; going.len().div_ceil(WIDTH)];
     for (block, going) in going.iter().enumerate() {

@@ -7,19 +7,19 @@ use super::triangle::{Edges, pierced};
 use super::walk::Met;
 use crate::math::{Lane, Mask, Pack};
 
-/// What the triangles of a leaf cast onto the rays along their depth.
+/// The projections of the triangles of a leaf along the rays' depth.
 pub(super) struct Shadows {
     /// The corners in the packet's coordinates, `corners[corner][axis][triangle]`.
     corners: [Places; 3],
-    /// The columns and rows that a ray may lie at that meets the triangle.
+    /// The columns and rows of rays that may hit the triangle.
     bounds: Bounds,
-    /// The leaf, and the triangles that it has, a bit each.
+    /// The leaf, and its triangles, one bit each.
     leaf: usize,
     present: u64,
 }
 
 impl Shadows {
-    /// Returns the shadows of a leaf's triangles; those that no ray can meet have empty bounds.
+    /// Returns the shadows of a leaf's triangles; those that no ray can hit have empty bounds.
     #[inline(always)]
     pub fn new<P: Pack>(token: P::Token, tree: &Tree, leaf: usize, packet: &RayPacket) -> Self {
         let present = (1 << tree.triangles(leaf)) - 1;
@@ -55,7 +55,7 @@ impl Shadows {
         shadows
     }
 
-    /// Calls `meet` with the rays of a packet that meet a triangle, and with that.
+    /// Calls `meet` with each ray of a packet that hits a triangle, and with the triangle.
     #[inline(always)]
     pub fn meet<P: Pack>(
         &self,
@@ -66,7 +66,7 @@ impl Shadows {
         let all = self.bounds.all();
         for eight in 0..packet.bounds.len() {
             let mut near = packet.bounds[eight].touched::<P>(token, all);
-            // A byte a block, a bit a triangle.
+            // A byte per block, a bit per triangle.
             let mut pairs = 0u64;
             while near != 0 {
                 let block = near.trailing_zeros() as usize;
@@ -142,7 +142,7 @@ impl Pair<'_> {
         self.shadows.corners[corner][axis][self.triangle]
     }
 
-    /// Returns the edges of the triangle along the block's rays, those of a pack from the lane `k` on.
+    /// Returns the edges of the triangle along the block's rays, for a pack starting at lane `k`.
     #[inline(always)]
     fn edges<P: Pack>(&self, token: P::Token, packet: &RayPacket, k: usize) -> Option<Edges<P>> {
         let origins = &packet.origins[self.block];
@@ -163,7 +163,7 @@ impl Pair<'_> {
         Edges::new(seen, along, P::load(token, &slopes[2][k..]))
     }
 
-    /// Returns the distance and the weights at which a ray of the block meets the triangle.
+    /// Returns the distance and the weights at which a ray of the block hits the triangle.
     fn intersect(&self, packet: &RayPacket, lane: usize) -> Option<(f32, [f32; 3])> {
         let origin = packet.origins[self.block].map(|axis| axis[lane]);
         let slope =

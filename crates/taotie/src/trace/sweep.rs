@@ -1,4 +1,4 @@
-//! Walks over all triangles in one direction.
+//! Visits all triangles in one direction.
 
 use super::bvh::Bvh;
 use super::tree::{Boxes, Leaf, WIDTH};
@@ -8,12 +8,12 @@ use std::cmp::Ordering;
 /// The corners of up to eight triangles, `corners[corner][axis][triangle]`.
 pub type EightTriangles = [[[f32; WIDTH]; 3]; 3];
 
-/// Takes the triangles of a [`Bvh::sweep`].
+/// Receives the triangles of a [`Bvh::sweep`].
 pub trait Sweep {
-    /// Returns `true` if the triangles in a box, its least and its greatest corner, are wanted.
+    /// Returns true if the triangles in a box, given by its minimum and maximum corner, are wanted.
     fn wants(&self, bounds: [Vec3; 2]) -> bool;
 
-    /// Takes up to eight triangles, by their numbers and corners.
+    /// Receives up to eight triangles, by their indices and corners.
     fn take(&mut self, triangles: &[u32], corners: &EightTriangles);
 }
 
@@ -25,7 +25,7 @@ struct Waiting {
 }
 
 impl Bvh {
-    /// Visits the boxes that are wanted, those farthest along `toward` first, and takes their triangles.
+    /// Visits the wanted boxes, those farthest along `toward` first, and passes on their triangles.
     pub fn sweep(&self, toward: Vec3, sweep: &mut impl Sweep) {
         self.descend(toward, |next, leaf| match leaf {
             None => sweep.wants(next),
@@ -41,7 +41,7 @@ impl Bvh {
         let mut most = f32::NEG_INFINITY;
         self.descend(direction, |[low, high], leaf| {
             let Some((triangles, leaf)) = leaf else {
-                // Rounding keeps the order of numbers, so no corner in the box is farther than that.
+                // Rounding keeps the order of numbers, so no corner in the box is farther.
                 let pick = |d: f32, low: f32, high: f32| if d < 0.0 { low } else { high };
                 let farthest = Vec3::new(
                     pick(direction.x, low.x, high.x),
@@ -59,8 +59,8 @@ impl Bvh {
         most
     }
 
-    /// Visits boxes, those farthest along `toward` first. `visit` decides whether a box is entered, and takes the triangles
-    /// of a leaf that was.
+    /// Visits boxes, those farthest along `toward` first. `visit` decides whether to enter a box, and receives the
+    /// triangles of an entered leaf.
     fn descend(&self, toward: Vec3, mut visit: impl FnMut([Vec3; 2], Option<(&[u32], &Leaf)>) -> bool) {
         let everything = [Vec3::splat(f32::NEG_INFINITY), Vec3::splat(f32::INFINITY)];
         let mut waiting = Vec::new();
@@ -150,7 +150,7 @@ mod tests {
         }
     }
 
-    /// Those nearer to the viewer come first, as far as boxes tell.
+    /// Those nearer to the viewer come first, as far as boxes show.
     #[test]
     fn the_farthest_come_first() {
         let sheet = |z: f32| [Vec3::new(0.0, 0.0, z), Vec3::new(1.0, 0.0, z), Vec3::new(0.0, 1.0, z)];

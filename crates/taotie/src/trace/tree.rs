@@ -1,7 +1,7 @@
 //! Triangles in the order of a Hilbert curve, packed eight by eight into boxes: a tree without pointers.
 //!
-//! The triangles of a scan are small and of one size, so their order along the curve is nearly as good a hierarchy as
-//! one that weighs surface areas, and costs one sort. Boxes take 3 bytes a triangle.
+//! The triangles of a scan are small and of similar size, so their order along the curve is nearly as good a
+//! hierarchy as one based on surface areas, and costs one sort. Boxes take 3 bytes per triangle.
 //! Source: Kamel and Faloutsos 1993, "On packing R-trees".
 
 use super::hilbert::{BITS, CELLS, Cells, hilbert_indices};
@@ -12,10 +12,10 @@ use rayon::prelude::*;
 /// The number of children of a node, and of triangles in a leaf.
 pub(super) const WIDTH: usize = 8;
 
-/// Bits of a sort key that hold the triangle's number.
+/// Bits of a sort key that contain the triangle's index.
 const INDEX_BITS: u32 = 64 - 3 * BITS;
 
-/// Triangles whose keys a thread makes at once.
+/// Triangles whose keys are computed per task.
 const PIECE: usize = 4096;
 
 /// The boxes of up to eight children, coordinate by coordinate; those of absent ones are empty.
@@ -28,7 +28,7 @@ pub(super) struct Boxes {
 impl Boxes {
     pub const EMPTY: Self = Self { min: [[f32::INFINITY; WIDTH]; 3], max: [[f32::NEG_INFINITY; WIDTH]; 3] };
 
-    /// The least box around all children.
+    /// The bounding box of all children.
     fn around(&self) -> [[f32; 3]; 2] {
         [self.min.map(|v| extent(&v)[0]), self.max.map(|v| extent(&v)[1])]
     }
@@ -47,7 +47,7 @@ pub(super) struct Leaf {
     pub corners: [[[f32; WIDTH]; 3]; 3],
 }
 
-/// The least and the greatest of some numbers, those aside that are NaN; ∞ and −∞ of none.
+/// Minimum and maximum, ignoring NaN; (∞, −∞) if empty.
 #[inline(always)]
 fn extent(numbers: &[f32; WIDTH]) -> [f32; 2] {
     numbers.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[least, most], v| {
@@ -56,7 +56,7 @@ fn extent(numbers: &[f32; WIDTH]) -> [f32; 2] {
 }
 
 impl Leaf {
-    /// The least box around all triangles.
+    /// The bounding box of all triangles.
     fn bounds(&self) -> [[f32; 3]; 2] {
         let mut bounds = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
         for corner in &self.corners {
@@ -71,7 +71,7 @@ impl Leaf {
 
     #[inline]
     pub fn triangle(&self, i: usize) -> [Vec3; 3] {
-        // Written out: closures over arrays of arrays are not inlined where optimisation is moderate.
+        // Written out: closures over arrays of arrays are not inlined at moderate optimisation levels.
         let [a, b, c] = &self.corners;
         [
             Vec3::new(a[0][i], a[1][i], a[2][i]),
@@ -81,7 +81,7 @@ impl Leaf {
     }
 }
 
-/// Returns the finite corners of a triangle. Called through a pointer, so that one code makes all trees.
+/// Returns the finite corners of a triangle. Called through a pointer, so that all trees share the same code.
 pub(super) type Corners<'a> = &'a (dyn Fn(usize) -> [Vec3; 3] + Sync);
 
 /// The tree: leaves, and levels of boxes above them, the last of which has one node.
@@ -89,13 +89,13 @@ pub(super) struct Tree {
     /// The triangle in each slot of each leaf, in the order given.
     pub order: Vec<u32>,
     pub leaves: Vec<Leaf>,
-    /// Node j of level 0 holds the boxes of leaves 8j to 8j + 7; of level k those of level k − 1.
+    /// Node j of level 0 contains the boxes of leaves 8j to 8j + 7; of level k those of level k − 1.
     pub levels: Vec<Vec<Boxes>>,
 }
 
 impl Tree {
-    /// Returns the number of children of a node of a level above the leaves, 1 the lowest; 1 to 8. Boxes of others hold
-    /// nothing, but rounding of huge coordinates may say otherwise, so walks never look at them.
+    /// Returns the number of children of a node of a level above the leaves, with 1 as the lowest; 1 to 8. Boxes of
+    /// others contain nothing, but rounding of huge coordinates may suggest otherwise, so traversal never reads them.
     pub fn children(&self, level: usize, node: usize) -> usize {
         let below = match level {
             0 | 1 => self.leaves.len(),
@@ -104,14 +104,14 @@ impl Tree {
         below.saturating_sub(node * WIDTH).min(WIDTH)
     }
 
-    /// Returns the number of triangles of a leaf, 1 to 8. Slots of others hold nothing.
+    /// Returns the number of triangles of a leaf, 1 to 8. The other slots are empty.
     pub fn triangles(&self, leaf: usize) -> usize {
         self.order.len().saturating_sub(leaf * WIDTH).min(WIDTH)
     }
 
-    /// Makes the tree of triangles, at most 2^32, of which each eight in `order` share a leaf.
+    /// Builds the tree of triangles, at most 2^32, in which every eight in `order` share a leaf.
     pub fn new(order: Vec<u32>, corners: Corners<'_>) -> Self {
-        // Most of the tree's memory: Rayon's collection is filled by all threads from its first byte on.
+        // Most of the tree's memory: Rayon's collection is filled by all threads, starting from its first byte.
         let leaves: Vec<Leaf> = order.par_chunks(WIDTH).map(|slots| leaf(slots, corners)).collect();
         let slack = slack(&leaves);
         let mut levels = vec![above(leaves.len(), |i| widened(leaves[i].bounds(), slack))];
@@ -123,7 +123,7 @@ impl Tree {
     }
 }
 
-/// The level above so many children, whose boxes `around` returns.
+/// The level above `children` nodes, whose boxes are returned by `around`.
 fn above(children: usize, around: impl Fn(usize) -> [[f32; 3]; 2] + Sync) -> Vec<Boxes> {
     let mut nodes = vec![Boxes::EMPTY; children.div_ceil(WIDTH)];
     parallel::change(&mut nodes, |node, boxes| {
@@ -135,12 +135,12 @@ fn above(children: usize, around: impl Fn(usize) -> [[f32; 3]; 2] + Sync) -> Vec
     nodes
 }
 
-/// Boxes are wider than their triangles by a little, so that a flat one is entered in spite of rounding.
+/// Boxes are slightly wider than their triangles, so that a flat one is entered in spite of rounding.
 fn widened([min, max]: [[f32; 3]; 2], slack: f32) -> [[f32; 3]; 2] {
     [min.map(|v| v - slack), max.map(|v| v + slack)]
 }
 
-/// A few roundings of the largest coordinate.
+/// A few rounding errors of the largest coordinate.
 fn slack(leaves: &[Leaf]) -> f32 {
     let largest = |leaf: &Leaf| {
         leaf.corners.as_flattened().as_flattened().iter().fold(0.0f32, |most, v| most.max(v.abs()))
@@ -161,7 +161,7 @@ fn leaf(slots: &[u32], corners: Corners<'_>) -> Leaf {
     leaf
 }
 
-/// Returns the triangles in the order of their middles along the curve; of equal ones the lower number first.
+/// Returns the triangles in the order of their centres along the curve; of equal ones, the lower index first.
 pub(super) fn along_curve(count: usize, corners: Corners<'_>) -> Vec<u32> {
     let middle = |t: usize| {
         let [a, b, c] = corners(t);

@@ -14,7 +14,7 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// Makes a ray from any point along a direction that is not zero; distances count in lengths of `direction`.
+    /// Creates a ray from any point along a direction that is not zero; distances are in lengths of `direction`.
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         let d = direction.to_array();
         let z = (0..3).fold(0, |best, i| if d[i].abs() > d[best].abs() { i } else { best });
@@ -35,7 +35,7 @@ impl Ray {
         self.origin
     }
 
-    /// The direction as given.
+    /// The direction as passed.
     pub fn direction(&self) -> Vec3 {
         self.direction
     }
@@ -52,8 +52,8 @@ impl Ray {
         (t >= 0.0).then_some((t, weights))
     }
 
-    /// The first half of [`Ray::intersect`] for as many triangles as a pack has lanes, those of
-    /// `corners[corner][axis]` from the one `from` on, with the same bits. `None` where the ray passes all of them by.
+    /// The first half of [`Ray::intersect`] for a pack of triangles, those of `corners[corner][axis]` starting at
+    /// `from`, with the same bits. `None` if the ray misses all of them.
     #[inline(always)]
     pub(super) fn edges<P: Pack>(
         &self,
@@ -87,20 +87,20 @@ pub(super) struct Edges<P: Pack> {
     /// Lengths of the direction per length of that axis.
     scale: P,
     inside: P::Mask,
-    /// `true` where it runs through an edge, as far as single precision can tell: [`Ray::intersect`] must decide.
+    /// `true` if it crosses an edge, as far as single precision can distinguish: [`Ray::intersect`] must decide.
     pub unsure: P::Mask,
 }
 
 /// The intersections of a ray with a pack of triangles.
 pub(super) struct PackHits<P: Pack> {
-    /// `true` where the ray meets the triangle.
+    /// `true` if the ray hits the triangle.
     pub hit: P::Mask,
     pub distance: P,
     pub weights: [P; 3],
 }
 
 impl<P: Pack> Edges<P> {
-    /// Returns the edges of corners seen along the ray, `None` where all are passed by.
+    /// Returns the edges of corners seen along the ray, `None` if all are missed.
     #[inline(always)]
     pub fn new([a, b, c]: [[P; 2]; 3], along: [P; 3], scale: P) -> Option<Self> {
         let edges = [b[0] * c[1] - b[1] * c[0], c[0] * a[1] - c[1] * a[0], a[0] * b[1] - a[1] * b[0]];
@@ -112,7 +112,7 @@ impl<P: Pack> Edges<P> {
         inside.or(unsure).any().then_some(Self { edges, along, inside, unsure, scale })
     }
 
-    /// Returns the rays that a triangle may lie ahead of, without the divisions of [`Self::meet`].
+    /// Returns the rays that may have a triangle ahead, without the divisions of [`Self::meet`].
     #[inline(always)]
     pub fn ahead(&self) -> P::Mask {
         let [e, z] = [self.edges, self.along];
@@ -133,8 +133,8 @@ impl<P: Pack> Edges<P> {
     }
 }
 
-/// Returns where a ray through zero pierces a triangle of these corners, seen along it, and the weights of the corners;
-/// `None` where it passes by.
+/// Returns where a ray through zero pierces a triangle with these corners, seen along it, and the weights of the
+/// corners; `None` if it misses.
 #[inline]
 pub(super) fn pierced([a, b, c]: [[f32; 2]; 3], along: [f32; 3]) -> Option<(f32, [f32; 3])> {
     let edges = edge_functions(a, b, c);
@@ -149,7 +149,7 @@ pub(super) fn pierced([a, b, c]: [[f32; 2]; 3], along: [f32; 3]) -> Option<(f32,
     Some((weights[0] * along[0] + weights[1] * along[1] + weights[2] * along[2], weights))
 }
 
-/// Twice the areas opposite each corner; in double precision where one is zero, since its sign decides an edge.
+/// Twice the areas opposite each corner; in double precision if one is zero, since its sign decides an edge.
 #[inline]
 fn edge_functions(a: [f32; 2], b: [f32; 2], c: [f32; 2]) -> [f32; 3] {
     let cross = |p: [f32; 2], q: [f32; 2]| p[0] * q[1] - p[1] * q[0];

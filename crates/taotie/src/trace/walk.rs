@@ -1,4 +1,4 @@
-//! Walking a tree along a ray, eight boxes or eight triangles at once.
+//! Traverses a tree along a ray, eight boxes or eight triangles at a time.
 
 use super::Ray;
 use super::tree::{Boxes, Leaf, Tree, WIDTH};
@@ -13,30 +13,30 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// The empty span: the walk ends.
+    /// The empty span, which ends the traversal.
     pub const NONE: Self = Self { from: f32::INFINITY, to: f32::NEG_INFINITY };
 }
 
-/// A ray, and what of it matters.
+/// A ray, and the span of it that matters.
 #[derive(Clone, Copy)]
 pub(super) struct Cast<'a> {
     pub ray: &'a Ray,
     pub span: Span,
 }
 
-/// A triangle that a ray meets.
+/// A triangle hit by a ray.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Met {
-    /// Its slot: eight times the leaf, and the place in it.
+    /// Its slot: eight times the leaf, plus its position in it.
     pub slot: usize,
     pub distance: f32,
     pub weights: [f32; 3],
 }
 
-/// The size of the stack, deeper than any tree of 2^32 triangles; of each node on the way down seven may wait.
+/// The size of the stack, deeper than any tree of 2^32 triangles; seven siblings of each node on the path may wait.
 const STACK: usize = 96;
 
-/// A node that waits: where the ray enters it, its level above the leaves (0 is a leaf), its number.
+/// A waiting node: the distance at which the ray enters it, its level above the leaves (0 is a leaf), its index.
 #[derive(Clone, Copy)]
 struct Waiting {
     enters: f32,
@@ -44,8 +44,8 @@ struct Waiting {
     node: u32,
 }
 
-/// Calls `meet` with each triangle that the ray meets within the span, with `NEAR_FIRST` roughly from near to far; what it
-/// returns is the span from then on.
+/// Calls `meet` with each triangle that the ray hits within the span, with `NEAR_FIRST` roughly from near to far; it
+/// returns the remaining span.
 #[inline(always)]
 pub(super) fn walk<P: Pack, const NEAR_FIRST: bool>(
     token: P::Token,
@@ -101,15 +101,15 @@ pub(super) struct Slabs {
 
 impl Slabs {
     pub fn new(ray: &Ray) -> Self {
-        // Parallel to a slab: entered and left so far away that only the side of the origin counts.
+        // Parallel to a slab: entered and left so far away that only the side of the origin matters.
         let steep = |v: f32| if v.abs() < 1e-30 { 1e30 } else { 1.0 / v };
         Self { origin: ray.origin().to_array(), inverse: ray.direction().to_array().map(steep) }
     }
 
-    /// Returns the boxes that the ray runs through within the span, a bit each, and the distances of entry into them.
+    /// Returns the boxes that the ray crosses within the span, one bit each, and their entry distances.
     #[inline(always)]
     pub fn entries<P: Pack>(&self, token: P::Token, boxes: &Boxes, span: Span) -> (u64, [f32; WIDTH]) {
-        /// Rounding of a distance to a slab, as a part of it.
+        /// The relative rounding error of a distance to a slab.
         const ROUNDING: f64 = 4e-7;
         let mut entries = [0.0; WIDTH];
         let mut hit = 0;
@@ -136,7 +136,7 @@ impl Slabs {
     }
 }
 
-/// Calls `meet` with the triangles of a leaf that the ray meets within the span; slots are places in the leaf.
+/// Calls `meet` with the triangles of a leaf that the ray hits within the span; slots are positions in the leaf.
 #[inline(always)]
 pub(super) fn meet_leaf<P: Pack>(
     token: P::Token,

@@ -1,17 +1,17 @@
-//! Counts the arguments of functions as a caller sees them: tuples are opened, and so are arrays of references that the
-//! function takes apart by name.
+//! Counts the arguments of functions as a caller sees them: tuples are expanded, and so are arrays of references that
+//! the function destructures by name.
 
 use syn::visit::Visit;
 use syn::{FnArg, Pat, Signature, Type};
 
-/// A function and how many arguments it takes; its receiver is not one.
+/// A function and its number of arguments, not counting the receiver.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Function {
     pub name: String,
     pub arguments: usize,
 }
 
-/// Returns all functions of a source text.
+/// Returns all functions in a source text.
 pub fn functions(text: &str) -> syn::Result<Vec<Function>> {
     let file = syn::parse_file(text)?;
     let mut found = Found(Vec::new());
@@ -28,7 +28,7 @@ impl Visit<'_> for Found {
     }
 }
 
-/// How many things an argument brings.
+/// Counts the values that an argument carries.
 fn opened(argument: &FnArg) -> usize {
     match argument {
         FnArg::Receiver(_) => 0,

@@ -1,27 +1,27 @@
-//! Which file of a module imports from which, and which of them go round in a circle.
+//! Imports between the files of a module, and the cycles among them.
 
 use super::scanner::{Found, scan};
 use std::collections::{BTreeMap, BTreeSet};
 use syn::visit::Visit;
 use syn::{Item, ItemMod, ItemUse, Macro, UseTree, Visibility};
 
-/// A path of names from the crate's root on.
+/// A path of names from the crate's root.
 type Path = Vec<String>;
 
-/// The files of a crate: modules by their paths.
+/// The files of a crate: modules by path.
 #[derive(Default)]
 pub struct Files(BTreeMap<Path, File>);
 
 #[derive(Default)]
 struct File {
-    /// What its `use` items and its other paths name, from the crate's root on.
+    /// The paths that it imports or mentions, from the crate's root.
     imports: BTreeSet<Path>,
-    /// What it hands on under a name of its own.
+    /// Its re-exports under separate names.
     doors: BTreeMap<String, Path>,
 }
 
 impl Files {
-    /// Adds the source text of a module. Its tests are left out.
+    /// Adds the source text of a module, without its tests.
     pub fn add(&mut self, module: &[String], text: &str) -> syn::Result<()> {
         let source = syn::parse_file(text)?;
         let children = source.items.iter().filter_map(|item| match item {
@@ -33,6 +33,34 @@ impl Files {
         reader.visit_file(&source);
         self.0.insert(module.to_vec(), reader.file);
         Ok(())
+    }
+
+    /// Adds a script, which imports others of its folder by their names.
+    pub fn add_script(&mut self, name: &str, imports: impl Iterator<Item = String>) {
+        let path = |name: String| vec!["scripts".to_owned(), name];
+        let file = File { imports: imports.map(path).collect(), doors: BTreeMap::new() };
+        self.0.insert(path(name.to_owned()), file);
+    }
+
+    /// Returns the number of files on the longest chain of imports within a top module.
+    pub fn levels(&self, top: &str) -> usize {
+        let own = self.0.iter().filter(|(module, _)| module.first().is_some_and(|first| first == top));
+        let arrows: BTreeMap<&Path, BTreeSet<&Path>> =
+            own.map(|(module, file)| (module, self.targets(module, file))).collect();
+        let mut depths = BTreeMap::new();
+        // Import cycles are another test's concern: the number of rounds is bounded.
+        for _ in 0..arrows.len() {
+            let deepest = |targets: &BTreeSet<&Path>| {
+                targets.iter().map(|target| depths.get(target).copied().unwrap_or(1)).max().unwrap_or(0) + 1
+            };
+            let next: BTreeMap<&Path, usize> =
+                arrows.iter().map(|(module, targets)| (*module, deepest(targets))).collect();
+            if next == depths {
+                break;
+            }
+            depths = next;
+        }
+        depths.into_values().max().unwrap_or(0)
     }
 
     /// Returns the circles: groups of more than one file, each of which leads to every other.
@@ -49,17 +77,17 @@ impl Files {
         groups.into_iter().filter(|group: &BTreeSet<String>| group.len() > 1).collect()
     }
 
-    /// The other files of the same top module that one takes something from.
+    /// Returns the other files of the same top module that this one takes something from.
     fn targets(&self, module: &Path, file: &File) -> BTreeSet<&Path> {
-        // To hand on what lies within is no arrow.
+        // Re-exporting from its own submodules is not an arrow.
         let handed_on = file.doors.values().filter(|path| !path.starts_with(module));
         let homes = file.imports.iter().chain(handed_on).filter_map(|import| self.home(import, 0));
         homes.filter(|home| *home != module && home.first() == module.first()).collect()
     }
 
-    /// The file that a name is written in, through the doors that hand it on.
+    /// Returns the file that a name is written in, through the doors that re-export it.
     fn home(&self, import: &[String], depth: usize) -> Option<&Path> {
-        /// No name is handed on more often.
+        /// No name is re-exported more often.
         const MOST_DOORS: usize = 8;
         let known = (1..=import.len()).rev().find_map(|length| self.0.get_key_value(&import[..length]));
         let (module, file) = known?;
@@ -70,7 +98,7 @@ impl Files {
     }
 }
 
-/// All that can be reached from a file, itself among them where arrows lead back to it.
+/// Returns everything reachable from a file, including itself if arrows lead back to it.
 fn reach<'f>(from: &'f Path, arrows: &BTreeMap<&'f Path, BTreeSet<&'f Path>>) -> BTreeSet<&'f Path> {
     let (mut found, mut waiting) = (BTreeSet::new(), vec![from]);
     while let Some(module) = waiting.pop() {
@@ -90,10 +118,10 @@ struct ImportReader {
 }
 
 impl Visit<'_> for ImportReader {
-    /// What the tests in a file import is no arrow.
+    /// Imports of a file's tests are not arrows.
     fn visit_item_mod(&mut self, _: &ItemMod) {}
 
-    /// Who may see an item is no arrow.
+    /// The visibility of an item is not an arrow.
     fn visit_visibility(&mut self, _: &Visibility) {}
 
     fn visit_item_use(&mut self, item: &ItemUse) {
@@ -132,7 +160,7 @@ impl Visit<'_> for ImportReader {
 }
 
 impl ImportReader {
-    /// The path from the crate's root on; `None` for what lies in another crate.
+    /// Returns the path from the crate's root; `None` if it lies in another crate.
     fn absolute(&self, path: &[String]) -> Option<Path> {
         let (first, rest) = path.split_first()?;
         let ups = path.iter().take_while(|name| *name == "super").count();
@@ -147,7 +175,7 @@ impl ImportReader {
     }
 }
 
-/// The paths that a tree of imports names, with the names that they get.
+/// Collects the paths named by a tree of imports, with the names that they get.
 fn leaves(tree: &UseTree, before: &mut Path, found: &mut Vec<(Path, String)>) {
     let mut leaf = |name: String, given: String| {
         let mut path = before.clone();

@@ -1,7 +1,24 @@
-//! What breaks a rule today, by name. Both lists are empty; the tests ask that what is mended be struck.
+//! Current exceptions to the rules, by name. The tests demand that obsolete ones are removed.
 
-/// Files that import one another in a circle, sorted, and why they may.
+/// Files that import one another in a cycle, sorted, and why they may.
 pub const CIRCLES: [(&[&str], &str); 0] = [];
 
 /// Functions that take more arguments than they should: file and name.
 pub const LONG_FUNCTIONS: [(&str, &str); 0] = [];
+
+/// Figures that miss their targets today. They may only improve; the test asks for the new value.
+pub const RECORDED: [(&str, usize); 13] = [
+    ("files of the library", 650),
+    ("lines of code in the library's median file", 73),
+    ("production files that mention `sheen`", 50),
+    ("production files that mention `anisotropy`", 45),
+    ("hand-written lines of shaders", 654),
+    ("writers of a glTF material", 3),
+    ("public `Gltf` types", 11),
+    ("files of `asset`", 101),
+    ("levels of imports in `asset`", 35),
+    ("public names", 688),
+    ("names exported from two modules", 6),
+    ("public names that are unused elsewhere", 56),
+    ("byte constants of memory estimates", 36),
+];

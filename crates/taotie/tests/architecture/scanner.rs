@@ -1,11 +1,11 @@
-//! A small reader of Rust source: which paths it names, which macros print, whether anything is unsafe.
+//! A small scanner for Rust source: the paths it names, the macros that print, and uses of `unsafe`.
 //!
-//! It knows comments, strings, `use` groups, `super` chains and inline modules, and nothing else of the language.
+//! It knows comments, strings, `use` groups, `super` chains and inline modules, and no other part of the language.
 
-/// Something worth judging.
+/// A finding to be judged.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Found {
-    /// A path that starts with `crate` or `std`, `super` and `self` having been resolved.
+    /// A path that starts with `crate` or `std`, with `super` and `self` resolved.
     Import(Vec<String>),
     /// A macro that prints.
     Macro(String),
@@ -15,7 +15,7 @@ pub enum Found {
 
 const PRINTING: [&str; 5] = ["print", "println", "eprint", "eprintln", "dbg"];
 
-/// What the source text of `module` names, with line numbers.
+/// Returns the findings in the source text of `module`, with line numbers.
 pub fn scan(module: &[String], text: &str) -> Vec<(usize, Found)> {
     let tokens = tokens(text);
     Scanner {
@@ -29,7 +29,7 @@ pub fn scan(module: &[String], text: &str) -> Vec<(usize, Found)> {
     .run()
 }
 
-/// A word or a mark; `::` is one token. Comments, strings, characters and numbers are left out.
+/// A word or a symbol; `::` is one token. Comments, strings, characters and numbers are skipped.
 #[derive(Debug)]
 struct Token {
     line: usize,
@@ -52,7 +52,7 @@ fn tokens(text: &str) -> Vec<Token> {
     tokens
 }
 
-/// The end of what is no token at `i`: space, a comment, a string, a character or a lifetime.
+/// Returns the end of a non-token at `i`: space, a comment, a string, a character or a lifetime.
 fn skip(chars: &[char], i: usize) -> Option<usize> {
     let next = chars.get(i + 1);
     match chars[i] {
@@ -67,7 +67,7 @@ fn skip(chars: &[char], i: usize) -> Option<usize> {
     }
 }
 
-/// The first place from `i` on where `is` holds, plus `more`.
+/// Returns the first position from `i` where `is` holds, plus `more`.
 fn find(chars: &[char], i: usize, is: impl Fn(&[char]) -> bool, more: usize) -> usize {
     (i..chars.len()).find(|j| is(&chars[*j..])).map_or(chars.len(), |j| j + more)
 }
@@ -95,7 +95,8 @@ fn quoted_end(chars: &[char], start: usize, quote: char) -> usize {
     (i + 1).min(chars.len())
 }
 
-/// The end of `b"…"`, `b'…'`, `r"…"`, `br#"…"#` and their like; `None` where a word only starts with that letter.
+/// Returns the end of `b"…"`, `b'…'`, `r"…"`, `br#"…"#` and the like; `None` if a word merely starts with that
+/// letter.
 fn prefixed_string_end(chars: &[char], start: usize) -> Option<usize> {
     if start > 0 && is_word(chars[start - 1]) {
         return None;
@@ -128,7 +129,7 @@ fn token_end(chars: &[char], i: usize) -> usize {
 struct Scanner<'a> {
     tokens: &'a [Token],
     at: usize,
-    /// Of the file, and of the inline modules that are open.
+    /// The path of the file and of the open inline modules.
     module: Vec<String>,
     /// The brace depth inside each open inline module.
     inline: Vec<usize>,
@@ -187,7 +188,7 @@ impl Scanner<'_> {
         self.depth = self.depth.saturating_sub(1);
     }
 
-    /// Reads a path, which continues `before`, with its groups; notes each full path.
+    /// Reads a path that continues `before`, with its groups; notes each full path.
     fn path(&mut self, before: &[String]) {
         let start = self.at;
         let mut path = before.to_vec();
@@ -215,7 +216,7 @@ impl Scanner<'_> {
         while !["}", ""].contains(&self.text(self.at)) {
             let start = self.at;
             self.path(before);
-            // Over `as name` and the comma, at least one token a turn.
+            // Skip `as name` and the comma, at least one token per turn.
             self.at = self.at.max(start + 1);
             while ![",", "}", ""].contains(&self.text(self.at)) {
                 self.at += 1;
@@ -227,7 +228,7 @@ impl Scanner<'_> {
         self.at += 1;
     }
 
-    /// The path from `crate` or `std` on; `None` where it does not start with one of the four words.
+    /// Returns the path from `crate` or `std`; `None` if it does not start with one of the four words.
     fn absolute(&self, path: &[String]) -> Option<Vec<String>> {
         let supers = path.iter().take_while(|part| *part == "super" || *part == "self").count();
         let ups = path[..supers].iter().filter(|part| *part == "super").count();

@@ -1,10 +1,10 @@
-//! Models to be written: a sphere with every vertex attribute, and bitmaps of every slot.
+//! Models to be written: a sphere with every vertex attribute, and bitmaps for every slot.
 
 use taotie::image::{Bitmap, Texels};
 use taotie::math::{Vec2, Vec3};
 use taotie::mesh::{Mesh, MeshData};
 
-/// A sphere with normals, uvs, tangents along rising u, and colours.
+/// Returns a sphere with normals, UVs, tangents along rising u, and colours.
 pub fn sphere(columns: usize, rows: usize) -> Mesh {
     let mut data = without_ends(Mesh::sphere(1.5, columns, rows).into_data());
     data.tangents = data
@@ -19,7 +19,7 @@ pub fn sphere(columns: usize, rows: usize) -> Mesh {
     Mesh::new(data).expect("a sphere with attributes is a mesh")
 }
 
-/// A sphere's data without its first and last vertex, which no triangle names and readers leave out.
+/// Returns a sphere's data without its first and last vertex, which no triangle uses and readers drop.
 fn without_ends(mut data: MeshData) -> MeshData {
     fn inner<T>(values: &mut Vec<T>) {
         values.pop();
@@ -32,7 +32,7 @@ fn without_ends(mut data: MeshData) -> MeshData {
     data
 }
 
-/// A wavy sheet of so many vertices, each in a triangle, with one uv set.
+/// Returns a wavy sheet of `columns` × `rows` vertices, each in a triangle, with one UV set.
 pub fn sheet(columns: u32, rows: u32) -> Mesh {
     let mut data = MeshData { uvs: vec![Vec::new()], ..MeshData::default() };
     for (x, y) in (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))) {
@@ -48,7 +48,7 @@ pub fn sheet(columns: u32, rows: u32) -> Mesh {
     Mesh::new(data).expect("a sheet is a mesh")
 }
 
-/// A bitmap of RGB texels, 8 bits.
+/// Returns a bitmap of RGB texels, 8 bits.
 pub fn bitmap(side: u32, texel: impl Fn(u32, u32) -> [u8; 3]) -> Bitmap {
     let texels = (0..side * side).map(|i| {
         let [r, g, b] = texel(i % side, i / side);
@@ -57,7 +57,7 @@ pub fn bitmap(side: u32, texel: impl Fn(u32, u32) -> [u8; 3]) -> Bitmap {
     Bitmap::new(side, side, 3, Texels::U8(texels.collect())).expect("the size fits")
 }
 
-/// A bitmap of RGB texels, 16 bits.
+/// Returns a bitmap of RGB texels, 16 bits.
 pub fn deep_bitmap(side: u32, texel: impl Fn(u32, u32) -> [u16; 3]) -> Bitmap {
     let texels = (0..side * side).map(|i| {
         let [r, g, b] = texel(i % side, i / side);
@@ -66,7 +66,7 @@ pub fn deep_bitmap(side: u32, texel: impl Fn(u32, u32) -> [u16; 3]) -> Bitmap {
     Bitmap::new(side, side, 3, Texels::U16(texels.collect())).expect("the size fits")
 }
 
-/// A tangent-space normal of round bumps, `across` of them along each side; z is at least 0.6.
+/// Returns a tangent-space normal of round bumps, `across` of them along each side; z is at least 0.6.
 pub fn bump(x: u32, y: u32, (side, across): (u32, u32)) -> [f64; 3] {
     let period = f64::from(side / across);
     let place = |i: u32| (f64::from(i) + 0.5).rem_euclid(period) / period * 2.0 - 1.0;
@@ -76,23 +76,23 @@ pub fn bump(x: u32, y: u32, (side, across): (u32, u32)) -> [f64; 3] {
     [nx, ny, (1.0 - nx * nx - ny * ny).sqrt()]
 }
 
-/// Normals of bumps, 8 bits.
+/// Returns normals of bumps, 8 bits.
 pub fn normals(side: u32, across: u32) -> Bitmap {
     bitmap(side, |x, y| bump(x, y, (side, across)).map(|v| ((v * 0.5 + 0.5) * 255.0).round() as u8))
 }
 
-/// Normals of bumps, 16 bits.
+/// Returns normals of bumps, 16 bits.
 pub fn deep_normals(side: u32, across: u32) -> Bitmap {
     deep_bitmap(side, |x, y| bump(x, y, (side, across)).map(|v| ((v * 0.5 + 0.5) * 65535.0).round() as u16))
 }
 
-/// A colour that tells where it lies: red along u, green along v.
+/// Returns colours that encode their position: red along u, green along v.
 pub fn colors(side: u32) -> Bitmap {
     let step = |i: u32| (i * 255 / (side - 1)) as u8;
     bitmap(side, |x, y| [step(x), step(y), 90])
 }
 
-/// Occlusion, roughness and metallic.
+/// Returns occlusion, roughness and metallic.
 pub fn orm(side: u32) -> Bitmap {
     let step = |i: u32| (i * 255 / (side - 1)) as u8;
     bitmap(side, |x, y| [255 - step(y) / 2, 100 + step(x) / 4, 30])

@@ -1,5 +1,5 @@
-//! A cart of thin sheets, tubes and wires: parts that do not touch, walls nearer to one another than triangles are long,
-//! and edges of three triangles.
+//! A cart of thin sheets, tubes and wires: parts that do not touch, walls closer together than triangles are long,
+//! and edges shared by three triangles.
 use crate::hostile::{bare, sheet};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
@@ -8,7 +8,7 @@ use taotie::mesh::Mesh;
 
 type V = Vec3<f64>;
 
-/// Meshes put together, each a part by itself.
+/// Joins meshes, each as a separate part.
 pub fn joined(parts: &[Mesh]) -> Mesh {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for part in parts {
@@ -19,9 +19,9 @@ pub fn joined(parts: &[Mesh]) -> Mesh {
     bare(positions, triangles)
 }
 
-/// A closed box of `sides` with its lowest corner at `low`, each side cut into `cells`.
+/// Returns a closed box of size `sides` with its lowest corner at `low`, each side cut into `cells`.
 fn plate(low: V, sides: V, cells: [u32; 3]) -> Mesh {
-    // Two sides for each axis; equal numbers give equal bits, so the edges are closed.
+    // Two sides per axis; equal numbers give equal bits, so the edges are closed.
     let side = |axis: usize, end: u32| {
         let [right, up] = [(axis + 1) % 3, (axis + 2) % 3];
         let flipped = if end == 0 { [up, right] } else { [right, up] };
@@ -38,14 +38,14 @@ fn plate(low: V, sides: V, cells: [u32; 3]) -> Mesh {
     joined(&all)
 }
 
-/// A closed pipe around a path, of `around` by `along` squares, with fans at its ends.
+/// Returns a closed pipe around a path, of `around` by `along` squares, with fans at its ends.
 fn wire(radius: f64, [around, along]: [u32; 2], path: impl Fn(f64) -> V) -> Mesh {
     let point = |u: f64, v: f64| {
         let (at, ahead) = (path(v), path(v + 1e-4));
         let forward = (ahead - at).normalize();
         // No path runs along this axis.
         let right = forward.cross(Vec3::new(0.3, 0.8, 0.5)).normalize();
-        // The last column is the first, to the bit.
+        // The last column equals the first, to the bit.
         let angle = TAU * (u % 1.0);
         at + (right * scalar::cos(angle) + forward.cross(right) * scalar::sin(angle)) * radius
     };
@@ -57,7 +57,7 @@ fn wire(radius: f64, [around, along]: [u32; 2], path: impl Fn(f64) -> V) -> Mesh
     joined(&[side, end(0.0), end(1.0)])
 }
 
-/// A ring: a torus about the y axis.
+/// Returns a ring: a torus about the y axis.
 fn wheel(middle: V) -> Mesh {
     let place = |u: f64, v: f64| {
         let (a, b) = (-TAU * (u % 1.0), TAU * (v % 1.0));
@@ -67,7 +67,7 @@ fn wheel(middle: V) -> Mesh {
     sheet(60, 16, place)
 }
 
-/// A bent sheet without thickness, seen from one side, or from the other where `turned`.
+/// Returns a bent sheet without thickness, visible from one side, or from the other if `turned`.
 fn curved(radius: f64, turned: bool) -> Mesh {
     sheet(40, 20, move |u, v| {
         let (u, v) = if turned { (v, u) } else { (u, v) };
@@ -76,7 +76,7 @@ fn curved(radius: f64, turned: bool) -> Mesh {
     })
 }
 
-/// Three leaves on one edge.
+/// Returns three leaves on one edge.
 fn fins(middle: V) -> Mesh {
     let leaf = |i: u32| {
         let angle = TAU * f64::from(i) / 3.0;
@@ -86,7 +86,7 @@ fn fins(middle: V) -> Mesh {
     joined(&[leaf(0), leaf(1), leaf(2)])
 }
 
-/// The cart: 1 by 0.8 by 1, of about 29,000 triangles in 15 parts.
+/// Returns the cart: 1 by 0.8 by 1, with about 29,000 triangles in 15 parts.
 pub fn cart() -> Mesh {
     let v = V::new;
     let thin = [40, 32, 2];
@@ -111,7 +111,7 @@ pub fn cart() -> Mesh {
     joined(&parts)
 }
 
-/// The part of each position, by its bits; parts are numbered in no order.
+/// Returns the part of each position, by its bits; parts are numbered in no particular order.
 pub fn parts(mesh: &Mesh) -> HashMap<[u32; 3], u32> {
     let bits = |v: u32| mesh.positions()[v as usize].to_array().map(|v| (v + 0.0).to_bits());
     let mut parts: HashMap<[u32; 3], u32> = HashMap::new();
@@ -119,7 +119,7 @@ pub fn parts(mesh: &Mesh) -> HashMap<[u32; 3], u32> {
         let number = parts.len() as u32;
         parts.entry(bits(*vertex)).or_insert(number);
     }
-    // The lowest number spreads over triangles until nothing changes.
+    // The lowest number spreads across triangles until nothing changes.
     loop {
         let mut changed = false;
         for triangle in mesh.triangles() {
@@ -135,7 +135,7 @@ pub fn parts(mesh: &Mesh) -> HashMap<[u32; 3], u32> {
     }
 }
 
-/// The number of parts.
+/// Returns the number of parts.
 pub fn count(parts: &HashMap<[u32; 3], u32>) -> usize {
     parts.values().collect::<std::collections::HashSet<_>>().len()
 }

@@ -4,17 +4,17 @@
 pub struct Dice(pub u64);
 
 impl Dice {
-    /// A number below `sides`.
+    /// Returns a number below `sides`.
     pub fn roll(&mut self, sides: usize) -> usize {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 33) as usize) % sides.max(1)
     }
 }
 
-/// What numbers in damaged files look like.
+/// Typical numbers in damaged files.
 const WORDS: [&str; 8] = ["-1", "0", "nan", "1e39", "4294967295", "99999999999999999999", "\0", "\n"];
 
-/// A copy of `seed` with up to four changes.
+/// Returns a copy of `seed` with up to four changes.
 pub fn damage(seed: &[u8], dice: &mut Dice) -> Vec<u8> {
     let mut bytes = seed.to_vec();
     for _ in 0..=dice.roll(3) {

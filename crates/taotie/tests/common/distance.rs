@@ -1,4 +1,4 @@
-//! How far points lie from a surface: exact, by a grid of cells, and not by the library's own rays.
+//! Distances of points from a surface: exact, using a grid of cells rather than the library's own rays.
 use std::collections::HashMap;
 use taotie::math::Vec3;
 use taotie::mesh::Mesh;
@@ -10,7 +10,7 @@ pub struct Surface {
     corners: Vec<[Vec3<f64>; 3]>,
     cells: HashMap<Cell, Vec<u32>>,
     side: f64,
-    /// The farthest that two cells can be from one another.
+    /// The largest distance between two cells.
     reach: i64,
 }
 
@@ -38,7 +38,7 @@ impl Surface {
         Self { corners, cells, side, reach: 1000 }
     }
 
-    /// The distance of a point from the nearest triangle.
+    /// Returns the distance of a point from the nearest triangle.
     pub fn distance(&self, point: Vec3) -> f64 {
         let (point, mut best) = (point.to_f64(), f64::INFINITY);
         let [x, y, z] = cell(point, self.side);
@@ -63,7 +63,8 @@ impl Surface {
     }
 }
 
-/// Mean and greatest distance of every `step`-th vertex of `from` to `to`, in parts of the diagonal of `from`.
+/// Returns the mean and maximum distance of every `step`-th vertex of `from` to `to`, as fractions of the diagonal of
+/// `from`.
 pub fn deviation(from: &Mesh, to: &Mesh, step: usize) -> [f64; 2] {
     let (surface, diagonal) = (Surface::new(to), from.diagonal());
     let far: Vec<f64> =
@@ -75,7 +76,8 @@ fn cell(point: Vec3<f64>, side: f64) -> Cell {
     point.to_array().map(|v| (v / side).floor() as i64)
 }
 
-/// The distance of a point from a triangle: from its plane where the foot lies inside, else from its nearest edge.
+/// Returns the distance of a point from a triangle: from its plane if the foot is inside, otherwise from its nearest
+/// edge.
 fn to_triangle(p: Vec3<f64>, [a, b, c]: [Vec3<f64>; 3]) -> f64 {
     let normal = (b - a).cross(c - a);
     let inside = |p: Vec3<f64>, q: Vec3<f64>, foot: Vec3<f64>| (q - p).cross(foot - p).dot(normal) >= 0.0;

@@ -3,8 +3,9 @@
 use crate::common::data_folder;
 use std::path::{Path, PathBuf};
 
-/// Every file below the folder `sub` of the test data whose extension is one of `extensions`; sorted. Empty, with the
-/// reason told, where the folder is absent; a folder without any such file is a failure.
+/// Returns every file in the folder `sub` of the test data, at any depth, whose extension is one of `extensions`;
+/// sorted. If the folder is absent, prints why and returns an empty list; a folder without any such file is a
+/// failure.
 pub fn data_files(sub: &str, extensions: &[&str]) -> Vec<PathBuf> {
     let Some(folder) = data_folder(sub) else { return Vec::new() };
     let found = files_below(&folder, extensions);
@@ -12,7 +13,7 @@ pub fn data_files(sub: &str, extensions: &[&str]) -> Vec<PathBuf> {
     found
 }
 
-/// Every file below `folder` whose extension, in lower case, is one of `extensions`; sorted.
+/// Returns every file in `folder`, at any depth, whose extension, in lower case, is one of `extensions`; sorted.
 pub fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
     let wanted = |path: &PathBuf| {
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
@@ -21,7 +22,7 @@ pub fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
     all_files_below(folder).into_iter().filter(wanted).collect()
 }
 
-/// Every file below `folder`; sorted.
+/// Returns every file in `folder`, at any depth; sorted.
 pub fn all_files_below(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut waiting = vec![folder.to_path_buf()];

@@ -1,4 +1,4 @@
-//! Spheres that each show one finish of a surface, and a sky with a lamp in it.
+//! Spheres that each show one surface finish, and a sky with a lamp in it.
 use crate::scenes::{embossed_sphere, instance, plain, texture};
 use crate::skies::equirect;
 use std::f64::consts::TAU;
@@ -9,7 +9,7 @@ use taotie::scene::{
     Anisotropy, Clearcoat, GreenChannel, Material, NormalMap, NormalSpace, Scene, SceneData, Sheen, Specular,
 };
 
-/// A unit sphere of one material.
+/// Returns a unit sphere of one material.
 pub fn sphere(material: Material, textures: Vec<Texture>) -> Scene {
     Scene::new(SceneData {
         meshes: vec![Mesh::sphere(1.0, 48, 24)],
@@ -21,20 +21,20 @@ pub fn sphere(material: Material, textures: Vec<Texture>) -> Scene {
     .unwrap()
 }
 
-/// A plain metal.
+/// Returns a plain metal.
 pub fn metal(color: [f32; 3], roughness: f32) -> Material {
     let [r, g, b] = color;
     Material { base_color: [r, g, b, 1.0], metallic: 1.0, roughness, ..Material::default() }
 }
 
-/// The embossed sphere, its material changed.
+/// Returns the embossed sphere with a changed material.
 pub fn embossed(change: impl FnOnce(&mut Material)) -> Scene {
     let mut scene = embossed_sphere(NormalSpace::Tangent);
     scene.edit(|scene| change(&mut scene.materials[0])).unwrap();
     scene
 }
 
-/// Bosses of polished bronze whose map counts `scale` times.
+/// Returns bosses of polished bronze with a map scaled by `scale`.
 pub fn polished_bosses(scale: f32, roughness: f32) -> Scene {
     embossed(|material| {
         *material = Material { normal: material.normal, ..metal([0.9, 0.7, 0.45], roughness) };
@@ -44,7 +44,7 @@ pub fn polished_bosses(scale: f32, roughness: f32) -> Scene {
     })
 }
 
-/// Red paint with bosses under a clearcoat that has waves of its own.
+/// Returns red paint with bosses under a clearcoat with separate waves.
 pub fn clearcoat() -> Scene {
     let mut scene = embossed_sphere(NormalSpace::Tangent).into_data();
     let waves = texture(128, Encoding::Normal, |u, v| {
@@ -75,7 +75,7 @@ pub fn clearcoat() -> Scene {
     Scene::new(scene).unwrap()
 }
 
-/// Blue velvet whose fibres are finer in stripes.
+/// Returns blue velvet whose fibres are finer in stripes.
 pub fn velvet() -> Scene {
     let stripes = texture(64, Encoding::Srgb, |u, _| {
         let fine = 1.0 - f64::from((u * 8.0) as u32 % 2);
@@ -96,7 +96,7 @@ pub fn velvet() -> Scene {
     sphere(material, vec![stripes])
 }
 
-/// Brushed steel: along the rings on one half, across them on the other, fading towards a pole.
+/// Returns brushed steel: along the rings on one half, across them on the other, fading towards a pole.
 pub fn brushed() -> Scene {
     let brush = texture(64, Encoding::Linear, |u, v| match u < 0.125 {
         true => [1.0, 0.5, 1.0 - v, 1.0],
@@ -106,7 +106,7 @@ pub fn brushed() -> Scene {
     sphere(Material { anisotropy: Some(anisotropy), ..metal([0.75, 0.76, 0.78], 0.3) }, vec![brush])
 }
 
-/// Black glass of index 2.2 whose reflection is coloured, and weaker in stripes.
+/// Returns black glass of index 2.2 whose reflection is coloured, and weaker in stripes.
 pub fn tinted_glass() -> Scene {
     let stripes = texture(64, Encoding::Linear, |u, _| [1.0, 1.0, 1.0, f64::from((u * 16.0) as u32 % 2)]);
     let specular =
@@ -121,7 +121,7 @@ pub fn tinted_glass() -> Scene {
     sphere(material, vec![stripes])
 }
 
-/// Gold with bosses whose valleys are occluded.
+/// Returns gold with bosses whose valleys are occluded.
 pub fn occluded_gold(roughness: f32) -> Scene {
     let mut scene = polished_bosses(1.0, roughness);
     let valleys = texture(128, Encoding::Linear, |u, v| {
@@ -134,7 +134,7 @@ pub fn occluded_gold(roughness: f32) -> Scene {
     scene
 }
 
-/// A blue sky over a brown earth with one small lamp a hundred times as bright.
+/// Returns a blue sky over a brown earth with one small lamp a hundred times as bright.
 pub fn sky() -> Image {
     let lamp = Vec3::new(0.6, 0.6, 0.5292).normalize();
     equirect(128, |d| {

@@ -31,7 +31,7 @@ impl Glb {
         [head, json, length(bytes.len()).to_vec(), b"BIN\0".to_vec(), bytes].concat()
     }
 
-    /// The bytes of each accessor's elements, without those between them, and what the file says of it but for its view.
+    /// Returns the bytes of each accessor's elements, without padding, and its JSON except for the view.
     pub fn accessors(&self) -> Vec<(Value, Vec<u8>)> {
         let accessors = self.json["accessors"].as_array().expect("there are accessors");
         accessors.iter().map(|accessor| (said(accessor), self.elements(accessor))).collect()
@@ -67,7 +67,8 @@ fn said(accessor: &Value) -> Value {
     as_floats(&said)
 }
 
-/// The same with all numbers as glTF's readers hold them, since text may differ in digits that no float has.
+/// Returns the same with all numbers as glTF readers store them, since text may differ in digits beyond float
+/// precision.
 pub fn as_floats(json: &Value) -> Value {
     match json {
         Value::Number(number) => Value::from(f64::from(number.as_f64().unwrap_or(0.0) as f32)),
@@ -79,7 +80,7 @@ pub fn as_floats(json: &Value) -> Value {
     }
 }
 
-/// That a file has the members of another to the last number, such as its nodes and skins.
+/// Asserts that a file has the same members as another to the last digit, such as its nodes and skins.
 pub fn assert_same(a: &Glb, b: &Glb, members: &[&str]) {
     for name in members {
         assert_eq!(as_floats(&a.json[name]), as_floats(&b.json[name]), "{name}");

@@ -1,4 +1,4 @@
-//! Small glTF files made for a test, and what every reader promises about what it read.
+//! Small glTF files made for tests, and the promises of every reader about its results.
 
 use std::path::Path;
 use taotie::image::Encoding;
@@ -7,7 +7,7 @@ use taotie::math::Vec3;
 use taotie::scene::Scene;
 use taotie::scene::animation::Rig;
 
-/// Loads, or fails in one line that names the file.
+/// Loads a file, or fails with a one-line error that names it.
 pub fn load(path: &Path) -> Result<Loaded, String> {
     let loaded = load_model(path).map_err(|error| {
         let text = error.to_string();
@@ -19,7 +19,7 @@ pub fn load(path: &Path) -> Result<Loaded, String> {
     Ok(loaded)
 }
 
-/// What every reader promises about a scene.
+/// Checks every reader's promises about a scene.
 fn check_scene(loaded: &Loaded, path: &Path) {
     check_meshes(loaded, &loaded.scene, path);
     assert!(loaded.warnings.iter().all(|(what, _)| !what.contains('\n')));
@@ -28,7 +28,8 @@ fn check_scene(loaded: &Loaded, path: &Path) {
     }
 }
 
-/// A rig at rest gives the scene as it was read, to the last bit; its poses keep the promises or fail in one line.
+/// Checks that a rig at rest gives the scene as read, to the last bit; its poses keep the promises or fail in one
+/// line.
 fn check_rig(loaded: &Loaded, rig: &Rig, path: &Path) {
     let mut scene = loaded.scene.clone();
     for (animation, motion) in rig.animations().iter().enumerate() {
@@ -43,7 +44,7 @@ fn check_rig(loaded: &Loaded, rig: &Rig, path: &Path) {
     assert_same(&scene, &loaded.scene);
 }
 
-/// That two scenes have the same geometry, cameras and lights to the last bit.
+/// Asserts that two scenes have the same geometry, cameras and lights to the last bit.
 pub fn assert_same(a: &Scene, b: &Scene) {
     for (a, b) in a.meshes().iter().zip(b.meshes()) {
         let bits = |v: &[Vec3]| v.iter().map(|v| v.to_array().map(f32::to_bits)).collect::<Vec<_>>();
@@ -96,7 +97,7 @@ fn check_meshes(loaded: &Loaded, scene: &Scene, path: &Path) {
     }
 }
 
-/// A glTF file in the making: JSON of which the buffer is filled piece by piece.
+/// A glTF file under construction: JSON with a buffer that is filled piece by piece.
 #[derive(Default)]
 pub struct Maker {
     pub bytes: Vec<u8>,
@@ -114,7 +115,7 @@ impl Maker {
         self.views.len() - 1
     }
 
-    /// Adds an accessor with a view of its own and returns its number.
+    /// Adds an accessor with a separate view and returns its number.
     pub fn accessor(
         &mut self,
         bytes: &[u8],
@@ -160,7 +161,7 @@ impl Maker {
 
 pub const TRIANGLE: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
-/// Scene, node and mesh of one primitive with the attributes and members given.
+/// Returns scene, node and mesh of one primitive with the given attributes and members.
 pub fn one_primitive(attributes: &str, more: &str) -> String {
     format!(r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{{attributes}}}{more}}}]}}]"#)
 }
@@ -168,7 +169,7 @@ pub fn one_primitive(attributes: &str, more: &str) -> String {
 /// An image of one texel.
 pub const PIXEL: &str = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg==";
 
-/// A file with one triangle, whose POSITION is accessor 0.
+/// Returns a file with one triangle, whose POSITION is accessor 0.
 pub fn triangle() -> Maker {
     let mut maker = Maker::default();
     maker.floats(&TRIANGLE, "VEC3");

@@ -1,21 +1,21 @@
-//! Surfaces that break what is written for tidy ones.
+//! Surfaces that break code written for tidy ones.
 use crate::random::Random;
 use taotie::math::{Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
 
-/// A mesh of positions and triangles alone.
+/// Returns a mesh of only positions and triangles.
 pub fn bare(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
     Mesh::new(MeshData { positions, triangles, ..MeshData::default() }).expect("a sound mesh")
 }
 
-/// Every triangle with three vertices of its own.
+/// Returns the mesh with three separate vertices for every triangle.
 pub fn unwelded(mesh: &Mesh) -> Mesh {
     let positions: Vec<Vec3> = (0..mesh.triangles().len()).flat_map(|t| mesh.corners(t)).collect();
     let triangles = (0..mesh.triangles().len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     bare(positions, triangles)
 }
 
-/// A grid of `columns` by `rows` squares whose corners `place` puts at (0 to 1, 0 to 1).
+/// Returns a grid of `columns` by `rows` squares whose corners `place` puts at (0 to 1, 0 to 1).
 pub fn sheet(columns: u32, rows: u32, place: impl Fn(f64, f64) -> Vec3<f64>) -> Mesh {
     let part = |i: u32, count: u32| f64::from(i) / f64::from(count);
     let corner = |i: u32| place(part(i % (columns + 1), columns), part(i / (columns + 1), rows)).to_f32();
@@ -28,7 +28,7 @@ pub fn sheet(columns: u32, rows: u32, place: impl Fn(f64, f64) -> Vec3<f64>) -> 
     bare(positions, (0..columns * rows).flat_map(square).collect())
 }
 
-/// A sphere with bosses on it, closed and without a gap where its ends meet, of about `triangles` triangles.
+/// Returns a sphere with bosses, closed without a gap at the seam, of about `triangles` triangles.
 pub fn embossed_ball(triangles: usize) -> Mesh {
     let rows = (triangles as f64 / 4.0).sqrt() as usize;
     let ball = Mesh::sphere(1.0, 2 * rows, rows);
@@ -40,7 +40,7 @@ pub fn embossed_ball(triangles: usize) -> Mesh {
     bare(ball.positions().iter().map(emboss).collect(), ball.triangles().to_vec())
 }
 
-/// Triangles at random places, of which none touches another.
+/// Returns triangles at random positions, none touching another.
 pub fn soup(triangles: u32) -> Mesh {
     let mut random = Random(7);
     let mut positions = Vec::new();
@@ -51,7 +51,7 @@ pub fn soup(triangles: u32) -> Mesh {
     bare(positions, (0..triangles).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect())
 }
 
-/// Tetrahedra in a grid, `side` along each of its three directions.
+/// Returns tetrahedra in a grid, `side` along each of its three directions.
 pub fn tetrahedra(side: u32) -> Mesh {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for i in 0..side * side * side {
@@ -66,7 +66,7 @@ pub fn tetrahedra(side: u32) -> Mesh {
     bare(positions, triangles)
 }
 
-/// Pages of a book: many squares, split finely, that meet in one edge.
+/// Returns the pages of a book: many squares, split finely, that meet in one edge.
 pub fn book(pages: u32) -> Mesh {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for page in 0..pages {
@@ -79,7 +79,7 @@ pub fn book(pages: u32) -> Mesh {
     bare(positions, triangles)
 }
 
-/// A band with one side, its ends joined by equal positions.
+/// Returns a band with one side, its ends joined by equal positions.
 pub fn moebius(columns: u32, rows: u32) -> Mesh {
     let mut data = sheet(columns, rows, |u, v| {
         let (turn, across) = (u * std::f64::consts::TAU, v - 0.5);
@@ -95,7 +95,7 @@ pub fn moebius(columns: u32, rows: u32) -> Mesh {
     Mesh::new(data).expect("a sound mesh")
 }
 
-/// A ball among whose triangles are slivers, triangles without area, and copies of others from both sides.
+/// Returns a ball with slivers, zero-area triangles, and copies of triangles from both sides.
 pub fn littered(triangles: usize) -> Mesh {
     let mut data = embossed_ball(triangles).into_data();
     let mut random = Random(5);
@@ -111,7 +111,7 @@ pub fn littered(triangles: usize) -> Mesh {
     Mesh::new(data).expect("a sound mesh")
 }
 
-/// All of them, by name.
+/// Returns all of them, by name.
 pub fn all() -> Vec<(&'static str, Mesh)> {
     let corner = |x: f32, y: f32| Vec3::new(x, y, 0.0);
     let one = vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)];

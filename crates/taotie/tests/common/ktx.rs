@@ -4,7 +4,7 @@ use taotie::math::Vec3;
 
 /// One size of the cube map.
 pub struct Cube {
-    /// Texels a side of a face.
+    /// Texels along a side of a face.
     pub side: usize,
     /// Face by face, row by row.
     pub texels: Vec<Vec3<f64>>,
@@ -13,7 +13,7 @@ pub struct Cube {
 /// GL_R11F_G11F_B10F.
 const PACKED: u32 = 0x8c3a;
 
-/// All sizes, largest first.
+/// Returns all sizes, largest first.
 pub fn cubes(bytes: &[u8]) -> Vec<Cube> {
     assert!(bytes.starts_with(b"\xabKTX 11\xbb\r\n\x1a\n"), "the signature of KTX 1");
     let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"));
@@ -41,7 +41,7 @@ fn unpacked(word: u32) -> Vec3<f64> {
     Vec3::new(float(word & 0x7ff, 6), float(word >> 11 & 0x7ff, 6), float(word >> 22, 5))
 }
 
-/// The direction of texel `i`, in OpenGL's order and orientation of faces, and its solid angle.
+/// Returns the direction of texel `i`, in OpenGL's order and orientation of faces, and its solid angle.
 pub fn direction(side: usize, i: usize) -> (Vec3<f64>, f64) {
     let at = |k: usize| (k as f64 + 0.5) / side as f64 * 2.0 - 1.0;
     let (s, t) = (at(i % side), at(i / side % side));

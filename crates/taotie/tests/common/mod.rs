@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-/// The folder `sub` of the test data: in `TAOTIE_DATA`, else in `../shared/data` beside the workspace. Where it is
-/// absent the test has to be skipped, which is a failure under `CI=true`.
+/// Returns the folder `sub` of the test data: in `TAOTIE_DATA`, otherwise in `../shared/data` next to the workspace.
+/// If it is absent the test must be skipped, which is a failure with `CI=true`.
 pub fn data_folder(sub: &str) -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let folder = std::env::var_os("TAOTIE_DATA").map_or_else(beside, PathBuf::from).join(sub);
+    let sibling = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
+    let folder = std::env::var_os("TAOTIE_DATA").map_or_else(sibling, PathBuf::from).join(sub);
     if folder.exists() {
         return Some(folder);
     }
@@ -14,10 +14,10 @@ pub fn data_folder(sub: &str) -> Option<PathBuf> {
     None
 }
 
-/// Tells why a test has to be skipped, which is a failure under `CI=true`.
+/// Prints why a test must be skipped, which is a failure with `CI=true`.
 pub fn absent(reason: &str) {
     let required = std::env::var("CI").is_ok_and(|ci| ci == "true");
-    assert!(!required, "test data is needed: {reason}");
+    assert!(!required, "test data is required: {reason}");
     #[allow(clippy::print_stderr)]
     {
         eprintln!("skipped: {reason}");

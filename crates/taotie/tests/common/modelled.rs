@@ -1,10 +1,10 @@
-//! Shapes as modelling programs make them, with the normals that are meant at each corner.
+//! Shapes as modelling programs create them, with the intended normal at each corner.
 
 use std::f64::consts::TAU;
 use taotie::math::{Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
 
-/// A triangle with the normals that are meant at its corners.
+/// A triangle with the intended normals at its corners.
 #[derive(Clone, Copy)]
 pub struct Facet {
     pub corners: [Vec3<f64>; 3],
@@ -12,18 +12,18 @@ pub struct Facet {
 }
 
 impl Facet {
-    /// A flat one.
+    /// Returns a flat one.
     fn flat([a, b, c]: [Vec3<f64>; 3]) -> Self {
         Self { corners: [a, b, c], normals: [(b - a).cross(c - a).normalize(); 3] }
     }
 }
 
-/// A flat polygon, convex, its corners counter-clockwise from outside.
+/// Returns a flat convex polygon, its corners counter-clockwise from outside.
 fn polygon(corners: &[Vec3<f64>]) -> impl Iterator<Item = Facet> {
     (1..corners.len() - 1).map(|i| Facet::flat([corners[0], corners[i], corners[i + 1]]))
 }
 
-/// The points of a regular polygon.
+/// Returns the points of a regular polygon.
 pub fn ring(count: usize, radius: f64) -> Vec<[f64; 2]> {
     let angle = |i: usize| TAU * i as f64 / count as f64;
     (0..count).map(|i| [radius * scalar::cos(angle(i)), radius * scalar::sin(angle(i))]).collect()
@@ -33,7 +33,8 @@ fn at([x, y]: [f64; 2], z: f64) -> Vec3<f64> {
     Vec3::new(x, y, z)
 }
 
-/// The walls over an outline, which runs counter-clockwise where they look outward. Round ones have radial normals.
+/// Returns the walls over an outline, which runs counter-clockwise if they face outward. Round ones have radial
+/// normals.
 fn walls(outline: &[[f64; 2]], [low, high]: [f64; 2], is_round: bool) -> Vec<Facet> {
     let count = outline.len();
     let mut facets = Vec::new();
@@ -54,7 +55,7 @@ fn walls(outline: &[[f64; 2]], [low, high]: [f64; 2], is_round: bool) -> Vec<Fac
     facets
 }
 
-/// A cylinder of so many segments, which stands for a round one.
+/// Returns a cylinder of `segments` segments that represents a round one.
 pub fn cylinder(segments: usize) -> Vec<Facet> {
     let outline = ring(segments, 1.0);
     let mut facets = walls(&outline, [0.0, 2.0], true);
@@ -62,7 +63,7 @@ pub fn cylinder(segments: usize) -> Vec<Facet> {
     facets
 }
 
-/// Both ends of a star-shaped outline.
+/// Returns both ends of a star-shaped outline.
 fn caps(outline: &[[f64; 2]], [low, high]: [f64; 2]) -> Vec<Facet> {
     let count = outline.len();
     let end = |i: usize| {
@@ -73,7 +74,7 @@ fn caps(outline: &[[f64; 2]], [low, high]: [f64; 2]) -> Vec<Facet> {
     (0..count).flat_map(end).map(Facet::flat).collect()
 }
 
-/// A hexagonal nut with a round hole of so many segments, a multiple of six.
+/// Returns a hexagonal nut with a round hole of `segments` segments, a multiple of six.
 pub fn nut(segments: usize) -> Vec<Facet> {
     let (outer, hole) = (ring(6, 1.0), ring(segments, 0.5));
     let [low, high] = [0.0, 0.8];
@@ -91,16 +92,16 @@ pub fn nut(segments: usize) -> Vec<Facet> {
     facets
 }
 
-/// A triangle at the top, counter-clockwise, and the same at the bottom.
+/// Returns a triangle at the top, counter-clockwise, and the same at the bottom.
 fn annulus([a, b, c]: [[f64; 2]; 3], [low, high]: [f64; 2]) -> [Facet; 2] {
     [Facet::flat([at(a, high), at(b, high), at(c, high)]), Facet::flat([at(a, low), at(c, low), at(b, low)])]
 }
 
-/// A gear with square teeth.
+/// Returns a gear with square teeth.
 pub fn gear(teeth: usize) -> Vec<Facet> {
     let point = |i: usize| {
         let angle = TAU * i as f64 / (4 * teeth) as f64;
-        // Flanks are steep: their ends are near each other.
+        // Flanks are steep: their ends are close together.
         let radius = if i % 4 < 2 { 1.25 } else { 1.0 };
         let angle = if i % 2 == 1 { angle } else { angle - 0.4 * TAU / (4 * teeth) as f64 };
         [radius * scalar::cos(angle), radius * scalar::sin(angle)]
@@ -111,7 +112,7 @@ pub fn gear(teeth: usize) -> Vec<Facet> {
     facets
 }
 
-/// A box with a chamfer of 45° along all edges.
+/// Returns a box with a 45° chamfer along all edges.
 pub fn chamfered_box() -> Vec<Facet> {
     let (side, flat) = (1.0, 0.85);
     let mut facets = Vec::new();
@@ -145,7 +146,7 @@ pub fn chamfered_box() -> Vec<Facet> {
     facets
 }
 
-/// A cube of which each face is a grid of so many squares along a side.
+/// Returns a cube of which each face is a grid of `squares`² squares.
 pub fn gridded_cube(squares: usize) -> Vec<Facet> {
     let along = |i: usize| 2.0 * i as f64 / squares as f64 - 1.0;
     let mut facets = Vec::new();
@@ -168,7 +169,7 @@ pub fn gridded_cube(squares: usize) -> Vec<Facet> {
     facets
 }
 
-/// The facets turned and moved off the axes, so that no normal and no plane is exact.
+/// Returns the facets rotated and moved off the axes, so that no normal and no plane is exact.
 pub fn askew(facets: Vec<Facet>) -> Vec<Facet> {
     let [c, s] = [scalar::cos(0.7), scalar::sin(0.7)];
     let turn = |v: Vec3<f64>| {
@@ -181,7 +182,7 @@ pub fn askew(facets: Vec<Facet>) -> Vec<Facet> {
     facets.into_iter().map(moved).collect()
 }
 
-/// The mesh that STL gives: corners at one place are one vertex, and there are no normals.
+/// Returns the mesh that STL gives: corners at one position are one vertex, and there are no normals.
 pub fn welded(facets: &[Facet]) -> Mesh {
     let mut data = MeshData::default();
     let mut known = std::collections::HashMap::new();
@@ -197,7 +198,7 @@ pub fn welded(facets: &[Facet]) -> Mesh {
     Mesh::new(data).unwrap()
 }
 
-/// The mesh that flat-shaded glTF gives: triangles that share nothing, each with the normal of its facet.
+/// Returns the mesh that flat-shaded glTF gives: triangles that share nothing, each with the normal of its facet.
 pub fn loose(facets: &[Facet]) -> Mesh {
     let mut data = MeshData::default();
     for facet in facets {

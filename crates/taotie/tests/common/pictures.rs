@@ -1,4 +1,4 @@
-//! Pictures by others beside ours, on a page.
+//! Pictures by others next to ours, on a page.
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use taotie::image::{Encoding, Image, Texels};
@@ -17,14 +17,14 @@ impl Picture {
         Self { width, height, pixels }
     }
 
-    /// A file of 8 bits a channel.
+    /// Reads a file with 8 bits per channel.
     pub fn read(path: &Path) -> Self {
         let bitmap = read_bitmap(path).unwrap();
         let Texels::U8(pixels) = bitmap.texels() else { panic!("{}: not 8 bits", path.display()) };
         Self::new(bitmap.width(), bitmap.height(), pixels.clone())
     }
 
-    /// Smaller, by the mean of the codes over each pixel's area, as browsers and web tools scale.
+    /// Returns it smaller, by the mean of the codes over each pixel's area, as browsers and web tools scale.
     pub fn reduced(&self, [width, height]: [u32; 2]) -> Self {
         let columns = spans(width, self.width);
         let rows = spans(height, self.height);
@@ -63,7 +63,7 @@ impl Picture {
     }
 }
 
-/// For each of `to` pixels of a row those of `from` that it covers, with weights that sum to one.
+/// Returns, for each of `to` pixels of a row, the pixels of `from` that it covers, with weights that sum to one.
 fn spans(to: u32, from: u32) -> Vec<Vec<(u32, f64)>> {
     let size = f64::from(from) / f64::from(to);
     let span = |i: u32| {
@@ -74,13 +74,13 @@ fn spans(to: u32, from: u32) -> Vec<Vec<(u32, f64)>> {
     (0..to).map(span).collect()
 }
 
-/// Ours and theirs, with what is to be said of them.
+/// Ours and theirs, with a note.
 pub struct Row {
     pub note: String,
     pub pictures: [Picture; 2],
 }
 
-/// The mean absolute difference of the channels of two pixels over a grey, in codes.
+/// Returns the mean absolute difference of the channels of two pixels over a grey, in codes.
 pub fn difference(a: &[u8; 4], b: &[u8; 4], grey: f64) -> f64 {
     let over = |p: &[u8; 4], c: usize| {
         let alpha = f64::from(p[3]) / 255.0;
@@ -89,7 +89,7 @@ pub fn difference(a: &[u8; 4], b: &[u8; 4], grey: f64) -> f64 {
     (0..3).map(|c| (over(a, c) - over(b, c)).abs()).sum::<f64>() / 3.0
 }
 
-/// A float picture in a file, linear.
+/// Reads a linear float picture.
 pub fn linear(path: &Path) -> Image {
     let bitmap = read_bitmap(path).unwrap();
     let mut image = Image::new(bitmap.width(), bitmap.height(), [0.0; 4]).unwrap();

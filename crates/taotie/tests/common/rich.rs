@@ -1,4 +1,4 @@
-//! A scene that has all that glTF can say.
+//! A scene with every feature that glTF can express.
 #![allow(dead_code, reason = "each test uses a part")]
 
 use crate::bumpy;
@@ -10,7 +10,8 @@ use taotie::scene::{
     NormalMap, NormalSpace, Orbit, Projection, Scene, SceneData, Sheen, Specular, TextureRef, UvTransform,
 };
 
-/// Two balls, one shown thrice, in two materials with every layer and map, under four lights, seen by two cameras.
+/// Returns two balls, one shown three times, in two materials with every layer and map, under four lights, with two
+/// cameras.
 pub fn scene() -> Scene {
     let ball = full(Mesh::sphere(1.0, 16, 8));
     let place = |x: f64, scale: Vec3<f64>| {
@@ -34,7 +35,7 @@ pub fn scene() -> Scene {
     Scene::new(data).unwrap()
 }
 
-/// A mesh with two uv sets, tangents and colours.
+/// Returns a mesh with two UV sets, tangents and colours.
 fn full(mesh: Mesh) -> Mesh {
     let data = mesh.into_data();
     let count = data.positions.len();
@@ -47,7 +48,7 @@ fn full(mesh: Mesh) -> Mesh {
     Mesh::new(MeshData { normals, uvs: vec![first, second], tangents, colors, ..data }).unwrap()
 }
 
-/// Colour with alpha, packed factors, normals of 16 bits, colour of 16 bits (kept as floats).
+/// Returns colour with alpha, packed factors, normals of 16 bits, colour of 16 bits (kept as floats).
 fn textures() -> Vec<Texture> {
     let wide = |i: u32| [(i * 509) as u16, (i * 1021) as u16, (i * 97) as u16, 65535 - (i * 250) as u16];
     let deep = Texels::U16((0..256).map(wide).collect());
@@ -65,7 +66,7 @@ fn used(texture: usize) -> TextureRef {
     TextureRef { texture, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() }
 }
 
-/// On the second uv set, turned, mirrored and without smooth texels.
+/// Returns a reference on the second UV set, rotated, mirrored and without filtering.
 fn turned(texture: usize) -> TextureRef {
     let sampler = Sampler {
         wrap_u: Wrap::Mirror,
@@ -78,7 +79,7 @@ fn turned(texture: usize) -> TextureRef {
     TextureRef { texture, uv_set: 1, sampler, transform: UvTransform { linear, offset: [0.25, -1.5] } }
 }
 
-/// A material with every layer.
+/// Returns a material with every layer.
 fn covered() -> Material {
     let (scale, space) = (0.75, NormalSpace::Tangent);
     let normal = |texture, green| Some(NormalMap { texture, scale, space, green });

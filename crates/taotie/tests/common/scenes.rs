@@ -1,4 +1,4 @@
-//! Small scenes made by code, each showing one part of the renderer.
+//! Small scenes built by code, each showing one part of the renderer.
 
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
 use taotie::math::{Mat4, Vec2, Vec3, scalar};
@@ -8,7 +8,8 @@ use taotie::scene::{
     NormalSpace, Orbit, Scene, SceneData, TextureRef, UvTransform,
 };
 
-/// A rectangle from its corner along two edges, seen from the side of their cross product, uv from 0 to `repeat`.
+/// Returns a rectangle from its corner along two edges, visible from the side of their cross product, UV from 0 to
+/// `repeat`.
 pub fn rectangle(corner: Vec3, right: Vec3, up: Vec3, repeat: f32) -> Mesh {
     let n = right.cross(up).normalize();
     let uv = |u: f32, v: f32| Vec2::new(u * repeat, v * repeat);
@@ -22,7 +23,7 @@ pub fn rectangle(corner: Vec3, right: Vec3, up: Vec3, repeat: f32) -> Mesh {
     .expect("a rectangle is a mesh")
 }
 
-/// A texture of `size` × `size` texels from a function of uv.
+/// Returns a texture of `size` × `size` texels from a function of UV.
 pub fn texture(size: u32, encoding: Encoding, texel: impl Fn(f64, f64) -> [f64; 4]) -> Texture {
     let at = |i: u32| (f64::from(i % size) + 0.5, f64::from(i / size) + 0.5);
     let byte = |v: f64| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
@@ -35,12 +36,12 @@ pub fn texture(size: u32, encoding: Encoding, texel: impl Fn(f64, f64) -> [f64; 
     Texture::new(Bitmap::new(size, size, 4, Texels::U8(texels)).expect("a valid size"), encoding)
 }
 
-/// A texture used plainly.
+/// Returns a plain reference to a texture.
 pub fn plain(texture: usize) -> TextureRef {
     TextureRef { texture, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() }
 }
 
-/// Round bosses, as a height in [0, 1] over uv.
+/// Returns round bosses, as a height in [0, 1] over UV.
 fn bosses(u: f64, v: f64) -> f64 {
     let cell = |x: f64, n: f64| (x * n - (x * n).floor() - 0.5) * 2.0;
     let (x, y) = (cell(u, 12.0), cell(v, 6.0));
@@ -50,12 +51,12 @@ fn bosses(u: f64, v: f64) -> f64 {
 /// Vertical extent of the bosses in model units.
 const BOSS: f64 = 0.05;
 
-/// A unit sphere with bosses as height map, tangent-space or object-space normal map.
+/// Returns a unit sphere with bosses as height map, tangent-space or object-space normal map.
 pub fn embossed_sphere(space: NormalSpace) -> Scene {
     embossed_sphere_with(space, 256, 64)
 }
 
-/// The embossed sphere with its relief in `relief`² and its colours in `color`² texels.
+/// Returns the embossed sphere with its relief in `relief`² and its colours in `color`² texels.
 pub fn embossed_sphere_with(space: NormalSpace, relief: u32, color: u32) -> Scene {
     let slope = |u: f64, v: f64| {
         let h = 1e-4;
@@ -109,7 +110,7 @@ pub fn embossed_sphere_with(space: NormalSpace, relief: u32, color: u32) -> Scen
     .unwrap()
 }
 
-/// A checkered floor that runs under the camera to the horizon, with a mirrored and a squeezed sphere on it.
+/// Returns a checkered floor from below the camera to the horizon, with a mirrored and a squeezed sphere on it.
 pub fn floor_and_mirrored_spheres() -> Scene {
     let mut scene = embossed_sphere(NormalSpace::Tangent).into_data();
     let checker = texture(32, Encoding::Srgb, |u, v| match (u > 0.5) ^ (v > 0.5) {
@@ -135,7 +136,7 @@ pub fn floor_and_mirrored_spheres() -> Scene {
     Scene::new(scene).unwrap()
 }
 
-/// Panes laid over a sphere: two blended, one with holes, one seen from behind.
+/// Returns panes in front of a sphere: two blended, one with holes, one seen from behind.
 pub fn panes() -> Scene {
     let mut scene = embossed_sphere(NormalSpace::Tangent).into_data();
     let holes = texture(64, Encoding::Srgb, |u, v| {
@@ -171,18 +172,18 @@ pub fn instance(mesh: usize, material: usize, world_from_object: Mat4) -> Instan
     Instance { mesh, material, world_from_object }
 }
 
-/// A camera on an orbit about the origin; angles in degrees.
+/// Returns a camera on an orbit about the origin; angles in degrees.
 pub fn camera(azimuth: f64, elevation: f64, distance: f64) -> Camera {
     let [azimuth, elevation] = [azimuth, elevation].map(f64::to_radians);
     Orbit { azimuth, elevation, distance, target: Vec3::splat(0.0), fov_y: 0.7 }.camera(2.0)
 }
 
-/// Light along a direction.
+/// Returns light along a direction.
 pub fn directional(direction: Vec3, strength: f32) -> Light {
     light(LightKind::Directional { direction: direction.normalize() }, Vec3::splat(strength), Falloff::None)
 }
 
-/// One light of every kind.
+/// Returns one light of every kind.
 pub fn every_light() -> Vec<Light> {
     let spot = |position: Vec3| LightKind::Spot {
         position,

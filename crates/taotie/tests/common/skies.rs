@@ -1,24 +1,24 @@
-//! Environments made by code, and integrals over an environment's picture by adding up all of its texels.
+//! Environments built by code, and integrals over an environment's picture by summing all of its texels.
 use crate::random::Random;
 use std::f64::consts::{PI, TAU};
 use taotie::image::Image;
 use taotie::math::{Vec3, scalar};
 use taotie::shade::environment::Environment;
 
-/// The direction at a place of an equirectangular picture: u = atan2(z, x)/2π + 1/2, v = acos(y)/π.
+/// Returns the direction at a point of an equirectangular picture: u = atan2(z, x)/2π + 1/2, v = acos(y)/π.
 pub fn direction(u: f64, v: f64) -> Vec3<f64> {
     let (azimuth, polar) = ((u - 0.5) * TAU, v * PI);
     let ring = scalar::sin(polar);
     Vec3::new(ring * scalar::cos(azimuth), scalar::cos(polar), ring * scalar::sin(azimuth))
 }
 
-/// The solid angle of a texel in row `y` of a picture `width` wide and half as high.
+/// Returns the solid angle of a texel in row `y` of a picture `width` wide and half as high.
 pub fn solid_angle(width: usize, y: usize) -> f64 {
     let edge = |y: usize| scalar::cos(PI * y as f64 / (width / 2) as f64);
     (edge(y) - edge(y + 1)) * TAU / width as f64
 }
 
-/// A picture `width` wide and half as high from a function of the direction.
+/// Returns a picture `width` wide and half as high from a function of the direction.
 pub fn equirect(width: u32, light: impl Fn(Vec3<f64>) -> Vec3<f64>) -> Image {
     let mut image = Image::new(width, width / 2, [0.0; 4]).expect("a valid size");
     for (i, pixel) in image.pixels_mut().iter_mut().enumerate() {
@@ -30,7 +30,7 @@ pub fn equirect(width: u32, light: impl Fn(Vec3<f64>) -> Vec3<f64>) -> Image {
     image
 }
 
-/// A dim coloured sky with a few texels a thousand times as bright.
+/// Returns a dim coloured sky with a few texels a thousand times as bright.
 pub fn speckled(width: u32) -> Image {
     let mut image = equirect(width, |n| Vec3::new(0.6 + 0.4 * n.y, 0.5, 0.5 - 0.3 * n.x));
     let count = image.pixels().len();
@@ -41,7 +41,7 @@ pub fn speckled(width: u32) -> Image {
     image
 }
 
-/// Every texel's direction, light and solid angle.
+/// Returns every texel's direction, light and solid angle.
 pub fn texels(image: &Image) -> impl Iterator<Item = (Vec3<f64>, Vec3<f64>, f64)> {
     let (width, height) = (image.width() as usize, image.height() as usize);
     image.pixels().iter().enumerate().map(move |(i, [r, g, b, _])| {
@@ -51,19 +51,19 @@ pub fn texels(image: &Image) -> impl Iterator<Item = (Vec3<f64>, Vec3<f64>, f64)
     })
 }
 
-/// All texels of a picture, to be added up.
+/// All texels of a picture, for summation.
 pub struct Texels {
     /// Direction, light times solid angle, solid angle.
     texels: Vec<(Vec3<f64>, Vec3<f64>, f64)>,
 }
 
 impl Texels {
-    /// Of a picture.
+    /// Reads the texels of a picture.
     pub fn new(image: &Image) -> Self {
         Self { texels: texels(image).map(|(l, light, angle)| (l, light * angle, angle)).collect() }
     }
 
-    /// ∫ L D(h) (n·l)⁺ dl / ∫ D(h) (n·l)⁺ dl with n = v and the D of GGX, for each roughness.
+    /// Returns ∫ L D(h) (n·l)⁺ dl / ∫ D(h) (n·l)⁺ dl with n = v and the D of GGX, for each roughness.
     pub fn specular(&self, n: Vec3<f64>, roughnesses: &[f64]) -> Vec<Vec3<f64>> {
         let mut sums = vec![(Vec3::splat(0.0), 0.0); roughnesses.len()];
         for (l, light, angle) in &self.texels {
@@ -71,7 +71,7 @@ impl Texels {
             if n_dot_l <= 0.0 {
                 continue;
             }
-            // h lies half as far from n as l does: sin²(γ/2) = |l − n|²/4.
+            // The angle between h and n is half of that between l and n: sin²(γ/2) = |l − n|²/4.
             let apart = *l - n;
             let sin2_h = apart.dot(apart) / 4.0;
             for (roughness, (sum, weights)) in roughnesses.iter().zip(&mut sums) {
@@ -86,8 +86,8 @@ impl Texels {
     }
 }
 
-/// How far what `environment` says of rough mirrors is from the integral over all texels of its picture: for each
-/// roughness the root of the mean square error over the directions, as part of that of the light.
+/// Returns the error of `environment` for rough mirrors, compared with the integral over all texels of its picture:
+/// for each roughness, the root mean square error over the directions, relative to that of the light.
 pub fn specular_errors(
     environment: &Environment,
     texels: &Texels,
@@ -106,7 +106,7 @@ pub fn specular_errors(
     roughnesses.iter().enumerate().map(error).collect()
 }
 
-/// Directions everywhere, and directions about a lobe's width away from where it is bright.
+/// Returns directions everywhere, and directions about a lobe's width away from the bright parts.
 pub fn directions(environment: &Environment, count: usize, random: &mut Random) -> [Vec<Vec3<f64>>; 2] {
     let everywhere = (0..count).map(|_| random.unit()).collect();
     let mut near_light = || {

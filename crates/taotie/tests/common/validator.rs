@@ -1,14 +1,14 @@
-//! What other programs say of glTF files, through node: the Khronos validator and glTF-Transform.
+//! The results of other programs for glTF files, through node: the Khronos validator and glTF-Transform.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Severities of the validator below which a message is no fault.
+/// The highest severity number of the validator that counts as a fault.
 const WARNING: u64 = 1;
 
-/// The folder of what npm installs for tests; `None`, with the reason told, where node or a package in it is missing.
-/// Under `CI=true` that is a failure.
+/// Returns the folder of the npm packages for tests; prints why and returns `None` if node or a package in it is
+/// missing. With `CI=true` that is a failure.
 pub fn packages(package: &str) -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/validator");
     let node = Command::new("node").arg("--version").output().is_ok_and(|output| output.status.success());
@@ -17,7 +17,7 @@ pub fn packages(package: &str) -> Option<PathBuf> {
     }
     let reason = format!("no node, or no {package} in {}; `make tools` installs it", folder.display());
     let required = std::env::var("CI").is_ok_and(|ci| ci == "true");
-    assert!(!required, "npm's packages are needed: {reason}");
+    assert!(!required, "npm packages are required: {reason}");
     #[allow(clippy::print_stderr)]
     {
         eprintln!("skipped: {reason}");
@@ -25,8 +25,8 @@ pub fn packages(package: &str) -> Option<PathBuf> {
     None
 }
 
-/// That the validator has neither an error nor a warning to tell about the `.glb` or `.gltf` file `path`; what else it
-/// tells, one code a line. `None` where the test has to be skipped.
+/// Asserts that the validator reports neither an error nor a warning for the `.glb` or `.gltf` file `path`; returns
+/// its other messages, one code per line. `None` if the test must be skipped.
 #[allow(dead_code, reason = "each test uses a part")]
 pub fn assert_valid(path: &Path) -> Option<Vec<String>> {
     let folder = packages("gltf-validator")?;
@@ -36,10 +36,10 @@ pub fn assert_valid(path: &Path) -> Option<Vec<String>> {
     let messages: Vec<Value> = serde_json::from_slice(&output.stdout).expect("the script prints JSON");
     let text = |message: &Value, key: &str| message[key].as_str().unwrap_or_default().to_owned();
     let line = |m: &Value| format!("{} at {}: {}", text(m, "code"), text(m, "pointer"), text(m, "message"));
-    // The validator knows neither KTX2 nor AVIF, which it tells once of the extension and then of each image.
-    let told = |of: &str| messages.iter().any(|m| text(m, "message").contains(of));
+    // The validator knows neither KTX2 nor AVIF, which it reports once for the extension and then for each image.
+    let seen = |of: &str| messages.iter().any(|m| text(m, "message").contains(of));
     let unknown = [("'KHR_texture_basisu'", "image/ktx2"), ("'EXT_texture_avif'", "image/avif")];
-    let unknown: Vec<&str> = unknown.iter().filter(|(name, _)| told(name)).map(|(_, kind)| *kind).collect();
+    let unknown: Vec<&str> = unknown.iter().filter(|(name, _)| seen(name)).map(|(_, kind)| *kind).collect();
     let is_unknown = |m: &Value| {
         unknown.iter().any(|kind| line(m).contains(kind) || text(m, "code") == "IMAGE_UNRECOGNIZED_FORMAT")
     };
@@ -50,7 +50,8 @@ pub fn assert_valid(path: &Path) -> Option<Vec<String>> {
     Some(infos.into_iter().map(line).collect())
 }
 
-/// What `gltf-transform inspect` prints about a glTF file, as comma-separated values. `None` where the test has to be
+/// Returns the output of `gltf-transform inspect` for a glTF file, as comma-separated values. `None` if the test must
+/// be
 /// skipped.
 #[allow(dead_code, reason = "each test uses a part")]
 pub fn inspected(path: &Path) -> Option<String> {

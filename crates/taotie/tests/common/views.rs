@@ -1,4 +1,4 @@
-//! What renderers are asked to show.
+//! Views for renderers to show.
 use super::scenes;
 use std::path::Path;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use taotie::render::{
 use taotie::scene::{Camera, Scene};
 use taotie::shade::environment::Environment;
 
-/// What both renderers are asked to show.
+/// A scene with the settings to render it, for both renderers.
 pub struct View {
     pub scene: Scene,
     pub camera: Camera,
@@ -22,7 +22,7 @@ pub struct View {
 }
 
 impl View {
-    /// A small picture under raking light with shadows.
+    /// Returns a small picture under raking light with shadows.
     pub fn of(scene: Scene, camera: Camera) -> Self {
         let lights = vec![scenes::directional(Vec3::new(0.9, -0.5, -0.6), 3.0)];
         let lighting = Lighting { lights, ambient: Vec3::splat(0.08), environment: None };
@@ -48,7 +48,7 @@ impl View {
 }
 
 impl View {
-    /// A small picture under an environment alone.
+    /// Returns a small picture lit only by an environment.
     pub fn under(sky: EnvironmentLight, scene: Scene, camera: Camera) -> Self {
         let mut view = Self::of(scene, camera);
         view.lighting = Lighting { environment: Some(sky), ..Lighting::default() };
@@ -56,7 +56,7 @@ impl View {
     }
 }
 
-/// A visible environment from its picture. It takes a while to make; clones share it.
+/// Returns a visible environment from its picture. It takes a while to create; clones share it.
 pub fn environment_of(sky: Image) -> EnvironmentLight {
     let environment = Arc::new(Environment::new(sky).unwrap());
     EnvironmentLight { environment, rotation: 0.0, intensity: 1.0, visible: true }
@@ -67,7 +67,7 @@ fn developed(image: &Image) -> Vec<[u8; 4]> {
     develop8(image, &development).unwrap()
 }
 
-/// Mean absolute difference of developed pictures, in codes of 255.
+/// Returns the mean absolute difference of developed pictures, in codes of 255.
 pub fn difference(a: &Image, b: &Image) -> f64 {
     let (a, b) = (developed(a), developed(b));
     let sum: u64 = a
@@ -87,7 +87,7 @@ pub fn keep_to_look_at(name: &str, image: &Image) {
     write_png(&Path::new(&folder).join(format!("{name}.png")), &png).unwrap();
 }
 
-/// The means of squares of `side` × `side` pixels.
+/// Returns the means of squares of `side` × `side` pixels.
 pub fn coarse(image: &Image, side: u32) -> Image {
     let (width, height) = (image.width() / side, image.height() / side);
     let mut means = Image::new(width, height, [0.0; 4]).unwrap();

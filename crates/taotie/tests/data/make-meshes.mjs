@@ -1,5 +1,5 @@
-// Makes the files of meshes/: one patch plain, and the same patch under every compression that is read.
-// Run beside node_modules with meshoptimizer 1.3.0, draco3d 1.5.9 and @gltf-transform/{core,extensions} 4.5.1:
+// Makes the files of meshes/: one plain patch, and the same patch with every supported compression.
+// Run next to node_modules with meshoptimizer 1.3.0, draco3d 1.5.9 and @gltf-transform/{core,extensions} 4.5.1:
 //     node make-meshes.mjs FOLDER
 import { writeFileSync } from 'node:fs';
 import { MeshoptEncoder } from 'meshoptimizer';
@@ -10,7 +10,7 @@ import draco3d from 'draco3d';
 const [columns, rows] = [9, 7];
 const count = columns * rows;
 
-/** The patch: z = sin(4x) cos(5y) / 8 over the unit square, one array an attribute, components in a row. */
+/** The patch: z = sin(4x) cos(5y) / 8 over the unit square, one array per attribute, components interleaved. */
 function patch() {
   const data = { POSITION: [], NORMAL: [], TANGENT: [], TEXCOORD_0: [], COLOR_0: [], indices: [] };
   for (let j = 0; j < rows; j++) {
@@ -33,7 +33,7 @@ function patch() {
   return data;
 }
 
-/** Five quaternions about one axis, from none to a quarter turn and more. */
+/** Five quaternions about one axis, from no rotation to more than a quarter turn. */
 function rotations() {
   return [0, 0.5, 1, 1.5, 2].flatMap((a) => [0.6 * Math.sin(a / 2), 0, 0.8 * Math.sin(a / 2), Math.cos(a / 2)]);
 }
@@ -67,7 +67,7 @@ function bounds(bytes) {
 const FLOAT = 5126;
 
 /**
- * A model of streams { bytes, count, stride, type, component, normalized }, plain or under a compression:
+ * A model of streams { bytes, count, stride, type, component, normalized }, plain or compressed:
  * `compress` turns a stream into the extension's object and its bytes.
  */
 function model(streams, compress) {
@@ -159,14 +159,14 @@ const dracoIO = new NodeIO().registerExtensions([KHRDracoMeshCompression]).regis
 
 const BITS = { POSITION: 14, NORMAL: 10, TEX_COORD: 12, COLOR: 8, GENERIC: 12 };
 
-/** Compresses every primitive of a document by Draco. */
+/** Compresses every primitive of a document with Draco. */
 async function draco(document, method, encodeSpeed) {
   const options = { method, encodeSpeed, decodeSpeed: encodeSpeed, quantizationBits: BITS, quantizationVolume: 'mesh' };
   document.createExtension(KHRDracoMeshCompression).setRequired(true).setEncoderOptions(options);
   return dracoIO.writeBinary(document);
 }
 
-/** A hill of 33 x 33 vertices, z = x (1 - x) y (1 - y): positions alone, enough triangles for every method. */
+/** A hill of 33 x 33 vertices, z = x (1 - x) y (1 - y): only positions, enough triangles for every method. */
 function hill() {
   const document = new Document();
   const buffer = document.createBuffer();

@@ -1,5 +1,5 @@
-// Makes the KTX2 files of pictures/ from waves.png, and of each a PNG: what Basis Universal's own transcoder makes of it.
-// Run beside node_modules with ktx2-encoder 0.6.0 (which holds Basis Universal as WebAssembly) and sharp:
+// Makes the KTX2 files of pictures/ from waves.png, and for each a PNG decoded by Basis Universal's own
+// transcoder. Run next to node_modules with ktx2-encoder 0.6.0 (which holds Basis Universal as WebAssembly) and sharp:
 //     node make-pictures.mjs FOLDER
 import { writeFileSync } from 'node:fs';
 import { encodeToKTX2 } from 'ktx2-encoder';

@@ -1,4 +1,4 @@
-//! Moving models: files by others pose and move, and small files made here move as glTF 2.0 says.
+//! Moving models: third-party files pose and move, and small files made here move as glTF 2.0 specifies.
 
 use crate::common::data_folder;
 use crate::files::data_files;
@@ -7,22 +7,22 @@ use taotie::io::Loaded;
 use taotie::math::{Mat4, Vec3};
 use taotie::scene::{LightKind, Scene};
 
-// ---------------------------------------------------------------------------------------------- files by others
+// ---------------------------------------------------------------------------------------------- third-party files
 
-/// The greatest way that a corner of a triangle went, model units.
+/// The largest displacement of any triangle corner, in model units.
 fn greatest_way(a: &Scene, b: &Scene) -> f64 {
     a.corners().zip(b.corners()).map(|(p, q)| (p - q).length()).fold(0.0, f64::max)
 }
 
-/// Every animation of every model moves something visible, unless it has no channel; that poses are sound and that rest
-/// is the file's to the last bit is checked by `load`.
+/// Every animation of every model moves something visible, unless it has no channels; `load` checks that poses are
+/// valid and that the rest pose equals the file's to the last bit.
 #[test]
 fn animated_models_by_others_move() {
     let mut moved = 0;
     for sub in ["khronos-gltf-sample-assets", "gltf-asset-generator", "polyhaven-models"] {
         for path in data_files(sub, &["gltf", "glb"]) {
             let Ok(Loaded { scene, rig: Some(rig), warnings, .. }) = load(&path) else { continue };
-            assert!(warnings.iter().all(|(what, _)| !what.contains("left out")), "{}", path.display());
+            assert!(warnings.iter().all(|(what, _)| !what.contains("skipped")), "{}", path.display());
             for (i, animation) in rig.animations().iter().enumerate() {
                 let mut posed = scene.clone();
                 let parts = [0.0, 0.25, 0.5, 0.75, 1.0];
@@ -43,7 +43,7 @@ fn animated_models_by_others_move() {
 
 // ------------------------------------------------------------------------------------------------ made here
 
-/// A triangle on node 0 and the animation given.
+/// A triangle on node 0 and the given animation.
 fn animated(maker: &Maker, nodes: &str, animation: &str) -> Loaded {
     maker.load(&format!(
         r#""nodes":{nodes},"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
@@ -75,7 +75,7 @@ const ALL_PATHS: &str = r#""channels":[{"sampler":0,"target":{"node":0,"path":"t
 
 fn close(m: &Mat4, expected: &Mat4) {
     for (a, b) in m.columns.iter().flatten().zip(expected.columns.iter().flatten()) {
-        assert!((a - b).abs() < 1e-7, "{m:?} and not {expected:?}");
+        assert!((a - b).abs() < 1e-7, "{m:?} instead of {expected:?}");
     }
 }
 
@@ -123,7 +123,7 @@ fn what_hangs_on_a_moving_node_goes_with_it() {
     assert!((position - v(4.0, 2.0, 10.0)).length() + (direction - v(0.0, 0.0, -1.0)).length() < 1e-6);
 }
 
-/// Two nodes show one mesh; only the weights of one are animated, and the other's own hold.
+/// Two nodes show one mesh; only the weights of one are animated, and the other keeps its own.
 #[test]
 fn weights_move_the_node_s_mesh_and_no_other() {
     let mut maker = triangle();
@@ -141,10 +141,10 @@ fn weights_move_the_node_s_mesh_and_no_other() {
     assert_eq!([0, 1, 2].map(|i| corner(&loaded.scene, i).z), [0.25, 0.25, 1.0], "at rest");
     loaded.rig.unwrap().pose(&mut loaded.scene, 0, 1.0).unwrap();
     assert_eq!([0, 1, 2].map(|i| corner(&loaded.scene, i).z), [0.25, 0.5, 1.0]);
-    assert_eq!(corner(&loaded.scene, 1).x, 1.25, "the second target weighs a quarter");
+    assert_eq!(corner(&loaded.scene, 1).x, 1.25, "the second target has a weight of a quarter");
 }
 
-/// Normals are lacking, so they are flat: those of the triangle as it stands.
+/// Without normals, shading is flat: normals are those of the triangle's current pose.
 #[test]
 fn flat_normals_are_those_of_the_deformed_faces() {
     let mut maker = triangle();
@@ -160,7 +160,7 @@ fn flat_normals_are_those_of_the_deformed_faces() {
     assert_eq!(loaded.scene.meshes()[0].normals(), [v(0.0, -1.0, 0.0); 3]);
 }
 
-/// Its joint turns the mesh; the mesh's own node, animated too, does nothing.
+/// Its joint turns the mesh; the mesh's own node, also animated, has no effect.
 #[test]
 fn a_skin_moves_by_its_joints_alone() {
     let mut maker = keyframes();
@@ -181,7 +181,7 @@ fn a_skin_moves_by_its_joints_alone() {
     // First 90° about y: x to −z, z to x; then 90° about z: x to y, y to −x; then moved by (4, 2, 0).
     let expected = [v(4.0, 2.0, 0.0), v(4.0, 2.0, -1.0), v(3.0, 2.0, 0.0)];
     for (p, q) in mesh.positions().iter().zip(expected) {
-        assert!((*p - q).length() < 1e-6, "{p:?} and not {q:?}");
+        assert!((*p - q).length() < 1e-6, "{p:?} instead of {q:?}");
     }
     assert!((mesh.normals()[0] - v(0.0, 1.0, 0.0)).length() < 1e-6);
 }
@@ -194,7 +194,7 @@ fn models_without_animations_have_no_rig() {
     assert!(triangle().load(&format!(r#"{rest},"animations":[]"#)).rig.is_none());
 }
 
-/// Every wrong channel goes with a counted reason; the sound one beside it stays.
+/// Every invalid channel is skipped with a counted reason; the valid one next to it stays.
 #[test]
 fn wrong_channels_are_left_out_one_by_one() {
     let mut maker = keyframes();
@@ -207,16 +207,16 @@ fn wrong_channels_are_left_out_one_by_one() {
         (r#"{"sampler":1,"target":{"path":"scale"}}"#, "malformed"),
         (r#"{"sampler":1,"target":{"node":0,"path":"color"}}"#, "path 'color'"),
         (r#"{"sampler":1,"target":{"path":"pointer"}}"#, "KHR_animation_pointer"),
-        (r#"{"sampler":1,"target":{"node":0,"path":"rotation"}}"#, "3 numbers wide and not 4"),
+        (r#"{"sampler":1,"target":{"node":0,"path":"rotation"}}"#, "3 components, expected 4"),
         (r#"{"sampler":1,"target":{"node":0,"path":"weights"}}"#, "no morph targets"),
         (r#"{"sampler":1,"target":{"node":1,"path":"scale"}}"#, "matrix"),
-        (r#"{"sampler":2,"target":{"node":0,"path":"scale"}}"#, "times must rise"),
+        (r#"{"sampler":2,"target":{"node":0,"path":"scale"}}"#, "times must not decrease"),
         (r#"{"sampler":3,"target":{"node":0,"path":"scale"}}"#, "infinite or NaN"),
         (r#"{"sampler":4,"target":{"node":0,"path":"scale"}}"#, "15 numbers for 2"),
         (r#"{"sampler":5,"target":{"node":0,"path":"scale"}}"#, "interpolation"),
         (r#"{"sampler":6,"target":{"node":0,"path":"scale"}}"#, "accessor 99"),
-        (r#"{"sampler":7,"target":{"node":0,"path":"scale"}}"#, "one number each"),
-        (r#"{"sampler":0,"target":{"node":0,"path":"translation"}}"#, "another channel"),
+        (r#"{"sampler":7,"target":{"node":0,"path":"scale"}}"#, "must be scalars"),
+        (r#"{"sampler":0,"target":{"node":0,"path":"translation"}}"#, "an earlier channel"),
         (r#"{"sampler":"x"}"#, "malformed"),
     ];
     let samplers = r#""samplers":[{"input":1,"output":2},{"input":1,"output":4},{"input":5,"output":4},
@@ -247,8 +247,8 @@ fn odd_animations_are_kept_without_channels() {
     }
 }
 
-/// A morph target that weighs nothing at rest and cannot be read is left out; one that weighs something takes its
-/// primitive along, as ever.
+/// An unreadable morph target without weight at rest is skipped; one with a weight makes its primitive fail, as
+/// usual.
 #[test]
 fn a_bad_morph_target_is_left_out_unless_it_weighs_something() {
     let mut maker = triangle();

@@ -1,4 +1,4 @@
-//! OBJ, PLY and STL: files by others, and small ones with known values.
+//! OBJ, PLY and STL: third-party files, and small ones with known values.
 
 use crate::files::data_files;
 use std::path::Path;
@@ -17,7 +17,7 @@ fn load(files: &[(&str, &[u8])]) -> taotie::Result<Loaded> {
 }
 
 fn obj(text: &str) -> Loaded {
-    load(&[("a.obj", text.as_bytes())]).expect("a sound file")
+    load(&[("a.obj", text.as_bytes())]).expect("a valid file")
 }
 
 fn error(name: &str, bytes: &[u8]) -> String {
@@ -26,14 +26,14 @@ fn error(name: &str, bytes: &[u8]) -> String {
     text
 }
 
-/// The material of a square with the given MTL statements, and the given pictures beside it.
+/// The material of a square with the given MTL statements, and the given images next to it.
 fn material(mtl: &str, pictures: &[(&str, Vec<u8>)]) -> (Material, Loaded) {
     let square = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
                   usemtl m\nf 1/1 2/2 3/3 4/4\n";
     let mtl = format!("newmtl m\n{mtl}");
     let mut files = vec![("a.obj", square.as_bytes()), ("a.mtl", mtl.as_bytes())];
     files.extend(pictures.iter().map(|(name, bytes)| (*name, bytes.as_slice())));
-    let loaded = load(&files).expect("a sound file");
+    let loaded = load(&files).expect("a valid file");
     (loaded.scene.materials()[0].clone(), loaded)
 }
 
@@ -47,7 +47,7 @@ fn png(texel: impl Fn(f32, f32) -> [f32; 3]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, 32, 32);
     encoder.set_color(png::ColorType::Rgb);
-    encoder.write_header().and_then(|mut w| w.write_image_data(&rgb)).expect("a picture");
+    encoder.write_header().and_then(|mut w| w.write_image_data(&rgb)).expect("an image");
     bytes
 }
 
@@ -95,10 +95,10 @@ fn every_scan_loads_whole_and_as_another_reader_has_it() {
     }
 }
 
-/// Quadrilaterals may be cut otherwise, so corners are compared as sets where there are any.
+/// Quadrilaterals may be triangulated differently, so corners are compared as sets if there are any.
 fn compare_with_tobj(path: &Path, loaded: &Loaded) {
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
-    let (models, _) = tobj::load_obj(path, &options).expect("a sound file");
+    let (models, _) = tobj::load_obj(path, &options).expect("a valid file");
     let mut theirs: Vec<[u32; 8]> = Vec::new();
     for mesh in models.iter().map(|m| &m.mesh) {
         for i in 0..mesh.positions.len() / 3 {
@@ -125,7 +125,7 @@ fn compare_with_tobj(path: &Path, loaded: &Loaded) {
     assert_eq!(loaded.scene.triangle_count(), triangles, "{}", path.display());
 }
 
-/// The bits without the last few, which normalising changes.
+/// The bits without the last few, which are changed by normalisation.
 fn rounded(v: f32) -> u32 {
     let coarse = (v * 1024.0).round() / 1024.0 + 0.0;
     coarse.to_bits()
@@ -159,7 +159,7 @@ fn obj_in_other_encodings_and_with_continued_lines() {
     let utf16: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
     let latin: Vec<u8> = text.chars().skip(5).map(|c| c as u32 as u8).collect();
     for bytes in [text.as_bytes().to_vec(), utf16, latin, text.replace("\r\n", "\r").into_bytes()] {
-        let loaded = load(&[("a.obj", &bytes)]).expect("a sound file");
+        let loaded = load(&[("a.obj", &bytes)]).expect("a valid file");
         assert_eq!((loaded.scene.triangle_count(), loaded.scene.materials()[0].name.as_str()), (1, "däk"));
     }
 }
@@ -175,8 +175,8 @@ fn obj_is_split_by_material_and_by_what_faces_have() {
     assert_eq!(loaded.scene.materials()[0].name, "a b");
     assert_eq!(loaded.scene.meshes()[0].colors()[..2], [[1.0, 0.0, 0.0, 1.0], [1.0; 4]]);
     let notes = notes(&loaded);
-    assert!(notes.iter().any(|n| n.starts_with("1 faces whose uvs are left out")), "{notes:?}");
-    assert!(notes.iter().any(|n| n.starts_with("1 faces of fewer than three")), "{notes:?}");
+    assert!(notes.iter().any(|n| n.starts_with("1 faces with unusable uvs")), "{notes:?}");
+    assert!(notes.iter().any(|n| n.starts_with("1 skipped faces with fewer than three")), "{notes:?}");
     assert!(notes.iter().any(|n| n.starts_with("1 line statements")), "{notes:?}");
 }
 
@@ -229,9 +229,9 @@ fn missing_files_are_named_and_drawn_without() {
     assert_eq!(loaded.missing_files, ["C:\\art\\none.png"]);
     let notes = notes(&loaded);
     assert!(notes.iter().any(|n| n.contains("none.png")), "{notes:?}");
-    assert!(notes.iter().any(|n| n.contains("'refl' is not used")), "{notes:?}");
-    let alone = obj("mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3");
-    assert_eq!(alone.missing_files, ["gone.mtl"]);
+    assert!(notes.iter().any(|n| n.contains("ignored MTL statement 'refl'")), "{notes:?}");
+    let single = obj("mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3");
+    assert_eq!(single.missing_files, ["gone.mtl"]);
     let (_, broken) = material("map_Kd a.png", &[("a.png", b"not a picture".to_vec())]);
     assert!(broken.missing_files.is_empty() && notes_contain(&broken, "a.png"));
 }

@@ -1,4 +1,4 @@
-//! Triangles with alpha modes of their own are written as primitives that share their vertices.
+//! Triangles with different alpha modes are written as primitives that share their vertices.
 
 use crate::{bumpy, validator};
 use serde_json::{Value, json};
@@ -22,7 +22,7 @@ fn centers(triangles: impl Iterator<Item = [Vec3<f64>; 3]>) -> Vec<[f64; 3]> {
     centers
 }
 
-/// The centres of what a scene shows in a mode.
+/// The centres of the triangles of a scene in a mode.
 fn shown(scene: &Scene, mode: AlphaMode) -> Vec<[f64; 3]> {
     let own = scene.instances().iter().filter(|i| scene.materials()[i.material].alpha == mode);
     centers(own.flat_map(|instance| {
@@ -41,7 +41,7 @@ fn assert_level(path: &Path, level: usize, mesh: &Mesh) {
         let ours = centers(own.map(|t| mesh.corners(t).map(Vec3::to_f64)));
         let read = shown(&scene, mode);
         assert_eq!(read.len(), ours.len(), "{mode:?}");
-        // Steps of a packed mesh may change the order of centres that are nearly the same along x.
+        // The quantisation of a packed mesh may change the order of centres that are nearly equal along x.
         let mean = |centers: &[[f64; 3]]| {
             [0, 1, 2].map(|k| centers.iter().map(|c| c[k]).sum::<f64>() / centers.len() as f64)
         };
@@ -113,8 +113,8 @@ fn modes_that_do_not_fit_the_triangles_are_refused() {
     let levels = [GltfLevel { mesh: &mesh, coverage: None }];
     let count = mesh.triangles().len();
     let cases = [
-        (vec![vec![AlphaMode::Blend; count - 1]], "one for each triangle"),
-        (vec![vec![AlphaMode::Blend; count]; 2], "one for each triangle"),
+        (vec![vec![AlphaMode::Blend; count - 1]], "one per triangle"),
+        (vec![vec![AlphaMode::Blend; count]; 2], "one per triangle"),
         (vec![vec![AlphaMode::Mask(f32::NAN); count]], "alpha cutoff"),
     ];
     for (alpha_modes, why) in cases {

@@ -1,4 +1,4 @@
-//! Levels of detail are read together, each at the place of the node that it stands in for.
+//! Levels of detail are read together, each at the place of the node that it replaces.
 
 use crate::gltf::{load, triangle, warned};
 use crate::{bumpy, validator};
@@ -13,7 +13,7 @@ use taotie::math::{Mat4, Vec3};
 use taotie::scene::Scene;
 use tempfile::TempDir;
 
-/// A file with these nodes, of which 0 and 1 are in the scene. Mesh 0 is a triangle, mesh 1 two at one place.
+/// A file with these nodes; 0 and 1 are in the scene. Mesh 0 is a triangle, mesh 1 two in the same place.
 struct File {
     path: PathBuf,
     _folder: TempDir,
@@ -30,7 +30,7 @@ impl File {
         Self { path, _folder: folder }
     }
 
-    /// The places of the triangles that are shown at each level.
+    /// The places of the triangles shown at each level.
     fn places(&self) -> Vec<Vec<Vec3<f64>>> {
         let levels = load_levels(&self.path).unwrap_or_else(|e| panic!("{e}"));
         let place = |world: Mat4| world.transform_point(Vec3::new(0.0, 0.0, 0.0));
@@ -41,7 +41,7 @@ impl File {
     }
 }
 
-/// Node 1 hangs node 2 at x = 1; nodes 3 and 4 are its coarser levels. Node 0 has one level alone.
+/// Node 2 is a child of node 1 at x = 1; nodes 3 and 4 are its coarser levels. Node 0 has only one level.
 const TWO: &str = r#"[{"mesh":0,"translation":[0,5,0]},{"children":[2],"translation":[1,0,0]},
     {"mesh":0,"extensions":{"MSFT_lod":{"ids":[3,4]}}},{"mesh":1,"translation":[0,0,2]},{"mesh":0}]"#;
 
@@ -62,18 +62,18 @@ fn wrong_levels_are_told_and_do_no_harm() {
     let with = |ids: &str| File::new(&TWO.replace("[3,4]", ids));
     let file = with(r#"[3,99,-1,"x"]"#);
     let loaded = load(&file.path).unwrap();
-    assert_eq!((loaded.levels, warned(&loaded, "levels of detail that are no nodes")), (2, 3));
+    assert_eq!((loaded.levels, warned(&loaded, "levels of detail that are not nodes")), (2, 3));
     let levels = load_levels(&file.path).unwrap();
     assert_eq!(levels[0].warnings.iter().collect::<Vec<_>>(), loaded.warnings.iter().collect::<Vec<_>>());
-    // A node that stands in for its own child is its own ancestor.
+    // A node that replaces its own child is its own ancestor.
     let file = with("[1]");
-    assert!(load(&file.path).is_ok(), "the finest level is sound");
+    assert!(load(&file.path).is_ok(), "the finest level is valid");
     let error = load_levels(&file.path).unwrap_err().to_string();
     assert!(!error.contains('\n') && error.contains("levels.gltf"), "{error}");
     let many = with(&format!("[{}]", ["3"; 64].join(",")));
     assert_eq!(load(&many.path).unwrap().levels, 65);
     let error = load_levels(&many.path).unwrap_err().to_string();
-    assert!(error.contains("there are 65; at most 64"), "{error}");
+    assert!(error.contains("65 levels; the maximum is 64"), "{error}");
     for odd in ["[2]", "{}", "7"] {
         let file = with(odd);
         let levels = load(&file.path).unwrap().levels;
@@ -90,7 +90,7 @@ fn other_formats_have_one_level() {
     assert_eq!((levels.len(), levels[0].levels), (1, 1));
 }
 
-/// A ball of so many columns with a texture of colours and one of normals, as GLB.
+/// A ball of `columns` columns with a colour texture and a normal map, as GLB.
 fn ball(columns: usize, normals: &Bitmap, format: &GltfFormat) -> Vec<u8> {
     let (mesh, colors) = (bumpy::sphere(columns, columns / 2), bumpy::colors(16));
     let levels = [GltfLevel { mesh: &mesh, coverage: None }];
@@ -111,18 +111,19 @@ fn joined_levels_are_what_they_were_and_share_what_is_equal() {
         let joined = join_levels(&path, (&files[0], &coarser), &[0.01, 0.001, 0.0]).unwrap();
         joined.iter().for_each(|file| std::fs::write(&file.path, &file.bytes).unwrap());
         assert_joined(&path, &files);
-        let beside: Vec<_> = joined[1..].iter().filter_map(|file| file.path.file_name()?.to_str()).collect();
+        let external: Vec<_> =
+            joined[1..].iter().filter_map(|file| file.path.file_name()?.to_str()).collect();
         let wanted: &[&str] = match name {
             "joined.glb" => &[],
             _ => &["joined.bin", "joined_color.png", "joined_normal.png", "joined_lod2_normal.png"],
         };
-        assert_eq!(beside, wanted);
+        assert_eq!(external, wanted);
     }
     let wrong = join_levels(Path::new("a.glb"), (&files[0], &coarser), &[0.01, 0.0]).unwrap_err();
     assert!(wrong.to_string().contains("one in [0, 1]"));
 }
 
-/// Each level is as its file was, and what several show is there once.
+/// Each level is as in its file, and items shared by several are stored once.
 fn assert_joined(path: &Path, files: &[Vec<u8>]) {
     let levels = load_levels(path).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(
@@ -130,24 +131,24 @@ fn assert_joined(path: &Path, files: &[Vec<u8>]) {
         [None, Some(0.01), Some(0.001)]
     );
     for (level, file) in levels.iter().zip(files) {
-        let alone = path.with_file_name("alone.glb");
-        std::fs::write(&alone, file).unwrap();
-        let alone = load(&alone).unwrap().scene;
-        let (mesh, before) = (&level.scene.meshes()[0], &alone.meshes()[0]);
+        let single = path.with_file_name("single.glb");
+        std::fs::write(&single, file).unwrap();
+        let single = load(&single).unwrap().scene;
+        let (mesh, before) = (&level.scene.meshes()[0], &single.meshes()[0]);
         assert_eq!((mesh.positions(), mesh.triangles()), (before.positions(), before.triangles()));
-        assert_eq!(level.scene.instances()[0].world_from_object, alone.instances()[0].world_from_object);
+        assert_eq!(level.scene.instances()[0].world_from_object, single.instances()[0].world_from_object);
         let normal = |scene: &Scene| {
             let material = &scene.materials()[scene.instances()[0].material];
             scene.textures()[material.normal.as_ref().unwrap().texture.texture].bitmap().clone()
         };
-        assert!(normal(&level.scene) == normal(&alone), "its own map");
+        assert!(normal(&level.scene) == normal(&single), "its own map");
     }
     let json = json(path);
     let lists = ["images", "textures", "materials", "samplers", "meshes"];
     let counts = lists.map(|list| json[list].as_array().map_or(0, Vec::len));
     assert_eq!(counts, [3, 3, 2, 1, 3], "two levels show one material");
     if let Some(infos) = validator::assert_valid(path) {
-        // It does not know MSFT_lod, which names the nodes of coarser levels.
+        // It does not know MSFT_lod, which refers to the nodes of coarser levels.
         let known = ["UNSUPPORTED_EXTENSION", "UNUSED_OBJECT at /nodes"];
         let unknown: Vec<_> =
             infos.iter().filter(|info| !known.iter().any(|known| info.starts_with(known))).collect();

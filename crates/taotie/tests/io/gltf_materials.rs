@@ -1,4 +1,4 @@
-//! glTF: what extensions say about materials arrives in the scene.
+//! glTF: the materials specified by extensions arrive in the scene.
 
 use crate::gltf::{Maker, PIXEL, one_primitive, triangle, warned};
 use taotie::io::Loaded;
@@ -46,7 +46,7 @@ fn variants_change_the_instances_that_they_map() {
         loaded.variants.apply(name, &mut loaded.scene).unwrap();
         assert_eq!(colors(&loaded), with(first), "{name}");
     }
-    // A variant's material names a second uv set, so the mesh has it.
+    // A variant's material uses a second uv set, so the mesh has it.
     let mesh = |i: usize| &loaded.scene.meshes()[loaded.scene.instances()[i].mesh];
     assert_eq!((mesh(0).uvs().len(), mesh(1).uvs().len()), (2, 0));
 }
@@ -67,12 +67,12 @@ fn mappings_to_what_is_not_there_are_left_out() {
         {"material":1,"variants":[1]},5"#;
     let mut loaded = with_variants(NAMES, mappings);
     for (part, count) in
-        [("material 9", 1), ("names no material", 2), ("variant 7", 1), ("names no variant", 1)]
+        [("material 9", 1), ("missing material", 2), ("variant 7", 1), ("missing variant", 1)]
     {
         assert_eq!(warned(&loaded, part), count, "{part}: {:?}", loaded.warnings);
     }
     loaded.variants.apply("sea", &mut loaded.scene).unwrap();
-    assert_eq!(colors(&loaded)[0], [0.0, 0.0, 1.0, 1.0], "of two materials the first counts");
+    assert_eq!(colors(&loaded)[0], [0.0, 0.0, 1.0, 1.0], "the first of two materials is used");
 }
 
 /// A triangle with uvs whose only material has these extensions; textures 0 to 9 show one image.
@@ -93,7 +93,7 @@ fn material(extensions: &str) -> Material {
     loaded.scene.materials()[0].clone()
 }
 
-/// A texture slot whose transform scales by `scale` and `scale` + 1.
+/// A texture slot with a transform that scales by `scale` and `scale` + 1.
 fn slot(name: &str, scale: u32) -> String {
     let transform = format!(r#"{{"KHR_texture_transform":{{"scale":[{scale},{}]}}}}"#, scale + 1);
     format!(
@@ -102,9 +102,9 @@ fn slot(name: &str, scale: u32) -> String {
     )
 }
 
-/// That a slot of [`slot`] was read whole.
+/// Asserts that a slot of [`slot`] was read completely.
 fn assert_slot(texture: Option<TextureRef>, scale: f32) {
-    let texture = texture.expect("the texture is there");
+    let texture = texture.expect("the texture exists");
     assert_eq!(texture.transform.apply(Vec2::new(1.0, 1.0)), Vec2::new(scale, scale + 1.0));
     assert_eq!(texture.uv_set, 0);
 }
@@ -123,7 +123,7 @@ fn index_of_refraction_and_specular() {
         r#""KHR_materials_ior":{{"ior":1.25}},
         "KHR_materials_specular":{{"specularFactor":0.5,"specularColorFactor":[1,0.25,3],{textures}}}"#
     ));
-    // A product above 1 is the renderer's to limit.
+    // A product above 1 is limited by the renderer.
     assert_eq!((read.ior, read.specular.factor, read.specular.color), (1.25, 0.5, [1.0, 0.25, 3.0]));
     assert_slot(read.specular.factor_texture, 1.0);
     assert_slot(read.specular.color_texture, 2.0);
@@ -177,7 +177,7 @@ fn sheen() {
     assert_slot(sheen.roughness_texture, 6.0);
 }
 
-/// The extensions' own rule: a factor of zero, which is the default, switches the layer off.
+/// The extensions' own rule: a factor of zero, which is the default, disables the layer.
 #[test]
 fn layers_that_are_switched_off_ask_for_no_texture() {
     let textures = [slot("clearcoatTexture", 1), slot("sheenColorTexture", 2), slot("anisotropyTexture", 3)];
@@ -209,10 +209,10 @@ fn values_out_of_range_are_clamped_with_a_warning() {
     for name in
         ["ior", "specularFactor", "specularColorFactor", "clearcoatFactor", "clearcoatRoughnessFactor"]
     {
-        assert_eq!(warned(&loaded, &format!("material 0: {name} of")), 1, "{name}: {:?}", loaded.warnings);
+        assert_eq!(warned(&loaded, &format!("material 0: {name} ")), 1, "{name}: {:?}", loaded.warnings);
     }
     for name in ["anisotropyRotation", "sheenRoughnessFactor"] {
-        assert_eq!(warned(&loaded, &format!("material 0: {name} is malformed")), 1, "{name}");
+        assert_eq!(warned(&loaded, &format!("material 0: malformed {name}")), 1, "{name}");
     }
 }
 
@@ -227,13 +227,13 @@ fn textures_that_cannot_be_had_are_left_out() {
     assert!(
         coat.factor_texture.is_none() && coat.normal.is_none() && read.sheen.unwrap().color_texture.is_none()
     );
-    for part in ["texture 99", "clearcoatNormalTexture is malformed", "uv set 9"] {
+    for part in ["texture 99", "malformed clearcoatNormalTexture", "uv set 9"] {
         assert_eq!(warned(&loaded, part), 1, "{part}: {:?}", loaded.warnings);
     }
 }
 
-/// A uv set that only a layer names is there for the renderer, and an image that only a layer shows is decoded once
-/// an encoding.
+/// A uv set used only by a layer is available to the renderer, and an image used only by layers is decoded once per
+/// encoding.
 #[test]
 fn layers_count_as_uses_of_uv_sets_and_images() {
     let loaded = with_extensions(
@@ -245,7 +245,7 @@ fn layers_count_as_uses_of_uv_sets_and_images() {
     assert_eq!(loaded.scene.textures().len(), 2);
 }
 
-/// An image that cannot be read takes only its own uses out, and the others keep their pictures.
+/// An unreadable image removes only its own uses, and the others keep their images.
 #[test]
 fn unreadable_images_go_from_every_slot() {
     let mut maker = triangle();

@@ -1,4 +1,4 @@
-//! glTF: compressed geometry unpacks to the model that it was made from, and damaged geometry to an error.
+//! glTF: compressed geometry unpacks to the original model, and damaged geometry gives an error.
 
 use crate::damage::{Dice, damage};
 use crate::gltf::{self, load};
@@ -20,7 +20,7 @@ fn patch(name: &str) -> Loaded {
     load(&own(name)).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// The largest difference of two lists of numbers.
+/// The largest difference between two lists of numbers.
 fn apart<'a>(a: impl IntoIterator<Item = &'a f32>, b: impl IntoIterator<Item = &'a f32>) -> f32 {
     let (a, b): (Vec<&f32>, Vec<&f32>) = (a.into_iter().collect(), b.into_iter().collect());
     assert!(a.len() == b.len() && !a.is_empty(), "{} and {}", a.len(), b.len());
@@ -35,7 +35,7 @@ fn uvs(mesh: &Mesh) -> Vec<f32> {
     mesh.uvs()[0].iter().flat_map(|uv| [uv.x, uv.y]).collect()
 }
 
-/// The triangles, each turned to begin with its least corner: what coders of triangles keep.
+/// The triangles, each rotated to start with its smallest corner: the part that triangle codecs preserve.
 fn turned(mesh: &Mesh) -> Vec<[u32; 3]> {
     let turn = |t: &[u32; 3]| (0..3).map(|k| [t[k], t[(k + 1) % 3], t[(k + 2) % 3]]).min();
     mesh.triangles().iter().filter_map(turn).collect()
@@ -49,8 +49,8 @@ fn keyframes(loaded: &Loaded) -> (Vec<f32>, Vec<f32>) {
 
 // ------------------------------------------------------------------------------------------------ meshoptimizer
 
-/// Streams by meshoptimizer's own encoder, version 0 under the older extension and 1 under the newer. What no filter
-/// touches is exact; the others are within the step of their bits.
+/// Streams from meshoptimizer's own encoder, version 0 with the older extension and 1 with the newer. Unfiltered data
+/// is exact; the rest is within the step of its bits.
 #[test]
 fn meshoptimizer_s_streams_unpack_to_what_was_packed() {
     let plain = patch("patch.glb");
@@ -126,8 +126,8 @@ fn packed_views_that_contradict_themselves_are_named() {
         (r#""byteStride":13,"count":63"#, "63 elements of 13 bytes"),
         (r#""byteStride":12,"count":99000000"#, "cannot hold"),
         (r#""byteStride":12,"count":99"#, "damaged"),
-        (r#""byteStride":12,"count":"x""#, "its count cannot be"),
-        (r#""byteStride":12"#, "lacks count"),
+        (r#""byteStride":12,"count":"x""#, "invalid count"),
+        (r#""byteStride":12"#, "missing count"),
     ] {
         let error = change(positions, to);
         assert!(
@@ -140,7 +140,7 @@ fn packed_views_that_contradict_themselves_are_named() {
     assert!(error.contains("buffer 1 has no data"), "{error}");
 }
 
-/// Many views over one packed stream: a small file must not ask for gigabytes.
+/// Many views of one packed stream: a small file must not request gigabytes.
 #[test]
 fn views_that_share_packed_bytes_without_end_are_refused() {
     let zeros = meshopt::encode_vertex_buffer_level(&vec![[0u32; 4]; 1 << 20], 2, Some(1)).unwrap();
@@ -160,7 +160,7 @@ fn views_that_share_packed_bytes_without_end_are_refused() {
 
 // -------------------------------------------------------------------------------------------------------- Draco
 
-/// For each vertex of `mesh` the vertex of `of` that lies where it does.
+/// For each vertex of `mesh`, the vertex of `of` at the same place.
 #[cfg(feature = "draco")]
 fn matched(mesh: &Mesh, of: &Mesh) -> Vec<usize> {
     let nearest = |p: &Vec3| {
@@ -173,8 +173,8 @@ fn matched(mesh: &Mesh, of: &Mesh) -> Vec<usize> {
     mesh.positions().iter().map(nearest).collect()
 }
 
-/// Streams by Draco's own encoder. Points may change their order but not what belongs to them; indices and colours
-/// are exact, the others within the step of their bits.
+/// Streams from Draco's own encoder. Points may be reordered but keep their attributes; indices and colours are
+/// exact, the rest is within the step of its bits.
 #[cfg(feature = "draco")]
 #[test]
 fn draco_s_streams_unpack_to_what_was_packed() {
@@ -185,11 +185,7 @@ fn draco_s_streams_unpack_to_what_was_packed() {
         assert_eq!(packed.scene.meshes().len(), 2, "{name}");
         for (a, b) in packed.scene.meshes().iter().zip(plain.scene.meshes()) {
             let vertex = matched(a, b);
-            assert_eq!(
-                vertex.iter().collect::<BTreeSet<_>>().len(),
-                b.positions().len(),
-                "each is there once"
-            );
+            assert_eq!(vertex.iter().collect::<BTreeSet<_>>().len(), b.positions().len(), "each exists once");
             let at = |mesh: &Mesh, i: usize| {
                 let (n, uv, t) = (mesh.normals()[i], mesh.uvs()[0][i], mesh.tangents()[i]);
                 ([n.x, n.y, n.z, t[0], t[1], t[2], t[3], uv.x, uv.y], mesh.colors()[i])
@@ -209,7 +205,7 @@ fn draco_s_streams_unpack_to_what_was_packed() {
             assert_eq!(sorted(named.collect()), sorted(b.triangles().to_vec()), "{name}");
             assert_eq!(a.triangles().len(), b.triangles().len(), "{name}");
         }
-        assert_eq!(keyframes(&packed), keyframes(&plain), "what is not compressed stays");
+        assert_eq!(keyframes(&packed), keyframes(&plain), "uncompressed data is unchanged");
     }
 }
 
@@ -271,21 +267,21 @@ fn damaged_draco_streams_are_named_or_stood_in_for() {
     let other = |view: &str| changed(name, |json| json.replacen(packed, &packed.replace('1', view), 1));
     let loaded = other("99").unwrap();
     assert_eq!(
-        warned(&loaded, "mesh 0, primitive 0 is left out: POSITION: accessor 1"),
+        warned(&loaded, "skipped mesh 0, primitive 0: POSITION: accessor 1"),
         1,
         "{:?}",
         loaded.warnings
     );
-    // Of the animation's view Draco can make nothing; the other primitive stays.
+    // Draco cannot decode the animation's view; the other primitive stays.
     let loaded = other("0").unwrap();
-    assert_eq!(warned(&loaded, "compressed by Draco"), 1, "{:?}", loaded.warnings);
+    assert_eq!(warned(&loaded, "Draco compression"), 1, "{:?}", loaded.warnings);
     let loaded =
         changed(name, |json| json.replacen(r#""NORMAL":1,"TANGENT""#, r#""NORMAL":77,"TANGENT""#, 1))
             .unwrap();
-    assert_eq!(warned(&loaded, "there is no NORMAL in it"), 1, "{:?}", loaded.warnings);
+    assert_eq!(warned(&loaded, "attribute NORMAL is missing"), 1, "{:?}", loaded.warnings);
 }
 
-/// A primitive whose accessors have data of their own is drawn by that where the compressed data is damaged.
+/// A primitive whose accessors have uncompressed data falls back to it if the compressed data is damaged.
 #[cfg(feature = "draco")]
 #[test]
 fn uncompressed_data_stands_in_for_damaged_draco() {
@@ -297,7 +293,7 @@ fn uncompressed_data_stands_in_for_damaged_draco() {
         )
     };
     let loaded = maker.load(&gltf::one_primitive(r#""POSITION":0"#, &draco("")));
-    assert_eq!(warned(&loaded, "its uncompressed data is drawn"), 1, "{:?}", loaded.warnings);
+    assert_eq!(warned(&loaded, "using its uncompressed data"), 1, "{:?}", loaded.warnings);
     assert_eq!(loaded.scene.meshes()[0].triangles().len(), 1);
     let loaded = maker.load(&gltf::one_primitive(r#""POSITION":0"#, &draco(r#","mode":5"#)));
     assert_eq!(warned(&loaded, "without strips"), 1, "{:?}", loaded.warnings);
@@ -305,14 +301,14 @@ fn uncompressed_data_stands_in_for_damaged_draco() {
 
 // ---------------------------------------------------------------------------------------------------- damage
 
-/// Damaged copies load or fail in one line; they never panic.
+/// Damaged copies load or fail with a one-line error; they never panic.
 fn torment(name: &str) {
     let seed = std::fs::read(own(name)).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("damaged.glb");
     let mut dice = Dice(3);
     let truncated = (0..seed.len()).step_by(13).map(|length| seed[..length].to_vec());
-    // Behind the JSON, where the streams are.
+    // After the JSON, in the streams.
     let streams = 20 + u32::from_le_bytes(seed[12..16].try_into().unwrap()) as usize;
     let flipped: Vec<Vec<u8>> = (0..600)
         .map(|_| {

@@ -1,4 +1,4 @@
-//! What is packed small when it is written reads back within the steps it was rounded to.
+//! Geometry that is written packed reads back within its quantisation steps.
 
 use crate::bumpy;
 use std::collections::BTreeMap;
@@ -22,7 +22,7 @@ fn level(mesh: &Mesh) -> GltfLevel<'_> {
     GltfLevel { mesh, coverage: None }
 }
 
-/// Every vertex that a triangle names by its place in the lattice of uvs, which has so many `cells` a side.
+/// Every vertex used by a triangle, by its position in the lattice of uvs with `cells` cells per side.
 fn corners(mesh: &Mesh, cells: f32) -> BTreeMap<[i32; 2], usize> {
     let key = |i: usize| [mesh.uvs()[0][i].x, mesh.uvs()[0][i].y].map(|v| (v * cells).round() as i32);
     mesh.triangles().as_flattened().iter().map(|i| (key(*i as usize), *i as usize)).collect()
@@ -130,7 +130,7 @@ fn levels_share_one_place_and_material() {
         assert!(place(0) == place(1) && place(1) == place(2));
         let loaded = load_model(&path).unwrap();
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
-        assert_eq!(loaded.scene.triangle_count(), meshes[0].triangles().len(), "the finest alone is drawn");
+        assert_eq!(loaded.scene.triangle_count(), meshes[0].triangles().len(), "only the finest is drawn");
         assert_eq!(loaded.levels, 3);
         let read = load_levels(&path).unwrap();
         assert_eq!(read.len(), 3);

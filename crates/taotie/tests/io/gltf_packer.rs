@@ -1,4 +1,4 @@
-//! Files that are packed as a whole keep all that they hold.
+//! Files that are packed as a whole keep all their contents.
 
 use crate::{common, files};
 #[cfg(feature = "webp")]
@@ -19,10 +19,10 @@ use taotie::{
     scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef, UvTransform},
 };
 
-/// Folders of test data with glTF files by others.
+/// Folders of test data with third-party glTF files.
 const FOLDERS: [&str; 3] = ["khronos-gltf-sample-assets", "gltf-asset-generator", "polyhaven-models"];
 
-/// Every corner of what a file shows, in world space.
+/// Every corner shown by a file, in world space.
 fn corners(loaded: &Loaded) -> Vec<Vec3<f64>> {
     let scene = &loaded.scene;
     let of_instance = |instance: &taotie::scene::Instance| {
@@ -34,7 +34,7 @@ fn corners(loaded: &Loaded) -> Vec<Vec3<f64>> {
     scene.instances().iter().flat_map(of_instance).collect()
 }
 
-/// The mean, and the mean distance from it, of points.
+/// The mean of points, and their mean distance from it.
 fn moments(points: &[Vec3<f64>]) -> (Vec3<f64>, f64) {
     let count = points.len().max(1) as f64;
     let mean = points.iter().fold(Vec3::splat(0.0), |sum, p| sum + *p) / count;
@@ -50,7 +50,7 @@ fn packed(packer: &GltfPacker, geometry: PackedGeometry, images: &[PackedImage])
 
 fn every_file() -> impl Iterator<Item = (std::path::PathBuf, Loaded)> {
     let all = FOLDERS.into_iter().flat_map(|folder| files::data_files(folder, &["gltf", "glb"]));
-    // Some are made to be refused.
+    // Some are designed to be rejected.
     all.filter_map(|path| load_model(&path).ok().map(|loaded| (path, loaded)))
 }
 
@@ -99,7 +99,7 @@ fn fewer_triangles_stay_on_the_surface() {
     assert!(count > 3 || common::data_folder(FOLDERS[0]).is_none(), "{count}");
 }
 
-/// A ball with a texture whose texels are half clear, in a material of this mode, as GLB.
+/// A ball with a texture whose texels are half transparent, in a material of this mode, as GLB.
 #[cfg(feature = "avif")]
 fn half_clear(alpha: AlphaMode, images: ImageCodec) -> Vec<u8> {
     let texels = (0..64 * 64).map(|i| [i as u8, (i / 64) as u8 * 4, 90, 128]).collect();
@@ -165,7 +165,7 @@ fn smaller_images_are_near_the_own_ones() {
             ];
             for (codec, most) in losses.into_iter().filter(|(codec, _)| image.fits(*codec, side)) {
                 let error = difference(own, &encoded(side, codec));
-                // 16 bits a channel are rounded to 8.
+                // 16 bits per channel are rounded to 8.
                 assert!(error < most, "{}, image {number}, {codec}: {error}", path.display());
             }
             let of_half = [ImageCodec::Ktx2(2), ImageCodec::Jpeg(97), ImageCodec::WebP];
@@ -180,7 +180,7 @@ fn smaller_images_are_near_the_own_ones() {
     assert!(count > 10 || common::data_folder(FOLDERS[0]).is_none(), "{count}");
 }
 
-/// Encodes an image with so many texels along its longer side.
+/// Encodes an image with `side` texels along its longer side.
 #[cfg(feature = "webp")]
 fn encode(packer: &GltfPacker, number: usize, (side, codec): (u32, ImageCodec)) -> PackedImage {
     let bytes = packer.image(number).unwrap().encoded(side, codec).unwrap();
@@ -204,7 +204,7 @@ fn packer_textures(path: &std::path::Path) -> usize {
     load_model(path).unwrap().scene.textures().len()
 }
 
-/// What is valid stays so.
+/// Valid files stay valid.
 #[cfg(feature = "webp")]
 #[test]
 fn packed_files_are_valid() {

@@ -1,4 +1,4 @@
-//! glTF: which image of a texture is shown, among those that extensions offer.
+//! glTF: the choice among the images that extensions offer for a texture.
 
 use crate::gltf;
 use crate::gltf::{Maker, one_primitive, warned};
@@ -31,7 +31,7 @@ fn with_texture(texture: &str, images: &[&[u8]], more: &str) -> Result<Loaded, S
     ))
 }
 
-/// The picture of the base colour.
+/// The image of the base colour.
 #[cfg(any(feature = "webp", feature = "basis"))]
 fn shown(loaded: &Loaded) -> &Bitmap {
     loaded.scene.textures()[loaded.scene.materials()[0].base_color_texture.unwrap().texture].bitmap()
@@ -47,9 +47,9 @@ fn webp_goes_before_the_image_for_other_programs() {
     let both = with_texture(&format!(r#"{{"source":0,{WEBP}}}"#), &images, "").unwrap();
     assert_eq!(shown(&both), &bitmap("waves.png"));
     let required = r#","extensionsUsed":["EXT_texture_webp"],"extensionsRequired":["EXT_texture_webp"]"#;
-    let alone = with_texture(&format!("{{{WEBP}}}"), &images, required).unwrap();
-    assert_eq!(shown(&alone), &bitmap("waves.png"));
-    assert!(both.warnings.is_empty() && alone.warnings.is_empty());
+    let only = with_texture(&format!("{{{WEBP}}}"), &images, required).unwrap();
+    assert_eq!(shown(&only), &bitmap("waves.png"));
+    assert!(both.warnings.is_empty() && only.warnings.is_empty());
 }
 
 #[cfg(feature = "basis")]
@@ -59,8 +59,8 @@ fn basis_universal_goes_before_the_image_for_other_programs() {
     let basisu = r#""extensions":{"KHR_texture_basisu":{"source":1}}"#;
     let both = with_texture(&format!(r#"{{"source":0,{basisu}}}"#), &images, "").unwrap();
     let required = r#","extensionsUsed":["KHR_texture_basisu"],"extensionsRequired":["KHR_texture_basisu"]"#;
-    let alone = with_texture(&format!("{{{basisu}}}"), &images, required).unwrap();
-    for loaded in [&both, &alone] {
+    let only = with_texture(&format!("{{{basisu}}}"), &images, required).unwrap();
+    for loaded in [&both, &only] {
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
         assert_eq!(shown(loaded), &bitmap("uastc-alpha.png"));
     }
@@ -77,14 +77,14 @@ fn the_image_for_other_programs_stands_for_a_damaged_one() {
     let loaded = with_texture(&format!(r#"{{"source":0,{WEBP}}}"#), &[&png, damaged], "").unwrap();
     assert_eq!(shown(&loaded), &bitmap("waves.png"));
     assert_eq!(
-        (warned(&loaded, "image 1 is left out"), warned(&loaded, "image 0 stands for image 1")),
+        (warned(&loaded, "skipped image 1"), warned(&loaded, "used image 0 instead of image 1")),
         (1, 1)
     );
     let nowhere = r#"{"source":0,"extensions":{"EXT_texture_webp":{"source":7}}}"#;
     assert_eq!(shown(&with_texture(nowhere, &[&png], "").unwrap()), &bitmap("waves.png"));
     let loaded = with_texture(&format!("{{{WEBP}}}"), &[&png, damaged], "").unwrap();
     assert!(loaded.scene.materials()[0].base_color_texture.is_none());
-    assert_eq!(warned(&loaded, "image 1 is left out"), 1);
+    assert_eq!(warned(&loaded, "skipped image 1"), 1);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! glTF: files by others load or say in one line why not, and small files made here give the right numbers.
+//! glTF: third-party files load or give a one-line reason why not, and small files made here give the right numbers.
 
 use crate::common::data_folder;
 use crate::files::data_files;
@@ -9,13 +9,13 @@ use taotie::image::{MipFilter, TexelFilter, Wrap};
 use taotie::math::Vec2;
 use taotie::scene::{AlphaMode, Falloff, LightKind, Projection};
 
-// ---------------------------------------------------------------------------------------------- files by others
+// ---------------------------------------------------------------------------------------------- third-party files
 
 fn models(sub: &str) -> Vec<PathBuf> {
     data_files(sub, &["gltf", "glb"])
 }
 
-/// The JSON of a file; null where it is none.
+/// The JSON of a file; null if it has none.
 fn json_of(path: &Path) -> serde_json::Value {
     let bytes = std::fs::read(path).unwrap();
     let of_glb = || {
@@ -26,7 +26,7 @@ fn json_of(path: &Path) -> serde_json::Value {
     serde_json::from_slice(text).unwrap_or_default()
 }
 
-/// Files with geometry that the file names and that are not there; names with escapes are left out.
+/// Missing files with geometry that the file refers to; names with escapes are not included.
 fn missing_buffers(path: &Path) -> Vec<String> {
     let json = json_of(path);
     let uris = json["buffers"].as_array().into_iter().flatten().filter_map(|buffer| buffer["uri"].as_str());
@@ -36,8 +36,8 @@ fn missing_buffers(path: &Path) -> Vec<String> {
         .collect()
 }
 
-/// The reasons for which a sound file is not drawn, told from its content: it requires an extension or a version
-/// that is not there, or has only points and lines.
+/// Returns `true` if a valid file is not drawn for an expected reason, judging from its content: it requires an
+/// unsupported extension or version, or has only points and lines.
 fn is_stated_case(path: &Path, error: &str) -> bool {
     let json = json_of(path);
     let strings = |key: &str| {
@@ -74,8 +74,12 @@ fn odd_models_load_or_say_why() {
         match load(&path) {
             Ok(loaded) => {
                 assert!(loaded.scene.triangle_count() > 0, "{}", path.display());
-                let told = !loaded.missing_files.is_empty() || loaded.warnings.iter().next().is_some();
-                assert!(missing_buffers(&path).is_empty() || told, "{}: nothing is told", path.display());
+                let reported = !loaded.missing_files.is_empty() || loaded.warnings.iter().next().is_some();
+                assert!(
+                    missing_buffers(&path).is_empty() || reported,
+                    "{}: nothing is reported",
+                    path.display()
+                );
             }
             Err(error) => {
                 let reason = error.split_once(&*path.file_name().unwrap().to_string_lossy()).unwrap().1;
@@ -88,8 +92,8 @@ fn odd_models_load_or_say_why() {
     }
 }
 
-/// The validator's report beside each file tells whether it is sound. A sound file loads unless it has no geometry
-/// or no triangle.
+/// The validator's report next to each file shows whether it is valid. A valid file loads unless it has no geometry
+/// or no triangles.
 #[test]
 fn models_that_the_validator_accepts_load() {
     let mut sound = 0;
@@ -107,7 +111,7 @@ fn models_that_the_validator_accepts_load() {
             assert!(triangles == 0 && error.contains("nothing to draw") || minimum, "{error}");
         }
     }
-    assert!(sound > 0 || data_folder("gltf-validator").is_none(), "no file is sound");
+    assert!(sound > 0 || data_folder("gltf-validator").is_none(), "no file is valid");
 }
 
 // ------------------------------------------------------------------------------------------------ made here
@@ -124,7 +128,7 @@ fn without_normals_they_are_flat_and_tangents_go() {
     let (z, x) = (v(0.0, 0.0, 1.0), v(1.0, 0.0, 0.0));
     assert_eq!(mesh.normals(), [z, z, z, x, x, x]);
     assert!(mesh.tangents().is_empty());
-    // No material is named: glTF's default, not this program's.
+    // There is no material: the default is glTF's, not this program's.
     let material = &loaded.scene.materials()[loaded.scene.instances()[0].material];
     assert_eq!((material.base_color, material.metallic, material.roughness), ([1.0; 4], 1.0, 1.0));
 }
@@ -166,7 +170,7 @@ fn sparse_accessors_with_and_without_a_base() {
 fn quantised_attributes() {
     let mut maker = Maker::default();
     let shorts = |values: &[i16]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
-    // Positions: normalised shorts 8 bytes apart. Normals: normalised bytes. UVs: whole numbers of 16 bits.
+    // Positions: normalised shorts 8 bytes apart. Normals: normalised bytes. UVs: 16-bit integers.
     let stride =
         maker.view(&shorts(&[0, 0, 0, 0, 32767, 0, 0, 0, 0, -32767, 16384, 0]), r#","byteStride":8"#);
     maker.accessors.push(format!(
@@ -259,7 +263,7 @@ fn skins_put_the_mesh_where_the_joints_are() {
     let p = loaded.scene.meshes()[instance.mesh].positions()[1];
     let p = instance.world_from_object.transform_point(p.to_f64());
     assert!((p - v(1.0, 3.0, 2.0).to_f64()).length() < 1e-6, "{p:?}");
-    assert!(loaded.warnings.is_empty(), "joints of weight zero may be any number");
+    assert!(loaded.warnings.is_empty(), "joints of weight zero may have any index");
 }
 
 #[test]
@@ -296,7 +300,7 @@ fn materials_with_textures_samplers_and_extensions() {
     assert!((uv.x - 1.0).abs() < 1e-6 && (uv.y + 0.5).abs() < 1e-6, "{uv:?}");
     let normal = m.normal.unwrap();
     assert_eq!((normal.scale, normal.texture.transform.linear), (0.5, [[3.0, 0.0], [0.0, 3.0]]));
-    // One image as colour, data and normals: three textures, and no more, since each has mip levels of its own.
+    // One image as colour, data and normals: exactly three textures, since each has separate mip levels.
     assert_eq!(loaded.scene.textures().len(), 3);
     assert_ne!(m.occlusion_texture.unwrap().texture, normal.texture.texture);
 }
@@ -366,7 +370,7 @@ fn damage_is_named_by_mesh_primitive_and_attribute() {
     let mut index = triangle();
     index.accessor(&[0, 1, 3], (3, 5121, "SCALAR"), "");
     let text = error(&index, &one_primitive(r#""POSITION":0"#, r#","indices":1"#));
-    assert!(text.contains("index 2 names vertex 3"), "{text}");
+    assert!(text.contains("index 2 refers to vertex 3"), "{text}");
     let mut long = triangle();
     long.accessors[0] = long.accessors[0].replace(r#""count":3"#, r#""count":4"#);
     let text = error(&long, &one_primitive(r#""POSITION":0"#, ""));
@@ -390,10 +394,10 @@ fn one_bad_primitive_among_good_ones_is_left_out() {
         {"attributes":{"POSITION":0,"TEXCOORD_0":2,"NORMAL":3,"COLOR_0":99}},{"attributes":{"NORMAL":3}}]}]"#;
     let loaded = maker.load(rest);
     assert_eq!(loaded.scene.instances().len(), 1);
-    assert_eq!(warned(&loaded, "mesh 0 'M', primitive 0 is left out: POSITION"), 1);
+    assert_eq!(warned(&loaded, "skipped mesh 0 'M', primitive 0: POSITION"), 1);
     assert_eq!(warned(&loaded, "uvs that were infinite, NaN or beyond ±1e12"), 3);
     assert_eq!(warned(&loaded, "normals that were zero or NaN"), 3);
-    assert_eq!(warned(&loaded, "primitive 1: COLOR_0 left out"), 1);
+    assert_eq!(warned(&loaded, "primitive 1: skipped COLOR_0"), 1);
     assert_eq!(warned(&loaded, "without POSITION"), 1);
     assert_eq!(loaded.scene.meshes()[0].normals(), [v(0.0, 0.0, 1.0); 3]);
 }
@@ -416,7 +420,7 @@ fn missing_textures_and_odd_materials_are_drawn_without() {
     assert_eq!(loaded.missing_files, ["no%20such.png"]);
     for part in [
         "no%20such.png",
-        "image 1 is left out",
+        "skipped image 1",
         "texture 2 has no image",
         "texture 5",
         "uv set 4000000000",
@@ -440,7 +444,7 @@ fn uv_sets_that_the_mesh_lacks_are_zero() {
     );
 }
 
-/// A hundred thousand primitives over the same vertices: a small file must not ask for gigabytes.
+/// A hundred thousand primitives over the same vertices: a small file must not request gigabytes.
 #[test]
 fn sharing_data_without_end_is_refused() {
     let mut maker = Maker::default();
@@ -449,10 +453,10 @@ fn sharing_data_without_end_is_refused() {
     let primitives = vec![primitive; 100_000].join(",");
     let rest = format!(r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{primitives}]}}]"#);
     let error = maker.try_load(&rest).unwrap_err();
-    assert!(error.contains("too many times"), "{error}");
+    assert!(error.contains("too often"), "{error}");
 }
 
-/// The list for readers of the documentation is the reader's own.
+/// The list in the documentation matches the reader's own.
 #[test]
 fn the_documentation_lists_every_extension() {
     let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/gltf.md")).unwrap();
@@ -461,7 +465,7 @@ fn the_documentation_lists_every_extension() {
     assert_eq!(listed, BTreeSet::from(taotie::io::GLTF_EXTENSIONS));
 }
 
-/// Small files with bytes changed load or fail; they never panic.
+/// Small files with modified bytes load or fail; they never panic.
 #[test]
 fn damaged_variants_never_panic() {
     let mut maker = triangle();

@@ -1,4 +1,4 @@
-//! A scene that is written as glTF is read as it was.
+//! A scene that is written as glTF reads back unchanged.
 
 use crate::{common, files, rich};
 use std::path::{Path, PathBuf};
@@ -12,10 +12,10 @@ use taotie::scene::{
     Scene, SceneData, TextureRef,
 };
 
-/// What rounding to 32 bits and a product of two rounded numbers leave, relative to the largest number.
+/// The error of rounding to 32 bits and of a product of two rounded numbers, relative to the largest number.
 const ROUNDING: f64 = 1e-6;
 
-/// Writes a scene and reads it again; what was noted of both.
+/// Writes a scene and reads it back; also returns the warnings of both.
 fn back(scene: &Scene, path: &Path) -> (Scene, Warnings, Warnings) {
     let written = write_scene(path, scene, &GltfFormat::default()).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(written.files[0], path);
@@ -41,7 +41,7 @@ fn assert_same_place(a: &Mat4, b: &Mat4) {
     assert!(close(a.columns.as_flattened(), b.columns.as_flattened()), "{a:?} and {b:?}");
 }
 
-/// Corner by corner, since vertices that no triangle names are not read.
+/// Compares corner by corner, since unused vertices are not read.
 fn assert_same_mesh(a: &Mesh, b: &Mesh) {
     let corners =
         |mesh: &Mesh| mesh.triangles().as_flattened().iter().map(|v| *v as usize).collect::<Vec<_>>();
@@ -65,7 +65,7 @@ fn assert_same_mesh(a: &Mesh, b: &Mesh) {
     }
 }
 
-/// Texel by texel; green is turned where it pointed down.
+/// Compares texel by texel; green is flipped if it pointed down.
 fn assert_same_texture(a: &Texture, b: &Texture, turned: bool) {
     assert_eq!((a.width(), a.height(), a.encoding()), (b.width(), b.height(), b.encoding()));
     for y in 0..a.height() as usize {
@@ -77,7 +77,7 @@ fn assert_same_texture(a: &Texture, b: &Texture, turned: bool) {
     }
 }
 
-/// What glTF can say of a material, without textures.
+/// The properties of a material that glTF can express, without textures.
 fn sayable(material: &Material) -> Material {
     let mut plain = material.clone();
     plain.retain_textures(|_| false);
@@ -186,7 +186,7 @@ fn a_packed_scene_stands_where_it_stood() {
     let read = load_model(&path).unwrap().scene;
     assert_eq!(scene.triangle_count(), read.triangle_count());
     let (a, b) = (scene.bounds().unwrap(), read.bounds().unwrap());
-    // Steps of the grid are 1/65535 of a mesh, and bounds of turned ones half of some.
+    // Grid steps are 1/65535 of a mesh, and half a step for bounds of rotated ones.
     assert!((a.min - b.min).length() + (a.max - b.max).length() < 1e-4 * a.diagonal(), "{a:?} {b:?}");
 }
 
@@ -208,7 +208,7 @@ fn what_gltf_cannot_say_is_counted() {
     let (.., unsaid, _) = back(&scene, &folder.path().join("a.glb"));
     let counted =
         |part: &str| unsaid.iter().filter(|(what, _)| what.contains(part)).map(|(_, n)| n).sum::<usize>();
-    let parts = ["reflectance", "classic", "object-space", "fall with distance", "nothing shows", "sheared"];
+    let parts = ["reflectance", "classic", "object-space", "distance falloff", "or instances", "sheared"];
     assert_eq!(parts.map(counted), [1; 6], "{unsaid:?}");
 }
 
@@ -219,14 +219,14 @@ fn a_scene_that_shows_nothing_is_refused() {
         write_scene(path, scene, &GltfFormat::default()).unwrap_err().to_string()
     };
     assert!(why(&Scene::default(), &path).contains("no triangle"));
-    assert!(why(&rich::scene(), Path::new("a.obj")).contains(".glb and .gltf"));
+    assert!(why(&rich::scene(), Path::new("a.obj")).contains(".glb or .gltf"));
     let far = Mat4::translation(Vec3::new(1e300, 0.0, 0.0));
     let mut scene = rich::scene();
     scene.edit(|scene| scene.instances[0].world_from_object = far).unwrap();
     assert!(why(&scene, &path).contains("32-bit"));
 }
 
-/// Models of others that are small enough to be compared texel by texel.
+/// Third-party models that are small enough to be compared texel by texel.
 fn models() -> Vec<PathBuf> {
     const LARGEST: u64 = 300_000;
     let folders = ["khronos-gltf-sample-assets", "gltf-asset-generator"];
@@ -247,7 +247,7 @@ fn models_of_others_are_read_as_they_were() {
     let models = models();
     for path in &models {
         let Ok(loaded) = load_model(path) else { continue };
-        // Shown in facets, meshes are another number of vertices; that is what `warnings` say.
+        // Shown faceted, meshes have a different number of vertices; `warnings` report that.
         if is_small(&loaded.scene) && loaded.scene.meshes().iter().all(|mesh| !mesh.normals().is_empty()) {
             let (read, ..) = back(&loaded.scene, &folder.path().join("a.glb"));
             assert_same_scene(&loaded.scene, &read);

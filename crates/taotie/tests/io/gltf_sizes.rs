@@ -1,4 +1,4 @@
-//! Lossy packings of textures: what they save, what they cost, and whom they leave alone.
+//! Lossy texture packing: savings, cost, and what it leaves untouched.
 
 use crate::bumpy;
 use image::ImageReader;
@@ -31,11 +31,11 @@ impl Files {
         self.bytes(name).len()
     }
 
-    /// The base colour as our reader reads it.
+    /// The base colour as read by our reader.
     fn color(&self) -> Bitmap {
         let loaded = load_model(&self.folder.path().join("m.gltf")).unwrap();
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
-        let used = loaded.scene.materials()[0].base_color_texture.expect("there is one").texture;
+        let used = loaded.scene.materials()[0].base_color_texture.expect("it exists").texture;
         loaded.scene.textures()[used].bitmap().clone()
     }
 }
@@ -49,7 +49,7 @@ fn codes(bitmap: &Bitmap) -> &[[u8; 4]] {
     texels
 }
 
-/// The mean square of the differences of red, green and blue, of 255².
+/// The mean square difference of red, green and blue, of 255².
 fn mean_square(a: &Bitmap, b: &Bitmap) -> f64 {
     let squares = codes(a).iter().zip(codes(b)).flat_map(|(a, b)| {
         [0, 1, 2].map(|c| f64::from(a[c].abs_diff(b[c])) * f64::from(a[c].abs_diff(b[c])))
@@ -57,7 +57,7 @@ fn mean_square(a: &Bitmap, b: &Bitmap) -> f64 {
     squares.sum::<f64>() / (3 * codes(a).len()) as f64
 }
 
-/// Numbers below `count` that look like chance.
+/// Pseudo-random numbers below `count`.
 fn noise(x: u32, y: u32, channel: u32, count: u32) -> u8 {
     let hash =
         (x.wrapping_mul(2_654_435_761) ^ y.wrapping_mul(2_246_822_519)).wrapping_add(channel * 374_761_393);
@@ -65,7 +65,7 @@ fn noise(x: u32, y: u32, channel: u32, count: u32) -> u8 {
     ((hash ^ hash >> 13) % count) as u8
 }
 
-/// A ramp with noise of so many values.
+/// A ramp with noise of `values` values.
 fn ramp(values: u32) -> Bitmap {
     bumpy::bitmap(256, |x, y| {
         let [r, g, b] = [0, 1, 2].map(|channel| noise(x, y, channel, values));
@@ -81,7 +81,8 @@ fn ktx2(lambda: u8) -> GltfFormat {
     GltfFormat { images: ImageCodec::Ktx2(lambda).into(), ..GltfFormat::default() }
 }
 
-/// The bytes of a lossy WebP fall with its quality, its error rises, and another decoder sees what our reader sees.
+/// A lower quality gives a smaller lossy WebP with a larger error, and another decoder gives the same result as our
+/// reader.
 #[test]
 fn webp_of_a_quality() {
     let color = ramp(9);
@@ -100,13 +101,13 @@ fn webp_of_a_quality() {
     let [coarse, fine] = written;
     println!("lossless {}, quality 90 {fine:?}, quality 30 {coarse:?}", whole.size("m_color.webp"));
     assert!(coarse.0 < fine.0 && coarse.1 > fine.1);
-    // Nearly all bits of the picture are noise, which a lossy picture does not keep.
+    // Nearly all bits of the picture are noise, which lossy compression does not keep.
     assert!(2 * fine.0 < whole.size("m_color.webp"));
-    // All of the noise would be 20/3; what is lost beyond it is a code or two.
+    // All of the noise would be 20/3; the loss beyond it is one or two codes.
     assert!(fine.1 < 12.0, "{}", fine.1);
 }
 
-/// A quality is for colours alone.
+/// Quality settings apply only to colours.
 #[test]
 fn numbers_are_lossless() {
     let color = bumpy::colors(16);
@@ -132,9 +133,9 @@ fn numbers_are_lossless() {
     let [exact_numbers, same_numbers] =
         [&exact, &lossy].map(|files| read(files, "m_metallic_roughness.webp"));
     assert!(exact_numbers.1 == raw(&numbers));
-    assert!(same_numbers == exact_numbers, "numbers stay as they are");
+    assert!(same_numbers == exact_numbers, "numbers are unchanged");
     let [exact_normals, same_normals] = [&exact, &lossy].map(|files| read(files, "m_normal.webp"));
-    assert!(same_normals.1 == raw(&normal) && same_normals.0 == exact_normals.0, "normals stay as they are");
+    assert!(same_normals.1 == raw(&normal) && same_normals.0 == exact_normals.0, "normals are unchanged");
 }
 
 #[test]
@@ -148,7 +149,7 @@ fn alpha_of_lossy_webp_is_exact() {
     assert!(mean_square(&back, &color) > 0.0);
 }
 
-/// The levels of a KTX2 file: packed bytes and the number of bytes that they unpack to.
+/// The levels of a KTX2 file: packed bytes and unpacked size.
 fn levels(bytes: &[u8]) -> Vec<(&[u8], usize)> {
     let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
     assert_eq!(word(44), 2, "Zstandard");
@@ -160,7 +161,7 @@ fn levels(bytes: &[u8]) -> Vec<(&[u8], usize)> {
         .collect()
 }
 
-/// Each level is a frame of its own for Zstandard's reference decoder.
+/// Each level is a separate frame for Zstandard's reference decoder.
 #[test]
 fn levels_are_under_zstandard() {
     let bytes = Files::new(colored(&ramp(3)), &ktx2(0)).bytes("m_color.ktx2");
@@ -172,12 +173,12 @@ fn levels_are_under_zstandard() {
         assert_eq!(zstd::bulk::decompress(packed, *unpacked).unwrap().len(), *unpacked);
     }
     let last = levels[0].0.as_ptr() as usize + levels[0].0.len();
-    assert_eq!(last, bytes.as_ptr() as usize + bytes.len(), "the largest level lies at the end");
+    assert_eq!(last, bytes.as_ptr() as usize + bytes.len(), "the largest level is at the end");
     let sums = levels.iter().fold([0, 0], |[a, b], (packed, unpacked)| [a + packed.len(), b + unpacked]);
     assert!(sums[0] < sums[1], "{sums:?}");
 }
 
-/// The mean square error rises by the square of the RDO at most, and bytes fall.
+/// The mean square error rises at most by the square of the RDO value, and the size falls.
 #[test]
 fn rdo_saves_within_its_bound() {
     let color = ramp(3);
@@ -187,7 +188,8 @@ fn rdo_saves_within_its_bound() {
     };
     let (plain, two, eight) = (written(0), written(2), written(8));
     println!("none {plain:?}, 2 {two:?}, 8 {eight:?}");
-    // A column of blocks differs by its noise alone, a mean square of 4/3 where 4 are allowed: most blocks repeat.
+    // A column of blocks differs only by its noise, a mean square of 4/3 compared with the allowed 4: most blocks
+    // repeat.
     assert!(10 * two.0 < 6 * plain.0);
     assert!(eight.0 < two.0);
     assert!(plain.1 < two.1 && two.1 <= plain.1 + 4.0 && eight.1 <= plain.1 + 64.0);

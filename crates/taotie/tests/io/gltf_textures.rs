@@ -1,4 +1,4 @@
-//! Textures written into glTF in every packing read back, and by how much lossy ones differ.
+//! Textures written to glTF with every packing read back; lossy ones differ within limits.
 
 use crate::bumpy;
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
@@ -34,7 +34,7 @@ fn texels(bitmap: &Bitmap) -> Vec<[f32; 4]> {
     (0..count as usize).map(|i| bitmap.stored(i)).collect()
 }
 
-/// Mean and largest angle between the normals of two maps, degrees.
+/// The mean and largest angle between the normals of two maps, in degrees.
 fn angles(a: &Bitmap, b: &Bitmap) -> [f64; 2] {
     let normal = |[x, y, z, _]: [f32; 4]| (Vec3::new(x, y, z).to_f64() * 2.0 - Vec3::splat(1.0)).normalize();
     let angles: Vec<f64> =
@@ -42,7 +42,7 @@ fn angles(a: &Bitmap, b: &Bitmap) -> [f64; 2] {
     [angles.iter().sum::<f64>() / angles.len() as f64, angles.iter().copied().fold(0.0, f64::max)]
 }
 
-/// Root mean square of the differences of channels, of 255.
+/// Root mean square difference of channels, of 255.
 fn rmse(a: &Bitmap, b: &Bitmap) -> f64 {
     let squares = texels(a).into_iter().zip(texels(b)).flat_map(|(a, b)| {
         [0, 1, 2].map(|c| f64::from((a[c] - b[c]) * 255.0) * f64::from((a[c] - b[c]) * 255.0))
@@ -59,7 +59,7 @@ fn lossless_packings_lose_nothing() {
     }
     let deep = bumpy::deep_normals(32, 4);
     assert_eq!(read_back(&color, &deep, ImageCodec::Png)[1], deep);
-    // WebP rounds it to what 8 bits hold.
+    // WebP rounds it to 8 bits.
     assert_eq!(read_back(&color, &deep, ImageCodec::WebP)[1], normal);
 }
 
@@ -75,7 +75,7 @@ fn alpha_is_left_out() {
 
 #[test]
 fn blocks_come_near() {
-    // Bumps of 64, 16 and 8 texels, of which the last change much within a block.
+    // Bumps of 64, 16 and 8 texels; the last vary strongly within a block.
     for (across, mean_limit, max_limit) in [(4, 0.4, 2.5), (16, 1.1, 4.0), (32, 2.0, 10.0)] {
         let normal = bumpy::normals(256, across);
         let back = read_back(&bumpy::colors(16), &normal, ImageCodec::Ktx2(0));
@@ -102,7 +102,7 @@ fn blocks_come_near() {
     assert_eq!(back[0], plain, "single colours are exact");
 }
 
-/// Normals of several waves over one another.
+/// Normals of several superimposed waves.
 fn waves() -> Bitmap {
     use libm::{cos, sin};
     bumpy::bitmap(512, |x, y| {
@@ -122,7 +122,7 @@ fn first_image(color: &Bitmap) -> Vec<u8> {
         GltfAsset { levels: &[GltfLevel { mesh: &mesh, coverage: None }], material, ..GltfAsset::default() };
     let format = GltfFormat { images: ImageCodec::Ktx2(0).into(), ..GltfFormat::default() };
     let bytes = encode_glb(&asset, &format).unwrap();
-    let at = bytes.windows(8).position(|w| w == b"\xabKTX 20\xbb").expect("there is a KTX2 file");
+    let at = bytes.windows(8).position(|w| w == b"\xabKTX 20\xbb").expect("a KTX2 file");
     bytes[at..].to_vec()
 }
 
@@ -133,11 +133,11 @@ fn all_levels_and_targets_are_there() {
     let transcoder = Transcoder::new(&bytes).unwrap();
     assert_eq!((transcoder.level_count(), transcoder.base_dimensions()), (6, (32, 32)));
     let decode = |level, target| transcoder.transcode(level, target, DecodeFlags::NONE).unwrap();
-    // The mean of a ramp in linear light, encoded, is above that of its codes.
+    // The mean of a ramp in linear light, encoded, is above the mean of its codes.
     let [r, g, b, a] = *decode(5, TargetFormat::Rgba32).first_chunk::<4>().unwrap();
     assert!((120..140).contains(&r) && r == g && b == 128 && a == 255, "{r} {g} {b} {a}");
     assert!(!transcoder.has_alpha());
-    // What phones without ASTC get: the hints for ETC1 mean something.
+    // As used by phones without ASTC: the hints for ETC1 work.
     assert_eq!(decode(0, TargetFormat::Etc1Rgb).len(), 64 * 8);
 }
 
@@ -174,7 +174,7 @@ fn jpeg_is_for_colours_alone() {
         let bytes = std::fs::metadata(folder.path().join("m_color.jpg")).unwrap().len();
         let scene = load_model(&path).unwrap().scene;
         let [read, numbers] = [0, 1].map(|i| scene.textures()[i].bitmap());
-        assert_eq!(*numbers, normal, "numbers are no picture");
+        assert_eq!(*numbers, normal, "numbers are not compressed like colours");
         (bytes, rmse(read, &color))
     };
     let (coarse, fine) = (written(30), written(95));
@@ -205,7 +205,7 @@ fn avif_keeps_the_channels_apart() {
             read_back(&bumpy::bitmap(side, |x, y| [x as u8, y as u8, 90]), &flat, ImageCodec::Avif(80));
         assert_eq!([back[0].width(), back[0].height()], [side; 2]);
     }
-    // A flat colour that 8 bits of luma and chroma cannot hold.
+    // A flat colour that 8 bits of luma and chroma cannot represent.
     let dark = bumpy::bitmap(16, |_, _| [50, 61, 69]);
     let back = read_back(&dark, &bumpy::normals(16, 2), ImageCodec::Avif(95));
     assert!(rmse(&back[0], &dark) < 0.3, "{}", rmse(&back[0], &dark));

@@ -1,4 +1,4 @@
-//! The Khronos validator finds no fault in what is written as glTF.
+//! The Khronos validator finds no errors in the written glTF files.
 
 use crate::{bumpy, rich, validator};
 use taotie::io::{
@@ -7,11 +7,11 @@ use taotie::io::{
 use taotie::mesh::Mesh;
 use taotie::scene::{AlphaMode, Clearcoat, Material};
 
-/// What the validator tells of sound files: extensions that it does not know, what only they use, and attributes that
-/// no texture needs.
+/// Messages of the validator for valid files: extensions unknown to it, content used only by them, and attributes
+/// that no texture needs.
 const KNOWN: [&str; 3] = ["UNSUPPORTED_EXTENSION", "UNUSED_OBJECT", "UNUSED_MESH_TANGENT"];
 
-/// Writes and validates; whether the validator was there.
+/// Writes and validates; returns whether the validator was available.
 fn check(asset: &GltfAsset, format: &GltfFormat) -> bool {
     let folder = tempfile::tempdir().unwrap();
     ["m.glb", "a m.gltf"].iter().all(|name| {
@@ -121,10 +121,10 @@ fn a_fault_is_found() {
         .unwrap();
     let numbers = folder.path().join("m.bin");
     let mut bytes = std::fs::read(&numbers).unwrap();
-    // The last index lies at the end; this one names vertex 255.
+    // The last index is at the end; this one refers to vertex 255.
     let end = bytes.len() - 2;
     bytes[end] = 255;
     std::fs::write(&numbers, bytes).unwrap();
-    // Where there is no validator nothing can be found.
+    // Without a validator, nothing can be found.
     assert!(validator::assert_valid(&path).is_some(), "skipped: ACCESSOR_INDEX_OOB");
 }

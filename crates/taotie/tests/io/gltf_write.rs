@@ -1,4 +1,4 @@
-//! What is written as glTF reads back as it was.
+//! Models written as glTF read back unchanged.
 
 use crate::bumpy;
 use std::path::Path;
@@ -52,7 +52,7 @@ fn assert_same_mesh(read: &Mesh, ours: &Mesh) {
     assert_eq!(read.positions(), ours.positions());
     assert_eq!((read.uvs(), read.triangles()), (ours.uvs(), ours.triangles()));
     assert_eq!((read.colors(), read.tangents().len()), (ours.colors(), ours.tangents().len()));
-    // The reader makes normals and tangents unit to the last bit.
+    // The reader normalises normals and tangents to the last bit.
     let close = |a: &[f32], b: &[f32]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6);
     assert!(read.normals().iter().zip(ours.normals()).all(|(a, b)| close(&a.to_array(), &b.to_array())));
     assert!(read.tangents().iter().zip(ours.tangents()).all(|(a, b)| close(a, b)));
@@ -109,7 +109,7 @@ fn both_containers_read_back_as_written() {
         assert_eq!(loaded.generator.as_deref(), Some(concat!("taotie ", env!("CARGO_PKG_VERSION"))));
         assert_eq!(loaded.extensions_used, ["KHR_xmp_json_ld"]);
         assert_eq!(loaded.xmp, std::slice::from_ref(&xmp));
-        // A packet is written as it was read.
+        // A packet is written unchanged.
         assert_eq!(loaded.xmp[0].to_string(), packet);
     }
     let text = std::fs::read_to_string(folder.path().join("a ball.gltf")).unwrap();
@@ -117,9 +117,9 @@ fn both_containers_read_back_as_written() {
     let mut files: Vec<_> =
         std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
     files.sort();
-    let beside = ["UPPER.GLB", "a ball.bin", "a ball.glb", "a ball.gltf"];
+    let models = ["UPPER.GLB", "a ball.bin", "a ball.glb", "a ball.gltf"];
     let textures = ["a ball_color.png", "a ball_normal.png", "a ball_orm.png"];
-    assert_eq!(files, [&beside[..], &textures].concat());
+    assert_eq!(files, [&models[..], &textures].concat());
     let bytes = encode_glb(&asset, &GltfFormat::default()).unwrap();
     assert!(bytes == std::fs::read(folder.path().join("UPPER.GLB")).unwrap());
 }

@@ -25,7 +25,7 @@ fn again(mesh: &Mesh, material: GltfMaterial, images: ImageCodec) -> Loaded {
     loaded
 }
 
-/// A leaf: green, and there in the middle alone.
+/// A leaf: green, and opaque only in the middle.
 fn leaf() -> Bitmap {
     let alpha = |i: u8| if (4..12).contains(&(i % 16)) { 200 } else { i / 4 };
     Bitmap::new(16, 16, 4, Texels::U8((0..=255).map(|i| [10, 200, 30, alpha(i)]).collect())).unwrap()

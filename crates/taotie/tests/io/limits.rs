@@ -1,5 +1,5 @@
-//! What a model may take and reach: memory foreseen from headers, shared images decoded once, counts, and nothing outside
-//! of its folder.
+//! The limits on models: memory estimated from headers, shared images decoded once, counts, and nothing outside their
+//! folder.
 
 use crate::gltf::{one_primitive, triangle};
 use base64::Engine;
@@ -15,7 +15,7 @@ use taotie::io::{
 };
 use tempfile::TempDir;
 
-/// A black image: a hundredth of a byte a pixel.
+/// A black image: a hundredth of a byte per pixel.
 fn black(side: u32) -> Vec<u8> {
     let samples = vec![0; (side * side) as usize];
     let samples = PngSamples::U8(&samples);
@@ -24,7 +24,7 @@ fn black(side: u32) -> Vec<u8> {
     encode_png(&image).unwrap()
 }
 
-/// The rest of a file whose materials show these images.
+/// The rest of a file whose materials use these images.
 fn with_images(addresses: &[String]) -> String {
     let list = |each: &dyn Fn(usize) -> String| (0..addresses.len()).map(each).collect::<Vec<_>>().join(",");
     let images = list(&|i| format!(r#"{{"uri":"{}"}}"#, addresses[i]));
@@ -74,10 +74,17 @@ fn images_of_one_source_are_decoded_once() {
 fn what_images_need_is_told_before_they_are_decoded() {
     let different: Vec<String> = (0..20).map(|i| data_uri(&black(1024 + i))).collect();
     let made = Made::new(&with_images(&different));
-    let told: Vec<String> =
+    let messages: Vec<String> =
         (0..3).map(|_| made.load(100 << 20).err().map_or_else(String::new, |e| e.to_string())).collect();
-    assert!(told[0].contains("made.gltf") && told[0].contains("the limit is 100 MiB"), "{}", told[0]);
-    assert!(told.iter().all(|one| *one == told[0]), "the figure does not depend on threads: {told:?}");
+    assert!(
+        messages[0].contains("made.gltf") && messages[0].contains("the limit is 100 MiB"),
+        "{}",
+        messages[0]
+    );
+    assert!(
+        messages.iter().all(|one| *one == messages[0]),
+        "the figure does not depend on threads: {messages:?}"
+    );
     assert_eq!(made.load(400 << 20).unwrap().scene.textures().len(), 20);
 }
 
@@ -91,11 +98,11 @@ fn an_image_alone_is_foreseen_too() {
     let error = read(Limits { memory, ..Limits::default() }).unwrap_err();
     assert!(matches!(&error, Error::Limit { .. }) && error.to_string().contains("black.png"), "{error}");
     let error = read(Limits { pixels: 1 << 20, ..Limits::default() }).unwrap_err().to_string();
-    assert!(error.contains("2048×2048; at most 1048576 pixels"), "{error}");
+    assert!(error.contains("2048×2048; the maximum is 1048576 pixels"), "{error}");
     assert!(read(Limits::default()).is_ok());
 }
 
-/// The decoder's own pixels lie where mip levels will.
+/// The decoder's own pixels use the memory of the later mip levels.
 #[test]
 fn a_jpeg_of_one_scan_takes_no_more_than_its_texels() {
     let (side, folder) = (1024u32, tempfile::tempdir().unwrap());
@@ -107,8 +114,8 @@ fn a_jpeg_of_one_scan_takes_no_more_than_its_texels() {
     let reads = |memory: u64| {
         read_bitmap_within(&path, &Limits { memory: Some(Bytes(memory)), ..Limits::default() }).is_ok()
     };
-    let foreseen = u64::from(side * side) * 7 + bytes.len() as u64;
-    assert!(reads(foreseen) && !reads(foreseen - 1));
+    let estimate = u64::from(side * side) * 7 + bytes.len() as u64;
+    assert!(reads(estimate) && !reads(estimate - 1));
 }
 
 #[test]
@@ -118,14 +125,14 @@ fn counts_are_limited() {
     let made = Made::new(&mesh);
     let load = |limits: Limits| load_model_within(&made.path(), &limits);
     let error = load(Limits { nodes: 100, ..Limits::default() }).unwrap_err().to_string();
-    assert!(error.contains("101 nodes") && error.contains("at most 100"), "{error}");
+    assert!(error.contains("101 nodes") && error.contains("the maximum is 100"), "{error}");
     let error = load(Limits { triangles: 0, ..Limits::default() }).unwrap_err().to_string();
-    assert!(error.contains("1 triangles") && error.contains("at most 0"), "{error}");
+    assert!(error.contains("1 triangles") && error.contains("the maximum is 0"), "{error}");
     assert!(load(Limits::default()).is_ok());
 }
 
-/// A folder with a model in a folder of its own, and a file beside that.
-fn beside(model: &str, text: impl AsRef<[u8]>) -> (TempDir, PathBuf) {
+/// A folder with a model in a subfolder, and a file outside it.
+fn nested(model: &str, text: impl AsRef<[u8]>) -> (TempDir, PathBuf) {
     let place = tempfile::tempdir().unwrap();
     std::fs::create_dir(place.path().join("model")).unwrap();
     std::fs::write(place.path().join("secret.png"), black(4)).unwrap();
@@ -151,10 +158,10 @@ const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\n
 
 #[test]
 fn libraries_and_maps_outside_are_not_read() {
-    let (_place, path) = beside("a.obj", format!("mtllib ../secret.mtl\n{OBJ}"));
+    let (_place, path) = nested("a.obj", format!("mtllib ../secret.mtl\n{OBJ}"));
     reads_outside(&path, "secret.mtl");
     for name in ["../secret.png", "..\\secret.png"] {
-        let (_place, path) = beside("a.obj", format!("mtllib a.mtl\n{OBJ}"));
+        let (_place, path) = nested("a.obj", format!("mtllib a.mtl\n{OBJ}"));
         std::fs::write(path.with_extension("mtl"), format!("newmtl a\nmap_Kd {name}\n")).unwrap();
         let kept = load_model(&path).unwrap();
         assert!(warned(&kept, "secret.png") && kept.scene.textures().is_empty(), "{:?}", kept.warnings);
@@ -165,7 +172,7 @@ fn libraries_and_maps_outside_are_not_read() {
 
 #[test]
 fn absolute_names_are_not_followed_out_of_the_folder() {
-    let (place, path) = beside("a.obj", "");
+    let (place, path) = nested("a.obj", "");
     let secret = place.path().join("secret.mtl");
     std::fs::write(&path, format!("mtllib {}\n{OBJ}", secret.display())).unwrap();
     reads_outside(&path, "secret.mtl");
@@ -176,14 +183,14 @@ fn textures_of_ply_outside_are_not_read() {
     let header = "ply\nformat ascii 1.0\ncomment TextureFile ../secret.png\nelement vertex 3\n\
         property float x\nproperty float y\nproperty float z\nproperty float s\nproperty float t\n\
         element face 1\nproperty list uchar int vertex_indices\nend_header\n";
-    let (_place, path) = beside("a.ply", format!("{header}0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n"));
+    let (_place, path) = nested("a.ply", format!("{header}0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n"));
     reads_outside(&path, "secret.png");
 }
 
 #[test]
 fn buffers_and_images_outside_are_not_read() {
     let rest = with_images(&["../secret.png".to_owned()]);
-    let (_place, path) = beside("a.gltf", triangle().text(&rest));
+    let (_place, path) = nested("a.gltf", triangle().text(&rest));
     let kept = load_model(&path).unwrap();
     assert!(warned(&kept, "secret.png") && kept.scene.textures().is_empty(), "{:?}", kept.warnings);
     let whole = triangle().text(&one_primitive(r#""POSITION":0"#, ""));
@@ -191,7 +198,7 @@ fn buffers_and_images_outside_are_not_read() {
     let end = start + whole[start..].find('"').unwrap();
     for name in ["../buffer.bin", "%2E%2E/buffer.bin"] {
         let text = format!("{}{name}{}", &whole[..start], &whole[end..]);
-        let (place, path) = beside("a.gltf", text);
+        let (place, path) = nested("a.gltf", text);
         std::fs::write(place.path().join("buffer.bin"), triangle().bytes).unwrap();
         let error = load_model(&path).unwrap_err().to_string();
         assert!(error.contains("buffer.bin") && error.contains("--allow-outside"), "{error}");
@@ -203,7 +210,7 @@ fn buffers_and_images_outside_are_not_read() {
 #[cfg(unix)]
 #[test]
 fn links_that_leave_the_folder_are_not_followed() {
-    let (place, path) = beside("a.obj", format!("mtllib a.mtl\n{OBJ}"));
+    let (place, path) = nested("a.obj", format!("mtllib a.mtl\n{OBJ}"));
     std::os::unix::fs::symlink(place.path().join("secret.mtl"), path.with_extension("mtl")).unwrap();
     reads_outside(&path, "a.mtl");
 }

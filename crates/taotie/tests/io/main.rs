@@ -1,5 +1,5 @@
-//! Reading and writing of meshes, glTF and pictures: sound files, odd files, broken files.
-#![allow(clippy::print_stdout, clippy::print_stderr, reason = "tests say what they found")]
+//! Reading and writing meshes, glTF and images: valid files, odd files, broken files.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "tests report their findings")]
 
 #[path = "../common/bumpy.rs"]
 mod bumpy;

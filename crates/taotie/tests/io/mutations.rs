@@ -1,21 +1,21 @@
-//! Sound small files of every format, damaged in fixed pseudo-random ways: a reader gives a result or an error, and
-//! never panics. `crates/taotie-fuzz` looks further.
+//! Small valid files of every format, damaged in fixed pseudo-random ways: a reader gives a result or an error, and
+//! never panics. `crates/taotie-fuzz` searches further.
 
 use crate::damage::{Dice, damage};
 use std::io::Cursor;
 use std::path::Path;
 use taotie::io::{Loaded, decode_bitmap, load_model};
 
-/// How often each seed is damaged.
+/// Number of times that each seed is damaged.
 const ROUNDS: usize = 200;
 
-/// Loads damaged copies of `seed`, put into a folder as `damaged` beside `model`, which may be the same.
+/// Loads damaged copies of `seed`, put into a folder as `damaged` next to `model`, which may be the same.
 fn torment(model: &str, text: &[u8], damaged: &str, seed: &[u8]) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join(model);
     std::fs::write(&path, text).expect("a file");
     std::fs::write(folder.path().join(damaged), seed).expect("a file");
-    let sound = load_model(&path).unwrap_or_else(|e| panic!("the seed itself must be sound: {e}"));
+    let sound = load_model(&path).unwrap_or_else(|e| panic!("the seed itself must be valid: {e}"));
     assert!(sound.warnings.iter().all(|(what, _)| !what.contains("channels")), "{:?}", sound.warnings);
     let mut dice = Dice(1);
     for round in 0..ROUNDS {
@@ -146,8 +146,8 @@ fn gltf_buffer() -> Vec<u8> {
 fn damaged_gltf() {
     let hex: String = gltf_buffer().iter().map(|b| format!("%{b:02X}")).collect();
     let uri = format!(",\"uri\":\"data:application/octet-stream,{hex}\"");
-    let beside = GLTF.replace("BUFFER", ",\"uri\":\"a.bin\"");
-    torment("a.gltf", beside.as_bytes(), "a.bin", &gltf_buffer());
+    let external = GLTF.replace("BUFFER", ",\"uri\":\"a.bin\"");
+    torment("a.gltf", external.as_bytes(), "a.bin", &gltf_buffer());
     torment_alone("a.gltf", GLTF.replace("BUFFER", &uri).as_bytes());
 
     let mut json = GLTF.replace("BUFFER", "").into_bytes();
@@ -203,7 +203,7 @@ fn damaged_pictures() {
     }
 }
 
-/// A picture of 9 × 7 floats as OpenEXR.
+/// A 9 × 7 float image as OpenEXR.
 #[cfg(feature = "exr")]
 fn open_exr() -> Vec<u8> {
     let samples: Vec<f32> = (0..9 * 7 * 3).map(|i| i as f32 / 100.0).collect();

@@ -142,14 +142,14 @@ fn ply_names_its_texture() {
         String::from_utf8(file).expect("text").replace("1.0\n", "1.0\ncomment TextureFile my skin.png\n");
     let path = folder.path().join("a.ply");
     std::fs::write(&path, text).expect("a file");
-    let loaded = load_model(&path).expect("a sound file");
+    let loaded = load_model(&path).expect("a valid file");
     assert_eq!(loaded.missing_files, ["my skin.png"]);
     assert!(loaded.scene.materials()[0].base_color_texture.is_none());
     let mut picture = Vec::new();
     let encoder = png::Encoder::new(&mut picture, 1, 1);
-    encoder.write_header().and_then(|mut w| w.write_image_data(&[7])).expect("a picture");
+    encoder.write_header().and_then(|mut w| w.write_image_data(&[7])).expect("an image");
     std::fs::write(folder.path().join("my skin.png"), picture).expect("a file");
-    let loaded = load_model(&path).expect("a sound file");
+    let loaded = load_model(&path).expect("a valid file");
     assert!(loaded.scene.materials()[0].base_color_texture.is_some_and(|t| t.texture == 0));
     assert_eq!(loaded.texture_names, ["my skin.png"]);
 }
@@ -157,28 +157,26 @@ fn ply_names_its_texture() {
 #[test]
 fn ply_errors_name_the_place() {
     let points = ply("", "0 0 0\n1 0 0", INDICES, "");
-    assert!(error("a.ply", &points).contains("a cloud of 2 points without faces"));
+    assert!(error("a.ply", &points).contains("point cloud (2 points, no faces)"));
     assert!(
         error("a.ply", &ply("", "0 0 0", INDICES, "3 0 0 1"))
             .contains("face 0: vertex index 1 is out of range")
     );
-    assert!(
-        error("a.ply", &ply("", "0 0 0", INDICES, "3 0 0 -1")).contains("face 0: a negative vertex index")
-    );
-    assert!(error("a.ply", &ply("", "0 inf 0", INDICES, "3 0 0 0")).contains("vertex 0: its position"));
+    assert!(error("a.ply", &ply("", "0 0 0", INDICES, "3 0 0 -1")).contains("face 0: negative vertex index"));
+    assert!(error("a.ply", &ply("", "0 inf 0", INDICES, "3 0 0 0")).contains("vertex 0: the position"));
     assert!(error("a.ply", &ply("", "0 x 0", INDICES, "3 0 0 0")).contains("'x' is not a number"));
     assert!(error("a.ply", b"ply\nformat ascii 1.0\nelement vertex").contains("line 3"));
     let lie = b"ply\nformat binary_little_endian 1.0\nelement vertex 99999999999999\nproperty float x\nend_header\n";
     assert!(error("a.ply", lie).contains("only 0 bytes follow"));
     let lie = b"ply\nformat ascii 1.0\nelement vertex 99999999999999\nproperty float x\nend_header\n1\n";
-    assert!(error("a.ply", lie).contains("ends too early"));
+    assert!(error("a.ply", lie).contains("unexpected end of file"));
     let lie = b"ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list uint int vertex_index\n\
         end_header\n\xFF\xFF\xFF\xFF";
     assert!(error("a.ply", lie).contains("element face"));
 }
 
-/// A grid of more faces than are decoded at a time: quads, but every fifth is two triangles and every eleventh a point.
-/// Gives the file, and its triangles.
+/// A grid with more faces than are decoded at a time: quads, but every fifth is two triangles and every eleventh a
+/// point. Returns the file, and its triangles.
 fn large_ply(first_index_of_last_face: i32) -> (Vec<u8>, Vec<[u32; 3]>) {
     const SIDE: u32 = 300;
     let (mut vertices, mut faces, mut triangles, mut count) = (Vec::new(), Vec::new(), Vec::new(), 0);
@@ -225,16 +223,16 @@ fn ply_of_several_blocks_is_read_in_order() {
     assert_eq!(mesh.positions()[299 * 300 + 7].to_array(), [7.0, 149.5, 0.25]);
     assert!(mesh.triangles() == triangles);
     let few = loaded.warnings.iter().next().map(|(what, _)| what);
-    assert_eq!(few, Some("faces of fewer than three corners are left out"));
+    assert_eq!(few, Some("skipped faces with fewer than three corners"));
 
     let (file, _) = large_ply(-1);
     let faces =
         String::from_utf8_lossy(&file[..80]).lines().nth(2).and_then(|l| l[13..].parse::<usize>().ok());
     let last = faces.expect("a count") - 1;
-    assert!(error("a.ply", &file).contains(&format!("face {last}: a negative vertex index")));
+    assert!(error("a.ply", &file).contains(&format!("face {last}: negative vertex index")));
 }
 
-/// Two triangles that share an edge, in which one zero is negative.
+/// Two triangles that share an edge, with one negative zero.
 fn stl_triangles() -> [[[f32; 3]; 3]; 2] {
     let [a, b, c, d] = SQUARE;
     [[a, b, c], [[-0.0, 0.0, 0.0], c, d]]
@@ -286,9 +284,7 @@ fn stl_is_welded_in_both_formats() {
 
 #[test]
 fn stl_errors_name_the_place() {
-    assert!(
-        error("a.stl", &binary_stl("x", 3)).contains("3 triangles are declared, but the file ends after 2")
-    );
+    assert!(error("a.stl", &binary_stl("x", 3)).contains("3 triangles declared, but the file ends after 2"));
     assert!(error("a.stl", &binary_stl("x", u32::MAX)).contains("ends after 2"));
     assert!(error("a.stl", &binary_stl("x", 0)).contains("no triangles"));
     assert!(error("a.stl", b"").contains("too few"));
@@ -296,10 +292,10 @@ fn stl_errors_name_the_place() {
     let text = ascii_stl("solid a");
     assert!(error("a.stl", text.replacen("1.5", "nan", 1).as_bytes()).contains("solid 2, triangle 0"));
     assert!(error("a.stl", &text.as_bytes()[..text.len() / 3]).contains("solid 1, triangle 0"));
-    assert!(error("a.stl", format!("{text}\nfoo").as_bytes()).contains("'foo' is no solid"));
+    assert!(error("a.stl", format!("{text}\nfoo").as_bytes()).contains("expected `solid`, found 'foo'"));
     let mut bad = binary_stl("x", 2);
     bad[100..104].copy_from_slice(&f32::INFINITY.to_le_bytes());
     assert!(error("a.stl", &bad).contains("triangle 0: a position is infinite"));
     let loaded = sound("a.stl", &binary_stl("x", 1));
-    assert_eq!(loaded.warnings.iter().next(), Some(("bytes behind the last triangle", 50)));
+    assert_eq!(loaded.warnings.iter().next(), Some(("bytes after the last triangle", 50)));
 }

@@ -1,4 +1,4 @@
-//! What holds of normal maps that are made from heights, from one another, and in fewer bits.
+//! Laws of normal maps made from heights, converted between spaces, and stored in fewer bits.
 
 use crate::files::data_files;
 use crate::random::Random;
@@ -61,7 +61,8 @@ fn rough(side: u32) -> Image {
     map
 }
 
-/// Object to tangent and back, each stored in so many bits; the angles between the two object-space maps.
+/// Returns the angles between two object-space maps: the original, and one converted to tangent space and back, each
+/// stored in this number of bits.
 fn round_trip(surface: &TexelSurface, tangent: &Image, storage: Storage) -> Field {
     let stored = |normals: &Image, space| {
         let stored = store_normals(normals, space, GreenChannel::Up, storage).unwrap();
@@ -74,7 +75,7 @@ fn round_trip(surface: &TexelSurface, tangent: &Image, storage: Storage) -> Fiel
 }
 
 fn summary(field: &Field) -> Summary {
-    field.summary().expect("there are normals")
+    field.summary().expect("normals exist")
 }
 
 #[test]
@@ -89,7 +90,7 @@ fn object_space_and_back_on_mirrored_uvs() {
         println!("{} bits: mean {:.4}°, max {:.4}°", storage.bits, error.mean, error.max);
         assert!(error.count > 256 * 256 / 2 && error.mean < bound, "{error:?}");
     }
-    // Without storing, what is left is rounding to single precision.
+    // Without storing, only rounding to single precision remains.
     let object = object_from_tangent(&surface, &map).unwrap();
     let back = tangent_from_object(&surface, &object).unwrap();
     let exact = summary(&angular_error(&map, &back).unwrap());
@@ -101,7 +102,8 @@ fn object_space_normals_are_those_of_the_tube() {
     let surface = laid_out(&mirrored_tube(), &grid(128, 4));
     let flat = Image::new(128, 128, [0.0, 0.0, 1.0, 1.0]).unwrap();
     let object = object_from_tangent(&surface, &flat).unwrap();
-    // Towards the right of the picture: along the tube in the first half, against it in the mirrored one.
+    // Towards the right of the picture: along the tube in the first half, in the opposite direction in the mirrored
+    // one.
     let tilted = Image::new(128, 128, [0.6, 0.0, 0.8, 1.0]).unwrap();
     let turned = object_from_tangent(&surface, &tilted).unwrap();
     for (x, sign) in [(30, 1.0), (100, -1.0)] {
@@ -116,7 +118,7 @@ fn object_space_normals_are_those_of_the_tube() {
     }
 }
 
-/// The law, on the maps that xNormal baked.
+/// The law, on the maps that xNormal baked.
 #[test]
 fn object_space_and_back_on_every_statue() {
     for model in data_files("threedscans-keijiro", &["obj"]) {
@@ -153,7 +155,7 @@ impl Statue {
     }
 }
 
-/// A unit square that shows the whole map once.
+/// A unit square with uvs over the whole map.
 fn square() -> Mesh {
     let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
     Mesh::new(MeshData {
@@ -166,7 +168,7 @@ fn square() -> Mesh {
     .unwrap()
 }
 
-/// h = 0.2 sin(2πx) cos(2πy), y up, and its slopes a unit.
+/// Returns h = 0.2 sin(2πx) cos(2πy), y up, and its slopes per unit.
 fn waves(side: u32) -> (Heights, impl Fn(u32, u32) -> [f64; 2]) {
     let turn = move |i: u32| (f64::from(i) + 0.5) / f64::from(side) * std::f64::consts::TAU;
     let height = move |i: u32| 0.2 * scalar::sin(turn(i % side)) * scalar::cos(-turn(i / side));
@@ -182,7 +184,7 @@ fn waves(side: u32) -> (Heights, impl Fn(u32, u32) -> [f64; 2]) {
 #[test]
 fn heights_become_the_normals_of_their_surface() {
     let (heights, slopes) = waves(128);
-    // The square is one unit wide, so is the map: the height of 1 is 128 texels.
+    // The square is one unit wide, and so is the map: the height of 1 is 128 texels.
     let flat = tangent_from_height(&heights, 128.0).unwrap();
     let on_mesh = tangent_from_height_on(&laid_out(&square(), &grid(128, 0)), &heights, 1.0).unwrap();
     let mut expected = flat.clone();
@@ -215,7 +217,7 @@ fn relief_on_a_mesh_does_not_depend_on_its_layout() {
     }
 }
 
-/// Every normal of the upper half ball, evenly.
+/// All normals of the upper half ball, evenly spread.
 fn half_ball(side: u32) -> Image {
     let mut random = Random(11);
     let mut map = Image::new(side, side, [0.0; 4]).unwrap();
@@ -246,7 +248,7 @@ fn eight_bits_cost_a_sixth_of_a_degree() {
 
 #[test]
 fn dithering_keeps_the_mean_of_neighbors() {
-    // A curve so gentle that eight bits make steps 20 texels wide.
+    // A curve gentle enough that eight bits make steps 20 texels wide.
     const SIDE: u32 = 256;
     let mut map = Image::new(SIDE, SIDE, [0.0; 4]).unwrap();
     for (i, pixel) in map.pixels_mut().iter_mut().enumerate() {
@@ -277,7 +279,7 @@ fn block_sum(map: &Image, [x, y]: [u32; 2]) -> Vec3<f64> {
     texels.fold(Vec3::splat(0.0), |sum, [x, y, z, _]| sum + Vec3::new(x, y, z).to_f64())
 }
 
-/// Random codes, among them the first and the last.
+/// Random codes, including the first and the last.
 fn codes() -> Bitmap {
     let mut random = Random(1);
     let mut texels: Vec<[u8; 4]> =
@@ -333,7 +335,7 @@ fn what_does_not_fit_is_refused() {
     let why = object_from_tangent(&surface, &other).unwrap_err().to_string();
     assert!(why.contains("4x4") && why.contains("8x8"), "{why}");
     assert!(TexelSurface::new(square(), &grid(8, 0)).unwrap_err().to_string().contains("no tangents"));
-    // Padding is no normal, and stays padding.
+    // Padding is not a normal, and stays padding.
     let grey = Image::new(8, 8, [0.0; 4]).unwrap();
     assert!(object_from_tangent(&surface, &grey).unwrap().pixels().iter().all(|p| *p == [0.0; 4]));
 }

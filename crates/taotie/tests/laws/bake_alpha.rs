@@ -1,5 +1,5 @@
-//! What a bake makes of alpha: each triangle has the mode of what it stands for, and colours of what is not there are
-//! seen nowhere.
+//! Alpha in a bake: each triangle has the mode of the surface it represents, and colours of transparent places are
+//! not visible anywhere.
 
 use crate::bake_material::{baked_onto_itself, bytes, places, scene, scene_of, square, strip, texture_0};
 use std::path::Path;
@@ -14,7 +14,7 @@ use taotie::scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef,
 
 const GREEN: [u8; 4] = [20, 200, 40, 255];
 
-/// Stripes of a leaf, a quarter of the surface, on black that is not there.
+/// Stripes of a leaf, a quarter of the surface, on fully transparent black.
 fn leaf(x: u32, _: u32) -> [u8; 4] {
     if x % 16 < 4 { GREEN } else { [0; 4] }
 }
@@ -31,7 +31,7 @@ fn of_mode(alpha: AlphaMode) -> Material {
 fn a_leaf_on_black_that_is_not_there_stays_green() {
     let texture = bytes(1024, leaf);
     let [r, g, b, _] = texture.texel(0, 0, 0);
-    // Lookups as wide as 32, 8, 2.6 and 1.3 texels; at the last two whole texels of the map are not there.
+    // Lookups as wide as 32, 8, 2.6 and 1.3 texels; for the last two, whole texels of the map are transparent.
     for (size, alpha) in [16, 64, 200, 400]
         .into_iter()
         .flat_map(|size| [AlphaMode::Mask(0.5), AlphaMode::Blend].map(|alpha| (size, alpha)))
@@ -60,15 +60,15 @@ fn an_opaque_material_shows_all_its_colours() {
         baked_onto_itself(&scene, 16, &[MapKind::Albedo]).albedo
     };
     let (a, b) = (albedo(with_alpha.clone()), albedo(without));
-    assert!(a == b, "alpha changes no bit of what does not read it");
+    assert!(a == b, "alpha does not change maps that ignore it");
     let wanted = with_alpha.texel(0, 0, 0)[1] * 0.25;
-    assert!(a.iter().all(|color| (color[1] - wanted).abs() < 0.02), "the black is its own");
+    assert!(a.iter().all(|color| (color[1] - wanted).abs() < 0.02), "the black is part of its colours");
 }
 
 #[test]
 fn each_triangle_has_the_mode_of_what_it_stands_for() {
     let [mask, blend] = [AlphaMode::Mask(0.5), AlphaMode::Blend];
-    // Of two masks with other cutoffs.
+    // Two masks with different cutoffs.
     let modes = [AlphaMode::Opaque, AlphaMode::Mask(0.25), AlphaMode::Mask(0.75), blend];
     let quarter = |i: usize| strip(i as f32 / 4.0..(i + 1) as f32 / 4.0);
     let parts = (0..4).map(|i| (quarter(i), of_mode(modes[i]))).collect();
@@ -80,12 +80,12 @@ fn each_triangle_has_the_mode_of_what_it_stands_for() {
     let low = low_poly_mesh(scene.clone()).unwrap();
     let opaque = AlphaMode::Opaque;
     assert_eq!(found(&low, scene), [opaque, opaque, mask, mask, mask, mask, blend, blend]);
-    // The right one of two triangles has most of its points in the right part, the left one nearly none.
+    // Most points of the right triangle are in the right part, hardly any of the left one's.
     for (right, wanted) in [(blend, [blend, opaque]), (mask, [mask, opaque]), (opaque, [opaque; 2])] {
         let parts = [(strip(0.0..0.62), of_mode(opaque)), (strip(0.62..1.0), of_mode(right))];
         assert_eq!(found(&square(), scene_of(parts.into(), Vec::new())), wanted);
     }
-    // Away from all of the scan there is nothing to see through.
+    // Far from the scan nothing is see-through.
     let beyond = Mat4::translation(taotie::math::Vec3::new(50.0, 0.0, 0.0));
     let parts = [(strip(0.0..0.5), of_mode(blend)), (strip(0.5..1.0), of_mode(opaque))];
     let mut data = scene_of(parts.into(), Vec::new()).into_data();
@@ -104,7 +104,7 @@ fn one_mode_is_the_mode_of_all() {
     }
 }
 
-/// Places along x of three balls: opaque, with its lower half cut away, and of glass.
+/// Positions along x of three balls: opaque, with its lower half cut away, and of glass.
 const PLACES: [f64; 3] = [-3.0, 0.0, 3.0];
 
 fn balls(modes: [AlphaMode; 3]) -> Scan {
@@ -139,7 +139,7 @@ fn baked(scan: &Scan) -> Asset {
     Baker::new(options).bake(scan, Progress::SILENT).unwrap()
 }
 
-/// Asserts that a level has a part for each ball, of its mode.
+/// Asserts that a level has a part for each ball, with its mode.
 fn assert_parts(path: &Path, level: usize, triangles: usize) {
     let scene = load_levels(path).unwrap().swap_remove(level).scene;
     assert_eq!((scene.instances().len(), scene.triangle_count()), (3, triangles));
@@ -171,7 +171,7 @@ fn an_asset_has_a_part_for_each_mode_in_every_level() {
             let alpha = level.material.alpha.unwrap().mean;
             let angle = level.surface_angles.unwrap().mean;
             println!("{name}, {} triangles: alpha {alpha:.4}, {angle:.2}°", level.triangles);
-            // The rim of the cut, and where a level shows a little of what lies beside it.
+            // The rim of the cut, and places at which a level shows a little of its surroundings.
             assert!(alpha < 0.02, "{name}, {} triangles: {alpha}", level.triangles);
         }
         let flip = proof.figures.finest().unwrap().full_views.iter().map(|view| view.flip).sum::<f64>() / 8.0;
@@ -190,7 +190,7 @@ fn an_asset_of_one_mode_is_one_part() {
         assert_eq!(
             (scene.instances().len(), scene.materials().len()),
             (1, 2),
-            "the level has a normal map of its own"
+            "the level has its own normal map"
         );
         assert_eq!(TexturedMesh::new(scene).unwrap().alpha_modes(), [mode]);
     }

@@ -1,4 +1,4 @@
-//! What a proof says of colour and material: a known difference is told as it is, what is kept is none, and grey is
+//! Colour and material in a proof: a known difference is reported as it is, what is preserved has none, and grey is
 //! grey whatever the colours.
 
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use taotie::math::{Mat4, Vec2, Vec3};
 use taotie::mesh::{Mesh, MeshData};
 use taotie::scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
 
-/// The numbers of points that a proof of these tests measures.
+/// The numbers of points measured by a proof in these tests.
 const POINTS: VerifyOptions =
     VerifyOptions { points: 5_000, map: 32, view: 96, patch_view: 0, requirements: Vec::new() };
 
@@ -21,7 +21,7 @@ fn ball(material: Material) -> Scene {
     Scene::of_mesh(Mesh::sphere(1.0, 32, 16), material).unwrap()
 }
 
-/// The error of a ball that shows `asset` where its scan shows `scan`, and the map of its colours.
+/// Returns the error of a ball that shows `asset` where its scan shows `scan`, and the map of its colours.
 fn errors(scan: Material, asset: Material) -> (MaterialError, Field) {
     let scan = bake::Scan::new(ball(scan)).unwrap();
     let shown = TexturedMesh::new(ball(asset)).unwrap();
@@ -76,7 +76,7 @@ fn alpha_counts_as_it_is_seen() {
     is_everywhere(&alpha(glass(AlphaMode::Mask(0.3), 0.4), opaque()), 0.0);
 }
 
-/// One of eight columns of the scan's colours is no number, and bilinear lookups reach it from both sides.
+/// One of eight columns of the scan's colours is NaN, and bilinear lookups reach it from both sides.
 #[test]
 fn colours_that_are_not_finite_are_told() {
     let column = |i: usize| [if i == 3 { f32::NAN } else { 0.5 }, 0.5, 0.5, 1.0];
@@ -97,7 +97,7 @@ fn colours_that_are_not_finite_are_told() {
     assert_eq!(2000 - finite, (error.not_finite * 2000.0).round() as usize);
     assert!(
         error.color.values().iter().all(|v| *v != 0.0),
-        "half of the default's colour is another, and so is NaN"
+        "half of the default's colour differs, and so does NaN"
     );
 }
 
@@ -160,13 +160,13 @@ fn colors_are_kept_or_the_proof_says_so() {
     assert!(flip(&lost) > 2.0 * flip(&kept), "{} without colours, {} with them", flip(&lost), flip(&kept));
 }
 
-/// FLIP counts what the low-poly mesh lacks, but no colour.
+/// FLIP counts missing parts of the low-poly mesh, but not missing colours.
 #[test]
 fn grey_views_are_grey_whatever_the_colors() {
     let [plain, colored] = [false, true].map(|is_colored| proof(&scan(is_colored), vec![MapKind::Normal]));
     assert_eq!(finest(&plain).views, finest(&colored).views);
     for (a, b) in plain.views.scan.iter().zip(&colored.views.scan) {
-        assert!(a.pixels() == b.pixels(), "colours show");
+        assert!(a.pixels() == b.pixels(), "colours are visible");
     }
     assert!(finest(&colored).views.iter().all(|view| view.flip < 0.06), "{:?}", finest(&colored).views);
 }
@@ -180,7 +180,7 @@ fn a_scan_without_material_is_not_compared_and_the_proof_says_so() {
     assert!(plain.figures.unseen.iter().any(|what| what.contains("colour and material")));
 }
 
-/// The proof of a ball without a material, as OBJ, against a scan of this one.
+/// Returns the proof of a ball without a material, as OBJ, against a scan with this one.
 fn proof_without_material(material: Material) -> Proof {
     let ball = Mesh::sphere(1.0, 32, 16);
     let vertices = ball.positions().iter().map(|p| format!("v {} {} {}\n", p.x, p.y, p.z));
@@ -194,14 +194,14 @@ fn proof_without_material(material: Material) -> Proof {
 
 #[test]
 fn what_the_scan_states_decides_whether_colours_are_compared() {
-    let says = |proof: &Proof| proof.warnings.iter().any(|(what, _)| what.contains("states no colours"));
-    // White metal is what glTF assumes where nothing is stated.
+    let says = |proof: &Proof| proof.warnings.iter().any(|(what, _)| what.contains("has no colours"));
+    // White metal is glTF's default.
     let unstated = proof_without_material(Material::default_of_gltf());
     assert!(finest(&unstated).overview.color.is_none() && unstated.full_views.is_none() && !says(&unstated));
     assert!(unstated.figures.unseen.iter().any(|what| what.contains("colour and material")));
-    let is_of_color = |met: &taotie::asset::Met| met.name().ends_with("color");
+    let is_of_color = |met: &taotie::asset::RequirementOutcome| met.name().ends_with("color");
     assert!(!unstated.require(&Requirement::standard()).iter().any(is_of_color));
-    // A colour that the asset lost is compared, and not met.
+    // A colour that the asset lost is compared, and fails.
     let red = Material { base_color: [0.6, 0.1, 0.1, 1.0], ..Material::default_of_gltf() };
     let lost = proof_without_material(red);
     assert!(says(&lost));
@@ -209,12 +209,12 @@ fn what_the_scan_states_decides_whether_colours_are_compared() {
     assert!(met.iter().any(is_of_color) && met.iter().filter(|met| is_of_color(met)).all(|met| !met.met));
 }
 
-/// Three units along x for each ball of a row.
+/// Three units along x per ball of a row.
 fn center(i: usize) -> Vec3<f64> {
     Vec3::new(3.0 * i as f64, 0.0, 0.0)
 }
 
-/// Three balls in a row as one mesh, a third of the map each with room between them.
+/// Three balls in a row as one mesh, each with a third of the map and space between them.
 fn row() -> Mesh {
     let ball = Mesh::sphere(1.0, 48, 24);
     let mut all = MeshData { uvs: vec![Vec::new()], ..MeshData::default() };
@@ -253,7 +253,7 @@ fn gold_clay_and_a_lamp_look_alike_on_one_map() {
     println!("gold, clay and a lamp: {material:?}");
     assert!(mean(material.color) < 1.5, "{material:?}");
     assert!(mean(material.metallic) < 0.02 && mean(material.roughness) < 0.02, "{material:?}");
-    // Eight bits of at most 4.
+    // Eight bits for values of up to 4.
     assert!(mean(material.emission) < 0.05, "{material:?}");
     assert_eq!(material.alpha.unwrap().max, 0.0);
     let flip = finest(&proof).full_views.iter().map(|view| view.flip).sum::<f64>() / 8.0;

@@ -1,5 +1,5 @@
-//! What a bake keeps of a scan's materials: normal and height maps, textures read as finely as samples lie apart, and
-//! each triangle's own factors.
+//! How a bake preserves a scan's materials: normal and height maps, textures read at the sample spacing, and each
+//! triangle's own factors.
 
 use crate::bake_scan::shown;
 use std::ops::Range;
@@ -21,7 +21,7 @@ use taotie::scene::{
 };
 use taotie::surface::with_frames;
 
-/// Part of the square of side 2 in the plane z = 0 that faces up, whose uvs lie over it: the columns of these u.
+/// Part of the square of side 2 in the plane z = 0, facing up, with matching uvs: the columns of these u.
 pub fn strip(columns: Range<f32>) -> Mesh {
     let places = [(columns.start, 1.0), (columns.end, 1.0), (columns.end, 0.0), (columns.start, 0.0)];
     Mesh::new(MeshData {
@@ -38,13 +38,13 @@ pub fn square() -> Mesh {
     strip(0.0..1.0)
 }
 
-/// The first texture, on the first uv set, its border going on beyond it.
+/// The first texture, on the first uv set, extended beyond its border.
 pub fn texture_0() -> TextureRef {
     let sampler = Sampler { wrap_u: Wrap::Clamp, wrap_v: Wrap::Clamp, ..Sampler::default() };
     TextureRef { texture: 0, uv_set: 0, sampler, transform: UvTransform::default() }
 }
 
-/// A texture in 16 bits of what `value` is at each place.
+/// A 16-bit texture with `value` at each place.
 fn texture(size: u32, encoding: Encoding, value: impl Fn(Vec2) -> [f32; 4]) -> Texture {
     let place = |i: u32| (i as f32 + 0.5) / size as f32;
     let codes = |v: [f32; 4]| v.map(|v| (v * 65535.0).round() as u16);
@@ -57,7 +57,7 @@ fn normal_map(space: NormalSpace) -> NormalMap {
     NormalMap { texture: texture_0(), scale: 1.0, space, green: GreenChannel::Up }
 }
 
-/// One mesh of one material, moved.
+/// One mesh with one material, moved.
 pub fn scene(mesh: Mesh, material: Material, texture: Texture, m: Mat4) -> Scene {
     Scene::new(SceneData {
         meshes: vec![mesh],
@@ -69,7 +69,7 @@ pub fn scene(mesh: Mesh, material: Material, texture: Texture, m: Mat4) -> Scene
     .unwrap()
 }
 
-/// Meshes that stay where they are, each with its own material.
+/// Unmoved meshes, each with its own material.
 pub fn scene_of(parts: Vec<(Mesh, Material)>, textures: Vec<Texture>) -> Scene {
     let instance = |i| Instance { mesh: i, material: i, world_from_object: Mat4::IDENTITY };
     let instances = (0..parts.len()).map(instance).collect();
@@ -77,7 +77,7 @@ pub fn scene_of(parts: Vec<(Mesh, Material)>, textures: Vec<Texture>) -> Scene {
     Scene::new(SceneData { meshes, materials, textures, instances, ..SceneData::default() }).unwrap()
 }
 
-/// Bakes a scan onto its own triangles, normals in object space.
+/// Bakes a scan onto its own triangles, with normals in object space.
 pub fn baked_onto_itself(scene: &Scene, size: u32, maps: &[MapKind]) -> BakedMaps {
     let low = low_poly_mesh(scene.clone()).unwrap();
     baked_onto(&low, scene, size, maps)
@@ -95,13 +95,13 @@ fn baked_onto(low: &Mesh, scene: &Scene, size: u32, maps: &[MapKind]) -> BakedMa
     baked.maps
 }
 
-/// The places of a map's texels.
+/// Returns the positions of a map's texels.
 pub fn places(size: u32) -> impl Iterator<Item = Vec2> {
     let place = move |i: u32| (i as f32 + 0.5) / size as f32;
     (0..size * size).map(move |i| Vec2::new(place(i % size), place(i / size)))
 }
 
-/// A field of normals without a step anywhere, tilted by up to 36°, the same at opposite borders.
+/// A field of normals without steps, tilted by up to 36°, equal at opposite borders.
 fn tilted(uv: Vec2) -> Vec3 {
     let hump = |v: f32| 4.0 * v * (1.0 - v);
     Vec3::new(-0.6 * hump(uv.x), -0.4 * hump(uv.y), 1.0).normalize()
@@ -143,12 +143,12 @@ fn a_normal_map_of_the_scan_is_baked_and_measured() {
     let kept = Texture::new(store_unit_vectors([128; 2], &maps.normal, fine).unwrap(), Encoding::Normal);
     let sampler = texture_0().sampler;
     let kept = mean(Some(&shown(&low, &kept, (NormalSpace::Object, sampler))));
-    assert!(kept < 0.1, "an asset that holds the field: {kept}°");
+    assert!(kept < 0.1, "an asset that preserves the field: {kept}°");
     let flat = mean(None);
     assert!(flat > 5.0, "an asset that lost it: {flat}°");
 }
 
-/// A map that is another at opposite borders: only who goes on beyond them as the viewer does sees what it shows.
+/// A map that differs at opposite borders: only lookups that wrap as the viewer's do see the right values.
 #[test]
 fn the_map_is_read_beyond_its_borders_as_the_viewer_does() {
     let bent = |uv: Vec2| Vec3::new(uv.x - 0.5, 0.0, 1.0).normalize();
@@ -211,7 +211,7 @@ fn a_ramp_of_heights_is_a_tilted_plane() {
     let material = Material { height, ..Material::default() };
     let ramp = texture(64, Encoding::Linear, |uv| [uv.x, 0.0, 0.0, 1.0]);
     let scene = scene(square(), material, ramp, Mat4::IDENTITY);
-    // The square is 2 wide, so the height grows by 0.25 a unit.
+    // The square is 2 wide, so the height grows by 0.25 per unit.
     let truth = Vec3::new(-0.25, 0.0, 1.0);
     for size in [64, 16, 8] {
         let maps = baked_onto_itself(&scene, size, &[MapKind::Normal]);
@@ -285,7 +285,7 @@ fn textures_of_all_values_are_baked() {
     }
 }
 
-/// The square with a texture of base colour.
+/// The square with a base colour texture.
 fn painted(texture: Texture) -> Scene {
     let material =
         Material { base_color: [1.0; 4], base_color_texture: Some(texture_0()), ..Material::default() };
@@ -316,7 +316,7 @@ fn an_even_texture_stays_to_the_bit() {
     }
 }
 
-/// Four by four squares side by side, each an island of its own on the map, with a margin.
+/// Four by four squares side by side, each as a separate UV island on the map, with a margin.
 fn tiles(margin: f32) -> Mesh {
     let mut data = MeshData { uvs: vec![Vec::new()], ..MeshData::default() };
     for tile in 0..16 {
@@ -383,7 +383,7 @@ fn contours_of_masks_stay_under_one_cutoff() {
 
 #[test]
 fn colours_of_what_is_not_there_do_not_bleed() {
-    // Every second column of texels is red and not there at all.
+    // Every second column of texels is red and fully transparent.
     let paint = |x: u32, _| if x.is_multiple_of(2) { [255, 0, 0, 0] } else { [0, 255, 0, 255] };
     let material = Material {
         base_color: [1.0; 4],
@@ -422,7 +422,7 @@ fn textures_follow_their_own_uv_set() {
     let used = TextureRef { uv_set: 1, ..texture_0() };
     let material = Material { base_color: [1.0; 4], base_color_texture: Some(used), ..Material::default() };
     let halves = || bytes(64, |x, _| if x < 32 { [255, 0, 0, 255] } else { [0, 0, 255, 255] });
-    // Moved meshes are copied, others are taken as they are.
+    // Moved meshes are copied, others are used as they are.
     for m in [Mat4::IDENTITY, Mat4::translation(Vec3::new(1.0, 0.0, 0.0))] {
         let maps =
             baked_onto_itself(&scene(mesh.clone(), material.clone(), halves(), m), 32, &[MapKind::Albedo]);

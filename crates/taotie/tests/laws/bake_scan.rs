@@ -1,5 +1,4 @@
-//! What baking a scan must do whatever the scan is: shapes whose normals, heights and openness are known in closed
-//! form.
+//! Laws of baking any scan: shapes whose normals, heights and openness are known in closed form.
 
 use taotie::Progress;
 use taotie::bake::{
@@ -22,7 +21,7 @@ fn scan(mesh: Mesh) -> Scan {
     Scan::new(scene(mesh)).expect("the mesh is sound")
 }
 
-/// A sphere with smooth normals and nothing else, as a scanner gives it.
+/// A sphere with smooth normals and nothing else, like a scanner's output.
 fn bare_sphere(radius: f64, columns: usize, rows: usize) -> Mesh {
     let data = Mesh::sphere(radius, columns, rows).into_data();
     // The first and the last column differ by rounding; a scan is closed.
@@ -34,7 +33,7 @@ fn bare_sphere(radius: f64, columns: usize, rows: usize) -> Mesh {
     Mesh::new(MeshData { normals, ..mesh.into_data() }).unwrap()
 }
 
-/// Unwrapped, with tangents.
+/// Unwraps a mesh, with tangents.
 fn low_poly(mesh: &Mesh, size: u32) -> Mesh {
     let unwrapped = unwrap(mesh, &UnwrapOptions { size, padding: 2 }, Progress::SILENT).unwrap();
     with_frames(&unwrapped.mesh, 0, None).unwrap().0.into_owned()
@@ -64,7 +63,7 @@ pub fn shown(low: &Mesh, texture: &Texture, (space, sampler): (NormalSpace, Samp
     TexturedMesh::new(scene).unwrap()
 }
 
-/// Angles over the surface as a viewer shows it, degrees: mean and largest.
+/// Returns angles over the surface as a viewer shows it, in degrees: mean and largest.
 fn shown_angles(low: &Mesh, maps: &BakedMaps, storage: Storage, (cage, scan): (&Cage, &Scan)) -> [f64; 2] {
     let bitmap = store_unit_vectors(maps.size(), &maps.normal, storage).unwrap();
     let texture = Texture::new(bitmap, Encoding::Normal);
@@ -85,7 +84,7 @@ fn a_coarse_sphere_looks_like_a_fine_one() {
     assert_eq!((baked.counts.missed, baked.counts.lost, baked.counts.shared), (0, 0, 0));
     let fine = Storage { bits: 16, dither: false };
     let [mean, max] = shown_angles(&low, &baked.maps, fine, (&cage, &scan));
-    // Bilinear lookups at the borders of UV islands take in texels of the padding.
+    // Bilinear lookups at the borders of UV islands include texels of the padding.
     assert!(mean < 0.01 && max < 2.0, "16 bits: {mean}° {max}°");
     let exact = mean;
     let coarse = Storage { bits: 8, dither: false };
@@ -96,7 +95,7 @@ fn a_coarse_sphere_looks_like_a_fine_one() {
     assert!(plain > 20.0 * exact, "without the map: {plain}°");
 }
 
-/// The same triangles with their vertices in the opposite order.
+/// Returns the same triangles with their vertices in the opposite order.
 fn turned_round(mesh: &Mesh) -> Mesh {
     let data = mesh.clone().into_data();
     let last = data.positions.len() as u32 - 1;
@@ -136,7 +135,7 @@ fn the_order_of_vertices_does_not_matter_to_the_proof() {
     );
     let strange =
         Verifier { mesh: &copy, shown: None, cage: &cage, scan: &scan }.normal_error(20_000).unwrap();
-    assert!(strange.missed > 0.5, "a cage that is not carried over is another one: {}", strange.missed);
+    assert!(strange.missed > 0.5, "a cage that is not carried over does not fit: {}", strange.missed);
 }
 
 #[test]
@@ -147,7 +146,7 @@ fn object_space_holds_the_directions_of_a_sphere() {
     let cage = Cage::automatic(&low, &scan);
     let maps =
         bake(BakeInput { low: &low, cage: &cage, scan: &scan }, &settings, Progress::SILENT).unwrap().maps;
-    // Every direction is there, and each texel beside another is nearly the same.
+    // Every direction occurs, and neighbouring texels are nearly equal.
     let mut seen = [false; 6];
     for i in covered(&maps) {
         let n = Vec3::from_array(maps.normal[i]);
@@ -160,13 +159,13 @@ fn object_space_holds_the_directions_of_a_sphere() {
 
 #[test]
 fn heights_are_distances_to_the_scan() {
-    // A sphere of radius 1.05 around a low-poly one that is inscribed into radius 1.
+    // A sphere of radius 1.05 around a low-poly one inscribed in radius 1.
     let scan = scan(bare_sphere(1.05, 256, 128));
     let low = low_poly(&bare_sphere(1.0, 64, 32), 256);
     let (baked, _) = baked(&low, &scan, &settings(256, &[MapKind::Height, MapKind::Curvature]));
     assert_eq!(baked.counts.missed, 0);
     for i in covered(&baked.maps) {
-        // The low-poly sphere's facets lie up to 1 − cos(π/64) inside of it.
+        // The low-poly sphere's facets are up to 1 − cos(π/64) inside it.
         assert!((0.0495..0.0565).contains(&baked.maps.heights[i]), "{}", baked.maps.heights[i]);
         // Triangles at the poles are so small that the rounding of their corners bends them.
         assert!((baked.maps.curvature[i] * 1.05 - 1.0).abs() < 0.1, "{}", baked.maps.curvature[i]);
@@ -193,7 +192,7 @@ fn square(height: f32, side: f32) -> Mesh {
     .unwrap()
 }
 
-/// A floor with a wall of infinite height for its size along x = 0.
+/// A floor with a wall along x = 0 that is practically infinitely high.
 fn floor_with_wall(height: f32) -> Mesh {
     let mut data = square(0.0, 2.0).into_data();
     let first = data.positions.len() as u32;
@@ -217,8 +216,8 @@ fn half_of_the_sky_is_open_at_the_foot_of_a_wall() {
         bake(BakeInput { low: &low, cage: &cage, scan: &scan }, &settings, Progress::SILENT).unwrap().maps;
     for (i, open) in maps.occlusion.iter().enumerate() {
         let x = f64::from((i % 32) as u32) / 32.0 * 2.0 - 1.0 + 1.0 / 32.0;
-        // A long wall of height 1 at distance d hides (1 − sin of its elevation's complement)/2 of the cosine-weighted
-        // sky: view factor (1 − d/√(d² + 1))/2.
+        // A long wall of height 1 at distance d hides (1 − sin of its elevation's complement)/2 of the
+        // cosine-weighted sky: view factor (1 − d/√(d² + 1))/2.
         let hidden = (1.0 - x.abs() / (x * x + 1.0).sqrt()) / 2.0;
         assert!((f64::from(*open) - (1.0 - hidden)).abs() < 0.06, "{open} at {x}: {}", 1.0 - hidden);
         let bent = maps.bent[i];
@@ -235,7 +234,7 @@ fn half_of_the_sky_is_open_at_the_foot_of_a_wall() {
 
 #[test]
 fn a_nearer_sheet_goes_before_one_behind_it_and_backs_do_not_count() {
-    // Under the low-poly square: a floor a little below, and a ceiling's back a little above.
+    // Below the low-poly square: a floor slightly below, and the back of a ceiling slightly above.
     let mut data = square(-0.02, 2.0).into_data();
     let ceiling = square(0.01, 2.0).into_data();
     let first = data.positions.len() as u32;
@@ -252,7 +251,7 @@ fn a_nearer_sheet_goes_before_one_behind_it_and_backs_do_not_count() {
 
 #[test]
 fn what_is_not_there_is_counted_and_never_made_up() {
-    // The scan covers the left half of the low-poly square alone.
+    // The scan covers only the left half of the low-poly square.
     let mut data = square(0.0, 2.0).into_data();
     data.positions.iter_mut().filter(|p| p.x > 0.0).for_each(|p| p.x = 0.0);
     data.uvs.clear();
@@ -264,7 +263,7 @@ fn what_is_not_there_is_counted_and_never_made_up() {
     let counts = baked.counts;
     assert_eq!(counts.samples, 64 * 64 * 4);
     assert_eq!(counts.missed, counts.samples / 2, "the right half");
-    // Closest points are taken from as far as four times the rays reach.
+    // Closest points are used up to four times as far away as the rays reach.
     let within = (0.08f64 / 2.0 * 128.0).floor() as usize * 128;
     assert!(counts.missed - counts.lost <= within + 128 && counts.missed - counts.lost > within / 2);
     for (i, texel) in baked.maps.texels.iter().enumerate() {
@@ -276,7 +275,7 @@ fn what_is_not_there_is_counted_and_never_made_up() {
     }
 }
 
-/// Every map of two bakes: the name, and the greatest difference of a number.
+/// Returns every map of two bakes: its name, and the largest difference of a number.
 fn differences(a: &BakedMaps, b: &BakedMaps) -> [(&'static str, f32); 10] {
     let most = |a: &[f32], b: &[f32]| {
         assert_eq!(a.len(), b.len());
@@ -296,7 +295,7 @@ fn differences(a: &BakedMaps, b: &BakedMaps) -> [(&'static str, f32); 10] {
     ]
 }
 
-/// The same mesh with its last triangle first.
+/// Returns the same mesh with its last triangle first.
 fn backwards(mesh: &Mesh) -> Mesh {
     let mut data = mesh.clone().into_data();
     data.triangles.reverse();
@@ -315,8 +314,8 @@ fn maps_depend_on_neither_threads_nor_order() {
     };
     let one = of(&low, &fine, 1);
     assert!([one.occlusion.len(), one.curvature.len(), one.roughness.len()] == [one.texels.len(); 3]);
-    // Sums over the triangles around a vertex round by their order: in the scan those of its curvature, in the low-poly
-    // mesh those of the cage. Measured: 3.6e-7 and 7.5e-7.
+    // Sums over the triangles around a vertex are rounded depending on their order: in the scan those of its
+    // curvature, in the low-poly mesh those of the cage. Measured: 3.6e-7 and 7.5e-7.
     const ROUNDING: f32 = 1e-6;
     let cases = [
         ("three threads", of(&low, &fine, 3), None),
@@ -341,7 +340,7 @@ fn maps_depend_on_neither_threads_nor_order() {
 #[test]
 fn relief_finer_than_a_texel_becomes_roughness() {
     // Grooves of 45° slopes, far narrower than a texel of the coarse map.
-    // As many that no grid of samples falls into step with them.
+    // Enough of them that no grid of samples aliases with them.
     let ridges = 181;
     let mut data = MeshData::default();
     for k in 0..ridges {
@@ -375,7 +374,7 @@ fn relief_finer_than_a_texel_becomes_roughness() {
     let middle = coarse.roughness[8 * 16 + 8];
     assert!(middle > 0.6, "{middle}");
     assert!(Vec3::from_array(coarse.normal[8 * 16 + 8]).z > 0.9, "the mean normal is upright");
-    // On a map that shows the grooves no roughness is added within a slope; 362 of 1024 columns hold an edge.
+    // On a map that resolves the grooves no roughness is added within a slope; 362 of 1024 columns contain an edge.
     let fine = bake_at(1024, 2);
     let plain = fine.roughness.iter().filter(|v| (**v - 0.3).abs() < 1e-3).count() as f64;
     let part = plain / fine.roughness.len() as f64;

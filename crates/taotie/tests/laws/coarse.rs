@@ -1,4 +1,4 @@
-//! Coarse meshes of sound scans are assets: that triangles are few is no reason to refuse a bake.
+//! Coarse meshes of sound scans are valid assets: a low number of triangles does not fail a bake.
 
 use crate::cart::cart;
 use crate::files::data_files;

@@ -1,4 +1,4 @@
-//! Laws of energy: what the tables say, what compensation gives back, and what layers leave over.
+//! Laws of energy: the tables, the energy returned by compensation, and the energy that layers leave over.
 
 use taotie::math::Vec3;
 use taotie::shade::dfg::{self, Dfg, integrate};
@@ -74,8 +74,8 @@ fn tables_are_exact_between_their_nodes() {
             worst_sheen = worst_sheen.max((sheen - integrate::sheen(n_dot_v, roughness)).abs());
         }
     }
-    // Scale and bias reach 1 and 0.9, the edges 0.054 and 0.027, sheen 2. Measured: 1.25e-3, 1.38e-3, 7.4e-5, 2.8e-6 of
-    // GGX, 6.5e-4, 1.88e-3, 9.5e-5, 2.8e-6 of Cook-Torrance, 4.5e-3 of sheen.
+    // Scale and bias reach 1 and 0.9, the edges 0.054 and 0.027, sheen 2. Measured: 1.25e-3, 1.38e-3, 7.4e-5, 2.8e-6
+    // for GGX, 6.5e-4, 1.88e-3, 9.5e-5, 2.8e-6 for Cook-Torrance, 4.5e-3 for sheen.
     let most = [[1.4e-3, 1.5e-3, 8.5e-5, 3.2e-6], [7.5e-4, 2.1e-3, 1.1e-4, 3.2e-6]];
     let within = worst.as_flattened().iter().zip(most.as_flattened()).all(|(worst, most)| worst < most);
     assert!(within && worst_sheen < 5e-3, "{worst:?} {worst_sheen}");
@@ -131,7 +131,7 @@ fn white_environments_come_back_white() {
 
 #[test]
 fn environments_weigh_what_lights_from_everywhere_send() {
-    // The two ways to light a surface agree where light is the same from everywhere, for any colour and for each form.
+    // The two ways to light a surface agree if light is the same from everywhere, for any colour and for each form.
     let f0 = Vec3::new(0.9, 0.5, 0.2);
     for roughness in [0.2, 0.5, 0.9] {
         for n_dot_v in [0.2, 0.7] {

@@ -1,4 +1,4 @@
-//! Laws of light from all around: what is made of an environment's picture against its definition.
+//! Laws of environment light: quantities derived from an environment's picture, compared with their definitions.
 
 use crate::random::Random;
 use crate::skies::{self, Texels, direction, equirect, speckled};
@@ -8,15 +8,15 @@ use taotie::math::{Vec3, scalar};
 use taotie::shade::environment::{ENVIRONMENT_VERSION, Environment, STUDIO_VERSION, studio};
 
 fn environment(image: &Image) -> Environment {
-    Environment::new(image.clone()).expect("it is an environment")
+    Environment::new(image.clone()).expect("a valid environment")
 }
 
-/// The place of a direction.
+/// Returns the position of a direction.
 fn uv(d: Vec3<f64>) -> [f64; 2] {
     [scalar::atan2(d.z, d.x) / TAU + 0.5, scalar::acos(d.y.clamp(-1.0, 1.0)) / PI]
 }
 
-/// ∫ L (n·l)⁺ dl over all texels.
+/// Returns ∫ L (n·l)⁺ dl over all texels.
 fn brute_irradiance(image: &Image, n: Vec3<f64>) -> Vec3<f64> {
     let mut sum = Vec3::splat(0.0);
     for (l, light, angle) in skies::texels(image) {
@@ -25,7 +25,7 @@ fn brute_irradiance(image: &Image, n: Vec3<f64>) -> Vec3<f64> {
     sum
 }
 
-/// Light of the second degree at most, and its irradiance by Ramamoorthi and Hanrahan 2001, eq. 8.
+/// Returns light of the second degree at most, and its irradiance by Ramamoorthi and Hanrahan 2001, eq. 8.
 #[test]
 fn irradiance_of_light_of_the_second_degree_is_exact() {
     let parts = |n: Vec3<f64>| {
@@ -50,7 +50,7 @@ fn irradiance_of_light_of_the_second_degree_is_exact() {
     }
 }
 
-/// Where nine numbers fail: a single bright lamp, on its dark side too.
+/// Where nine coefficients fail: a single bright lamp, on its dark side too.
 #[test]
 fn irradiance_is_the_integral_over_all_texels() {
     let lamp = Vec3::new(0.6, 0.0, 0.8);
@@ -75,7 +75,7 @@ fn irradiance_is_never_negative() {
     }
 }
 
-/// Pearson's test of samples against the density, in boxes that are no multiple of the cells.
+/// Pearson's test of samples against the density, in boxes that are not multiples of the cells.
 #[test]
 fn samples_fall_as_the_density_says() {
     const BOXES: [usize; 2] = [12, 9];
@@ -129,7 +129,7 @@ fn the_density_of_a_sample_is_that_of_its_direction() {
     assert!(apart < 10, "{apart} of 10000");
 }
 
-/// What a path tracer does, and that no single sample weighs much.
+/// A path tracer's estimate, in which no single sample has much weight.
 #[test]
 fn a_mean_over_samples_is_the_integral() {
     let environment = environment(&speckled(64));
@@ -148,8 +148,8 @@ fn a_mean_over_samples_is_the_integral() {
     }
     let mean = sum * (1.0 / SAMPLES as f64);
     assert!((mean - truth).length() < 0.003 * truth.length(), "{mean:?} against {truth:?}");
-    // The density is as high as the light can be within a cell, which makes a lone texel's light four times as much;
-    // one channel has thrice the mean.
+    // The density is as high as the light can be within a cell, which gives a lone texel's light a factor of four;
+    // one channel has three times the mean.
     let all: f64 = skies::texels(&between).map(|(_, l, angle)| (l.x + l.y + l.z) / 3.0 * angle).sum();
     assert!(most < 3.0 * 4.0 * 1.02 * all, "{most} of {all}");
 }
@@ -176,7 +176,7 @@ fn broken_texels_are_counted_and_harmless() {
     image.pixels_mut()[5] = [f32::NAN, f32::INFINITY, -1.0, 0.0];
     image.pixels_mut()[77] = [f32::NEG_INFINITY, 0.0, 0.0, 0.0];
     let environment = environment(&image);
-    assert_eq!(environment.mended_texels(), 2);
+    assert_eq!(environment.repaired_texels(), 2);
     let mut random = Random(6);
     for _ in 0..1000 {
         let d = random.unit().to_f32();
@@ -185,7 +185,7 @@ fn broken_texels_are_counted_and_harmless() {
     }
 }
 
-/// Lone bright texels, which show every flaw of a lobe, at the equator, near a pole and in between.
+/// Lone bright texels, which reveal every flaw of a lobe, at the equator, near a pole and in between.
 #[test]
 fn rough_mirrors_gather_the_integral_over_all_texels() {
     const ROUGHNESSES: [f64; 8] = [0.25, 0.27, 0.32, 0.4, 0.53, 0.7, 0.93, 1.0];
@@ -203,7 +203,7 @@ fn rough_mirrors_gather_the_integral_over_all_texels() {
     }
 }
 
-/// Whatever the size: tiny, odd, not twice as wide as high.
+/// Any size: tiny, odd, not twice as wide as high.
 #[test]
 fn even_light_stays_even_at_every_roughness() {
     for [width, height] in [[1, 1], [3, 7], [514, 257], [600, 900]] {
@@ -253,14 +253,14 @@ fn threads_change_no_bit() {
     }
 }
 
-/// The key of cached environments names the studio by its version only.
+/// The key of cached environments identifies the studio only by its version.
 #[test]
 fn the_studio_has_the_bits_of_its_version() {
     let pixels = studio().pixels().as_flattened().to_vec();
     let hash = pixels.iter().fold(0xcbf2_9ce4_8422_2325u64, |hash, v| {
         (hash ^ u64::from(v.to_bits())).wrapping_mul(0x0100_0000_01b3)
     });
-    assert_eq!((STUDIO_VERSION, hash), (1, 11007174786164598874), "other bits need another STUDIO_VERSION");
+    assert_eq!((STUDIO_VERSION, hash), (1, 11007174786164598874), "changed bits need a new STUDIO_VERSION");
 }
 
 #[test]
@@ -274,7 +274,7 @@ fn the_studio_is_grey_and_as_bright_as_it_says() {
     assert!(left > 1.5 * front && right < 0.6 * front, "{left} {right}");
 }
 
-/// Kept environments are told from others by their version only.
+/// Cached environments are identified only by their version.
 #[test]
 fn an_environment_has_the_bits_of_its_version() {
     let bytes = environment(&speckled(64)).to_bytes();
@@ -284,9 +284,9 @@ fn an_environment_has_the_bits_of_its_version() {
     assert_eq!(
         (ENVIRONMENT_VERSION, hash),
         (3, 237003072150934336),
-        "other bits need another ENVIRONMENT_VERSION"
+        "changed bits need a new ENVIRONMENT_VERSION"
     );
-    let (made, kept) = (environment(&speckled(64)), Environment::from_bytes(&bytes).expect("they are sound"));
+    let (made, kept) = (environment(&speckled(64)), Environment::from_bytes(&bytes).expect("they are valid"));
     let mut random = Random(12);
     for _ in 0..1000 {
         let (d, roughness) = (random.unit().to_f32(), random.next() as f32);

@@ -1,4 +1,4 @@
-//! Maps of errors are laid out as the maps of the material are, whatever the uvs that a file stores.
+//! Error maps are laid out like the maps of the material, whatever uvs a file stores.
 
 use taotie::bake::{self, Cage, ErrorMaps, TexelChecks, TexturedMesh, Verifier};
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
@@ -6,7 +6,7 @@ use taotie::math::Vec2;
 use taotie::mesh::{Mesh, MeshData};
 use taotie::scene::{Material, Scene, TextureRef, UvTransform};
 
-/// A ball with a texture by this uv set and transform, whose uv sets are made of those that cover the map.
+/// A ball with a texture in this uv set and transform, whose uv sets are derived from those that cover the map.
 fn ball((uv_set, transform): (usize, UvTransform), sets: &[fn(Vec2) -> Vec2]) -> Scene {
     let data = Mesh::sphere(1.0, 24, 12).into_data();
     let uvs = sets.iter().map(|set| data.uvs[0].iter().map(|uv| set(*uv)).collect()).collect();

@@ -5,7 +5,7 @@ use taotie::math::{Lane, Number, scalar};
 
 /// A number in double precision whose powers and logarithms are exact to the last place.
 ///
-/// The polynomials of `f64` are good to 1e-8 and made of pieces: a difference over 1e-4 would see the joints.
+/// The polynomials of `f64` are accurate to 1e-8 and made of pieces: a difference over 1e-4 would see the joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exact(pub f64);
 

@@ -1,4 +1,4 @@
-//! Laws of the two facets that stand for a mapped normal.
+//! Laws of the two facets that represent a mapped normal.
 
 use crate::random::Random;
 use std::f64::consts::FRAC_1_PI;
@@ -10,7 +10,7 @@ type V = Vec3<f64>;
 
 const G: V = Vec3::new(0.0, 0.0, 1.0);
 
-/// Facets for a map that leans by `tilt` radians towards +x.
+/// Returns facets for a map that tilts by `tilt` radians towards +x.
 fn leaning(tilt: f64) -> Facets<f64> {
     Facets::new(G, Vec3::new(scalar::sin(tilt), 0.0, scalar::cos(tilt)))
 }
@@ -20,7 +20,7 @@ fn above(random: &mut Random) -> V {
     Vec3::new(v.x, v.y, v.z.abs())
 }
 
-/// What a white Lambertian facet reflects to the true or mirrored viewer, and all together.
+/// Returns the light that a white Lambertian facet reflects to the true or mirrored viewer, and the total.
 fn lambert(facets: &Facets<f64>, v: V, l: V) -> f64 {
     let base = |v: V| {
         let seen = if facets.p.dot(v) > 0.0 { FRAC_1_PI } else { 0.0 };
@@ -29,7 +29,8 @@ fn lambert(facets: &Facets<f64>, v: V, l: V) -> f64 {
     whole(facets, v, l, base)
 }
 
-/// What the true and the mirrored viewer see together, where `base` makes the facet's reflection for a viewer.
+/// Returns the light that the true and the mirrored viewer see together, if `base` makes the facet's reflection for a
+/// viewer.
 fn whole<B: Fn(V) -> f64>(facets: &Facets<f64>, v: V, l: V, base: impl Fn(V) -> B) -> f64 {
     let seen = |v: V| {
         let base = base(v);
@@ -39,7 +40,7 @@ fn whole<B: Fn(V) -> f64>(facets: &Facets<f64>, v: V, l: V, base: impl Fn(V) -> 
     mirror * seen(facets.mirrored(v)) + (1.0 - mirror) * seen(v)
 }
 
-/// As [`lambert`] for a gloss about the mirror direction, reciprocal.
+/// Like [`lambert`], for a reciprocal gloss about the mirror direction.
 fn glossy(facets: &Facets<f64>, v: V, l: V) -> f64 {
     let base = |v: V| {
         move |l: V| {
@@ -111,7 +112,7 @@ fn facets_are_reciprocal() {
     assert!(both_ways > 1000, "{both_ways}");
 }
 
-/// All that a white facet reflects to a viewer.
+/// Returns all light that a white facet reflects to a viewer.
 fn albedo(facets: &Facets<f64>, v: V) -> f64 {
     over_hemisphere(12, |l| Vec3::splat(lambert(facets, v, l))).x
 }

@@ -1,4 +1,4 @@
-//! Figures of a proof that say where an asset differs from its scan, and on how much of its surface.
+//! Figures of a proof that show where an asset differs from its scan, and on how much of its surface.
 
 use std::fmt::Write;
 use taotie::Progress;
@@ -28,8 +28,8 @@ fn wavy(cells: usize) -> MeshData {
     data
 }
 
-/// The same plate without waves, as OBJ: a UV island and a material for each half, and a crumb beside it on an island of its
-/// own.
+/// The same plate without waves, as OBJ: a UV island and a material for each half, and a crumb next to it on a
+/// separate island.
 fn flat() -> String {
     let mut text = "mtllib low.mtl\nvn 0 1 0\n".to_owned();
     let mut vertices = 0;
@@ -76,7 +76,7 @@ fn the_worst_island_and_material_are_those_with_the_waves() {
         assert!(angle.interval[0] < angle.mean && angle.mean < angle.interval[1], "{angle:?}");
         let at = angle.worst;
         assert!(at.center[0] < 0.5 && (0.02..0.3).contains(&at.radius) && at.toward[1] > 0.0, "{at:?}");
-        assert!(worst.color.is_none(), "the scan states no colours");
+        assert!(worst.color.is_none(), "the scan has no colours");
     }
     let flips: Vec<(PartKind, PatchQuantity)> =
         proof.part_flips.iter().map(|found| (found.part, found.of)).collect();
@@ -95,7 +95,7 @@ fn the_worst_island_and_material_are_those_with_the_waves() {
     assert!(proof.detail_map.is_none() && proof.error_map.is_none(), "it has no textures");
 }
 
-/// A blade with two sharp edges along x, so wide: an OBJ of quadrilaterals.
+/// A blade of this width with two sharp edges along x: an OBJ of quadrilaterals.
 fn blade(width: f64, cells: usize) -> String {
     let mut text = String::new();
     for i in 0..=cells {
@@ -126,10 +126,10 @@ fn the_edge_of_a_blade_is_missed_only_where_nothing_is_near_it() {
         let coverage = proof.figures.finest().unwrap().coverage;
         (coverage.missed_of_scan, coverage.missed_of_asset)
     };
-    // The diagonal is 1.02: within 0.5 % of it a surface is there, whichever side of the blade is closest.
+    // The diagonal is 1.02: within 0.5 % of it there is a surface, whichever side of the blade is closest.
     assert_eq!(missed(0.097), (0.0, 0.0));
     assert_eq!(missed(0.103), (0.0, 0.0));
     let (of_scan, of_asset) = missed(0.08);
-    // Of a fifth of the width all but the last 0.5 %: 0.015 of 0.1.
+    // All but the last 0.5 % of a fifth of the width: 0.015 of 0.1.
     assert!((0.10..0.20).contains(&of_scan) && of_asset == 0.0, "{of_scan} {of_asset}");
 }

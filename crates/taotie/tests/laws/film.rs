@@ -1,4 +1,4 @@
-//! What holds for every tone curve, for the encoding and for developing, whatever the numbers.
+//! Laws of every tone curve, of the encoding and of development, for all values.
 
 use taotie::film::{
     Developer, Development, ToneCurve, develop_pixel, develop8, develop8_into, develop16, round_to_codes,
@@ -8,7 +8,7 @@ use taotie::image::Image;
 use taotie::math::{SimdLevel, Vec3, srgb};
 use taotie::names::Named;
 
-/// A rising sequence from black to far beyond any light.
+/// An increasing sequence from black to far beyond any light.
 fn rising() -> impl Iterator<Item = f32> {
     std::iter::once(0.0).chain((0..4000).map(|i| f32::from_bits(0x3800_0000 + i * 0x1_1000)))
 }
@@ -128,7 +128,7 @@ fn codes_come_back_from_their_light() {
 
 #[test]
 fn every_level_gives_the_same_bits() {
-    // A width that leaves a rest after packs of eight and after bands.
+    // A width that leaves a remainder after packs of eight and after bands.
     let image = picture(1031, 7);
     for (name, tone) in ToneCurve::NAMES.iter().copied() {
         for background in [None, Some(Vec3::new(0.2, 0.5, 0.9))] {
@@ -143,7 +143,7 @@ fn every_level_gives_the_same_bits() {
     }
 }
 
-/// Runs that are wholly transparent, wholly opaque, and mixed, on either side of where curves bend.
+/// Runs that are wholly transparent, wholly opaque, and mixed, on both sides of where curves bend.
 fn covered_in_part() -> Image {
     let mut image = picture(640, 4);
     for (i, pixel) in image.pixels_mut().iter_mut().enumerate() {
@@ -192,7 +192,7 @@ fn pieces_make_the_whole() {
     developer.codes8(&image.pixels()[..3], &mut longer);
     assert_eq!((&longer[..3], &longer[3..]), (&whole[..3], &[[9; 4]; 2][..]));
     let error = develop8_into(&image, &development, &mut longer).unwrap_err().to_string();
-    assert!(error.contains("5 pixels, the picture 2560"), "{error}");
+    assert!(error.contains("5 pixels; the image has 2560"), "{error}");
 }
 
 #[test]

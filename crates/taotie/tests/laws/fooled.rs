@@ -1,5 +1,6 @@
-//! Pairs of a scan and an asset that may fool a proof: each bad one has to miss `standard` with a warning that names the cause
-//! and the place, each sound twin to meet it. Assets that were spoiled after they were made are in `spoiled.rs`.
+//! Pairs of a scan and an asset that may fool a proof: each bad one must fail `standard` with a warning that names
+//! the cause and the place, each sound twin must meet it. Assets that were damaged after they were made are in
+//! `spoiled.rs`.
 
 use crate::modelled::{askew, nut, welded};
 use crate::pairs::{
@@ -23,7 +24,7 @@ fn a_hidden_wall_below_the_surface() {
     let wall = || ball(FINE, |_, _| -0.01);
     let ghost = scan_of(joined([lettered(), wall()]));
     is_sound(&onto(&ghost, simple(lettered(), 6_000), 512), &ghost);
-    // What a bake shows that takes the wall for the surface.
+    // The result of a bake that mistakes the wall for the surface.
     let bare = onto(&scan_of(wall()), ball([64, 32], |_, _| -0.01), 256);
     let proof = is_bad(&bare, &ghost, (&["mean-angle", "p95-angle"], "normals are off"));
     let hidden = proof.figures.levels[0].coverage.hidden_of_scan;
@@ -91,10 +92,14 @@ fn finger() -> MeshData {
 #[test]
 fn a_missing_finger() {
     let scan = scan_of(joined([lettered(), finger()]));
-    is_bad(&onto(&scan, ball([64, 32], |_, _| 0.0), 512), &scan, (&["hausdorff"], "nothing in its place"));
+    is_bad(
+        &onto(&scan, ball([64, 32], |_, _| 0.0), 512),
+        &scan,
+        (&["hausdorff"], "no counterpart on the asset"),
+    );
 }
 
-/// Copies of a scan's triangles as an asset, of which the `count` closest to a place are reversed.
+/// Copies of a scan's triangles as an asset, of which the `count` closest to a point are reversed.
 fn with_a_black_patch(scan: &Scan, count: usize) -> Scene {
     let mesh = scan.mesh();
     let away = |t: usize| {
@@ -113,14 +118,14 @@ fn triangles_that_are_wound_the_other_way() {
     let low = || simple(lettered(), 6_000);
     is_sound(&onto(&scan, low(), 512), &scan);
     let reversed = turned(low(), |p| p.x > 0.9 && p.y.abs() < 0.3);
-    is_bad(&onto(&scan, reversed, 512), &scan, (&["patch-angle"], "nothing in its place"));
+    is_bad(&onto(&scan, reversed, 512), &scan, (&["patch-angle"], "no counterpart on the asset"));
 }
 
 #[test]
 fn seventeen_triangles_that_are_wound_the_other_way() {
     let scan = scan_of(ball([96, 48], lettering));
     is_sound(&with_a_black_patch(&scan, 0), &scan);
-    is_bad(&with_a_black_patch(&scan, 17), &scan, (&["missed"], "nothing in its place"));
+    is_bad(&with_a_black_patch(&scan, 17), &scan, (&["missed"], "no counterpart on the asset"));
 }
 
 #[test]
@@ -134,8 +139,8 @@ fn an_asset_beside_its_scan() {
     let scan = scan_of(lettered());
     let inside = |part: f32| moved(simple(lettered(), 6_000), move |p| p * (1.0 - part));
     is_sound(&onto(&scan, inside(0.005), 512), &scan);
-    let beside = moved(simple(lettered(), 6_000), |p| Vec3::new(p.x + 0.08, p.y, p.z));
-    is_bad(&onto(&scan, beside, 512), &scan, (&["hausdorff"], "farthest apart"));
+    let shifted = moved(simple(lettered(), 6_000), |p| Vec3::new(p.x + 0.08, p.y, p.z));
+    is_bad(&onto(&scan, shifted, 512), &scan, (&["hausdorff"], "farthest apart"));
 }
 
 #[test]
@@ -145,9 +150,9 @@ fn a_hole_and_a_part_too_many() {
     let keep = |t: &[u32; 3]| !t.iter().all(|v| low.positions[*v as usize].x > 0.93);
     let triangles = low.triangles.iter().copied().filter(keep).collect();
     let hole = MeshData { triangles, ..low.clone() };
-    is_bad(&onto(&scan, hole, 256), &scan, (&["missed"], "nothing in its place"));
+    is_bad(&onto(&scan, hole, 256), &scan, (&["missed"], "no counterpart on the asset"));
     let more = joined([low, finger()]);
-    is_bad(&onto(&scan, more, 256), &scan, (&["missed", "hausdorff"], "what the scan does not have"));
+    is_bad(&onto(&scan, more, 256), &scan, (&["missed", "hausdorff"], "no counterpart on the scan"));
 }
 
 #[test]
@@ -171,7 +176,7 @@ fn colours_of_another_part() {
     is_bad(&bake(&colored(0.4)), &scan, (&["mean-color", "patch-color"], "colours are off"));
 }
 
-/// The same verdict, of the same patch, whatever the number of samples at first.
+/// The verdict is the same, and about the same patch, whatever the initial number of samples.
 #[test]
 fn the_verdict_does_not_depend_on_the_samples_at_first() {
     let scan = scan_of(lettered());

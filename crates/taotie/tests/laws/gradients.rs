@@ -1,4 +1,4 @@
-//! Dual numbers differentiate what they run through: gradients of every model against differences.
+//! Dual numbers differentiate the code that they pass through: gradients of every model, compared with differences.
 
 use crate::exact::Exact;
 use crate::random::Random;
@@ -8,7 +8,7 @@ use taotie::shade::{Angles, MaterialSample, Shading, reflect};
 
 /// n, v, l, base colour, F0, metallic, roughness, shininess, slope, F90.
 const INPUTS: usize = 20;
-/// By what a gradient is asked for, with the inputs that it is made of.
+/// The inputs by which a gradient is requested, with their components.
 const BY: [(&str, std::ops::Range<usize>); 7] = [
     ("normal", 0..3),
     ("light direction", 6..9),
@@ -37,7 +37,7 @@ fn shade<L: Lane>(shading: Shading, x: &[L; INPUTS]) -> [L; 3] {
     reflect(shading, &s, &Angles::new(vector(0), vector(3), vector(6))).to_array()
 }
 
-/// Directions on one side of the surface and a material within its ranges.
+/// Returns directions on one side of the surface and a material within its ranges.
 fn inputs(random: &mut Random) -> [f64; INPUTS] {
     let n = random.unit();
     let mut above = || {
@@ -54,7 +54,7 @@ fn inputs(random: &mut Random) -> [f64; INPUTS] {
     x
 }
 
-/// The derivative by input `by` from five points `step` apart.
+/// Returns the derivative by input `by`, from five points `step` apart.
 fn difference(shading: Shading, x: &[f64; INPUTS], by: usize, step: f64) -> [f64; 3] {
     let at = |steps: f64| {
         let mut moved = x.map(Exact);
@@ -65,12 +65,12 @@ fn difference(shading: Shading, x: &[f64; INPUTS], by: usize, step: f64) -> [f64
     std::array::from_fn(|i| (far_below[i] - far_above[i] + 8.0 * (above[i] - below[i])) / (12.0 * step))
 }
 
-/// The counts of derivatives: all, those at smooth points, and of these the ones that are not zero.
+/// The counts of derivatives: all, those at smooth points, and the nonzero ones among them.
 #[derive(Default)]
 struct Tally {
     points: usize,
     smooth: usize,
-    telling: usize,
+    nonzero: usize,
 }
 
 fn compare(shading: Shading, x: &[f64; INPUTS], by: usize, tally: &mut Tally) {
@@ -89,7 +89,7 @@ fn compare(shading: Shading, x: &[f64; INPUTS], by: usize, tally: &mut Tally) {
         let name = shading.name();
         assert!(error <= 1e-5 * expected.abs() + small, "{name}, input {by}: {found}, {expected} at {x:?}");
         tally.smooth += 1;
-        tally.telling += usize::from(expected.abs() > 1e-3);
+        tally.nonzero += usize::from(expected.abs() > 1e-3);
     }
 }
 
@@ -97,7 +97,7 @@ fn compare(shading: Shading, x: &[f64; INPUTS], by: usize, tally: &mut Tally) {
 fn duals_have_the_gradients_of_every_model() {
     let mut random = Random(5);
     for (name, shading) in Shading::NAMES.iter().copied() {
-        let mut telling = 0;
+        let mut nonzero = 0;
         for (what, range) in BY {
             let mut tally = Tally::default();
             for i in 0..300 {
@@ -106,10 +106,10 @@ fn duals_have_the_gradients_of_every_model() {
             }
             let Tally { points, smooth, .. } = tally;
             assert!(smooth * 100 >= points * 95, "{name} by {what}: {smooth} of {points} are smooth");
-            eprintln!("{name} by {what}: {smooth} of {points} equal, {} not zero", tally.telling);
-            telling += tally.telling;
+            eprintln!("{name} by {what}: {smooth} of {points} equal, {} not zero", tally.nonzero);
+            nonzero += tally.nonzero;
         }
-        assert!(telling > 600, "{name}: {telling} derivatives that tell anything");
+        assert!(nonzero > 600, "{name}: {nonzero} nonzero derivatives");
     }
 }
 

@@ -1,4 +1,4 @@
-//! Pairs whose largest distance is known exactly: the bounds of a proof hold it, and are as close as is promised.
+//! Pairs whose largest distance is known exactly: the bounds of a proof contain it, and are as close as promised.
 
 use crate::pairs::{grid, joined, mesh, moved, proof, scan_of, turned};
 use taotie::bake;
@@ -7,7 +7,7 @@ use taotie::mesh::MeshData;
 use taotie::proof::{Side, Source, distance_bounds};
 use taotie::scene::{Material, Scene};
 
-/// How far bounds may be apart, model units.
+/// The maximum distance between bounds, in model units.
 const WIDTH: f32 = 1e-3;
 
 /// A cube whose faces look outward, half as wide as `half`, each face of `cells`² squares.
@@ -24,7 +24,7 @@ fn cube(half: f64, cells: usize) -> MeshData {
     joined(faces.map(|(axis, side)| outward(face(axis, side))))
 }
 
-/// Turns all triangles of a part of a convex shape around the origin so that they look away from it.
+/// Orients all triangles of a part of a convex shape around the origin so that they face away from it.
 fn outward(data: MeshData) -> MeshData {
     let [a, b, c] = data.triangles[0].map(|v| data.positions[v as usize]);
     let is_inward = (b - a).cross(c - a).dot(a + b + c) < 0.0;
@@ -49,7 +49,7 @@ fn spiked(half: f64, height: f64) -> MeshData {
     })
 }
 
-/// Bounds the distances from one shape to another, of all its surface or of what can be seen of it.
+/// Bounds the distances from one shape to another, of all its surface or of its visible part.
 #[track_caller]
 fn holds(from: &MeshData, to: &MeshData, (is_partly_hidden, truth): (bool, f64)) {
     let surface = |data: &MeshData| {
@@ -59,19 +59,19 @@ fn holds(from: &MeshData, to: &MeshData, (is_partly_hidden, truth): (bool, f64))
     let side = Side::of(&from);
     let bounds = distance_bounds(Source { side: &side, is_partly_hidden, known: 0.0 }, &to, WIDTH);
     let (apart, most) = (bounds.upper - bounds.lower, f64::from(WIDTH) + 1e-5);
-    assert!(bounds.lower <= truth && truth <= bounds.upper, "{bounds:?} do not hold {truth}");
+    assert!(bounds.lower <= truth && truth <= bounds.upper, "{bounds:?} do not contain {truth}");
     assert!(apart <= most, "{bounds:?} are {apart} apart");
 }
 
-/// Fails unless the distance of a proof, of what can be seen of both, holds the truth between bounds that are as close as
-/// the documents say.
+/// Asserts that the distance in a proof, between the visible parts of both, contains the truth within bounds as close
+/// as documented.
 #[track_caller]
 fn proof_holds(scan: MeshData, asset: MeshData, truth: f64) {
     let scene = Scene::of_mesh(mesh(asset), Material::default()).unwrap();
     let proof = proof(&scene, &scan_of(scan), Vec::new());
     let found = &proof.figures.levels[0];
     let bounds = found.hausdorff;
-    assert!(bounds.lower <= truth && truth <= bounds.upper, "{bounds:?} do not hold {truth}");
+    assert!(bounds.lower <= truth && truth <= bounds.upper, "{bounds:?} do not contain {truth}");
     let (apart, most) =
         (bounds.upper - bounds.lower, (0.05 * truth).max(5e-4 * proof.figures.diagonal) + 1e-5);
     assert!(apart <= most, "{bounds:?} are {apart} apart");
@@ -117,7 +117,7 @@ fn of_a_cube_and_the_same_moved() {
     proof_holds(cube(1.0, 2), moved_by(), truth);
 }
 
-/// The inner cube is farther from the asset than all that can be seen.
+/// The inner cube is farther from the asset than anything visible.
 #[test]
 fn of_a_cube_with_another_inside() {
     let (by, inner) = (0.1, 0.5);

@@ -58,7 +58,7 @@ fn evaluate<L: Lane>(x: &[L; INPUTS]) -> [L; OUTPUTS] {
     out
 }
 
-/// Numbers in [0, 1) that look random and never change.
+/// Pseudorandom numbers in [0, 1) that never change.
 struct Random(u64);
 
 impl Random {
@@ -117,10 +117,10 @@ fn packs<S: Simd>(simd: S, columns: &[Vec<f32>], results: &mut [[f32; 8]]) {
     }
 }
 
-/// Runs `packs` at a level of vector instructions; false for emulated packs.
+/// Runs `packs` at a SIMD level; returns false for emulated packs.
 ///
-/// [`f32x8`] without vector instructions is eight numbers an operation: all nine models take a compiler more than
-/// a minute that way, so only the operations themselves are compared there, of which the models are made.
+/// [`f32x8`] without vector instructions computes eight numbers per operation: compiling all nine models that way
+/// takes more than a minute, so only the operations of which the models are made are compared there.
 fn formulas_run(level: Level, columns: &[Vec<f32>], results: &mut [[f32; 8]]) -> bool {
     match level {
         #[cfg(target_arch = "x86_64")]
@@ -176,7 +176,7 @@ fn every_simd_level_has_the_bits_of_one_number_at_a_time() {
 
 const OPERATIONS: usize = 20;
 
-/// Every operation of [`Lane`]; `a` above 0 where the operation asks for it, `n` an exponent.
+/// Every operation of [`Lane`]; `a` is above 0 where the operation requires it, `n` is an exponent.
 #[inline(always)]
 fn operations<L: Lane>(a: L, b: L, n: L) -> [L; OPERATIONS] {
     let (zero, one, positive) = (a.lit(0.0), a.lit(1.0), a.abs());
@@ -207,7 +207,7 @@ fn operations<L: Lane>(a: L, b: L, n: L) -> [L; OPERATIONS] {
     ]
 }
 
-/// Column k holds operation k of each of the operands.
+/// Column k contains operation k of each of the operands.
 #[inline(always)]
 fn operation_packs<P: Pack>(token: P::Token, [a, b, n]: &[Vec<f32>; 3], results: &mut [Vec<f32>]) {
     for i in (0..COUNT).step_by(P::LANES) {
@@ -218,7 +218,7 @@ fn operation_packs<P: Pack>(token: P::Token, [a, b, n]: &[Vec<f32>; 3], results:
     }
 }
 
-/// Numbers of every size with both signs, equal pairs among them, and signed zeros and infinities.
+/// Numbers of every size with both signs, including equal pairs, signed zeros and infinities.
 fn operands() -> [Vec<f32>; 3] {
     let mut random = Random(4);
     let mut any = |_| {

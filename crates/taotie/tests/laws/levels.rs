@@ -1,4 +1,4 @@
-//! Coarser levels of detail look the same as the scan where they are shown, and share what they can.
+//! Coarser levels of detail look the same as the scan at the size they are shown, and share what they can.
 
 use std::path::Path;
 use taotie::Progress;
@@ -20,7 +20,7 @@ fn wavy() -> Scan {
         *p * (1.0 + 0.02 * [p.x, p.y, p.z].map(|v| sin(9.0 * f64::from(v))).iter().product::<f64>() as f32)
     };
     let mut positions: Vec<Vec3> = data.positions.iter().map(wave).collect();
-    // The last column is the first, and each pole is one place: closed to the bit.
+    // The last column is the first, and each pole is one point: closed bit-exactly.
     for (j, row) in positions.chunks_exact_mut(COLUMNS + 1).enumerate() {
         row[COLUMNS] = row[0];
         if j == 0 || j == COLUMNS / 2 {
@@ -31,7 +31,8 @@ fn wavy() -> Scan {
     Scan::from_mesh(Mesh::new(mesh).unwrap(), Progress::SILENT).unwrap()
 }
 
-/// Means of angles, degrees, where each level is shown: the proof finds them apart from the search.
+/// Returns mean angles, in degrees, at the size each level is shown: the proof computes them independently of the
+/// search.
 fn seen(asset: &Asset, folder: &Path) -> Vec<(f32, f64)> {
     let written = asset.write(folder.join("levels.glb"), &Packing::default(), Progress::SILENT).unwrap();
     let options = VerifyOptions { points: 20_000, map: 0, view: 32, ..VerifyOptions::default() };
@@ -58,7 +59,7 @@ fn levels_keep_the_limits_where_they_are_shown() {
     }
 }
 
-/// Normals that were baked for other triangles are off by degrees; a map of its own makes a level good where it is small.
+/// Normals baked for other triangles are off by degrees; a separate map makes a level good at small sizes.
 #[test]
 fn a_level_by_hand_gets_a_normal_map_of_its_own() {
     let folder = tempfile::tempdir().unwrap();

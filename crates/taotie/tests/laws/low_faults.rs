@@ -1,4 +1,4 @@
-//! Faults of a low-poly mesh that is given which an artist would see: each is noted, with its place and share, and a sound
+//! Faults of a given low-poly mesh that an artist would see: each is noted, with its place and share, and a sound
 //! twin is not.
 
 use std::sync::Arc;
@@ -15,8 +15,8 @@ fn warned(scan: Mesh, low: Mesh) -> String {
     asset.warnings().iter().map(|(what, count)| format!("{count} {what}\n")).collect()
 }
 
-/// A box of side 2 of which each face has its own normals, unwrapped as a cross: its walls in a row, whose uvs go on over
-/// their edges, or each with a gap around it.
+/// A box of side 2 of which each face has its own normals, unwrapped as a cross: its walls in a row, with uvs
+/// continuous over their edges, or each with a gap around it.
 fn walls(gap: f32) -> Mesh {
     let mut data = MeshData { uvs: vec![Vec::new()], ..MeshData::default() };
     let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
@@ -50,7 +50,7 @@ fn hard_edges_inside_uv_islands_are_noted() {
         text.contains("hard edges inside UV islands of the low-poly mesh: 31.1 % of the length"),
         "{text}"
     );
-    assert!(text.contains("around (") && text.contains("cut the uvs"), "{text}");
+    assert!(text.contains("around (") && text.contains("split the uvs"), "{text}");
     assert!(!warned(whole, cut).contains("hard edges"));
 }
 
@@ -65,11 +65,7 @@ fn reversed_triangles_of_a_low_poly_mesh_are_noted_with_their_place() {
     let sound = warned(scan.clone(), low.clone());
     assert!(!sound.contains("wound") && !sound.contains("face away"), "{sound}");
     let text = warned(scan, Mesh::new(data).unwrap());
-    assert!(
-        text.contains(
-            "triangles of the low-poly mesh that are wound the other way than their neighbours: 1."
-        )
-    );
+    assert!(text.contains("triangles of the low-poly mesh wound opposite to their neighbours: 1."));
     assert!(text.contains("that face away from their own normals: 1."), "{text}");
     assert!(text.contains("% of its surface, around (0.9") || text.contains("around (1.0"), "{text}");
 }

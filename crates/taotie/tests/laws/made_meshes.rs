@@ -1,4 +1,4 @@
-//! What holds of meshes that are made of scans of thin and disjoint parts: nothing is lost, joined, torn or turned.
+//! Laws of meshes made from scans of thin and disjoint parts: nothing is lost, joined, torn or turned.
 
 use crate::cart::{cart, count, joined, parts};
 use crate::distance::{Surface, deviation};
@@ -20,7 +20,7 @@ fn to(mesh: &Mesh, triangles: usize) -> Simplified {
     simplify(mesh, &options, Progress::SILENT).unwrap()
 }
 
-/// Panics where more than this part of the facets face away from a normal at their corners: narrow ones that
+/// Panics if more than this fraction of the facets face away from a normal at their corners: narrow ones that
 /// simplification folded over.
 fn check_normals(mesh: &Mesh, most: f64) {
     let is_turned = |t: &usize| {
@@ -33,9 +33,10 @@ fn check_normals(mesh: &Mesh, most: f64) {
     assert!(turned as f64 <= most * all as f64, "{turned} of {all} facets are turned");
 }
 
-/// Panics if a connected part is near no single part of the scan as a whole; returns the number of the scan's parts.
+/// Panics if a connected part is not near any single part of the scan as a whole; returns the number of the scan's
+/// parts.
 fn check_joints(scan: &Mesh, low: &Mesh) -> usize {
-    /// The distance to the nearest vertex, which has moved at most a little, in parts of the diagonal.
+    /// The distance to the nearest vertex, which has moved at most slightly, as a fraction of the diagonal.
     const MOST: f64 = 0.02;
     let point = |bits: &[u32; 3]| Vec3::from_array(bits.map(f32::from_bits)).to_f64();
     let by_part = |mesh: &Mesh| {
@@ -59,13 +60,14 @@ fn check_joints(scan: &Mesh, low: &Mesh) -> usize {
     before.len()
 }
 
-/// Panics where a triangle has corners of two parts of the scan, or a part is lost or in pieces.
+/// Panics if a triangle has corners of two parts of the scan, or a part is lost or in pieces.
 fn check_parts(scan: &Mesh, low: &Mesh) {
     let before = check_joints(scan, low);
     assert_eq!(count(&parts(low)), before, "parts after and before");
 }
 
-/// The farthest that the middles of triangles and edges lie from a scan, in parts of its diagonal.
+/// Returns the maximum distance of centroids of triangles and midpoints of edges from a scan, as a fraction of its
+/// diagonal.
 fn farthest_middle(scan: &Mesh, low: &Mesh) -> f64 {
     let surface = Surface::new(scan);
     let middles = |t: usize| {
@@ -106,7 +108,7 @@ fn a_cart_of_thin_parts_stays_whole() {
         check_normals(&low.mesh, 0.008);
         assert!(low.method < SimplifyMethod::Clustered && low.reached, "{:?}", low.method);
         assert!(low.notes.iter().all(|(what, _)| what.contains("equal corners")), "{:?}", low.notes);
-        assert!(most < far && middle < far, "a panel is torn or a bar stands: {most} {middle}");
+        assert!(most < far && middle < far, "a panel is torn or a bar remains: {most} {middle}");
     }
 }
 
@@ -125,12 +127,12 @@ fn a_cart_is_the_same_however_it_is_made() {
     }
 }
 
-/// A closed surface keeps what it had before creases, parts and slivers were looked for.
+/// A closed surface keeps what it had before creases, parts and slivers were handled.
 #[test]
 fn a_smooth_closed_scan_is_made_as_before() {
     let low = to(&embossed_ball(60_000), 4_000);
     assert_eq!(low.method, SimplifyMethod::Collapsed);
-    assert_eq!(low.mesh.normals(), vertex_normals(&low.mesh), "one normal a position");
+    assert_eq!(low.mesh.normals(), vertex_normals(&low.mesh), "one normal per position");
     assert!(low.notes.iter().all(|(what, _)| what.contains("equal corners")), "{:?}", low.notes);
 }
 
@@ -153,7 +155,7 @@ fn double_walls_and_edges_of_many_leaves_are_not_turned() {
     }
 }
 
-/// Models of many thin parts, at a tenth: hardly a facet is turned, nothing joins parts, and no large one is lost.
+/// Models of many thin parts, at a tenth: hardly any facet is turned, nothing joins parts, and no large one is lost.
 #[test]
 fn models_by_others_stay_whole() {
     let named = |path: &std::path::PathBuf| {
@@ -174,7 +176,7 @@ fn models_by_others_stay_whole() {
         check_normals(&low.mesh, 0.02);
         check_joints(&scan, &low.mesh);
         assert!(low.method < SimplifyMethod::Clustered);
-        assert!(low.notes.iter().all(|(what, _)| !what.contains("lost since")), "{:?}", low.notes);
+        assert!(low.notes.iter().all(|(what, _)| !what.contains("lost because")), "{:?}", low.notes);
     }
 }
 
@@ -191,7 +193,7 @@ fn levels_of_a_cart_are_hardly_turned_either() {
     }
 }
 
-/// What the program made is not blamed on the user's meshes.
+/// Faults made by the program are not blamed on the user's meshes.
 #[test]
 fn a_bake_of_a_cart_blames_nobody() {
     let scan = Scan::from_mesh(cart(), Progress::SILENT).unwrap();

@@ -1,5 +1,5 @@
-//! Laws that hold whatever the values: reciprocity, energy, normalisation, frames, what a bake keeps.
-#![allow(clippy::print_stdout, clippy::print_stderr, reason = "tests say what they found")]
+//! Laws that hold for all values: reciprocity, energy, normalisation, frames, preservation by a bake.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "tests print their findings")]
 
 #[path = "../common/angle.rs"]
 mod angle;

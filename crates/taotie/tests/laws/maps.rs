@@ -1,4 +1,4 @@
-//! What holds for normal maps and bumps, and what pixels say about a map.
+//! Laws of normal maps and bumps, and of guesses about a map from its pixels.
 
 use crate::angle::angle;
 use crate::common::absent;
@@ -20,7 +20,7 @@ fn a_flat_map_is_no_map() {
         let mapped = tangent_normal(n, random.vector(), 1.0, flat);
         assert!((mapped - n.normalize()).length() < 1e-15);
     }
-    // The usual 8-bit flat is not quite flat, since 127.5 is no code.
+    // The usual 8-bit flat value is not quite flat, since 127.5 is not a code.
     let usual = decode_normal(Vec3::new(128.0 / 255.0, 128.0 / 255.0, 1.0), 1.0, 1.0);
     let tilt = angle(usual, flat).to_degrees();
     assert!((tilt - 0.32).abs() < 0.005, "{tilt}");
@@ -98,7 +98,7 @@ fn relief_has_the_normal_of_the_displaced_surface() {
         let up = by_b * (radius + relief.height) + p * relief.by_v;
         let expected = across.cross(up).normalize();
         assert!((relief_normal(base, relief) - expected).length() < 1e-12);
-        // Mirrored parameters and reversed ones mean the same surface.
+        // Mirrored and reversed parameters mean the same surface.
         let turned = ReliefBase { n: base.n, dp: [base.dp[1], base.dp[0]], dn: [base.dn[1], base.dn[0]] };
         let relief = Relief { height: relief.height, by_u: relief.by_v, by_v: relief.by_u };
         assert!((relief_normal(turned, relief) - expected).length() < 1e-12);
@@ -152,14 +152,14 @@ fn bump_of_a_ramp_is_the_tilted_plane() {
         let found = surface_gradient(n, [dp_du, dp_dv], [dh_du, dh_dv]);
         assert!((found - gradient).length() < 1e-9);
         assert!((bump(n, found) - raised).length() < 1e-9);
-        // Mirrored parameters and reversed ones mean the same relief.
+        // Mirrored and reversed parameters mean the same relief.
         assert!((surface_gradient(n, [dp_dv, dp_du], [dh_dv, dh_du]) - gradient).length() < 1e-9);
     }
 }
 
 #[test]
 fn bump_agrees_with_the_normal_map_of_the_same_height() {
-    // u along x, v down the picture (−y), 3 model units a uv unit: slopes to map by n = (−∂h/∂x, −∂h/∂y, 1).
+    // u along x, v down the picture (−y), 3 model units per uv unit: slopes to map by n = (−∂h/∂x, −∂h/∂y, 1).
     let (n, t) = (Vec3::new(0.0, 0.0, 1.0), Vec3::new(1.0, 0.0, 0.0));
     let (dp_du, dp_dv) = (Vec3::new(3.0, 0.0, 0.0), Vec3::new(0.0, -3.0, 0.0));
     let mut random = Random(6);
@@ -196,7 +196,7 @@ fn bumpy(side: u32) -> Bitmap {
     Bitmap::new(side, side, 3, Texels::U8((0..side * side).map(texel).collect())).unwrap()
 }
 
-/// The same texels, each changed.
+/// Returns the same texels, each changed.
 fn changed(bitmap: &Bitmap, change: impl Fn([u8; 4]) -> [u8; 4]) -> Bitmap {
     let Texels::U8(texels) = bitmap.texels() else { panic!("8 bits") };
     let texels = texels.iter().map(|t| change(*t)).collect();
@@ -247,8 +247,8 @@ fn load(path: &Path) -> Bitmap {
     Bitmap::new(width, height, 4, Texels::U8(image.pixels().map(|p| p.0).collect())).unwrap()
 }
 
-/// Every normal map in the data is known as one, none is taken for green-down, flipping flips the verdict, and no
-/// other texture is taken for a normal map.
+/// Every normal map in the data is recognised as one, none is taken for green-down, flipping flips the verdict, and
+/// no other texture is taken for a normal map.
 #[test]
 fn real_maps_are_known_for_what_they_are() {
     let (mut clear, mut maps) = (0, 0);
@@ -280,7 +280,7 @@ fn real_maps_are_known_for_what_they_are() {
         }
     }
     if maps == 0 {
-        return absent("no texture is named as a normal map");
+        return absent("no texture is named like a normal map");
     }
     assert!(clear * 10 >= maps * 8, "{clear} of {maps} clear");
 }

@@ -1,5 +1,5 @@
-//! The proof names a change of the whole asset: other axes, another unit, a mirror, reversed winding. It names none where
-//! nothing but parts or detail are missing.
+//! The proof names a change of the whole asset: other axes, another unit, a mirror, reversed winding. It names none
+//! if only parts or detail are missing.
 
 use std::fmt::Write;
 use taotie::Progress;
@@ -8,10 +8,10 @@ use taotie::math::Vec3;
 use taotie::mesh::{Mesh, MeshData};
 use taotie::scene::{Material, Scene};
 
-/// The beginning of what it says.
+/// The beginning of the warning.
 const LOOKS: &str = "the asset looks ";
 
-/// A teapot of sorts, which no turn and no mirror takes to itself: a ball with a spout, a handle and a foot.
+/// A kind of teapot, which no rotation and no reflection maps to itself: a ball with a spout, a handle and a foot.
 fn pot([columns, rows]: [usize; 2]) -> MeshData {
     let mut all = MeshData::default();
     let parts: [([f32; 3], [f32; 3]); 4] = [
@@ -57,12 +57,12 @@ fn proof(asset: &MeshData) -> Proof {
     verify(&path, scan(), &options, Progress::SILENT).unwrap()
 }
 
-/// Returns what the proof says the asset looks like.
+/// Returns the description of the asset in the proof's warning.
 fn said(asset: &MeshData) -> Option<String> {
     let proof = proof(asset);
     let mut found = proof.warnings.iter().map(|(what, _)| what).filter(|what| what.starts_with(LOOKS));
     let said = found.next().map(|what| what.trim_start_matches(LOOKS).to_owned());
-    assert_eq!(found.next(), None, "it is said once");
+    assert_eq!(found.next(), None, "it is reported once");
     said
 }
 
@@ -103,7 +103,7 @@ fn sound_and_partly_missing_assets_are_not_changed_as_a_whole() {
     assert_eq!(said(&self::pot([10, 5])), None, "coarse");
     assert_eq!(said(&without(|p| p.x > 0.8)), None, "the spout is missing");
     assert_eq!(said(&without(|p| p.x > 0.0)), None, "half of it is missing");
-    assert_eq!(said(&without(|p| p.y > 0.3)), None, "only the foot is there");
+    assert_eq!(said(&without(|p| p.y > 0.3)), None, "only the foot exists");
     assert_eq!(said(&changed(pot(), |p| p * 1.02)), None, "a little too large");
     let partly = {
         let (data, other) = (pot(), reversed(pot()));

@@ -1,4 +1,4 @@
-//! Every set of named values leads from name to value and back.
+//! Every set of named values maps names to values and back.
 
 use taotie::compare::ColorMap;
 use taotie::film::ToneCurve;

@@ -1,10 +1,11 @@
-//! Scans and assets for the tests of what a proof finds, and the verdicts of `standard`.
+//! Scans and assets for the tests of a proof's findings, and the verdicts of `standard`.
 
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use taotie::Progress;
 use taotie::asset::{
-    Asset, BakeOptions, Baker, MeshSource, Met, Packing, Proof, Requirement, Scan, VerifyOptions, verify,
+    Asset, BakeOptions, Baker, MeshSource, Packing, Proof, Requirement, RequirementOutcome, Scan,
+    VerifyOptions, verify,
 };
 use taotie::bake::{SimplifyOptions, simplify};
 use taotie::image::{Bitmap, Texels, Texture};
@@ -46,7 +47,7 @@ pub fn direction(u: f64, v: f64) -> Vec3<f64> {
 
 /// A ball whose radius is 1 plus `height` at (u, v).
 pub fn ball(size: [usize; 2], height: impl Fn(f64, f64) -> f64) -> MeshData {
-    // Exactly one point at either pole.
+    // Exactly one point at each pole.
     grid(size, true, |u, v| {
         let pole = if v == 0.0 || v == 1.0 { 0.0 } else { u };
         direction(pole, v) * (1.0 + height(pole, v))
@@ -71,7 +72,7 @@ pub fn lettered() -> MeshData {
     ball(FINE, lettering)
 }
 
-/// A lettered ball of fewer triangles, and an asset of it with a normal map. They are made once.
+/// A lettered ball of fewer triangles, and an asset of it with a normal map. They are made only once.
 pub fn lettered_pair() -> &'static (Scan, Scene) {
     static PAIR: OnceLock<(Scan, Scene)> = OnceLock::new();
     PAIR.get_or_init(|| {
@@ -113,7 +114,7 @@ pub fn scan_of(data: MeshData) -> Scan {
     Scan::from_mesh(mesh(data), Progress::SILENT).unwrap()
 }
 
-/// An asset of so many triangles and texels, made from a scan.
+/// An asset of this number of triangles and texels, made from a scan.
 pub fn made(scan: &Scan, triangles: u32, size: u32) -> Asset {
     let options = BakeOptions { triangles, size, ..BakeOptions::default() };
     Baker::new(options).bake(scan, Progress::SILENT).unwrap()
@@ -131,7 +132,7 @@ pub fn simple(data: MeshData, triangles: usize) -> MeshData {
     simplify(&mesh(data), &options, Progress::SILENT).unwrap().mesh.into_data()
 }
 
-/// What can be written as an asset.
+/// A model that can be written as an asset.
 pub trait Written {
     fn write_to(&self, path: &Path);
 }
@@ -148,7 +149,8 @@ impl Written for Scene {
     }
 }
 
-/// Writes an asset and compares it with a scan, by the file alone. Points are added until the requirements are decided.
+/// Writes an asset and compares it with a scan, using only the file. Points are added until the requirements are
+/// decided.
 pub fn proof(asset: &impl Written, scan: &Scan, requirements: Vec<Requirement>) -> Proof {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("asset.glb");
@@ -159,11 +161,13 @@ pub fn proof(asset: &impl Written, scan: &Scan, requirements: Vec<Requirement>) 
 
 pub fn failures(proof: &Proof) -> Vec<String> {
     let met = proof.require(&Requirement::standard());
-    let name = |met: &Met| format!("{}{}", met.name(), met.level.map_or(String::new(), |l| format!("@{l}")));
+    let name = |met: &RequirementOutcome| {
+        format!("{}{}", met.name(), met.level.map_or(String::new(), |l| format!("@{l}")))
+    };
     met.iter().filter(|met| !met.met).map(|met| format!("{} {}", name(met), met.text())).collect()
 }
 
-/// Fails if the proof misses a figure; returns the proof.
+/// Asserts that the proof meets all figures; returns the proof.
 #[track_caller]
 pub fn is_sound(asset: &impl Written, scan: &Scan) -> Proof {
     let proof = proof(asset, scan, Vec::new());
@@ -171,8 +175,8 @@ pub fn is_sound(asset: &impl Written, scan: &Scan) -> Proof {
     proof
 }
 
-/// Fails unless the proof misses these figures, and says so in a warning that holds `words` and a place, the only one of that
-/// place; returns the proof.
+/// Asserts that the proof fails these figures, and reports it in a warning that contains `words` and a place, the
+/// only one about that place; returns the proof.
 #[track_caller]
 pub fn is_bad(asset: &impl Written, scan: &Scan, (figures, words): (&[&str], &str)) -> Proof {
     let asked = |required: &Requirement| figures.iter().any(|figure| figure.starts_with(&*required.name()));
@@ -198,7 +202,7 @@ fn place(warning: &str) -> Option<&str> {
     warning.split_once("around (")?.1.split_once(')').map(|(place, _)| place)
 }
 
-/// Returns an asset as its file shows it.
+/// Returns an asset as shown from its file.
 pub fn scene_of(asset: &Asset) -> Scene {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("asset.glb");
@@ -206,26 +210,27 @@ pub fn scene_of(asset: &Asset) -> Scene {
     load_model(&path).unwrap().scene
 }
 
-/// Returns a scene with a change.
+/// Returns a modified scene.
 pub fn changed(scene: &Scene, change: impl FnOnce(&mut SceneData)) -> Scene {
     let mut scene = scene.clone();
     scene.edit(change).unwrap();
     scene
 }
 
-/// Returns the data of a mesh with a change.
+/// Returns the modified data of a mesh.
 pub fn remade(mesh: &Mesh, change: impl FnOnce(&mut MeshData)) -> Mesh {
     let mut data = mesh.clone().into_data();
     change(&mut data);
     Mesh::new(data).unwrap()
 }
 
-/// Returns a scene whose only mesh has a change.
+/// Returns a scene whose only mesh is modified.
 pub fn reshaped(scene: &Scene, change: impl FnOnce(&mut MeshData)) -> Scene {
     changed(scene, |data| data.meshes[0] = remade(&data.meshes[0], change))
 }
 
-/// Returns a texture with other texels: `texel` takes all of the old ones, their number along a side, and a place.
+/// Returns a texture with other texels: `texel` takes all old ones, the number of texels along a side, and a
+/// position.
 pub fn repainted(texture: &Texture, texel: impl Fn(&[[u8; 4]], u32, [u32; 2]) -> [u8; 4]) -> Texture {
     let bitmap = texture.bitmap();
     let Texels::U8(old) = bitmap.texels() else { panic!("8 bits") };
@@ -240,7 +245,7 @@ pub fn copy_of(scan: &Scan) -> Scene {
     Scene::of_mesh(scan.mesh().clone(), Material::default()).unwrap()
 }
 
-/// What becomes of a triangle.
+/// The fate of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fate {
     Kept,
@@ -248,7 +253,7 @@ pub enum Fate {
     Removed,
 }
 
-/// Returns a scene whose triangles have a fate, by their number and middle.
+/// Returns a scene whose triangles each have a fate, by their index and centroid.
 pub fn with_fates(scene: &Scene, fate: impl Fn(usize, Vec3) -> Fate) -> Scene {
     let middle = |data: &MeshData, t: [u32; 3]| {
         t.iter().fold(Vec3::splat(0.0), |sum, v| sum + data.positions[*v as usize]) * (1.0 / 3.0)

@@ -1,4 +1,5 @@
-//! Gradients of the whole pixel program against differences: all models, methods and layers, under lights and a sky.
+//! Gradients of the whole pixel program, compared with differences: all models, methods and layers, under lights and
+//! a sky.
 
 use crate::exact::Exact;
 use crate::random::Random;
@@ -7,14 +8,15 @@ use std::array::from_fn;
 use taotie::math::Vec3;
 use taotie::names::Named;
 use taotie::pixel::{
-    AnisotropyInputs, CoatInputs, EnvironmentSource, Geometry, Gradient, Incidence, LayerInputs,
-    MappedNormal, MaterialUniforms, MaterialValues, NormalSource, PixelInputs, SheenInputs, Surroundings,
+    AnisotropyInputs, CoatInputs, EnvironmentSource, Geometry, Gradient, Incidence, IncidentLight,
+    LayerInputs, MappedNormal, MaterialUniforms, MaterialValues, NormalValues, PixelInputs, SheenInputs,
     Turn, is_cook_torrance,
 };
 use taotie::shade::Shading;
 use taotie::shade::environment::Environment;
+use taotie::surface::SurfaceMethod;
 
-/// Pixels of each model, method and set of layers.
+/// Number of pixels for each model, method and set of layers.
 const PIXELS: usize = 12;
 
 /// The layers of a pixel by name.
@@ -26,15 +28,13 @@ const LAYERS: [(&str, [bool; 3]); 5] = [
     ("all layers", [true; 3]),
 ];
 
-const METHODS: [&str; 6] = ["facet", "smooth", "bump", "bump-printed", "object-normal", "tangent-normal"];
-
 /// A pixel with its light.
 struct Pixel<'e> {
     inputs: PixelInputs<Exact>,
-    light: Surroundings<'e, Exact>,
+    light: IncidentLight<'e, Exact>,
 }
 
-/// A number that radiance depends on.
+/// A number on which radiance depends.
 #[derive(Debug, Clone, Copy)]
 enum Input {
     Roughness,
@@ -52,7 +52,7 @@ fn moved(vector: &mut Vec3<Exact>, i: usize, by: f64) {
 }
 
 impl Pixel<'_> {
-    /// All that is differentiated by.
+    /// All inputs by which radiance is differentiated.
     fn variables(&self) -> Vec<Input> {
         let lights =
             (0..self.light.arriving.len()).flat_map(|light| (0..3).map(move |i| Input::Light(light, i)));
@@ -64,7 +64,7 @@ impl Pixel<'_> {
         [Input::Roughness].into_iter().chain(vectors).chain(lights).collect()
     }
 
-    /// The radiance where an input is `by` more than it is.
+    /// Returns the radiance with an input increased by `by`.
     fn radiance(&self, input: Input, by: f64) -> [f64; 3] {
         let (mut inputs, mut light) = (self.inputs, self.light.clone());
         match input {
@@ -74,8 +74,8 @@ impl Pixel<'_> {
                 Some(f0) => moved(f0, i, by),
                 None => moved(&mut inputs.values.specular_color, i, by / inputs.uniforms.dielectric_f0.0),
             },
-            Input::Normal(i) => match inputs.normal {
-                NormalSource::Facet => moved(&mut inputs.geometry.n_geom, i, by),
+            Input::Normal(i) => match inputs.method {
+                SurfaceMethod::Facet => moved(&mut inputs.geometry.n_geom, i, by),
                 _ => moved(&mut inputs.geometry.normal, i, by),
             },
             Input::ShadingNormal(_) => {}
@@ -88,7 +88,7 @@ impl Pixel<'_> {
         inputs.shaded(front).radiance(&light).map(|channel| channel.0).to_array()
     }
 
-    /// The derivative by an input from five points `step` apart.
+    /// Returns the derivative by an input from five points `step` apart.
     fn difference(&self, input: Input, step: f64) -> [f64; 3] {
         let at = |steps: f64| self.radiance(input, steps * step);
         let [far_below, below, above, far_above] = [-2.0, -1.0, 1.0, 2.0].map(at);
@@ -115,7 +115,7 @@ struct Maker<'e> {
 }
 
 impl<'e> Maker<'e> {
-    /// A number within a material's ranges and away from their ends.
+    /// Returns a number within a material's ranges and away from their ends.
     fn number(&mut self) -> Exact {
         Exact(0.2 + 0.6 * self.random.next())
     }
@@ -128,12 +128,12 @@ impl<'e> Maker<'e> {
         self.random.unit().map(Exact)
     }
 
-    /// A unit vector not far from `n`.
+    /// Returns a unit vector not far from `n`.
     fn near(&mut self, n: Vec3<Exact>) -> Vec3<Exact> {
         (n + self.unit() * Exact(0.4)).normalize()
     }
 
-    /// A direction on the side of `n`.
+    /// Returns a direction on the side of `n`.
     fn above(&mut self, n: Vec3<Exact>) -> Vec3<Exact> {
         let w = self.unit();
         if w.dot(n).0 < 0.0 { -w } else { w }
@@ -157,27 +157,25 @@ impl<'e> Maker<'e> {
         }
     }
 
-    fn normal(&mut self, method: &str, geometry: &Geometry<Exact>) -> NormalSource<Exact> {
+    /// The inputs that a method uses.
+    fn normal(&mut self, method: SurfaceMethod, geometry: &Geometry<Exact>) -> NormalValues<Exact> {
         let normal_matrix = [self.unit(), self.unit(), self.unit()];
+        let none = NormalValues::none(Exact(0.0));
         match method {
-            "facet" => NormalSource::Facet,
-            "smooth" => NormalSource::Smooth,
-            "bump" => NormalSource::Bump {
-                dp: [self.unit(), self.unit()],
-                dh: [self.number() * Exact(0.4), self.number() * Exact(-0.3)],
-            },
-            "bump-printed" => NormalSource::BumpPrinted {
-                factor: Exact(2.0),
-                grey: self.number() * Exact(0.1),
-                normal_matrix,
-            },
-            "object-normal" => {
-                let half = |component: Exact| Exact(0.5 + 0.5 * component.0);
-                let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-                let normal_matrix = axes.map(|axis| Vec3::from_array(axis).map(Exact));
-                NormalSource::ObjectMap { stored: self.near(geometry.normal).map(half), normal_matrix }
+            SurfaceMethod::Facet | SurfaceMethod::Smooth => none,
+            SurfaceMethod::Bump => {
+                let dp = [self.unit(), self.unit()];
+                NormalValues { dp, dh: [self.number() * Exact(0.4), self.number() * Exact(-0.3)], ..none }
             }
-            _ => NormalSource::TangentMap(self.texel()),
+            SurfaceMethod::BumpPrinted => {
+                NormalValues { printed: [Exact(2.0), self.number() * Exact(0.1)], normal_matrix, ..none }
+            }
+            SurfaceMethod::ObjectNormal => {
+                let half = |component: Exact| Exact(0.5 + 0.5 * component.0);
+                let stored = self.near(geometry.normal).map(half);
+                NormalValues { texel: MappedNormal { stored, ..none.texel }, ..none }
+            }
+            SurfaceMethod::TangentNormal => NormalValues { texel: self.texel(), ..none },
         }
     }
 
@@ -212,15 +210,15 @@ impl<'e> Maker<'e> {
         }
     }
 
-    fn light(&mut self, n: Vec3<Exact>) -> Surroundings<'e, Exact> {
+    fn light(&mut self, n: Vec3<Exact>) -> IncidentLight<'e, Exact> {
         let mut arriving = || Incidence { l: self.above(n), irradiance: self.color() * Exact(3.0) };
         let arriving = vec![arriving(), arriving()];
         let turn = Turn { sin: Exact(0.6), cos: Exact(0.8) };
         let environment = EnvironmentSource { environment: self.sky, turn, intensity: Exact(0.7) };
-        Surroundings { arriving, ambient: self.color(), environment: Some(environment) }
+        IncidentLight { arriving, ambient: self.color(), environment: Some(environment) }
     }
 
-    fn pixel(&mut self, shading: Shading, method: &str, layers: [bool; 3]) -> Pixel<'e> {
+    fn pixel(&mut self, shading: Shading, method: SurfaceMethod, layers: [bool; 3]) -> Pixel<'e> {
         let geometry = self.geometry();
         let values = MaterialValues {
             tint: self.color(),
@@ -234,10 +232,11 @@ impl<'e> Maker<'e> {
         };
         let inputs = PixelInputs {
             shading,
+            method,
             normal: self.normal(method, &geometry),
             geometry,
             turns: false,
-            softened: method != "facet" && method != "smooth",
+            softened: method != SurfaceMethod::Facet && method != SurfaceMethod::Smooth,
             compensated: true,
             uniforms: self.uniforms(shading),
             values,
@@ -247,12 +246,12 @@ impl<'e> Maker<'e> {
     }
 }
 
-/// The counts of derivatives: all, those at smooth points, and of these the ones that are not zero.
+/// The counts of derivatives: all, those at smooth points, and the nonzero ones among them.
 #[derive(Debug, Default)]
 struct Tally {
     all: usize,
     smooth: usize,
-    telling: usize,
+    nonzero: usize,
     largest: f64,
 }
 
@@ -280,7 +279,7 @@ fn compare(pixel: &Pixel<'_>, name: &str, tally: &mut Tally) {
             );
             tally.smooth += 1;
             if fine[i].abs() > 1e-3 {
-                tally.telling += 1;
+                tally.nonzero += 1;
                 tally.largest = tally.largest.max(error / fine[i].abs());
             }
         }
@@ -289,7 +288,7 @@ fn compare(pixel: &Pixel<'_>, name: &str, tally: &mut Tally) {
 
 fn sky() -> Environment {
     let picture = equirect(64, |n| Vec3::new(1.0 + 0.5 * n.x, 1.0 + 0.3 * n.y, 1.2 - 0.4 * n.z));
-    Environment::new(picture).expect("it is an environment")
+    Environment::new(picture).expect("a valid environment")
 }
 
 #[test]
@@ -297,16 +296,16 @@ fn gradients_of_pixels_are_their_differences() {
     let sky = sky();
     let mut maker = Maker { random: Random(11), sky: &sky };
     for (model, shading) in Shading::NAMES.iter().copied() {
-        for method in METHODS {
+        for method in SurfaceMethod::ALL {
             let sets = if shading == Shading::Ggx { &LAYERS[..] } else { &LAYERS[..1] };
             for (layer, layers) in sets.iter().copied() {
-                let (name, mut tally) = (format!("{model}, {method}, {layer}"), Tally::default());
+                let (name, mut tally) = (format!("{model}, {}, {layer}", method.name()), Tally::default());
                 for _ in 0..PIXELS {
                     compare(&maker.pixel(shading, method, layers), &name, &mut tally);
                 }
                 println!("{name}: {tally:?}");
                 assert!(tally.smooth * 100 >= tally.all * 90, "{name}: {tally:?} are smooth");
-                assert!(tally.telling * 4 >= tally.all, "{name}: {tally:?} tell anything");
+                assert!(tally.nonzero * 4 >= tally.all, "{name}: too few nonzero: {tally:?}");
             }
         }
     }

@@ -1,16 +1,16 @@
-//! Rays have the same bits at every SIMD level, whether they go alone or side by side. A bake takes the machine's fastest
-//! level, on which it depends through rays, vertex normals and mip levels alone.
+//! Rays have the same bits at every SIMD level, whether they are traced individually or in packets. A bake uses the
+//! machine's fastest level, on which it depends only through rays, vertex normals and mip levels.
 
 use crate::random::Random;
 use taotie::math::{SimdLevel, Vec3};
 use taotie::trace::{Bvh, Hit, PacketOrigins, PacketView, ParallelRays, Ray, RayInterval, RayPacket};
 
-/// A point of a cube around the origin.
+/// Returns a point of a cube around the origin.
 fn point(random: &mut Random, side: f64) -> Vec3 {
     (random.vector() * side).to_f32()
 }
 
-/// Triangles strewn over a cube.
+/// Returns triangles scattered over a cube.
 fn triangles(random: &mut Random) -> Vec<[Vec3; 3]> {
     let mut triangle = || {
         let corner = point(random, 4.0);
@@ -19,21 +19,21 @@ fn triangles(random: &mut Random) -> Vec<[Vec3; 3]> {
     (0..2000).map(|_| triangle()).collect()
 }
 
-/// A hit to the bit: triangle, distance and weights.
+/// A bit-exact hit: triangle, distance and weights.
 fn bits(hit: Hit) -> [u32; 5] {
     let [a, b, c] = hit.weights.map(f32::to_bits);
     [hit.triangle, hit.distance.to_bits(), a, b, c]
 }
 
-/// The answers to a ray that goes alone.
-fn alone(bvh: &Bvh, ray: &Ray) -> ([Option<[u32; 5]>; 2], bool) {
+/// Returns the answers to a single ray.
+fn single(bvh: &Bvh, ray: &Ray) -> ([Option<[u32; 5]>; 2], bool) {
     let interval = RayInterval { from: 0.0, center: 1.0, to: 2.0 };
     let around = bvh.nearest_to(ray, interval, |hit| (hit.triangle % 2 == 1).then_some(())).best();
     let hits = [bvh.nearest(ray, 2.0), around.map(|(hit, ())| hit)];
     (hits.map(|hit| hit.map(bits)), bvh.occluded(ray, 1.0, |hit| hit.triangle % 3 == 0))
 }
 
-/// Rays that run side by side through a square, each with its column and row.
+/// Parallel rays through a square, each with its column and row.
 struct Beam {
     rays: Vec<Ray>,
     places: Vec<[f32; 2]>,
@@ -53,26 +53,26 @@ impl Beam {
         Self { rays, places, view }
     }
 
-    /// All that the rays meet, in an order of its own.
+    /// Returns all hits of the rays, in the packet's order.
     fn met(&self, bvh: &Bvh) -> Vec<(usize, [u32; 5])> {
         met(bvh, RayPacket::new(&self.rays, &self.places, self.view).expect("they run side by side"))
     }
 
-    /// All that the rays but every third would meet if they ran along the depth.
+    /// Returns all hits of the rays except every third, if they ran along the depth.
     fn met_in_parallel(&self, bvh: &Bvh) -> Vec<(usize, [u32; 5])> {
         let origins = PacketOrigins::new(self.rays.iter().map(Ray::origin));
         let rays = ParallelRays { direction: self.view.axes[2], reach: f32::INFINITY, margin: 1e-4 };
         met(bvh, origins.packet(self.going(), rays).expect("they run side by side"))
     }
 
-    /// The bits of all rays but every third.
+    /// Returns the bits of all rays except every third.
     fn going(&self) -> Vec<u8> {
         let bit = |i: usize| u8::from(i < self.rays.len() && !i.is_multiple_of(3)) << (i % 8);
         (0..self.rays.len().div_ceil(8)).map(|block| (0..8).map(|lane| bit(block * 8 + lane)).sum()).collect()
     }
 }
 
-/// All that the rays of a packet meet, in an order of its own.
+/// Returns all hits of the rays of a packet, in its order.
 fn met(bvh: &Bvh, mut packet: RayPacket) -> Vec<(usize, [u32; 5])> {
     let mut met = Vec::new();
     bvh.meet_all(&mut packet, |ray, hit| {
@@ -83,7 +83,7 @@ fn met(bvh: &Bvh, mut packet: RayPacket) -> Vec<(usize, [u32; 5])> {
     met
 }
 
-/// The tree whose rays are traced at a level of this machine.
+/// Builds the tree whose rays are traced at a SIMD level of this machine.
 fn tree(triangles: &[[Vec3; 3]], simd: SimdLevel) -> Bvh {
     Bvh::build(triangles).with_simd(simd).expect("the machine has the level")
 }
@@ -96,7 +96,7 @@ fn rays_alone_have_the_same_bits_at_every_level() {
         (0..1000).map(|_| Ray::new(point(&mut random, 4.0), random.unit().to_f32())).collect();
     let at = |simd| {
         let bvh = tree(&triangles, simd);
-        rays.iter().map(|ray| alone(&bvh, ray)).collect::<Vec<_>>()
+        rays.iter().map(|ray| single(&bvh, ray)).collect::<Vec<_>>()
     };
     let expected = at(SimdLevel::Scalar);
     let answered = expected.iter().filter(|(hits, _)| hits.iter().all(Option::is_some)).count();
@@ -142,11 +142,11 @@ fn parallel_rays_of_a_packet_meet_what_they_meet_alone() {
         });
         assert!(packet.into_going() == going, "nothing ended");
         for (i, ray) in beam.rays.iter().enumerate() {
-            let alone = bvh.nearest(&Ray::new(ray.origin(), rays.direction), f32::INFINITY);
-            let alone = alone.filter(|_| !i.is_multiple_of(3)).map_or(f32::INFINITY, |hit| hit.distance);
-            // Both are computed in coordinates of their own. Measured: 7e-7.
-            assert!(alone == nearest[i] || (alone - nearest[i]).abs() < 1e-6, "{alone} {}", nearest[i]);
-            hits += usize::from(alone.is_finite());
+            let single = bvh.nearest(&Ray::new(ray.origin(), rays.direction), f32::INFINITY);
+            let single = single.filter(|_| !i.is_multiple_of(3)).map_or(f32::INFINITY, |hit| hit.distance);
+            // Both are computed in separate coordinates. Measured: 7e-7.
+            assert!(single == nearest[i] || (single - nearest[i]).abs() < 1e-6, "{single} {}", nearest[i]);
+            hits += usize::from(single.is_finite());
         }
         let mut packet = origins.packet(going.clone(), rays).expect("they run side by side");
         bvh.meet_all(&mut packet, |_, _| false);

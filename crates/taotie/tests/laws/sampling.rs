@@ -1,4 +1,4 @@
-//! Directions chosen at random follow the densities that are stated for them.
+//! Randomly sampled directions follow their stated densities.
 
 use crate::random::Random;
 use std::f64::consts::{PI, TAU};
@@ -25,11 +25,11 @@ fn viewer(n_dot_v: f64) -> V {
 /// Bins along each of two axes.
 const BINS: usize = 16;
 
-/// Samples of a histogram.
+/// Samples per histogram.
 const SAMPLES: usize = 200_000;
 
-/// A histogram over [0, 1)² of `place(sample)` against the integral of `density` over each bin. Returns how many
-/// standard deviations χ² lies above its mean; bins with fewer than ten samples to be expected go together.
+/// Compares a histogram over [0, 1)² of `place(sample)` with the integral of `density` over each bin. Returns how
+/// many standard deviations χ² is above its mean; bins with fewer than ten expected samples are merged.
 fn chi_squared(mut sample: impl FnMut([f64; 2]) -> [f64; 2], density: impl Fn([f64; 2]) -> f64) -> f64 {
     let mut counts = [[0.0; BINS]; BINS];
     let mut random = Random(7);
@@ -68,20 +68,21 @@ fn turn_of(v: V) -> f64 {
     turn - turn.floor()
 }
 
-/// Places a facet in [0, 1)² so that those of a GGX surface seen from above are spread evenly.
+/// Maps a facet to [0, 1)² so that those of a GGX surface seen from above are uniform.
 fn place_of_facet(m: V, [ax, ay]: [f64; 2]) -> [f64; 2] {
     let s = Vec3::new(m.x / ax, m.y / ay, m.z);
     let tan2 = (s.x * s.x + s.y * s.y) / (s.z * s.z);
     [tan2 / (tan2 + 1.0), turn_of(s)]
 }
 
-/// The facet at a place.
+/// Returns the facet at a position.
 fn facet_at([t, turn]: [f64; 2], [ax, ay]: [f64; 2]) -> V {
     let tan = (t / (1.0 - t)).sqrt();
     Vec3::new(ax * tan * scalar::cos(TAU * turn), ay * tan * scalar::sin(TAU * turn), 1.0).normalize()
 }
 
-/// D(m) (n·m) dm = dt dturn, so this is D_v(m) dm a unit of place: G₁(v) (v·m)⁺ / (n·v n·m).
+/// Returns the density: D(m) (n·m) dm = dt dturn, so this is D_v(m) dm per unit of position: G₁(v) (v·m)⁺ / (n·v
+/// n·m).
 fn visible_density(v: V, place: [f64; 2], alpha: [f64; 2]) -> f64 {
     let m = facet_at(place, alpha);
     let stretched = (v.x * alpha[0]) * (v.x * alpha[0]) + (v.y * alpha[1]) * (v.y * alpha[1]);
@@ -137,7 +138,7 @@ fn densities_integrate_to_one() {
             assert!((sum - 1.0).abs() < 2e-3, "α {alpha:?}, n·v {n_dot_v}: {sum}");
         }
     }
-    // Mirrored directions reach below the horizon, others do not.
+    // Mirrored directions reach below the horizon, the others do not.
     let v = viewer(0.8);
     let lobes = Lobes { alpha: [0.2; 2], glossy: 0.5, even: 0.2 };
     let above = total(&|l| lobes.pdf(v, l));
@@ -194,7 +195,7 @@ fn weights_of_visible_normals_are_shadowing_alone() {
     assert!(seen > 6000, "{seen}");
 }
 
-/// Mean and standard error of the albedo by sampling.
+/// Returns the mean and standard error of the albedo by sampling.
 fn sampled_albedo(shading: Shading, s: &MaterialSample<f64>, n_dot_v: f64, samples: usize) -> [f64; 2] {
     let v = viewer(n_dot_v);
     let lobes = Lobes::of(shading, s, n_dot_v);
@@ -214,7 +215,7 @@ fn sampled_albedo(shading: Shading, s: &MaterialSample<f64>, n_dot_v: f64, sampl
     [sum / n, ((squares / n - (sum / n) * (sum / n)).max(0.0) / n).sqrt()]
 }
 
-/// Whether the highlight has wider skirts than the density.
+/// Returns `true` if the highlight has wider tails than the density.
 fn skirted(shading: Shading) -> bool {
     matches!(shading, Shading::CookTorrancePrinted | Shading::GgxPrinted)
 }

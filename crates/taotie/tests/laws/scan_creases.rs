@@ -23,7 +23,8 @@ fn warned(scan: &Scan) -> String {
     scan.warnings().iter().map(|(what, _)| format!("{what}\n")).collect()
 }
 
-/// The mean angle between a scan's normals and those that are meant, over all corners weighted by area, degrees.
+/// Returns the mean angle between a scan's normals and the intended ones, over all corners weighted by area, in
+/// degrees.
 fn mean_error(scan: &Scan, facets: &[Facet]) -> f64 {
     let (mut sum, mut all) = (0.0, 0.0);
     for (triangle, facet) in scan.mesh().triangles().iter().zip(facets) {
@@ -58,7 +59,7 @@ fn modelled_shapes_keep_their_hard_edges() {
         for mesh in [welded(&facets), loose(&facets)] {
             let [smooth, kept] =
                 [Some(180.0), None].map(|angle| mean_error(&read(mesh.clone(), angle), &facets));
-            println!("{name}: {kept:.3}° by itself, {smooth:.1}° smooth");
+            println!("{name}: {kept:.3}° automatically, {smooth:.1}° smooth");
             assert!(kept < 0.1, "{name}: {kept}°");
             assert!(smooth > 10.0, "{name}: {smooth}°, else nothing is tested");
             let text = warned(&read(mesh, None));
@@ -67,7 +68,7 @@ fn modelled_shapes_keep_their_hard_edges() {
     }
 }
 
-/// Of large meshes a sample is looked at first.
+/// For large meshes a sample is examined first.
 #[test]
 fn a_large_modelled_shape_keeps_its_edges_and_a_large_scan_none() {
     let facets = askew(gridded_cube(150));
@@ -90,13 +91,13 @@ fn the_crease_angle_is_the_best_for_all_shapes() {
     let own = mean(None);
     for angle in [1.0, 5.0, 10.0, 15.0, 20.0, 30.0, 40.0, 44.0, 50.0, 60.0, 70.0, 90.0] {
         let other = mean(Some(angle));
-        println!("{angle}°: {other:.3}°, by itself {own:.3}°");
+        println!("{angle}°: {other:.3}°, automatic {own:.3}°");
         assert!(own <= other + 1e-9, "{angle}°: {other}° against {own}°");
     }
     assert!(mean(Some(20.0)) > own + 0.5 && mean(Some(50.0)) > own + 0.5, "else the angle does not matter");
 }
 
-/// The mean angle between what an asset shows and the facets of the shape that was scanned, degrees.
+/// Returns the mean angle between an asset's normals and the facets of the shape that was scanned, in degrees.
 fn error_of_asset(facets: &[Facet], crease_angle_deg: Option<f64>) -> f64 {
     let scan = read(welded(facets), crease_angle_deg);
     let baker = Baker::new(BakeOptions { size: 512, ..BakeOptions::default() });
@@ -143,7 +144,7 @@ fn a_crease_angle_on_a_scan_with_normals_is_noted() {
     assert!(!warned(&read(Mesh::sphere(1.0, 24, 12), None)).contains("crease"));
 }
 
-/// Waves with noise, as scanners give surfaces: smooth though some of its edges are sharp.
+/// Waves with noise, like the surfaces of scanners: smooth though some of its edges are sharp.
 fn noisy(noise: f64, side: usize) -> Mesh {
     let mut random = Random(1);
     let jitters: Vec<f64> = (0..side * side).map(|_| random.next() - 0.5).collect();
@@ -189,7 +190,7 @@ fn shared_scans_stay_smooth_to_the_bit() {
             let bare =
                 MeshData { positions: data.positions, triangles: data.triangles, ..MeshData::default() };
             let bare = Mesh::new(bare).unwrap();
-            // A scan that itself has reversed triangles is turned first; none of these has.
+            // A scan with reversed triangles would be corrected first; none of these has any.
             assert_smooth(&path.display().to_string(), bare);
         }
     }

@@ -23,7 +23,7 @@ fn warned(scan: &Scan) -> String {
     scan.warnings().iter().map(|(what, _)| format!("{what}\n")).collect()
 }
 
-/// The numbers of the place that a warning names.
+/// Returns the coordinates of the place in a warning.
 fn place(text: &str) -> Vec3<f64> {
     let (_, rest) = text.split_once("around (").expect(text);
     let (numbers, _) = rest.split_once(')').expect(text);
@@ -31,7 +31,7 @@ fn place(text: &str) -> Vec3<f64> {
     Vec3::new(numbers[0], numbers[1], numbers[2])
 }
 
-/// A ball about (2, 0, 0) in which triangles with a middle near (3, 0, 0) are reversed.
+/// A ball about (2, 0, 0) in which triangles with a centroid near (3, 0, 0) are reversed.
 fn patched_ball(normals: bool, reversed: bool) -> Mesh {
     let ball = Mesh::sphere(1.0, 60, 30);
     let mut data = ball.clone().into_data();
@@ -57,7 +57,7 @@ fn reversed_triangles_are_turned_and_noted() {
         assert!(sound.warnings().is_empty(), "{}", warned(&sound));
         let turned = read_mesh(patched_ball(normals, true));
         let text = warned(&turned);
-        assert!(text.starts_with("reversed winding of some triangles of the scan, turned"), "{text}");
+        assert!(text.starts_with("reversed winding of some triangles of the scan, flipped"), "{text}");
         assert!((place(&text) - Vec3::new(3.0, 0.0, 0.0)).length() < 0.1, "{text}");
         assert!(["1.4 % ", "1.5 % ", "1.6 % "].iter().any(|share| text.contains(share)), "{text}");
         let corners = |scan: &Scan| -> Vec<[Vec3; 3]> {
@@ -69,7 +69,7 @@ fn reversed_triangles_are_turned_and_noted() {
     }
 }
 
-/// Flat-shaded, so that the reversed triangles have normals of their own, which point inward.
+/// Flat-shaded, so that the reversed triangles have separate normals, which point inward.
 #[test]
 fn facets_that_were_reversed_are_turned_with_their_normals() {
     let mut facets = askew(nut(48));
@@ -78,7 +78,7 @@ fn facets_that_were_reversed_are_turned_with_their_normals() {
     }
     let scan = read_mesh(loose(&facets));
     let text = warned(&scan);
-    assert!(text.contains("turned to match their neighbours: 5 triangles"), "{text}");
+    assert!(text.contains("flipped to match neighbours: 5 triangles"), "{text}");
     assert!(!text.contains("contradict"), "{text}");
     let sound = read_mesh(loose(&askew(nut(48))));
     let corners = |scan: &Scan, t: usize| scan.mesh().corners(t);
@@ -136,7 +136,7 @@ fn bumps(green: GreenChannel) -> Bitmap {
     Bitmap::new(side, side, 3, Texels::U8((0..side * side).map(texel).collect())).unwrap()
 }
 
-/// A ball under a normal map that its file declares to point up.
+/// A ball with a normal map whose green points up according to its file.
 fn mapped_ball(pixels: GreenChannel) -> Scene {
     let texture =
         TextureRef { texture: 0, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
@@ -151,7 +151,7 @@ fn mapped_ball(pixels: GreenChannel) -> Scene {
     .unwrap()
 }
 
-/// The normals of a scan at its triangles' middles, its maps included.
+/// Returns the normals of a scan at its triangles' centroids, including its maps.
 fn shown_normals(scan: &Scan) -> Vec<Vec3> {
     let mesh = scan.mesh();
     let at = |t: usize| {

@@ -1,5 +1,5 @@
 //! Simplified surfaces whose vertices were not welded: seams, patches and loose triangles with small differences
-//! between the copies of a vertex become what the welded surface becomes.
+//! between the copies of a vertex give the same result as the welded surface.
 
 use crate::distance::{Surface, deviation};
 use crate::hostile::{bare, embossed_ball, unwelded};
@@ -15,7 +15,7 @@ fn to(mesh: &Mesh, triangles: usize) -> Simplified {
     simplify(mesh, &options, Progress::SILENT).unwrap()
 }
 
-/// The mesh at another size, with every vertex moved by up to `noise` of the size along each axis.
+/// Returns the mesh at another size, with every vertex moved by up to `noise` of the size along each axis.
 fn noisy(mesh: &Mesh, size: f64, noise: f64) -> Mesh {
     let mut random = Random(3);
     let moved =
@@ -23,7 +23,7 @@ fn noisy(mesh: &Mesh, size: f64, noise: f64) -> Mesh {
     bare(moved.collect(), mesh.triangles().to_vec())
 }
 
-/// The mesh cut into patches along the planes of a grid, each patch with its own vertices.
+/// Returns the mesh cut into patches along the planes of a grid, each patch with its own vertices.
 fn patches(mesh: &Mesh, cells: f32) -> Mesh {
     let (mut numbers, mut positions) = (HashMap::new(), Vec::new());
     let triangle = |t: usize| {
@@ -39,7 +39,7 @@ fn patches(mesh: &Mesh, cells: f32) -> Mesh {
     bare(positions, triangles)
 }
 
-/// Edges of one triangle alone, vertices at equal positions counted as one.
+/// Returns the number of edges with only one triangle, vertices at equal positions counted as one.
 fn open_edges(mesh: &Mesh) -> usize {
     let place = |v: u32| mesh.positions()[v as usize].to_array().map(|v| (v + 0.0).to_bits());
     let edges = mesh.triangles().iter().flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)]);
@@ -47,8 +47,8 @@ fn open_edges(mesh: &Mesh) -> usize {
     edges.iter().filter(|(a, b)| !edges.contains(&(*b, *a))).count()
 }
 
-/// Panics if the simplified mesh does not have the wanted number of triangles, is not closed, or is not near the closed
-/// surface of a scan.
+/// Panics if the simplified mesh does not have the requested number of triangles, is not closed, or is not near the
+/// closed surface of a scan.
 fn check(what: &str, scan: &Mesh, low: &Simplified, [mean, most]: [f64; 2]) {
     let step = scan.positions().len() / 3_000;
     let [found_mean, found_most] = deviation(scan, &low.mesh, step);
@@ -71,7 +71,8 @@ fn check(what: &str, scan: &Mesh, low: &Simplified, [mean, most]: [f64; 2]) {
 #[test]
 fn a_ball_with_an_unwelded_seam_stays_a_ball() {
     for size in [1e-3, 1.0, 1e3] {
-        // The last column of vertices lies on the first but for rounding, and so do all vertices at either pole.
+        // The last column of vertices coincides with the first except for rounding, and so do all vertices at either
+        // pole.
         let ball = Mesh::sphere(size, 400, 60);
         check(&format!("size {size}"), &ball, &to(&ball, 200), [1e-2, 3e-2]);
     }

@@ -1,4 +1,4 @@
-//! The laws that reflectance obeys, and the models that break them.
+//! The laws of reflectance, and the models that break them.
 
 use std::f64::consts::{LN_2, PI};
 use taotie::math::quadrature::integrate;
@@ -23,7 +23,7 @@ const BLACK: V = Vec3::new(0.0, 0.0, 0.0);
 const ROUGHNESS: [f64; 7] = [0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1.0];
 const N_DOT_V: [f64; 8] = [0.02, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0];
 
-/// A mirror-white metal without a diffuse part: what its lobe loses is lost by the lobe.
+/// A mirror-white metal without a diffuse part: all losses are the lobe's.
 fn white() -> MaterialSample<f64> {
     MaterialSample {
         base_color: WHITE,
@@ -49,7 +49,7 @@ fn albedo(shading: Shading, s: &MaterialSample<f64>, n_dot_v: f64) -> f64 {
     Furnace::default().directional_albedo(shading, s, n_dot_v).x
 }
 
-/// Numbers in [0, 1) that look random and never change.
+/// Pseudorandom numbers in [0, 1) that never change.
 struct Random(u64);
 
 impl Random {
@@ -133,7 +133,7 @@ fn exact_fresnel_limits() {
         "no p reflection at Brewster's angle"
     );
     assert_eq!(f_dielectric(0.3, 1.0 / 1.5), 1.0, "beyond the critical angle");
-    assert!(f_dielectric(1.0, 1.0) == 0.0 && f_dielectric(0.0, 1.0) < 1e-10, "no border, no reflection");
+    assert!(f_dielectric(1.0, 1.0) == 0.0 && f_dielectric(0.0, 1.0) < 1e-10, "no interface, no reflection");
 }
 
 /// η and k at 650, 550 and 450 nm: copper, gold and silver (Johnson and Christy 1972), Cu90Zn10 (Querry 1985).
@@ -152,7 +152,7 @@ const METALS: [(f64, f64); 12] = [
     (0.9800, 1.9450),
 ];
 
-/// The largest difference between an approximation and the exact reflectance over all angles.
+/// Returns the largest difference between an approximation and the exact reflectance over all angles.
 fn off(eta: f64, k: f64, f: impl Fn(f64) -> V) -> f64 {
     let cosines = (0..=500).map(|i| f64::from(i) / 500.0);
     cosines.map(|cos| (f(cos).x - f_conductor(cos, eta, k)).abs()).fold(0.0, f64::max)
@@ -225,8 +225,8 @@ fn masking_is_a_share() {
     assert_eq!([g1_schlick_ggx(0.0, 0.3), g1_schlick_ggx(1.0, 0.3)], [0.0, 1.0]);
 }
 
-/// The facets that a viewer sees have together the area that the surface shows him: ∫ G1(v) D(h) (v·h)⁺ dh = n·v.
-/// Heitz 2014, eq. 22. G1 is the masking against light from n, where Smith's shadowing is nil.
+/// The visible facets together have the area of the surface that the viewer sees: ∫ G1(v) D(h) (v·h)⁺ dh = n·v. Heitz
+/// 2014, eq. 22. G1 is the masking for light from n, for which Smith's shadowing is nil.
 #[test]
 fn visible_normals_are_normalised() {
     for n_dot_v in [0.1, 0.3, 0.6, 0.9, 1.0] {
@@ -245,7 +245,7 @@ fn visible_normals_are_normalised() {
 
 // Models
 
-/// All energy of a lobe without absorption, against integrals in one dimension.
+/// All energy of a lobe without absorption, compared with integrals in one dimension.
 ///
 /// For light along the normal, with u = (n·h)² and x = n·l = 2u − 1:
 /// E(α) = ∫ from 1/2 to 1 of α²/(u(α² − 1) + 1)² · 2x/(x + √(α² + (1 − α²)x²)) du, which is 1 − ln 2 for α = 1.
@@ -253,7 +253,7 @@ fn visible_normals_are_normalised() {
 fn white_furnace_of_ggx() {
     for roughness in ROUGHNESS {
         let a2 = scalar::pow(roughness, 4.0);
-        // 1 − u in geometric steps: the lobe of a small α stands at u = 1.
+        // 1 − u in geometric steps: the lobe of a small α is at u = 1.
         let ends: Vec<f64> =
             (0..=24).map(|i| if i == 0 { 0.0 } else { 0.5 / f64::from(1u32 << (24 - i)) }).collect();
         let exact = integrate(12, &ends, |rest| {
@@ -272,7 +272,7 @@ fn white_furnace_of_ggx() {
     assert!((0.9995..=1.0).contains(&smoothest), "tends to 1 with α → 0: {smoothest}");
 }
 
-/// A dielectric, a metal as rough, and what stands between, as each model knows it.
+/// A dielectric, an equally rough metal, and intermediate materials, for each model.
 fn of_width(width: f64) -> MaterialSample<f64> {
     MaterialSample {
         diffuse: WHITE * 0.5,
@@ -285,7 +285,7 @@ fn of_width(width: f64) -> MaterialSample<f64> {
     }
 }
 
-/// The largest relative difference that twice as many nodes make, and to what.
+/// Returns the largest relative difference made by twice as many nodes, and where.
 fn refinement(albedo: impl Fn(Furnace, Shading) -> V) -> (f64, &'static str) {
     let mut worst = (0.0, "");
     for (name, shading) in Shading::NAMES.iter().copied() {
@@ -311,9 +311,9 @@ fn albedos_are_as_exact_as_stated() {
     assert!(worst.0 < 1e-4, "all directions: {worst:?}");
 }
 
-/// Blinn's lobe along the normal: n·h = cos(θ/2), so with u = cos²(θ/2) the albedo is
-/// (m + 8)/2 · ∫ from 1/2 to 1 of u^(s/2) (2u − 1) du; s = m where the formula is meant and 5 where it is printed.
-/// Over all directions the printed one gives (m + 8)/18.
+/// Blinn's lobe along the normal: n·h = cos(θ/2), so with u = cos²(θ/2) the albedo is (m + 8)/2 · ∫ from 1/2 to 1 of
+/// u^(s/2) (2u − 1) du; s = m in the intended formula and 5 in the printed one. Over all directions the printed one
+/// gives (m + 8)/18.
 #[test]
 fn white_furnace_of_blinn_phong() {
     for m in [0.0, 5.0, 10.0, 100.0] {
@@ -330,8 +330,8 @@ fn white_furnace_of_blinn_phong() {
     assert!((all - 1.0).abs() < 1e-5, "{all}");
 }
 
-/// Without 1/π the diffuse part of the printed Cook-Torrance gives back π times what arrives; a white metal of the
-/// article's GGX has no highlight at all, and twice the light, for want of n·l.
+/// Without 1/π the diffuse part of the printed Cook-Torrance returns π times the incoming light; a white metal with
+/// the article's GGX has no highlight at all, and returns twice the light, because n·l is missing.
 #[test]
 fn white_furnace_of_what_is_printed() {
     let chalk = MaterialSample { diffuse: WHITE, specular: BLACK, ..white() };
@@ -355,7 +355,7 @@ fn lambert_reflects_its_colour() {
 
 const PHYSICAL: [Shading; 4] = [Shading::Lambert, Shading::BlinnPhong, Shading::CookTorrance, Shading::Ggx];
 
-/// The largest relative difference of f when viewer and light change places.
+/// Returns the largest relative difference of f when viewer and light are swapped.
 fn asymmetry(shading: Shading) -> f64 {
     let mut random = Random(7);
     let mut worst = 0.0f64;
@@ -399,8 +399,8 @@ fn physical_models_stay_within_energy() {
     }
 }
 
-/// glTF weighs the diffuse part by 1 − F(v·h), not by what the highlight takes, so a white dielectric seen at
-/// grazing angles gives back more than it gets; a metal never does. Stated here so that nobody relies on the
+/// glTF weights the diffuse part by 1 − F(v·h), not by the energy of the highlight, so a white dielectric seen at
+/// grazing angles returns more than it receives; a metal never does. Stated here so that nobody relies on the
 /// opposite.
 #[test]
 fn a_white_dielectric_of_ggx_exceeds_its_energy_at_grazing_view_only() {
@@ -434,8 +434,8 @@ fn unphysical_models_earn_their_names() {
         }
         let most = N_DOT_V.into_iter().map(|n_dot_v| albedo(shading, &s, n_dot_v)).fold(0.0, f64::max);
         eprintln!("{}: albedo up to {most:.3}, asymmetry {:.3}", shading.name(), asymmetry(shading));
-        assert!(most > 1.2, "{} stays within energy: {most}", shading.name());
-        // The article's Blinn-Phong errs in energy alone.
+        assert!(most > 1.2, "{} conserves energy: {most}", shading.name());
+        // The article's Blinn-Phong violates only energy conservation.
         assert_eq!(asymmetry(shading) > 0.1, shading != Shading::BlinnPhongPrinted, "{}", shading.name());
     }
 }
@@ -447,7 +447,7 @@ fn light_from_behind_gives_nothing() {
         let (s, v, l) = (random.sample(), random.direction(0.1), -random.direction(0.0));
         let value = reflect(shading, &s, &Angles::new(N, v, l));
         if shading == Shading::GgxPrinted {
-            // F0 ρ/π of the first channel: lit from below, as its code says.
+            // F0 ρ/π of the first channel: lit from below, as in its code.
             assert!((value - s.base_color * (s.f0.x / PI)).length() < 1e-15);
         } else {
             assert_eq!(value, BLACK, "{}", shading.name());

@@ -1,4 +1,4 @@
-//! What holds of simplified surfaces: their number, their place, their border, and that threads do not matter.
+//! Laws of simplified surfaces: triangle count, position and border; and the number of threads does not matter.
 
 use crate::distance::deviation;
 use crate::files::data_files;
@@ -71,7 +71,7 @@ fn large_surfaces_go_in_blocks_and_threads_do_not_matter() {
     assert_eq!(open_edges(&one.mesh), 0);
 }
 
-/// Edges of one triangle alone.
+/// Returns the number of edges with only one triangle.
 fn open_edges(mesh: &Mesh) -> usize {
     let edges = mesh.triangles().iter().flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)]);
     let edges: std::collections::HashSet<(u32, u32)> = edges.map(|(a, b)| (*a, *b)).collect();
@@ -119,15 +119,15 @@ fn it_can_be_stopped_and_says_how_far_it_is() {
         let stopped = simplify(&ball, &options, Progress::new(&until));
         assert!(matches!(stopped, Err(Error::Cancelled)), "{limit}");
     }
-    let told = std::sync::Mutex::new(Vec::new());
-    let tell = |_: &str, done: f64| {
-        told.lock().unwrap().push(done);
+    let reported = std::sync::Mutex::new(Vec::new());
+    let report = |_: &str, done: f64| {
+        reported.lock().unwrap().push(done);
         true
     };
-    simplify(&ball, &options, Progress::new(&tell)).unwrap();
-    let told = told.into_inner().unwrap();
-    assert!(told.len() >= 5 && told.iter().all(|done| (0.0..=1.0).contains(done)), "{told:?}");
-    assert_eq!(told.last(), Some(&1.0));
+    simplify(&ball, &options, Progress::new(&report)).unwrap();
+    let reported = reported.into_inner().unwrap();
+    assert!(reported.len() >= 5 && reported.iter().all(|done| (0.0..=1.0).contains(done)), "{reported:?}");
+    assert_eq!(reported.last(), Some(&1.0));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Sound pairs of every kind of scan, which have to meet `standard`, with bad ones beside them where they are short.
+//! Sound pairs of every kind of scan, which must meet `standard`, with bad ones next to them if they are short.
 
 use crate::pairs::{
     Fate, ball, copy_of, direction, grid, is_bad, is_sound, joined, lettered_pair, lettering, made, mesh,
@@ -78,13 +78,13 @@ fn hidden_walls_take_no_triangles() {
     let said: Vec<&str> = asset.warnings().iter().map(|(what, _)| what).collect();
     assert!(said.iter().any(|what| what.starts_with("26.") && what.contains("cannot be seen")), "{said:?}");
     assert!(!said.iter().any(|what| what.contains("lacks parts")), "{said:?}");
-    // A part beside it is seen, and kept.
-    let beside = moved(ball(), |p| Vec3::new(p.x * 0.6 + 2.0, p.y * 0.6, p.z * 0.6));
-    let asset = made(&scan_of(joined([ball(), beside])), budget, 256);
+    // A part next to it is visible, and kept.
+    let second = moved(ball(), |p| Vec3::new(p.x * 0.6 + 2.0, p.y * 0.6, p.z * 0.6));
+    let asset = made(&scan_of(joined([ball(), second])), budget, 256);
     assert!(asset.levels().next().unwrap().positions().iter().any(|p| p.x > 2.2));
 }
 
-/// A room with an opening, seen into through it.
+/// A room with an opening through which it is seen.
 fn cave(size: [usize; 2], height: impl Fn(f64, f64) -> f64) -> taotie::mesh::MeshData {
     let mut room = turned(ball(size, height), |_| true);
     let positions = room.positions.clone();
@@ -98,10 +98,10 @@ fn a_cave() {
     is_sound(&made(&scan, 4_000, 1024), &scan);
     // Its mouth is closed by a wall.
     let closed = scan_of(turned(ball([160, 80], |u, v| 0.4 * lettering(u, v)), |_| true));
-    is_bad(&copy_of(&closed), &scan, (&["missed", "hausdorff"], "what the scan does not have"));
+    is_bad(&copy_of(&closed), &scan, (&["missed", "hausdorff"], "no counterpart on the scan"));
 }
 
-/// Cavities hide more than half of its surface, and it is still seen from outside.
+/// Cavities hide more than half of its surface, but it is still seen from outside.
 #[test]
 fn a_hollow_statue() {
     let shell = |radius: f64| ball([96, 48], |_, _| radius - 1.0);

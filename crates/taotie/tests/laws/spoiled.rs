@@ -1,5 +1,5 @@
-//! Assets that were spoiled after they were made, or lack something: each misses `standard`, with a warning that names the
-//! cause and the place. Their sound twins are in `sound.rs`.
+//! Assets that were damaged after they were made, or lack something: each fails `standard`, with a warning that names
+//! the cause and the place. Their sound twins are in `sound.rs`.
 
 use crate::pairs::{
     Fate, ball, changed, copy_of, direction, grid, is_bad, is_sound, joined, lettered_pair, lettering, moved,
@@ -89,7 +89,7 @@ fn an_asset_that_is_mirrored() {
 fn half_of_it_inside_out() {
     let (scan, asset) = lettered_pair();
     let half = with_fates(asset, |_, middle| if middle.x < 0.0 { Fate::Reversed } else { Fate::Kept });
-    is_bad(&half, scan, (&["mean-angle", "patch-angle", "missed"], "nothing in its place"));
+    is_bad(&half, scan, (&["mean-angle", "patch-angle", "missed"], "no counterpart on the asset"));
 }
 
 /// A viewer sees the far side of the shell around the ball, and nothing else hides it.
@@ -99,16 +99,16 @@ fn a_shell_around_it_that_is_inside_out() {
     for size in [1.06, 1.5] {
         let shell = scan_of(turned(moved(ball([64, 32], |_, _| 0.0), |p| p * size), |_| true));
         let around = with_part(asset, shell.mesh().clone());
-        is_bad(&around, scan, (&["missed", "hausdorff"], "what the scan does not have"));
+        is_bad(&around, scan, (&["missed", "hausdorff"], "no counterpart on the scan"));
     }
 }
 
-/// Each hole is smaller than what may be missing beside an outline.
+/// Each hole is smaller than the gap allowed next to an outline.
 #[test]
 fn a_sieve() {
     let scan = &lettered_pair().0;
     let sieve = with_fates(&copy_of(scan), |t, _| if t % 3 == 0 { Fate::Removed } else { Fate::Kept });
-    let proof = is_bad(&sieve, scan, (&["missed"], "nothing in its place"));
+    let proof = is_bad(&sieve, scan, (&["missed"], "no counterpart on the asset"));
     let missed = proof.figures.levels[0].coverage.missed_of_scan;
     assert!((0.2..0.4).contains(&missed), "{missed}");
 }
@@ -134,7 +134,7 @@ fn a_spike_and_a_gap() {
         let is_above = |t: &[u32; 3]| t.iter().map(|v| whole.positions[*v as usize].y).sum::<f32>() > 0.0;
         data.triangles.iter_mut().filter(|t| is_above(t)).for_each(|t| *t = t.map(|v| v + first));
     });
-    is_bad(&gap, scan, (&["missed"], "nothing in its place"));
+    is_bad(&gap, scan, (&["missed"], "no counterpart on the asset"));
 }
 
 #[test]
@@ -142,7 +142,7 @@ fn a_plane_through_it() {
     let (scan, asset) = lettered_pair();
     let plane = grid([1, 1], false, |u, v| Vec3::new(u * 4.0 - 2.0, 0.3, v * 4.0 - 2.0));
     let crossed = with_part(asset, scan_of(plane).mesh().clone());
-    is_bad(&crossed, scan, (&["missed", "hausdorff"], "what the scan does not have"));
+    is_bad(&crossed, scan, (&["missed", "hausdorff"], "no counterpart on the scan"));
 }
 
 #[test]
@@ -177,12 +177,12 @@ fn a_bowl_that_is_filled_or_lost_its_rim() {
     is_sound(&copy_of(&scan), &scan);
     let lid = grid([48, 1], true, |u, v| direction(u, 0.5) * (0.93 * v));
     let lid = scan_of(lid).mesh().clone();
-    assert!(lid.normals()[0].y > 0.9, "it looks up: {:?}", lid.normals()[0]);
+    assert!(lid.normals()[0].y > 0.9, "it faces up: {:?}", lid.normals()[0]);
     let filled = with_part(&copy_of(&scan), lid);
-    is_bad(&filled, &scan, (&["missed", "hausdorff"], "what the scan does not have"));
+    is_bad(&filled, &scan, (&["missed", "hausdorff"], "no counterpart on the scan"));
     let rimless =
         with_fates(&copy_of(&scan), |_, middle| if middle.y > -0.1 { Fate::Removed } else { Fate::Kept });
-    is_bad(&rimless, &scan, (&["missed", "hausdorff"], "nothing in its place"));
+    is_bad(&rimless, &scan, (&["missed", "hausdorff"], "no counterpart on the asset"));
 }
 
 #[test]
@@ -194,7 +194,7 @@ fn a_hole_in_one_side_of_a_thin_wall() {
         let away = Vec3::new(middle.x - 0.5, 0.0, middle.z - 0.5).length();
         if t < front && away < 0.05 { Fate::Removed } else { Fate::Kept }
     });
-    is_bad(&hole, &scan, (&["missed"], "nothing in its place"));
+    is_bad(&hole, &scan, (&["missed"], "no counterpart on the asset"));
 }
 
 /// Two balls of different colours.

@@ -1,4 +1,4 @@
-//! What holds for normals and tangents, whatever the mesh.
+//! Laws of normals and tangents, for any mesh.
 
 use crate::angle::angle;
 use crate::random::Random;
@@ -14,7 +14,7 @@ fn mesh(data: MeshData) -> Mesh {
     Mesh::new(data).unwrap()
 }
 
-/// A unit sphere with uvs, cut along one meridian; u runs `turns` times around, backwards where negative.
+/// A unit sphere with uvs, cut along one meridian; u runs `turns` times around, backwards if negative.
 fn sphere(rings: u32, segments: u32, turns: f32) -> Mesh {
     let mut data = MeshData { uvs: vec![Vec::new()], ..MeshData::default() };
     for ring in 0..=rings {
@@ -80,7 +80,7 @@ fn a_cube_has_corner_normals_however_it_is_cut() {
 
 #[test]
 fn normals_ignore_the_triangulation() {
-    // The normal at a corner of a fan counts its angle, not its triangles: splitting one changes nothing.
+    // The normal at a corner of a fan is weighted by angle, not by triangle: splitting one changes nothing.
     let positions = [(0.0, 0.0, 0.5), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (-1.0, -0.2, 0.0), (0.5, 0.5, 0.0)];
     let positions: Vec<Vec3> = positions.iter().map(|(x, y, z)| Vec3::new(*x, *y, *z)).collect();
     let whole = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1]];
@@ -113,7 +113,7 @@ fn what_has_no_area_has_a_stated_normal() {
         Vec3::new(0.0, 0.0, 1.0),
         Vec3::new(9.0, 9.0, 9.0),
     ];
-    // A line, a sheet seen from both sides, and a vertex of no triangle.
+    // A line, a sheet visible from both sides, and a vertex without triangles.
     let triangles = vec![[0, 1, 2], [0, 1, 3], [0, 3, 1]];
     let normals = vertex_normals(&mesh(MeshData { positions, triangles, ..MeshData::default() }));
     let up = Vec3::new(0.0, 0.0, 1.0);
@@ -323,7 +323,7 @@ fn object_and_tangent_maps_of_one_relief_agree_on_a_sphere() {
         let mix = |f: fn(&CornerFrame) -> Vec3<f64>| f(&a) * bary[0] + f(&b) * bary[1] + f(&c) * bary[2];
         let (n, tangent) = (mix(|f| f.0), mix(|f| f.1));
         let target = (n + random.unit() * 0.5).normalize();
-        // What a baker does: the inverse of the un-normalised frame.
+        // The conversion of bakers: the inverse of the un-normalised frame.
         let bitangent = n.cross(tangent) * a.2;
         let rows = [bitangent.cross(n), n.cross(tangent), tangent.cross(bitangent)];
         let map = Vec3::new(target.dot(rows[0]), target.dot(rows[1]), target.dot(rows[2])).normalize();

@@ -1,5 +1,5 @@
-//! What holds of unwrapped meshes: nothing overlaps, UV islands keep their distance, areas keep their size, every mesh
-//! ends.
+//! Laws of unwrapped meshes: nothing overlaps, UV islands keep their distance, areas keep their size, and unwrapping
+//! terminates for every mesh.
 
 use crate::files::data_files;
 use crate::hostile;
@@ -21,12 +21,12 @@ fn coverage(mesh: &Mesh, size: u32) -> Coverage {
     Coverage::new(mesh, &TexelGrid { width: size, height: size, uv_set: 0, padding: 0 }).unwrap()
 }
 
-/// All that holds of every result.
+/// Checks everything that holds for every result.
 fn check(name: &str, mesh: &Mesh, result: &Unwrapped, options: UnwrapOptions) {
     let after = &result.mesh;
     assert_eq!(after.triangles().len(), mesh.triangles().len(), "{name}");
     for t in 0..mesh.triangles().len() {
-        assert_eq!(after.corners(t), mesh.corners(t), "{name}: triangle {t} is another");
+        assert_eq!(after.corners(t), mesh.corners(t), "{name}: triangle {t} differs");
     }
     assert_eq!(after.normals().len(), if mesh.normals().is_empty() { 0 } else { after.positions().len() });
     assert_eq!(after.uvs().len(), 1);
@@ -41,7 +41,7 @@ fn check(name: &str, mesh: &Mesh, result: &Unwrapped, options: UnwrapOptions) {
     check_distances(name, result, &coverage, options);
 }
 
-/// Texels of two UV islands, or of one and of the border, are at least the padding apart.
+/// Checks that texels of two UV islands, or of one and of the border, are at least the padding apart.
 fn check_distances(name: &str, result: &Unwrapped, coverage: &Coverage, options: UnwrapOptions) {
     let UnwrapOptions { size, padding } = options;
     let (size, padding) = (i64::from(size), i64::from(padding));
@@ -66,15 +66,15 @@ fn check_distances(name: &str, result: &Unwrapped, coverage: &Coverage, options:
     }
 }
 
-/// For each triangle with an area: its part of the surface, and how many times as large as on the average it lies on
-/// the map, below 0 where it is mirrored.
+/// Returns for each triangle with an area its fraction of the surface, and its area on the map relative to the
+/// average, below 0 if it is mirrored.
 fn stretches(result: &Unwrapped, size: u32) -> Vec<(f64, f64)> {
     let mesh = &result.mesh;
     let wide = |uv: Vec2| Vec3::new(f64::from(uv.x), f64::from(uv.y), 0.0) * f64::from(size);
     let areas = (0..mesh.triangles().len()).map(|t| {
         let [a, b, c] = mesh.corners(t).map(Vec3::to_f64);
         let [p, q, r] = mesh.triangles()[t].map(|v| wide(mesh.uvs()[0][v as usize]));
-        // Rows run down, so what is seen from outside runs clockwise in numbers.
+        // Rows run down, so triangles seen from outside run clockwise in numbers.
         ((b - a).cross(c - a).length() * 0.5, -(q - p).cross(r - p).z * 0.5)
     });
     let areas: Vec<(f64, f64)> = areas.filter(|(area, _)| *area > 0.0).collect();
@@ -126,7 +126,7 @@ fn a_flat_sheet_is_one_island_that_fills_the_map() {
 
 #[test]
 fn what_lies_over_itself_is_cut() {
-    // Three turns of a ramp: seen from above every turn lies over the one below.
+    // Three turns of a ramp: seen from above every turn overlaps the one below.
     let ramp = hostile::sheet(240, 6, |u, v| {
         let (angle, out) = (u * 3.0 * std::f64::consts::TAU, 0.5 + 0.5 * v);
         let [s, c] = [taotie::math::scalar::sin(angle), taotie::math::scalar::cos(angle)];
@@ -180,7 +180,7 @@ fn what_cannot_be_is_refused() {
     let ball = hostile::embossed_ball(500);
     assert!(refused(&ball, 0, 0).contains("0x0"));
     assert!(refused(&ball, 16, 8).contains("padding of 8"));
-    assert!(refused(&Mesh::default(), 64, 1).contains("no triangle with an area"));
+    assert!(refused(&Mesh::default(), 64, 1).contains("no triangle has an area"));
     let text = refused(&hostile::soup(3000), 64, 4);
     assert!(text.contains("larger map or less padding"), "{text}");
 }
@@ -206,7 +206,7 @@ fn large_scans_by_others_are_unwrapped() {
     unwrap_scans(&[10_000]);
 }
 
-/// Simplifies scans to so many triangles and unwraps them.
+/// Simplifies scans to this number of triangles and unwraps them.
 fn unwrap_scans(counts: &[usize]) {
     for path in data_files("odedstein-meshes", &["obj"]) {
         let name = path.file_name().expect("a name").to_string_lossy().into_owned();
@@ -256,14 +256,14 @@ fn levels_share_the_map_and_have_no_crack() {
         let strays = strays as f64 / own.covered() as f64;
         let shared = own.shared() as f64 / own.covered() as f64;
         let most = farthest_move(&base, mesh);
-        println!("{wanted}: {strays:.5} beside UV islands, {shared:.5} shared, moved by {most:.4}");
+        println!("{wanted}: {strays:.5} outside UV islands, {shared:.5} shared, moved by {most:.4}");
         assert!(strays < outside && shared < outside, "{wanted}: {strays} {shared}");
-        assert!(most < moved, "{wanted}: what the map shows is moved by {most}");
+        assert!(most < moved, "{wanted}: the map's content is moved by {most}");
         assert_eq!(open_edges(mesh), 0, "a seam is torn");
     }
 }
 
-/// The farthest that a texel of the map lies on one mesh from where it lies on the other.
+/// Returns the maximum distance between the positions of a map's texel on the two meshes.
 fn farthest_move(base: &Mesh, level: &Mesh) -> f64 {
     let scene = |mesh: &Mesh| {
         let data = SceneData {
@@ -281,11 +281,11 @@ fn farthest_move(base: &Mesh, level: &Mesh) -> f64 {
     let apart = (0..40_000).filter_map(|i| Some((base.at(texel(i))?.0 - level.at(texel(i))?.0).length()));
     let mut apart: Vec<f64> = apart.map(f64::from).collect();
     apart.sort_by(f64::total_cmp);
-    // A few texels at the UV islands' borders may lie on what a neighbour has become.
+    // A few texels at the UV islands' borders may be on a triangle that has become a neighbour's.
     apart[apart.len() * 998 / 1000]
 }
 
-/// Edges, by position, that one triangle alone has.
+/// Returns the edges, by position, with only one triangle.
 fn open_edges(mesh: &Mesh) -> usize {
     let bits = |v: u32| mesh.positions()[v as usize].to_array().map(|v| (v + 0.0).to_bits());
     let edges = mesh.triangles().iter().flat_map(|[a, b, c]| [(*a, *b), (*b, *c), (*c, *a)]);

@@ -18,7 +18,7 @@ fn list(value: &Value) -> impl Iterator<Item = &Value> {
     value.as_array().unwrap().iter()
 }
 
-/// All numbers below `value`, in order.
+/// Returns all numbers in `value`, in order.
 fn numbers(value: &Value) -> Vec<f64> {
     value
         .as_array()
@@ -33,7 +33,7 @@ fn tangents(value: &Value) -> Vec<[f32; 4]> {
     list(value).map(|v| <[f64; 4]>::try_from(numbers(v)).unwrap().map(|c| c as f32)).collect()
 }
 
-/// Stored by rows.
+/// Reads a matrix stored by rows.
 fn matrix(value: &Value) -> Mat4 {
     let rows = numbers(value);
     Mat4 { columns: std::array::from_fn(|j| std::array::from_fn(|i| rows[4 * i + j])) }
@@ -98,7 +98,7 @@ fn animation(channels: &Value) -> Animation {
     animation
 }
 
-/// One skinned and morphed mesh on node 3, and a rigid instance on every node to tell where it is.
+/// Returns one skinned and morphed mesh on node 3, and a rigid instance on every node to show its position.
 fn scene_and_rig(oracle: &Value) -> (Scene, Rig) {
     let nodes: Vec<Node> = list(&oracle["nodes"]).map(node).collect();
     let skin = Skin {

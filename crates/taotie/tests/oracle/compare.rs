@@ -5,7 +5,7 @@ use serde_json::Value;
 use taotie::compare::{DisplayImage, ciede2000, flip, psnr, rmse, ssim};
 use taotie::math::Vec3;
 
-/// What every value has to be within; single precision on their side alone takes 2e-5.
+/// The bound for every value; their use of single precision accounts for 2e-5.
 const BOUND: f64 = 1e-4;
 
 fn oracle() -> Value {
@@ -17,13 +17,13 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()
 }
 
-/// 0 to 31.
+/// Returns noise from 0 to 31.
 fn noise(x: i64, y: i64, seed: i64) -> i64 {
     let mixed = (x * 73_856_093) ^ (y * 19_349_663) ^ (seed * 83_492_791);
     i64::from((mixed as u32).wrapping_mul(2_654_435_761) >> 27)
 }
 
-/// The picture of the same name in the Python script.
+/// Returns the picture of the same name in the Python script.
 fn still_life([x, y]: [i64; 2], [width, height]: [i64; 2], changed: bool) -> [i64; 3] {
     let checks = if (x / 8 + y / 8) % 2 == 1 { 200 } else { 40 };
     let mut color = [x * 255 / (width - 1), y * 255 / (height - 1), checks];
@@ -39,7 +39,7 @@ fn still_life([x, y]: [i64; 2], [width, height]: [i64; 2], changed: bool) -> [i6
     if changed { [r + 5, g, (b * 9).div_euclid(10)] } else { [r, g, b] }
 }
 
-/// The two pictures of a case by its name.
+/// Returns a pixel of one of the two pictures of a case.
 fn color(name: &str, at: [i64; 2], size: [i64; 2], second: bool) -> [u8; 3] {
     let color = match (name, second) {
         ("still life", changed) => still_life(at, size, changed),
@@ -54,7 +54,7 @@ fn color(name: &str, at: [i64; 2], size: [i64; 2], second: bool) -> [u8; 3] {
     color.map(|c| c.clamp(0, 255) as u8)
 }
 
-/// The picture, once its codes have the sum that the script's have.
+/// Returns the picture, after checking that its codes have the same sum as in the script.
 fn picture(case: &Value, second: bool) -> DisplayImage {
     let [width, height] = ["width", "height"].map(|key| case[key].as_i64().unwrap());
     let name = case["name"].as_str().unwrap();
@@ -62,7 +62,7 @@ fn picture(case: &Value, second: bool) -> DisplayImage {
         (0..width * height).map(|i| color(name, [i % width, i / width], [width, height], second)).collect();
     let sum: u64 =
         codes.as_flattened().iter().enumerate().map(|(i, c)| u64::from(*c) * (i as u64 % 251 + 1)).sum();
-    assert_eq!(sum, case["sums"][usize::from(second)].as_u64().unwrap(), "{name} is another picture");
+    assert_eq!(sum, case["sums"][usize::from(second)].as_u64().unwrap(), "{name} is a different picture");
     DisplayImage::from_8bit(width as u32, height as u32, &codes).unwrap()
 }
 
@@ -108,7 +108,7 @@ fn flip_is_that_of_its_authors() {
     }
 }
 
-/// The table tells four decimals. Hues that wrap around, greys and opposite hues are among its pairs.
+/// The table has four decimals. Hues that wrap around, greys and opposite hues are among its pairs.
 #[test]
 fn color_differences_are_those_of_the_paper() {
     let oracle = oracle();
@@ -122,6 +122,6 @@ fn color_differences_are_those_of_the_paper() {
             let off = (difference - value(6)).abs();
             assert!(off < BOUND, "{pair}: {difference}");
         }
-        assert_eq!(differences[0], differences[1], "{pair}: the colours may change places");
+        assert_eq!(differences[0], differences[1], "{pair}: the colours may be swapped");
     }
 }

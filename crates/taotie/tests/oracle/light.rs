@@ -1,4 +1,4 @@
-//! Energy, layers and antialiasing against values that NumPy computed in double precision from the papers
+//! Energy, layers and antialiasing compared with values computed by NumPy in double precision from the papers
 //! (`tests/oracle/light_oracle.py`).
 
 use serde_json::Value;
@@ -9,7 +9,7 @@ use taotie::shade::ndf::{alpha_squared_from_divergence_ggx, divergence_ggx};
 use taotie::shade::sheen::{d_charlie, v_neubelt};
 use taotie::shade::{Angles, AnisotropicLobe, coat_lobe, compensation, specular_occlusion};
 
-/// The rows of a table of the oracle.
+/// Returns the rows of a table of the oracle.
 fn rows(name: &str) -> Vec<Value> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/oracle/light_oracle.json");
     let oracle: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
@@ -25,7 +25,7 @@ fn vector(value: &Value) -> Vec3<f64> {
     Vec3::new(x, y, z)
 }
 
-/// Remembers the worst error of a kind, and where.
+/// Remembers the largest error of a kind, and where it occurred.
 #[derive(Default)]
 struct Worst {
     error: f64,

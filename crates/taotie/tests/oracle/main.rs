@@ -1,6 +1,6 @@
-//! Values against others' arithmetic: NumPy in double precision from the papers' formulas (`tests/oracle`), published
-//! vectors and constants.
-#![allow(clippy::print_stdout, clippy::print_stderr, reason = "tests say what they found")]
+//! Values compared with others' arithmetic: NumPy in double precision from the papers' formulas (`tests/oracle`),
+//! published vectors and constants.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "tests print their findings")]
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,4 +1,4 @@
-//! Tangents against those of the MikkTSpace reference, corner by corner.
+//! Tangents compared with those of the MikkTSpace reference, corner by corner.
 
 use crate::common::data_folder;
 use serde_json::Value;
@@ -63,7 +63,7 @@ fn read_tangents(path: &Path) -> Vec<[f32; 4]> {
     bytes.chunks_exact(16).map(|t| [0, 4, 8, 12].map(|i| number(&t[i..]))).collect()
 }
 
-/// The mesh of a primitive, and the uv set of its normal texture.
+/// Reads the mesh of a primitive, and the UV set of its normal texture.
 fn read_primitive(path: &Path, mesh: usize, primitive: usize) -> (Mesh, usize) {
     let bytes = std::fs::read(path).unwrap();
     let gltf::Gltf { document, mut blob } = gltf::Gltf::from_slice(&bytes).unwrap();

@@ -1,4 +1,4 @@
-//! Reflectance against values that NumPy computed in double precision from the papers (`tests/oracle/`).
+//! Reflectance compared with values computed by NumPy in double precision from the papers (`tests/oracle/`).
 
 use crate::common::data_folder;
 use serde_json::Value;
@@ -13,13 +13,13 @@ use taotie::shade::ndf::{
 };
 use taotie::shade::{Angles, MaterialSample, Shading, reflect};
 
-/// Relative error allowed in `f64`, where only the polynomials of `exp` and `ln` differ: 1e-9 · |y ln x| and less.
+/// Relative error allowed in `f64`, where only the polynomials of `exp` and `ln` differ: at most 1e-9 · |y ln x|.
 const DOUBLE: f64 = 2e-8;
 /// Relative error allowed in `f32`. Directions rounded to `f32` move n·h by 6e-8, which a highlight of α = 1e-3 or
 /// an exponent of 1000 magnifies.
 const SINGLE: f64 = 2e-4;
 
-/// A scalar lane that can be filled and read.
+/// A scalar lane that can be set and read.
 trait Scalar: Lane {
     fn of(value: f64) -> Self;
     fn get(self) -> f64;
@@ -43,7 +43,7 @@ impl Scalar for f64 {
     }
 }
 
-/// Compares and remembers the worst.
+/// Compares values and remembers the largest error.
 struct Check {
     tolerance: f64,
     worst: f64,
@@ -55,7 +55,7 @@ impl Check {
         Self { tolerance, worst: 0.0, at: String::new() }
     }
 
-    /// `value` against `truth`, relative but for values that no picture can show.
+    /// Compares `value` with `truth`, relatively, except for values too small to be visible.
     fn number(&mut self, name: &str, value: impl Scalar, truth: &Value) {
         let truth = truth.as_f64().expect(name);
         let error = (value.get() - truth).abs() / (truth.abs() + 1e-6);
@@ -262,7 +262,7 @@ fn fresnel_lights_and_powers_in_single_precision() {
     tables_agree::<f32>(SINGLE);
 }
 
-/// The presets' names and those of the tables they were computed from.
+/// The presets' names, and the names in the tables they were computed from.
 const METALS: [(&str, &str); 6] = [
     ("copper", "copper"),
     ("bronze", "cu90zn10"),
@@ -272,7 +272,7 @@ const METALS: [(&str, &str); 6] = [
     ("silver", "silver"),
 ];
 
-/// Equal to four decimals, with what is out of gamut clipped.
+/// Checks that colours are equal to four decimals, after clipping out-of-gamut values.
 fn same_color(name: &str, shipped: [f32; 3], computed: &Value) {
     for (i, shipped) in shipped.into_iter().enumerate() {
         let computed = computed[i].as_f64().unwrap().min(1.0);

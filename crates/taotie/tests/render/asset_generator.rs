@@ -1,10 +1,10 @@
 //! The sample images of the glTF Asset Generator: every case must look like its own image and not like another's.
 //!
-//! The images are lossless, but nobody wrote down their light. So it is found for each case: the brightness of each channel
-//! is fitted by ours and by how ours changes with the normal, which is what another light can do. What is left must be
-//! small within what the case covers (shape, orientation, textures, relief), smaller than for any other case's image, and
-//! relief must be lit from above in all of them. `target/asset-generator/` has a page with ours, theirs and the difference.
-//! Points and lines are not drawn, so cases of nothing else are left out.
+//! The images are lossless, but their light is not documented, so it is fitted for each case: the brightness of each
+//! channel is fitted by ours and by how ours changes with the normal, which is the effect of a different light. The
+//! residual must be small within the area of the case (shape, orientation, textures, relief), smaller than for any
+//! other case's image, and relief must be lit from above in all of them. `target/asset-generator/` has a page with
+//! ours, theirs and the difference. Points and lines are not drawn, so cases with nothing else are skipped.
 
 use crate::common::absent;
 use crate::files::data_files;
@@ -21,25 +21,25 @@ use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Orbit, Scene};
 use taotie::shade::environment::Environment;
 
-/// The vertical angle of view of the images, radians: Babylon's default, and what the size of the planes says.
+/// The vertical angle of view of the images, radians: Babylon's default, consistent with the size of the planes.
 const FOV: f64 = 0.8;
 
-/// Images that differ by no more than this many codes on average show the same.
+/// Images that differ by at most this many codes on average show the same.
 const SAME: f64 = 1.0;
 
-/// The least share of an image's contrast that ours has to explain, where it has contrast.
+/// The smallest share of an image's contrast that ours must explain, if it has contrast.
 const EXPLAINED: f64 = 0.5;
 
-/// By what factor another image must fit better to count as nearer: some folders show the same colours.
+/// The factor by which another image must fit better to count as closer: some folders show the same colours.
 const CLEARLY: f64 = 0.9;
 
-/// The contrast of an image that shows nothing but the light, codes.
+/// The largest contrast, in codes, of an image that shows only the light.
 const FLAT: f64 = 12.0;
 
-/// How many numbers describe the light: an offset, ours, and ours by the normal's x and y.
+/// The number of parameters of the light: an offset, ours, and ours times the normal's x and y.
 const TERMS: usize = 4;
 
-/// Every so many pixels are looked at; no divisor of their width.
+/// The step between examined pixels; not a divisor of the width.
 const STEP: usize = 7;
 
 /// A model with its image.
@@ -51,18 +51,18 @@ struct Case {
     theirs: Picture,
 }
 
-/// The light of an image, by channel.
+/// The light of an image, per channel.
 type Fit = [[f64; TERMS]; 3];
 
 impl Case {
-    /// `None` where the case has no image, or nothing to draw.
+    /// Creates a case; `None` if it has no image, or nothing to draw.
     fn new(folder: &Path, facts: &Value, lighting: &Lighting) -> Option<Self> {
         let name = facts["fileName"].as_str()?.to_owned();
         let theirs = Picture::read(&folder.join(facts["sampleImageName"].as_str()?));
         let scene = match load_model(&folder.join(&name)) {
             Ok(loaded) => loaded.scene,
             Err(error) if error.to_string().contains("only points or lines") => {
-                println!("left out: {error}");
+                println!("skipped: {error}");
                 return None;
             }
             Err(error) => panic!("{name}: {error}"),
@@ -72,7 +72,7 @@ impl Case {
         Some(Self { name, eye, ours, normals, theirs })
     }
 
-    /// The terms of a channel and what they have to explain, of every pixel that ours covers.
+    /// Returns the terms of a channel and the value to explain, for every pixel that ours covers.
     fn pixels<'a>(&'a self, theirs: &'a Picture, c: usize) -> impl Iterator<Item = ([f64; TERMS], f64)> + 'a {
         let all = self.ours.pixels.iter().zip(self.normals.pixels()).zip(&theirs.pixels);
         all.step_by(STEP).filter(|((ours, _), _)| ours[3] == 255).map(move |((ours, n), theirs)| {
@@ -82,13 +82,14 @@ impl Case {
         })
     }
 
-    /// Whether normals lean up and down on a surface that the camera sees straight on.
+    /// Returns true if normals lean up and down on a surface that faces the camera.
     fn has_relief(&self) -> bool {
         let lean = |n: &[f32; 4]| n[3] != 0.0 && n[1].abs() > 0.3;
         self.eye[1] == 0.0 && self.normals.pixels().iter().filter(|n| lean(n)).count() > 1000
     }
 
-    /// How far `theirs` is from ours under this light, and the contrast that was to be explained: root mean squares in
+    /// Returns the distance of `theirs` from ours under this light, and the contrast to be explained: root mean
+    /// squares in
     /// codes.
     fn residual(&self, theirs: &Picture, fit: &Fit) -> (f64, f64) {
         let (mut left, mut contrast) = (0.0, 0.0);
@@ -107,7 +108,7 @@ impl Case {
     }
 }
 
-/// The light that explains most of an image as a picture of a case: least squares.
+/// Returns the light that best explains an image as a picture of a case: least squares.
 fn fit(case: &Case, theirs: &Picture) -> Fit {
     [0, 1, 2].map(|c| {
         let mut normal = [[0.0; TERMS + 1]; TERMS];
@@ -123,7 +124,8 @@ fn fit(case: &Case, theirs: &Picture) -> Fit {
     })
 }
 
-/// Gauss and Jordan, with a little on the diagonal: images without relief say nothing about some terms.
+/// Solves by Gauss–Jordan elimination, with a small term on the diagonal: images without relief do not determine all
+/// terms.
 fn solved(mut rows: [[f64; TERMS + 1]; TERMS]) -> [f64; TERMS] {
     for i in 0..TERMS {
         rows[i][i] += 1e-6 + 1e-9 * rows[0][0];
@@ -136,7 +138,7 @@ fn solved(mut rows: [[f64; TERMS + 1]; TERMS]) -> [f64; TERMS] {
     std::array::from_fn(|i| rows[i][TERMS] / rows[i][i])
 }
 
-/// The picture, and the normals of what it shows.
+/// Renders the picture, with the normals of the surface shown.
 fn draw(
     scene: &Scene,
     [x, y, z]: [f64; 3],
@@ -160,7 +162,7 @@ fn draw(
     (picture, frame.aovs.expect("they were asked for").normals)
 }
 
-/// A hall: bright above, darker towards the floor, with a lit wall on one side.
+/// Returns a hall: bright above, darker towards the floor, with a lit wall on one side.
 fn hall() -> Image {
     let (width, height) = (64, 32);
     let mut image = Image::new(width, height, [0.0, 0.0, 0.0, 1.0]).unwrap();
@@ -180,7 +182,7 @@ fn mean_difference(a: &Picture, b: &Picture) -> f64 {
     sum * STEP as f64 / a.pixels.len() as f64
 }
 
-/// What is wrong with a case among those that were drawn from the same place.
+/// Returns the fault of a case, compared with those drawn from the same place.
 fn judge(case: &Case, all: &[&Case]) -> Option<String> {
     let light = fit(case, &case.theirs);
     let (own, contrast) = case.residual(&case.theirs, &light);
@@ -193,7 +195,7 @@ fn judge(case: &Case, all: &[&Case]) -> Option<String> {
     }
     let differing = all.iter().filter(|other| mean_difference(&other.theirs, &case.theirs) > SAME);
     let residuals = differing.map(|other| (case.residual(&other.theirs, &fit(case, &other.theirs)), other));
-    // Of images without contrast anything explains nothing.
+    // An image without contrast is explained by anything.
     let unexplained =
         |(left, contrast): (f64, f64)| if contrast > FLAT { left / contrast } else { f64::INFINITY };
     let own = unexplained((own, contrast));
@@ -214,12 +216,12 @@ fn every_case_looks_like_its_own_sample_image() {
     look_alike(1);
 }
 
-/// Judges every so many of the cases.
+/// Judges every `step`-th case.
 fn look_alike(step: usize) {
     let mut manifests = data_files("gltf-asset-generator", &["json"]);
     manifests.retain(|path| path.file_name().is_some_and(|n| n == "Manifest.json"));
     if manifests.is_empty() {
-        return absent("no Manifest.json lies in gltf-asset-generator");
+        return absent("no Manifest.json in gltf-asset-generator");
     }
     let environment = Arc::new(Environment::new(hall()).unwrap());
     let light = EnvironmentLight { environment, rotation: 0.0, intensity: 1.0, visible: false };

@@ -1,5 +1,5 @@
-//! Environments by others: what is made of them against integrals over all of their texels, and against what Filament's
-//! `cmgen` published.
+//! Environments by others: their prefiltered levels compared with integrals over all of their texels, and with the
+//! results published by Filament's `cmgen`.
 
 use crate::common::absent;
 use crate::files::{data_files, files_below};
@@ -17,13 +17,13 @@ use taotie::shade::environment::Environment;
 const ROUGHNESSES: [f64; 9] = [0.2, 0.204, 0.21, 0.25, 0.303, 0.4, 0.56, 0.78, 1.0];
 
 fn read(path: &Path) -> Image {
-    let bitmap = taotie::io::read_bitmap(path).expect("it can be read");
+    let bitmap = taotie::io::read_bitmap(path).expect("it is readable");
     let mut image = Image::new(bitmap.width(), bitmap.height(), [0.0; 4]).expect("a size");
     image.pixels_mut().iter_mut().enumerate().for_each(|(i, pixel)| *pixel = bitmap.stored(i));
     image
 }
 
-/// `TAOTIE_DIRECTIONS` sets how many directions are looked at.
+/// `TAOTIE_DIRECTIONS` sets the number of directions.
 #[test]
 fn levels_are_integrals_over_all_texels() {
     let count = std::env::var("TAOTIE_DIRECTIONS").map_or(24, |n| n.parse().expect("a number"));
@@ -42,29 +42,30 @@ fn levels_are_integrals_over_all_texels() {
     }
 }
 
-/// Environments of which `cmgen`'s results lie beside them in a folder of their name: the environment, and that folder.
+/// Returns the environments with `cmgen` results in a folder of the same name: the environment, and that folder.
 fn published() -> Vec<(Environment, PathBuf)> {
     let of = |path: PathBuf| {
         let name = path.file_name()?.to_string_lossy().into_owned();
-        let beside = std::fs::read_dir(path.parent()?).ok()?.filter_map(|entry| Some(entry.ok()?.path()));
-        let results = beside
+        let siblings = std::fs::read_dir(path.parent()?).ok()?.filter_map(|entry| Some(entry.ok()?.path()));
+        let results = siblings
             .filter(|f| f.is_dir())
             .find(|f| f.file_name().is_some_and(|folder| name.starts_with(&*folder.to_string_lossy())))?;
         Some((Environment::new(read(&path)).expect("it is an environment"), results))
     };
     let found: Vec<_> = data_files("environments", &["hdr"]).into_iter().filter_map(of).collect();
     if found.is_empty() {
-        absent("no environment has results of cmgen in a folder of its name");
+        absent("no environment has cmgen results in a folder of the same name");
     }
     found
 }
 
-/// A direction of theirs in our space: their +z is our +x.
+/// Converts one of their directions to our space: their +z is our +x.
 fn ours(d: Vec3<f64>) -> Vec3<f64> {
     Vec3::new(d.z, d.y, -d.x)
 }
 
-/// `cmgen` "pre-scaled base" is irradiance over π as a polynomial 1, y, z, x, xy, yz, 3z² − 1, xz, x² − y², with each
+/// `cmgen`'s "pre-scaled base" is irradiance over π as a polynomial 1, y, z, x, xy, yz, 3z² − 1, xz, x² − y², with
+/// each
 /// degree l damped by sinc⁴(πl/w) against ringing. The w that damps degree 1 as found must damp degree 2.
 #[test]
 fn irradiance_is_what_another_program_published() {
@@ -94,14 +95,15 @@ fn irradiance_is_what_another_program_published() {
         let w = widths.min_by(|a, b| off(a).total_cmp(&off(b))).expect("widths");
         for (i, ratio) in ratios.iter().enumerate().skip(1) {
             let expected = damped(if i < 4 { 1.0 } else { 2.0 }, w);
-            // The last coefficient of the one that is known is a hundredth of the first.
+            // The last coefficient of the known one is a hundredth of the first.
             assert!((ratio - expected).abs() < 5e-3, "{i}: {ratio} {expected}");
         }
     }
 }
 
-/// Levels n of 4 have roughness 1 − √(1 − n/4). They are sums over 1024 samples of the original picture, of which ours
-/// is a copy at cube map sharpness, so they agree to a few percent only; all others lie farther off than the right one.
+/// Level n of 4 has roughness 1 − √(1 − n/4). They are sums over 1024 samples of the original picture, while ours is
+/// a copy at cube-map resolution, so they agree only to a few percent; all other levels are farther off than the
+/// right one.
 #[test]
 fn levels_are_what_another_program_published() {
     for (environment, folder) in published() {
@@ -123,7 +125,7 @@ fn levels_are_what_another_program_published() {
     }
 }
 
-/// The root of the mean square difference of red, ours less theirs, as part of theirs, and the mean difference.
+/// Returns the root mean square difference of red, ours minus theirs, relative to theirs, and the mean difference.
 fn difference(environment: &Environment, cube: &ktx::Cube, roughness: f64) -> (f64, f64) {
     let (mut square, mut light, mut sum, mut total) = (0.0, 0.0, 0.0, 0.0);
     for (i, theirs) in cube.texels.iter().enumerate() {

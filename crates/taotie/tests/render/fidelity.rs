@@ -1,8 +1,8 @@
-//! Scenes that ten renderers have drawn: ours must lie within their consensus.
+//! Scenes that ten renderers have drawn: ours must be within their consensus.
 //!
-//! `khronos-render-fidelity-goldens/scenarios.json` states model, light, camera and tone curve of each scene, and how far
-//! the accepted renderers lie from `model-viewer`'s picture. Ours may lie no farther than the median of them. Whatever the
-//! outcome, `target/fidelity/index.html` shows ours, theirs and the difference.
+//! `khronos-render-fidelity-goldens/scenarios.json` states model, light, camera and tone curve of each scene, and how
+//! far the accepted renderers are from `model-viewer`'s picture. Ours may be no farther than their median. In any case,
+//! `target/fidelity/index.html` shows ours, theirs and the difference.
 
 use crate::common::data_folder;
 use crate::pictures;
@@ -18,10 +18,10 @@ use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Camera, Orbit, Scene};
 use taotie::shade::environment::Environment;
 
-/// The renderer whose pictures the others are measured against.
+/// The renderer whose pictures the others are compared with.
 const JUDGE: &str = "model-viewer";
 
-/// Scenes in which the judge's own picture is wrong: who judges instead, and why.
+/// Scenes in which the judge's own picture is wrong: another judge, and the reason.
 const OTHER_JUDGES: &[(&str, &str, &str)] = &[(
     "khronos-AnimatedMorphCube",
     "three-gpu-pathtracer",
@@ -30,14 +30,14 @@ const OTHER_JUDGES: &[(&str, &str, &str)] = &[(
      towards the lamps. An exact picture lies 4.9 from it, more than the median of 4.73",
 )];
 
-/// What a scene without its model is: the environment, seen where two renderers that share it agree.
+/// The second renderer for scenes without a model: the environment is visible where it agrees with the judge.
 const WITNESS: &str = "three-gpu-pathtracer";
 
-/// 8-bit codes by which the two may differ there, and so far around, in pixels.
+/// The difference in 8-bit codes allowed between the two there, and the radius of the neighbourhood in pixels.
 const AGREEMENT: f64 = 6.0;
 const MARGIN: i32 = 5;
 
-/// The grey under transparent pixels, in codes: the one with which the renderers' own differences were measured.
+/// The grey behind transparent pixels, in codes: the one used when the renderers' own differences were measured.
 const GREY: f64 = 128.0;
 
 /// A scene of the collection.
@@ -52,7 +52,7 @@ impl Scenario<'_> {
         self.facts.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{}: {path}", self.name))
     }
 
-    /// A file that the scenario names, relative to the folder of all data, or beside the scenarios.
+    /// Returns a file that the scenario names, relative to the folder of all data or to the scenarios.
     fn file(&self, key: &str) -> PathBuf {
         let name = self.facts[key].as_str().unwrap_or_else(|| panic!("{}: {key}", self.name));
         let above = self.folder.parent().unwrap_or(self.folder);
@@ -71,7 +71,7 @@ impl Scenario<'_> {
         names.iter().find(|path| path.exists()).map(|path| Picture::read(path))
     }
 
-    /// Where the judge stood; no plane cuts the scene.
+    /// Returns the judge's camera; no plane clips the scene.
     fn camera(&self, scene: &Scene) -> Camera {
         let [x, y, z] = ["x", "y", "z"].map(|axis| self.number(&format!("/target/{axis}")));
         let target = Vec3::new(x, y, z);
@@ -85,7 +85,7 @@ impl Scenario<'_> {
         orbit.camera(scene.corners().map(|p| (p - target).length()).fold(0.0, f64::max))
     }
 
-    /// The median of the accepted renderers' mean differences from the judge.
+    /// Returns the median of the accepted renderers' mean differences from the judge.
     fn allowed(&self) -> f64 {
         let differences = self.facts[format!("meanAbsDiffTo_{JUDGE}")].as_object().expect(self.name);
         let mut differences: Vec<f64> = differences.values().filter_map(Value::as_f64).collect();
@@ -101,7 +101,8 @@ impl Scenario<'_> {
         Lighting { environment: Some(light), ..Lighting::default() }
     }
 
-    /// As the judge's picture was made: at twice the dimensions with one sample a pixel, developed, and then reduced.
+    /// Renders as the judge's picture was made: at twice the dimensions with one sample per pixel, developed, then
+    /// reduced.
     fn ours(&self) -> Picture {
         let [width, height] =
             ["width", "height"].map(|side| 2 * self.number(&format!("/dimensions/{side}")) as u32);
@@ -117,7 +118,7 @@ impl Scenario<'_> {
         self.file("model").exists()
     }
 
-    /// Which pixels count: those that the judge covers; without the model those where the environment is seen.
+    /// Returns which pixels count: those that the judge covers; without a model, those where the environment is seen.
     fn counted(&self, judge: &Picture) -> Vec<bool> {
         if self.has_model() {
             return judge.pixels.iter().map(|[.., a]| *a > 127).collect();
@@ -133,7 +134,7 @@ impl Scenario<'_> {
         (0..width * height).map(|i| around(i).all(|(x, y)| agree(at(x, y)))).collect()
     }
 
-    /// Mean absolute difference in 8-bit codes to the judge.
+    /// Returns the mean absolute difference to the judge in 8-bit codes.
     fn measure(&self, ours: &Picture, judge: &Picture) -> f64 {
         let counted = self.counted(judge);
         let pairs = ours.pixels.iter().zip(&judge.pixels).zip(&counted).filter(|(_, counted)| **counted);
@@ -149,7 +150,7 @@ fn developed(image: &Image) -> Vec<[u8; 4]> {
     develop8(image, &development).unwrap()
 }
 
-/// A triangle that no camera sees, for pictures of an environment alone.
+/// A triangle outside every view, for pictures that show only an environment.
 fn speck() -> Scene {
     use taotie::mesh::{Mesh, MeshData};
     use taotie::scene::Material;
@@ -170,7 +171,7 @@ fn every_scene_lies_within_the_consensus_of_other_renderers() {
     agree(1);
 }
 
-/// Judges every so many of the scenes.
+/// Judges every `step`-th scene.
 fn agree(step: usize) {
     let Some(folder) = data_folder("khronos-render-fidelity-goldens") else { return };
     let text = std::fs::read(folder.join("scenarios.json")).unwrap();

@@ -13,7 +13,7 @@ fn viewport(samples: u32) -> Viewport {
     Viewport { width: SIDE, height: SIDE, pattern: SamplePattern::new(samples).unwrap() }
 }
 
-/// How often each pixel of the picture is covered at a sample.
+/// Returns how often each pixel of the picture is covered at a sample.
 fn coverage(bins: &Bins, viewport: &Viewport, sample: usize, simd: SimdLevel) -> Vec<u32> {
     let (across, down) = viewport.tiles();
     let mut counts = vec![0; (across * down) as usize * TILE_PIXELS];
@@ -28,8 +28,8 @@ fn coverage(bins: &Bins, viewport: &Viewport, sample: usize, simd: SimdLevel) ->
     counts
 }
 
-/// A sheet of jittered cells that covers more than the picture, each cell cut into two triangles, with corners at
-/// subpixel positions that fall on sample points as often as not.
+/// Returns a sheet of jittered cells that covers more than the picture, each cell cut into two triangles, with
+/// corners at subpixel positions, about half of them on sample points.
 fn sheet(cells: usize, random: &mut Random) -> (Vec<[f32; 4]>, Vec<[u32; 3]>) {
     let mut clip = Vec::new();
     for j in 0..=cells {
@@ -38,7 +38,7 @@ fn sheet(cells: usize, random: &mut Random) -> (Vec<[f32; 4]>, Vec<[u32; 3]>) {
             let place = |k: usize, r: f32| ((k as f32 + 0.4 * jitter(r)) / cells as f32) * 2.6 - 1.3;
             let w = 0.5 + (random.next() as f32);
             let (x, y) = (place(i, random.next() as f32), place(j, random.next() as f32));
-            // Rounded to half pixels in every other cell, so that edges run through sample points.
+            // Rounded to half pixels in every other cell, so that edges pass through sample points.
             let snap = |v: f32| if (i + j) % 2 == 0 { (v * SIDE as f32).round() / SIDE as f32 } else { v };
             clip.push([snap(x) * w, snap(y) * w, 0.25 * w, w]);
         }
@@ -101,7 +101,7 @@ fn a_fan_about_a_sample_point_covers_it_once() {
 
 #[test]
 fn near_clipping_keeps_what_is_in_front() {
-    // A floor that runs from behind the eye to the horizon covers the lower half of the picture and nothing else.
+    // A floor that runs from behind the eye to the horizon covers exactly the lower half of the picture.
     let near = 0.1;
     let corner = |x: f32, z: f32| [x, -1.0, near, -z];
     let clip = [corner(-1e4, 10.0), corner(1e4, 10.0), corner(1e4, -1e4), corner(-1e4, -1e4)];
@@ -165,14 +165,14 @@ fn the_nearest_triangle_wins_and_levels_agree_to_the_bit() {
     assert!(planes.windows(2).all(|pair| (&pair[0].1, &pair[0].2) == (&pair[1].1, &pair[1].2)));
 }
 
-/// Where a corner lies, in 1/256 pixel.
+/// Returns the position of a corner, in 1/256 pixel.
 fn snapped([x, y, _, w]: [f32; 4], viewport: &Viewport) -> [i64; 2] {
     let [x, y, w] = [x, y, w].map(f64::from);
     let snap = |v: f64, side: u32| (v * 0.5 * f64::from(side) * 256.0 + 0.5).floor() as i64;
     [snap(x / w + 1.0, viewport.width), snap(1.0 - y / w, viewport.height)]
 }
 
-/// Whether a triangle of snapped corners covers a place by the top-left rule, in exact arithmetic.
+/// Returns true if a triangle of snapped corners covers a point by the top-left rule, in exact arithmetic.
 fn covers(mut corners: [[i64; 2]; 3], [x, y]: [i64; 2], faces: Faces) -> bool {
     let [a, b, c] = corners;
     let area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
@@ -193,7 +193,7 @@ fn covers(mut corners: [[i64; 2]; 3], [x, y]: [i64; 2], faces: Faces) -> bool {
         })
 }
 
-/// Triangles whose corners lie within `reach` (half pictures) of a random place, some of them on half pixels.
+/// Returns triangles whose corners are within `reach` (half pictures) of a random point, some of them on half pixels.
 fn scattered(count: u32, reach: f32, random: &mut Random) -> (Vec<[f32; 4]>, Vec<[u32; 3]>) {
     let mut clip = Vec::new();
     for i in 0..count {
@@ -215,7 +215,7 @@ fn triangles_of_all_sizes_cover_what_exact_arithmetic_says() {
     let mut bins = Bins::default();
     let small = [(0.01, 1), (0.03, 1), (0.08, 4), (0.15, 16), (0.4, 1), (2.0, 4), (300.0, 1)];
     let small = small.map(|(reach, samples)| (reach, samples, [100, 75], 301));
-    // Sides of 64 and 128 pixels, where arithmetic changes its width, and far beyond.
+    // Sides of 64 and 128 pixels, where the arithmetic changes its width, and far beyond.
     let large = [0.2, 0.4, 1.0, 2.0, 20.0].map(|reach| (reach, 1, [700, 500], 20));
     for (reach, samples, [width, height], count) in small.into_iter().chain(large) {
         let viewport = Viewport { width, height, pattern: SamplePattern::new(samples).unwrap() };
@@ -233,7 +233,7 @@ fn triangles_of_all_sizes_cover_what_exact_arithmetic_says() {
     }
 }
 
-/// Sample, column, row and triangle of all that is covered.
+/// Returns sample, column, row and triangle of everything covered.
 fn seen(bins: &Bins, viewport: &Viewport, simd: SimdLevel) -> Vec<[u32; 4]> {
     let (across, down) = viewport.tiles();
     let mut seen = Vec::new();
@@ -253,7 +253,7 @@ fn seen(bins: &Bins, viewport: &Viewport, simd: SimdLevel) -> Vec<[u32; 4]> {
     seen
 }
 
-/// The same, triangle by triangle and sample by sample.
+/// Returns the same, triangle by triangle and sample by sample.
 fn expected(geometry: &Geometry<'_>, viewport: &Viewport) -> Vec<[u32; 4]> {
     let mut expected = Vec::new();
     for (i, triangle) in geometry.triangles.iter().enumerate() {

@@ -1,8 +1,8 @@
-//! Golden pictures: each scene at every SIMD level of this machine and with one and several threads gives equal
-//! bits, and the picture that is kept in `tests/golden`.
+//! Golden pictures: each scene at every SIMD level of this machine, with one and with several threads, gives the same
+//! bits, equal to the picture in `tests/golden`.
 //!
 //! A failure leaves the actual picture, the expected one, their difference and a page that shows them in
-//! `target/golden-failures`. `TAOTIE_BLESS=1` writes the pictures anew: look at them before you commit them.
+//! `target/golden-failures`. `TAOTIE_BLESS=1` rewrites the pictures: look at them before you commit them.
 
 use crate::finishes;
 use crate::scenes;
@@ -23,7 +23,7 @@ use taotie::surface::{SurfaceMethod, TangentMethod};
 
 static SKY: LazyLock<Arc<Environment>> = LazyLock::new(|| Environment::new(finishes::sky()).unwrap().into());
 
-/// A picture to be kept.
+/// A golden picture.
 struct Golden {
     name: String,
     scene: Scene,
@@ -45,7 +45,7 @@ impl Golden {
         self
     }
 
-    /// Under a sky that is seen, instead of the ambient light.
+    /// Shows it under a visible sky instead of the ambient light.
     fn under_sky(mut self) -> Self {
         let light =
             EnvironmentLight { environment: SKY.clone(), rotation: 0.4, intensity: 0.8, visible: true };
@@ -184,7 +184,7 @@ fn all_bits(frame: &Frame) -> Vec<(&'static str, Vec<u32>)> {
     all
 }
 
-/// Takes a picture in every way and compares; returns what went wrong.
+/// Renders a picture in every way and compares; returns the fault, if any.
 fn check(golden: &Golden) -> Option<String> {
     let first = golden.take(SimdLevel::Scalar, 1);
     let expected = all_bits(&first);
@@ -235,7 +235,7 @@ fn write(path: &Path, (width, height): (u32, u32), pixels: &[[u8; 3]]) {
         .unwrap();
 }
 
-/// The kept picture; black where there is none of this size.
+/// Reads the golden picture; black if there is none of this size.
 fn read(path: &Path, (width, height): (u32, u32)) -> Vec<[u8; 3]> {
     let black = vec![[0; 3]; width as usize * height as usize];
     let Ok(bitmap) = read_bitmap(path) else { return black };

@@ -1,4 +1,4 @@
-//! The shadow catcher against closed forms.
+//! The shadow catcher compared with closed forms.
 
 use taotie::image::Image;
 use taotie::math::{Vec3, scalar};
@@ -7,7 +7,7 @@ use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Camera, Falloff, Light, LightKind, Material, Orbit, Scene};
 use taotie::shade::environment::Environment;
 
-/// A horizontal disc of radius 1 at this height, and a speck at height 0 that the ground lies under.
+/// Returns a horizontal disc of radius 1 at this height, and a speck at height 0 that puts the ground below it.
 fn disc(height: f32) -> Scene {
     const CORNERS: u32 = 96;
     let mut positions = vec![Vec3::new(0.0, height, 0.0)];
@@ -24,7 +24,7 @@ fn disc(height: f32) -> Scene {
     Scene::of_mesh(mesh, material).unwrap()
 }
 
-/// Looks at the ground near the origin from a low place.
+/// Returns a camera that looks at the ground near the origin from low above it.
 fn camera(elevation: f64) -> Camera {
     let orbit =
         Orbit { azimuth: 0.0, elevation, distance: 4.0, target: Vec3::new(0.0, 0.0, 0.0), fov_y: 0.4 };
@@ -47,13 +47,13 @@ fn uniform() -> Lighting {
 
 #[test]
 fn a_disc_hides_its_configuration_factor_of_an_even_sky() {
-    // Of a horizontal plane, a disc of radius r at height h straight above covers r² / (r² + h²).
+    // A disc of radius r at height h straight above covers r² / (r² + h²) of a horizontal plane's view.
     let ambient = Lighting { ambient: Vec3::splat(0.4), ..Lighting::default() };
     for (height, hidden) in [(1.0, 0.5), (2.0, 0.2)] {
         for lighting in [&ambient, &uniform()] {
-            // Beside the speck in the middle.
+            // Next to the speck in the middle.
             let [r, g, b, alpha] = picture(&disc(height), lighting, 0.15).pixel(34, 32);
-            assert_eq!([r, g, b], [0.0; 3], "a shadow has no light of its own");
+            assert_eq!([r, g, b], [0.0; 3], "a shadow emits no light");
             assert!((f64::from(alpha) - hidden).abs() < 0.03, "{alpha} for {hidden}");
         }
     }

@@ -1,5 +1,5 @@
-//! Scenes whose squares leave single precision: what they look like means little, but rays through them lead nowhere that
-//! is not there, and nothing panics.
+//! Scenes whose squares overflow single precision: their looks mean little, but rays through them never lead to
+//! missing nodes, and nothing panics.
 
 use crate::scenes;
 use taotie::math::Vec3;
@@ -7,14 +7,14 @@ use taotie::mesh::{Mesh, MeshData};
 use taotie::render::{Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Camera, Material, Orbit, Scene};
 
-/// A ball of this radius, whose tree has children that are not there.
+/// Returns a ball of this radius, whose tree has missing children.
 fn ball(radius: f32) -> Scene {
     let data = Mesh::sphere(1.0, 12, 7).into_data();
     let positions = data.positions.iter().map(|p| *p * radius).collect();
     Scene::of_mesh(Mesh::new(MeshData { positions, ..data }).unwrap(), Material::default()).unwrap()
 }
 
-/// A camera as far away as shows all of it.
+/// Returns a camera far enough away to show all of it.
 fn camera(radius: f64) -> Camera {
     let (azimuth, elevation) = (0.3, 0.2);
     Orbit { azimuth, elevation, distance: 4.0 * radius, target: Vec3::splat(0.0), fov_y: 0.7 }

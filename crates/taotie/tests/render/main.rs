@@ -1,5 +1,6 @@
-//! Pictures: the golden ones, against the reference renderer, against closed forms, against pictures by others.
-#![allow(clippy::print_stdout, clippy::print_stderr, reason = "tests say what they found")]
+//! Pictures: golden ones, and comparisons with the reference renderer, with closed forms, and with pictures by
+//! others.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "tests print their findings")]
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,5 +1,5 @@
-//! Khronos' NormalTangentTest: cells of real relief stand beside cells that have it as a normal map, in several
-//! orientations. Seen head-on, both must have the same normals; a turned or mirrored tangent frame would show.
+//! Khronos' NormalTangentTest: cells of real relief next to cells with the same relief as a normal map, in several
+//! orientations. Seen head-on, both must have the same normals; a rotated or mirrored tangent frame would show.
 
 use crate::common::absent;
 use crate::files::data_files;
@@ -10,7 +10,7 @@ use taotie::scene::Orbit;
 
 const SIDE: u32 = 768;
 
-/// Head-on from so far away that perspective does not part relief from map.
+/// Returns normals seen head-on, from far enough away that perspective does not separate relief from map.
 fn normals(model: &std::path::Path) -> Image {
     let scene = taotie::io::load_model(model).unwrap().scene;
     let bounds = scene.bounds().unwrap();
@@ -26,7 +26,7 @@ fn normals(model: &std::path::Path) -> Image {
     frame.aovs.unwrap().normals
 }
 
-/// Stretches of pixels, from first to last, along a line where anything was seen.
+/// Returns the ranges of pixels, first and last, along a line where anything was seen.
 fn stretches(seen: impl Fn(u32) -> bool) -> Vec<(u32, u32)> {
     let mut found: Vec<(u32, u32)> = Vec::new();
     for i in (0..SIDE).filter(|i| seen(*i)) {
@@ -38,7 +38,7 @@ fn stretches(seen: impl Fn(u32) -> bool) -> Vec<(u32, u32)> {
     found
 }
 
-/// The angles in degrees between the normals of two square cells, within the disc of their relief.
+/// Returns the angles in degrees between the normals of two square cells, within the disc of their relief.
 fn angles(image: &Image, left: (u32, u32), right: (u32, u32), rows: (u32, u32)) -> Vec<f64> {
     let side = (left.1 - left.0).min(right.1 - right.0).min(rows.1 - rows.0);
     let middle = f64::from(side) / 2.0;

@@ -1,5 +1,5 @@
 //! Baked assets under a raking light, compared with the scans that they were baked from:
-//! `docs/decisions/grazing-normals.md`, and the table of poses in `docs/errors.md`.
+//! `docs/decisions/shading.md#grazing-normals`, and the table of poses in `docs/errors.md`.
 
 use crate::hostile::{bare, sheet};
 use crate::scenes;
@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::Path;
 use std::sync::LazyLock;
 use taotie::Progress;
-use taotie::asset::{BakeOptions, Baker, MeshSource, Packing, Scan, VerifyOptions, Written};
+use taotie::asset::{BakeOptions, Baker, MeshSource, Packing, Scan, VerifyOptions, WrittenAsset};
 use taotie::io::load_model;
 use taotie::math::{Vec2, Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
@@ -25,14 +25,14 @@ fn waves(p: V, frequency: f64) -> f64 {
     wave(p.x, 0.0) * wave(p.y, 0.5) * wave(p.z, 1.0)
 }
 
-/// A unit sphere, moved, closed to the bit.
+/// Returns a unit sphere with moved vertices, closed to the bit.
 fn ball(place: impl Fn(V) -> V) -> Mesh {
     let ball = Mesh::sphere(1.0, 160, 80);
     let moved = |p: &Vec3| place(p.to_f64().map(|v| (v * 1e6).round() * 1e-6)).to_f32();
     bare(ball.positions().iter().map(moved).collect(), ball.triangles().to_vec())
 }
 
-/// Bumpy surfaces of about 26,000 triangles.
+/// Returns bumpy surfaces of about 26,000 triangles.
 fn models() -> [(&'static str, Mesh); 5] {
     let cube = |d: V| {
         let eighth = |v: f64| v * v * v * v * v * v * v * v;
@@ -64,7 +64,7 @@ fn models() -> [(&'static str, Mesh); 5] {
     ]
 }
 
-/// The scene in plain grey, its relief kept.
+/// Returns the scene in plain grey, with its relief kept.
 fn grey(mut scene: Scene) -> Scene {
     scene
         .edit(|data| {
@@ -85,7 +85,7 @@ fn grey(mut scene: Scene) -> Scene {
     scene
 }
 
-fn written(scan: &Scan, options: BakeOptions, path: &Path) -> Written {
+fn written(scan: &Scan, options: BakeOptions, path: &Path) -> WrittenAsset {
     let asset = Baker::new(BakeOptions { size: 512, ..options }).bake(scan, Progress::SILENT).unwrap();
     asset.write(path, &Packing::default(), Progress::SILENT).unwrap()
 }
@@ -109,7 +109,7 @@ static PAIRS: LazyLock<Vec<Pair>> = LazyLock::new(|| {
     models().into_iter().map(baked).collect()
 });
 
-/// A camera and a light of strength π, 15° above the plane of the image.
+/// Returns a camera and a light of strength π, 15° above the plane of the image.
 fn pose(pair: &Pair, number: u32) -> (Camera, Lighting) {
     let at = f64::from(number) + 0.5;
     let up = at / f64::from(POSES) * 2.0 - 1.0;
@@ -201,7 +201,7 @@ fn no_lit_relief_is_dark_in_the_asset() {
         eprintln!("{}", sums.row(pair.name));
         assert!(sums.lit > 10_000, "{}: the case shows nothing", pair.name);
         assert_eq!(sums.dark, 0, "{}", pair.name);
-        // Bending normals towards the viewer takes the asset no farther from its scan; the plaque 0.32 %, which is a tie.
+        // Bending normals towards the viewer moves the asset no farther from its scan; for the plaque 0.32 %, a tie.
         let most = if pair.name == "plaque" { 1.004 } else { 1.001 };
         assert!(sums.apart[0] <= most * sums.apart[1], "{}: {:?}", pair.name, sums.apart);
     }
@@ -244,8 +244,8 @@ fn cube(cells: u32) -> MeshData {
     data
 }
 
-/// The normals of the low-poly mesh lean by up to 55°, where its map is right. 16 bits, since on flat sides steps of 8
-/// are all that there is to see.
+/// The normals of the low-poly mesh lean by up to 55°, while its map is right. 16 bits, since on flat sides the steps
+/// of 8 bits are all that would be visible.
 #[test]
 fn a_cube_with_smooth_corners_looks_like_its_scan() {
     let folder = tempfile::tempdir().unwrap();

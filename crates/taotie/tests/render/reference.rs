@@ -1,4 +1,4 @@
-//! The tracer against the rasteriser, closed forms, and itself.
+//! The tracer compared with the rasteriser, closed forms, and itself.
 
 use crate::scenes;
 use crate::skies;
@@ -11,7 +11,7 @@ use taotie::scene::{AlphaMode, NormalSpace};
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
 
-/// Directly lit, both renderers give the same picture but for how they average over pixels.
+/// Under direct light both renderers give the same picture, except for how they average over pixels.
 fn direct_light_agrees(name: &str, view: &View, spp: u32) {
     let raster = render(&view.scene, &view.shot()).unwrap();
     let tracing = ReferenceSettings { spp, bounces: 0, ..ReferenceSettings::default() };
@@ -45,7 +45,7 @@ fn direct_light_on_every_kind_of_normal_is_that_of_the_rasteriser() {
 
 #[test]
 fn direct_light_of_every_kind_of_light_is_that_of_the_rasteriser() {
-    // A plain floor: of a checkered one the rasteriser blurs the far squares.
+    // A plain floor: the rasteriser blurs the far squares of a checkered one.
     let mut scene = scenes::floor_and_mirrored_spheres();
     scene.edit(|scene| scene.materials[1].base_color_texture = None).unwrap();
     let mut view = View::of(scene, scenes::camera(-15.0, 25.0, 6.0));
@@ -61,7 +61,7 @@ fn what_is_seen_through_masks_and_panes_is_as_in_the_rasteriser() {
     let mut view = View::of(scenes::panes(), scenes::camera(10.0, 5.0, 4.5));
     view.settings.shadows = false;
     direct_light_agrees("panes", &view, 128);
-    // Shadows of masks agree too; those of blended panes are the tracer's alone.
+    // Shadows of masks agree too; only the tracer supports those of blended panes.
     let masked = view.scene.edit(|scene| {
         let blended = scene.materials.iter_mut().filter(|material| material.alpha == AlphaMode::Blend);
         blended.for_each(|material| material.alpha = AlphaMode::Mask(0.5));
@@ -71,7 +71,7 @@ fn what_is_seen_through_masks_and_panes_is_as_in_the_rasteriser() {
     direct_light_agrees("masks", &view, 64);
 }
 
-/// A sphere with relief on a floor, under a sky with small bright parts and one light.
+/// Returns a sphere with relief on a floor, under a sky with small bright parts and one light.
 fn rich() -> View {
     let mut view = View::under(
         environment_of(skies::speckled(64)),
@@ -96,7 +96,7 @@ fn threads_and_simd_change_no_bit_and_seeds_do() {
     let taken = |view: &View, tracing: &ReferenceSettings, threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let frame = pool.install(|| view.traced(tracing));
-        let aovs = frame.aovs.as_ref().expect("they were asked for");
+        let aovs = frame.aovs.as_ref().expect("they were requested");
         let mut all = vec![bits(&frame.color)];
         all.extend(aovs.named().map(|(_, image)| bits(image)));
         all
@@ -114,7 +114,7 @@ fn threads_and_simd_change_no_bit_and_seeds_do() {
     assert!(2 * differ > first[0].len(), "another seed changes only {differ} numbers");
 }
 
-/// The slope of the line through points, by least squares.
+/// Returns the slope of the line through points, by least squares.
 fn slope(points: &[[f64; 2]]) -> f64 {
     let n = points.len() as f64;
     let mean = [0, 1].map(|i| points.iter().map(|p| p[i]).sum::<f64>() / n);

@@ -1,4 +1,4 @@
-//! The tracer's light against closed forms: furnaces, closed boxes, configuration factors.
+//! The tracer's light compared with closed forms: furnaces, closed boxes, configuration factors.
 
 use crate::scenes;
 use crate::skies;
@@ -108,7 +108,8 @@ fn light_between_the_walls_of_a_closed_box_is_a_geometric_series() {
     assert_mean("all bounces", &view.traced(&tracing).color, f64::from(emitted / (1.0 - albedo)), 1e-4);
 }
 
-/// A rectangle above the origin that shines down and that cameras above look through, since they see its back.
+/// Returns a rectangle above the origin that shines down and that cameras above look through, since they see its
+/// back.
 fn lamp(half: [f32; 2], height: f32) -> Mesh {
     let corner = Vec3::new(-half[0], -half[1], height);
     scenes::rectangle(corner, Vec3::new(0.0, 2.0 * half[1], 0.0), Vec3::new(2.0 * half[0], 0.0, 0.0), 1.0)
@@ -200,7 +201,7 @@ fn mirrors_show_the_environment_where_it_lies() {
         let environment = view.lighting.environment.as_mut().unwrap();
         environment.rotation = rotation;
         environment.intensity = 2.0;
-        // Seen from 0.6 radians to the right of +z, the wall mirrors what lies as far to the left.
+        // Seen from 0.6 radians to the right of +z, the wall mirrors what is as far to the left.
         let mirrored = Vec3::new(-scalar::sin(0.6), 0.0, scalar::cos(0.6));
         let (sin, cos) = (scalar::sin(-rotation), scalar::cos(-rotation));
         let turned = Vec3::new(mirrored.x * cos + mirrored.z * sin, 0.0, mirrored.z * cos - mirrored.x * sin);

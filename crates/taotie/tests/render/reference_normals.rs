@@ -21,7 +21,7 @@ const GROOVED: ReferenceSettings = ReferenceSettings {
     environment: EnvironmentSampling::Combined,
 };
 
-/// A wall whose map leans by `tilt_deg` to the left, where the camera is not. Returns it with the cosine of the map's tilt.
+/// Returns a wall whose map leans by `tilt_deg` to the left, away from the camera, with the cosine of the map's tilt.
 fn leaning_wall(material: Material, tilt_deg: f64, n_dot_v: f64, sky: EnvironmentLight) -> (View, f64) {
     let tilt = tilt_deg.to_radians();
     let mut view = wall_view(material, n_dot_v, sky);
@@ -43,7 +43,7 @@ fn a_white_matt_map_in_a_furnace_reflects_the_cosine_of_its_tilt() {
             view.settings.shading = Shading::Lambert;
             let what = format!("grooves of {tilt}° seen at {n_dot_v}");
             assert_mean(&what, &view.traced(&GROOVED).color, cosine, 1e-3);
-            // Of the hemisphere about the mapped normal, a part lies below the wall, which is in its way.
+            // Part of the hemisphere about the mapped normal is below the wall, which occludes it.
             view.settings.grazing_normals = GrazingNormals::Keep;
             let classic = ReferenceSettings { normal_mapping: NormalMapping::Classic, ..GROOVED };
             let what = format!("a classic map of {tilt}° seen at {n_dot_v}");
@@ -52,7 +52,7 @@ fn a_white_matt_map_in_a_furnace_reflects_the_cosine_of_its_tilt() {
     }
 }
 
-/// In a white room a surface under a map returns no more than arrives, by the default treatment of grazing normals.
+/// In a white room a mapped surface returns no more than arrives, with the default treatment of grazing normals.
 #[test]
 fn no_bent_normal_makes_light() {
     let classic = ReferenceSettings { normal_mapping: NormalMapping::Classic, ..GROOVED };

@@ -1,4 +1,4 @@
-//! Light on mapped normals: what occlusion darkens, and what softened grazing normals mend.
+//! Light on mapped normals: the effect of occlusion, and of softened grazing normals.
 
 use crate::finishes::{metal, polished_bosses, sphere};
 use crate::scenes;
@@ -20,7 +20,7 @@ fn white_sky() -> Lighting {
     Lighting { environment: Some(light), ..Lighting::default() }
 }
 
-/// Light from the half of all directions behind the camera, by the cosine.
+/// Returns light from the hemisphere behind the camera, cosine-weighted.
 fn sky_behind_the_camera() -> Lighting {
     let image = equirect(64, |d| Vec3::splat(d.z.max(0.0)));
     let environment = Environment::new(image).unwrap().into();
@@ -28,7 +28,7 @@ fn sky_behind_the_camera() -> Lighting {
     Lighting { environment: Some(light), ..Lighting::default() }
 }
 
-/// A lamp beside the camera, as a share of the way to the side.
+/// Returns a lamp next to the camera, moved aside by this share of the way.
 fn lamp(aside: f64) -> Lighting {
     let direction = Vec3::new(-aside as f32, 0.0, -1.0);
     Lighting { lights: vec![scenes::directional(direction, 3.0)], ..Lighting::default() }
@@ -45,14 +45,14 @@ fn soft(scene: &Scene, lighting: &Lighting) -> Image {
     picture(scene, lighting, GrazingNormals::Soften)
 }
 
-/// A sphere, with an occlusion map that says `occlusion` everywhere, or none.
+/// Returns a sphere with an occlusion map of constant `occlusion`, or without one.
 fn occluded(material: &Material, occlusion: Option<f64>) -> Scene {
     let map = scenes::texture(4, Encoding::Linear, |_, _| [occlusion.unwrap_or(1.0), 0.0, 0.0, 1.0]);
     let texture = occlusion.map(|_| scenes::plain(0));
     sphere(Material { occlusion_texture: texture, ..material.clone() }, vec![map])
 }
 
-/// Occlusion as 8 bits store it.
+/// Occlusion as stored in 8 bits.
 const OCCLUSION: f64 = 102.0 / 255.0;
 
 #[test]
@@ -96,7 +96,7 @@ fn occlusion_takes_of_reflections_what_lagarde_says() {
     }
 }
 
-/// The light of each pixel near the silhouette as a share of what the surface without its map shows there, rising.
+/// Returns the light of each pixel near the silhouette relative to the surface without its map, in ascending order.
 fn fringe(image: &Image, smooth: &Image) -> Vec<f32> {
     let light = |p: [f32; 4]| p[0] + p[1] + p[2];
     let near = |x: u32, y: u32| {
@@ -122,8 +122,8 @@ fn softened_normals_have_no_black_fringe() {
         scene.edit(|scene| scene.materials[0].metallic = metallic).unwrap();
         scene
     };
-    // Kept normals that point away from the viewer see a lamp or a sky behind the camera no more. Measured, as shares
-    // of the smooth surface's light: under the lamp 84 of 964 pixels kept are black, softened none is below 0.671;
+    // Kept normals that point away from the viewer do not see a lamp or a sky behind the camera. Measured, as shares
+    // of the smooth surface's light: under the lamp 84 of 964 kept pixels are black, no softened one is below 0.671;
     // under the sky the darkest has 0.358 and 0.785, and what a metal mirrors 0.00007 and 0.2516.
     let cases = [
         ("lamp", 0.0, lamp(0.0), [0.0, 0.66]),
@@ -138,8 +138,8 @@ fn softened_normals_have_no_black_fringe() {
         let [kept, softened] = [GrazingNormals::Keep, GrazingNormals::Soften]
             .map(|way| fringe(&picture(&bumpy, &lighting, way), &plain));
         eprintln!("{what}: of {} the darkest {} kept, {} softened", kept.len(), kept[0], softened[0]);
-        assert!(kept[0] <= dark, "{what}: {} is dark no more: the case shows nothing", kept[0]);
-        assert!(softened[0] >= light, "{what}: {} is left", softened[0]);
+        assert!(kept[0] <= dark, "{what}: {} is no longer dark: the case shows nothing", kept[0]);
+        assert!(softened[0] >= light, "{what}: only {}", softened[0]);
     }
 }
 

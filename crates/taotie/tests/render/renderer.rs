@@ -1,4 +1,4 @@
-//! A renderer that keeps its memory takes the pictures that a new one would take.
+//! A renderer that reuses its memory renders the same pictures as a new one.
 
 use crate::scenes;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ fn what_was_taken_before_changes_no_bit() {
         ..Lighting::default()
     };
     let every = Lighting { lights: scenes::every_light(), ..one.clone() };
-    // Other sizes, cameras, numbers of samples and lights, in both directions.
+    // Different sizes, cameras, sample counts and lights, in both directions.
     let pictures = [
         (scenes::camera(20.0, 10.0, 4.0), &every, settings(150, 90, 4, true)),
         (scenes::camera(70.0, 35.0, 3.0), &one, settings(70, 130, 1, false)),
@@ -30,16 +30,16 @@ fn what_was_taken_before_changes_no_bit() {
     let mut codes = Vec::new();
     for (camera, lighting, settings) in &pictures {
         let shot = Shot { camera, lighting, settings };
-        let alone = render(&scene, &shot).unwrap();
-        assert!(alone.color.pixels().iter().any(|pixel| pixel[3] > 0.0), "nothing is seen");
+        let fresh = render(&scene, &shot).unwrap();
+        assert!(fresh.color.pixels().iter().any(|pixel| pixel[3] > 0.0), "nothing is seen");
         let frame = renderer.render(&shot, Progress::SILENT).unwrap();
-        assert!(frame.color.pixels() == alone.color.pixels());
-        if let (Some(kept), Some(alone)) = (&frame.aovs, &alone.aovs) {
-            for ((name, kept), (_, alone)) in kept.named().into_iter().zip(alone.named()) {
-                assert!(kept.pixels() == alone.pixels(), "{name}");
+        assert!(frame.color.pixels() == fresh.color.pixels());
+        if let (Some(kept), Some(fresh)) = (&frame.aovs, &fresh.aovs) {
+            for ((name, kept), (_, fresh)) in kept.named().into_iter().zip(fresh.named()) {
+                assert!(kept.pixels() == fresh.pixels(), "{name}");
             }
         }
         renderer.develop(&shot, &development, &mut codes, Progress::SILENT).unwrap();
-        assert!(codes == develop8(&alone.color, &development).unwrap());
+        assert!(codes == develop8(&fresh.color, &development).unwrap());
     }
 }

@@ -1,4 +1,4 @@
-//! In a room that is white everywhere, a white thing that keeps its energy cannot be seen.
+//! In a room that is white everywhere, a white object that conserves energy is invisible.
 
 use crate::finishes;
 use crate::scenes;
@@ -19,7 +19,7 @@ fn room() -> Lighting {
     Lighting { environment: Some(light), ..Lighting::default() }
 }
 
-/// The least and the greatest channel of a sphere's picture in the room.
+/// Returns the minimum and maximum channel of a sphere's picture in the room.
 fn extremes_with(material: Material, change: impl FnOnce(&mut RenderSettings)) -> [f32; 2] {
     let mut settings = RenderSettings { width: 64, height: 64, samples: 1, ..RenderSettings::default() };
     change(&mut settings);
@@ -61,7 +61,7 @@ fn white_metals_and_dielectrics_are_unseen() {
 fn single_scattering_darkens_a_rough_metal() {
     let material = finishes::metal(WHITE, 1.0);
     let [least, _] = extremes_with(material, |settings| settings.energy = Energy::Single);
-    // In the middle, where n·v is 1, exactly 1 − ln 2 of the light returns.
+    // In the middle, at n·v = 1, exactly 1 − ln 2 of the light returns.
     assert!((f64::from(least) - (1.0 - std::f64::consts::LN_2)).abs() < 5e-3, "{least}");
 }
 
@@ -101,7 +101,7 @@ fn cook_torrance_metals_and_lambert_are_unseen_too() {
 
 #[test]
 fn relief_of_white_metal_is_unseen_but_where_it_mirrors_into_itself() {
-    // The horizon takes light from mapped normals; nowhere is anything added.
+    // The horizon takes light from mapped normals; nothing is added anywhere.
     let mut scene = finishes::polished_bosses(1.0, 0.4);
     scene.edit(|scene| scene.materials[0].base_color = [1.0; 4]).unwrap();
     let settings = RenderSettings { width: 96, height: 96, samples: 1, ..RenderSettings::default() };

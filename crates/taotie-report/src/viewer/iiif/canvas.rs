@@ -1,4 +1,4 @@
-//! The manifest by version 3 of the Presentation API, which knows models but no scenes: a canvas that stands for the model.
+//! The manifest for version 3 of the Presentation API, which has models but no scenes: a canvas represents the model.
 
 use super::outline::{Outline, comment, label};
 use crate::viewer::Bookmark;
@@ -6,21 +6,21 @@ use serde_json::{Value, json};
 
 const CONTEXT: &str = "http://iiif.io/api/presentation/3/context.json";
 
-/// Units along the canvas's sides, which have no meaning here.
+/// The sides of the canvas, whose units have no meaning here.
 const SIDE: u32 = 1000;
 
-pub(super) fn manifest(told: &Outline, base: &str) -> Value {
+pub(super) fn manifest(outline: &Outline, base: &str) -> Value {
     let canvas = format!("{base}canvas");
     let page = json!({
         "id": format!("{base}index.html"),
         "type": "Text",
-        "label": label(&told.title),
+        "label": label(&outline.title),
         "format": "text/html",
     });
     let mut shown = json!({
         "id": canvas,
         "type": "Canvas",
-        "label": label(&told.title),
+        "label": label(&outline.title),
         "width": SIDE,
         "height": SIDE,
         "items": [{
@@ -35,8 +35,8 @@ pub(super) fn manifest(told: &Outline, base: &str) -> Value {
             }],
         }],
     });
-    if !told.bookmarks.is_empty() {
-        let comments = told.bookmarks.iter().enumerate();
+    if !outline.bookmarks.is_empty() {
+        let comments = outline.bookmarks.iter().enumerate();
         shown["annotations"] = json!([{
             "id": format!("{base}canvas/comments"),
             "type": "AnnotationPage",
@@ -47,17 +47,17 @@ pub(super) fn manifest(told: &Outline, base: &str) -> Value {
         "@context": CONTEXT,
         "id": format!("{base}manifest-3.json"),
         "type": "Manifest",
-        "label": label(&told.title),
+        "label": label(&outline.title),
         "rendering": [page],
         "items": [shown],
     });
-    if !told.facts.is_empty() {
-        all["metadata"] = told.metadata().into();
+    if !outline.facts.is_empty() {
+        all["metadata"] = outline.metadata().into();
     }
     all
 }
 
-/// A comment with the link of its view.
+/// Returns a comment with the link to its view.
 fn commented(number: usize, bookmark: &Bookmark, base: &str) -> Value {
     let text = format!("{}\n{base}index.html#{}", comment(bookmark), bookmark.link);
     json!({

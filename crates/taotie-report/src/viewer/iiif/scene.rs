@@ -1,5 +1,5 @@
-//! The manifest by version 4 of the Presentation API: a scene with its model, and for each view a camera, lights and a
-//! comment. `viewer/src/iiif.ts` writes the same.
+//! The manifest for version 4 of the Presentation API: a scene with its model, and for each view a camera, lights and
+//! a comment. `viewer/src/iiif.ts` writes the same.
 
 use super::outline::{Outline, comment, label};
 use super::view::{Directional, View, six_digits};
@@ -10,15 +10,15 @@ use taotie::math::Vec3;
 
 const CONTEXT: &str = "http://iiif.io/api/presentation/4/context.json";
 
-pub(super) fn manifest(told: &Outline, base: &str) -> Value {
-    let scene = Scene { told, base };
-    let links = std::iter::once("").chain(told.bookmarks.iter().map(|bookmark| bookmark.link.as_str()));
-    let views: Vec<View> = links.filter_map(|link| View::of(link, told)).collect();
+pub(super) fn manifest(outline: &Outline, base: &str) -> Value {
+    let scene = Scene { outline, base };
+    let links = std::iter::once("").chain(outline.bookmarks.iter().map(|bookmark| bookmark.link.as_str()));
+    let views: Vec<View> = links.filter_map(|link| View::of(link, outline)).collect();
     let painted = views.iter().enumerate().flat_map(|(number, view)| scene.painted(number, view));
     let mut shown = json!({
         "id": scene.id(),
         "type": "Scene",
-        "label": label(&told.title),
+        "label": label(&outline.title),
         "items": [{
             "id": format!("{base}scene/page"),
             "type": "AnnotationPage",
@@ -37,19 +37,19 @@ pub(super) fn manifest(told: &Outline, base: &str) -> Value {
         "@context": CONTEXT,
         "id": format!("{base}manifest.json"),
         "type": "Manifest",
-        "label": label(&told.title),
+        "label": label(&outline.title),
         "items": [shown],
     });
-    if !told.facts.is_empty() {
-        all["metadata"] = told.metadata().into();
+    if !outline.facts.is_empty() {
+        all["metadata"] = outline.metadata().into();
     }
     all
 }
 
-/// The scene that annotations are put into. The first view is the one that is seen first; others are hidden until their
-/// comment is chosen.
+/// The scene to which annotations are added. The first view is shown initially; others are hidden until their comment
+/// is selected.
 struct Scene<'a> {
-    told: &'a Outline,
+    outline: &'a Outline,
     base: &'a str,
 }
 
@@ -68,7 +68,7 @@ impl Scene<'_> {
         })
     }
 
-    /// The camera and the lights of a view.
+    /// Returns the camera and the lights of a view.
     fn painted(&self, number: usize, view: &View) -> Vec<Value> {
         let camera = json!({
             "id": format!("{}scene/views/{number}/camera", self.base),
@@ -90,7 +90,7 @@ impl Scene<'_> {
     }
 
     fn light(&self, [number, i]: [usize; 2], light: &Directional) -> Value {
-        // A white matte surface that faces a light of strength π sends as much as a screen can show.
+        // A white matte surface facing a light of strength π reflects the maximum that a screen can show.
         let (color, intensity) = colored(light.color, PI);
         let body = json!({
             "id": format!("{}scene/views/{number}/light/{i}", self.base),
@@ -99,11 +99,11 @@ impl Scene<'_> {
             "intensity": relative(intensity),
             "lookAt": point(self.center()),
         });
-        let radius = self.told.camera.map_or(1.0, |camera| camera.radius);
+        let radius = self.outline.camera.map_or(1.0, |camera| camera.radius);
         self.annotation(number, body, self.center() + light.to * (2.0 * radius))
     }
 
-    /// An annotation that puts something into the scene.
+    /// Returns an annotation that adds something to the scene.
     fn annotation(&self, number: usize, body: Value, place: Vec3<f64>) -> Value {
         let id = format!("{}/annotation", body["id"].as_str().unwrap_or_default());
         let mut made = json!({
@@ -119,10 +119,10 @@ impl Scene<'_> {
         made
     }
 
-    /// The comment of a view, and what is shown when it is chosen.
+    /// Returns the comment of a view, and the annotation that shows the view when the comment is selected.
     fn commented(&self, number: usize, view: &View) -> [Value; 2] {
         let id = format!("{}scene/comments/{number}", self.base);
-        let text = self.told.bookmarks.get(number - 1).map(comment);
+        let text = self.outline.bookmarks.get(number - 1).map(comment);
         let shown = |source: &Value| {
             json!({
                 "id": format!("{}/shown", source["id"].as_str().unwrap_or_default()),
@@ -148,7 +148,7 @@ impl Scene<'_> {
         [comment, activating]
     }
 
-    /// A place in the scene.
+    /// Returns a position in the scene.
     fn target(&self, id: &str, place: Vec3<f64>) -> Value {
         json!({
             "id": id,
@@ -159,7 +159,7 @@ impl Scene<'_> {
     }
 
     fn center(&self) -> Vec3<f64> {
-        self.told.camera.map_or(Vec3::splat(0.0), |camera| Vec3::from_array(camera.center))
+        self.outline.camera.map_or(Vec3::splat(0.0), |camera| Vec3::from_array(camera.center))
     }
 }
 
@@ -172,7 +172,8 @@ fn relative(intensity: f64) -> Value {
     json!({ "type": "Quantity", "quantityValue": six_digits(intensity), "unit": "relative" })
 }
 
-/// A light's colour in codes of sRGB, its strongest channel full, and its intensity beside `full`, at most 1.
+/// Returns a light's colour in sRGB, scaled so that its strongest channel is full, and its intensity relative to
+/// `full`, at most 1.
 fn colored(light: [f64; 3], full: f64) -> (String, f64) {
     let most = light.into_iter().fold(0.0, f64::max);
     let code = |channel: f64| {

@@ -1,29 +1,29 @@
-//! A view by its link: where the camera is, and the lights.
+//! Reads the camera and the lights of a view from its link.
 
 use super::outline::Outline;
 use taotie::math::{Vec3, scalar};
 
-/// A view as a scene holds it.
+/// A view in a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct View {
     pub eye: Vec3<f64>,
     pub target: Vec3<f64>,
     pub fov_y: f64,
     pub lights: Vec<Directional>,
-    /// Radiance from all around.
+    /// Ambient radiance.
     pub fill: [f64; 3],
 }
 
-/// Parallel light from a direction.
+/// A directional light.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Directional {
-    /// Unit, to the light.
+    /// Unit vector to the light.
     pub to: Vec3<f64>,
     /// Linear RGB.
     pub color: [f64; 3],
 }
 
-/// What a link says, in the words of `viewer/src/state.ts`; its defaults are those of a page.
+/// The state in a link, in the format of `viewer/src/state.ts` and with the defaults of the page.
 struct Link<'a> {
     pairs: Vec<(&'a str, &'a str)>,
 }
@@ -45,9 +45,9 @@ impl<'a> Link<'a> {
 }
 
 impl View {
-    /// The view of a link; `None` where the page has no camera.
-    pub fn of(link: &str, told: &Outline) -> Option<Self> {
-        let (link, orbit) = (Link::new(link), told.camera?);
+    /// Returns the view of a link; `None` if the page has no camera.
+    pub fn of(link: &str, outline: &Outline) -> Option<Self> {
+        let (link, orbit) = (Link::new(link), outline.camera?);
         let [azimuth, elevation, distance] =
             link.numbers("view", [orbit.azimuth, orbit.elevation, orbit.distance].map(six_digits));
         let target = Vec3::from_array(link.numbers("target", orbit.target.map(six_digits)));
@@ -58,14 +58,14 @@ impl View {
             eye: target + back * distance,
             target,
             fov_y: orbit.fov_y,
-            lights: if raking { vec![link.raking([azimuth, elevation])] } else { given(told) },
-            fill: if raking { [fill; 3] } else { told.ambient.map(f64::from) },
+            lights: if raking { vec![link.raking([azimuth, elevation])] } else { given(outline) },
+            fill: if raking { [fill; 3] } else { outline.ambient.map(f64::from) },
         })
     }
 }
 
 impl Link<'_> {
-    /// The raking light before a camera at these angles.
+    /// Returns the raking light for a camera at these angles.
     fn raking(&self, camera: [f64; 2]) -> Directional {
         let local = direction(self.numbers("from", [-60.0, 20.0]));
         let [strength] = self.numbers("strength", [3.0]);
@@ -74,22 +74,22 @@ impl Link<'_> {
     }
 }
 
-/// The parallel lights among those that the page was given.
-fn given(told: &Outline) -> Vec<Directional> {
+/// Returns the directional lights among those of the page.
+fn given(outline: &Outline) -> Vec<Directional> {
     let light = |numbers: &[f32; 16]| {
         let [x, y, z, kind, r, g, b, ..] = numbers.map(f64::from);
         (kind == 0.0).then(|| Directional { to: Vec3::new(x, y, z), color: [r, g, b] })
     };
-    told.lights.iter().filter_map(light).collect()
+    outline.lights.iter().filter_map(light).collect()
 }
 
-/// The unit direction at an azimuth to the right of +z and an elevation above, degrees.
+/// Returns the unit direction at an azimuth to the right of +z and an elevation above the horizon, degrees.
 fn direction([azimuth, elevation]: [f64; 2]) -> Vec3<f64> {
     let (a, e) = (azimuth.to_radians(), elevation.to_radians());
     Vec3::new(scalar::sin(a) * scalar::cos(e), scalar::sin(e), scalar::cos(a) * scalar::cos(e))
 }
 
-/// A direction before the camera in world space.
+/// Transforms a direction relative to the camera to world space.
 fn turned(local: Vec3<f64>, [azimuth, elevation]: [f64; 2]) -> Vec3<f64> {
     let back = direction([azimuth, elevation]);
     let a = azimuth.to_radians();
@@ -97,7 +97,7 @@ fn turned(local: Vec3<f64>, [azimuth, elevation]: [f64; 2]) -> Vec3<f64> {
     right * local.x + back.cross(right) * local.y + back * local.z
 }
 
-/// A number in the six digits that links have; 0 has no sign.
+/// Rounds a number to the six digits used in links; 0 has no sign.
 pub(super) fn six_digits(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value) + 0.0
 }
@@ -107,7 +107,7 @@ mod tests {
     use super::*;
     use crate::viewer::camera::Orbit;
 
-    fn told() -> Outline {
+    fn outline() -> Outline {
         let camera = Orbit {
             azimuth: 90.0,
             elevation: 0.0,
@@ -136,8 +136,8 @@ mod tests {
     }
 
     #[test]
-    fn without_a_link_it_is_the_first_view_in_its_parallel_lights() {
-        let view = View::of("", &told()).unwrap();
+    fn an_empty_link_is_the_initial_view_with_its_directional_lights() {
+        let view = View::of("", &outline()).unwrap();
         assert_close(view.eye, [4.0, 0.0, 0.0]);
         assert_eq!((view.lights.len(), view.fill), (1, [f64::from(0.1f32); 3]));
         assert_close(view.lights[0].to, [0.0, 1.0, 0.0]);
@@ -145,10 +145,10 @@ mod tests {
 
     #[test]
     fn a_link_moves_camera_and_light() {
-        let of = |link| View::of(link, &told()).unwrap();
+        let of = |link| View::of(link, &outline()).unwrap();
         let view = of("view=0,90,2&target=1,0,0&light=raking&from=0,90&strength=2&fill=0");
         assert_close(view.eye, [1.0, 2.0, 0.0]);
-        // The camera looks down, and above it is −z.
+        // The camera looks down, and its up direction is −z.
         assert_close(view.lights[0].to, [0.0, 0.0, -1.0]);
         assert_eq!((view.lights[0].color, view.fill), ([2.0; 3], [0.0; 3]));
         assert_close(of("light=raking&from=0,90&fixed=object").lights[0].to, [0.0, 1.0, 0.0]);

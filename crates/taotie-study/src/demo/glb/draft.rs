@@ -1,10 +1,10 @@
-//! The common part of both files: the mesh with its material.
+//! The part common to both files: the mesh with its material.
 
 use taotie::Result;
 use taotie::io::{GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfLevel, GltfMaterial};
 use taotie::mesh::Mesh;
 
-/// Begins a file of the vessel with the texture files of its scene; `normals` names that of its relief.
+/// Starts a file for the vessel with the texture files of its scene; `normals` is the one for its relief.
 pub(super) fn draft(mesh: &Mesh, normals: Option<&str>) -> Result<GltfDraft> {
     let levels = [GltfLevel { mesh, coverage: None }];
     let asset =
@@ -12,7 +12,7 @@ pub(super) fn draft(mesh: &Mesh, normals: Option<&str>) -> Result<GltfDraft> {
     GltfDraft::new(&asset, &GltfFormat::default())
 }
 
-/// As the scene of the vessel has it.
+/// Returns the material of the vessel's scene.
 fn material(normals: Option<&str>) -> GltfMaterial<'_> {
     let orm = Some(GltfImage::File("jue_orm.png"));
     GltfMaterial {

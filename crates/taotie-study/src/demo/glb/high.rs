@@ -9,7 +9,7 @@ use taotie::mesh::Mesh;
 /// Writes `mesh`, the vessel with its relief as geometry, to `jue-high.glb`; returns the file.
 ///
 /// # Errors
-/// Those of writing.
+/// Those of writing files.
 pub fn write(output: &Output<'_>, mesh: &Mesh) -> Result<PathBuf> {
     let path = output.folder.join("jue-high.glb");
     draft(mesh, None)?.write_glb_in(output.files, &path)?;
@@ -25,7 +25,7 @@ mod tests {
     use taotie::io;
 
     #[test]
-    fn the_file_holds_the_mesh() {
+    fn the_file_contains_the_mesh() {
         let folder = tempfile::tempdir().unwrap();
         let ours = &jue::displaced_mesh(0.004);
         let written = io::FileSet::one(|files| {
@@ -38,7 +38,7 @@ mod tests {
         let read = &loaded.scene.meshes()[0];
         assert_eq!(read.positions(), ours.positions());
         assert_eq!((read.uvs(), read.triangles()), (ours.uvs(), ours.triangles()));
-        // The reader makes normals unit to the last bit.
+        // The reader normalises normals to the last bit.
         let mut normals = read.normals().iter().zip(ours.normals());
         assert!(normals.all(|(a, b)| (*a - *b).length() < 1e-6));
         assert!(loaded.scene.materials()[0].normal.is_none());

@@ -1,4 +1,4 @@
-//! The vessel as GLB files, their textures beside them as [`super::export`] writes them.
+//! The vessel as GLB files, with the texture files written by [`super::export`] next to them.
 
 mod draft;
 mod high;

@@ -12,13 +12,13 @@ use taotie::math::Mat4;
 use taotie::mesh::deform::Binding;
 use taotie::scene::animation::{Node, RigData, Sampler, Transform};
 
-/// The number of the rig's first node in the file.
+/// The index of the rig's first node in the file.
 const FIRST: usize = 1;
 
 /// Writes `jue-pouring.glb`; returns the file.
 ///
 /// # Errors
-/// Those of writing.
+/// Those of writing files.
 pub fn write(output: &Output<'_>, vessel: &Vessel) -> Result<PathBuf> {
     let path = output.folder.join("jue-pouring.glb");
     let mut draft = draft(vessel.mesh(), Some("jue_normal.png"))?;
@@ -28,7 +28,7 @@ pub fn write(output: &Output<'_>, vessel: &Vessel) -> Result<PathBuf> {
     Ok(path)
 }
 
-/// Hangs the mesh, which is node 0, on the rig, whose nodes come after it.
+/// Attaches the mesh, which is node 0, to the rig, whose nodes come after it.
 fn add_rig(draft: &mut GltfDraft, data: &RigData) -> Result<()> {
     let skin = &data.skins[0];
     if let Some(binding) = &data.deformed[0].shape.binding {
@@ -48,7 +48,7 @@ fn add_rig(draft: &mut GltfDraft, data: &RigData) -> Result<()> {
     draft.put("", "animations", Json::of(&[animation])?)
 }
 
-/// glTF counts joints and weights by fours; joints that a vertex does not follow are joint 0.
+/// Adds joints and weights in fours, as glTF requires; unused entries are joint 0.
 fn add_binding(draft: &mut GltfDraft, binding: &Binding) -> Result<()> {
     let vertices = binding.weights.len() / binding.per_vertex;
     let followed = |vertex: usize, k: usize| {

@@ -1,4 +1,4 @@
-//! The errors of a low-poly vessel's normals against the truth, at rest and poured.
+//! The normal errors of a low-poly vessel compared with the ground truth, at rest and poured.
 
 use super::pouring::Pouring;
 use super::rig::POURED;
@@ -11,28 +11,29 @@ use taotie::render::{Aovs, Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Camera, Scene};
 use taotie::{Error, Result};
 
-/// The rule of measurement in words.
-pub const RULE: &str = "angle between the normal drawn and that of the displaced mesh under the same skin at the same uv, \
-    its normal taken from the moved surface; over the pixels of triangles whose corners all move by a millimetre or \
-    more, seen by a camera that goes with the cup, so that the same surface is seen at rest and poured";
+/// The measurement rule in words.
+pub const RULE: &str = "angle between the rendered normal and that of the displaced mesh under the same skin at the \
+    same uv, with its normal taken from the moved surface; over the pixels of triangles whose corners all move by \
+    at least a millimetre, seen by a camera that moves with the cup, so that the same surface is seen at rest and \
+    poured";
 
-/// A corner that moves less stands still, metres.
+/// Corners that move less count as stationary, metres.
 const MOVED: f32 = 0.001;
 
-/// From where normals are looked at.
+/// The camera for looking at normals.
 #[derive(Debug, Clone)]
 pub struct Eye {
-    /// The camera at rest; it goes with the cup.
+    /// The camera at rest; it moves with the cup.
     pub camera: Camera,
-    /// Pixels along a side.
+    /// The side of the picture, pixels.
     pub side: u32,
 }
 
-/// Returns the angular errors of a vessel with a normal map, at rest and poured, degrees; [`RULE`] says over which
-/// pixels. `truths` are those of the two moments.
+/// Returns the angular errors of a vessel with a normal map, at rest and poured, degrees; [`RULE`] states which
+/// pixels count. `truths` are those of the two moments.
 ///
 /// # Errors
-/// [`Error::Invalid`] where the camera sees nothing that moves.
+/// [`Error::Invalid`] if the camera sees nothing that moves.
 pub fn angular_errors(vessel: &mut Pouring, truths: &[Truth; 2], eye: &Eye) -> Result<[Summary; 2]> {
     let moved = moved(vessel)?;
     let mut error_at = |seconds: f64, truth: &Truth| {
@@ -49,7 +50,7 @@ fn nothing_seen() -> Error {
     Error::invalid("angular errors", "the camera sees nothing that moves")
 }
 
-/// For each triangle of the low mesh, whether it moves.
+/// Returns for each triangle of the low mesh whether it moves.
 fn moved(vessel: &mut Pouring) -> Result<Vec<bool>> {
     let mesh = |scene: &Scene| scene.meshes()[0].clone();
     let (rest, poured) = (mesh(vessel.at(0.0)?), mesh(vessel.at(POURED)?));
@@ -61,7 +62,7 @@ fn moved(vessel: &mut Pouring) -> Result<Vec<bool>> {
 }
 
 impl Pouring {
-    /// Draws what a camera that goes with the cup sees at a moment.
+    /// Renders the view of a camera that moves with the cup, at a moment.
     fn seen_from(&mut self, eye: &Eye, seconds: f64) -> Result<Aovs> {
         let mut camera = eye.camera.clone();
         camera.world_from_view = self.motion(seconds)? * camera.world_from_view;
@@ -74,7 +75,7 @@ impl Pouring {
     }
 }
 
-/// The normals of the truth at the uvs seen.
+/// Returns the normals of the ground truth at the visible uvs.
 fn normals_of(truth: &Truth, seen: &Aovs) -> Image {
     let mut normals = seen.uv.clone();
     normals.pixels_mut().par_iter_mut().for_each(|pixel| {

@@ -1,8 +1,8 @@
-//! The vessel pours: feet on the ground, the cup tips over its spout and leans back, and the legs bend between.
+//! The pouring vessel: the feet stay on the ground, the cup tips over its spout and back, and the legs bend.
 //!
-//! A skin of two joints does it. The foot's joint stands still; the cup's turns about a point between the roots of the
-//! legs. How far a point follows the cup is a smooth function of its height alone, so that the low mesh and the
-//! displaced one, whose vertices are elsewhere, move alike.
+//! A skin with two joints animates it. The joint of the feet is fixed; that of the cup turns about a point between
+//! the roots of the legs. How far a point follows the cup is a smooth function of only its height, so that the low
+//! mesh and the displaced one, whose vertices differ, move alike.
 
 mod errors;
 mod pouring;

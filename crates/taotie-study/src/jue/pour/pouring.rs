@@ -1,4 +1,4 @@
-//! A vessel at moments of its pouring.
+//! A vessel at different moments of pouring.
 
 use super::rig::{CUP, PIVOT, rig};
 use taotie::math::Mat4;
@@ -7,17 +7,18 @@ use taotie::scene::Scene;
 use taotie::scene::animation::Rig;
 use taotie::{Error, Result, Warnings};
 
-/// A vessel that can be brought to moments of its pouring.
+/// A vessel that can be posed at any moment of pouring.
 pub struct Pouring {
     scene: Scene,
     rig: Rig,
 }
 
 impl Pouring {
-    /// Takes a scene as [`crate::jue::scene`] makes it. Tangents are bound to the mesh where its normal map needs them.
+    /// Creates a pouring vessel from a scene made by [`crate::jue::scene`]. Tangents are bound to the mesh if its
+    /// normal map needs them.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where the scene has no mesh, or one that cannot be given tangents.
+    /// [`Error::Invalid`] if the scene has no mesh, or tangents cannot be computed for its mesh.
     pub fn new(mut scene: Scene) -> Result<Self> {
         let no_mesh = || Error::invalid("a pouring vessel", "the scene has no mesh");
         let rig = rig(scene.meshes().first().ok_or_else(no_mesh)?);
@@ -26,16 +27,16 @@ impl Pouring {
         Ok(Self { scene, rig })
     }
 
-    /// Brings the vessel to a moment.
+    /// Poses the vessel at a moment.
     ///
     /// # Errors
-    /// None for a time that is a number.
+    /// None unless the time is NaN.
     pub fn at(&mut self, seconds: f64) -> Result<&Scene> {
         self.rig.pose(&mut self.scene, 0, seconds)?;
         Ok(&self.scene)
     }
 
-    /// Returns what the cup has gone through since it stood upright.
+    /// Returns the transform of the cup relative to its upright position.
     pub(super) fn motion(&self, seconds: f64) -> Result<Mat4> {
         Ok(self.rig.world_matrices(0, seconds)?[CUP] * Mat4::translation(-PIVOT))
     }
@@ -49,7 +50,7 @@ mod tests {
     use taotie::math::scalar;
 
     #[test]
-    fn feet_stand_and_the_cup_turns_as_a_whole() {
+    fn feet_are_fixed_and_the_cup_turns_as_a_whole() {
         let mut vessel = Pouring::new(scene(16)).unwrap();
         let motion = vessel.motion(POURED).unwrap();
         let (rest, poured) = (low_mesh(), vessel.at(POURED).unwrap().meshes()[0].clone());

@@ -1,4 +1,4 @@
-//! The skin of two joints, and how the cup's joint turns over time.
+//! The skin with two joints, and the rotation of the cup's joint over time.
 
 use taotie::math::{Mat4, Vec3, scalar};
 use taotie::mesh::Mesh;
@@ -7,31 +7,31 @@ use taotie::scene::animation::{
     Animation, Channel, Deformed, Interpolation, Node, Path, Rig, RigData, Sampler, Skin, Transform,
 };
 
-/// The time at which the cup is tipped farthest, seconds; at twice that it is upright again.
+/// The time at which the cup is tipped farthest, seconds; at twice that time it is upright again.
 pub const POURED: f64 = 1.0;
 
 /// The angle by which it is tipped then, degrees.
 pub const TIP_DEG: f64 = 45.0;
 
-/// The node that is the cup's joint.
+/// The node of the cup's joint.
 pub(super) const CUP: usize = 1;
 
 /// The point about which it turns, metres.
 pub(super) const PIVOT: Vec3<f64> = Vec3::new(0.0, 0.085, 0.0);
 
-/// The axis about which it turns, times √2: to the spout and away from the mask at once.
+/// The axis about which it turns, times √2: both towards the spout and away from the mask.
 const AXIS: Vec3<f64> = Vec3::new(-1.0, 0.0, -1.0);
 
-/// Up to the first height a point stands with the foot, from the second on it goes with the cup; metres.
+/// Points up to the first height stay with the feet, points above the second move with the cup; metres.
 const BEND: [f64; 2] = [0.02, 0.09];
 
-/// Returns how much of the cup's motion a point takes part in, [0, 1].
+/// Returns how far a point follows the cup's motion, [0, 1].
 pub(super) fn follows(p: Vec3) -> f32 {
     let t = ((f64::from(p.y) - BEND[0]) / (BEND[1] - BEND[0])).clamp(0.0, 1.0);
     (t * t * (3.0 - 2.0 * t)) as f32
 }
 
-/// Makes the rig of a scene whose one instance shows `mesh`, a vessel at rest.
+/// Builds the rig for a scene with a single instance of `mesh`, a vessel at rest.
 pub fn rig(mesh: &Mesh) -> Rig {
     let local = Transform::parts(PIVOT, [0.0, 0.0, 0.0, 1.0], Vec3::splat(1.0));
     let nodes = vec![Node::default(), Node { parent: Some(0), local, ..Node::default() }];
@@ -50,10 +50,10 @@ pub fn rig(mesh: &Mesh) -> Rig {
         animations: vec![animation()],
         ..RigData::default()
     };
-    Rig::new(data).expect("every number in it is in range")
+    Rig::new(data).expect("all numbers are in range")
 }
 
-/// Two joints a point, of weights that sum to one.
+/// Binds each point to two joints, with weights that sum to one.
 pub(super) fn binding(points: &[Vec3]) -> Binding {
     let weights = points.iter().map(|p| follows(*p)).flat_map(|cup| [1.0 - cup, cup]).collect();
     Binding { per_vertex: 2, joints: [0, CUP as u32].repeat(points.len()), weights }
@@ -72,6 +72,6 @@ fn animation() -> Animation {
     Animation {
         name: "pour".into(),
         channels: vec![Channel { node: CUP, path: Path::Rotation, sampler: 0 }],
-        samplers: vec![sampler.expect("times rise and every number is finite")],
+        samplers: vec![sampler.expect("times ascend and all numbers are finite")],
     }
 }

@@ -1,4 +1,4 @@
-//! The displaced mesh moved as the low one is.
+//! The displaced mesh, moved like the low-poly one.
 
 use super::rig::{binding, rig};
 use rayon::prelude::*;
@@ -9,24 +9,25 @@ use taotie::mesh::deform::skin;
 use taotie::mesh::{Mesh, MeshData};
 use taotie::scene::{Instance, Material, Scene, SceneData};
 
-/// The distance from a point at which its surface is probed, metres: small against the bend, large against rounding.
+/// The distance at which the surface around a point is probed, metres: small compared with the bend, large compared
+/// with rounding errors.
 const STEP: f32 = 1e-4;
 
-/// A vessel with its relief as geometry at a moment of its pouring.
+/// A vessel with its relief as geometry, at a moment of pouring.
 pub struct Truth {
     scene: Scene,
     lookup: UvLookup,
 }
 
 impl Truth {
-    /// Moves the displaced mesh `rest` to a moment.
+    /// Poses the displaced mesh `rest` at a moment.
     ///
-    /// Its normals do not come from the skin: at each vertex two pairs of near points of the tangent plane are moved as
-    /// the skin moves them, and the normal is perpendicular to where they lie then. So it feels how the surface is
-    /// sheared and stretched, which the rule for skinned normals leaves out.
+    /// Its normals do not come from the skin: at each vertex, two pairs of nearby points in the tangent plane are
+    /// moved by the skin, and the normal is perpendicular to both moved pairs. It therefore includes shearing and
+    /// stretching of the surface, which the rule for skinned normals ignores.
     ///
     /// # Errors
-    /// None for a displaced mesh and a time that is a number.
+    /// None for a displaced mesh unless the time is NaN.
     pub fn at(rest: &Mesh, seconds: f64) -> Result<Self> {
         let instances = vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }];
         let (meshes, materials) = (vec![moved_mesh(rest, seconds)?], vec![Material::default()]);
@@ -39,7 +40,7 @@ impl Truth {
         &self.scene.meshes()[0]
     }
 
-    /// Returns the unit normal of the place with this uv, where there is one.
+    /// Returns the unit normal at this uv, if the uv is on the mesh.
     pub fn normal(&self, uv: Vec2) -> Option<Vec3> {
         self.lookup.at(uv).map(|(_, normal)| normal)
     }
@@ -67,7 +68,7 @@ fn moved(positions: Vec<Vec3>, joints: &[Mat4]) -> Result<Vec<Vec3>> {
     Ok(data.positions)
 }
 
-/// Points to the right, left, up and down of each vertex in its tangent plane, right-handed about its normal.
+/// Returns points right, left, above and below each vertex in its tangent plane, right-handed about its normal.
 fn probes(rest: &Mesh) -> [Vec<Vec3>; 4] {
     let pairs = || rest.positions().par_iter().zip(rest.normals());
     let step = |sign: f32, across: bool| {
@@ -89,7 +90,7 @@ mod tests {
     use crate::jue::{displaced_mesh, scene};
     use taotie::compare::angle_deg;
 
-    /// Coarse, since every vertex is looked at.
+    /// Coarse, since every vertex is checked.
     fn vessel() -> Mesh {
         displaced_mesh(0.004)
     }
@@ -107,14 +108,14 @@ mod tests {
     }
 
     #[test]
-    fn normals_of_the_cup_turn_and_those_of_the_legs_feel_the_bend() {
+    fn normals_of_the_cup_turn_and_those_of_the_legs_follow_the_bend() {
         let rest = vessel();
         let truth = moved_mesh(&rest, POURED).unwrap();
         let motion = Pouring::new(scene(16)).unwrap().motion(POURED).unwrap();
         let turned = |i: usize| motion.transform_vector(rest.normals()[i].to_f64()).to_f32();
         let on_cup = (0..rest.positions().len()).filter(|i| rest.positions()[*i].y > 0.0902);
         assert!(worst(on_cup.map(|i| (turned(i), truth.normals()[i]))) < 0.05);
-        // Perpendicular to the triangles around them, as far as those are flat.
+        // Normals are perpendicular to the surrounding triangles, as far as those are flat.
         let mut angles = Vec::new();
         for (t, triangle) in truth.triangles().iter().enumerate() {
             let [a, b, c] = truth.corners(t).map(Vec3::to_f64);

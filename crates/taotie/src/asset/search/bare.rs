@@ -1,4 +1,4 @@
-//! Candidates whose relief is in their vertex normals alone.
+//! Candidates whose relief is only in their vertex normals.
 
 use super::curve::Curve;
 use super::goal::{AIM, is_hit, remaining};
@@ -9,16 +9,16 @@ use crate::error::Result;
 use crate::io::VertexBits;
 use crate::progress::Progress;
 
-/// The least number of triangles of the finest level.
+/// The minimum number of triangles of the finest level.
 const LEAST: u32 = 100;
-/// The number of triangles of the finest level from which the curve is measured.
+/// The number of triangles of the finest level at which the curve starts.
 const START: u32 = 16_000;
-/// Bits of normals that are tried.
+/// Candidate bits of normals.
 const NORMAL_BITS: [u8; 5] = [7, 8, 9, 10, 12];
-/// Positions are rounded to as few of these bits as have steps of at most half of the simplification's own error. The fewest
-/// move an outline by 0.02 % of the longest side.
+/// Candidate bits of positions: the fewest whose steps are at most half of the simplification's own error are used.
+/// The fewest of all move an outline by 0.02 % of the longest side.
 const POSITION_BITS: [u8; 4] = [11, 12, 13, 14];
-/// Trials that close in on the goal.
+/// The number of trials that close in on the goal.
 const ROUNDS: usize = 8;
 
 /// A search among candidates without a normal map.
@@ -30,12 +30,12 @@ pub(super) struct Bare<'a, 'b> {
     errors: Curve,
     /// The ratio of colours over the triangles.
     colors: Curve,
-    /// Bytes a triangle with each number of [`NORMAL_BITS`].
+    /// Bytes per triangle for each of [`NORMAL_BITS`].
     rates: [f64; NORMAL_BITS.len()],
 }
 
 impl<'a, 'b> Bare<'a, 'b> {
-    /// Puts the smallest candidate that reaches the goal in the place of a larger one.
+    /// Finds the smallest candidate that reaches the goal, and replaces `best` if it is smaller.
     pub fn smallest(
         workshop: &'b mut Workshop<'a>,
         size: u32,
@@ -60,7 +60,7 @@ impl<'a, 'b> Bare<'a, 'b> {
         Ok(())
     }
 
-    /// Measures a quarter or four times the triangles until the goal lies in between.
+    /// Measures a quarter or four times the triangles until the goal is bracketed.
     fn bracket(&mut self, best: &mut Best, progress: Progress<'_>) -> Result<()> {
         let level = self.workshop.level();
         let rungs = rungs(self.workshop.triangles(), level.triangles(LEAST));
@@ -71,7 +71,7 @@ impl<'a, 'b> Bare<'a, 'b> {
             let is_met = match self.draft(rungs[at], progress)? {
                 Some(draft) => {
                     let trial = self.add(draft, VertexBits::default(), best)?;
-                    // More triangles lead farther beyond a ceiling.
+                    // More triangles lead further beyond a ceiling.
                     trial.ratio() <= 1.0 || !trial.is_within()
                 }
                 None => false,
@@ -89,7 +89,7 @@ impl<'a, 'b> Bare<'a, 'b> {
         self.workshop.draft(Shape { triangles, size: self.size, has_normal_map: false }, progress)
     }
 
-    /// Tries a candidate, and learns from it.
+    /// Tries a candidate and updates the model of the search.
     fn add(&mut self, draft: Draft, bits: VertexBits, best: &mut Best) -> Result<Trial> {
         let rounding = self.workshop.rounding(bits, self.workshop.codecs().least_lossy());
         let trial = self.workshop.trial(&draft, rounding)?;
@@ -106,7 +106,8 @@ impl<'a, 'b> Bare<'a, 'b> {
         Ok(trial)
     }
 
-    /// Returns the least number of triangles within a range whose colours are near enough, its end if none are.
+    /// Returns the minimum number of triangles within a range at which colours are close enough; its end if there is
+    /// none.
     fn least_of_colors(&self, range: [f64; 2]) -> f64 {
         match self.colors == Curve::default() {
             true => range[0],
@@ -114,7 +115,7 @@ impl<'a, 'b> Bare<'a, 'b> {
         }
     }
 
-    /// Returns what rounding normals to so many bits adds to the ratio of angles.
+    /// Returns the contribution of rounding normals to `bits` bits to the ratio of angles.
     fn rounding(&self, bits: u8) -> f64 {
         self.workshop.goal.ratio_of_mean(angle_of(bits))
     }
@@ -123,7 +124,8 @@ impl<'a, 'b> Bare<'a, 'b> {
         VertexBits { positions: position_bits(draft), normals, uvs: uv_bits(self.size) }
     }
 
-    /// Returns the number of triangles and the bits of normals that are likely to reach the goal with the fewest bytes.
+    /// Returns the number of triangles and the bits of normals that are likely to reach the goal with the fewest
+    /// bytes.
     fn likely(&self) -> Option<(u32, u8)> {
         let all = f64::from(self.workshop.triangles());
         let least = f64::from(self.workshop.level().triangles(LEAST));
@@ -138,8 +140,8 @@ impl<'a, 'b> Bare<'a, 'b> {
     }
 }
 
-/// Returns the numbers of triangles at which the curve is measured, in rising order: all, a quarter, a sixteenth and so on, down
-/// to `least`.
+/// Returns the numbers of triangles at which the curve is measured, in ascending order: all, a quarter, a sixteenth
+/// and so on, down to `least`.
 fn rungs(all: u32, least: u32) -> Vec<u32> {
     let quarters = std::iter::successors(Some(all), |count| Some(count / 4));
     let mut rungs: Vec<u32> = quarters.take_while(|count| *count >= least.min(all)).collect();

@@ -1,5 +1,6 @@
-//! The search against brute force, which tries every combination of a grid around what was found. It takes minutes per model, so it is
-//! run among the slow tests on a ball, and by hand on any model: `make brute-force SCANS="a.obj b.glb"`.
+//! Tests the search against brute force, which tries every combination of a grid around the result. It takes minutes
+//! per model, so it runs among the slow tests on a ball, and manually on any model: `make brute-force SCANS="a.obj
+//! b.glb"`.
 
 use super::ceilings::Ceilings;
 use super::goal::Goal;
@@ -22,9 +23,9 @@ use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
 use crate::proof::Side;
 
-/// How far the search may be from the smallest of the grid.
+/// The maximum ratio of the search's result to the smallest of the grid.
 const WITHIN: f64 = 1.05;
-/// Factors of the triangles, or of the part of them, that was found.
+/// Factors applied to the resulting triangles, or to the fraction kept.
 const FACTORS: [f64; 11] = [0.7, 0.78, 0.84, 0.89, 0.93, 0.965, 1.0, 1.035, 1.08, 1.15, 1.3];
 const POSITION_BITS: [u8; 4] = [11, 12, 13, 14];
 const NORMAL_BITS: [u8; 5] = [7, 8, 9, 10, 12];
@@ -73,7 +74,7 @@ fn ball() -> Scan {
     Scan::from_mesh(Mesh::new(mesh).unwrap(), Progress::SILENT).unwrap()
 }
 
-/// Returns what was found of a model, and the ratio of bytes.
+/// Returns the result for a model as a line, and the ratio of bytes.
 fn line(name: &str, scan: &Scan) -> (String, f64) {
     let (found, others) = compared(scan).unwrap_or_else(|error| panic!("{name}: {error}"));
     let near = others.iter().filter(|trial| trial.is_near);
@@ -82,7 +83,7 @@ fn line(name: &str, scan: &Scan) -> (String, f64) {
     (format!("{name}: {ratio:.3} of the smallest of {count}; found {found:?}; that is {least:?}"), ratio)
 }
 
-/// Returns what the search finds for 1°, and all assets of a grid.
+/// Returns the search's result for 1°, and all assets of a grid.
 fn compared(scan: &Scan) -> Result<(Trial, Vec<Trial>)> {
     let goal = vec![Requirement::mean_angle_deg(1.0)];
     let asked = BakeOptions { goal: Some(goal.clone()), ..BakeOptions::default() };

@@ -1,4 +1,4 @@
-//! The best asset within a number of bytes.
+//! Finds the best asset within a number of bytes.
 
 use super::goal::Goal;
 use super::round::round;
@@ -8,21 +8,21 @@ use crate::error::Result;
 use crate::math::scalar::{exp, ln};
 use crate::progress::Progress;
 
-/// Searches at most, each for a goal that is nearer to the budget.
+/// The maximum number of searches, each for a goal closer to the budget.
 const ROUNDS: usize = 5;
-/// The part of the budget that is enough.
+/// The fraction of the budget that is sufficient.
 const ENOUGH: f64 = 0.93;
-/// Differences grow about with this power of the bytes that are saved, until two rounds say with which, and the range of it.
+/// The power of the saved bytes with which differences grow, until two rounds measure it, and its range.
 const POWER: f64 = 0.8;
 const LEAST_POWER: f64 = 0.2;
 const MOST_POWER: f64 = 3.0;
-/// The farthest goals, as factors of the limits.
+/// The range of goals, as factors of the limits.
 const RANGE: [f64; 2] = [0.05, 100.0];
-/// Bytes of metadata that every asset has.
+/// The bytes of metadata in every asset.
 const METADATA: f64 = 1_500.0;
 
-/// Returns the candidate that is nearest to the scan among those with at most `most` bytes. If a goal is asked for, one that
-/// meets it and is smaller is enough. The smallest that was found if all are larger.
+/// Returns the candidate closest to the scan among those with at most `most` bytes. If a goal is requested, a smaller
+/// one that meets it is sufficient. If all are larger, returns the smallest found.
 pub(super) fn within(
     workshop: &mut Workshop<'_>,
     goal: &Goal,
@@ -35,7 +35,7 @@ pub(super) fn within(
     let aim = 0.5 * (1.0 + ENOUGH) * most.max(1.0);
     let is_goal_enough = workshop.has_goal();
     let (mut found, mut factor): (Option<Best>, f64) = (None, 1.0);
-    // The largest factor with too many bytes, and the smallest with few enough.
+    // The largest factor with too many bytes, and the smallest within the budget.
     let [mut low, mut high] = [0.0, f64::INFINITY];
     let mut rounds = Vec::with_capacity(ROUNDS);
     for _ in 0..ROUNDS {

@@ -1,18 +1,18 @@
-//! The most of a device that a candidate may take.
+//! The maximum device resources that a candidate may take.
 
 use super::codecs::Codecs;
 use super::level::Level;
 use crate::asset::figure::Figure;
 use crate::asset::requirement::Requirement;
 
-/// The part of the memory of a graphics card that textures may take; the rest is for vertices.
+/// The fraction of graphics memory that textures may take; the rest is for vertices.
 const FOR_TEXTURES: f64 = 0.8;
 /// Bytes per triangle on a graphics card: half a vertex of 28 bytes, more at seams, and three indices.
 const TRIANGLE: f64 = 40.0;
-/// Texels with their mip levels are so many times those of the finest level.
+/// The factor on the finest level's texels for all mip levels.
 const WITH_MIPS: f64 = 4.0 / 3.0;
 
-/// The most triangles and bytes that a candidate may have; infinite without a ceiling.
+/// The maximum triangles and bytes of a candidate; infinite without a ceiling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ceilings {
     pub triangles: f64,
@@ -22,7 +22,7 @@ pub(super) struct Ceilings {
 }
 
 impl Ceilings {
-    /// Takes the ceilings among requirements of the finest level of detail.
+    /// Collects the ceilings among requirements of the finest level of detail.
     pub fn of(requirements: &[Requirement]) -> Self {
         let least = |figure: Figure| {
             let finest = requirements.iter().filter(|required| required.level.is_none_or(|level| level == 0));
@@ -36,25 +36,26 @@ impl Ceilings {
         }
     }
 
-    /// Returns the ceilings of one of several levels of detail. Three quarters of the memory are for the finest, and as much in
-    /// proportion to its pixels for each coarser one: a quarter for all of them if each has half as many across as the one before.
+    /// Returns the ceilings of one of several levels of detail. Three quarters of the memory are for the finest, and
+    /// each coarser one gets the same in proportion to its pixels: a quarter for all of them if each has half as many
+    /// across as the one before.
     pub fn of_level(self, level: Level) -> Self {
         const FINEST: f64 = 0.75;
         Self { gpu_bytes: self.gpu_bytes * FINEST * level.part(), bytes: f64::INFINITY, ..self }
     }
 
-    /// Returns how many times a ceiling of the device a candidate has, the worst one; 0 without ceilings.
+    /// Returns the largest ratio of a candidate to a ceiling of the device; 0 without ceilings.
     pub fn ratio(&self, triangles: usize, gpu_bytes: u64) -> f64 {
         (triangles as f64 / self.triangles).max(gpu_bytes as f64 / self.gpu_bytes)
     }
 
-    /// Returns the most triangles that a candidate may have, at least 4.
+    /// Returns the maximum number of triangles of a candidate, at least 4.
     pub fn most_triangles(&self, has_textures: bool) -> f64 {
         let share = if has_textures { 1.0 - FOR_TEXTURES } else { 1.0 };
         self.triangles.min(self.gpu_bytes * share / TRIANGLE).floor().max(4.0)
     }
 
-    /// Returns the most texels that all textures together may have.
+    /// Returns the maximum number of texels of all textures together.
     pub fn most_texels(&self, codecs: &Codecs) -> f64 {
         self.gpu_bytes * FOR_TEXTURES / (codecs.bytes_per_texel() * WITH_MIPS)
     }

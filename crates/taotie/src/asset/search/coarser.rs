@@ -1,4 +1,4 @@
-//! A coarser level of detail, and what it is made from.
+//! A coarser level of detail, and its source.
 
 use super::smallest::{MadeAsset, PackedAsset};
 use super::workshop::Rounding;
@@ -6,9 +6,9 @@ use crate::asset::low::LowPoly;
 use crate::asset::maps::StoredMaps;
 use crate::mesh::Mesh;
 
-/// What coarser levels are made from.
+/// The source of coarser levels.
 pub(in crate::asset) enum Finest<'a> {
-    /// A mesh and its maps, as they are stored, with the loss of its file if a search chose it.
+    /// A mesh and its maps, as stored, with the loss of the file's formats if a search chose it.
     Made { low: &'a LowPoly, maps: &'a StoredMaps, rounding: Option<Rounding> },
     /// The scan, packed.
     Packed(&'a PackedAsset),
@@ -24,14 +24,14 @@ pub(in crate::asset) struct Coarser {
     pub is_near: bool,
 }
 
-/// What a level shows on its mesh.
+/// The maps or materials that a level shows on its mesh.
 pub(in crate::asset) enum LevelLook {
     /// The maps of the finest level.
     Shared,
-    /// The same, but a normal map that was baked for it on the same uvs.
+    /// The same, except for a normal map baked for it on the same uvs.
     Rebaked(Box<StoredMaps>),
-    /// Maps of its own, or none.
+    /// Its own maps, or none.
     Own(Box<MadeAsset>),
-    /// The scan's materials, in a GLB of its own.
+    /// The scan's materials, in a separate GLB.
     Packed(Vec<u8>),
 }

@@ -1,24 +1,24 @@
-//! The image formats that a search may choose from.
+//! The image formats available to a search.
 
 use crate::io::{CodecKind, CodecSet, ImageCodec};
 
-/// Qualities to try, from the lowest up.
+/// Candidate qualities, in ascending order.
 const WEBP: [u8; 9] = [20, 35, 50, 65, 75, 82, 88, 93, 97];
 const JPEG: [u8; 9] = [40, 55, 70, 80, 86, 90, 94, 96, 98];
 const AVIF: [u8; 9] = [30, 42, 54, 65, 75, 82, 88, 93, 97];
-/// λ of KTX2, from the most lossy down.
+/// Candidate λ of KTX2, from the most lossy down.
 const KTX2: [u8; 5] = [12, 6, 3, 1, 0];
 
-/// The image formats that a search may choose from.
+/// The image formats available to a search.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Codecs {
     kinds: Vec<CodecKind>,
-    /// The set whose extension geometry is packed by.
+    /// The codec set, which determines the extension for packed geometry.
     pub set: CodecSet,
 }
 
 impl Codecs {
-    /// Takes the kinds that are allowed, without those that this build cannot write; those of the set if none are given.
+    /// Takes the allowed kinds, without those that this build cannot write; those of the set if none are given.
     pub fn new(kinds: &[CodecKind], set: CodecSet) -> Self {
         let kinds = if kinds.is_empty() { set.images() } else { kinds };
         let can_write = |kind: &CodecKind| match kind {
@@ -33,12 +33,12 @@ impl Codecs {
         Self { kinds, set }
     }
 
-    /// Returns `true` if images of a kind may stay as they are.
+    /// Returns `true` if images of a kind may be kept as is.
     pub fn allows(&self, kind: CodecKind) -> bool {
         self.kinds.contains(&kind)
     }
 
-    /// Returns the bytes that a texel takes on a graphics card, at most.
+    /// Returns the maximum bytes of a texel on a graphics card.
     pub fn bytes_per_texel(&self) -> f64 {
         if self.kinds == [CodecKind::Ktx2] { 1.0 } else { 4.0 }
     }
@@ -49,14 +49,14 @@ impl Codecs {
         both.into_iter().find(|(kind, _)| self.kinds.contains(kind)).map(|(_, codec)| codec)
     }
 
-    /// Returns the format that loses least.
+    /// Returns the format with the least loss.
     pub fn least_lossy(&self) -> ImageCodec {
         self.lossless()
             .or_else(|| self.ladders().find_map(|ladder| ladder.last().copied()))
             .unwrap_or_default()
     }
 
-    /// Returns the lossy formats of each kind, from the most lossy up.
+    /// Returns the lossy formats of each kind, starting with the most lossy.
     pub fn ladders(&self) -> impl Iterator<Item = Vec<ImageCodec>> {
         let ladder = |kind: &CodecKind| match kind {
             CodecKind::Png => Vec::new(),

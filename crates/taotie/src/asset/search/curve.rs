@@ -2,25 +2,25 @@
 
 use crate::math::scalar::{exp, ln};
 
-/// Points of a curve, between which logarithms are interpolated linearly. Beyond the first and the last point it goes on as it
-/// did there.
+/// Points of a curve, interpolated linearly in logarithms. Beyond the first and the last point it is extrapolated
+/// from the nearest segment.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Curve {
-    /// Logarithms, in rising order of the first number.
+    /// Logarithms, in ascending order of the first number.
     points: Vec<[f64; 2]>,
 }
 
-/// The slope of a curve of one point: about that of the error of normals over triangles.
+/// The slope of a curve with one point: about that of the normal error over triangles.
 const SLOPE_OF_ONE: f64 = -0.7;
-/// Smaller numbers count as this one, whose logarithm is finite.
+/// The lower bound of values, which keeps logarithms finite.
 const LEAST: f64 = 1e-6;
-/// Between points whose logarithms differ by less, the chord is near enough.
+/// Between points whose logarithms differ by less, the chord is accurate enough.
 const LEAST_GAP: f64 = 0.1;
-/// The part of a wider gap that is not looked at beside its ends.
+/// The fraction of a wider gap, next to its ends, that is not sampled.
 const MARGIN: f64 = 0.2;
 
 impl Curve {
-    /// Adds a point, in the place of one with the same `x`.
+    /// Adds a point, replacing one with the same `x`.
     pub fn add(&mut self, x: f64, y: f64) {
         let point = [x, y].map(|v| ln(v.max(LEAST)));
         let at = self.points.partition_point(|known| known[0] < point[0]);
@@ -35,7 +35,7 @@ impl Curve {
         self.points.iter_mut().for_each(|[_, y]| *y = ln(change(exp(*y)).max(LEAST)));
     }
 
-    /// Returns the value at `x`; infinite if nothing is known.
+    /// Returns the value at `x`; infinite if the curve has no points.
     pub fn at(&self, x: f64) -> f64 {
         let x = ln(x.max(LEAST));
         let (start, slope) = match self.points.as_slice() {
@@ -50,8 +50,8 @@ impl Curve {
         exp(start[1] + slope * (x - start[0]))
     }
 
-    /// Returns the least number within a range whose value is at most `y`, to half a per cent; `None` if that of its end is
-    /// larger. The curve falls.
+    /// Returns the smallest number within a range whose value is at most `y`, to half a per cent; `None` if the value
+    /// at its end is larger. The curve falls.
     pub fn first_within(&self, y: f64, [mut low, mut high]: [f64; 2]) -> Option<f64> {
         if self.at(high) > y {
             return None;
@@ -63,8 +63,8 @@ impl Curve {
         Some(self.toward_middle(high))
     }
 
-    /// Returns a number between two points that are far apart, moved out of the fifth next to either: where a curve bends, its
-    /// chord would come nearer and nearer to one of them only.
+    /// Returns a number between two points that are far apart, moved out of the fifth next to either: where a curve
+    /// bends, its chord would converge to only one of them.
     fn toward_middle(&self, x: f64) -> f64 {
         let after = self.points.partition_point(|point| point[0] <= ln(x));
         match (after.checked_sub(1).map(|before| self.points[before]), self.points.get(after)) {
@@ -108,7 +108,7 @@ mod tests {
         let found = power_law().first_within(0.3, [100.0, 1e6]).unwrap();
         let wanted = (50.0 / 0.3) * (50.0 / 0.3);
         assert!((wanted..wanted * 1.006).contains(&found), "{found}");
-        // Just beyond a point it is moved toward the next one.
+        // Just beyond a point, it is moved toward the next one.
         let moved = power_law().first_within(0.499, [100.0, 1e6]).unwrap();
         assert!((1.5e4..1.6e4).contains(&moved), "{moved}");
         assert_eq!(power_law().first_within(0.01, [100.0, 1e6]), None);

@@ -1,4 +1,4 @@
-//! The smallest encodings of a texture that lose no more than they may.
+//! The smallest encodings of a texture within a permitted loss.
 
 use super::codecs::Codecs;
 use super::goal::Goal;
@@ -10,15 +10,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The least side that is tried, texels.
+/// The smallest candidate side, texels.
 const LEAST_SIDE: u32 = 32;
-/// Up to this side a texture that loses nothing is tried beside lossy ones, too: those of few colours are small.
+/// Up to this side, a lossless texture is tried in addition to lossy ones: those with few colours are small.
 const LOSSLESS_SIDE: u32 = 1024;
-/// Ratios of angles for which normal maps are made.
+/// The ratios of angles for which normal maps are encoded.
 pub(super) const NORMAL_RATIOS: [f64; 7] = [0.2, 0.35, 0.5, 0.65, 0.78, 0.88, 0.96];
-/// Sides that are tried for a format that not all of them fit.
+/// Sides tried for a format that not all of them fit.
 const SIDES: usize = 256;
-/// Sides are tried until so many in a row took more bytes.
+/// Sides are tried until this many in a row took more bytes.
 const WORSE: usize = 2;
 
 /// A texture in one encoding.
@@ -28,14 +28,14 @@ pub(super) struct EncodedTexture {
     pub side: u32,
     pub codec: ImageCodec,
     pub bytes: Arc<Vec<u8>>,
-    /// How many times its limit a difference is, the worst one.
+    /// The largest ratio of a difference to its limit.
     pub ratio: f64,
 }
 
 /// The encodings of a texture, each made once.
 pub(super) struct Encodings<'a> {
     texture: &'a LossyTexture,
-    /// The longest side to try, texels.
+    /// The longest candidate side, texels.
     most_side: u32,
     codecs: Codecs,
     goal: Goal,
@@ -46,13 +46,13 @@ pub(super) struct Encodings<'a> {
 }
 
 impl<'a> Encodings<'a> {
-    /// Takes a texture that a surface shows, whose differences have the limits of a goal, and the formats it may have.
+    /// Takes a texture that a surface shows, the goal with the limits on its differences, and the permitted formats.
     pub fn new(texture: &'a LossyTexture, look: ImageLook<'a>, (goal, codecs): (&Goal, &Codecs)) -> Self {
         let (goal, codecs, most_side) = (goal.clone(), codecs.clone(), texture.side());
         Self { texture, most_side, codecs, goal, look, known: Mutex::default(), sizes: Mutex::default() }
     }
 
-    /// Limits the longer side to a part of the texture's own, (0, 1].
+    /// Limits the longer side to a fraction of the texture's own, (0, 1].
     #[must_use]
     pub fn within(self, part: f64) -> Self {
         let most_side = (f64::from(self.texture.side()) * part) as u32;
@@ -60,12 +60,12 @@ impl<'a> Encodings<'a> {
         Self { most_side: most_side.min(self.texture.side()), ..self }
     }
 
-    /// Returns `true` if the texture itself has more texels than it may have.
+    /// Returns `true` if the texture itself has more texels than permitted.
     pub fn must_shrink(&self) -> bool {
         self.most_side < self.texture.side()
     }
 
-    /// Returns the encoding that loses least, of a somewhat smaller size if a format demands that.
+    /// Returns the encoding with the least loss, at a slightly smaller size if a format requires it.
     pub fn nearest(&self) -> Result<EncodedTexture> {
         let ladders = self.codecs.ladders().filter_map(|ladder| ladder.last().copied());
         let codecs: Vec<ImageCodec> = self.codecs.lossless().into_iter().chain(ladders).collect();
@@ -73,7 +73,7 @@ impl<'a> Encodings<'a> {
             std::iter::once(self.most_side).chain((1..=self.most_side & !3).rev().step_by(4).take(SIDES));
         let fitting = sides.flat_map(|side| codecs.iter().map(move |codec| (side, *codec)));
         let mut fitting = fitting.filter(|(side, codec)| self.texture.fits(*codec, *side));
-        // PNG holds everything.
+        // PNG can store everything.
         let (side, codec) = fitting.next().unwrap_or((self.most_side, ImageCodec::Png));
         self.encoded(side, codec)
     }
@@ -83,7 +83,7 @@ impl<'a> Encodings<'a> {
         self.texture.encoding()
     }
 
-    /// Returns the smallest encoding of any size whose ratio is at most `most`; `None` if none is so near.
+    /// Returns the smallest encoding of any size whose ratio is at most `most`; `None` if there is none.
     pub fn smallest(&self, most: f64) -> Result<Option<EncodedTexture>> {
         let (mut best, mut worse): (Option<EncodedTexture>, usize) = (None, 0);
         for side in sides(self.most_side) {
@@ -102,7 +102,7 @@ impl<'a> Encodings<'a> {
         Ok(best.into_iter().chain(shorter).min_by_key(|encoded| encoded.bytes.len()))
     }
 
-    /// Returns the multiple of four halfway between a side and the next shorter one of those that are tried first.
+    /// Returns the multiple of four halfway between a side and the next shorter one of the initial candidates.
     fn side_below(&self, side: u32) -> Option<u32> {
         let shorter = sides(self.most_side).filter(|other| *other < side).last()?;
         Some(((shorter + side) / 2) & !3).filter(|between| (shorter + 1..side).contains(between))
@@ -124,7 +124,7 @@ impl<'a> Encodings<'a> {
         Ok(near.min_by_key(|encoded| encoded.bytes.len()))
     }
 
-    /// Returns the first of ever less lossy formats whose ratio is at most `most`.
+    /// Returns the most lossy format of the ladder whose ratio is at most `most`.
     fn lowest(&self, side: u32, ladder: &[ImageCodec], most: f64) -> Result<Option<EncodedTexture>> {
         let Some(highest) = ladder.last() else { return Ok(None) };
         let mut lowest = self.encoded(side, *highest)?;
@@ -144,7 +144,7 @@ impl<'a> Encodings<'a> {
         Ok(Some(lowest))
     }
 
-    /// Returns the ratio of a size whose texels lose nothing.
+    /// Returns the ratio of a size with lossless texels.
     fn resized(&self, side: u32) -> Result<f64> {
         let known = || self.sizes.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(ratio) = known().get(&side) {
@@ -176,7 +176,8 @@ impl<'a> Encodings<'a> {
     }
 }
 
-/// Returns the sides to try for a texture, from the shortest up to its own: powers of two, and halfway between them.
+/// Returns the candidate sides of a texture, in ascending order up to its own: powers of two, and halfway between
+/// them.
 fn sides(own: u32) -> impl Iterator<Item = u32> {
     let powers = std::iter::successors(Some(LEAST_SIDE), |side| side.checked_mul(2));
     let all = powers.flat_map(|side| [side, side / 2 * 3]);
@@ -234,7 +235,7 @@ mod tests {
         assert!(found.windows(2).all(|pair| pair[0].bytes.len() > pair[1].bytes.len()), "{found:?}");
         assert!(found.iter().zip([0.3, 1.0, 4.0]).all(|(found, most)| found.ratio <= most));
         let whole = encodings.encoded(SIDE, ImageCodec::WebP).unwrap();
-        assert_eq!(whole.ratio, 0.0, "what loses nothing looks the same");
+        assert_eq!(whole.ratio, 0.0, "a lossless one looks the same");
         assert!(look.first(Encoding::Normal).unwrap().is_none());
     }
 

@@ -7,29 +7,29 @@ use crate::error::Result;
 use crate::io::ImageCodec;
 use crate::progress::Progress;
 
-/// Triangles of the meshes that are measured for the finest level, and of the one on which map sizes are.
+/// The triangles of the meshes measured for the finest level, and of the one on which map sizes are measured.
 const TRIANGLES: [u32; 3] = [2_000, 8_000, 32_000];
 const ON_TRIANGLES: u32 = 8_000;
-/// Sizes of maps that are measured for it, and the one with which meshes are.
+/// The map sizes measured for it, and the one with which meshes are measured.
 const SIZES: [u32; 4] = [256, 512, 1024, 2048];
 const ON_SIZE: u32 = 512;
-/// A size that has more than this part of the error of half the size is not worth doubling.
+/// If a size has more than this fraction of the error of half the size, doubling it is not worthwhile.
 const WORTH_DOUBLING: f64 = 0.85;
-/// The least number of triangles for it, and the ratio of one to the next that is considered.
+/// The minimum number of triangles for it, and the ratio between successive candidates.
 const LEAST: u32 = 200;
 const RATIO: f64 = 1.1;
-/// At least this part of the square of an error stays, whatever is added to a mesh or a map.
+/// The fraction of the square of an error that remains, however much a mesh or a map is refined.
 const FLOOR: f64 = 0.1;
 
-/// Curves from which bytes and errors follow.
+/// Curves from which bytes and errors are estimated.
 pub(super) struct Forecast {
-    /// The square of the error of meshes with a lossless map of one size over their triangles.
+    /// The square of the error of meshes with a lossless map of one size, over their triangles.
     squared: Curve,
     mesh_bytes: Curve,
-    /// The sizes that were measured, in rising order, and the square of the error at which the curves cross.
+    /// The measured sizes, in ascending order, and the square of the error at which the curves cross.
     sizes: Vec<MapSize>,
     crossing: f64,
-    /// The fewest and the most triangles.
+    /// The minimum and maximum number of triangles.
     triangles: [f64; 2],
     /// The ratio of true to estimated bytes.
     factor: f64,
@@ -45,8 +45,8 @@ pub(super) struct Choice {
 }
 
 impl Forecast {
-    /// Measures meshes and maps, the latter of at least `least_size`; `None` if the first mesh is refused, or its maps alone have
-    /// more than `most_bytes`. Maps of twice the size of such are not measured.
+    /// Measures meshes and maps, the latter of at least `least_size`; `None` if the first mesh is refused, or if just
+    /// its maps exceed `most_bytes`. Maps of twice the size of such maps are not measured.
     pub fn measured(
         workshop: &mut Workshop<'_>,
         least_size: u32,
@@ -98,14 +98,14 @@ impl Forecast {
         Ok(Some(forecast))
     }
 
-    /// Adds a mesh by the maps that were measured on it.
+    /// Adds a mesh with the maps measured on it.
     fn add_mesh(&mut self, draft: &Draft, maps: &MapSize) {
         let count = draft.low.mesh.triangles().len() as f64;
         self.squared.add(count, maps.squared);
         self.mesh_bytes.add(count, maps.mesh_bytes);
     }
 
-    /// Returns `true` unless the step from half of this size to it hardly helped.
+    /// Returns `true` unless the step from half of this size hardly helped.
     fn is_worth_doubling(&self, size: u32) -> bool {
         let squared = |size: u32| self.sizes.iter().find(|of| of.size == size).map(|of| of.squared);
         match (squared(size / 2), squared(size)) {
@@ -122,7 +122,7 @@ impl Forecast {
         enough.map(|(choice, _)| choice).min_by(|a, b| a.bytes.total_cmp(&b.bytes))
     }
 
-    /// Returns the least ratio of angles of any candidate.
+    /// Returns the smallest ratio of angles of any candidate.
     pub fn least_ratio(&self) -> f64 {
         self.choices().map(|(_, squared)| squared).fold(f64::INFINITY, f64::min).sqrt()
     }
@@ -144,7 +144,7 @@ impl Forecast {
         })
     }
 
-    /// Returns the square of the error with maps that lose nothing: those of mesh and map, less what both have.
+    /// Returns the square of the error with lossless maps: those of mesh and map, minus their common part.
     fn lossless(&self, triangles: f64, size: &MapSize) -> f64 {
         let of_mesh = self.squared.at(triangles);
         (of_mesh + size.squared - self.crossing).max(FLOOR * of_mesh.max(size.squared))
@@ -156,7 +156,7 @@ impl Forecast {
         Choice { shape, normals: loss.normals, bytes }
     }
 
-    /// Multiplies estimated bytes by the ratio of true to estimated bytes of the last choice.
+    /// Corrects estimated bytes by the ratio of true to estimated bytes of the last choice.
     pub fn correct(&mut self, factor: f64) {
         self.factor *= factor;
     }

@@ -1,4 +1,4 @@
-//! What a candidate has to reach.
+//! The goal that a candidate must reach.
 
 use super::trial::Trial;
 use crate::asset::figure::Figure;
@@ -6,28 +6,28 @@ use crate::asset::requirement::Requirement;
 use crate::image::Encoding;
 use crate::proof::PixelDifferences;
 
-/// A candidate is near enough to the goal from below if its angles have at least this part of what they may have.
+/// The ratio of a candidate's angles to their limits from which it is close enough to the goal from below.
 const CLOSE: f64 = 0.97;
-/// The part of the surface that is worst in figures of patches.
+/// The worst fraction of the surface used in patch figures.
 const PATCH: f64 = 0.01;
-/// About how many times the mean angle p95 is, and the mean of the worst patch.
+/// The approximate ratios of p95, and of the mean of the worst patch, to the mean angle.
 const P95_OF_MEAN: f64 = 2.5;
 const PATCH_OF_MEAN: f64 = 6.0;
 
-/// Smaller limits count as this one, by which one can divide.
+/// The lower bound of limits, so that they can be divisors.
 const LEAST: f64 = 1e-6;
 /// The figures that limit angles, and those that limit colours.
 const ANGLES: [Figure; 4] = [Figure::MeanAngle, Figure::P95Angle, Figure::PatchAngle, Figure::WithinAngle];
 const COLORS: [Figure; 4] = [Figure::MeanColor, Figure::P95Color, Figure::PatchColor, Figure::WithinColor];
-/// The most times the limits of colours, and of other numbers, that are visually lossless are, where none is asked for.
+/// The maximum factors on the visually lossless limits of colours, and of other numbers, if none are requested.
 const MOST_FACTORS: [f64; 2] = [2.0, 4.0];
-/// Limits of roughness, metallic and the like, in parts of the largest number.
+/// Limits of roughness, metallic and the like, as fractions of the largest number.
 const NUMBERS: [Limit; 2] = [
     Limit { statistic: Statistic::Mean, most: 0.02 },
     Limit { statistic: Statistic::Worst(PATCH), most: 0.12 },
 ];
 
-/// The largest differences that a candidate may have.
+/// The maximum differences of a candidate.
 #[derive(Debug, Clone)]
 pub(super) struct Goal {
     angles: Vec<Limit>,
@@ -43,17 +43,17 @@ struct Limit {
     most: f64,
 }
 
-/// Returns limits so many times as large.
+/// Returns limits multiplied by `factor`.
 fn times(limits: &[Limit], factor: f64) -> Vec<Limit> {
     limits.iter().map(|limit| Limit { most: limit.most * factor, ..*limit }).collect()
 }
 
-/// Returns how many times the limits differences in rising order are, the worst one.
+/// Returns the largest ratio of differences, in ascending order, to their limits.
 fn worst(limits: &[Limit], differences: &[f32]) -> f64 {
     limits.iter().map(|limit| limit.ratio(differences)).fold(0.0, f64::max)
 }
 
-/// Returns about the mean difference at which one of the limits is reached.
+/// Returns the approximate mean difference at which one of the limits is reached.
 fn least_mean(limits: &[Limit]) -> f64 {
     limits.iter().map(Limit::mean).fold(f64::INFINITY, f64::min)
 }
@@ -62,16 +62,16 @@ fn least_mean(limits: &[Limit]) -> f64 {
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Statistic {
     Mean,
-    /// The difference that this part of the pixels keeps to.
+    /// The difference that this fraction of the pixels stays within.
     Quantile(f64),
-    /// The mean of this part of the pixels, the worst ones. No patch of as much surface has a larger mean.
+    /// The mean of the worst pixels, by this fraction. No patch of the same area has a larger mean.
     Worst(f64),
 }
 
 impl Goal {
-    /// Makes the goal of the requirements that pixels decide. Angles without any keep to those of
-    /// [`Requirement::visually_lossless`]. So do colours, but where normals may be farther off, so may colours: up to twice. What
-    /// is required of the level of this number alone goes before what is required of all.
+    /// Creates the goal from the requirements that pixels decide. If there are none for angles, those of
+    /// [`Requirement::visually_lossless`] apply. The same holds for colours, but if normals may be further off, so
+    /// may colours: up to twice. Requirements for only the level with this number override those for all.
     pub fn of(requirements: &[Requirement], level: usize) -> Self {
         let lossless = Requirement::visually_lossless();
         let of = |from: &[Requirement], figures: &[Figure]| -> Vec<Limit> {
@@ -81,7 +81,7 @@ impl Goal {
             };
             match (limits(Some(level)), limits(None)) {
                 (own, of_all) if own.is_empty() => of_all,
-                // The finest has to keep to both.
+                // The finest must meet both.
                 (own, of_all) if level == 0 => [own, of_all].concat(),
                 (own, _) => own,
             }
@@ -103,21 +103,21 @@ impl Goal {
         if decided.is_empty() { Requirement::visually_lossless() } else { decided }
     }
 
-    /// Returns the goal with all limits so many times as large.
+    /// Returns the goal with all limits multiplied by `factor`.
     pub fn times(&self, factor: f64) -> Self {
         let Self { angles, colors, numbers } = self;
         Self { angles: times(angles, factor), colors: times(colors, factor), numbers: times(numbers, factor) }
     }
 
-    /// Returns how many times the limits of angles and of colours differences in rising order are, the worst of each; `None`
-    /// for colours that are not compared. Without angles to compare the first is infinite.
+    /// Returns the largest ratios of differences, in ascending order, to the limits of angles and of colours; `None`
+    /// for colours that are not compared. Without angles to compare, the first is infinite.
     pub fn ratios(&self, seen: &PixelDifferences) -> (f64, Option<f64>) {
         let color = (!seen.colors.is_empty()).then(|| worst(&self.colors, &seen.colors));
         (worst(&self.angles, &seen.angles), color)
     }
 
-    /// Returns how many times their limit the differences of an image as seen are, in rising order; infinite if no pixel shows
-    /// it. Those of numbers that are neither colours nor normals have limits of their own.
+    /// Returns the largest ratio of an image's visible differences, in ascending order, to their limit; infinite if
+    /// no pixel shows it. Numbers that are neither colours nor normals have separate limits.
     pub fn image_ratio(&self, encoding: Encoding, differences: &[f32]) -> f64 {
         let limits: &[Limit] = match encoding {
             Encoding::Normal => &self.angles,
@@ -127,7 +127,7 @@ impl Goal {
         worst(limits, differences)
     }
 
-    /// Returns the ratio that a mean angle comes to, about, degrees.
+    /// Returns the approximate ratio of a mean angle, degrees.
     pub fn ratio_of_mean(&self, mean: f64) -> f64 {
         mean / least_mean(&self.angles)
     }
@@ -138,10 +138,10 @@ pub(super) fn is_hit(trial: &Trial) -> bool {
     trial.is_near && trial.angle_ratio >= CLOSE
 }
 
-/// The ratio of angles to aim at, in the middle of those that hit the goal.
+/// The target ratio of angles, in the middle of those that hit the goal.
 pub(super) const AIM: f64 = 0.5 * (1.0 + CLOSE);
 
-/// Returns what is left of an error without one of its sources; they add up in squares.
+/// Returns an error without one of its sources; they add up in squares.
 pub(super) fn remaining(error: f64, source: f64) -> f64 {
     (error * error - source * source).max(0.0).sqrt()
 }
@@ -160,7 +160,7 @@ impl Limit {
         Some(Self { statistic, most: most.max(LEAST) })
     }
 
-    /// Returns how many times the limit the statistic is of some differences in rising order.
+    /// Returns the ratio of the statistic of some differences, in ascending order, to the limit.
     fn ratio(&self, differences: &[f32]) -> f64 {
         match self.statistic.of(differences) {
             Some(value) if value.is_finite() => value / self.most,
@@ -168,7 +168,7 @@ impl Limit {
         }
     }
 
-    /// Returns about the mean difference at which it is reached.
+    /// Returns the approximate mean difference at which it is reached.
     fn mean(&self) -> f64 {
         match self.statistic {
             Statistic::Mean => self.most,
@@ -179,7 +179,7 @@ impl Limit {
 }
 
 impl Statistic {
-    /// Returns the statistic of differences in rising order; `None` if there are none.
+    /// Returns the statistic of differences in ascending order; `None` if there are none.
     pub fn of(self, differences: &[f32]) -> Option<f64> {
         let count = differences.len();
         let at = |part: f64| ((count as f64 * part) as usize).min(count.saturating_sub(1));
@@ -200,7 +200,7 @@ mod tests {
         Goal::of(&texts.iter().map(|text| text.parse().unwrap()).collect::<Vec<_>>(), 0)
     }
 
-    /// A hundred pixels, of which the last is far off.
+    /// A hundred pixels, the last of which is far off.
     fn seen() -> PixelDifferences {
         let mut angles: Vec<f32> = (1..100).map(|i| i as f32 * 0.01).collect();
         angles.push(20.0);
@@ -223,7 +223,7 @@ mod tests {
             (Goal::of(&[], 0), goal(&["mean-angle@0=4", "flip=0.1", "mean-angle@1=0.1"]));
         assert_eq!(wanted.ratios(&seen()).1.map(|ratio| ratio * 2.0), lossless.ratios(&seen()).1);
         assert_eq!(goal(&["mean-angle=0.1"]).ratios(&seen()).1, lossless.ratios(&seen()).1);
-        assert!((wanted.ratio_of_mean(1.0) - 0.25).abs() < 1e-9, "of level 0 alone");
+        assert!((wanted.ratio_of_mean(1.0) - 0.25).abs() < 1e-9, "only of level 0");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::asset::lod::Lod;
 use crate::proof::Picture;
 
-/// A level of detail of an asset: its number, 0 the finest, and how large the object is on the screen.
+/// A level of detail of an asset: its number, 0 the finest, and the size of the object on the screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::asset) struct Level {
     pub number: usize,
@@ -11,7 +11,7 @@ pub(in crate::asset) struct Level {
     pub across: u32,
 }
 
-/// The fewest triangles of any candidate.
+/// The minimum number of triangles of any candidate.
 const LEAST: u32 = 16;
 
 impl Level {
@@ -22,7 +22,7 @@ impl Level {
         self.number == 0
     }
 
-    /// Returns the part of the finest level's pixels, of the whole object, that it has.
+    /// Returns its number of pixels as a fraction of the finest level's, for the whole object.
     pub fn part(self) -> f64 {
         let part = f64::from(self.across) / f64::from(Lod::FINEST);
         part * part
@@ -33,12 +33,12 @@ impl Level {
         ((f64::from(of_finest) * self.part()) as u32).max(LEAST)
     }
 
-    /// Returns texels along a side of a map of the finest level in proportion to the pixels of this one, a multiple of 4.
+    /// Returns the map side of the finest level, texels, in proportion to the pixels of this one, a multiple of 4.
     pub fn side(self, of_finest: u32) -> u32 {
         (of_finest * self.across / Lod::FINEST).next_multiple_of(4).max(16)
     }
 
-    /// Returns the picture at which it is measured, with so many pixels if it is the finest.
+    /// Returns the picture at which it is measured, with `count` pixels if it is the finest.
     pub fn picture(self, count: usize) -> Picture {
         Picture::of(self.across as f32, count)
     }

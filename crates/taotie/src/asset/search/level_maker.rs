@@ -1,4 +1,4 @@
-//! One coarser level of detail: simplified, rebaked or made anew, and measured where the object is small.
+//! One coarser level of detail: simplified, rebaked or made from scratch, and measured where the object is small.
 
 use super::ceilings::Ceilings;
 use super::coarser::{Coarser, Finest, LevelLook};
@@ -27,22 +27,22 @@ use crate::scene::{NormalSpace, Scene};
 use crate::surface::with_frames;
 use std::borrow::Cow;
 
-/// A level gets a normal map of its own if it then has at most this part of the triangles.
+/// A level gets its own normal map if it then has at most this fraction of the triangles.
 const FAR_FEWER: f64 = 0.8;
-/// The fewest triangles that are tried for a number of pixels.
+/// The minimum number of triangles tried for a number of pixels.
 const FEWEST: u32 = 16;
-/// Numbers of triangles that are tried.
+/// The number of triangle counts tried.
 const ROUNDS: usize = 9;
 /// Ranges whose ends differ by at most this factor are searched no further.
 const CLOSE: f64 = 1.02;
-/// Pixels at which a level of so many triangles is tried: each so many times the next.
+/// The ratio between successive sizes in pixels at which a level of given triangles is tried.
 const STEP: f64 = std::f64::consts::SQRT_2;
 
-/// What levels are simplified from.
+/// The source that levels are simplified from.
 enum Source {
-    /// A scene of one mesh with its maps, as they are read back.
+    /// A scene of one mesh with its maps, as read back.
     Made(Scene),
-    /// The scan, without what shows its relief but vertex normals.
+    /// The scan, with its relief only in vertex normals.
     Bare,
     Packed(Box<GltfPacker>),
 }
@@ -55,7 +55,7 @@ impl Source {
                 if recipe.options.searches() && !material.has_maps() {
                     return Ok(Self::Bare);
                 }
-                // Positions that are not rounded have no transform.
+                // Unrounded positions have no transform.
                 let format = rounding.map_or_else(GltfFormat::default, Rounding::format);
                 let format = GltfFormat { meshopt: false, ..format };
                 let levels = [GltfLevel { mesh: &low.mesh, coverage: None }];
@@ -75,15 +75,15 @@ fn read(glb: Vec<u8>) -> Result<Scene> {
     Ok(io::load_glb(glb, &Limits::of_own_files())?.scene)
 }
 
-/// Gives a scene the normal map in object space that stands beside an asset.
+/// Assigns the object-space normal map next to an asset to a scene.
 fn show_object_map(scene: &mut Scene, (low, maps): (&LowPoly, &StoredMaps)) -> Result<()> {
-    let map = maps.textures.beside.iter().find(|beside| beside.map == MapKind::Normal);
+    let map = maps.textures.standalone.iter().find(|own| own.map == MapKind::Normal);
     let Some(map) = map else { return Ok(()) };
     let texture = Texture::new(map.bitmap.clone(), Encoding::Normal);
     object_map::show(scene, None, (&texture, io::gltf_sampler([&low.mesh])))
 }
 
-/// Returns a candidate; `None` if it is of no use.
+/// Returns a candidate; `None` if it is unusable.
 fn sound<T>(made: Result<T>) -> Result<Option<T>> {
     match made {
         Ok(made) => Ok(Some(made)),
@@ -92,13 +92,13 @@ fn sound<T>(made: Result<T>) -> Result<Option<T>> {
     }
 }
 
-/// A mesh, and what is shown on it.
+/// A mesh and its appearance.
 struct Candidate {
     mesh: Mesh,
     look: LevelLook,
 }
 
-/// Returns a mesh of fewer triangles on the same uvs, with tangents if the mesh has them.
+/// Returns a mesh with fewer triangles on the same uvs, with tangents if the mesh has them.
 fn on_uvs(mesh: &Mesh, count: u32, progress: Progress<'_>) -> Result<Mesh> {
     let level = bake::levels(mesh, &[count as usize], progress)?.swap_remove(0).mesh;
     match mesh.tangents().is_empty() {
@@ -120,7 +120,7 @@ pub(super) struct LevelMaker<'a> {
 }
 
 impl<'a> LevelMaker<'a> {
-    /// Prepares the finest level, which is simplified again and again.
+    /// Prepares the finest level, which is simplified repeatedly.
     pub fn new(
         recipe: Recipe<'a>,
         (scan, side): (&'a Scan, &'a Side<'a>),
@@ -146,8 +146,9 @@ impl<'a> LevelMaker<'a> {
         goal.iter().any(|required| required.level.is_some_and(|level| level > 0))
     }
 
-    /// Makes a level of so many triangles, and finds the most pixels at which it keeps the limits; the fewest that are tried if it
-    /// never does. It gets a normal map of its own if that keeps them at more pixels.
+    /// Makes a level with this number of triangles, and finds the largest size in pixels at which it meets the
+    /// limits; the smallest that is tried if it never does. It gets its own normal map if that meets them at a larger
+    /// size.
     pub fn of_triangles(&self, (number, count): (usize, u32), progress: Progress<'_>) -> Result<Coarser> {
         let most = |surface: &bake::Scan| {
             let steps = std::iter::successors(Some(f64::from(Lod::FINEST)), |across| Some(across / STEP));
@@ -169,20 +170,23 @@ impl<'a> LevelMaker<'a> {
         Ok(Coarser { mesh, look, across: across.max(Lod::LEAST), is_near: across > 0 })
     }
 
-    /// Makes the lightest level that keeps the limits at so many pixels: of the finest one's triangles, or anew.
+    /// Makes the lightest level that meets the limits at this size in pixels: from the finest one's triangles, or
+    /// from scratch.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if nothing keeps them there.
+    /// [`Error::Invalid`] if nothing meets them there.
     pub fn for_pixels(&self, level: Level, progress: Progress<'_>) -> Result<Coarser> {
         let simplified = match self.source {
             Source::Bare => None,
             _ => self.lightest(level, progress)?,
         };
-        let anew = match self.finest {
-            Finest::Made { .. } if self.recipe.options.searches() => self.anew(level, progress)?,
+        let fresh = match self.finest {
+            Finest::Made { .. } if self.recipe.options.searches() => {
+                self.made_from_scratch(level, progress)?
+            }
             _ => None,
         };
-        let best = match (simplified, anew) {
+        let best = match (simplified, fresh) {
             (Some(simplified), Some((made, bytes))) => {
                 let is_lighter = self.added_bytes(&simplified.mesh)? <= bytes;
                 Some(if is_lighter { simplified } else { made })
@@ -193,13 +197,13 @@ impl<'a> LevelMaker<'a> {
             Some(Candidate { mesh, look }) => Ok(Coarser { mesh, look, across: level.across, is_near: true }),
             None => Err(Error::invalid(
                 format!("the level of detail {}", Lod::Pixels(level.across)),
-                "nothing that was tried meets the limits of the finest level there",
+                "no candidate meets the limits of the finest level there",
             )),
         }
     }
 
-    /// Returns the fewest triangles of the finest level's that keep the limits at so many pixels, with its maps, or with a normal
-    /// map of their own if they are far fewer then; `None` if not even all do.
+    /// Returns the fewest of the finest level's triangles that meet the limits at this size in pixels, with its maps,
+    /// or with a separate normal map if that needs far fewer; `None` if not even all do.
     fn lightest(&self, level: Level, progress: Progress<'_>) -> Result<Option<Candidate>> {
         let shared = self.fewest(level, &|count| self.simplified(count, progress))?;
         if !self.may_rebake() {
@@ -211,7 +215,8 @@ impl<'a> LevelMaker<'a> {
         Ok(if count(&rebaked) < FAR_FEWER * count(&shared) { rebaked } else { shared })
     }
 
-    /// Returns the fewest triangles that keep the limits at so many pixels; `None` if not even all of the finest level do.
+    /// Returns the fewest triangles that meet the limits at this size in pixels; `None` if not even all of the finest
+    /// level do.
     fn fewest(
         &self,
         level: Level,
@@ -236,7 +241,7 @@ impl<'a> LevelMaker<'a> {
         Ok(best)
     }
 
-    /// Makes a level of so many triangles, and its surface.
+    /// Makes a level with this number of triangles, and its surface.
     fn simplified(&self, count: u32, progress: Progress<'_>) -> Result<(Candidate, bake::Scan)> {
         progress.at(0.0)?;
         match (&self.source, &self.finest) {
@@ -259,14 +264,15 @@ impl<'a> LevelMaker<'a> {
         }
     }
 
-    /// Returns `true` if levels may get normal maps of their own: nothing is searched for, which makes levels anew, and the finest
-    /// has one in tangent space, which other triangles bend otherwise.
+    /// Returns `true` if levels may get their own normal maps: there is no search, which makes levels from scratch,
+    /// and the finest has a tangent-space one, which looks different on other triangles.
     fn may_rebake(&self) -> bool {
         let has_map = matches!(&self.finest, Finest::Made { maps, .. } if maps.textures.normal.is_some());
         has_map && !self.recipe.options.searches() && self.recipe.options.space == NormalSpace::Tangent
     }
 
-    /// Makes a level of so many triangles with a normal map of its own on the same uvs, half as wide from level to level.
+    /// Makes a level with this number of triangles and its own normal map on the same uvs, half as wide from level to
+    /// level.
     fn rebaked(
         &self,
         (number, count): (usize, u32),
@@ -281,7 +287,7 @@ impl<'a> LevelMaker<'a> {
         let options = BakeOptions { maps: vec![MapKind::Normal], ..self.recipe.options.clone() };
         let rays = match self.recipe.rays {
             Rays::Uniform(distance) => Rays::Uniform(*distance),
-            // A cage is one of other vertices.
+            // A cage has different vertices.
             Rays::Auto | Rays::Cage(_) => Rays::Auto,
         };
         let size = options.map_size().map(|side| (side >> number.min(16)).next_multiple_of(4).max(16));
@@ -313,8 +319,8 @@ impl<'a> LevelMaker<'a> {
         Ok((Candidate { mesh: made.low.mesh.clone(), look: LevelLook::Own(Box::new(made)) }, surface))
     }
 
-    /// Searches for a mesh and maps of their own, and returns their bytes, too; `None` if nothing keeps the limits.
-    fn anew(&self, level: Level, progress: Progress<'_>) -> Result<Option<(Candidate, u64)>> {
+    /// Searches for a separate mesh and maps, and also returns their bytes; `None` if nothing meets the limits.
+    fn made_from_scratch(&self, level: Level, progress: Progress<'_>) -> Result<Option<(Candidate, u64)>> {
         let found = smallest(self.recipe, (self.scan, level), progress)?;
         let chosen = found.trials.iter().find(|trial| trial.is_chosen).filter(|trial| trial.is_near);
         let (Some(chosen), Smallest::Made(made)) = (chosen, found.smallest) else { return Ok(None) };

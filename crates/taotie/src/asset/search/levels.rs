@@ -1,4 +1,5 @@
-//! Coarser levels of detail: each is as light as keeps the limits of the finest where the object is small on the screen.
+//! Coarser levels of detail: each as light as possible within the limits of the finest while the object is small on
+//! the screen.
 
 use super::coarser::{Coarser, Finest};
 use super::level::Level;
@@ -10,15 +11,15 @@ use crate::error::{Error, Result, Warnings};
 use crate::progress::Progress;
 use crate::proof::Side;
 
-/// A level for a number of pixels has at most this part of the triangles of the one before.
+/// The maximum ratio of a level's triangles to those of the one before, for levels by pixels.
 const LIGHTER: f64 = 0.8;
-/// A level that is good at as many pixels as the one before takes over at so many times fewer.
+/// The factor by which a level that is good at as many pixels as the one before takes over later.
 const STEP: f64 = std::f64::consts::SQRT_2;
-/// Counts that are at most so many times the wanted one are taken for it.
+/// The factor up to which a count is accepted as the requested one.
 const NEAR_COUNT: f64 = 1.02;
 
-/// Makes the coarser levels that are asked for. One that cannot be made, or is hardly lighter than the one before, is left out with
-/// one of the warnings that are returned.
+/// Makes the requested coarser levels. One that cannot be made, or is hardly lighter than the one before, is omitted
+/// with one of the returned warnings.
 ///
 /// # Errors
 /// [`Error::Cancelled`]; those of reading candidates.
@@ -36,12 +37,12 @@ pub(in crate::asset) fn make_levels(
     let stage = progress.begin("levels of detail")?;
     let side = Side::of(scan.sorted());
     if !side.visibility.places().is_empty() {
-        warnings.note("levels of detail are left out: the scan is an interior, which is always near", 1);
+        warnings.note("omitted the levels of detail: the scan is an interior, which is always close", 1);
         return Ok((found, warnings));
     }
     let maker = LevelMaker::new(recipe, (scan, &side), finest)?;
     for (i, wanted) in lods.iter().enumerate() {
-        // All stages of it are this one.
+        // All inner stages are reported as this one.
         let listener = |_: &'static str, _: f64| stage.at(i as f64 / lods.len() as f64).is_ok();
         let progress = Progress::new(&listener);
         let number = found.len() + 1;
@@ -65,7 +66,7 @@ pub(in crate::asset) fn make_levels(
     Ok((found, warnings))
 }
 
-/// Returns a level if it is lighter than the one before, far lighter if no requirement names levels.
+/// Returns a level if it is lighter than the one before; much lighter, if no requirement names levels.
 fn light(wanted: Lod, level: Coarser, (before, is_named): (usize, bool)) -> Result<Coarser> {
     let triangles = level.mesh.triangles().len();
     let is_light = match wanted {
@@ -81,34 +82,35 @@ fn light(wanted: Lod, level: Coarser, (before, is_named): (usize, bool)) -> Resu
     }
 }
 
-/// Notes where a level is not what was wanted.
+/// Notes how a level differs from the requested one.
 fn note(wanted: Lod, level: &Coarser, warnings: &mut Warnings) {
     let triangles = level.mesh.triangles().len();
     if let Lod::Triangles(count) = wanted
         && triangles as f64 > NEAR_COUNT * f64::from(count)
     {
         let what = format!(
-            "a level of {count} triangles was wanted; could not go below {triangles}: seams must stay"
+            "a level of {count} triangles was requested; could not go below {triangles}: seams must be kept"
         );
         warnings.note(what, 1);
     }
     if !level.is_near {
         let least = Lod::LEAST;
         let what = format!(
-            "the level of detail {wanted} does not meet the limits of the finest level even where the object fills {least} \
-             pixels; it is shown from there down"
+            "the level of detail {wanted} does not meet the limits of the finest level even when the object fills {least} \
+             pixels; it is shown below that size"
         );
         warnings.note(what, 1);
     }
 }
 
-/// Adds a level, which takes over after the one before. Those before it go that would never be shown beside one for more pixels.
+/// Adds a level, which takes over from the one before. Earlier ones that would never be shown because of it are
+/// removed.
 fn push(found: &mut Vec<Coarser>, (wanted, level): (Lod, Coarser), warnings: &mut Warnings) {
     let is_for_pixels = matches!(wanted, Lod::Pixels(_));
     while let Some(last) = found.pop_if(|last| is_for_pixels && last.across <= level.across) {
         let (triangles, across) = (last.mesh.triangles().len(), level.across);
         let what = format!(
-            "a level of {triangles} triangles is left out: a lighter one is good from {across} pixels down"
+            "omitted a level of {triangles} triangles: a lighter one is good enough up to {across} pixels"
         );
         warnings.note(what, 1);
     }

@@ -1,4 +1,4 @@
-//! Maps of a size, as they were measured on one mesh.
+//! Maps of a size, as measured on one mesh.
 
 use super::encodings::{Encodings, NORMAL_RATIOS};
 use super::workshop::{Draft, Workshop, under_map};
@@ -10,7 +10,7 @@ use crate::proof::{Relook, Side};
 
 /// Steps between two sizes.
 const STEPS: u32 = 4;
-/// Smaller numbers count as this one, whose logarithm is finite.
+/// The lower bound of values, which keeps logarithms finite.
 const LEAST: f64 = 1e-9;
 
 /// Maps of a size.
@@ -18,21 +18,21 @@ const LEAST: f64 = 1e-9;
 pub(super) struct MapSize {
     /// Texels along a side.
     pub size: u32,
-    /// The square of the ratio of angles with maps that lose nothing.
+    /// The square of the ratio of angles with lossless maps.
     pub squared: f64,
     /// The bytes of the mesh that they were measured on.
     pub mesh_bytes: f64,
-    /// The bytes of all maps as they were measured.
+    /// The measured bytes of all maps.
     bytes: f64,
-    /// What that of normals may lose, from the least up, and the bytes of all maps then.
+    /// The possible losses of the normal map, in ascending order, with the resulting bytes of all maps.
     lossy: Vec<Loss>,
 }
 
-/// What lossy normal maps cost.
+/// The cost of a lossy normal map.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Loss {
     pub normals: ImageCodec,
-    /// What it adds to that square.
+    /// Its contribution to that square.
     pub squared: f64,
     pub bytes: f64,
 }
@@ -61,22 +61,22 @@ impl MapSize {
         Ok(Self { size: draft.shape.size, squared, mesh_bytes, bytes, lossy: vec![loss] })
     }
 
-    /// Returns the loss that is least.
+    /// Returns the smallest loss.
     pub fn least(&self) -> Loss {
         self.lossy[0]
     }
 
-    /// Returns the fewest bytes of the maps that were measured.
+    /// Returns the fewest bytes of the measured maps.
     pub fn least_bytes(&self) -> f64 {
         self.losses().map(|loss| loss.bytes).fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns the losses that can be chosen.
+    /// Returns the available losses.
     pub fn losses(&self) -> impl Iterator<Item = Loss> {
         self.lossy.iter().copied()
     }
 
-    /// Returns this size and some on the way to a larger one.
+    /// Returns this size and some between it and a larger one.
     pub fn up_to<'a>(&'a self, larger: &'a Self) -> impl Iterator<Item = Self> + 'a {
         steps().map(|part| {
             let lossy = self.lossy.iter().zip(&larger.lossy).map(|(a, b)| a.toward(*b, part)).collect();
@@ -102,7 +102,7 @@ impl Loss {
     }
 }
 
-/// Returns what the normal map of a draft may lose, from the least up, each with the bytes of that map.
+/// Returns the possible losses of a draft's normal map, in ascending order, each with the bytes of that map.
 fn losses(workshop: &Workshop<'_>, draft: &Draft) -> Result<Vec<Loss>> {
     let Some(normals) = &draft.maps.textures.normal else { return Ok(Vec::new()) };
     let (texture, size) = (LossyTexture::new(normals.clone(), Encoding::Normal), draft.shape.size);
@@ -120,12 +120,12 @@ fn losses(workshop: &Workshop<'_>, draft: &Draft) -> Result<Vec<Loss>> {
     Ok(losses)
 }
 
-/// Returns the parts of the way from one measured thing to the next, without its end.
+/// Returns the interpolation fractions between two measured sizes, without the end.
 fn steps() -> impl Iterator<Item = f64> {
     (0..STEPS).map(|i| f64::from(i) / f64::from(STEPS))
 }
 
-/// Interpolates logarithms.
+/// Interpolates logarithmically.
 fn between(a: f64, b: f64, part: f64) -> f64 {
     let [a, b] = [a, b].map(|v| ln(v.max(LEAST)));
     exp(a + (b - a) * part)

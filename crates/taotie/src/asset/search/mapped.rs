@@ -7,15 +7,16 @@ use super::workshop::{Workshop, under_map};
 use crate::error::Result;
 use crate::progress::Progress;
 
-/// Trials that close in on the goal.
+/// The number of trials that close in on the goal.
 const ROUNDS: usize = 5;
-/// A candidate is made if its forecast has at most this part of the bytes of the smallest one so far.
+/// A candidate is made if its forecast is at most this fraction of the bytes of the smallest one so far.
 const WORTH: f64 = 0.99;
-/// If no candidate reaches the goal, those are sought whose ratio is at most so many times the least one.
+/// If no candidate reaches the goal, the search targets those whose ratio is at most this factor above the smallest
+/// one.
 const NEARLY: f64 = 1.03;
 
-/// Puts the smallest candidate with a normal map that reaches the goal in the place of a larger one. Its maps have at least
-/// `least_size` texels along a side.
+/// Finds the smallest candidate with a normal map that reaches the goal, and replaces `best` if it is smaller. Its
+/// maps have at least `least_size` texels along a side.
 pub(super) fn smallest(
     workshop: &mut Workshop<'_>,
     least_size: u32,

@@ -1,7 +1,7 @@
-//! The search for the asset of the fewest bytes that is near enough to its scan.
+//! The search for the smallest asset in bytes that is close enough to its scan.
 //!
-//! Errors of different sources, such as of the mesh, of texels and of what a codec loses, add up in squares. So each is
-//! measured by itself, and together they give an estimate of the smallest candidate; that is made, read back and measured.
+//! Errors from different sources, such as the mesh, texels and codecs, add up in squares. So each is measured
+//! separately, and together they give an estimate of the smallest candidate; that is made, read back and measured.
 
 mod bare;
 #[cfg(test)]

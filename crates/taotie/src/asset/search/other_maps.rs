@@ -1,4 +1,4 @@
-//! The size and the losses of maps that are not of normals.
+//! The size and losses of maps other than normal maps.
 
 use super::encodings::Encodings;
 use super::trial::Trial;
@@ -10,19 +10,19 @@ use crate::io::{ImageCodec, LossyTexture, TextureCodecs, VertexBits};
 use crate::progress::Progress;
 use crate::proof::{Relook, Side};
 
-/// Sizes that are tried for the finest level, on a mesh of so many triangles.
+/// The sizes tried for the finest level, and the triangles of the mesh they are tried on.
 const SIZES: [u32; 5] = [256, 512, 1024, 2048, 4096];
 const TRIANGLES: u32 = 8_000;
-/// A size whose colours have more than this part of the error of the size before is not worth its bytes: the mesh is at fault.
+/// If a size has more than this fraction of the colour error of the size before, it is not worth its bytes: the mesh
+/// is the cause.
 const WORTH: f64 = 0.85;
-/// The ratio of colours that lose as good as nothing, and the largest one of those that are chosen: the rest is for fewer
-/// triangles.
+/// The ratio of colours with a negligible loss, and the largest one that is chosen: the rest is for fewer triangles.
 const LEAST_LOSS: f64 = 0.2;
 const MOST: f64 = 0.95;
 
-/// Chooses the least size at which colours are near enough, and what maps then lose. Returns that size, 0 if there are no maps
-/// but that of normals; `None` if such maps alone are larger than the best candidate. If no size is near enough, it is the one
-/// beyond which colours hardly come nearer.
+/// Chooses the smallest size at which colours are close enough, and the losses of maps at it. Returns that size, 0 if
+/// there are only normal maps; `None` if these maps by themselves are larger than the best candidate. If no size is
+/// close enough, it is the one beyond which colours hardly improve.
 pub(super) fn chosen(
     workshop: &mut Workshop<'_>,
     best: &Best,
@@ -53,7 +53,7 @@ pub(super) fn chosen(
     Ok(best.bytes().is_infinite().then_some(size))
 }
 
-/// Chooses what the maps of a draft lose, and returns the trial with it.
+/// Chooses the losses of a draft's maps, and returns the trial with them.
 fn choose_losses(workshop: &mut Workshop<'_>, draft: &Draft) -> Result<Trial> {
     let surface = workshop.surface(draft)?;
     let side = Side::of(&surface);
@@ -89,7 +89,7 @@ fn choose_losses(workshop: &mut Workshop<'_>, draft: &Draft) -> Result<Trial> {
     Ok(exact)
 }
 
-/// Returns the encodings of a texture of the surface that is looked at; `None` if there is none.
+/// Returns the encodings of a texture of the examined surface; `None` if there is none.
 fn encodings<'a>(
     texture: Option<&'a LossyTexture>,
     look: &'a Relook<'a>,

@@ -1,5 +1,5 @@
-//! Candidates that are the scan itself, packed: with its nodes, materials, uvs, skins and animations, fewer triangles, and
-//! textures that are smaller or lossy.
+//! Candidates that are the scan itself, packed: with its nodes, materials, uvs, skins and animations, fewer
+//! triangles, and smaller or lossy textures.
 
 use super::curve::Curve;
 use super::encodings::{EncodedTexture, Encodings, NORMAL_RATIOS};
@@ -17,25 +17,26 @@ use crate::parallel;
 use crate::progress::Progress;
 use crate::proof::{Relook, Shown};
 
-/// The parts of their limits that colours may use up; the rest is for fewer triangles. Triangles are measured with the first.
+/// The fractions of their limits that colours may use up; the rest is for fewer triangles. Triangles are measured
+/// with the first.
 const COLOR_SHARES: [f64; 2] = [0.9, 0.95];
-/// The number of the ratio of [`NORMAL_RATIOS`] with which triangles are measured.
+/// The index of the ratio in [`NORMAL_RATIOS`] with which triangles are measured.
 const MIDDLING: usize = 2;
-/// Bits of positions and normals, from the fewest up.
+/// Bits of positions and normals, in ascending order.
 const BITS: [[u8; 2]; 4] = [[12, 8], [13, 9], [14, 10], [15, 12]];
-/// Fewer triangles are tried until the error is so many times too large.
+/// Fewer triangles are tried until the error exceeds its limit by this factor.
 const FAR: f64 = 1.5;
-/// The least part of the triangles that is kept.
+/// The minimum fraction of the triangles that is kept.
 const LEAST_KEPT: f64 = 1.0 / 256.0;
-/// Trials that close in on the goal, and the part of the ratio that is aimed at after one that missed it.
+/// The number of trials that close in on the goal, and the factor on the target ratio after one that missed it.
 const ROUNDS: usize = 10;
 const AFTER_MISS: f64 = 0.985;
-/// The part of the triangles that are left is multiplied by this after a candidate that is beyond a ceiling.
+/// The factor on the fraction of kept triangles after a candidate beyond a ceiling.
 const LESS: f64 = 0.95;
-/// A candidate is tried if its forecast has at most this part of the bytes of the smallest one so far.
+/// A candidate is tried if its forecast is at most this fraction of the bytes of the smallest one so far.
 const WORTH: f64 = 0.99;
 
-/// Puts the smallest packed scan that reaches the goal in the place of a larger candidate.
+/// Finds the smallest packed scan that reaches the goal, and replaces `best` if it is smaller.
 pub(super) fn smallest(workshop: &mut Workshop<'_>, best: &mut Best, progress: Progress<'_>) -> Result<()> {
     progress.at(0.0)?;
     match with(workshop, progress, &mut |mut search| search.measure(best)) {
@@ -47,7 +48,7 @@ pub(super) fn smallest(workshop: &mut Workshop<'_>, best: &mut Best, progress: P
     }
 }
 
-/// Opens the scan's file and looks at its images, for a search.
+/// Opens the scan's file and examines its images, for a search.
 fn with(
     workshop: &mut Workshop<'_>,
     progress: Progress<'_>,
@@ -77,7 +78,7 @@ fn with(
     })
 }
 
-/// Tries every combination of some parts of the triangles, bits, normal maps and losses of colours.
+/// Tries every combination of some fractions of the triangles, bits, normal maps and losses of colours.
 #[cfg(test)]
 pub(super) fn all(
     workshop: &mut Workshop<'_>,
@@ -99,7 +100,7 @@ pub(super) fn all(
     })
 }
 
-/// Limits images to the texels that fit the ceiling on memory of the graphics card, each by the same part.
+/// Limits images to the texels that fit the graphics memory ceiling, all by the same factor.
 fn within_ceiling<'a>(
     encodings: Vec<(usize, Encodings<'a>)>,
     packer: &GltfPacker,
@@ -120,8 +121,8 @@ fn shown(scan: &Scan, image: &LossyTexture) -> Option<Shown> {
     (!textures.is_empty()).then(|| Shown { textures, encoding: image.encoding() })
 }
 
-/// Opens the file of a scan; one that is no glTF is made glTF. Also returns what that loses. Of that, what changes angles or colours is
-/// measured with the candidate, and all else is lost by candidates that are made, too.
+/// Opens the file of a scan, converting it to glTF if necessary. Also returns the losses of that. Those that affect
+/// angles or colours are measured with the candidate, and all others also occur in candidates made from the scan.
 pub(super) fn packer(scan: &Scan) -> Result<(GltfPacker, Warnings)> {
     let (path, mut lost) = (scan.path(), Warnings::default());
     if io::is_gltf(path).unwrap_or(false) {
@@ -137,33 +138,34 @@ pub(super) fn packer(scan: &Scan) -> Result<(GltfPacker, Warnings)> {
 struct PackedScan<'a, 'b> {
     workshop: &'b mut Workshop<'a>,
     packer: &'b GltfPacker,
-    /// Each image that can be encoded anew, by its number.
+    /// Each image that can be re-encoded, by its number.
     encodings: Vec<(usize, Encodings<'b>)>,
-    /// Colours and other numbers as they were chosen.
+    /// The chosen images of colours and other numbers.
     images: Vec<PackedImage>,
     /// `true` if uvs keep all their bits, since colours need them.
     keeps_uvs: bool,
-    /// `true` if colours stay as they are.
+    /// `true` if colours are kept as is.
     keeps_colors: bool,
     progress: Progress<'b>,
 }
 
-/// What is added to the square of the ratio, and to the bytes, of all triangles with normal maps as they are.
+/// A choice, with its contribution to the square of the ratio and to the bytes, relative to all triangles with the
+/// original normal maps.
 struct Choice<T> {
     of: T,
     squared: f64,
     bytes: f64,
 }
 
-/// Images in the place of a scan's own.
+/// Images that replace a scan's own.
 #[derive(Clone, Default)]
 struct Images {
     images: Vec<PackedImage>,
-    /// The largest ratio of any.
+    /// The largest ratio of any of them.
     ratio: f64,
     /// The format of the first of them.
     codec: Option<ImageCodec>,
-    /// Their bytes less those of what they stand in for.
+    /// Their bytes minus those of the images they replace.
     bytes: f64,
 }
 
@@ -225,7 +227,7 @@ impl PackedScan<'_, '_> {
         self.fit_ceilings(&forecast, best)
     }
 
-    /// Tries what is nearest to the scan within the ceilings, if nothing that was tried is within them.
+    /// Tries the candidate closest to the scan within the ceilings, if none so far is within them.
     fn fit_ceilings(&mut self, forecast: &Forecast, best: &mut Best) -> Result<()> {
         let Some(maps) = forecast.maps.last() else { return Ok(()) };
         let mut kept = forecast.most_kept;
@@ -239,7 +241,8 @@ impl PackedScan<'_, '_> {
         Ok(())
     }
 
-    /// Measures all triangles. If colours are too far off uvs keep their bits, and if they still are, colours stay as they are.
+    /// Measures all triangles. If colours are too far off, uvs keep their bits; if they still are, colours are kept
+    /// as is.
     fn with_near_colors(&mut self, maps: &Images, best: &mut Best) -> Result<Trial> {
         let mut trial = self.trial(WHOLE, maps, best)?;
         let is_far = |trial: &Trial| trial.color_ratio.is_some_and(|ratio| ratio > 1.0);
@@ -276,12 +279,12 @@ impl PackedScan<'_, '_> {
         Ok(trial)
     }
 
-    /// Returns the longest side of any image if these are in place of its own, `None` if that is unknown, and the geometry with
-    /// the bits that uvs then need and the extension of the workshop's codecs.
+    /// Returns the longest side of any image after these replacements, `None` if unknown, and the geometry with the
+    /// bits that uvs then need and the extension of the workshop's codecs.
     fn completed(&self, geometry: PackedGeometry, images: &[PackedImage]) -> (Option<u32>, PackedGeometry) {
         let side = |number: usize| {
             let packed = images.iter().find(|image| image.number == number).map(|image| image.side);
-            // One that stays as it is counts as the longest.
+            // An image kept as is counts as the longest.
             packed
                 .or_else(|| self.packer.image(number).map(LossyTexture::side))
                 .or(self.packer.longest_side())
@@ -298,7 +301,8 @@ impl PackedScan<'_, '_> {
         self.encodings.iter().filter(move |(_, encodings)| encodings.encoding() == wanted)
     }
 
-    /// Returns the smallest images of a meaning each of whose ratios is at most `most`; those that would not be smaller stay.
+    /// Returns the smallest images of an encoding, each with a ratio of at most `most`; those that would not get
+    /// smaller are kept.
     fn chosen(&self, wanted: Encoding, most: f64) -> Result<Images> {
         let of: Vec<_> = self.of_encoding(wanted).collect();
         let found = parallel::try_tasks(of.len(), &|i| of[i].1.smallest(most))?;
@@ -313,7 +317,7 @@ impl PackedScan<'_, '_> {
         Ok(chosen)
     }
 
-    /// Returns the images of a meaning that cannot stay as they are, with the least loss.
+    /// Returns the images of an encoding that cannot be kept as is, with the least loss.
     fn replaced(&self, wanted: Encoding) -> Result<Images> {
         let mut replaced = Images::default();
         for image in self.of_encoding(wanted).filter(|image| !self.may_stay(image)) {
@@ -322,14 +326,14 @@ impl PackedScan<'_, '_> {
         Ok(replaced)
     }
 
-    /// Returns `true` if an image may stay as it is stored: its format is among those to choose from, and its texels fit the
+    /// Returns `true` if an image may be kept as stored: its format is among those allowed, and its texels fit the
     /// ceiling.
     fn may_stay(&self, (number, encodings): &(usize, Encodings<'_>)) -> bool {
         let is_allowed = |(kind, _)| self.workshop.codecs().allows(kind);
         self.packer.stored(*number).is_some_and(is_allowed) && !encodings.must_shrink()
     }
 
-    /// Puts an encoding in the place of an image, unless that may stay and is no larger.
+    /// Replaces an image by an encoding, unless the image may be kept and is not larger.
     fn put(&self, image: &(usize, Encodings<'_>), found: EncodedTexture, images: &mut Images) {
         let number = image.0;
         let stored = self.packer.stored(number).map_or(0, |(_, bytes)| bytes);
@@ -342,7 +346,8 @@ impl PackedScan<'_, '_> {
         images.images.push(PackedImage { number, side: found.side, bytes: found.bytes });
     }
 
-    /// Makes normal maps for several ratios of angles; the last are those of the scan, or as near to them as can be.
+    /// Encodes normal maps for several ratios of angles; the last are those of the scan, or as close to them as
+    /// possible.
     fn normal_maps(&self) -> Result<Vec<Choice<Images>>> {
         let mut choices = Vec::with_capacity(NORMAL_RATIOS.len() + 1);
         if self.of_encoding(Encoding::Normal).next().is_some() {
@@ -356,7 +361,7 @@ impl PackedScan<'_, '_> {
         Ok(choices)
     }
 
-    /// Returns what fewer bits of vertices cost.
+    /// Returns the cost of fewer vertex bits.
     fn bits(&self) -> Result<Vec<Choice<VertexBits>>> {
         let choice = |bits: VertexBits| -> Result<Choice<VertexBits>> {
             let (_, geometry) = self.completed(PackedGeometry { bits, ..WHOLE }, &self.images);
@@ -365,7 +370,7 @@ impl PackedScan<'_, '_> {
             Ok(Choice { of: bits, squared: ratio * ratio, bytes })
         };
         let mut choices = BITS.into_iter().map(vertex_bits).map(choice).collect::<Result<Vec<_>>>()?;
-        // The last are those of the whole.
+        // The last are those of the whole scan.
         let Choice { squared, bytes, .. } = choices[BITS.len() - 1];
         for choice in &mut choices {
             choice.squared -= squared;
@@ -374,7 +379,7 @@ impl PackedScan<'_, '_> {
         Ok(choices)
     }
 
-    /// Tries what is likely to be the smallest, and learns from it.
+    /// Tries the likely smallest candidates, and updates the forecast from them.
     fn close_in(&mut self, forecast: &mut Forecast, best: &mut Best) -> Result<()> {
         let (mut tried, mut aim) = (Vec::new(), AIM);
         for _ in 0..ROUNDS {
@@ -402,18 +407,18 @@ impl PackedScan<'_, '_> {
 struct Forecast {
     maps: Vec<Choice<Images>>,
     bits: Vec<Choice<VertexBits>>,
-    /// The error over the part of the triangles that is kept, and the bytes.
+    /// The error over the fraction of triangles kept, and the bytes.
     errors: Curve,
     bytes: Curve,
     /// The square of the error of the whole.
     floor: f64,
-    /// The ratio of colours over the part of the triangles.
+    /// The ratio of colours over the fraction of triangles.
     colors: Curve,
-    /// The part of the triangles within the ceiling.
+    /// The fraction of the triangles within the ceiling.
     most_kept: f64,
 }
 
-/// A part of the triangles, and the numbers of the normal maps and bits among those that were measured.
+/// A fraction of the triangles, and the indices of the normal maps and bits among those measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Combined {
     kept: f64,
@@ -421,7 +426,7 @@ struct Combined {
     bits: usize,
 }
 
-/// What is likely to be the smallest.
+/// The candidate that is likely to be the smallest.
 struct Likely {
     choice: Combined,
     bytes: f64,
@@ -436,7 +441,7 @@ impl Forecast {
                 let Some(kept) = self.kept_within(ratio * ratio - maps.squared - bits.squared) else {
                     continue;
                 };
-                // Fewer bits save in proportion to the triangles.
+                // Fewer bits save bytes in proportion to the triangles.
                 let bytes = self.bytes.at(kept) + bits.bytes * kept + maps.bytes;
                 if best.as_ref().is_none_or(|best| bytes < best.bytes) {
                     best = Some(Likely { choice: Combined { kept, maps: m, bits: b }, bytes });
@@ -446,7 +451,7 @@ impl Forecast {
         best
     }
 
-    /// Returns the least part of the triangles whose error has at most this square.
+    /// Returns the smallest fraction of the triangles whose error has at most this square.
     fn kept_within(&self, squared: f64) -> Option<f64> {
         if squared < self.floor {
             return None;
@@ -458,14 +463,14 @@ impl Forecast {
         (kept <= self.most_kept).then_some(kept)
     }
 
-    /// Takes images of colours in the place of others. Their differences and those of fewer triangles add up in squares.
+    /// Replaces images of colours by others. Their differences and those of fewer triangles add up in squares.
     fn take_colors(&mut self, [from, to]: [&Images; 2]) {
         let more = to.ratio * to.ratio - from.ratio * from.ratio;
         self.colors.change(|ratio| (ratio * ratio + more).max(0.0).sqrt());
         self.bytes.change(|bytes| bytes + to.bytes - from.bytes);
     }
 
-    /// Takes the error of the triangles that a trial had.
+    /// Updates the error at the fraction of triangles of a trial.
     fn learn(&mut self, Combined { kept, maps, bits }: Combined, trial: &Trial) {
         let squared =
             trial.angle_ratio * trial.angle_ratio - self.maps[maps].squared - self.bits[bits].squared;

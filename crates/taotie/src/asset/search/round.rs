@@ -14,13 +14,13 @@ pub(super) fn round(workshop: &mut Workshop<'_>, progress: Progress<'_>) -> Resu
     if workshop.packs_first() {
         packed::smallest(workshop, &mut best, progress)?;
     }
-    // What is made of a scan moves no more.
+    // Candidates made from the scan no longer move.
     let is_packed = best.is_mostly_textures() || (scan.about.is_rigged && best.bytes().is_finite());
     if !is_packed && let Some(size) = other_maps::chosen(workshop, &best, progress)? {
         Bare::smallest(workshop, size, &mut best, progress)?;
         mapped::smallest(workshop, size, &mut best, progress)?;
     }
-    // Nothing is larger than the scan, nor farther from it than need be.
+    // The result is no larger than the scan, and no farther from it than necessary.
     let is_enough = best.bytes().is_finite() && best.bytes() <= bytes_of(scan);
     if !is_enough && workshop.may_pack() && !workshop.packs_first() {
         packed::smallest(workshop, &mut best, progress)?;

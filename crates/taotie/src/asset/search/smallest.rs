@@ -1,4 +1,4 @@
-//! The search as a whole.
+//! The complete search.
 
 use super::budget;
 use super::ceilings::Ceilings;
@@ -20,17 +20,17 @@ use crate::proof::Side;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-/// What was found.
+/// The result of a search.
 pub(in crate::asset) struct Found {
     pub smallest: Smallest,
     pub trials: Vec<Trial>,
-    /// The warnings on the way to it.
+    /// The warnings of the search.
     pub warnings: Warnings,
 }
 
 /// The smallest asset.
 pub(in crate::asset) enum Smallest {
-    /// A mesh and maps that were made from the scan.
+    /// A mesh and maps generated from the scan.
     Made(Box<MadeAsset>),
     /// The packed scan.
     Packed(PackedAsset),
@@ -40,9 +40,9 @@ pub(in crate::asset) enum Smallest {
 pub(in crate::asset) struct PackedAsset {
     pub glb: Vec<u8>,
     pub geometry: PackedGeometry,
-    /// Those in place of its own.
+    /// Images that replace its own.
     pub images: Vec<PackedImage>,
-    /// What it loses at least.
+    /// A lower bound of its loss.
     pub rounding: Rounding,
 }
 
@@ -52,15 +52,15 @@ pub(in crate::asset) struct MadeAsset {
     pub maps: StoredMaps,
     /// Texels along a side; 0 without maps.
     pub size: u32,
-    /// What the file loses.
+    /// The loss of the file's formats.
     pub rounding: Rounding,
 }
 
-/// Finds the asset of the fewest bytes that meets the goal of a bake, or the nearest one within its budget of bytes; the one
-/// that comes nearest if none does, with a warning. As a coarser level of detail it is made anew for its pixels.
+/// Finds the smallest asset in bytes that meets the goal of a bake, or the nearest one within its byte budget; if
+/// none does, the nearest one, with a warning. A coarser level of detail is made from scratch for its pixels.
 ///
 /// # Errors
-/// Those of making candidates if none can be made.
+/// Those of making candidates, if none can be made.
 pub(in crate::asset) fn smallest(
     recipe: Recipe<'_>,
     (scan, level): (&Scan, Level),
@@ -75,12 +75,12 @@ pub(in crate::asset) fn smallest(
     }
     let required = recipe.options.limits();
     let (goal, ceilings) = (Goal::of(&required, level.number), Ceilings::of(&required));
-    let is_alone = recipe.options.lods.is_empty();
-    let ceilings = if is_alone { ceilings } else { ceilings.of_level(level) };
+    let is_single = recipe.options.lods.is_empty();
+    let ceilings = if is_single { ceilings } else { ceilings.of_level(level) };
     let subject = Subject { scan, seen: &seen, side: &side, level };
     let mut workshop = Workshop::new(recipe, (goal.clone(), ceilings), subject);
     let (stage, tried) = (progress.begin("search")?, Arc::clone(&workshop.tried));
-    // All stages of candidates are this one.
+    // All stages of candidates are reported as this one.
     let listener = |_: &'static str, _: f64| stage.at(part_done(tried.load(Ordering::Relaxed))).is_ok();
     let progress = Progress::new(&listener);
     let of_goal = ceilings.bytes.is_finite().then_some(ceilings.bytes as u64);
@@ -92,7 +92,7 @@ pub(in crate::asset) fn smallest(
     let Some(Winner { candidate, trial }) = best.into_winner() else { return Err(none_at_all(workshop)) };
     let smallest = match candidate {
         Candidate::Packed { glb, geometry, images } => {
-            // The notes so far are about meshes that are made.
+            // The notes so far concern generated meshes.
             warnings = workshop.packing_losses.clone();
             let normals = trial.normals.unwrap_or(workshop.codecs().least_lossy());
             let rounding = workshop.rounding(trial.bits, normals);
@@ -107,7 +107,7 @@ pub(in crate::asset) fn smallest(
     if !trial.is_within() {
         let Trial { triangles, gpu_bytes, .. } = trial;
         let what = format!(
-            "no asset that was tried is within the ceilings; this is the nearest to them, {triangles} triangles and {gpu_bytes} \
+            "no candidate is within the ceilings; the nearest has {triangles} triangles and {gpu_bytes} \
              bytes on the graphics card"
         );
         warnings.note(what, 1);
@@ -115,13 +115,7 @@ pub(in crate::asset) fn smallest(
         warnings.note(none_near_enough(&required, &trial), 1);
     }
     if let Some(most) = most.filter(|most| trial.bytes > *most) {
-        warnings.note(
-            format!(
-                "no asset that was tried has at most {most} bytes; this is the smallest, {}",
-                trial.bytes
-            ),
-            1,
-        );
+        warnings.note(format!("no candidate has at most {most} bytes; the smallest has {}", trial.bytes), 1);
     }
     let Workshop { mut trials, refused, not_packed, .. } = workshop;
     trials.iter_mut().filter(|own| **own == trial).take(1).for_each(|own| own.is_chosen = true);
@@ -132,26 +126,27 @@ pub(in crate::asset) fn smallest(
     Ok(Found { smallest, trials, warnings })
 }
 
-/// Returns the part of a search that is done after so many trials. Nobody knows how many there will be; most searches take 8 to 25.
+/// Returns the completed fraction of a search after `tried` trials. Their total is unknown; most searches take 8 to
+/// 25.
 fn part_done(tried: usize) -> f64 {
     const AHEAD: f64 = 6.0;
     tried as f64 / (tried as f64 + AHEAD)
 }
 
-/// Says what is nearest if nothing is near enough.
+/// Describes the nearest candidate if none is close enough.
 fn none_near_enough(required: &[Requirement], nearest: &Trial) -> String {
     let Trial { triangles, mean_angle, p95_angle, mean_color, p95_color, .. } = *nearest;
     let colors = mean_color.zip(p95_color);
     let colors = colors.map_or_else(String::new, |(mean, p95)| format!(", ΔE {mean:.2} and p95 {p95:.2}"));
     format!(
-        "no asset that was tried meets {}; this is the nearest, {triangles} triangles with a mean angle of {mean_angle:.3}° and \
+        "no candidate meets {}; the nearest has {triangles} triangles with a mean angle of {mean_angle:.3}° and \
          p95 {p95_angle:.3}°{colors}",
         requirement_text::argument(&Goal::decided(required))
     )
 }
 
 fn no_triangles() -> Error {
-    Error::invalid("the search for an asset", "the scan has no triangles that can be seen")
+    Error::invalid("the search for an asset", "the scan has no visible triangles")
 }
 
 /// Returns why no candidate could be made.

@@ -1,13 +1,13 @@
-//! What a search has tried.
+//! The candidates that a search has tried.
 
 use crate::io::{ImageCodec, VertexBits};
 
-/// A file that a search made, and what it measured of it.
+/// A file made by a search, and its measurements.
 ///
 /// ```
 /// use taotie::asset::{Asset, Trial};
 ///
-/// /// Returns the trial that came nearest to the scan.
+/// /// Returns the trial closest to the scan.
 /// fn nearest(asset: &Asset) -> Option<&Trial> {
 ///     asset.trials().iter().min_by(|a, b| a.mean_angle.total_cmp(&b.mean_angle))
 /// }
@@ -16,17 +16,19 @@ use crate::io::{ImageCodec, VertexBits};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Trial {
-    /// `true` if it is the scan itself, packed, with its nodes, materials, uvs and textures; else it was made from the scan.
+    /// `true` if it is the scan itself, packed, with its nodes, materials, uvs and textures; otherwise it was made
+    /// from the scan.
     pub is_scan: bool,
-    /// `true` for the one that the asset is.
+    /// `true` if it became the asset.
     pub is_chosen: bool,
     /// Triangles.
     pub triangles: usize,
-    /// Texels along a side of its maps, of a packed scan along the longest side of any; 0 if it has none.
+    /// Texels along a side of its maps; for a packed scan, along the longest side of any; 0 if it has none.
     pub size: u32,
     /// `true` if it has a normal map.
     pub has_normal_map: bool,
-    /// The format of its normal map, of a packed scan with several the first that was encoded again; `None` if there is none.
+    /// The format of its normal map; for a packed scan with several, of the first that was re-encoded; `None` if
+    /// there is none.
     pub normals: Option<ImageCodec>,
     /// The bits of its vertices.
     pub bits: VertexBits,
@@ -38,13 +40,13 @@ pub struct Trial {
     pub mean_color: Option<f64>,
     /// The 95th percentile of these differences.
     pub p95_color: Option<f64>,
-    /// How many times the limit a figure of its angles is, the worst one if several are limited.
+    /// The ratio of a figure of its angles to the limit, the largest one if several are limited.
     pub angle_ratio: f64,
-    /// The same of colours.
+    /// The same for colours.
     pub color_ratio: Option<f64>,
-    /// How many times a ceiling on triangles or on memory of the graphics card it has, the worst one; 0 without ceilings.
+    /// The largest ratio of its triangles or graphics memory to a ceiling; 0 without ceilings.
     pub ceiling_ratio: f64,
-    /// `true` if it is near enough to the scan, and within all ceilings.
+    /// `true` if it is close enough to the scan, and within all ceilings.
     pub is_near: bool,
     /// Its bytes as a GLB of one level of detail, without metadata.
     pub bytes: u64,
@@ -65,14 +67,14 @@ impl Trial {
         }
     }
 
-    /// Takes ratios to limits that are so many times as large for those to the limits themselves.
+    /// Converts ratios to limits multiplied by `factor` into ratios to the limits themselves.
     pub(super) fn scale(&mut self, factor: f64) {
         self.angle_ratio *= factor;
         self.color_ratio = self.color_ratio.map(|ratio| ratio * factor);
         self.judge();
     }
 
-    /// Decides whether it is near enough.
+    /// Decides whether it is close enough.
     pub(super) fn judge(&mut self) {
         self.is_near = self.ratio() <= 1.0 && self.is_within();
     }
@@ -82,7 +84,7 @@ impl Trial {
         self.ceiling_ratio <= 1.0
     }
 
-    /// Returns how many times the limits its differences are, at worst; at most 1 is near enough.
+    /// Returns the largest ratio of its differences to their limits; at most 1 is close enough.
     pub fn ratio(&self) -> f64 {
         self.angle_ratio.max(self.color_ratio.unwrap_or_default())
     }

@@ -4,39 +4,39 @@ use super::trial::Trial;
 use super::workshop::{Draft, Rounding};
 use crate::io::{PackedGeometry, PackedImage};
 
-/// A candidate and what was measured of it.
+/// A candidate and its measurements.
 pub(super) struct Winner {
     pub candidate: Candidate,
     pub trial: Trial,
 }
 
-/// What becomes the asset.
+/// The contents of the asset.
 pub(super) enum Candidate {
-    /// A mesh and maps that were made from the scan.
+    /// A mesh and maps generated from the scan.
     Made(Box<Draft>, Rounding),
     /// The packed scan.
     Packed {
         glb: Vec<u8>,
         geometry: PackedGeometry,
-        /// Those that were encoded anew.
+        /// Those that were re-encoded.
         images: Vec<PackedImage>,
     },
 }
 
-/// The smallest candidate that reaches the goal; until there is one, the one that comes nearest, within the ceilings if there is
-/// one.
+/// The smallest candidate that reaches the goal; until there is one, the nearest one, within the ceilings if
+/// possible.
 #[derive(Default)]
 pub(super) struct Best {
     so_far: Option<Winner>,
-    /// The least ratio of any candidate within the ceilings.
+    /// The smallest ratio of any candidate within the ceilings.
     least_ratio: Option<f64>,
 }
 
-/// Ratios that are at most so many times the least one count as equal; then bytes decide.
+/// Ratios up to this factor above the smallest one count as equal; then bytes decide.
 const EQUAL: f64 = 1.05;
 
 impl Best {
-    /// Takes a candidate if it is better.
+    /// Replaces the best candidate if this one is better.
     pub fn offer(&mut self, candidate: Candidate, trial: Trial) {
         let known = self.least_ratio.unwrap_or(f64::INFINITY);
         let least_ratio = if trial.is_within() { known.min(trial.ratio()) } else { known };
@@ -67,12 +67,12 @@ impl Best {
         self.so_far.as_ref().is_some_and(|winner| winner.trial.is_within())
     }
 
-    /// Returns the fewest bytes with which the goal is reached; infinite if it is not yet.
+    /// Returns the fewest bytes with which the goal is reached; infinite if it has not been reached.
     pub fn bytes(&self) -> f64 {
         self.near().map_or(f64::INFINITY, |winner| winner.trial.bytes as f64)
     }
 
-    /// Does what [`Trial::scale`] does.
+    /// Applies [`Trial::scale`].
     pub fn scale(&mut self, factor: f64) {
         self.least_ratio = self.least_ratio.map(|ratio| ratio * factor);
         if let Some(winner) = &mut self.so_far {
@@ -85,8 +85,8 @@ impl Best {
         self.so_far.as_ref().map_or(f64::INFINITY, |winner| winner.trial.bytes as f64)
     }
 
-    /// Returns `true` if most of its bytes are textures of the scan: what is made from the scan needs them, too, and has more
-    /// vertices at UV islands of its own.
+    /// Returns `true` if most of its bytes are textures of the scan: candidates made from the scan need them too, and
+    /// have more vertices at their own UV islands.
     pub fn is_mostly_textures(&self) -> bool {
         self.near().is_some_and(|winner| match &winner.candidate {
             Candidate::Packed { images, .. } => {
@@ -108,7 +108,7 @@ impl Best {
 }
 
 impl Candidate {
-    /// Returns a candidate that was made from the scan.
+    /// Returns a candidate generated from the scan.
     pub fn made(draft: Draft, rounding: Rounding) -> Self {
         Self::Made(Box::new(draft), rounding)
     }

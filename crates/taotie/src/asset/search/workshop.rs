@@ -26,29 +26,29 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The number of pixels at which a trial is measured whose object fills the picture of the finest level.
+/// The number of pixels at which a trial is measured if the object fills the picture of the finest level.
 const PIXELS: usize = 20_000;
 
-/// The number of pixels for trials whose ratio to a limit differs from 1 by less than [`NEAR_LIMIT`]: the proof, too, takes more
-/// pixels until it is certain.
+/// The number of pixels for trials whose ratio to a limit differs from 1 by less than [`NEAR_LIMIT`]: the proof also
+/// uses more pixels until it is certain.
 const FINE_PIXELS: usize = 60_000;
 const NEAR_LIMIT: f64 = 0.04;
 
-/// The mean angle that rounding normals to 8 bits costs, degrees; each bit more halves it.
+/// The mean angle lost by rounding normals to 8 bits, degrees; each additional bit halves it.
 const ANGLE_OF_8_BITS: f64 = 0.26;
 
-/// Bits of vertices under a normal map, which makes up for the rounding of normals.
+/// Returns the bits of vertices under a normal map, which compensates for the rounding of normals.
 pub(super) fn under_map(size: u32) -> VertexBits {
     VertexBits { positions: 14, normals: 8, uvs: uv_bits(size) }
 }
 
-/// Returns the bits of uvs on textures of so many texels along a side: steps of a quarter of a texel at most.
+/// Returns the bits of uvs for textures with this side in texels: steps of at most a quarter of a texel.
 pub(super) fn uv_bits(size: u32) -> u8 {
     const WITHIN_TEXEL: u32 = 2;
     (size.max(1).next_power_of_two().ilog2() + WITHIN_TEXEL).clamp(8, 16) as u8
 }
 
-/// Returns the mean angle that rounding normals to so many bits costs, degrees.
+/// Returns the mean angle lost by rounding normals to `bits` bits, degrees.
 pub(super) fn angle_of(bits: u8) -> f64 {
     ANGLE_OF_8_BITS * f64::from(1u32 << 8) / f64::from(1u32 << bits)
 }
@@ -62,7 +62,7 @@ pub(super) struct Shape {
     pub has_normal_map: bool,
 }
 
-/// What a file loses.
+/// The loss of a file's formats.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(in crate::asset) struct Rounding {
     pub bits: VertexBits,
@@ -70,7 +70,7 @@ pub(in crate::asset) struct Rounding {
     pub codecs: CodecSet,
 }
 
-/// A candidate that was made and not written yet.
+/// A candidate that was made but not yet written.
 pub(super) struct Draft {
     pub shape: Shape,
     pub low: LowPoly,
@@ -88,9 +88,9 @@ struct Read {
 #[derive(Clone, Copy)]
 pub(super) struct Subject<'a> {
     pub scan: &'a Scan,
-    /// Its triangles that meshes are made of.
+    /// The triangles that meshes are made from.
     pub seen: &'a Mesh,
-    /// How it is looked at.
+    /// How it is sampled.
     pub side: &'a Side<'a>,
     pub level: Level,
 }
@@ -103,7 +103,7 @@ pub(super) struct Workshop<'a> {
     subject: Subject<'a>,
     /// `true` if colours are compared.
     has_material: bool,
-    /// Maps of several sizes are tried on the same triangles.
+    /// Simplified meshes, since several map sizes are tried on the same triangles.
     known: BTreeMap<(u32, Relief), Simplified>,
     pub goal: Goal,
     pub ceilings: Ceilings,
@@ -113,11 +113,11 @@ pub(super) struct Workshop<'a> {
     pub trials: Vec<Trial>,
     /// The number of trials, for the progress of the search.
     pub tried: Arc<AtomicUsize>,
-    /// Why candidates were refused: their mesh lost the scan's shape, or has more UV islands than its maps can hold.
+    /// Why candidates were refused: their mesh lost the scan's shape, or has more UV islands than fit on its maps.
     pub refused: BTreeMap<Shape, Error>,
-    /// What the packed scan lacks that its file says.
+    /// Contents of the scan's file that the packed scan lacks.
     pub packing_losses: Warnings,
-    /// Why the scan itself is no candidate.
+    /// Why the scan itself is not a candidate.
     pub not_packed: Option<Error>,
 }
 
@@ -141,7 +141,7 @@ impl Draft {
         io::encode_glb(&GltfAsset { levels: &levels, material, ..GltfAsset::default() }, format)
     }
 
-    /// Returns the number of bytes of its mesh only.
+    /// Returns the number of bytes of only its mesh.
     pub fn mesh_bytes(&self, bits: VertexBits, codecs: CodecSet) -> Result<u64> {
         let format = Rounding { bits, codecs, ..Rounding::default() }.format();
         Ok(encoded_mesh(&self.low.mesh, &format)?.len() as u64)
@@ -149,7 +149,7 @@ impl Draft {
 }
 
 impl<'a> Workshop<'a> {
-    /// Makes a workshop.
+    /// Creates a workshop.
     pub fn new(recipe: Recipe<'a>, (goal, ceilings): (Goal, Ceilings), subject: Subject<'a>) -> Self {
         let codecs = Codecs::new(&recipe.options.images, recipe.options.codecs);
         let mut plain = recipe.options.clone();
@@ -157,7 +157,7 @@ impl<'a> Workshop<'a> {
         Self {
             recipe,
             plain,
-            // An asset that is to have no colours is not asked for them.
+            // Colours are not judged in an asset that should have none.
             has_material: !subject.scan.about.is_plain
                 && (recipe.options.carry || recipe.options.bakes(&[MapKind::Albedo])),
             subject,
@@ -174,14 +174,14 @@ impl<'a> Workshop<'a> {
         }
     }
 
-    /// Returns the most triangles that a mesh may have: those that it is made of, or the ceiling.
+    /// Returns the maximum number of triangles of a mesh: those that it is made from, or the ceiling.
     pub fn triangles(&self) -> u32 {
         let most = self.ceilings.most_triangles(self.has_other_maps());
         most.min(self.subject.seen.triangles().len() as f64) as u32
     }
 
-    /// Returns the most texels along a side that maps of a scan with textures are given: another atlas needs more than preserve
-    /// its detail, but not many times more.
+    /// Returns the maximum side of maps for a scan with textures, texels: a new atlas needs more than preserves its
+    /// detail, but not many times more.
     pub fn most_side(&self) -> u32 {
         const MARGIN: u32 = 4;
         let ceiling =
@@ -192,7 +192,7 @@ impl<'a> Workshop<'a> {
         }
     }
 
-    /// Returns the number of textures of an asset that is made, at most: roughness, metallic and occlusion share one.
+    /// Returns the maximum number of textures of a generated asset: roughness, metallic and occlusion share one.
     fn textures(&self) -> usize {
         let carried = self.subject.scan.about.carried.maps();
         let has = |map: MapKind| {
@@ -213,8 +213,8 @@ impl<'a> Workshop<'a> {
         self.subject.level
     }
 
-    /// Returns `true` if the scan itself, packed, holds all that is wanted: no map that is baked, and not another level of what
-    /// was made.
+    /// Returns `true` if the packed scan itself would contain everything requested: no map must be baked, and it is
+    /// not a coarser level of a generated asset.
     pub fn may_pack(&self) -> bool {
         let (options, about) = (self.recipe.options, &self.subject.scan.about);
         let carried = about.carried.maps();
@@ -222,19 +222,19 @@ impl<'a> Workshop<'a> {
         options.carry && self.subject.level.is_finest() && options.maps.iter().all(is_own)
     }
 
-    /// Returns `true` if the packed scan is likely to be the smallest, or is all that keeps what the scan's file has. A mesh with
-    /// fitted normals is smaller than a scan without materials.
+    /// Returns `true` if the packed scan is likely to be the smallest, or is the only candidate that keeps the
+    /// contents of the scan's file. A mesh with fitted normals is smaller than a scan without materials.
     pub fn packs_first(&self) -> bool {
         self.may_pack() && (self.has_material || self.subject.scan.about.is_rigged)
     }
 
-    /// Returns `true` if it was asked for a goal of differences, not for ceilings only.
+    /// Returns `true` if a goal of differences was requested, not only ceilings.
     pub fn has_goal(&self) -> bool {
         let is_ceiling = |required: &Requirement| required.figure.looking() == Looking::Files;
         self.recipe.options.goal.as_ref().is_some_and(|goal| goal.is_empty() || !goal.iter().all(is_ceiling))
     }
 
-    /// Returns `true` if there are maps beside that of normals.
+    /// Returns `true` if there are maps other than the normal map.
     pub fn has_other_maps(&self) -> bool {
         !self.plain.maps.is_empty()
     }
@@ -251,7 +251,7 @@ impl<'a> Workshop<'a> {
         Ok(&self.known[&mesh])
     }
 
-    /// Returns the mean angle as seen of a mesh with its vertex normals alone, degrees.
+    /// Returns the mean visible angle of a mesh with only its vertex normals, degrees.
     fn angle(&self, Simplified { mesh, .. }: &Simplified) -> Result<f64> {
         let (_, seen) = self.seen(encoded_mesh(mesh, &GltfFormat::default())?)?;
         Ok(Statistic::Mean.of(&seen.angles).unwrap_or(f64::INFINITY))
@@ -302,7 +302,7 @@ impl<'a> Workshop<'a> {
         self.measured(about, draft.encoded(rounding)?)
     }
 
-    /// Reads a file back and measures it; `about` says what it is.
+    /// Reads a file back and measures it; `about` describes it.
     pub fn measured(&mut self, about: Trial, encoded: Vec<u8>) -> Result<Trial> {
         let bytes = encoded.len() as u64;
         let (Read { triangles, gpu_bytes, .. }, seen) = self.seen(encoded)?;
@@ -327,22 +327,22 @@ impl<'a> Workshop<'a> {
         Ok(trial)
     }
 
-    /// Returns what a candidate loses whose normal map has this format, and other maps those that were chosen for them.
+    /// Returns the loss of a candidate with this format of its normal map, and the chosen formats of other maps.
     pub fn rounding(&self, bits: VertexBits, normals: ImageCodec) -> Rounding {
         Rounding { bits, images: TextureCodecs { normals, ..self.images }, codecs: self.codecs.set }
     }
 
-    /// Returns the image formats that may be chosen.
+    /// Returns the available image formats.
     pub fn codecs(&self) -> &Codecs {
         &self.codecs
     }
 
-    /// Returns the scan as it is looked at.
+    /// Returns the scan as sampled.
     pub fn side(&self) -> &'a Side<'a> {
         self.subject.side
     }
 
-    /// Returns a candidate that loses nothing.
+    /// Returns the surface of a lossless candidate.
     pub fn surface(&self, draft: &Draft) -> Result<bake::Scan> {
         let format = GltfFormat::default();
         Ok(self.read_back(draft.encoded_as(&format)?)?.surface)
@@ -364,20 +364,20 @@ impl<'a> Workshop<'a> {
         })
     }
 
-    /// Reads a file back. Returns it with its differences, in rising order.
+    /// Reads a file back. Returns it with its differences, in ascending order.
     fn seen(&self, encoded: Vec<u8>) -> Result<(Read, PixelDifferences)> {
         let read = self.read_back(encoded)?;
         let seen = self.differences(&read.surface);
         Ok((read, seen))
     }
 
-    /// Returns how many times a limit the differences of a surface are, the worst one.
+    /// Returns the largest ratio of the differences of a surface to their limits.
     pub fn ratio(&self, surface: &bake::Scan) -> f64 {
         let (angle, color) = self.goal.ratios(&self.differences(surface));
         angle.max(color.unwrap_or_default())
     }
 
-    /// Returns the differences of a surface, in rising order.
+    /// Returns the differences of a surface, in ascending order.
     fn differences(&self, surface: &bake::Scan) -> PixelDifferences {
         let scan = self.subject.side;
         let asset = Side::of(surface);

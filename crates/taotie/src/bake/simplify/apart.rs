@@ -1,4 +1,4 @@
-//! Components simplified one by one, so that none is lost and none is joined to another.
+//! Simplifies components one by one, so that none is lost and no two are joined.
 
 use super::collapse::{Reduced, collapsed, is_too_many};
 use super::components::{self, Components};
@@ -6,24 +6,24 @@ use super::options::{SimplifyMethod, SimplifyOptions};
 use super::part::Part;
 use meshopt::SimplifyOptions as Choices;
 
-/// The least number of triangles that a large component gets: that of a box.
+/// The minimum number of triangles for a large component: that of a box.
 const LEAST: usize = 12;
-/// A large component gets at least its part of the triangles divided by this.
+/// A large component gets at least its proportional share of the triangles divided by this.
 const UNEVEN: usize = 2;
-/// A component that is lost or torn gets up to so many times its share.
+/// A component that is lost or torn gets up to this multiple of its share.
 const MOST: usize = 8;
 
 /// A component of a part.
 struct Member<'a> {
     triangles: &'a [[u32; 3]],
-    /// Beside those of the others, its part of the triangles that are left to give.
+    /// Its weight, relative to the others', in sharing out the remaining triangles.
     weight: usize,
 }
 
-/// Returns a part of several components with about the wanted number of triangles.
+/// Returns a part of several components with about the requested number of triangles.
 ///
-/// `together` is the same part simplified at once. Where it left a component many triangles, the component needs many,
-/// so shares follow it; small components that are lost there are left out.
+/// `together` is the same part simplified as a whole. Components with many triangles there need many, so shares
+/// follow it; small components that are lost there are left out.
 pub(super) fn reduce(
     part: &Part,
     components: &Components,
@@ -38,14 +38,14 @@ pub(super) fn reduce(
         .map(|triangles| Member { triangles, weight: weights[part.component(&triangles[0])] })
         .filter(|member| member.weight > 0)
         .collect();
-    // The largest come last and make up for what others took beyond their shares.
+    // The largest come last and compensate for others that exceeded their shares.
     members.sort_by_key(|member| member.triangles.len());
     let method = if members.len() < components.len() { SimplifyMethod::Pruned } else { together.method };
     let mut all = Reduced { triangles: Vec::new(), ..Reduced::kept(part, method) };
     let mut purse = Purse { triangles: options.triangles, weight: members.iter().map(|m| m.weight).sum() };
     for member in &members {
         let own = part.extract(member.triangles);
-        let found = alone(&own, purse.share(member), options);
+        let found = simplify_one(&own, purse.share(member), options);
         purse.triangles = purse.triangles.saturating_sub(found.triangles.len());
         purse.weight -= member.weight;
         all.error = all.error.max(found.error);
@@ -58,7 +58,7 @@ pub(super) fn reduce(
     all
 }
 
-/// Returns the weight of each component, 0 where it is left out.
+/// Returns the weight of each component; 0 if it is left out.
 fn weights(part: &Part, components: &Components, together: &[[u32; 3]], wanted: usize) -> Vec<usize> {
     let before = components.counts(part, &part.triangles);
     let even = |count: usize| count as u128 * wanted as u128 / (UNEVEN * part.triangles.len()).max(1) as u128;
@@ -69,16 +69,16 @@ fn weights(part: &Part, components: &Components, together: &[[u32; 3]], wanted: 
     components.counts(part, together).into_iter().enumerate().map(|(i, left)| weight(i, left)).collect()
 }
 
-/// Triangles that are left to give, and the weights of those that wait for them.
+/// The remaining triangles, and the total weight of the members still waiting for them.
 struct Purse {
     triangles: usize,
     weight: usize,
 }
 
-/// The number of triangles that a component gets.
+/// The number of triangles allotted to a component.
 struct Share {
     triangles: usize,
-    /// No more are given where it is lost or torn.
+    /// The maximum if it is lost or torn.
     most: usize,
 }
 
@@ -92,10 +92,10 @@ impl Purse {
     }
 }
 
-/// Simplifies one component, with more triangles than its share where it is lost or torn.
-fn alone(own: &Part, share: Share, options: &SimplifyOptions) -> Reduced {
+/// Simplifies one component, with more triangles than its share if it is lost or torn.
+fn simplify_one(own: &Part, share: Share, options: &SimplifyOptions) -> Reduced {
     let is_whole = |triangles: &[[u32; 3]]| components::is_connected(triangles, own.points.len());
-    // Blocks may have torn it before, and then more triangles mend nothing.
+    // Splitting into blocks may already have torn it, in which case more triangles do not help.
     let most = if is_whole(&own.triangles) { share.most } else { share.triangles };
     let mut count = share.triangles;
     loop {
@@ -128,7 +128,7 @@ mod tests {
     use crate::math::Vec3;
     use crate::mesh::{Mesh, MeshData};
 
-    /// A large ball, a small one beside it, and a speck.
+    /// A large ball, a small one next to it, and a speck.
     fn balls() -> Part {
         let mut data = MeshData::default();
         let mut add = |ball: &Mesh, radius: f32, x: f32| {

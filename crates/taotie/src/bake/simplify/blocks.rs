@@ -1,4 +1,4 @@
-//! Large surfaces simplified block by block, so that neither memory nor one thread is the limit.
+//! Simplifies large surfaces block by block, so that they are limited neither by memory nor by a single thread.
 
 use super::components::Components;
 use super::part::{Part, adapter, triples};
@@ -8,20 +8,20 @@ use crate::progress::Progress;
 use meshopt::SimplifyOptions as Choices;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Triangles of a block. Its border, which cannot change, is about one vertex in fifty.
+/// Triangles per block. Its border, which cannot change, is about one vertex in fifty.
 const BLOCK: usize = 1 << 16;
-/// For one triangle of the result this many are left by the blocks, so that the choice among them is free.
+/// Blocks leave this many triangles for each one in the result, so that the final collapses can choose freely.
 const FOR_ONE: usize = 8;
-/// No less is left by the blocks.
+/// Blocks leave at least this many.
 const LEAST: usize = 300_000;
-/// Nor less than one triangle of this many: else blocks would consist of their borders.
+/// Blocks keep at least one triangle in this many: otherwise they would consist of their borders.
 const OF_MANY: usize = 16;
-/// No more is left, unless more is wanted: what remains is simplified as a whole.
+/// Blocks leave at most this many, unless more are requested: the remainder is simplified as a whole.
 const MOST: usize = 3_000_000;
 
-/// Returns the part with fewer triangles, and the error in parts of the unit cube; unchanged where it is small enough.
+/// Returns the part with fewer triangles, and the error in fractions of the unit cube; unchanged if small enough.
 ///
-/// A large component of which nothing would be left stays as it is.
+/// A large component that would vanish is kept unchanged.
 pub(super) fn lighten(
     part: Part,
     components: &Components,
@@ -50,7 +50,7 @@ pub(super) fn lighten(
     Ok((Part { triangles, ..part }.compacted(), error))
 }
 
-/// Returns the triangles of large components that have none among `left`.
+/// Returns the triangles of large components that have none in `left`.
 fn lost(part: &Part, components: &Components, left: &[[u32; 3]]) -> Vec<[u32; 3]> {
     if components.len() < 2 {
         return Vec::new();
@@ -60,7 +60,7 @@ fn lost(part: &Part, components: &Components, left: &[[u32; 3]]) -> Vec<[u32; 3]
     part.triangles.iter().filter(|triangle| is_lost(part.component(triangle))).copied().collect()
 }
 
-/// Returns for each vertex whether triangles of more than one block share it.
+/// Returns a flag per vertex: `true` if triangles of more than one block share it.
 fn shared_vertices(part: &Part) -> Vec<bool> {
     const NOBODY: u32 = u32::MAX;
     let mut owners = vec![NOBODY; part.points.len()];

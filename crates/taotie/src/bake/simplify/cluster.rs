@@ -1,4 +1,4 @@
-//! Triangles without connection to one another: vertices near one another become one.
+//! Simplifies unconnected triangles by merging vertices that are near one another.
 
 use super::collapse::{Reduced, collapsed, is_too_many};
 use super::options::{SimplifyMethod, SimplifyOptions};
@@ -7,15 +7,15 @@ use crate::math::Vec3;
 use crate::trace::Bvh;
 use meshopt::SimplifyOptions as Choices;
 
-/// The number of triangles that clustering leaves for one wanted triangle, so that edges can be collapsed afterwards.
+/// The number of triangles that clustering leaves per requested triangle, so that edges can be collapsed afterwards.
 const CLUSTERED_FOR_ONE: usize = 4;
-/// A triangle lies across a gap where its middle, or that of an edge, is farther from the surface than this multiple
+/// A triangle spans a gap if its centroid or the midpoint of an edge is farther from the surface than this multiple
 /// of the error...
 const FAR: f32 = 4.0;
-/// ... and than this part of the unit cube.
+/// ... and than this fraction of the unit cube.
 const LEAST_GAP: f32 = 0.01;
 
-/// Joins vertices by nearness to a few times the number, collapses edges from there, and leaves out what lies across
+/// Merges nearby vertices down to a few times the target, collapses edges from there, and drops triangles that span
 /// gaps.
 pub(super) fn clustered(part: &Part, options: &SimplifyOptions) -> Reduced {
     let joined = joined(part, options);
@@ -23,7 +23,7 @@ pub(super) fn clustered(part: &Part, options: &SimplifyOptions) -> Reduced {
     if near.is_empty() { joined } else { Reduced { triangles: near, ..joined } }
 }
 
-/// Returns the triangles that lie on the part.
+/// Returns the triangles that are on the part's surface.
 fn without_bars(part: &Part, joined: &Reduced) -> Vec<[u32; 3]> {
     let surface = Bvh::of(part.triangles.len(), |t| corners(&part.points, &part.triangles[t]));
     let far = (FAR * joined.error).max(LEAST_GAP);
@@ -37,12 +37,12 @@ fn corners(points: &[[f32; 3]], triangle: &[u32; 3]) -> [Vec3; 3] {
     triangle.map(|v| Vec3::from_array(points[v as usize]))
 }
 
-/// Returns the middle of a triangle and those of its edges.
+/// Returns the centroid of a triangle and the midpoints of its edges.
 fn middles([a, b, c]: [Vec3; 3]) -> [Vec3; 4] {
     [(a + b + c) * (1.0 / 3.0), (a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5]
 }
 
-/// Joins vertices by nearness to a few times the number, and collapses edges from there.
+/// Merges nearby vertices down to a few times the target, and collapses edges from there.
 fn joined(part: &Part, options: &SimplifyOptions) -> Reduced {
     let wanted = options.triangles;
     let plenty = wanted.saturating_mul(CLUSTERED_FOR_ONE).min(part.triangles.len());
@@ -71,7 +71,7 @@ fn sloppy(part: &Part, target: usize) -> Reduced {
 mod tests {
     use super::*;
 
-    /// Two triangles with a gap between them, one of the same corners, and two that reach over the gap.
+    /// Two triangles with a gap between them, one with the same corners, and two that bridge the gap.
     #[test]
     fn triangles_over_gaps_are_left_out() {
         let points = vec![
@@ -89,6 +89,10 @@ mod tests {
             Reduced { triangles, error, ..Reduced::kept(&part, SimplifyMethod::Clustered) }
         };
         assert_eq!(without_bars(&part, &joined(1e-3)), [[0, 2, 1]]);
-        assert_eq!(without_bars(&part, &joined(0.1)).len(), 3, "the error says how far vertices went");
+        assert_eq!(
+            without_bars(&part, &joined(0.1)).len(),
+            3,
+            "the error is the distance that vertices moved"
+        );
     }
 }

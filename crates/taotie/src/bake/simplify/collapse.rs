@@ -1,44 +1,44 @@
-//! Edges collapsed, all triangles at once.
+//! Edge collapses on all triangles as a whole.
 
 use super::options::{SimplifyMethod, SimplifyOptions};
 use super::part::{Part, triples};
 use crate::math::Vec3;
 use meshopt::SimplifyOptions as Choices;
 
-/// The largest difference between the number of triangles and the wanted one, as a part of the wanted one.
+/// The maximum deviation from the requested number of triangles, as a fraction of it.
 const NEAR: f64 = 0.02;
-/// The largest part that may be left out, as a part of the whole.
+/// The largest component that may be left out, as a fraction of the whole.
 const LARGEST_LEFT_OUT: f32 = 0.05;
 
-/// Fewer triangles of a part, on points that moved.
+/// A part with fewer triangles, on points that moved.
 pub(super) struct Reduced {
-    /// As many as those of the part, in the unit cube.
+    /// The same number of points as in the part, in the unit cube.
     pub points: Vec<[f32; 3]>,
     pub triangles: Vec<[u32; 3]>,
-    /// In parts of the unit cube.
+    /// As a fraction of the unit cube.
     pub error: f32,
     pub method: SimplifyMethod,
 }
 
-/// Returns `true` where a number of triangles is the wanted one, or nearly.
+/// Returns `true` if a number of triangles is the requested one, or nearly.
 pub(in crate::bake) fn is_near(found: usize, wanted: usize) -> bool {
     found.abs_diff(wanted) as f64 <= (NEAR * wanted as f64).max(1.0)
 }
 
-/// Returns `true` where more triangles are left than were wanted, and not nearly as many.
+/// Returns `true` if more triangles are left than requested, beyond the tolerance.
 pub(super) fn is_too_many(reduced: &Reduced, wanted: usize) -> bool {
     reduced.triangles.len() > wanted && !is_near(reduced.triangles.len(), wanted)
 }
 
 impl Reduced {
-    /// Returns a part as it is.
+    /// Returns a part unchanged.
     pub fn kept(part: &Part, method: SimplifyMethod) -> Self {
         Self { points: part.points.clone(), triangles: part.triangles.clone(), error: 0.0, method }
     }
 }
 
-/// Returns the collapsed part: where many triangles meet in an edge, a collapse takes more than was asked for; then it
-/// is asked for less.
+/// Returns the collapsed part: if many triangles share an edge, a collapse removes more than requested; the target is
+/// then raised.
 pub(super) fn collapsed_exactly(part: &Part, options: &SimplifyOptions) -> Reduced {
     let collapsed_to = |triangles: usize| {
         let options = SimplifyOptions { triangles, ..*options };
@@ -54,7 +54,7 @@ pub(super) fn collapsed_exactly(part: &Part, options: &SimplifyOptions) -> Reduc
     if is_near(second.triangles.len(), wanted) { second } else { first }
 }
 
-/// Collapses edges, and moves the points that are left to where they are nearest to the surface.
+/// Collapses edges, and moves the remaining points to the positions nearest to the surface.
 pub(super) fn collapsed(from: Reduced, options: &SimplifyOptions, more: Choices) -> Reduced {
     let Reduced { mut points, triangles, .. } = from;
     let pruning = more.contains(Choices::Prune);
@@ -83,7 +83,8 @@ pub(super) fn collapsed(from: Reduced, options: &SimplifyOptions, more: Choices)
     Reduced { points, triangles: triples(corners), error, method: SimplifyMethod::Collapsed }
 }
 
-/// Goes on from where collapses ended, across places where many triangles meet, and without the smallest parts.
+/// Continues after collapses have stalled, across edges shared by many triangles and dropping the smallest
+/// components.
 pub(super) fn pruned(from: Reduced, options: &SimplifyOptions) -> Reduced {
     let earlier = from.error;
     let free = collapsed(from, options, Choices::Permissive);
@@ -94,7 +95,7 @@ pub(super) fn pruned(from: Reduced, options: &SimplifyOptions) -> Reduced {
     Reduced { error: earlier + found.error, method: SimplifyMethod::Pruned, ..found }
 }
 
-/// Returns one normal a point, 0 where triangles cancel, weighted by the triangles' areas.
+/// Returns one normal per point, weighted by triangle area; 0 if triangles cancel out.
 pub(super) fn normals(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![Vec3::splat(0.0f32); points.len()];
     for triangle in triangles {

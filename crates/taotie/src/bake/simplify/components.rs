@@ -1,38 +1,38 @@
-//! Connected parts of a surface: triangles that share a vertex belong to one.
+//! Connected components of a surface: triangles that share a vertex belong to the same one.
 
 use super::part::Part;
 use crate::math::Vec3;
 use crate::mesh::DisjointSets;
 
-/// Stands for the component of a point without triangles.
+/// Marks points without triangles.
 const NONE: u32 = u32::MAX;
-/// A component is large from this part of the whole area on, or from this part of the whole's diagonal on.
+/// A component is large if it has at least this fraction of the area, or of the diagonal.
 const LARGE_AREA: f64 = 0.005;
 const LARGE_DIAGONAL: f64 = 0.02;
-/// A component of fewer triangles cannot lose any and stay what it is.
+/// A component with fewer triangles cannot lose any without collapsing.
 const LEAST: usize = 8;
 
-/// The components of a surface, by their numbers.
+/// The components of a surface, by index.
 pub(super) struct Components {
-    /// Whether each is so large that it must not be lost; at least one.
+    /// `true` for each component too large to lose; at least one.
     pub large: Vec<bool>,
-    /// `true` where most triangles belong to components that cannot lose any.
+    /// `true` if most triangles belong to components that cannot lose any.
     pub is_soup: bool,
 }
 
-/// The fate of components: each is counted once.
+/// Counts of what happened to components; each is counted once.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Fate {
-    /// Components without any triangle left.
+    /// Components without any triangles left.
     pub lost: usize,
-    /// Large ones among them.
+    /// Large components among them.
     pub lost_large: usize,
-    /// Large ones that came apart.
+    /// Large components that came apart.
     pub torn: usize,
 }
 
 impl Components {
-    /// Finds the components of a part, and marks its points.
+    /// Finds the components of a part, and labels its points.
     pub fn of(part: &mut Part) -> Self {
         let (labels, count) = labels(&part.triangles, part.points.len());
         if count < 2 {
@@ -51,14 +51,14 @@ impl Components {
         self.large.len()
     }
 
-    /// Returns how many of some triangles on the points of a part each component has.
+    /// Returns the number of triangles in each component, out of some triangles on the points of a part.
     pub fn counts(&self, part: &Part, triangles: &[[u32; 3]]) -> Vec<usize> {
         let mut counts = vec![0; self.len()];
         triangles.iter().for_each(|triangle| counts[part.component(triangle)] += 1);
         counts
     }
 
-    /// Returns the fate of the components in some triangles on the points of a part.
+    /// Returns the fate of the components, given some triangles on the points of a part.
     pub fn fate(&self, part: &Part, triangles: &[[u32; 3]]) -> Fate {
         let (pieces, count) = labels(triangles, part.points.len());
         let mut seen = vec![false; count];
@@ -78,12 +78,12 @@ impl Components {
     }
 }
 
-/// Returns `true` where triangles hang together.
+/// Returns `true` if triangles are connected.
 pub(super) fn is_connected(triangles: &[[u32; 3]], points: usize) -> bool {
     labels(triangles, points).1 == 1
 }
 
-/// Returns the component of each point in the order of first points, [`NONE`] without triangles, and their number.
+/// Returns the component of each point, numbered by first point, [`NONE`] without triangles, and their count.
 fn labels(triangles: &[[u32; 3]], points: usize) -> (Vec<u32>, usize) {
     let mut sets = DisjointSets::new(points);
     let mut used = vec![false; points];
@@ -96,7 +96,7 @@ fn labels(triangles: &[[u32; 3]], points: usize) -> (Vec<u32>, usize) {
     let mut count = 0;
     for (v, used) in used.into_iter().enumerate() {
         if labels[v] != v as u32 {
-            // A component's first point comes before all others, and has its label by now.
+            // A component's first point comes before all others, so it is already labelled.
             labels[v] = labels[labels[v] as usize];
         } else if used {
             labels[v] = count;
@@ -151,7 +151,7 @@ fn large(part: &Part, count: usize) -> Vec<bool> {
 mod tests {
     use super::*;
 
-    /// Two squares of two triangles, a speck, and a point that no triangle has.
+    /// Two squares of two triangles, a speck, and a point without triangles.
     fn part() -> Part {
         let square = |x: f32| [[x, 0.0, 0.0], [x + 0.4, 0.0, 0.0], [x + 0.4, 0.4, 0.0], [x, 0.4, 0.0]];
         let mut points = vec![[0.9, 0.9, 0.9]];

@@ -1,22 +1,22 @@
-//! Folds of a simplified surface, unfolded: facets that face away from the normals of the surface at their corners.
+//! Removal of folds in a simplified surface: facets that face away from the surface normals at their corners.
 //!
-//! Collapses near one another can turn a small facet over. One of its edges is flipped, or collapsed, where then fewer
-//! facets face away and none gets thinner than a sliver. A fin, two facets back to back on an edge of the surface, is
-//! taken off.
+//! Collapses near one another can turn a small facet over. One of its edges is flipped or collapsed if that leaves
+//! fewer facets facing away and makes none thinner than a sliver. A fin, two facets back to back on an edge of the
+//! surface, is removed.
 
 use super::collapse::Reduced;
 use super::fan::Fans;
 use super::slivers::THIN;
 use crate::math::Vec3;
 
-/// Rounds, since one fold may lie on another.
+/// Number of rounds, since one fold may be on top of another.
 const ROUNDS: usize = 4;
-/// Where more than one triangle of so many faces away, the high-poly surface has no one outside there.
+/// If more than one triangle in this many faces away, the high-poly surface has no consistent outside there.
 const OF_MANY: usize = 20;
-/// A facet that is changed faces the normals of its corners by at least this cosine afterwards: that of 78°.
+/// A changed facet must face the normals of its corners by at least this cosine: that of 78°.
 const FACING: f64 = 0.2;
 
-/// Returns the triangles with fewer folds; as they are where there is none. `normals` are those of the high-poly surface
+/// Returns the triangles with fewer folds; unchanged if there is none. `normals` are those of the high-poly surface
 /// at the points, of any length.
 pub(super) fn unfolded(points: &[[f32; 3]], normals: &[Vec3], mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
     for _ in 0..ROUNDS {
@@ -34,7 +34,7 @@ pub(super) fn unfolded(points: &[[f32; 3]], normals: &[Vec3], mut triangles: Vec
     triangles
 }
 
-/// Moves points back to where they were on the high-poly surface if a facet faces away from its normals.
+/// Moves points back to their original positions on the high-poly surface if a facet faces away from its normals.
 pub(super) fn take_back(own: &[[f32; 3]], normals: &[Vec3], reduced: &mut Reduced) {
     let point = |v: u32, points: &[[f32; 3]]| Vec3::from_array(points[v as usize]).to_f64();
     let faces = |triangle: &[u32; 3], points: &[[f32; 3]]| {
@@ -47,7 +47,7 @@ pub(super) fn take_back(own: &[[f32; 3]], normals: &[Vec3], reduced: &mut Reduce
     turned.as_flattened().iter().for_each(|v| reduced.points[*v as usize] = own[*v as usize]);
 }
 
-/// The surface as folds are taken out one after the other.
+/// The surface while folds are removed one after the other.
 struct Folds<'a> {
     fans: Fans<'a>,
     normals: &'a [Vec3],
@@ -60,7 +60,7 @@ impl Folds<'_> {
         (0..self.fans.len()).filter(|t| self.cosine(self.fans.corners(*t)) < 0.0).collect()
     }
 
-    /// Returns the cosine between a facet's normal and the mean of those at its corners; 0 where either is nothing.
+    /// Returns the cosine between a facet's normal and the mean of those at its corners; 0 if either is zero.
     fn cosine(&self, corners: [u32; 3]) -> f64 {
         let [a, b, c] = corners.map(|v| self.normals[v as usize].to_f64());
         self.fans.shape(corners).cosine(a + b + c)
@@ -77,7 +77,7 @@ impl Folds<'_> {
             || turned.iter().any(|[a, b, _]| self.collapse(*a, *b) || self.collapse(*b, *a));
     }
 
-    /// Returns `true` where a facet faces the normals of its corners and is no sliver.
+    /// Returns `true` if a facet faces the normals of its corners and is not a sliver.
     fn is_sound(&self, corners: [u32; 3]) -> bool {
         self.cosine(corners) > FACING && self.fans.shape(corners).height() >= THIN
     }
@@ -91,8 +91,8 @@ impl Folds<'_> {
         is_possible
     }
 
-    /// Takes off a facet whose back lies on another's back, where nothing else hangs at their tip: the surface goes on
-    /// below them, at the edge opposite.
+    /// Removes a facet that is back to back with another if nothing else is attached at their tip: the surface
+    /// continues below them, at the opposite edge.
     fn take_fin_off(&mut self, t: usize, [a, b, tip]: [u32; 3]) -> bool {
         let &[one, other] = self.fans.around(tip) else { return false };
         let back = if one as usize == t { other } else { one } as usize;
@@ -132,7 +132,7 @@ mod tests {
         triangles.iter().map(|t| Shape::of(points, *t).vector.z).collect()
     }
 
-    /// A square whose diagonal lies outside of it: one of its corners is drawn in past the other diagonal.
+    /// A square whose diagonal is outside it: one of its corners is pulled in past the other diagonal.
     #[test]
     fn a_fold_at_a_diagonal_is_flipped() {
         let mut points = CORNERS.to_vec();
@@ -140,7 +140,7 @@ mod tests {
         let triangles = vec![[0, 1, 2], [0, 2, 3]];
         assert!(doubled_areas(&points, &triangles)[0] < 0.0);
         let found = unfolded(&points, &[UP; 4], triangles.clone());
-        // One triangle of two is too many to be a fold.
+        // One triangle in two is too many to be a fold.
         assert_eq!(found, triangles);
         let mut folds = Folds { fans: Fans::new(&points, triangles), normals: &[UP; 4], changed: false };
         folds.unfold(0);
@@ -151,7 +151,7 @@ mod tests {
         );
     }
 
-    /// A square, and on its diagonal two facets back to back, as if a blade stood there.
+    /// A square, and on its diagonal two facets back to back, like an upright blade.
     #[test]
     fn a_fin_is_taken_off() {
         let points: Vec<[f32; 3]> = CORNERS.into_iter().chain([[0.9, 0.2, 0.01]]).collect();
@@ -164,10 +164,10 @@ mod tests {
         };
         assert!(doubled_areas(&points, &fin([2, 0, 4]))[2] < 0.0);
         assert_eq!(unfolded(fin([2, 0, 4])), square);
-        assert_ne!(unfolded(fin([0, 2, 4])), square, "two facets that lie alike are no fin");
+        assert_ne!(unfolded(fin([0, 2, 4])), square, "two facets with the same orientation are not a fin");
     }
 
-    /// A grid, one of whose inner points is drawn across the edge opposite.
+    /// A grid, one of whose inner points is pulled across the opposite edge.
     #[test]
     fn a_fold_in_a_plane_is_unfolded() {
         let side = 9;

@@ -1,4 +1,4 @@
-//! A high-poly surface simplified: few triangles that lie near many.
+//! Simplification of a high-poly surface: few triangles that stay close to the original.
 
 mod apart;
 mod blocks;
@@ -31,36 +31,38 @@ pub(super) use weld::places;
 /// A simplified surface.
 #[derive(Debug, Clone)]
 pub struct Simplified {
-    /// Positions, normals and triangles; neither uvs nor colours. Vertices moved to where they are nearest to the surface.
+    /// Positions, normals and triangles; neither uvs nor colours. Vertices are moved to the positions nearest the
+    /// surface.
     pub mesh: Mesh,
-    /// The distance of the low-poly surface from the high-poly one, model units: the estimate of meshoptimizer, of the
-    /// size of the root mean square near the worst place, not a bound.
+    /// The distance of the low-poly surface from the high-poly one, in model units: meshoptimizer's estimate, about
+    /// the root mean square near the worst place, not a bound.
     pub error: f64,
     /// The roughest method that was needed.
     pub method: SimplifyMethod,
-    /// `true` where the number of triangles is the wanted one, or less than 2 % off, or the surface had fewer. Where it
-    /// is `false` all methods were tried that join nothing and lose no large part, and this is the best.
+    /// `true` if the number of triangles is the requested one or within 2 % of it, or the surface had fewer. If
+    /// `false`, all methods that join nothing and lose no large part were tried, and this is the best result.
     pub reached: bool,
-    /// The things that were left out, counted.
+    /// Counts of what was left out.
     pub notes: Warnings,
 }
 
 /// Simplifies a surface.
 ///
-/// Vertices with equal positions are welded first, whatever normals, uvs and colours they have, and so are vertices of
-/// open edges that differ by less than a thousandth of their shortest edge or by rounding, counted. Triangles with two
-/// equal corners, and all but one of equal triangles, are left out and counted. The normals are
-/// those of [`creased`]: one a position, but where a facet would turn away from it. Large surfaces are first simplified
-/// block by block, in parallel; the result does not depend on the number of threads.
+/// Vertices with equal positions are welded first, whatever their normals, uvs and colours, and so are vertices of
+/// open edges that differ by less than a thousandth of their shortest edge or by rounding, counted. Triangles with
+/// two equal corners, and duplicate triangles, are left out and counted. There is one normal per position, unless a
+/// facet would turn away from it. Large surfaces are first simplified block by block, in parallel; the result does
+/// not depend on the number of threads.
 ///
-/// Parts without connection to one another are never joined, but in a soup of loose triangles. A part of more than half a
-/// per cent of the area, or a fiftieth of the diagonal, is not lost; smaller ones may be, and are counted. Slivers are
-/// flipped or collapsed away where that does not bend the surface; so are facets that face away from the normals of the
-/// high-poly surface. Two facets back to back on an edge of the surface are taken off.
+/// Disconnected parts are never joined, except in a soup of loose triangles. A part of more than half a per cent of
+/// the area, or a fiftieth of the diagonal, is not lost; smaller ones may be, and are counted. Slivers are flipped or
+/// collapsed away if that does not bend the surface; so are facets that face away from the normals of the high-poly
+/// surface. Two facets back to back on an edge of the surface are removed.
 ///
 /// # Errors
-/// [`Error::Cancelled`]; [`Error::Invalid`] where no triangle is wanted, the weight is not a number from 0 up, the mesh
-/// has no triangle with three corners, or none is left since so few are wanted.
+/// [`Error::Cancelled`]; [`Error::Invalid`] if the requested number of triangles is 0, the weight is not a finite
+/// number of at least 0, the mesh has no triangle with three different corners, or the requested number is so low
+/// that none is left.
 ///
 /// Source: Garland and Heckbert 1997, "Surface simplification using quadric error metrics", as meshoptimizer does it.
 pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) -> Result<Simplified> {
@@ -70,7 +72,7 @@ pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) 
     if part.triangles.is_empty() {
         return Err(Error::invalid(
             "the surface to simplify",
-            "it has no triangle with three different corners; check the file",
+            "no triangle has three different corners; check the file",
         ));
     }
     let components = Components::of(&mut part);
@@ -81,14 +83,14 @@ pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) 
     if reduced.method != SimplifyMethod::Kept {
         let normals = collapse::normals(&part.points, &part.triangles);
         folds::take_back(&part.points, &normals, &mut reduced);
-        reduced.triangles = slivers::mended(&reduced.points, reduced.triangles);
+        reduced.triangles = slivers::repaired(&reduced.points, reduced.triangles);
         reduced.triangles = folds::unfolded(&reduced.points, &normals, reduced.triangles);
     }
     let found = reduced.triangles.len();
     if found == 0 {
         return Err(Error::invalid(
             format!("a surface of {} triangles", options.triangles),
-            "nothing is left of this one with so few, as all its parts are small; ask for more",
+            "all its parts are too small to keep at this count; request more triangles",
         ));
     }
     let error = (f64::from(in_blocks) + f64::from(reduced.error)) * cube.extent;
@@ -104,30 +106,24 @@ pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) 
 
 fn note_fate(fate: Fate, notes: &mut Warnings) {
     let small = fate.lost - fate.lost_large;
-    notes.note(
-        "small parts without connection to the rest, left out since so few triangles were wanted",
-        small,
-    );
-    notes.note(
-        "parts without connection to the rest, lost since so few triangles were wanted",
-        fate.lost_large,
-    );
-    notes.note("parts that came apart since so few triangles were wanted", fate.torn);
+    notes.note("small disconnected parts, left out because too few triangles were requested", small);
+    notes.note("disconnected parts, lost because too few triangles were requested", fate.lost_large);
+    notes.note("parts that came apart because too few triangles were requested", fate.torn);
 }
 
 fn check(options: &SimplifyOptions) -> Result<()> {
     if options.triangles == 0 {
-        return Err(Error::invalid("a surface of 0 triangles", "ask for at least one"));
+        return Err(Error::invalid("a surface of 0 triangles", "request at least one"));
     }
     let weight = options.normal_weight;
     if !(weight >= 0.0 && weight.is_finite()) {
-        return Err(Error::invalid(format!("a normal weight of {weight}"), "give a number from 0 up"));
+        return Err(Error::invalid(format!("a normal weight of {weight}"), "use a number of at least 0"));
     }
     Ok(())
 }
 
-/// Returns the triangles with positions in the space of the mesh, to the bit its own if they did not move, and normals that hardly a facet turns away
-/// from.
+/// Returns the triangles with positions in the space of the mesh, bit-identical to its own if they did not move, and
+/// with normals from which hardly any facet turns away.
 fn finish(mesh: &Mesh, (part, cube): (&Part, &UnitCube), reduced: Reduced) -> Result<Mesh> {
     let (triangles, used) = part::compact(reduced.triangles, part.points.len());
     let position = |v: &u32| {
@@ -140,6 +136,6 @@ fn finish(mesh: &Mesh, (part, cube): (&Part, &UnitCube), reduced: Reduced) -> Re
     let positions = used.iter().map(position).collect();
     let mesh =
         with_normals(&Mesh::new(MeshData { positions, triangles, ..MeshData::default() })?)?.into_owned();
-    // Few are folded facets of a surface that goes on, whose neighbours say better which way is out.
+    // A few are folded facets of a continuous surface, whose neighbours indicate better which way is out.
     if has_turned_facets(&mesh) { creased(&mesh) } else { Ok(mesh) }
 }

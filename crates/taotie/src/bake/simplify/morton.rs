@@ -5,7 +5,7 @@ const CELL_BITS: u32 = 10;
 /// The same for fine cells, whose codes have three words of [`CELL_BITS`] per axis.
 const FINE_BITS: u32 = 3 * CELL_BITS;
 
-/// Returns the number of a point's cell along the Morton curve; the point lies in the unit cube.
+/// Returns the index of a point's cell along the Morton curve; the point must be in the unit cube.
 pub(in crate::bake) fn morton(point: [f32; 3]) -> u32 {
     let cells = 1 << CELL_BITS;
     interleaved(point.map(|v| ((v * cells as f32) as u32).min(cells - 1)))
@@ -21,13 +21,13 @@ impl FineCells {
     /// The finest cells: 2^30 along a side.
     pub const FINEST: Self = Self { shift: 0 };
 
-    /// Returns the smallest blocks with a side of at least `length`, as far as the cube has them.
+    /// Returns the smallest blocks with a side of at least `length`, or the whole cube if that is shorter.
     pub fn at_least(length: f64) -> Self {
         let cells = (length * f64::from(1u32 << FINE_BITS)) as u32;
         Self { shift: (u32::BITS - cells.leading_zeros()).min(FINE_BITS) }
     }
 
-    /// Returns the coordinates of the block that a point lies in; points outside the cube belong to its border.
+    /// Returns the coordinates of the block containing a point; points outside the cube are clamped.
     pub fn block(self, point: [f64; 3]) -> [u32; 3] {
         let cells = 1u32 << FINE_BITS;
         point.map(|v| ((v * f64::from(cells)) as u32).min(cells - 1) >> self.shift)
@@ -48,7 +48,7 @@ fn interleaved(cell: [u32; 3]) -> u32 {
     x << 2 | y << 1 | z
 }
 
-/// Spreads ten bits, with two free places before each.
+/// Spreads ten bits, leaving two free bits before each.
 fn spread_bits(v: u32) -> u32 {
     let v = (v | v << 16) & 0x0300_00FF;
     let v = (v | v << 8) & 0x0300_F00F;

@@ -3,10 +3,10 @@
 /// The options of simplification.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SimplifyOptions {
-    /// The wanted number of triangles, at least 1.
+    /// The requested number of triangles, at least 1.
     pub triangles: usize,
-    /// The weight of the turn of a vertex normal beside distances: 0 is nothing, 1 much. With more, creases and fine
-    /// waves keep their triangles and flat parts lose theirs.
+    /// The weight of changes in vertex normals relative to distances: 0 is none, 1 is high. With higher values,
+    /// creases and fine waves keep more triangles and flat parts fewer.
     pub normal_weight: f32,
 }
 
@@ -19,14 +19,14 @@ impl Default for SimplifyOptions {
 /// The method that reached a number of triangles, from mild to rough.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SimplifyMethod {
-    /// The surface had no more triangles than were wanted.
+    /// The surface had no more triangles than requested.
     Kept,
-    /// Edges were collapsed; what is connected stays so, and holes and handles stay.
+    /// Edges were collapsed; connectivity, holes and handles are preserved.
     Collapsed,
-    /// Edges were collapsed across places where more than two triangles meet too, or small parts without a connection
-    /// to the rest were left out.
+    /// Edges were also collapsed across places where more than two triangles meet, or small disconnected parts were
+    /// left out.
     Pruned,
-    /// Vertices that lie near one another were made one, whatever they belong to: holes may close, and parts may
-    /// touch. For a soup of loose triangles nothing else helps, and nothing else is simplified so.
+    /// Nearby vertices were merged, whatever they belong to: holes may close, and parts may touch. Used only for a
+    /// soup of loose triangles, which nothing else can simplify.
     Clustered,
 }

@@ -1,4 +1,4 @@
-//! Triangles on welded points, as they are handed to meshoptimizer.
+//! Triangles on welded points, as passed to meshoptimizer.
 
 use crate::math::Vec3;
 use meshopt::VertexDataAdapter;
@@ -7,10 +7,10 @@ use meshopt::VertexDataAdapter;
 pub(in crate::bake) struct Part {
     /// Points in the unit cube.
     pub points: Vec<[f32; 3]>,
-    /// The vertex of the mesh that each point is.
+    /// The mesh vertex of each point.
     pub sources: Vec<u32>,
     pub triangles: Vec<[u32; 3]>,
-    /// The component of each point; empty where all are one.
+    /// The component of each point; empty if there is only one.
     pub labels: Vec<u32>,
 }
 
@@ -49,16 +49,16 @@ impl UnitCube {
         (self.least + Vec3::from_array(point).to_f64() * self.extent).to_f32()
     }
 
-    /// Returns the same in double precision.
+    /// Like [`Self::scaled`], in double precision.
     pub fn unit(&self, position: Vec3) -> Vec3<f64> {
         (position.to_f64() - self.least) / self.extent
     }
 }
 
-/// Returns the points as meshoptimizer reads them.
+/// Returns the points in the form that meshoptimizer reads.
 pub(in crate::bake) fn adapter(points: &[[f32; 3]]) -> VertexDataAdapter<'_> {
     VertexDataAdapter::new(meshopt::typed_to_bytes(points), size_of::<[f32; 3]>(), 0)
-        .expect("the stride divides the length, and no offset is given")
+        .expect("the stride divides the length, and the offset is zero")
 }
 
 /// Triangles from a list of corners.
@@ -66,7 +66,7 @@ pub(in crate::bake) fn triples(corners: Vec<u32>) -> Vec<[u32; 3]> {
     corners.as_chunks::<3>().0.to_vec()
 }
 
-/// Returns the triangles on the vertices that they use alone, numbered upwards, and which those were.
+/// Returns the triangles on only the vertices they use, renumbered in order, and the original vertices.
 pub(in crate::bake) fn compact(mut triangles: Vec<[u32; 3]>, count: usize) -> (Vec<[u32; 3]>, Vec<u32>) {
     const UNUSED: u32 = u32::MAX;
     let mut numbers = vec![UNUSED; count];
@@ -92,7 +92,7 @@ impl Part {
         }
     }
 
-    /// Returns some of its triangles as a part of their own, whose sources are points of this one.
+    /// Returns some of its triangles as a separate part, whose sources are points of this one.
     pub fn extract(&self, triangles: &[[u32; 3]]) -> Self {
         let mut sources = triangles.as_flattened().to_vec();
         sources.sort_unstable();

@@ -1,7 +1,7 @@
-//! Unwelded seams: the vertices of open edges that are meant to be one, though their coordinates differ a little.
+//! Unwelded seams: vertices of open edges that are meant to be one, though their coordinates differ slightly.
 //!
-//! Copies of a vertex differ where a surface was computed piece by piece, transformed, or written with few digits. To
-//! simplification each such seam is a border that has to stay, and where many meet, nothing can be collapsed.
+//! Copies of a vertex differ if a surface was computed piece by piece, transformed, or written with few digits. For
+//! simplification each such seam is a border to preserve, and if many meet, nothing can be collapsed.
 
 use super::morton::FineCells;
 use super::part::{Part, UnitCube};
@@ -10,50 +10,52 @@ use crate::mesh::Mesh;
 use crate::parallel;
 use rayon::prelude::*;
 
-/// Two vertices are one if they are nearer to each other than this fraction of the shortest edge at either...
+/// Two vertices are the same if they are closer to each other than this fraction of the shortest edge at either...
 const GAP: f64 = 1e-3;
 /// ... or than this fraction of their largest coordinate, the last of six decimal digits...
 const ROUNDING: f64 = 1e-5;
-/// ... but then nearer than this fraction of the shortest edge too. Anything below a half keeps the corners of a
-/// triangle apart: two of them can be near one vertex only if the edge between them is shorter than the shortest edge.
+/// ... but then also closer than this fraction of the shortest edge. Anything below a half keeps the corners of a
+/// triangle apart: two of them can be near one vertex only if the edge between them is shorter than the shortest
+/// edge.
 const MOST: f64 = 0.1;
-/// An edge shorter than this fraction of its largest coordinate is itself a rounding error: two units in the last place.
+/// An edge shorter than this fraction of its largest coordinate is itself a rounding error: two units in the last
+/// place.
 const DEGENERATE: f64 = 2.5e-7;
-/// Normals whose cosine is below this, 150°, face opposite ways: those of the two sides of a thin wall are 180° apart but
-/// for the relief on them, those of a blade's edge seldom more than this.
+/// Normals whose cosine is below this, 150°, face opposite ways: those of the two sides of a thin wall are 180° apart
+/// except for the relief on them, those of a blade's edge seldom more than this.
 const OPPOSITE: f64 = -0.87;
-/// Blocks of cells are this many times as large as the distance within which neighbours are looked for, so that most
-/// searches look into a single one.
+/// Blocks of cells are this many times as large as the search radius for neighbours, so that most searches look into
+/// a single one.
 const ROOM: f64 = 8.0;
-/// Stands for a point that is not on an open edge.
+/// Marks a point that is not on an open edge.
 const CLOSED: u32 = u32::MAX;
 
 /// A point on an open edge.
 #[derive(Clone, Copy, Default)]
 struct RimPoint {
-    /// Its number in the part.
+    /// Its index in the part.
     point: u32,
-    /// The distance up to which others may be the same point, in parts of the unit cube.
+    /// The distance up to which others may be the same point, as a fraction of the unit cube.
     reach: f32,
-    /// The sum of the doubled areas of its triangles.
+    /// The sum of the doubled area vectors of its triangles.
     normal: Vec3,
 }
 
-/// The points on open edges, and where they are.
+/// The points on open edges, and their positions.
 struct Rim<'a> {
     part: &'a Part,
     positions: &'a [Vec3],
     cube: &'a UnitCube,
     points: Vec<RimPoint>,
-    /// Codes of the points' cells, followed by their numbers; sorted.
+    /// Codes of the points' cells, followed by their indices; sorted.
     codes: Vec<[u32; 4]>,
 }
 
-/// Returns for each point of a part the one that it becomes as seams are closed, and the number of points that do not
-/// remain; `None` if there is none.
+/// Returns the point that each point of a part becomes when seams are closed, and the number of points removed;
+/// `None` if there is none.
 ///
-/// Only points on open edges are joined, so a surface without them takes one pass over its triangles. The corners of a
-/// triangle are never joined unless they are a rounding error apart, and points that face opposite ways never are.
+/// Only points on open edges are joined, so a surface without them takes one pass over its triangles. The corners of
+/// a triangle are never joined unless they are a rounding error apart, and points that face opposite ways never are.
 pub(super) fn closed(part: &Part, mesh: &Mesh, cube: &UnitCube) -> Option<(Vec<u32>, usize)> {
     let open = open_points(part);
     if open.is_empty() {
@@ -68,10 +70,10 @@ pub(super) fn closed(part: &Part, mesh: &Mesh, cube: &UnitCube) -> Option<(Vec<u
     (joined > 0).then_some((becomes, joined))
 }
 
-/// Returns the points whose triangles do not close around them.
+/// Returns the points whose triangles do not form a closed fan.
 ///
-/// Each triangle adds, at each of its corners, a number for the next corner and subtracts one for the previous corner.
-/// Around a closed point every neighbour is next as often as it is previous, so that the sum is 0.
+/// Each triangle adds, at each of its corners, a number for the next corner and subtracts one for the previous
+/// corner. Around a closed point every neighbour is next as often as it is previous, so that the sum is 0.
 fn open_points(part: &Part) -> Vec<u32> {
     let mut sums = vec![0u64; part.points.len()];
     for [a, b, c] in &part.triangles {
@@ -87,7 +89,7 @@ fn open_points(part: &Part) -> Vec<u32> {
     (0..part.points.len() as u32).filter(|v| sums[*v as usize] != 0).collect()
 }
 
-/// Returns a number for a point such that no sums and differences of a few of them cancel by chance.
+/// Returns a number for a point such that sums and differences of a few of them do not cancel by chance.
 fn mixed(v: u32) -> u64 {
     let v = (u64::from(v) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     (v ^ v >> 32).wrapping_mul(0xD6E8_FEB8_6659_FD93)
@@ -98,7 +100,7 @@ impl Rim<'_> {
         self.positions[self.part.sources[point as usize] as usize]
     }
 
-    /// Returns the points with their reaches and normals.
+    /// Returns the points with their search radii and normals.
     fn measured(&self, open: &[u32]) -> Vec<RimPoint> {
         let mut numbers = vec![CLOSED; self.part.points.len()];
         let mut points: Vec<RimPoint> = Vec::with_capacity(open.len());
@@ -115,14 +117,14 @@ impl Rim<'_> {
         for point in &mut points {
             let shortest = f64::from(point.reach);
             let rounding = ROUNDING * largest(self.position(point.point).to_f64()) / self.cube.extent;
-            // Triangles all of whose edges are rounding errors say nothing about gaps.
+            // Triangles whose edges are all rounding errors carry no information about gaps.
             let reach = (GAP * shortest).max(rounding.min(MOST * shortest)) as f32;
             point.reach = if shortest.is_finite() { reach } else { 0.0 };
         }
         points
     }
 
-    /// Adds a triangle to those of its corners that are on open edges, whose reach is the shortest edge until all are
+    /// Adds a triangle to those of its corners that are on open edges; their reach is the shortest edge until all are
     /// known.
     fn add(&self, triangle: [u32; 3], own: [u32; 3], points: &mut [RimPoint]) {
         let places = triangle.map(|v| self.position(v).to_f64());
@@ -152,13 +154,13 @@ impl Rim<'_> {
         codes
     }
 
-    /// Returns the place of a point of the rim in the unit cube.
+    /// Returns the position of a rim point in the unit cube.
     fn place(&self, i: usize) -> Vec3<f64> {
         self.cube.unit(self.position(self.points[i].point))
     }
 
-    /// Joins each point that is free to the first one along the curve, of those that stay, that is the same. Returns how
-    /// many do not stay.
+    /// Joins each free point to the first equal point along the curve that is kept. Returns the number of points
+    /// removed.
     fn join(&self, becomes: &mut [u32]) -> usize {
         let mut is_taken = vec![false; self.points.len()];
         let mut joined = 0;
@@ -178,7 +180,7 @@ impl Rim<'_> {
         joined
     }
 
-    /// Calls `visit` with the points further along the curve that may be near the one at a place of it.
+    /// Calls `visit` with the points further along the curve that may be near the point at an index of it.
     fn for_near(&self, at: usize, mut visit: impl FnMut(usize)) {
         let own = self.codes[at][3] as usize;
         let (place, reach) = (self.place(own), f64::from(self.points[own].reach));
@@ -196,7 +198,7 @@ impl Rim<'_> {
         }
     }
 
-    /// Returns the first place along the curve with at least this code, looking in steps that grow from `near` on.
+    /// Returns the first index along the curve with at least this code, searching in growing steps from `near`.
     fn first_from(&self, near: usize, code: [u32; 3]) -> usize {
         let is_before = |at: usize| self.codes[at][..3] < code[..];
         if !is_before(near) {
@@ -211,7 +213,7 @@ impl Rim<'_> {
         low + 1 + self.codes[low + 1..high].partition_point(|key| key[..3] < code[..])
     }
 
-    /// Returns `true` if two points are near each other, and do not face opposite ways.
+    /// Returns `true` if two points are near each other and do not face opposite ways.
     fn is_same(&self, i: usize, j: usize) -> bool {
         let [a, b] = [i, j].map(|k| self.points[k]);
         let near = f64::from(a.reach.min(b.reach));
@@ -220,7 +222,7 @@ impl Rim<'_> {
     }
 }
 
-/// Returns the largest coordinate, whatever its sign.
+/// Returns the largest absolute coordinate.
 fn largest(position: Vec3<f64>) -> f64 {
     position.to_array().into_iter().fold(0.0, |most: f64, v| most.max(v.abs()))
 }
@@ -240,7 +242,7 @@ mod tests {
         Mesh::new(MeshData { positions, triangles, ..MeshData::default() }).unwrap()
     }
 
-    /// A square sheet from this corner on, which faces up.
+    /// Makes a square sheet, facing up, with its first corner here.
     fn sheet(x: f32, y: f32, z: f32) -> Mesh {
         let at = |i: usize| Vec3::new(x + (i % (COLUMNS + 1)) as f32, y + (i / (COLUMNS + 1)) as f32, z);
         let square = |i: usize| {
@@ -262,7 +264,7 @@ mod tests {
         mesh(one.positions().to_vec(), one.triangles().iter().map(|[a, b, c]| [*a, *c, *b]).collect())
     }
 
-    /// The triangles apart, each corner moved by a small step of its own.
+    /// Separates the triangles, each corner moved by a small step.
     fn loose(one: &Mesh, step: f32) -> Mesh {
         let moved = |(i, p): (usize, Vec3)| {
             p + Vec3::new((i % 3) as f32 - 1.0, (i % 5) as f32 * 0.5 - 1.0, (i % 7) as f32 / 3.0 - 1.0) * step
@@ -272,7 +274,7 @@ mod tests {
         mesh(corners.map(moved).collect(), triangles.collect())
     }
 
-    /// The numbers of points and triangles that are left.
+    /// Returns the number of points and triangles after welding.
     fn welded(one: &Mesh) -> (usize, usize) {
         let part = weld(one, &mut Warnings::default()).0;
         (part.points.len(), part.triangles.len())
@@ -281,10 +283,15 @@ mod tests {
     #[test]
     fn seams_are_closed_and_gaps_are_not() {
         let triangles = 4 * COLUMNS * COLUMNS;
-        let beside = |gap: f32| both(&sheet(0.0, 0.0, 0.0), &sheet(COLUMNS as f32 + gap, 0.0, 0.0));
-        assert_eq!(welded(&beside(2e-4)), (2 * POINTS - COLUMNS - 1, triangles));
-        assert_eq!(welded(&beside(5e-3)), (2 * POINTS, triangles), "a slot of a two-hundredth of its edges");
-        // The last of six digits of a coordinate of 1000 is worth 0.01, but a slot of a fifth of the edges is a slot.
+        let adjacent = |gap: f32| both(&sheet(0.0, 0.0, 0.0), &sheet(COLUMNS as f32 + gap, 0.0, 0.0));
+        assert_eq!(welded(&adjacent(2e-4)), (2 * POINTS - COLUMNS - 1, triangles));
+        assert_eq!(
+            welded(&adjacent(5e-3)),
+            (2 * POINTS, triangles),
+            "a slot of a two-hundredth of its edges"
+        );
+        // The last of six digits of a coordinate of 1000 is worth 0.01, but a slot of a fifth of the edges is a real
+        // slot.
         let far = |x: f32, gap: f32| both(&sheet(x, 0.0, 0.0), &sheet(x + COLUMNS as f32 + gap, 0.0, 0.0));
         assert_eq!(welded(&far(1e3, 5e-3)).0, 2 * POINTS - COLUMNS - 1);
         assert_eq!(welded(&far(1e5, 0.2)).0, 2 * POINTS);
@@ -315,7 +322,7 @@ mod tests {
 
     #[test]
     fn corners_of_a_triangle_are_joined_only_where_it_is_none() {
-        // A fan of needles around a pole, of which each has its own copy, and triangles between the copies.
+        // A fan of needles around a pole, each with its own copy of it, and triangles between the copies.
         let count = 40u32;
         let ring = |i: u32, radius: f32| {
             let angle = std::f64::consts::TAU * f64::from(i) / f64::from(count);

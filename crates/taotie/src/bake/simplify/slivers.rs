@@ -1,34 +1,35 @@
-//! Slivers of a simplified surface, mended: triangles so thin that their normals are rounding and their uvs a line.
+//! Removal of slivers in a simplified surface: triangles so thin that their normals are rounding and their uvs a
+//! line.
 //!
-//! A cap has a corner near the middle of its longest edge: that edge is flipped, or the cap taken off where no other
-//! triangle has the edge. A needle has one short edge, which is collapsed. Nothing is done that bends the surface, makes
-//! another sliver as thin, or changes what hangs together; so a wire keeps its long triangles.
+//! A cap has a corner near the middle of its longest edge: that edge is flipped, or the cap removed if no other
+//! triangle has the edge. A needle has one short edge, which is collapsed. No change may bend the surface, make
+//! another sliver as thin, or change the connectivity; so a wire keeps its long triangles.
 
 use super::fan::{Fans, Shape};
 use crate::math::Vec3;
 
-/// A sliver is lower than this part of its longest edge.
+/// A sliver's height is less than this fraction of its longest edge.
 pub(super) const THIN: f64 = 1e-3;
-/// Rounds, since one sliver may stand in the way of another.
+/// Number of rounds, since one sliver may block another.
 const ROUNDS: usize = 4;
-/// Where more than one triangle of so many is a sliver, the surface itself is as thin.
+/// If more than one triangle in this many is a sliver, the surface itself is that thin.
 const OF_MANY: usize = 2;
-/// A flip makes the thinner triangle higher by this factor, so that none is flipped to and fro.
+/// A flip must increase the height of the thinner triangle by this factor, so that none is flipped back and forth.
 const BETTER: f64 = 1.1;
-/// Below this height, in parts of the unit cube, a normal is rounding.
+/// Below this height, as a fraction of the unit cube, a normal is rounding.
 const ROUNDING: f64 = 1e-6;
-/// The least cosine between normals before and after: that of 20°.
+/// The minimum cosine between normals before and after: that of 20°.
 const STEADY: f64 = 0.94;
 
-/// Returns the triangles with fewer slivers; as they are where there is none.
-pub(super) fn mended(points: &[[f32; 3]], mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
+/// Returns the triangles with fewer slivers; unchanged if there are none.
+pub(super) fn repaired(points: &[[f32; 3]], mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
     for round in 0..ROUNDS {
         let slivers = slivers(points, &triangles);
         if slivers.is_empty() || round == 0 && slivers.len() * OF_MANY > triangles.len() {
             break;
         }
         let mut mender = Mender { fans: Fans::new(points, triangles), changed: false };
-        slivers.iter().for_each(|t| mender.mend(*t));
+        slivers.iter().for_each(|t| mender.repair(*t));
         let changed = mender.changed;
         triangles = mender.fans.into_triangles();
         if !changed {
@@ -43,20 +44,20 @@ fn slivers(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<usize> {
     (0..triangles.len()).filter(|t| Shape::of(points, triangles[*t]).height() < THIN).collect()
 }
 
-/// The surface as slivers are mended one after the other.
+/// The surface while slivers are removed one after the other.
 struct Mender<'a> {
     fans: Fans<'a>,
     changed: bool,
 }
 
 impl Mender<'_> {
-    fn mend(&mut self, t: usize) {
+    fn repair(&mut self, t: usize) {
         if !self.fans.is_touched(t) {
             self.changed |= self.flip(t) || self.collapse(t);
         }
     }
 
-    /// Flips the longest edge of a triangle, or takes the triangle off where no other has that edge.
+    /// Flips the longest edge of a triangle, or removes the triangle if no other has that edge.
     fn flip(&mut self, t: usize) -> bool {
         let corners @ [a, b, _] = self.fans.longest_first(t);
         match self.fans.at_edge(a, b).len() {
@@ -65,7 +66,7 @@ impl Mender<'_> {
         }
     }
 
-    /// Takes a triangle off whose other edges belong to one more triangle each.
+    /// Removes a triangle whose other edges are each shared with one more triangle.
     fn take_off(&mut self, t: usize, [a, b, c]: [u32; 3]) -> bool {
         let is_inner = |a: u32, b: u32| self.fans.at_edge(a, b).len() == 2;
         let is_possible = is_inner(b, c) && is_inner(c, a);
@@ -88,7 +89,7 @@ impl Mender<'_> {
         is_possible
     }
 
-    /// Collapses the shortest edge of a triangle, whichever way the triangles around become less thin.
+    /// Collapses the shortest edge of a triangle, in the direction that leaves the triangles around less thin.
     fn collapse(&mut self, t: usize) -> bool {
         let [a, b, _] = self.fans.shortest_first(t);
         if !self.fans.are_untouched(&[a, b]) || !self.fans.can_collapse(a, b) {
@@ -103,7 +104,7 @@ impl Mender<'_> {
         is_possible
     }
 
-    /// Returns the height of the thinnest triangle after a vertex was moved to another one; 0 where it must not be.
+    /// Returns the height of the thinnest triangle after moving a vertex to another one; 0 if that is not allowed.
     fn thinnest_after(&self, from: u32, to: u32) -> f64 {
         if !self.fans.keeps_border(from, to) {
             return 0.0;
@@ -138,38 +139,38 @@ mod tests {
         triangles.iter().map(|t| Shape::of(points, *t).vector.length() * 0.5).sum()
     }
 
-    /// Two triangles and between them a cap, whose corner lies beside the middle of the diagonal.
+    /// Two triangles with a cap between them, whose corner is next to the middle of the diagonal.
     #[test]
     fn a_cap_is_flipped() {
         let points = around(&[[0.5, 0.50001, 0.0]]);
         let triangles = vec![[0, 1, 2], [0, 2, 4], [2, 3, 4], [3, 0, 4]];
         assert_eq!(thin(&points, &triangles), 1);
-        let found = mended(&points, triangles.clone());
+        let found = repaired(&points, triangles.clone());
         assert_eq!((found.len(), thin(&points, &found)), (4, 0), "{found:?}");
         assert!((area(&points, &found) - area(&points, &triangles)).abs() < 1e-9);
-        assert_eq!(mended(&points, found.clone()), found, "nothing is left to mend");
+        assert_eq!(repaired(&points, found.clone()), found, "nothing is left to fix");
     }
 
     #[test]
     fn a_cap_at_the_border_is_taken_off() {
         let points = around(&[[0.5, 0.00001, 0.0]]);
         let triangles = vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
-        let found = mended(&points, triangles);
+        let found = repaired(&points, triangles);
         assert_eq!(found, [[1, 2, 4], [2, 3, 4], [3, 0, 4]]);
     }
 
-    /// Two points beside one another in the middle.
+    /// Two points next to each other in the middle.
     #[test]
     fn a_needle_is_collapsed() {
         let points = around(&[[0.5, 0.5, 0.0], [0.5002, 0.5001, 0.0]]);
         let triangles = vec![[0, 1, 4], [1, 5, 4], [1, 2, 5], [2, 3, 5], [3, 4, 5], [3, 0, 4]];
         assert_eq!(thin(&points, &triangles), 2);
-        let found = mended(&points, triangles);
+        let found = repaired(&points, triangles);
         assert_eq!((found.len(), thin(&points, &found)), (4, 0), "{found:?}");
         assert!((area(&points, &found) - 1.0).abs() < 1e-9);
     }
 
-    /// A wire of three sides: long triangles whose short edges are all that it is wide.
+    /// A wire with three sides: long triangles whose short edges are the width of the wire.
     #[test]
     fn a_wire_stays() {
         let ring = |x: f32| [[x, 0.0, 0.0], [x, 4e-4, 0.0], [x, 0.0, 4e-4]];
@@ -181,18 +182,18 @@ mod tests {
         }
         let mut mender = Mender { fans: Fans::new(&points, triangles.clone()), changed: false };
         assert_eq!(thin(&points, &triangles), 6);
-        (0..6).for_each(|t| mender.mend(t));
+        (0..6).for_each(|t| mender.repair(t));
         assert!(!mender.changed);
-        assert_eq!(mended(&points, triangles.clone()), triangles);
+        assert_eq!(repaired(&points, triangles.clone()), triangles);
     }
 
-    /// What has nothing but a sliver, or hangs together by it, stays.
+    /// A surface that consists of a sliver, or is connected by one, is unchanged.
     #[test]
     fn nothing_vanishes() {
         let points = around(&[[0.5, 1e-5, 0.0], [1e-5, 0.0, 0.0]]);
         for triangle in [[0, 1, 4], [0, 5, 2]] {
             let mut mender = Mender { fans: Fans::new(&points, vec![triangle]), changed: false };
-            mender.mend(0);
+            mender.repair(0);
             assert_eq!(mender.fans.into_triangles(), [triangle]);
         }
     }

@@ -1,8 +1,8 @@
-//! Equal positions, and those on either side of a seam, made one vertex, in an order in which neighbours in space are
-//! neighbours in memory.
+//! Welds equal positions, and those on either side of a seam, into one vertex, in an order in which neighbours in
+//! space are neighbours in memory.
 //!
-//! Positions are sorted along a Morton curve, so that equal ones meet in one cell: no hash table, whose size and order
-//! would be felt at twenty million triangles.
+//! Positions are sorted along a Morton curve, so that equal ones meet in one cell: this avoids a hash table, whose
+//! size and order would matter at twenty million triangles.
 
 use super::morton::morton;
 use super::part::{Part, UnitCube};
@@ -32,12 +32,12 @@ pub(super) fn weld(mesh: &Mesh, notes: &mut Warnings) -> (Part, UnitCube) {
     (Part { triangles, ..part }.compacted(), cube)
 }
 
-/// Returns the place of each vertex: vertices with equal positions have one.
+/// Returns the position index of each vertex: vertices with equal positions share one.
 pub(in crate::bake) fn places(positions: &[Vec3]) -> Vec<u32> {
     classes(positions, &sorted(positions, &UnitCube::of(positions))).0
 }
 
-/// Returns vertex numbers in the low half, sorted by cell, then position, then number.
+/// Returns vertex indices in the low half, sorted by cell, then position, then index.
 fn sorted(positions: &[Vec3], cube: &UnitCube) -> Vec<u64> {
     let cell = |position: Vec3| u64::from(morton(cube.scaled(position)));
     let mut keys = parallel::collect(positions.len(), |v| cell(positions[v]) << 32 | v as u64);
@@ -51,7 +51,7 @@ fn sorted(positions: &[Vec3], cube: &UnitCube) -> Vec<u64> {
     keys
 }
 
-/// Returns the place of each vertex, and the first vertex of each place.
+/// Returns the position index of each vertex, and the first vertex at each position.
 fn classes(positions: &[Vec3], sorted: &[u64]) -> (Vec<u32>, Vec<u32>) {
     let (mut places, mut firsts) = (vec![0; positions.len()], Vec::new());
     let mut last = None;
@@ -68,7 +68,7 @@ fn classes(positions: &[Vec3], sorted: &[u64]) -> (Vec<u32>, Vec<u32>) {
     (places, firsts)
 }
 
-/// Returns the triangles on places, each once, those with two equal corners left out.
+/// Returns the distinct triangles on position indices, without those with two equal corners.
 fn sound_triangles(triangles: &[[u32; 3]], places: &[u32], notes: &mut Warnings) -> Vec<[u32; 3]> {
     let on_places = |t: usize| lowest_first(triangles[t].map(|v| places[v as usize]));
     let mut sound = parallel::collect(triangles.len(), on_places);
@@ -81,7 +81,7 @@ fn sound_triangles(triangles: &[[u32; 3]], places: &[u32], notes: &mut Warnings)
     sound
 }
 
-/// Returns the triangle turned so that its lowest vertex stands first.
+/// Returns the triangle rotated so that its lowest vertex comes first.
 fn lowest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
     match () {
         () if a == b || b == c || c == a => DROPPED,
@@ -91,7 +91,7 @@ fn lowest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
     }
 }
 
-/// Returns the bits of a position, zero having one sign.
+/// Returns the bits of a position, with a single sign for zero.
 fn bits(position: Vec3) -> [u32; 3] {
     position.to_array().map(|v| (v + 0.0).to_bits())
 }
@@ -118,6 +118,9 @@ mod tests {
             found,
             [("triangles with two equal corners, left out", 2), ("duplicate triangles, left out", 1)]
         );
-        assert!(part.sources.iter().all(|v| [0, 1, 2, 5].contains(v)), "the first of equals stands for them");
+        assert!(
+            part.sources.iter().all(|v| [0, 1, 2, 5].contains(v)),
+            "the first of equal ones represents them"
+        );
     }
 }

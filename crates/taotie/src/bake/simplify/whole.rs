@@ -1,4 +1,4 @@
-//! The last step: all triangles at once, by the mildest method that reaches the number.
+//! The last step: simplifies all triangles as a whole, by the mildest method that reaches the number.
 
 use super::apart;
 use super::cluster::clustered;
@@ -7,11 +7,11 @@ use super::components::{Components, Fate};
 use super::options::{SimplifyMethod, SimplifyOptions};
 use super::part::Part;
 
-/// Returns the part with the wanted number of triangles, or as near to it as can be.
+/// Returns the part with the requested number of triangles, or as close to it as possible.
 ///
-/// Edges are collapsed all at once, which spends triangles where the surface needs them. Where that does not reach the
-/// number, or loses or tears a large component, each component is simplified alone, so that nothing joins what only
-/// lies near. Vertices are joined by nearness in triangle soup only.
+/// Edges are collapsed as a whole, which spends triangles where the surface needs them. If that does not reach the
+/// number, or loses or tears a large component, each component is simplified separately, so that nothing joins parts
+/// that are merely close. Vertices are merged by proximity in triangle soup only.
 pub(super) fn reduce(part: &Part, components: &Components, options: &SimplifyOptions) -> Reduced {
     let wanted = options.triangles;
     if part.triangles.len() <= wanted {
@@ -32,7 +32,7 @@ pub(super) fn reduce(part: &Part, components: &Components, options: &SimplifyOpt
         () if is_reached && is_whole(&together) => together,
         () if is_soup => {
             let last = clustered(part, options);
-            // Clusters as small as the whole leave nothing.
+            // If clusters are as small as the whole, nothing is left.
             if last.triangles.is_empty() { together } else { last }
         }
         () if components.len() > 1 => apart::reduce(part, components, &together, options),

@@ -1,8 +1,8 @@
-//! Sets of directions, rounded, and the narrowest cone around them.
+//! Sets of directions, quantised, and the narrowest cone around them.
 
 use crate::math::Vec3;
 
-/// Cells along a side of the octahedral map; directions are rounded by 1.3° on the average.
+/// Cells along a side of the octahedral map; directions are rounded by 1.3° on average.
 const SIDE: u16 = 64;
 
 /// The unit direction in the middle of each cell of the octahedral map.
@@ -14,7 +14,7 @@ impl Middles {
     }
 }
 
-/// Directions rounded to cells of the octahedral map; sorted, each once.
+/// Directions rounded to cells of the octahedral map; sorted and distinct.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Directions(Vec<u16>);
 
@@ -26,7 +26,7 @@ impl Directions {
         Self(cells)
     }
 
-    /// Returns the directions of both.
+    /// Returns the union of both sets.
     pub fn union(&self, other: &Self) -> Self {
         let mut cells = [self.0.as_slice(), &other.0].concat();
         cells.sort_unstable();
@@ -34,13 +34,13 @@ impl Directions {
         Self(cells)
     }
 
-    /// Returns the least cosine of the angle between `axis` and any of them; 1 where there are none.
+    /// Returns the minimum cosine of the angle between `axis` and any of them; 1 if there are none.
     pub fn least_cosine(&self, middles: &Middles, axis: Vec3<f64>) -> f64 {
         self.farthest(middles, axis).0
     }
 
-    /// Returns the direction that is farthest from `axis`, and the cosine of the angle between both, at most 1; `axis`
-    /// itself where there are none.
+    /// Returns the direction farthest from `axis`, and the cosine of the angle between both, at most 1; `axis` itself
+    /// if there are none.
     fn farthest(&self, middles: &Middles, axis: Vec3<f64>) -> (f64, Vec3<f64>) {
         let directions = self.0.iter().map(|cell| middles.0[usize::from(*cell)]);
         directions.fold((1.0, axis), |(least, far), d| {
@@ -49,10 +49,10 @@ impl Directions {
         })
     }
 
-    /// Returns the axis of nearly the narrowest cone around them, sought from `start` (unit).
+    /// Returns the axis of approximately the narrowest cone around them, searching from `start` (unit).
     ///
-    /// Source: Bădoiu and Clarkson 2003, "Smaller core-sets for balls", section 3: go to the farthest point by ever
-    /// smaller steps.
+    /// Source: Bădoiu and Clarkson 2003, "Smaller core-sets for balls", section 3: move towards the farthest point in
+    /// ever smaller steps.
     pub fn axis(&self, middles: &Middles, start: Vec3<f64>) -> Vec3<f64> {
         let mut farthest = self.farthest(middles, start);
         let (mut axis, mut best) = (start, (farthest.0, start));

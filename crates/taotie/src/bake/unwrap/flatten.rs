@@ -1,4 +1,4 @@
-//! UV islands laid flat: seen from their axis, and cut where they would lie over themselves.
+//! Flattens UV islands: projects them along their axis, and cuts them if they would overlap themselves.
 
 use super::topology::{NONE, Topology};
 use crate::bake::raster::{ALL_ROWS, Rasterizer};
@@ -7,11 +7,11 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::FRAC_PI_2;
 
-/// The most texels that a UV island is drawn on when it is searched for places that lie over others.
+/// Maximum number of texels on which a UV island is drawn to search it for overlaps.
 const MOST_TEXELS: f64 = (1u64 << 22) as f64;
-/// About as many pieces a UV island is cut into at most because it is too long.
+/// Approximate maximum number of pieces into which a UV island is cut for being too long.
 const MOST_PIECES: f64 = 8.0;
-/// Angles between 0 and 90° that are tried for the smallest box.
+/// Number of angles between 0 and 90° that are tried for the smallest box.
 const ANGLES: usize = 32;
 
 /// Triangles that are laid out together.
@@ -20,37 +20,36 @@ pub(super) struct Island {
     pub triangles: Vec<u32>,
     /// The unit direction along which it is seen.
     axis: Vec3<f64>,
-    /// A corner's place on the UV island is its product with each of these. The area of the whole is that of the
-    /// surface.
+    /// A corner's position on the UV island is its product with each of these. The total area is preserved.
     right: Vec3<f64>,
     down: Vec3<f64>,
 }
 
 impl Island {
-    /// Makes the UV island of triangles seen along a unit axis.
+    /// Makes the UV island of triangles projected along a unit axis.
     fn seen(topology: &Topology, triangles: Vec<u32>, axis: Vec3<f64>) -> Self {
         let (mut own, mut seen) = (0.0, 0.0);
         for t in &triangles {
             own += topology.areas[*t as usize];
             seen += topology.areas[*t as usize] * topology.normals[*t as usize].dot(axis).abs();
         }
-        // Nothing is drawn out without limit.
+        // Stretching is limited.
         let scale = (own / seen.max(own * 0.04)).sqrt();
         let right = axis.any_perpendicular();
         Self { triangles, axis, right: right * scale, down: -axis.cross(right) * scale }
     }
 
-    /// Returns the place of a corner, right and down.
+    /// Returns the position of a corner, right and down.
     pub fn place(&self, corner: Vec3<f64>) -> [f64; 2] {
         [corner.dot(self.right), corner.dot(self.down)]
     }
 
-    /// Returns the triangles as they lie.
+    /// Returns the flattened triangles.
     pub fn laid(&self, topology: &Topology) -> Vec<[[f64; 2]; 3]> {
         self.triangles.iter().map(|t| topology.corners[*t as usize].map(|p| self.place(p))).collect()
     }
 
-    /// Cuts the UV island in two, each part nearer to one of two of its triangles.
+    /// Cuts the UV island in two, each part closer to one of two of its triangles.
     pub fn cut(self, topology: &Topology, pair: [u32; 2], measure: &Measure) -> Vec<Self> {
         let parts = split(topology, &self.triangles, pair);
         parts.into_iter().flat_map(|part| flatten(topology, part, self.axis, measure)).collect()
@@ -62,7 +61,7 @@ impl Island {
         (high[0] - low[0]).max(high[1] - low[1])
     }
 
-    /// Returns the UV island turned so that its upright box is small.
+    /// Returns the UV island rotated so that its axis-aligned box is small.
     pub fn turned(self, topology: &Topology) -> Self {
         let laid = self.laid(topology);
         let (mut best, mut chosen) = (f64::INFINITY, [1.0, 0.0]);
@@ -82,23 +81,23 @@ impl Island {
     }
 }
 
-/// Returns the least and the greatest coordinates.
+/// Returns the minimum and maximum coordinates.
 pub(super) fn bounds(points: impl Iterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
     points.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], p| {
         [[low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])]]
     })
 }
 
-/// The sizes by which UV islands are split.
+/// The sizes that determine how UV islands are split.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Measure {
-    /// Texels a unit that overlaps are searched with.
+    /// Texels per unit in the search for overlaps.
     pub density: f64,
-    /// The longest side of a UV island's box, units.
+    /// The maximum side of a UV island's box, in units.
     pub longest: f64,
 }
 
-/// Returns the UV islands of triangles seen along an axis: one, or several where one would lie over itself or be too
+/// Returns the UV islands of triangles projected along an axis: one, or several if one would overlap itself or be too
 /// long.
 pub(super) fn flatten(
     topology: &Topology,
@@ -107,7 +106,7 @@ pub(super) fn flatten(
     measure: &Measure,
 ) -> Vec<Island> {
     let (mut waiting, mut flat) = (vec![triangles], Vec::new());
-    // What is as thin as a thread stays in few pieces, however long it is.
+    // Thread-like shapes stay in a few pieces, however long they are.
     let mut longest = measure.longest;
     while let Some(triangles) = waiting.pop() {
         let island = Island::seen(topology, triangles, axis);
@@ -125,7 +124,7 @@ pub(super) fn flatten(
     flat
 }
 
-/// Returns two triangles that lie over one another.
+/// Returns two triangles that overlap each other.
 fn overlap(topology: &Topology, island: &Island, density: f64) -> Option<[u32; 2]> {
     if island.triangles.len() < 2 {
         return None;
@@ -144,7 +143,7 @@ fn overlap(topology: &Topology, island: &Island, density: f64) -> Option<[u32; 2
         let mut other = NONE;
         rasterizer.spans(t, ALL_ROWS, |y, [from, to]| {
             for x in from..=to {
-                // A corner at the far end may round into what follows.
+                // A corner at the far end may be rounded into the next texel.
                 let at = (y as usize).min(texels[1] as usize - 1) * texels[0] as usize
                     + (x as usize).min(texels[0] as usize - 1);
                 match owners[at] {
@@ -174,7 +173,7 @@ fn far_ends(topology: &Topology, island: &Island, longest: f64) -> Option<[u32; 
     (first != last).then_some([first, last].map(|i| island.triangles[i]))
 }
 
-/// Returns the triangles in two parts, each of what is nearer to one of two of them on the way over the surface.
+/// Returns the triangles in two parts, each closer over the surface to one of two of them.
 fn split(topology: &Topology, triangles: &[u32], seeds: [u32; 2]) -> [Vec<u32>; 2] {
     let mut sorted = triangles.to_vec();
     sorted.sort_unstable();
@@ -188,9 +187,9 @@ fn split(topology: &Topology, triangles: &[u32], seeds: [u32; 2]) -> [Vec<u32>; 
         }
         sides[i] = side;
         let t = triangle as usize;
-        for beside in topology.neighbours[t].into_iter().filter(|beside| *beside != NONE) {
-            let way = (topology.centres[t] - topology.centres[beside as usize]).length();
-            claims.push(Reverse(((f64::from_bits(cost) + way).to_bits(), beside, side)));
+        for neighbour in topology.neighbours[t].into_iter().filter(|neighbour| *neighbour != NONE) {
+            let way = (topology.centres[t] - topology.centres[neighbour as usize]).length();
+            claims.push(Reverse(((f64::from_bits(cost) + way).to_bits(), neighbour, side)));
         }
     }
     let part = |wanted: u32| {

@@ -9,48 +9,48 @@ use crate::parallel;
 use crate::progress::Progress;
 use std::cmp::Reverse;
 
-/// Cells along a side of the coarse bin, on which a first scale is sought in one order.
+/// Cells along a side of the coarse bin, on which a first scale is searched in one order.
 const COARSE: f64 = 256.0;
-/// Cells along a side of the fine bin, on which UV islands are placed in several orders; the time that it takes
-/// grows with the number of UV islands and the fourth power of this.
+/// Cells along a side of the fine bin, on which UV islands are placed in several orders; the time grows with the
+/// number of UV islands and the fourth power of this.
 const FINE: f64 = 1024.0;
-/// The same where there are more than [`MANY`] UV islands.
+/// The same if there are more than [`MANY`] UV islands.
 const FINE_FOR_MANY: f64 = 512.0;
 const MANY: usize = 150;
-/// No fewer cells along a side for one UV island, times the root of the number of UV islands.
+/// Minimum number of cells along a side per UV island, times the root of the number of UV islands.
 const FOR_ONE: f64 = 6.0;
-/// The number of packings once a scale is known at which UV islands fit: on the coarse bin and on the fine one.
+/// The number of packings after a scale is known at which UV islands fit: on the coarse bin and on the fine one.
 const TRIES: [usize; 2] = [9, 4];
-/// The largest number of packings at all: each time that UV islands do not fit the scale falls.
+/// The maximum number of packings overall: each time that UV islands do not fit, the scale falls.
 const MOST_TRIES: usize = 40;
-/// The search ends where the next scale would be less than this times the best.
+/// The search ends if the next scale would be less than this times the best.
 const EXACT: f64 = 1.004;
-/// The same after as many tries as there should be.
+/// The same after the intended number of tries.
 const NEAR: f64 = 1.02;
 /// The first scale on the fine bin, times the best on the coarse one, whose cells waste more.
 const LESS_WASTE: f64 = 1.02;
-/// The orders that are tried: by half the circumference, the longer side, the cells, the shorter side; largest first.
+/// The orders to try: by half the perimeter, the longer side, the cells, the shorter side; largest first.
 const ORDERS: [usize; 4] = [0, 1, 2, 3];
 
-/// Texels for one unit, from which the search for a layout begins.
+/// Texels per unit at which the search for a layout starts.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Start {
-    /// About where it may end.
+    /// An estimate of the final scale.
     Guess(f64),
-    /// Where nearly the same UV islands fit.
+    /// A scale at which nearly the same UV islands fit.
     Near(f64),
 }
 
-/// The place of each UV island on the map.
+/// The position of each UV island on the map.
 pub(super) struct Layout {
-    /// Texels for one unit.
+    /// Texels per unit.
     pub scale: f64,
-    /// Of each UV island: quarter turns, what lies at its corner, and where that corner is, in texels.
+    /// For each UV island: quarter turns, the point at its corner, and the corner's position in texels.
     islands: Vec<(u8, [f64; 2], [f64; 2])>,
 }
 
 impl Layout {
-    /// Returns the texels, right and down, of a point of a UV island.
+    /// Returns the position, right and down in texels, of a point of a UV island.
     pub fn place(&self, island: u32, point: [f64; 2]) -> [f64; 2] {
         let (quarters, low, at) = self.islands[island as usize];
         let p = turned(point, quarters);
@@ -58,12 +58,12 @@ impl Layout {
     }
 }
 
-/// UV islands as they were laid flat.
+/// Flattened UV islands.
 type Laid = Vec<[[f64; 2]; 3]>;
 
-/// The cells that UV islands are packed in.
+/// The cells in which UV islands are packed.
 struct Cells {
-    /// Texels along a side of one.
+    /// Texels along a side of a cell.
     side: u32,
     bin: Bin,
 }
@@ -71,7 +71,7 @@ struct Cells {
 impl Cells {
     fn new(options: &UnwrapOptions, wanted: f64) -> Self {
         let side = (f64::from(options.size) / wanted).ceil().max(1.0) as u32;
-        // What is left between the borders is at least one texel, and at least one cell.
+        // The room between the borders is at least one texel, and at least one cell.
         let width = ((options.size - 2 * options.padding) / side).max(1);
         Self { side, bin: Bin { width, gap: options.padding.div_ceil(side), most: width.saturating_mul(3) } }
     }
@@ -80,12 +80,12 @@ impl Cells {
 /// UV islands that fit.
 struct Fit {
     places: Vec<Placement>,
-    /// Texels a unit.
+    /// Texels per unit.
     scale: f64,
 }
 
-/// Packs UV islands at rising and falling scales: on a coarse bin in one order, where no scale is known, then on a fine
-/// one in several.
+/// Packs UV islands at varying scales: on a coarse bin in one order if no scale is known, then on a fine one in
+/// several.
 pub(super) fn lay_out(
     laid: &[Laid],
     options: &UnwrapOptions,
@@ -97,11 +97,8 @@ pub(super) fn lay_out(
     let [coarse, fine] = [COARSE, fine].map(|wanted| Cells::new(options, wanted.max(least)));
     let too_many = || {
         Error::limit(
-            format!("a mesh of {} UV islands on a map of {} texels a side", laid.len(), options.size),
-            format!(
-                "their padding of {} texels fills it; take a larger map or less padding",
-                options.padding
-            ),
+            format!("a mesh of {} UV islands on a map of {} texels per side", laid.len(), options.size),
+            format!("their padding of {} texels fills it; use a larger map or less padding", options.padding),
         )
     };
     if laid.len() as u64 > fine.bin.room() {
@@ -128,10 +125,10 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Returns the largest scale found, if any. `start` is in texels a unit.
+    /// Returns the largest scale found, if any. `start` is in texels per unit.
     fn run(&self, start: f64, progress: Progress<'_>) -> Result<Option<Fit>> {
         let (width, side) = (f64::from(self.cells.bin.width), f64::from(self.cells.side));
-        // A UV island that is longer than the bin fits in no turn.
+        // A UV island longer than the bin fits in no rotation.
         let mut known =
             Known { fits: 0.0, fails: f64::INFINITY, most: 0.9998 * width / longest_side(self.laid) };
         let (mut scale, mut best) = ((start / side).min(0.999 * known.most), None);
@@ -156,31 +153,32 @@ impl Search<'_> {
     }
 }
 
-/// The scales that were tried, as far as they bound the next one.
+/// The scales tried, as far as they bound the next one.
 struct Known {
-    /// The largest at which UV islands were seen to fit, or 0.
+    /// The largest known to fit, or 0.
     fits: f64,
-    /// The smallest at which they were seen not to, or infinity.
+    /// The smallest known not to fit, or infinity.
     fails: f64,
-    /// The largest at which each fits alone.
+    /// The largest at which each UV island fits separately.
     most: f64,
 }
 
 impl Known {
-    /// Returns the next scale to try: what the last attempt suggests, kept between what fits and what does not.
+    /// Returns the next scale to try: the one suggested by the last attempt, clamped between those that fit and do
+    /// not.
     fn next(&self, suggested: f64, attempt: usize) -> f64 {
         let Self { fits, fails, most } = *self;
         match (fits > 0.0, fails.is_finite()) {
             (true, true) => suggested.clamp(fits + 0.2 * (fails - fits), fits + 0.6 * (fails - fits)),
             (true, false) => suggested.min(most),
-            // Where padding is what fills the map, scales have to fall fast.
+            // If padding is what fills the map, scales must fall quickly.
             _ if attempt < 3 => suggested * 0.99,
             _ => suggested.min(fails * 0.6),
         }
     }
 }
 
-/// Returns the longest side of the boxes around UV islands.
+/// Returns the longest side of the bounding boxes of UV islands.
 fn longest_side(laid: &[Laid]) -> f64 {
     let side = |laid: &Laid| {
         let [low, high] = bounds(laid.iter().flatten().copied());
@@ -189,7 +187,7 @@ fn longest_side(laid: &[Laid]) -> f64 {
     laid.iter().map(side).fold(1e-9, f64::max)
 }
 
-/// Packs UV islands in several orders: the places and rows of the one that takes the fewest rows.
+/// Packs UV islands in several orders; returns the positions and rows of the one with the fewest rows.
 fn packed(laid: &[Laid], scale: f64, bin: &Bin, orders: &[usize]) -> Option<(Vec<Placement>, u32)> {
     let masks: Vec<[Mask; 4]> = parallel::tasks(laid.len(), &|island| {
         [0, 1, 2, 3].map(|quarters| Mask::new(&laid[island], quarters, scale, 2 * bin.gap))

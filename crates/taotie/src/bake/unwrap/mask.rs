@@ -2,7 +2,7 @@
 
 use super::flatten::bounds;
 
-/// Columns from the first to before the last.
+/// Columns from the first, inclusive, to the last, exclusive.
 pub(super) type Run = [u32; 2];
 
 /// A silhouette, row by row.
@@ -12,7 +12,7 @@ pub(super) struct Mask {
     pub rows: Vec<Vec<Run>>,
 }
 
-/// Returns a point after quarter turns to the right.
+/// Returns a point after clockwise quarter turns.
 pub(super) fn turned([x, y]: [f64; 2], quarters: u8) -> [f64; 2] {
     match quarters % 4 {
         0 => [x, y],
@@ -22,13 +22,13 @@ pub(super) fn turned([x, y]: [f64; 2], quarters: u8) -> [f64; 2] {
     }
 }
 
-/// Returns the least coordinates of triangles after quarter turns: what lies at a mask's corner.
+/// Returns the minimum coordinates of triangles after quarter turns: the position of a mask's corner.
 pub(super) fn corner(laid: &[[[f64; 2]; 3]], quarters: u8) -> [f64; 2] {
     bounds(laid.iter().flatten().map(|p| turned(*p, quarters)))[0]
 }
 
 impl Mask {
-    /// Draws triangles, turned and with `scale` cells a unit. Gaps in a row that are not wider than `gap` are filled.
+    /// Draws triangles, rotated and with `scale` cells per unit. Gaps in a row no wider than `gap` are filled.
     pub fn new(laid: &[[[f64; 2]; 3]], quarters: u8, scale: f64, gap: u32) -> Self {
         let [low, high] = bounds(laid.iter().flatten().map(|p| turned(*p, quarters)));
         let cells = |k: usize| ((high[k] - low[k]) * scale).max(0.0) as usize + 1;
@@ -67,7 +67,7 @@ fn touch(corners: [[f64; 2]; 3], rows: &mut [Vec<Run>]) {
     }
 }
 
-/// Returns the least and the greatest x of a triangle between y and y + 1.
+/// Returns the minimum and maximum x of a triangle between y and y + 1.
 fn extent(corners: [[f64; 2]; 3], y: f64) -> [f64; 2] {
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];
     let mut add = |x: f64| range = [range[0].min(x), range[1].max(x)];
@@ -85,7 +85,7 @@ fn extent(corners: [[f64; 2]; 3], y: f64) -> [f64; 2] {
     range
 }
 
-/// Sorts runs and joins those that touch, overlap or leave no more than `gap` between them.
+/// Sorts runs and joins those that touch, overlap or have a gap of at most `gap`.
 fn join(row: &mut Vec<Run>, gap: u32) {
     row.sort_unstable();
     row.dedup_by(|next, run| {

@@ -1,53 +1,53 @@
-//! UV islands from regions: neighbours are joined as long as their triangles face nearly one way.
+//! Merges regions into UV islands: neighbours are joined as long as their triangles face roughly the same way.
 
 use super::cone::{Directions, Middles};
 use super::topology::{NONE, Topology};
 use crate::math::Vec3;
 use std::collections::{BTreeMap, BinaryHeap};
 
-/// The widest angles between the axis of a UV island and the normals of its triangles, as least cosines.
+/// The maximum angles between the axis of a UV island and the normals of its triangles, as minimum cosines.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
-    /// Of the smooth normals.
+    /// For smooth normals.
     pub smooth: f64,
-    /// Of the triangles' own.
+    /// For the triangles' own normals.
     pub own: f64,
-    /// Only joins of which one side has less area than this.
+    /// Join only if one side has less area than this.
     pub small: f64,
 }
 
-/// A UV island while UV islands are joined: its normals, area and borders.
+/// A UV island during merging: its normals, area and borders.
 #[derive(Debug, Clone, Default)]
 struct Region {
     smooth: Directions,
     own: Directions,
-    /// The normals times areas, added.
+    /// The sum of the normals times areas.
     facing: Vec3<f64>,
     area: f64,
     perimeter: f64,
     /// The length of the border with each neighbour.
     borders: BTreeMap<u32, f64>,
-    /// Rises with each change; [`NONE`] where it was joined to another.
+    /// Incremented with each change; [`NONE`] if it was joined to another.
     version: u32,
 }
 
-/// A pair of neighbours, the more worth to be joined the greater. The versions tell whether it is out of date.
+/// A pair of neighbours, ordered by the benefit of joining them. The versions indicate if it is out of date.
 ///
-/// Most pairs are out of date before their turn comes. So each begins with the most that it may be worth, and what it is
-/// is computed in its turn; of equal worths the possible one comes first.
+/// Most pairs are out of date before their turn comes. So each starts with an upper bound of its worth, and the exact
+/// value is computed in its turn; at equal worth the upper bound comes first.
 type Pair = (u64, Worth, [u32; 2], [u32; 2]);
 
-/// The kind of a pair's worth: as computed, or the most that is possible.
+/// The kind of a pair's worth: exact, or an upper bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Worth {
     Computed,
     Possible,
 }
 
-/// The UV islands of triangles as they are joined.
+/// The UV islands of triangles while they are merged.
 pub(super) struct Merger {
     regions: Vec<Region>,
-    /// The region that each region was joined to, itself where to none.
+    /// The region to which each region was joined; itself if none.
     parents: Vec<u32>,
     middles: Middles,
 }
@@ -62,7 +62,7 @@ impl Merger {
         Self { regions, parents: (0..count as u32).collect(), middles: Middles::new() }
     }
 
-    /// Joins pairs, the worthiest first, until the limits allow no more.
+    /// Joins pairs, highest worth first, until the limits allow no more.
     pub fn join(&mut self, limits: &Limits) {
         let mut pairs = BinaryHeap::new();
         for a in 0..self.regions.len() as u32 {
@@ -101,7 +101,7 @@ impl Merger {
         region
     }
 
-    /// Puts the pairs of `a` with those neighbours that it may be joined to on the heap.
+    /// Pushes the pairs of `a` with those neighbours that it may be joined to onto the heap.
     fn offer(&self, a: u32, limits: &Limits, pairs: &mut BinaryHeap<Pair>, wanted: impl Fn(u32) -> bool) {
         let region = &self.regions[a as usize];
         for b in region.borders.keys().copied().filter(|b| wanted(*b)) {
@@ -113,7 +113,7 @@ impl Merger {
         }
     }
 
-    /// Returns the worth of joining two neighbours; `None` where the limits do not allow it.
+    /// Returns the worth of joining two neighbours; `None` if the limits do not allow it.
     fn worth(&self, a: u32, b: u32, limits: &Limits) -> Option<f64> {
         let [region, other] = [a, b].map(|r| &self.regions[r as usize]);
         let narrowness = region.with(other, limits, &self.middles)?;
@@ -152,11 +152,11 @@ impl Region {
             region.facing += topology.normals[*t] * topology.areas[*t];
             region.area += topology.areas[*t];
             for (corner, side) in topology.neighbours[*t].into_iter().enumerate() {
-                let beside = if side == NONE { NONE } else { labels[side as usize] };
-                if beside != labels[*t] {
+                let neighbour = if side == NONE { NONE } else { labels[side as usize] };
+                if neighbour != labels[*t] {
                     region.perimeter += topology.edge(*t, corner);
-                    if beside != NONE {
-                        *region.borders.entry(beside).or_default() += topology.edge(*t, corner);
+                    if neighbour != NONE {
+                        *region.borders.entry(neighbour).or_default() += topology.edge(*t, corner);
                     }
                 }
             }
@@ -164,22 +164,22 @@ impl Region {
         region
     }
 
-    /// Returns the direction that the UV island is seen from: where all triangles are seen well, else where most are.
+    /// Returns the direction along which the UV island is projected: where all triangles face it well, else most.
     fn axis(&self, middles: &Middles) -> Vec3<f64> {
         Cone { smooth: &self.smooth, own: &self.own, middles }.axis(self.facing)
     }
 
-    /// Returns the worth, from 0 on, of joining a neighbour so that the cone of both has this narrowness.
+    /// Returns the worth, at least 0, of joining a neighbour such that the cone of both has this narrowness.
     fn worth(&self, other: &Self, number: u32, narrowness: f64) -> f64 {
         let shared = self.borders.get(&number).copied().unwrap_or(0.0);
         (shared / self.perimeter.min(other.perimeter) + 0.5 * narrowness).max(0.0)
     }
 
-    /// Returns the narrowness of the cone of both together, 0 to 1; `None` where it is too wide.
+    /// Returns the narrowness of the cone of both together, 0 to 1; `None` if it is too wide.
     fn with(&self, other: &Self, limits: &Limits, middles: &Middles) -> Option<f64> {
         let facing = self.facing + other.facing;
         let start = facing.normalize_or(Vec3::splat(0.0));
-        // Cheap and nearly always right: what is far from the mean of both is far from every axis.
+        // Cheap and nearly always right: a normal far from the mean of both is far from every axis.
         if start.dot(start) < 0.5 || self.smooth.least_cosine(middles, start) < limits.smooth - 0.6 {
             return None;
         }
@@ -191,7 +191,7 @@ impl Region {
     }
 }
 
-/// The normals that an axis is sought for: those of the smooth surface and the triangles' own.
+/// The normals for which an axis is searched: those of the smooth surface and the triangles' own.
 struct Cone<'a> {
     smooth: &'a Directions,
     own: &'a Directions,
@@ -202,13 +202,13 @@ impl Cone<'_> {
     fn axis(&self, facing: Vec3<f64>) -> Vec3<f64> {
         let start = facing.normalize_or(Vec3::new(0.0, 0.0, 1.0));
         let [by_smooth, by_own] = [self.smooth, self.own].map(|normals| normals.axis(self.middles, start));
-        // Between the axis of the smooth surface and that of its steepest triangles, so that both have room.
+        // Between the axis of the smooth surface and that of its steepest triangles, so that both have leeway.
         let middle = (by_smooth + by_own).normalize_or(start);
         let axes = [by_smooth, middle, by_own].map(|axis| (self.fitness(axis), axis));
         axes.into_iter().max_by(|(a, _), (b, _)| a.total_cmp(b)).map_or(start, |(_, axis)| axis)
     }
 
-    /// Returns the fitness of an axis: the smooth normals count more than the triangles' own, unless one would be seen
+    /// Returns the fitness of an axis: smooth normals count more than the triangles' own, unless one would be seen
     /// from behind.
     fn fitness(&self, axis: Vec3<f64>) -> f64 {
         let own = self.own.least_cosine(self.middles, axis);

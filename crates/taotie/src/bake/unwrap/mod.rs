@@ -1,4 +1,4 @@
-//! Uvs for a mesh: UV islands that face one way, laid flat and put into one square.
+//! Generates uvs for a mesh: UV islands that face one way, flattened and packed into one square.
 
 mod borders;
 mod cone;
@@ -27,54 +27,53 @@ pub use options::UnwrapOptions;
 use std::collections::{BTreeMap, HashMap};
 use topology::{NONE, Topology};
 
-/// The widest angles between the triangles of a UV island and its axis: 62° for the smooth surface, 80° for single
-/// ones.
+/// The maximum angles between the triangles of a UV island and its axis: 62° for the smooth surface, 80° for single
+/// triangles.
 const WIDE: Limits = Limits { smooth: 0.47, own: 0.17, small: f64::INFINITY };
-/// The same where one side is a crumb.
+/// The same if one side is a crumb.
 const CRUMBS: Limits = Limits { smooth: 0.26, own: 0.12, small: f64::INFINITY };
-/// A crumb is smaller than this part of the surface.
+/// A crumb is smaller than this fraction of the surface.
 const CRUMB: f64 = 1.0 / 400.0;
-/// The part of the square that UV islands cover, first guess.
+/// A first estimate of the fraction of the square that UV islands cover.
 const COVER: f64 = 0.7;
-/// Texels along a side for one of the map, when UV islands are searched for places that lie over others.
+/// Texels along a side per texel of the map, used to search UV islands for overlaps.
 const FINER: f64 = 2.0;
-/// The largest number of layouts: overlaps of less than a texel show only there.
+/// The maximum number of layouts: overlaps of less than a texel show up only there.
 const ROUNDS: u32 = 8;
-/// No UV island is longer than this part of the map: a blade in one piece would leave the rest of it empty.
+/// No UV island is longer than this fraction of the map: a blade in one piece would leave the rest of it empty.
 const LONGEST: f64 = 0.95;
 
 /// A mesh with uvs.
 #[derive(Debug, Clone)]
 pub struct Unwrapped {
     /// The triangles of the input in their order; vertices are split where UV islands meet. Uv set 0 is the new one,
-    /// the only one, in [0, 1], origin top left; tangents are left out, all else is kept to the bit.
+    /// the only one, in [0, 1], origin top left; tangents are dropped, everything else is bit-identical.
     pub mesh: Mesh,
     /// The number of UV islands.
     pub islands: usize,
     /// The UV island of each triangle; `None` for triangles without area, whose uvs are 0.
     pub island_of: Vec<Option<u32>>,
-    /// The part of the map that triangles cover, 0 to 1.
+    /// The fraction of the map that triangles cover, 0 to 1.
     pub utilisation: f64,
-    /// Texels of the map for one model unit, on the average.
+    /// Texels of the map per model unit, on average.
     pub texels_per_unit: f64,
 }
 
-/// Unwraps a mesh, whatever it is: neither closed, nor connected, nor manifold need it be.
+/// Unwraps any mesh: it need not be closed, connected or manifold.
 ///
-/// UV islands are unions of triangles that face within about 60° of a common axis, and are seen along it, so areas are
-/// kept within a factor of 2 but for single steep triangles. No island lies over itself or another one on the map of
-/// this size. The result depends neither on the order of vertices nor on the number of threads.
+/// UV islands are unions of triangles that face within about 60° of a common axis and are projected along it, so
+/// areas are preserved within a factor of 2 except for single steep triangles. No island overlaps itself or another
+/// one on the map of this size. The result depends neither on the order of vertices nor on the number of threads.
 ///
 /// # Errors
-/// [`Error::Cancelled`]; [`Error::Invalid`] where the map is empty or all padding, or no triangle has an area;
-/// [`Error::Limit`] where it is larger than [`Image::MAX_SIDE`] or the mesh has so many UV islands that their padding
-/// fills it.
+/// [`Error::Cancelled`]; [`Error::Invalid`] if the map is empty or all padding, or no triangle has an area;
+/// [`Error::Limit`] if it is larger than [`Image::MAX_SIDE`] or the padding of the mesh's UV islands fills it.
 pub fn unwrap(mesh: &Mesh, options: &UnwrapOptions, progress: Progress<'_>) -> Result<Unwrapped> {
     check(options)?;
     let topology = Topology::new(mesh);
     let surface: f64 = topology.areas.iter().sum();
     if !(0..topology.len()).any(|t| topology.is_flat_enough(t)) {
-        return Err(Error::invalid("the mesh to unwrap", "it has no triangle with an area; check the file"));
+        return Err(Error::invalid("the mesh to unwrap", "no triangle has an area; check the file"));
     }
     progress.at(0.1)?;
     let flat = Flat { mesh, topology: &topology, size: f64::from(options.size) };
@@ -98,18 +97,18 @@ pub fn unwrap(mesh: &Mesh, options: &UnwrapOptions, progress: Progress<'_>) -> R
         islands = without_overlaps(&topology, islands, &overlaps, &measure);
     }
     Err(Error::limit(
-        "a mesh whose UV islands overlap themselves however they are cut",
-        "take a larger map, or simplify the mesh",
+        "a mesh whose UV islands overlap however they are cut",
+        "use a larger map, or simplify the mesh",
     ))
 }
 
-/// Rows of a map that are searched for overlaps at a time.
+/// Number of map rows searched for overlaps at a time.
 const SEARCHED_ROWS: usize = 256;
 
-/// The first triangle of a UV island that lies over another one of it, behind that.
+/// For each UV island, its first triangle that overlaps another of its triangles, preceded by that one.
 type Overlaps = BTreeMap<u32, [u32; 2]>;
 
-/// Returns the overlap of each UV island where there is one.
+/// Returns the overlap of each UV island that has one.
 fn overlaps(unwrapped: &Unwrapped, size: u32) -> Result<Overlaps> {
     let mesh = &unwrapped.mesh;
     let rasterizer = Rasterizer::new(mesh.triangles(), &mesh.uvs()[0], [size; 2])?;
@@ -139,7 +138,7 @@ fn overlaps_in(
     let mut found = Overlaps::new();
     for (t, island) in unwrapped.island_of.iter().enumerate() {
         let Some(island) = *island else { continue };
-        // Uvs are within the map, where corners may round onto its far border.
+        // Uvs are within the map, but corners may be rounded onto its far border.
         rasterizer.spans(t, first as i64..end as i64, |y, [from, to]| {
             let row = &mut owners[(y as usize - first) * size..][..size];
             for x in from..=to {
@@ -175,7 +174,7 @@ fn check(options: &UnwrapOptions) -> Result<()> {
     if options.size <= options.padding.saturating_mul(2) {
         return Err(Error::invalid(
             format!("a padding of {} texels on a map of {}", options.padding, options.size),
-            "nothing is left between the borders; take a larger map or less padding",
+            "no room is left between the borders; use a larger map or less padding",
         ));
     }
     Ok(())
@@ -209,7 +208,7 @@ fn flat_islands(topology: &Topology, labels: &[u32], axes: &[Vec3<f64>], measure
     islands.into_iter().flatten().collect()
 }
 
-/// A mesh that is to be laid flat on a map.
+/// A mesh to flatten onto a map.
 struct Flat<'a> {
     mesh: &'a Mesh,
     topology: &'a Topology,
@@ -251,7 +250,7 @@ fn area([a, b, c]: [[f64; 2]; 3]) -> f64 {
     ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs() * 0.5
 }
 
-/// Vertices as they are split.
+/// Vertices during splitting.
 #[derive(Default)]
 struct Split {
     numbers: HashMap<(u32, u32), u32>,

@@ -1,6 +1,6 @@
-//! Options of unwrapping.
+//! Unwrapping options.
 
-/// The map that a mesh is unwrapped for.
+/// The map for which a mesh is unwrapped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct UnwrapOptions {
     /// Texels along a side of the square map, 1 to [`crate::image::Image::MAX_SIDE`].

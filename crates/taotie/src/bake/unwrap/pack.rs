@@ -1,17 +1,17 @@
-//! UV islands put into a square so that little of it is lost.
+//! Packs UV islands into a square, wasting as little of it as possible.
 
 use super::mask::{Mask, Run};
 use crate::parallel;
 use std::collections::BTreeMap;
 
-/// Masks with fewer cells are so often alike that what is known of one is kept for the next.
+/// Masks with fewer cells are so often alike that the findings for one are reused for the next.
 const SMALL: usize = 64;
-/// Masks with more cells are sought a place for in their four turns at once.
+/// Masks with more cells are tried in their four rotations in parallel.
 const LARGE: usize = 4096;
-/// The number of rows of a mask that are held against the longest free runs before cells are looked at.
+/// The number of rows of a mask compared with the longest free runs before cells are examined.
 const PROBES: usize = 8;
 
-/// The place of a UV island: cells from the left and the top, after quarter turns to the right.
+/// The position of a UV island: cells from the left and the top, after clockwise quarter turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Placement {
     pub quarters: u8,
@@ -19,32 +19,32 @@ pub(super) struct Placement {
     pub y: u32,
 }
 
-/// The bin that UV islands are packed into, and what is needed around each.
+/// The bin into which UV islands are packed, and the gap needed around each.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bin {
     /// Cells across.
     pub width: u32,
     /// Cells between UV islands.
     pub gap: u32,
-    /// Cells down, at which the search is given up.
+    /// The number of cells down at which the search is abandoned.
     pub most: u32,
 }
 
 impl Bin {
-    /// Returns a number of UV islands above which they do not fit into a square of the bin's width, however small.
+    /// Returns a number of UV islands above which they cannot fit into a square of the bin's width, however small.
     pub fn room(&self) -> u64 {
-        // Of two UV islands with cells in the same square of this side, the gap between them is too narrow.
+        // If two UV islands have cells in the same square of this side, the gap between them is too narrow.
         let side =
             1 + (0..self.gap).take_while(|apart| 2 * apart * apart < self.gap * self.gap).count() as u32;
         u64::from(self.width.div_ceil(side)).pow(2)
     }
 }
 
-/// Puts UV islands, each given in its four turns, into a bin in the order of `order`: each as far up as it can be, then
-/// as far left. Gives the places and how many rows are used; `None` where a UV island is wider than the bin, or the
-/// rows are more than the most.
+/// Puts UV islands, each given in its four rotations, into a bin in the order of `order`: each as far up as possible,
+/// then as far left. Returns the positions and the number of rows used; `None` if a UV island is wider than the bin,
+/// or the rows exceed the maximum.
 ///
-/// Law: UV islands lie at least `gap` cells apart.
+/// Law: UV islands are at least `gap` cells apart.
 pub(super) fn pack(islands: &[[Mask; 4]], order: &[u32], bin: &Bin) -> Option<(Vec<Placement>, u32)> {
     let mut board = Board::new(bin);
     let mut places = vec![Placement { quarters: 0, x: 0, y: 0 }; islands.len()];
@@ -63,23 +63,23 @@ pub(super) fn pack(islands: &[[Mask; 4]], order: &[u32], bin: &Bin) -> Option<(V
     Some((places, used))
 }
 
-/// Cells that are free: all but UV islands with their gap around them.
+/// Free cells: all but UV islands with their gap around them.
 struct Board {
     width: u32,
-    /// The free runs of each row, in order; a row that is not there yet is free.
+    /// The free runs of each row, in order; missing rows are free.
     rows: Vec<Vec<Run>>,
-    /// The longest free run of each row that is there.
+    /// The longest free run of each existing row.
     longest: Vec<u32>,
     /// The width of the gap to both sides in each row above and below.
     halves: Vec<u32>,
-    /// Rows above which a small mask found no place.
+    /// Rows above which a small mask found no position.
     known: BTreeMap<Mask, u32>,
 }
 
 impl Board {
     fn new(bin: &Bin) -> Self {
         let gap = i64::from(bin.gap);
-        // The cell itself, and those whose nearest points are less than the gap apart.
+        // The cell itself, and those whose nearest points are closer than the gap.
         let is_near = |dx: i64, dy: i64| {
             let [x, y] = [dx, dy].map(|d: i64| (d - 1).max(0));
             dx.max(dy) == 0 || x * x + y * y < gap * gap
@@ -94,7 +94,7 @@ impl Board {
         }
     }
 
-    /// Returns the best place of a UV island in any of its turns: the one that ends first.
+    /// Returns the best position of a UV island in any of its rotations: the one that ends first.
     fn find(&mut self, turns: &[Mask; 4]) -> Option<Placement> {
         let place = |quarters: usize| {
             let mask = &turns[quarters];
@@ -115,14 +115,14 @@ impl Board {
         found.into_iter().flatten().min_by_key(|place| (end(place), place.x, place.quarters))
     }
 
-    /// Returns the first row from `start`, and in it the first column, where a mask is free.
+    /// Returns the first row from `start`, and in it the first column, at which a mask is free.
     fn place(&self, mask: &Mask, start: u32) -> Option<[u32; 2]> {
         if mask.width > self.width {
             return None;
         }
         let mut runs: Vec<(u32, Run)> =
             (0..).zip(&mask.rows).flat_map(|(y, row)| row.iter().map(move |run| (y, *run))).collect();
-        // Long runs first: they rule out most.
+        // Long runs first: they rule out the most.
         runs.sort_by_key(|(y, [from, to])| (from.wrapping_sub(*to), *y));
         let everywhere = [0, self.width - mask.width + 1];
         let (mut columns, mut left) = (Vec::new(), Vec::new());
@@ -148,7 +148,7 @@ impl Board {
         None
     }
 
-    /// Takes the cells of a mask and those around it.
+    /// Marks the cells of a mask and those around it as taken.
     fn stamp(&mut self, mask: &Mask, place: Placement) {
         let reach = self.halves.len().saturating_sub(1) as u32;
         let rows = (place.y + mask.height() + reach) as usize;
@@ -171,7 +171,7 @@ impl Board {
     }
 }
 
-/// Takes the cells of a run out of the free runs of a row.
+/// Removes the cells of a run from the free runs of a row.
 fn take(free: &mut Vec<Run>, [from, to]: Run) {
     let first = free.partition_point(|run| run[1] <= from);
     let behind = first + free[first..].partition_point(|run| run[0] < to);
@@ -181,12 +181,12 @@ fn take(free: &mut Vec<Run>, [from, to]: Run) {
     }
 }
 
-/// Keeps of some columns those at which a mask's run lies in one of the free runs of a row. Columns too are runs.
+/// Keeps those columns at which a mask's run is inside one of the free runs of a row. Columns are runs too.
 fn keep(columns: &[Run], free: &[Run], [from, to]: Run, kept: &mut Vec<Run>) {
     kept.clear();
     let mut i = 0;
     for [first, end] in columns {
-        // Free runs that end before the first column's cells do are of no use to any later one.
+        // Free runs that end before the cells of the first column are of no use to later ones.
         while free.get(i).is_some_and(|free| free[1] < first + to) {
             i += 1;
         }
@@ -210,7 +210,7 @@ mod tests {
         [flat.clone(), upright.clone(), flat, upright]
     }
 
-    /// Returns the cells of all UV islands, each drawn with its number.
+    /// Returns the cells of all UV islands, each drawn with its letter.
     fn drawn(islands: &[[Mask; 4]], places: &[Placement], size: [u32; 2]) -> Vec<String> {
         let mut cells = vec![vec!['.'; size[0] as usize]; size[1] as usize];
         for ((turns, place), name) in islands.iter().zip(places).zip('a'..) {

@@ -1,4 +1,4 @@
-//! Small compact regions that face one way, from which UV islands are put together.
+//! Small compact regions that face one way, from which UV islands are built.
 
 use super::topology::{NONE, Topology};
 use crate::bake::simplify::morton;
@@ -6,25 +6,26 @@ use crate::math::Vec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Rounds of growing from better places.
+/// Rounds of growth from improved seeds.
 const ROUNDS: usize = 4;
-/// The cosine of the widest angle between a region's axis and its smooth normals: 40°.
+/// The cosine of the maximum angle between a region's axis and its smooth normals: 40°.
 const SMOOTH_COSINE: f64 = 0.766;
 /// The same for the triangles' own normals: 70°.
 const OWN_COSINE: f64 = 0.342;
-/// The factor by which a way seems longer where the surface faces elsewhere.
+/// The factor by which a path is lengthened if the surface faces elsewhere.
 const DETOUR: f64 = 8.0;
 
-/// The start of a region: a triangle, and the axis that its triangles face along.
+/// The seed of a region: a triangle, and the axis that its triangles face.
 #[derive(Clone, Copy)]
 struct Seed {
     triangle: u32,
     axis: Vec3<f64>,
 }
 
-/// Returns the region of each triangle, [`NONE`] for those without area, and how many regions there are.
+/// Returns the region of each triangle, [`NONE`] for those without area, and the number of regions.
 ///
-/// Regions grow at once, nearest triangles first, as in Lloyd's method; new ones grow from triangles that none reaches.
+/// Regions grow in parallel, nearest triangles first, as in Lloyd's method; new ones grow from triangles that none
+/// reaches.
 /// Source: Cohen-Steiner, Alliez and Desbrun 2004, "Variational shape approximation".
 pub(super) fn regions(topology: &Topology) -> (Vec<u32>, usize) {
     let mut seeds = first_seeds(topology);
@@ -56,17 +57,17 @@ fn first_seeds(topology: &Topology) -> Vec<Seed> {
     seeds
 }
 
-/// Makes the seed of one triangle, whose axis is one that it may have.
+/// Makes the seed for a triangle, with an axis that the triangle can have.
 fn seed_at(topology: &Topology, triangle: u32) -> Seed {
     let t = triangle as usize;
     let smooth = topology.smooth[t];
     Seed { triangle, axis: if faces(topology, t, smooth) { smooth } else { topology.normals[t] } }
 }
 
-/// Costs in a heap: bits of a number from 0 up, which sort as the number does; then triangle and region.
+/// Costs in a heap: bits of a non-negative number, which sort like the number; then triangle and region.
 type Claim = Reverse<(u64, u32, u32)>;
 
-/// Grows all regions at once; from triangles that none has reached in the end, in order, new ones.
+/// Grows all regions together; then, in order, new ones from triangles that none has reached.
 fn grow(topology: &Topology, seeds: &mut Vec<Seed>) -> Vec<u32> {
     let mut labels = vec![NONE; topology.len()];
     let mut claims: BinaryHeap<Claim> =
@@ -82,7 +83,7 @@ fn grow(topology: &Topology, seeds: &mut Vec<Seed>) -> Vec<u32> {
     labels
 }
 
-/// Gives triangles to the regions that claim them at the least cost, until no claim is left.
+/// Assigns triangles to the regions that claim them at the lowest cost, until no claim is left.
 fn flood(topology: &Topology, seeds: &[Seed], labels: &mut [u32], claims: &mut BinaryHeap<Claim>) {
     while let Some(Reverse((cost, triangle, label))) = claims.pop() {
         let t = triangle as usize;
@@ -102,14 +103,14 @@ fn flood(topology: &Topology, seeds: &[Seed], labels: &mut [u32], claims: &mut B
     }
 }
 
-/// Returns `true` where a triangle may belong to a region with this axis.
+/// Returns `true` if a triangle may belong to a region with this axis.
 fn faces(topology: &Topology, triangle: usize, axis: Vec3<f64>) -> bool {
     topology.is_flat_enough(triangle)
         && topology.smooth[triangle].dot(axis) >= SMOOTH_COSINE
         && topology.normals[triangle].dot(axis) >= OWN_COSINE
 }
 
-/// The seeds of regions anew, each the triangle nearest to its middle. Regions without a triangle are gone.
+/// Recomputes the seeds of regions, each the triangle nearest to its centre. Drops regions without a triangle.
 fn centred(topology: &Topology, labels: &[u32], count: usize) -> Vec<Seed> {
     let zero = Vec3::splat(0.0);
     let mut sums = vec![(0.0, zero, zero); count];
@@ -125,15 +126,15 @@ fn centred(topology: &Topology, labels: &[u32], count: usize) -> Vec<Seed> {
         let axis = axis.normalize_or(topology.smooth[t]);
         let off = (topology.centres[t] - middle / area).length()
             + area.sqrt() * (1.0 - topology.smooth[t].dot(axis));
-        // Of axes that a seed could not have, none is taken.
+        // A triangle that could not have the axis is not chosen.
         if off < best[*label as usize].0 && (faces(topology, t, axis) || best[*label as usize].1 == NONE) {
             best[*label as usize] = (off, t as u32);
         }
     }
-    let anew = |(i, (_, seed)): (usize, &(f64, u32))| {
+    let recentred = |(i, (_, seed)): (usize, &(f64, u32))| {
         let axis = sums[i].2.normalize_or(topology.smooth[*seed as usize]);
         let fits = faces(topology, *seed as usize, axis);
         if fits { Seed { triangle: *seed, axis } } else { seed_at(topology, *seed) }
     };
-    best.iter().enumerate().filter(|(_, (_, seed))| *seed != NONE).map(anew).collect()
+    best.iter().enumerate().filter(|(_, (_, seed))| *seed != NONE).map(recentred).collect()
 }

@@ -1,4 +1,4 @@
-//! The topology of a mesh before it is cut: triangles, their neighbours and the directions that they face.
+//! The topology of a mesh before it is cut: triangles, their neighbours and the directions they face.
 
 use crate::bake::simplify::{UnitCube, places};
 use crate::math::Vec3;
@@ -11,14 +11,14 @@ pub(super) const NONE: u32 = u32::MAX;
 /// Triangles scaled into the unit cube, with their neighbours.
 pub(super) struct Topology {
     pub corners: Vec<[Vec3<f64>; 3]>,
-    /// The triangle across the edges from corner 0 to 1, 1 to 2 and 2 to 0, where it is the only one and runs the
-    /// edge the other way; else [`NONE`].
+    /// The triangle across the edges from corner 0 to 1, 1 to 2 and 2 to 0, if it is the only one and runs along the
+    /// edge in the other direction; else [`NONE`].
     pub neighbours: Vec<[u32; 3]>,
     pub areas: Vec<f64>,
     /// Unit, or zero without an area.
     pub normals: Vec<Vec3<f64>>,
-    /// Normals averaged over the surroundings, so that relief does not hide where the surface faces; zero where
-    /// nothing around has an area.
+    /// Normals averaged over the surroundings, so that relief does not obscure the direction the surface faces; zero
+    /// if nothing around has an area.
     pub smooth: Vec<Vec3<f64>>,
     pub centres: Vec<Vec3<f64>>,
 }
@@ -52,7 +52,7 @@ impl Topology {
         self.areas.len()
     }
 
-    /// Returns `true` where a triangle can be laid out at all.
+    /// Returns `true` if a triangle can be laid out at all.
     pub fn is_flat_enough(&self, triangle: usize) -> bool {
         self.areas[triangle] > 1e-18
     }
@@ -62,7 +62,7 @@ impl Topology {
         (self.corners[triangle][(corner + 1) % 3] - self.corners[triangle][corner]).length()
     }
 
-    /// Returns the mean normals over surroundings whose width is about the same part of any model.
+    /// Returns the mean normals over surroundings whose width is about the same fraction of any model.
     fn smoothed(&self, mut vectors: Vec<Vec3<f64>>) -> Vec<Vec3<f64>> {
         let rounds = ((self.len() as f64).sqrt() / 25.0).clamp(2.0, 24.0) as usize;
         for _ in 0..rounds {
@@ -88,7 +88,8 @@ impl Topology {
     }
 }
 
-/// An edge of a triangle: its two places in order, and thrice the triangle plus the corner that it starts from.
+/// An edge of a triangle: its two vertices in order, and three times the triangle plus the corner that it starts
+/// from.
 type Edge = (u32, u32, u32);
 
 fn neighbours(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {

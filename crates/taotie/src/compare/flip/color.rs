@@ -1,4 +1,4 @@
-//! FLIP's colours: the opponent space that the eye's blur acts in, and the distance of two colours.
+//! FLIP's colours: the opponent space in which the eye's blur acts, and the distance of two colours.
 
 use crate::compare::lab::{XYZ_FROM_RGB, lab_from_linear, opponent, product};
 use crate::math::srgb::linear_from_srgb;
@@ -8,9 +8,9 @@ use crate::math::{Vec3, scalar};
 const EXPONENT: f64 = 0.7;
 const BEND: (f64, f64) = (0.4, 0.95);
 
-/// Reads sRGB-encoded colours; the linear values of 8-bit codes are worked out once.
+/// Decodes sRGB colours; the linear values of 8-bit codes are precomputed.
 pub struct Decoder {
-    /// Of each 8-bit code.
+    /// The linear value of each 8-bit code.
     linear: Vec<f64>,
 }
 
@@ -33,37 +33,37 @@ impl Decoder {
     }
 }
 
-/// Returns the value that an 8-bit code stands for.
+/// Returns the linear value of an 8-bit code.
 fn of_code(code: u8) -> f32 {
     f32::from(code) / 255.0
 }
 
-/// L*, and a* and b* as Hunt's effect leaves them, of a colour in YCxCz that is first brought into what a screen
-/// can show: §4.1.2.
+/// Returns L*, and a* and b* adjusted for Hunt's effect, of a colour in YCxCz that is first clamped to the gamut of a
+/// screen: §4.1.2.
 pub fn hunt_lab_from_opponent(color: Vec3<f64>) -> Vec3<f64> {
     let y = (color.x + 16.0) / 116.0;
     let xyz = Vec3::new(y + color.y / 500.0, y, y - color.z / 200.0);
     hunt_lab_from_rgb(rgb_from_xyz(xyz).map(|v| v.clamp(0.0, 1.0)))
 }
 
-/// The distance of two colours: city block in lightness, Euclidean in chroma (HyAB), to the power q_c.
+/// Returns the distance of two colours: city block in lightness, Euclidean in chroma (HyAB), to the power q_c.
 pub fn difference(a: Vec3<f64>, b: Vec3<f64>) -> f64 {
     let d = a - b;
     scalar::pow(d.x.abs() + (d.y * d.y + d.z * d.z).sqrt(), EXPONENT)
 }
 
-/// The largest distance that a screen can show: that of its green and its blue.
+/// Returns the largest distance that a screen can show: that of its green and its blue.
 pub fn largest_difference() -> f64 {
     let [green, blue] = [Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)].map(hunt_lab_from_rgb);
     difference(green, blue)
 }
 
-/// A distance on FLIP's scale, [0, 1]: the small 40 % of `largest` take 95 % of it.
+/// Maps a distance to FLIP's scale, [0, 1]: the lower 40 % of `largest` take 95 % of it.
 pub fn redistributed(difference: f64, largest: f64) -> f64 {
     let (low, bend) = (BEND.0 * largest, BEND.1);
     match difference < low {
         true => bend / low * difference,
-        // Colours are rounded: two that are equal to the most may be farther apart than the most.
+        // Colours are rounded: two that come close to the extremes may be farther apart than the maximum.
         false => (bend + (difference - low) / (largest - low) * (1.0 - bend)).min(1.0),
     }
 }

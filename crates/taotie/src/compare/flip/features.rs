@@ -1,4 +1,4 @@
-//! FLIP's features: edges and points, whose change the eye sees at once.
+//! FLIP's features: edges and points, whose change is immediately visible.
 
 use super::super::plane::Plane;
 use crate::math::scalar;
@@ -7,8 +7,8 @@ use crate::parallel;
 /// The distance from peak to trough of the eye's edge detector, degrees: §4.2.1.
 const EDGE_WIDTH: f64 = 0.082;
 
-/// Returns the strengths of edges and points at each pixel, of a plane of lightness with white being 1: the lengths of
-/// the gradient and of the vector of second derivatives of the blurred plane, §4.2.1.
+/// Returns the strengths of edges and points at each pixel, of a plane of lightness with white being 1: the lengths
+/// of the gradient and of the vector of second derivatives of the blurred plane, §4.2.1.
 pub fn strengths(lightness: &Plane, pixels_per_degree: f64) -> Vec<[f64; 2]> {
     let kernels = Kernels::new(0.5 * EDGE_WIDTH * pixels_per_degree);
     let length = |derivative: &[f64]| {

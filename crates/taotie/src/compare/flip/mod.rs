@@ -1,9 +1,9 @@
 //! FLIP: how different two images look when one is flipped to the other in place.
 //!
 //! Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild, "FLIP: A Difference Evaluator for
-//! Alternating Images", Proceedings of the ACM on Computer Graphics and Interactive Techniques 3(2), 2020. Section and
-//! equation numbers below are the paper's; where it leaves a choice, the authors' published code decides (half
-//! widths of three standard deviations, images that go on beyond their border).
+//! Alternating Images", Proceedings of the ACM on Computer Graphics and Interactive Techniques 3(2), 2020. Section
+//! and equation numbers below are the paper's; where it leaves a choice, the authors' published code decides (half
+//! widths of three standard deviations, images extended beyond their border).
 
 mod color;
 mod features;
@@ -15,23 +15,22 @@ use crate::error::{Error, Result};
 use crate::math::{Vec3, scalar};
 use crate::parallel;
 
-/// FLIP's default resolution, in pixels a degree: a screen 0.7 m wide with 3840 pixels, seen from 0.7 m.
+/// FLIP's default resolution, in pixels per degree: a screen 0.7 m wide with 3840 pixels, seen from 0.7 m.
 pub const PIXELS_PER_DEGREE: f32 = 67.020_64;
 
-/// FLIP's error map, [0, 1]: 0 where the images look alike. `reference` and `test` may change places; the map is
-/// the same.
+/// Returns FLIP's error map, [0, 1]: 0 where the images look alike. It is symmetric in `reference` and `test`.
 ///
-/// `pixels_per_degree` says how fine pixels are in the eye of the viewer; the published code's default is
+/// `pixels_per_degree` is the resolution of the image as seen by the viewer; the published code's default is
 /// [`PIXELS_PER_DEGREE`].
 ///
 /// # Errors
-/// [`Error::Invalid`] where the sizes differ or `pixels_per_degree` is outside [1, 1000].
+/// [`Error::Invalid`] if the sizes differ or `pixels_per_degree` is outside [1, 1000].
 pub fn flip(reference: &DisplayImage, test: &DisplayImage, pixels_per_degree: f32) -> Result<Field> {
     reference.check_same_size(test)?;
     if !(1.0..=1000.0).contains(&pixels_per_degree) {
         return Err(Error::invalid(
             format!("{pixels_per_degree} pixels per degree"),
-            "choose from 1 to 1000; a screen at arm's length has about 67",
+            "use a value from 1 to 1000; a screen at arm's length has about 67",
         ));
     }
     let [reference, test] = [reference, test].map(|picture| seen(picture, pixels_per_degree.into()));
@@ -76,8 +75,7 @@ fn seen(picture: &DisplayImage, pixels_per_degree: f64) -> Seen {
     Seen { width: picture.width, height: picture.height, pixels }
 }
 
-/// Returns L*, a* and b* of blurred colours, row by row; neighbours that are equal, as in a background, are converted
-/// once.
+/// Returns L*, a* and b* of blurred colours, row by row; equal neighbours, as in a background, are converted once.
 fn perceived(blurred: &[Vec3<f64>], width: usize) -> Vec<Vec3<f64>> {
     let mut all = vec![Vec3::default(); blurred.len()];
     parallel::pieces(&mut all, width, &|y, row| {
@@ -105,7 +103,7 @@ mod tests {
         flip(a, b, PIXELS_PER_DEGREE).unwrap().summary().unwrap().mean
     }
 
-    /// Noise in colour, always the same.
+    /// Returns colour noise, always the same.
     fn noise(seed: u32) -> DisplayImage {
         let value = |i: u32, c: u32| ((i * 3 + c + seed).wrapping_mul(2_654_435_761) >> 24) as u8;
         let pixels: Vec<_> = (0..480).map(|i| [value(i, 0), value(i, 1), value(i, 2)]).collect();
@@ -136,7 +134,7 @@ mod tests {
         assert!(there.values().iter().all(|v| (0.0..=1.0).contains(v) && *v > 0.0));
     }
 
-    /// Small pixels melt in the eye.
+    /// Small pixels blend in the eye.
     #[test]
     fn the_farther_the_smaller() {
         let near = flip(&noise(1), &noise(7), 20.0).unwrap().summary().unwrap().mean;

@@ -10,10 +10,10 @@ type Sensitivity = &'static [(f64, f64)];
 /// Table 1, after Johnson and Fairchild 2003: achromatic, red to green, blue to yellow.
 const SENSITIVITIES: [Sensitivity; 3] = [&[(1.0, 0.0047)], &[(1.0, 0.0053)], &[(34.1, 0.04), (13.5, 0.025)]];
 
-/// The broadest Gaussian's b.
+/// The b of the broadest Gaussian.
 const BROADEST: f64 = 0.04;
 
-/// The channels of YCxCz blurred, equations 2 to 4.
+/// Returns the blurred channels of YCxCz, equations 2 to 4.
 pub fn blurred(channels: [Plane; 3], pixels_per_degree: f64) -> Vec<Vec3<f64>> {
     let mut channels =
         channels.iter().zip(SENSITIVITIES).map(|(plane, s)| filtered(plane, s, pixels_per_degree));
@@ -35,7 +35,7 @@ fn filtered(plane: &Plane, sensitivity: Sensitivity, pixels_per_degree: f64) -> 
     sum
 }
 
-/// The weight of a Gaussian in two dimensions, and it in one dimension with the sum 1.
+/// Returns the weight of a Gaussian in two dimensions, and the Gaussian in one dimension normalised to a sum of 1.
 fn weighted_gaussian(a: f64, b: f64, pixels_per_degree: f64) -> (f64, Vec<f64>) {
     let radius = (3.0 * (BROADEST / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as i32;
     let value = |x: i32| {

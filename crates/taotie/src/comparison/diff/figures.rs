@@ -6,7 +6,7 @@ use crate::compare::{self, DisplayImage, Field, SSIM_WINDOW, Summary};
 use crate::error::{Error, Result};
 use crate::progress::Progress;
 
-/// The metrics of two images; `None` where one does not apply or was not asked for.
+/// The metrics of two images; `None` if one does not apply or was not requested.
 ///
 /// ```
 /// use taotie::comparison::diff::{DiffFigures, Metric};
@@ -24,16 +24,16 @@ pub struct DiffFigures {
     pub angle: Option<Summary>,
     /// [0, 1].
     pub flip: Option<Summary>,
-    /// 1 where equal.
+    /// 1 if equal.
     pub ssim: Option<f64>,
-    /// Decibels; infinite where the images are equal, which JSON writes as `null`.
+    /// Decibels; infinite if the images are equal, which JSON writes as `null`.
     pub psnr: Option<f64>,
     /// [0, 1].
     pub rmse: Option<f64>,
 }
 
 impl DiffFigures {
-    /// Returns the one number of a metric that a threshold is held against.
+    /// Returns the single value of a metric to compare with a threshold.
     pub fn value(&self, metric: Metric) -> Option<f64> {
         match metric {
             Metric::Angle => self.angle.map(|angle| angle.mean),
@@ -46,11 +46,11 @@ impl DiffFigures {
 }
 
 impl ImagePair {
-    /// Measures every metric that applies and was asked for. `progress` has one stage, `diff`.
+    /// Measures every requested metric that applies. `progress` has one stage, `diff`.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where no texel holds a normal in both images, and where SSIM is asked for alone and the images
-    /// are smaller than its window; [`Error::Cancelled`].
+    /// [`Error::Invalid`] if no texel holds a normal in both images, and if only SSIM is requested and the images are
+    /// smaller than its window; [`Error::Cancelled`].
     pub fn figures(&self, options: &DiffOptions, progress: Progress<'_>) -> Result<DiffFigures> {
         match &self.content {
             ImageContent::Normals([(a, _), (b, _)]) => {

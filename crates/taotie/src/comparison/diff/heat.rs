@@ -5,7 +5,7 @@ use super::pair::{ImageContent, ImagePair};
 use crate::compare::{self, ColorMap, DisplayImage, Field};
 use crate::error::Result;
 
-/// The difference at each pixel, with how it is to be shown.
+/// The difference at each pixel, and how to show it.
 ///
 /// ```
 /// use taotie::comparison::diff::{DiffOptions, ImagePair, Metric, NamedBitmap};
@@ -32,12 +32,12 @@ pub struct DifferenceMap {
     pub unit: &'static str,
     /// The colours.
     pub map: ColorMap,
-    /// The number of the last colour; the first is 0.
+    /// The number that maps to the last colour; the first is 0.
     pub top: f32,
 }
 
 impl ImagePair {
-    /// Returns the difference at each pixel by the metric asked for, else by FLIP or by the angle.
+    /// Returns the difference at each pixel by the requested metric, else by FLIP or by the angle.
     ///
     /// # Errors
     /// As [`ImagePair::figures`].
@@ -76,7 +76,7 @@ fn of_pictures([a, b]: [&DisplayImage; 2], options: &DiffOptions) -> Result<Diff
     })
 }
 
-/// Returns a scale that does not follow a few wild texels: the 95 % quantile, else the largest number, else 1.
+/// Returns a scale robust against a few outliers: the 95 % quantile, else the largest number, else 1.
 fn scale(field: &Field) -> f32 {
     let summary = field.summary();
     let tops = summary.map_or([0.0; 2], |summary| [summary.p95, summary.max]);

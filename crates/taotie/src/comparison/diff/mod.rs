@@ -1,7 +1,7 @@
-//! The difference of two images, or of the normals that two maps hold.
+//! The difference of two images, or of the normals in two maps.
 //!
-//! Images are compared as a screen shows them: sRGB, laid over a background. Normals are compared by the angle between
-//! them, without texels that have alpha 0 or hold no unit vector.
+//! Images are compared as a screen shows them: sRGB, composited over a background. Normals are compared by the angle
+//! between them, without texels that have alpha 0 or no unit vector.
 //!
 //! ```
 //! use taotie::Progress;

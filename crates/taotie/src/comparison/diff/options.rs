@@ -1,10 +1,10 @@
-//! The options of a comparison of two images.
+//! Options of a comparison of two images.
 
 use crate::compare::{NormalEncoding, PIXELS_PER_DEGREE};
 use crate::math::Vec3;
 use crate::names::Named;
 
-/// The measure of a difference.
+/// A metric of difference.
 ///
 /// ```
 /// use taotie::comparison::diff::Metric;
@@ -20,11 +20,11 @@ use crate::names::Named;
 pub enum Metric {
     /// Angle between normals, degrees.
     Angle,
-    /// FLIP, [0, 1]: 0 alike.
+    /// FLIP, [0, 1]: 0 for equal images.
     Flip,
-    /// Structural similarity: 1 alike.
+    /// Structural similarity: 1 for equal images.
     Ssim,
-    /// Peak signal-to-noise ratio, decibels: infinite where equal.
+    /// Peak signal-to-noise ratio, decibels: infinite for equal images.
     Psnr,
     /// Root mean square error of the encoded channels, [0, 1].
     Rmse,
@@ -42,7 +42,7 @@ impl Named for Metric {
 }
 
 impl Metric {
-    /// Returns whether `value` is worse than `limit`.
+    /// Returns `true` if `value` is worse than `limit`.
     pub fn is_worse(self, value: f64, limit: f64) -> bool {
         match self {
             Self::Angle | Self::Flip | Self::Rmse => value > limit,
@@ -51,7 +51,7 @@ impl Metric {
     }
 }
 
-/// The meaning of the numbers in two images.
+/// The meaning of the values in two images.
 ///
 /// ```
 /// use taotie::compare::NormalEncoding;
@@ -64,16 +64,16 @@ impl Metric {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Encoding {
-    /// Normals where both look like normal maps, else colours.
+    /// Normals if both look like normal maps, else colours.
     #[default]
     Auto,
     /// Colours.
     Color,
-    /// Normals, stored so in both.
+    /// Normals, stored this way in both.
     Normals(NormalEncoding),
 }
 
-/// The options of a comparison of two images.
+/// Options of a comparison of two images.
 ///
 /// ```
 /// use taotie::comparison::diff::{DiffOptions, Metric};
@@ -88,11 +88,11 @@ pub enum Encoding {
 pub struct DiffOptions {
     /// The only metric; `None` for all that apply.
     pub metric: Option<Metric>,
-    /// The meaning of the numbers.
+    /// The meaning of the values.
     pub encoding: Encoding,
-    /// The colour that transparent images are laid over, linear RGB in [0, 1].
+    /// The background colour for transparent images, linear RGB in [0, 1].
     pub background: Vec3,
-    /// Pixels per degree of the field of view of the viewer that FLIP assumes.
+    /// The resolution that FLIP assumes, in pixels per degree of the viewer's field of view.
     pub pixels_per_degree: f64,
 }
 

@@ -6,7 +6,7 @@ use crate::error::{Error, Result, Warnings};
 use crate::image::{Bitmap, Texels};
 use crate::surface::{NormalMapKind, is_normal_map};
 
-/// An image with the name that errors and warnings give it, such as its file's.
+/// An image with the name used for it in errors and warnings, such as its file's.
 ///
 /// ```no_run
 /// use taotie::comparison::diff::NamedBitmap;
@@ -19,11 +19,11 @@ use crate::surface::{NormalMapKind, is_normal_map};
 pub struct NamedBitmap<'a> {
     /// The name.
     pub name: &'a str,
-    /// The texels as they are stored.
+    /// The texels as stored.
     pub bitmap: &'a Bitmap,
 }
 
-/// Two images of one size, ready to be compared. The first is the reference.
+/// Two images of the same size, ready to compare. The first is the reference.
 ///
 /// ```
 /// use taotie::comparison::diff::{DiffOptions, ImagePair, NamedBitmap};
@@ -43,7 +43,7 @@ pub struct NamedBitmap<'a> {
 pub struct ImagePair {
     /// The colours or normals.
     pub content: ImageContent,
-    /// Faults that were put right, counted.
+    /// Counts of faults that were corrected.
     pub warnings: Warnings,
 }
 
@@ -64,19 +64,19 @@ pub struct ImagePair {
 pub enum ImageContent {
     /// Colours.
     Pictures([DisplayImage; 2]),
-    /// Normals, with how each image stores them.
+    /// Normals, and how each image stores them.
     Normals([(StoredNormals, NormalEncoding); 2]),
 }
 
-/// The bytes of a texel of two normal maps: its normals, their angle, and a copy of it that is sorted.
+/// The memory in bytes per texel of two normal maps: their normals, their angle, and a sorted copy of it.
 const NORMALS: u64 = 2 * 16 + 8;
 
 impl ImagePair {
-    /// Decides what two images hold, and reads it.
+    /// Determines the content of two images, and reads it.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where they differ in size, and where [`Metric::Angle`] is asked for and one of them does not
-    /// look like a normal map.
+    /// [`Error::Invalid`] if they differ in size, and if [`Metric::Angle`] is requested and one of them does not look
+    /// like a normal map.
     pub fn new(images: [NamedBitmap<'_>; 2], options: &DiffOptions) -> Result<Self> {
         check_sizes(&images)?;
         let mut warnings = Warnings::default();
@@ -90,7 +90,7 @@ impl ImagePair {
         Ok(Self { content, warnings })
     }
 
-    /// Returns the bytes that comparing two images takes, their texels among them.
+    /// Returns the memory in bytes needed to compare two images, including their texels.
     ///
     /// ```
     /// use taotie::comparison::diff::{DiffOptions, ImagePair, NamedBitmap};
@@ -104,9 +104,9 @@ impl ImagePair {
     /// ```
     ///
     /// # Errors
-    /// As [`ImagePair::new`], but for those of sizes.
+    /// As [`ImagePair::new`], except for those about sizes.
     pub fn bytes(images: [NamedBitmap<'_>; 2], options: &DiffOptions) -> Result<u64> {
-        /// Colours of both, and what FLIP holds of each in double precision: colours, blurred colours, features, and the
+        /// Colours of both, and FLIP's data for each in double precision: colours, blurred colours, features, and the
         /// differences.
         const COLORS: u64 = 2 * (12 + 24 + 24 + 16 + 8) + 32;
         let are_normals = normal_encodings(&images, options, &mut Warnings::default())?.is_some();
@@ -116,7 +116,8 @@ impl ImagePair {
         Ok(images.iter().map(of).sum::<u64>() + texels[0].max(texels[1]) * texel)
     }
 
-    /// Returns the bytes that comparing an image with another of its size and depth takes at least, whatever they hold.
+    /// Returns the minimum memory in bytes to compare an image with another of its size and depth, whatever their
+    /// content.
     ///
     /// ```
     /// use taotie::comparison::diff::ImagePair;
@@ -130,7 +131,7 @@ impl ImagePair {
         2 * image.texels().bytes() + image.texels().len() as u64 * NORMALS
     }
 
-    /// Returns how many texels hold a normal in both; `None` for colours.
+    /// Returns the number of texels that hold a normal in both; `None` for colours.
     pub fn shared_normals(&self) -> Option<usize> {
         let ImageContent::Normals([(a, _), (b, _)]) = &self.content else { return None };
         let pairs = a.normals.pixels().iter().zip(b.normals.pixels());
@@ -148,11 +149,11 @@ fn check_sizes(images: &[NamedBitmap<'_>; 2]) -> Result<()> {
     };
     Err(Error::invalid(
         images.each_ref().map(size).join(", "),
-        "only pictures of one size can be compared; resample one of them",
+        "images must have the same size; resample one of them",
     ))
 }
 
-/// Returns the encodings in which the images store normals; `None` where colours are to be compared.
+/// Returns the encodings in which the images store normals; `None` to compare colours.
 fn normal_encodings(
     images: &[NamedBitmap<'_>; 2],
     options: &DiffOptions,
@@ -172,7 +173,7 @@ fn normal_encodings(
     let [a_name, b_name] = images.map(|image| image.name);
     let [is, other] = if a.is_some() { [a_name, b_name] } else { [b_name, a_name] };
     if options.metric == Some(Metric::Angle) {
-        let why = "it does not look like a normal map; if it is one, say how it stores normals";
+        let why = "it does not look like a normal map; if it is one, specify how it stores normals";
         return Err(Error::invalid(other, why));
     }
     if a.is_some() || b.is_some() {
@@ -183,7 +184,7 @@ fn normal_encodings(
     Ok(None)
 }
 
-/// Returns how an image seems to store normals, by their length; `None` where it looks like no normal map.
+/// Guesses how an image stores normals, by their length; `None` if it does not look like a normal map.
 ///
 /// ```
 /// use taotie::compare::NormalEncoding;
@@ -198,7 +199,7 @@ fn normal_encodings(
 /// ```
 ///
 /// # Errors
-/// As [`stored_normals`].
+/// [`Error::Limit`] if a side is above [`Image::MAX_SIDE`](crate::image::Image::MAX_SIDE).
 pub fn guessed_encoding(bitmap: &Bitmap) -> Result<Option<NormalEncoding>> {
     if matches!(bitmap.texels(), Texels::F32(_)) {
         let signed = stored_normals(bitmap, NormalEncoding::Signed)?;

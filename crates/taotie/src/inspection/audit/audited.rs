@@ -15,21 +15,21 @@ use crate::scene::Scene;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Audit {
-    /// The version that the schema names.
+    /// The version stated in the schema.
     pub schema_version: String,
     /// True if no check failed.
     pub passed: bool,
-    /// One result for each check, in the order of the auditor's report.
+    /// One result per check, in the order of the auditor's report.
     pub checks: Vec<CheckResult>,
-    /// Content that reading the model left out or put right; the checks do not see it.
+    /// Content that was skipped or corrected on reading; the checks do not see it.
     pub warnings: Vec<Counted>,
 }
 
 impl Audit {
-    /// Audits a model that was read; `product` gives the dimensions of the product that it shows.
+    /// Audits a loaded model; `product` gives the dimensions of the product that it shows.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] where UVs are to be checked of a mesh of 2³¹ triangles.
+    /// [`crate::Error::Limit`] if UVs of a mesh of 2³¹ triangles must be checked.
     pub fn of(loaded: &Loaded, schema: &AuditSchema, product: Option<&ProductInfo>) -> Result<Self> {
         let scene = &loaded.scene;
         let mut checks = vec![CheckResult::not_tested(
@@ -57,11 +57,11 @@ impl Audit {
     }
 }
 
-/// Returns an upper bound of the memory that an audit takes in addition to the scene, bytes.
+/// Returns an upper bound of the memory in bytes that an audit needs in addition to the scene.
 pub fn audit_bytes(scene: &Scene, schema: &AuditSchema) -> u64 {
-    /// Of a texel: its triangle, and its island twice or the island nearest to it.
+    /// Per texel: its triangle, and its island twice or the island nearest to it.
     const TEXEL: u64 = 16;
-    /// Of a triangle: its edges, or its uvs and those of its island.
+    /// Per triangle: its edges, or its uvs and those of its island.
     const TRIANGLE: u64 = 192;
     let largest = scene.meshes().iter().map(|mesh| mesh.triangles().len() as u64).max().unwrap_or(0);
     let is_drawn = schema.uvs.require_not_overlapping || schema.uvs.gutter_width.widest().is_some();

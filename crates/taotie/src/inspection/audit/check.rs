@@ -23,15 +23,15 @@ pub enum Check {
     MeshCount,
     /// The primitives of all meshes.
     PrimitiveCount,
-    /// Root nodes neither move, rotate nor scale.
+    /// Root nodes have no translation, rotation or scale.
     CleanRootTransform,
     /// No two faces meet at 90° or more.
     BeveledEdges,
     /// No edge has more than two faces.
     ManifoldEdges,
-    /// The size of the model in its limits.
+    /// The size of the model is within its limits.
     OverallDimensions,
-    /// The size of the model against that of its product.
+    /// The size of the model matches that of its product.
     ProductDimensions,
     /// The brightest texel of the base colour.
     PbrColorMaximum,
@@ -49,11 +49,11 @@ pub enum Check {
     PowerOfTwoTextures,
     /// Textures are square.
     SquareTextures,
-    /// The greatest texel density.
+    /// The highest texel density.
     TexelDensityMaximum,
-    /// The least texel density.
+    /// The lowest texel density.
     TexelDensityMinimum,
-    /// Uvs lie in [0, 1].
+    /// Uvs are in [0, 1].
     UvRange,
     /// No triangle is mirrored in uv.
     InvertedUvs,
@@ -101,9 +101,9 @@ impl Named for Check {
 pub enum CheckStatus {
     /// The model meets the schema.
     Pass,
-    /// It does not.
+    /// The model does not meet the schema.
     Fail,
-    /// The schema does not ask, or the model has nothing to check.
+    /// The schema does not require it, or the model has nothing to check.
     NotTested,
 }
 
@@ -126,9 +126,9 @@ pub struct CheckResult {
     pub message: String,
     /// The value, if it is one number and was measured.
     pub value: Option<f64>,
-    /// The least value allowed.
+    /// The minimum value allowed.
     pub minimum: Option<f64>,
-    /// The greatest value allowed.
+    /// The maximum value allowed.
     pub maximum: Option<f64>,
 }
 
@@ -145,7 +145,7 @@ impl CheckResult {
         Self { status, ..Self::not_tested(name, message) }
     }
 
-    /// Compares a value in `unit` with its range; without a limit it is stated, but not tested.
+    /// Compares a value in `unit` with its range; without a limit it is reported, but not tested.
     pub(super) fn of_value(name: Check, (value, unit): (f64, &str), range: AuditRange) -> Self {
         let text = format!("{}{unit}", number(value));
         let AuditRange { minimum, maximum } = range;
@@ -156,7 +156,7 @@ impl CheckResult {
         Self { value: Some(value), minimum, maximum, ..result }
     }
 
-    /// Returns the result of a check that passes if nothing is at fault; `what` states the number of faults.
+    /// Returns the result of a check that passes if there are no faults; `what` states the number of faults.
     pub(super) fn of_faults(name: Check, faults: usize, what: impl Into<String>) -> Self {
         let (value, maximum) = (Some(faults as f64), Some(0.0));
         Self { value, maximum, ..Self::tested(name, faults == 0, what) }

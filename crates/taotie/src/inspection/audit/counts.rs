@@ -65,7 +65,7 @@ fn clean_root_transform(loaded: &Loaded, required: bool) -> CheckResult {
     }
 }
 
-/// Returns the name of a root node and what its transform does.
+/// Returns the name of a root node and a description of its transform.
 fn displaced(root: &RootNode) -> String {
     let matrix = &root.world_from_node;
     let vector = |v: Vec3<f64>| v.to_array().map(number).join(" ");

@@ -7,10 +7,10 @@ use super::schema::{DimensionSchema, DimensionsSchema};
 use super::words::{number, rounded};
 use crate::scene::Scene;
 
-/// Dimensions count to a micrometre.
+/// Dimensions are rounded to a micrometre.
 const STEPS: f64 = 1e6;
 
-/// A dimension of the model with what the schema says of it.
+/// A dimension of the model with its limits in the schema.
 struct Dimension {
     name: &'static str,
     /// Metres.
@@ -31,7 +31,7 @@ pub(super) fn results(
     vec![overall(&all), of_product(&all, product)]
 }
 
-/// Returns length, width and height: the extents along x, z and y, as the auditor takes them.
+/// Returns length, width and height: the extents along x, z and y, as the auditor defines them.
 fn dimensions(scene: &Scene, schema: &DimensionsSchema) -> Option<[Dimension; 3]> {
     let bounds = scene.bounds()?;
     let [x, y, z] = (bounds.max - bounds.min).to_array().map(|size| rounded(size, STEPS));

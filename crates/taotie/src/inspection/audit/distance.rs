@@ -3,12 +3,12 @@
 /// The label of an empty texel.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Returns the least number of empty texels between two regions of different labels, counted in steps of a king on a
-/// chess board; 0 where they touch, `None` where there are no two.
+/// Returns the minimum number of empty texels between two regions of different labels, counted in king's moves on a
+/// chessboard; 0 if they touch, `None` if there are no two.
 ///
-/// Every texel gets the label of the region nearest to it by two sweeps (Rosenfeld and Pfaltz 1968), which are exact for
-/// this distance. Of a shortest way between two regions some step joins texels of different labels, and their distances
-/// add up to the number of texels on it.
+/// Every texel gets the label of the region nearest to it by two sweeps (Rosenfeld and Pfaltz 1968), which are exact
+/// for this distance. On a shortest path between two regions some step joins texels of different labels, and their
+/// distances add up to the number of texels on it.
 pub(super) fn narrowest_gap(labels: Vec<u32>, width: usize) -> Option<u32> {
     let texel = |label: u32| u64::from(label) + if label == NONE { FAR } else { 0 };
     let mut texels: Vec<u64> = labels.into_iter().map(texel).collect();
@@ -20,7 +20,7 @@ pub(super) fn narrowest_gap(labels: Vec<u32>, width: usize) -> Option<u32> {
         for column in 0..width {
             let here = texels[start + column];
             each_behind(&texels, Place { start, column, width }, |near| {
-                // Labels are the lower halves.
+                // Labels are in the lower halves.
                 if near as u32 != here as u32 {
                     gap = gap.min((near & !LABEL).saturating_add(here & !LABEL));
                 }
@@ -30,17 +30,17 @@ pub(super) fn narrowest_gap(labels: Vec<u32>, width: usize) -> Option<u32> {
     (gap < FAR).then_some((gap / STEP) as u32)
 }
 
-/// The region nearest to a texel is a number: the steps to it in the upper half, its label in the lower, so that the
-/// nearer of two is the lesser. This is one step.
+/// The region nearest to a texel is encoded as a number: the steps to it in the upper half, its label in the lower,
+/// so that the nearer of two is the smaller number. This is one step.
 const STEP: u64 = 1 << 32;
 
 /// The label of a texel.
 const LABEL: u64 = STEP - 1;
 
-/// The steps of a texel without a region: more than any way has, and no sum of two overflows.
+/// The steps of a texel without a region: more than any path has, and no sum of two overflows.
 const FAR: u64 = 1 << 62;
 
-/// Hands the nearest regions on from the first texel to the last.
+/// Propagates the nearest regions from the first texel to the last.
 fn sweep(texels: &mut [u64], width: usize) {
     for start in (0..texels.len()).step_by(width) {
         for column in 0..width {
@@ -51,7 +51,7 @@ fn sweep(texels: &mut [u64], width: usize) {
     }
 }
 
-/// The place of a texel.
+/// The position of a texel.
 #[derive(Clone, Copy)]
 struct Place {
     /// The first texel of its row.
@@ -60,7 +60,7 @@ struct Place {
     width: usize,
 }
 
-/// Calls `give` with the neighbours of a texel that come before it: to the left, and the three above.
+/// Calls `give` with the neighbours of a texel that precede it: to the left, and the three above.
 #[inline(always)]
 fn each_behind(texels: &[u64], place: Place, mut give: impl FnMut(u64)) {
     let Place { start, column, width } = place;
@@ -100,7 +100,7 @@ mod tests {
         assert_eq!(gap(&["1....1", "......", "..2..."]), Some(1));
     }
 
-    /// Against the distances of all pairs, on rasters of scattered texels.
+    /// Compares with the distances of all pairs, on rasters of scattered texels.
     #[test]
     fn gaps_are_those_of_all_pairs() {
         let mut state = 7u32;

@@ -10,12 +10,12 @@ use crate::parallel;
 use crate::scene::Scene;
 use crate::surface::by_position;
 
-/// The cosine from which faces meet at 90° or more: two thousandths of a degree for rounding.
+/// The cosine at which faces meet at 90° or more, with two thousandths of a degree for rounding.
 const RIGHT_ANGLE: f64 = 3e-5;
 
 const NOT_REQUIRED: &str = "not required";
 
-/// The edges of a mesh that a check counts. Vertices at the same place, to the last bit, are one.
+/// The edges of a mesh that a check counts. Vertices at bit-identical positions count as one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct Edges {
     /// Edges of two faces whose normals are 90° or more apart.
@@ -49,7 +49,7 @@ pub(super) fn results(scene: &Scene, schema: &ModelSchema) -> Vec<CheckResult> {
 impl Edges {
     fn of(mesh: &Mesh) -> Self {
         let places = by_position(mesh.positions());
-        // Each edge with its triangle, under the lower of the two places that it joins.
+        // Each edge with its triangle, grouped by the lower of the two positions that it joins.
         let entries = || {
             mesh.triangles().iter().enumerate().flat_map(|(triangle, corners)| {
                 let [a, b, c] = corners.map(|corner| places.of[corner as usize]);
@@ -107,7 +107,7 @@ mod tests {
         Mesh::new(MeshData { positions, triangles: triangles.to_vec(), ..MeshData::default() }).unwrap()
     }
 
-    /// Two faces over the edge from 0 to 1, the second one turned out of the plane of the first by an angle.
+    /// Two faces sharing the edge from 0 to 1, the second one rotated out of the plane of the first by an angle.
     fn folded(cosine: f32, sine: f32) -> Edges {
         let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -cosine, -sine]];
         Edges::of(&mesh(&corners, &[[0, 1, 2], [1, 0, 3]]))
@@ -121,7 +121,7 @@ mod tests {
         assert_eq!(folded(-0.8, 0.6).hard, 1);
     }
 
-    /// A corner that is stored twice, with two uvs, is one place.
+    /// A corner that is stored twice, with two uvs, is one position.
     #[test]
     fn vertices_at_the_same_place_are_one() {
         let corners =

@@ -11,18 +11,18 @@ use crate::mesh::Mesh;
 use crate::parallel;
 use crate::surface::uv_islands;
 
-/// Texels of the raster on the gutter that is asked for.
+/// Texels of the raster per required gutter.
 const TEXELS: f64 = 16.0;
 
-/// The least texels of the raster on a unit of uv, for small islands.
+/// The minimum number of raster texels per unit of uv, for small islands.
 const LEAST_TEXELS: f64 = 1024.0;
 
-/// Checks that UV islands of a mesh are at least so far apart, along the longer of the two axes. Islands are triangles
-/// joined by corners with equal uvs.
+/// Checks that UV islands of a mesh are at least the required distance apart, along the longer of the two axes.
+/// Islands are triangles joined by corners with equal uvs.
 ///
-/// The width is measured on a raster with 16 texels on the gutter asked for, at least 1024 on a unit of uv and at most
-/// 4096 across, and rounded up to the next texel, so that no island fails by rounding. Islands over one another have a
-/// gutter of 0; those too small to cover the centre of a texel are not seen. Where uvs span so much that the gutter is
+/// The width is measured on a raster with 16 texels per required gutter, at least 1024 per unit of uv and at most
+/// 4096 across, and rounded up to the next texel, so that no island fails by rounding. Overlapping islands have a
+/// gutter of 0; those too small to cover the centre of a texel are ignored. If uvs span so much that the gutter is
 /// narrower than a texel, the check is not tested, unless another mesh fails it.
 ///
 /// # Errors
@@ -44,7 +44,7 @@ pub(super) fn result(meshes: &[&Mesh], gutter: Option<Gutter>) -> Result<CheckRe
         Some(texel) if is_wide_enough(narrowest, gutter) => {
             let (width, texel) = (number(gutter.width()), number(texel));
             let why = format!(
-                "uvs span too much: the gutter of {width} is narrower than a raster's texel of {texel}"
+                "uvs span too much: the gutter of {width} is narrower than a raster texel of {texel}"
             );
             CheckResult::not_tested(check, why)
         }
@@ -53,7 +53,7 @@ pub(super) fn result(meshes: &[&Mesh], gutter: Option<Gutter>) -> Result<CheckRe
     })
 }
 
-/// Compares the narrowest gutter, uv, with the one asked for.
+/// Compares the narrowest gutter, in uv, with the required one.
 fn measured(width: f64, gutter: Gutter) -> CheckResult {
     let pixels = rounded(width * gutter.resolution, 1e3);
     let (least, resolution) = (number(gutter.pixels), number(gutter.resolution));
@@ -62,12 +62,12 @@ fn measured(width: f64, gutter: Gutter) -> CheckResult {
     CheckResult { value: Some(pixels), minimum: Some(gutter.pixels), ..result }
 }
 
-/// Returns true if a width, which is rounded up and so above the true one, is enough.
+/// Returns true if a width, which is rounded up and so above the true one, is sufficient.
 fn is_wide_enough(width: f64, gutter: Gutter) -> bool {
     width > gutter.width() * (1.0 + 1e-9)
 }
 
-/// Returns the narrowest gutter in uv, rounded up to the next texel; `None` where there are no two islands.
+/// Returns the narrowest gutter in uv, rounded up to the next texel; `None` if there are no two islands.
 fn width(raster: &UvRaster<'_>, islands: &[u32]) -> Result<Option<f64>> {
     let mut order: Vec<u32> = (0..islands.len() as u32).collect();
     order.sort_by_key(|triangle| islands[*triangle as usize]);
@@ -75,7 +75,7 @@ fn width(raster: &UvRaster<'_>, islands: &[u32]) -> Result<Option<f64>> {
     let (is_shared, width) = (lowest.shared() > 0, lowest.width() as usize);
     let labels = labels(lowest, |rank| islands[order[rank as usize] as usize]);
     if is_shared {
-        // The lowest island had each texel; now the highest has it.
+        // The lowest island won each texel; now the highest wins.
         order.reverse();
         let highest = raster.coverage(order.iter().copied())?;
         if self::labels(highest, |rank| islands[order[rank as usize] as usize]) != labels {
@@ -86,7 +86,7 @@ fn width(raster: &UvRaster<'_>, islands: &[u32]) -> Result<Option<f64>> {
     Ok(gap.map(|texels| f64::from(texels + 1) * raster.texel))
 }
 
-/// Returns the island of each texel, row by row; [`NONE`] where there is none.
+/// Returns the island of each texel, row by row; [`NONE`] if there is none.
 fn labels(coverage: Coverage, island: impl Fn(u32) -> u32 + Sync) -> Vec<u32> {
     let (width, height) = (coverage.width() as usize, coverage.height() as usize);
     parallel::collect(width * height, |i| {

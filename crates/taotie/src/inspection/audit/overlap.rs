@@ -1,4 +1,4 @@
-//! Triangles that lie over one another in uv.
+//! Triangles that overlap in uv.
 
 use super::check::{Check, CheckResult};
 use super::uv_raster::{MOST_SIDE, UvRaster};
@@ -6,14 +6,14 @@ use super::words::{counted, number};
 use crate::error::Result;
 use crate::mesh::Mesh;
 
-/// Texels of a raster for each triangle, on average over the uvs' box.
+/// Raster texels per triangle, on average over the uvs' box.
 const TEXELS: f64 = 9.0;
 
-/// The shortest longer side of a raster.
+/// The minimum length of a raster's longer side.
 const LEAST_SIDE: f64 = 1024.0;
 
-/// Checks that no two triangles of a mesh overlap in uv: that none covers the centre of a texel that another covers.
-/// Edges are exact, so that neighbours never overlap. Meshes do not count against one another.
+/// Checks that no two triangles of a mesh overlap in uv: no two cover the centre of the same texel. Edges are exact,
+/// so that neighbours never overlap. Different meshes may overlap.
 ///
 /// # Errors
 /// [`crate::Error::Limit`] for a mesh of 2³¹ triangles.
@@ -32,6 +32,6 @@ pub(super) fn result(meshes: &[&Mesh], required: bool) -> Result<CheckResult> {
     }
     let covered = number(covered as f64);
     let message =
-        format!("{} of {covered} under more than one triangle (at most 0)", counted(shared, "texel"));
+        format!("{} of {covered} covered by more than one triangle (at most 0)", counted(shared, "texel"));
     Ok(CheckResult::of_faults(Check::OverlappingUvs, shared, message))
 }

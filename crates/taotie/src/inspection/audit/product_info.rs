@@ -1,4 +1,4 @@
-//! The dimensions of one product, which its model is compared with.
+//! The dimensions of a product, with which its model is compared.
 
 use super::schema::parse_json;
 use crate::error::{Error, Result};
@@ -19,7 +19,7 @@ pub struct ProductInfo {
     pub(super) dimensions: ProductDimensions,
 }
 
-/// The dimensions of a product, metres; those left out are not compared.
+/// The dimensions of a product, in metres; missing ones are not compared.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ProductDimensions {
@@ -32,19 +32,19 @@ impl ProductInfo {
     /// Reads product info from the bytes of a JSON file; `file` names it in errors.
     ///
     /// # Errors
-    /// [`Error::Invalid`] with line and column as for [`super::AuditSchema::parse`], or naming a dimension that is not
-    /// above 0, or that there are none.
+    /// [`Error::Invalid`] with line and column as for [`super::AuditSchema::parse`], or naming a dimension that is
+    /// not above 0, or if there are none.
     pub fn parse(bytes: &[u8], file: impl Display) -> Result<Self> {
         let info: Self = parse_json(bytes, &file)?;
         let ProductDimensions { length, width, height } = info.dimensions;
         let given = || [length, width, height].into_iter().flatten();
         if given().next().is_none() {
-            let why = "missing: give length, width or height in metres";
+            let why = "missing: specify length, width or height in metres";
             return Err(Error::invalid(format!("{file}: dimensions"), why));
         }
         match given().find(|dimension| *dimension <= 0.0) {
             Some(wrong) => {
-                let why = "invalid: dimensions are metres above 0; leave out those that are unknown";
+                let why = "invalid: dimensions must be above 0, in metres; omit unknown ones";
                 Err(Error::invalid(format!("{file}: dimension {wrong}"), why))
             }
             None => Ok(info),

@@ -1,9 +1,9 @@
-//! A range that a value is to lie in.
+//! The allowed range of a value.
 
 use super::words::number;
 use serde::de::{Deserialize, Deserializer, Error};
 
-/// The least and the greatest value allowed; `None` for no limit.
+/// The minimum and maximum value allowed; `None` for no limit.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Deserialize)]
 #[serde(try_from = "Limits")]
 pub(super) struct AuditRange {
@@ -11,7 +11,7 @@ pub(super) struct AuditRange {
     pub maximum: Option<f64>,
 }
 
-/// The limits as the schema writes them.
+/// The limits as in the schema.
 #[derive(Default, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct Limits {
@@ -21,7 +21,7 @@ struct Limits {
     maximum: Option<f64>,
 }
 
-/// Reads a limit, which is at least 0; −1 is none.
+/// Reads a limit, which is at least 0; −1 means none.
 pub(super) fn limit<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
     match Option::<f64>::deserialize(from)? {
         Some(-1.0) | None => Ok(None),
@@ -66,7 +66,7 @@ impl AuditRange {
         self.minimum.is_none_or(|least| value >= least) && self.maximum.is_none_or(|most| value <= most)
     }
 
-    /// Returns the limits in words, such as `at least 1 and at most 5`; empty where there are none.
+    /// Returns the limits in words, such as `at least 1 and at most 5`; empty if there are none.
     pub fn words(&self) -> String {
         let least = self.minimum.map(|least| format!("at least {}", number(least)));
         let most = self.maximum.map(|most| format!("at most {}", number(most)));

@@ -9,7 +9,7 @@ use std::fmt::Display;
 
 /// A requirements schema of the Khronos glTF Asset Auditor, version 1.
 ///
-/// Limits left out or −1, and requirements left out or `false`, turn a check off. Unknown keys are errors.
+/// Missing limits or −1, and missing requirements or `false`, turn a check off. Unknown keys are errors.
 ///
 /// ```
 /// use taotie::inspection::AuditSchema;
@@ -37,7 +37,7 @@ pub struct AuditSchema {
     pub(super) uvs: UvSchema,
 }
 
-/// Limits of the geometry and of the objects that hold it.
+/// Limits of the geometry and of the objects that contain it.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default, rename_all = "camelCase")]
 pub(super) struct ModelSchema {
@@ -48,7 +48,7 @@ pub(super) struct ModelSchema {
     pub triangles: AuditRange,
 }
 
-/// Limits of the numbers of objects.
+/// Limits on the numbers of objects.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct ObjectCount {
@@ -73,7 +73,7 @@ pub(super) struct DimensionsSchema {
     pub height: DimensionSchema,
 }
 
-/// Limits of a dimension, metres, and the tolerance of a product's own dimension.
+/// Limits of a dimension, in metres, and the tolerance relative to the product's own dimension.
 #[derive(Debug, Clone, Copy, Default, Deserialize)]
 #[serde(deny_unknown_fields, default, rename_all = "camelCase")]
 pub(super) struct DimensionSchema {
@@ -81,7 +81,7 @@ pub(super) struct DimensionSchema {
     pub maximum: Option<f64>,
     #[serde(deserialize_with = "super::range::limit")]
     pub minimum: Option<f64>,
-    /// Per cent of the product's dimension; none is exact.
+    /// Per cent of the product's dimension; without it the match must be exact.
     #[serde(deserialize_with = "super::range::limit")]
     pub percent_tolerance: Option<f64>,
 }
@@ -108,7 +108,7 @@ pub(super) struct UvSchema {
     pub require_range_zero_to_one: bool,
 }
 
-/// The least gutter between UV islands, in pixels of a map of each resolution.
+/// The minimum gutter between UV islands, in pixels of a map of each resolution.
 #[derive(Debug, Clone, Copy, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct GutterWidth {
@@ -124,7 +124,7 @@ pub(super) struct GutterWidth {
     resolution4096: Option<f64>,
 }
 
-/// A gutter to keep: so many pixels at a resolution.
+/// A required gutter: pixels at a resolution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Gutter {
     pub pixels: f64,
@@ -139,7 +139,7 @@ impl Gutter {
 }
 
 impl GutterWidth {
-    /// Returns the widest gutter asked for; `None` where none is.
+    /// Returns the widest required gutter; `None` if none is.
     pub fn widest(&self) -> Option<Gutter> {
         let all = [
             (self.resolution256, 256.0),
@@ -160,13 +160,13 @@ impl AuditSchema {
     /// Reads a schema from the bytes of a JSON file; `file` names it in errors.
     ///
     /// # Errors
-    /// [`Error::Invalid`] with line and column: text that is not JSON, an unknown or repeated key, a value of the wrong
-    /// type, a negative limit other than −1, a minimum above its maximum, a missing version.
+    /// [`Error::Invalid`] with line and column: text that is not JSON, an unknown or repeated key, a value of the
+    /// wrong type, a negative limit other than −1, a minimum above its maximum, a missing version.
     pub fn parse(bytes: &[u8], file: impl Display) -> Result<Self> {
         parse_json(bytes, file)
     }
 
-    /// The version of the auditor that the schema was written for.
+    /// The version of the auditor for which the schema was written.
     pub fn version(&self) -> &str {
         &self.version
     }

@@ -11,12 +11,12 @@ use crate::scene::{Instance, Material, Scene, SceneData, TextureRef, UvTransform
 /// A rectangle in uv: left, top, right and bottom.
 type UvRectangle = [f32; 4];
 
-/// A row of squares of one metre, each with a rectangle in uv.
+/// A row of squares with a side of one metre, each with a rectangle in uv.
 fn row(rectangles: &[UvRectangle]) -> Mesh {
     let mut data = MeshData { uvs: vec![Vec::new()], ..MeshData::default() };
     for (i, [left, top, right, bottom]) in rectangles.iter().enumerate() {
         let first = data.positions.len() as u32;
-        // Apart from one another, so that no edge is shared.
+        // Separate, so that no edge is shared.
         let x = 2.0 * i as f32;
         let corners = [(x, 0.0), (x + 1.0, 0.0), (x + 1.0, 1.0), (x, 1.0)];
         data.positions.extend(corners.map(|(x, y)| Vec3::new(x, y, 0.0)));
@@ -76,7 +76,7 @@ fn assert_status(loaded: &Loaded, text: &str, expected: (Check, CheckStatus)) {
     assert_eq!(found.status, expected.1, "{text}: {found:?}");
 }
 
-/// That a requirement is met by one model and not by the other, and is not tested where it is not asked for.
+/// Asserts that a requirement is met by one model and not by the other, and is not tested if not required.
 #[track_caller]
 fn assert_requirement(key: &str, check: Check, good: &Loaded, bad: &Loaded) {
     let (group, key) = key.split_once('.').unwrap();
@@ -86,10 +86,11 @@ fn assert_requirement(key: &str, check: Check, good: &Loaded, bad: &Loaded) {
     assert_status(bad, &text(false), (check, CheckStatus::NotTested));
 }
 
-/// A value, limits that it is within, and limits that it is not within.
+/// A value, limits that it satisfies, and limits that it violates.
 struct Limited<'a>(f64, [&'a str; 2]);
 
-/// That a value is within `limits[0]` and not within `limits[1]`. `SCHEMA` in the text stands for the limits.
+/// Asserts that a value satisfies `limits[0]` and violates `limits[1]`. `SCHEMA` in the text is replaced by the
+/// limits.
 #[track_caller]
 fn assert_limits(loaded: &Loaded, text: &str, check: Check, Limited(value, limits): Limited<'_>) {
     let with = |limits: &str| text.replace("SCHEMA", &format!("{{ {limits} }}"));
@@ -242,7 +243,7 @@ fn sizes_of_textures() {
     assert_requirement(key, Check::SquareTextures, &odd, &loaded);
 }
 
-/// The value of a colour is its greatest channel.
+/// The value of a colour is its largest channel.
 #[test]
 fn base_colours_keep_their_distance_from_black_and_white() {
     let loaded = model(row(&[[0.0, 0.0, 1.0, 1.0]]), (4, 4), [240, 30]);
@@ -253,7 +254,7 @@ fn base_colours_keep_their_distance_from_black_and_white() {
     assert_limits(&loaded, text, Check::PbrColorMinimum, Limited(30.0, least));
 }
 
-/// A square of one metre has half an 8×8 image's width and height: 4 pixels on a metre; the other square 2.
+/// A square of one metre has half an 8×8 image's width and height: 4 pixels per metre; the other square 2.
 #[test]
 fn texel_density_is_measured_in_pixels_per_metre() {
     let mesh = row(&[[0.0, 0.0, 0.5, 0.5], [0.5, 0.5, 0.75, 0.75]]);
@@ -286,9 +287,9 @@ fn uvs_in_range_and_upright() {
 #[test]
 fn overlapping_uvs() {
     let key = "uvs.requireNotOverlapping";
-    let beside = plain(row(&[[0.0, 0.0, 0.5, 1.0], [0.5, 0.0, 1.0, 1.0]]));
+    let adjacent = plain(row(&[[0.0, 0.0, 0.5, 1.0], [0.5, 0.0, 1.0, 1.0]]));
     let over = plain(row(&[[0.0, 0.0, 0.5, 1.0], [0.49, 0.0, 1.0, 1.0]]));
-    assert_requirement(key, Check::OverlappingUvs, &beside, &over);
+    assert_requirement(key, Check::OverlappingUvs, &adjacent, &over);
     // Tiles that would meet if uvs wrapped around do not overlap.
     let tiles = plain(row(&[[0.0, 0.0, 1.0, 1.0], [1.0, 0.0, 2.0, 1.0]]));
     assert_requirement(key, Check::OverlappingUvs, &tiles, &over);
@@ -318,7 +319,7 @@ fn gutters_are_measured_to_a_sixteenth() {
         let error = value.unwrap() - f64::from(pixels);
         assert!((0.0..=1.0).contains(&error), "{pixels}: {value:?}");
     }
-    // Along a diagonal the longer way counts.
+    // Along a diagonal the longer axis counts.
     let diagonal = [[0.0, 0.0, 0.4, 0.4], [0.41, 0.401, 1.0, 1.0]];
     assert_eq!(gutter(&diagonal, asked).0, CheckStatus::Pass);
     assert_eq!(gutter(&apart(10.0), "").0, CheckStatus::NotTested);
@@ -329,9 +330,9 @@ fn islands_over_one_another_have_no_gutter() {
     let asked = r#""resolution256": 2"#;
     let nested = [[0.0, 0.0, 1.0, 1.0], [0.4, 0.4, 0.6, 0.6]];
     assert_eq!(gutter(&nested, asked), (CheckStatus::Fail, Some(0.0)));
-    // The same with the corners of one island, which no gutter parts.
+    // The same with the corners of one island, without a gutter between them.
     assert_eq!(gutter(&[[0.0, 0.0, 1.0, 1.0]; 2], asked), (CheckStatus::Pass, None));
-    // What cannot be measured is not passed over: a texel of the raster is wider than the gutter.
+    // Unmeasurable widths are not silently accepted: a texel of the raster is wider than the gutter.
     let wide = [[0.0, 0.0, 1.0, 1.0], [99.0, 0.0, 100.0, 1.0]];
     assert_eq!(gutter(&wide, asked).0, CheckStatus::NotTested);
 }
@@ -348,7 +349,7 @@ fn models_without_uvs_or_textures_are_not_tested_for_them() {
     assert!(audit.passed, "{:?}", audit.failed().collect::<Vec<_>>());
 }
 
-/// Packed models get the answers of the plain one.
+/// Packed models give the same results as the plain one.
 #[cfg(feature = "draco")]
 #[test]
 fn models_packed_by_draco_are_audited() {

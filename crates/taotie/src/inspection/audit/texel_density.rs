@@ -1,4 +1,4 @@
-//! Texel density: the texels of a map on a metre of the surface.
+//! Texel density: the number of texels per metre of the surface.
 
 use super::check::{Check, CheckResult};
 use super::range::AuditRange;
@@ -8,10 +8,10 @@ use crate::parallel;
 use crate::scene::{Instance, Scene};
 use std::collections::BTreeMap;
 
-/// Densities count to a thousandth of a pixel per metre.
+/// Densities are rounded to a thousandth of a pixel per metre.
 const STEPS: f64 = 1e3;
 
-/// The least and the greatest of some numbers.
+/// The minimum and maximum of some numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Extremes {
     least: f64,
@@ -31,8 +31,9 @@ impl Extremes {
     }
 }
 
-/// Checks the texel density of all triangles in world space, pixels per metre: the square root of texels over area. Each
-/// triangle counts with the largest and the smallest texture of its material. Triangles without area do not count.
+/// Checks the texel density of all triangles in world space, in pixels per metre: the square root of texels per area.
+/// Each triangle counts with the largest and the smallest texture of its material. Triangles without area are
+/// ignored.
 pub(super) fn results(scene: &Scene, range: AuditRange) -> Vec<CheckResult> {
     let (most, least) = (Check::TexelDensityMaximum, Check::TexelDensityMinimum);
     let mut all = Extremes::default();
@@ -54,8 +55,7 @@ pub(super) fn results(scene: &Scene, range: AuditRange) -> Vec<CheckResult> {
     ]
 }
 
-/// Returns the least and the greatest number of texels on a unit square of each uv set that the material's textures
-/// read.
+/// Returns the minimum and maximum number of texels per unit square of each uv set used by the material's textures.
 fn texels_by_uv_set(scene: &Scene, instance: &Instance) -> BTreeMap<usize, Extremes> {
     let mut all = BTreeMap::<usize, Extremes>::new();
     for used in scene.materials()[instance.material].textures() {
@@ -67,7 +67,7 @@ fn texels_by_uv_set(scene: &Scene, instance: &Instance) -> BTreeMap<usize, Extre
     all
 }
 
-/// Returns the least and the greatest ratio of the area in uv to that in the world, over the triangles of an instance.
+/// Returns the minimum and maximum ratio of the area in uv to that in the world, over the triangles of an instance.
 fn uv_over_area(scene: &Scene, instance: &Instance, uv_set: usize) -> Extremes {
     let mesh = &scene.meshes()[instance.mesh];
     let Some(uvs) = mesh.uvs().get(uv_set) else { return Extremes::default() };

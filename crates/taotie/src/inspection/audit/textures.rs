@@ -36,7 +36,7 @@ struct Images<'a> {
 }
 
 impl Images<'_> {
-    /// Returns the name and size of each image; one that is stored for two uses is listed twice.
+    /// Returns the name and size of each image; an image stored for two uses is listed twice.
     fn sizes(&self) -> impl Iterator<Item = (String, [u32; 2])> + '_ {
         let textures = self.loaded.scene.textures().iter().enumerate();
         textures.map(|(index, texture)| (self.name(index), [texture.width(), texture.height()]))
@@ -56,7 +56,7 @@ impl Images<'_> {
         with_names(result, wrong.map(|(name, _)| name).collect())
     }
 
-    /// Checks that the size of each image is as wanted.
+    /// Checks that the size of each image is as required.
     fn all(&self, (check, wanted, required): (Check, &str, bool), is: fn([u32; 2]) -> bool) -> CheckResult {
         if self.loaded.scene.textures().is_empty() {
             return CheckResult::not_tested(check, NO_TEXTURES);
@@ -82,7 +82,7 @@ fn is_minimum(check: Check) -> bool {
     matches!(check, Check::TextureHeightMinimum | Check::TextureWidthMinimum)
 }
 
-/// Returns a result whose message ends in the images that fail.
+/// Returns a result whose message lists the images that fail.
 fn with_names(result: CheckResult, wrong: BTreeSet<String>) -> CheckResult {
     if wrong.is_empty() {
         return result;
@@ -91,8 +91,8 @@ fn with_names(result: CheckResult, wrong: BTreeSet<String>) -> CheckResult {
     CheckResult { message, ..result }
 }
 
-/// Checks the brightest and the darkest texel of base colour images, by the greatest of red, green and blue in steps of
-/// 1/255: V of HSV. Every texel counts, wherever uvs lie and whatever its alpha.
+/// Checks the brightest and the darkest texel of base colour images, by the maximum of red, green and blue in steps
+/// of 1/255: V of HSV. Every texel counts, used by uvs or not and whatever its alpha.
 fn base_colors(images: &Images<'_>, range: AuditRange) -> Vec<CheckResult> {
     let (most, least) = (Check::PbrColorMaximum, Check::PbrColorMinimum);
     let materials = images.loaded.scene.materials().iter();
@@ -116,7 +116,7 @@ fn base_colors(images: &Images<'_>, range: AuditRange) -> Vec<CheckResult> {
     ]
 }
 
-/// The least and the greatest V of HSV of an image, 1 being the greatest of an integer type.
+/// The minimum and maximum V of HSV of an image, 1 being the maximum of an integer type.
 struct Values {
     least: f32,
     greatest: f32,

@@ -1,4 +1,4 @@
-//! The uvs of a mesh on a raster that just holds them.
+//! The uvs of a mesh on a raster that just fits them.
 
 use crate::bake::{Coverage, TexelGrid};
 use crate::error::Result;
@@ -9,7 +9,7 @@ use crate::parallel;
 /// The longest side of a raster.
 pub(super) const MOST_SIDE: u32 = 4096;
 
-/// The uvs of uv set 0, moved and scaled to fill a raster; nothing wraps around.
+/// The uvs of uv set 0, translated and scaled to fill a raster, without wrapping.
 pub(super) struct UvRaster<'a> {
     mesh: &'a Mesh,
     /// In [0, 1].
@@ -20,18 +20,18 @@ pub(super) struct UvRaster<'a> {
 }
 
 impl<'a> UvRaster<'a> {
-    /// Makes a raster with texels of `1 / texels_per_uv` or less, at most [`MOST_SIDE`] of them across; `None` where no
+    /// Makes a raster with texels of `1 / texels_per_uv` or less, at most [`MOST_SIDE`] of them across; `None` if no
     /// triangle has uvs that span an area.
     pub fn per_uv(mesh: &'a Mesh, texels_per_uv: f64) -> Option<Self> {
         Self::new(mesh, |longest| longest * texels_per_uv)
     }
 
-    /// Makes a raster whose longer side has so many texels, at most [`MOST_SIDE`]; `None` as for [`Self::per_uv`].
+    /// Makes a raster whose longer side has this many texels, at most [`MOST_SIDE`]; `None` as for [`Self::per_uv`].
     pub fn across(mesh: &'a Mesh, texels: f64) -> Option<Self> {
         Self::new(mesh, |_| texels)
     }
 
-    /// Makes a raster whose longer side has as many texels as `texels` returns for its length in uv.
+    /// Makes a raster whose longer side has the number of texels that `texels` returns for its length in uv.
     fn new(mesh: &'a Mesh, texels: impl Fn(f64) -> f64) -> Option<Self> {
         let uvs = mesh.uvs().first()?;
         let [low, high] = extent(mesh, uvs);
@@ -50,7 +50,7 @@ impl<'a> UvRaster<'a> {
         Some(Self { mesh, uvs, size, texel })
     }
 
-    /// Lays out the triangles in this order: of those over one texel, the first has it.
+    /// Lays out the triangles in this order; if several cover a texel, the first has it.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] for a mesh of 2³¹ triangles.
@@ -63,7 +63,7 @@ impl<'a> UvRaster<'a> {
     }
 }
 
-/// Returns the least and the greatest finite u and v of the triangles' corners.
+/// Returns the minimum and maximum finite u and v of the triangles' corners.
 fn extent(mesh: &Mesh, uvs: &[Vec2]) -> [[f64; 2]; 2] {
     let triangles = mesh.triangles();
     let parts = parallel::fold(triangles.len(), |sum: &mut Extent, triangle| {
@@ -80,7 +80,7 @@ fn extent(mesh: &Mesh, uvs: &[Vec2]) -> [[f64; 2]; 2] {
     [all.low, all.high].map(|corner| corner.map(f64::from))
 }
 
-/// The least and the greatest finite u and v.
+/// The minimum and maximum finite u and v.
 struct Extent {
     low: [f32; 2],
     high: [f32; 2],

@@ -52,7 +52,7 @@ impl Uvs {
             corners.iter().for_each(|uv| sum.take(*uv));
             let [a, b, c] = corners.map(|uv| uv.map(f64::from));
             let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-            // Rows count from the top of the image, so that what runs counter-clockwise there has a negative area.
+            // Rows count from the top of the image, so counter-clockwise triangles have a negative area there.
             sum.inverted += usize::from(area > 0.0);
         });
         let mut all = Self::default();

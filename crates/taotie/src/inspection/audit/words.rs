@@ -1,6 +1,6 @@
 //! Numbers and lists in messages.
 
-/// Returns a number with at most six decimals and its whole digits in groups of three.
+/// Formats a number with at most six decimals, grouping digits in threes.
 pub(super) fn number(value: f64) -> String {
     let text = format!("{value:.6}");
     let (whole, decimals) = text.split_once('.').unwrap_or((&text, ""));
@@ -14,14 +14,14 @@ pub(super) fn number(value: f64) -> String {
     }
 }
 
-/// Returns a count with the word for what it counts, which takes an `s` unless there is one.
+/// Formats a count with the word for what it counts, adding an `s` unless the count is one.
 pub(super) fn counted(count: usize, what: &str) -> String {
     format!("{} {what}{}", number(count as f64), if count == 1 { "" } else { "s" })
 }
 
 /// Returns the first names of a list, and how many more there are.
 pub(super) fn listed(names: &[String]) -> String {
-    /// The most names in a message.
+    /// The maximum number of names in a message.
     const MOST: usize = 4;
     let shown = names.iter().take(MOST).cloned().collect::<Vec<_>>().join(", ");
     match names.len().saturating_sub(MOST) {
@@ -30,7 +30,7 @@ pub(super) fn listed(names: &[String]) -> String {
     }
 }
 
-/// Returns a value rounded to the `steps`-th part of one.
+/// Returns a value rounded to a multiple of 1 / `steps`.
 pub(super) fn rounded(value: f64, steps: f64) -> f64 {
     (value * steps).round() / steps
 }

@@ -1,4 +1,4 @@
-//! OpenEXR through the `exr` crate, which reads any channels: `image` wants red, green and blue.
+//! OpenEXR through the `exr` crate, which reads any channels, while `image` requires red, green and blue.
 
 use super::super::limits::Bytes;
 use super::super::panics::caught;
@@ -12,16 +12,16 @@ use exr::prelude::{
 };
 use std::io::Cursor;
 
-/// The most channels of one layer that are read.
+/// Maximum number of channels read from one layer.
 const MAX_CHANNELS: usize = 64;
 
-/// The colour of the first layer without depth samples, as float. Luminance alone is repeated.
+/// Decodes the colour of the first layer without depth samples, as float. A lone luminance channel is repeated.
 ///
 /// The decoder (`exr` 1.74) has assertions that rare damage triggers, such as a block of a mip level that was not
-/// asked for; the panic is caught here and becomes an error. So it runs on this thread alone: a panic on another could
-/// not be caught.
+/// requested; the panic is caught here and becomes an error. It therefore runs on this thread only: a panic on
+/// another thread could not be caught.
 pub(super) fn decode(bytes: &[u8], reading: &Reading) -> Result<Bitmap, Failure> {
-    let damaged = || Failure::damaged("its blocks contradict its header");
+    let damaged = || Failure::damaged("the blocks contradict the header");
     caught(|| decode_or_panic(bytes, reading)).unwrap_or_else(|| Err(damaged()))
 }
 
@@ -39,7 +39,7 @@ fn decode_or_panic(bytes: &[u8], reading: &Reading) -> Result<Bitmap, Failure> {
     bitmap_from(&image)
 }
 
-/// Every layer's size and compression, before anything is allocated for it.
+/// Checks every layer's size and compression before anything is allocated for it.
 fn check_headers(bytes: &[u8], reading: &Reading) -> Result<(), Failure> {
     let reader = Reader::read_from_buffered(Cursor::new(bytes), false).map_err(failure)?;
     let mut deepest = 0;
@@ -48,7 +48,7 @@ fn check_headers(bytes: &[u8], reading: &Reading) -> Result<(), Failure> {
         check_size(width, height, credible(bytes))?;
         check_compression(header)?;
         if header.channels.list.len() > MAX_CHANNELS {
-            return Err(Failure::TooLarge(format!("at most {MAX_CHANNELS} channels")));
+            return Err(Failure::TooLarge(format!("the maximum is {MAX_CHANNELS} channels")));
         }
         check_content(header, bytes)?;
         deepest = deepest.max(room(header));
@@ -59,7 +59,7 @@ fn check_headers(bytes: &[u8], reading: &Reading) -> Result<(), Failure> {
     }
 }
 
-/// Returns the bytes that a layer takes while it is decoded, all its channels, and the texels made of it.
+/// Returns the bytes needed to decode a layer: all its channels, and the texels made from them.
 fn room(header: &Header) -> u64 {
     /// Float texels with their mip levels.
     const TEXEL: u64 = 22;
@@ -67,23 +67,23 @@ fn room(header: &Header) -> u64 {
     texels * (TEXEL + header.channels.bytes_per_pixel as u64)
 }
 
-/// Refuses a layer of more bytes than compression can make of a file of this length.
+/// Rejects a layer with more bytes than compression can pack into a file of this length.
 fn check_content(header: &Header, bytes: &[u8]) -> Result<(), Failure> {
-    /// Deflate comes to 1032 to 1, and PXR24 stores three bytes of four; other compressions come to less.
+    /// Deflate reaches 1032 to 1, and PXR24 stores three bytes of four; other compression methods reach less.
     const MOST: u64 = 1500;
     let content = header.layer_size.area() as u64 * header.channels.bytes_per_pixel as u64;
     match content > MOST * bytes.len() as u64 {
-        true => Err(Failure::damaged(&format!("so few bytes cannot hold {}", Bytes(content)))),
+        true => Err(Failure::damaged(&format!("the file cannot hold {}", Bytes(content)))),
         false => Ok(()),
     }
 }
 
-/// Refuses DWA: its decoder allocates as much as the file says, and the process ends where that is too much.
+/// Rejects DWA: its decoder allocates as much as the file states, and the process aborts if that is too much.
 fn check_compression(header: &Header) -> Result<(), Failure> {
     match header.compression {
-        Compression::DWAA(_) | Compression::DWAB(_) => Err(Failure::Unsupported(
-            "OpenEXR's lossy compression DWAA or DWAB (ZIP and PIZ are read)".into(),
-        )),
+        Compression::DWAA(_) | Compression::DWAB(_) => {
+            Err(Failure::Unsupported("OpenEXR's lossy DWAA or DWAB compression (unlike ZIP and PIZ)".into()))
+        }
         _ => Ok(()),
     }
 }
@@ -92,7 +92,7 @@ fn bitmap_from(image: &Image<Layer<AnyChannels<FlatSamples>>>) -> Result<Bitmap,
     let layer = &image.layer_data;
     let (width, height) = (layer.size.width(), layer.size.height());
     let sources = sources(&layer.channel_data.list)
-        .ok_or_else(|| Failure::Unsupported("it has neither R, G, B nor Y channels".into()))?;
+        .ok_or_else(|| Failure::Unsupported("OpenEXR without R, G, B or Y channels".into()))?;
     let mut texels = vec![[0.0, 0.0, 0.0, 1.0]; width * height];
     for (c, source) in sources.iter().enumerate() {
         let Some(channel) = source else { continue };
@@ -111,7 +111,8 @@ fn bitmap_from(image: &Image<Layer<AnyChannels<FlatSamples>>>) -> Result<Bitmap,
 
 type Channel = AnyChannel<FlatSamples>;
 
-/// The channels for red, green, blue and alpha: by name, with luminance or a lone channel for all three colours.
+/// Returns the channels for red, green, blue and alpha, by name; luminance or a lone channel supplies all three
+/// colours.
 fn sources(list: &[Channel]) -> Option<[Option<&Channel>; 4]> {
     let named = |name: &str| list.iter().find(|c| c.name.to_string().eq_ignore_ascii_case(name));
     let alpha = named("A");
@@ -204,9 +205,9 @@ mod tests {
             let mut bytes = encoded(compression, Blocks::ScanLines);
             match decoded(&bytes) {
                 Err(Failure::Unsupported(what)) => assert!(what.contains("DWAA"), "{what}"),
-                _ => panic!("{compression:?} is refused"),
+                _ => panic!("{compression:?} is rejected"),
             }
-            // Whatever the counts in its blocks say.
+            // Regardless of the counts in its blocks.
             let end = bytes.len();
             bytes[end - end / 4..].fill(0x7f);
             assert!(matches!(decoded(&bytes), Err(Failure::Unsupported(_))));

@@ -1,9 +1,9 @@
-//! The size and the format of an image, read from its header.
+//! The size and format of an image, read from its header.
 
 use imagesize::{Compression, ImageError, ImageSize, ImageType};
 use std::io::{BufRead, Seek};
 
-/// The size and the format of an image.
+/// The size and format of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::io) struct ImageHeader {
     /// Texels across and down.
@@ -16,7 +16,7 @@ pub(in crate::io) struct ImageHeader {
 pub(in crate::io) const KTX2_TYPE: &str = "image/ktx2";
 
 impl ImageHeader {
-    /// Reads the header of an image, and nothing but it; `None` if the format is unknown or the header is damaged.
+    /// Reads only the header of an image; returns `None` if the format is unknown or the header is damaged.
     pub fn read(image: impl BufRead + Seek) -> Option<Self> {
         let found = |mut image| -> Result<(ImageType, ImageSize), ImageError> {
             let kind = imagesize::reader_type(&mut image)?;

@@ -1,8 +1,8 @@
-//! The memory that a JPEG takes while it is decoded, foretold from its header.
+//! The memory needed to decode a JPEG, estimated from its header.
 //!
-//! The decoder (`zune-jpeg` 0.5) keeps one row of blocks where a single scan has all components. Of a progressive file, and
-//! of one whose components come in several scans, it keeps all coefficients, two bytes each. Markers are looked for as it
-//! does, so that no file can show it another header.
+//! The decoder (`zune-jpeg` 0.5) keeps one row of blocks if a single scan has all components. For a progressive file,
+//! and for one whose components come in several scans, it keeps all coefficients, two bytes each. Markers are located
+//! as the decoder does, so that no file can present a different header to it.
 
 /// The start of a frame and of its first scan.
 #[derive(Debug, PartialEq)]
@@ -11,14 +11,14 @@ struct Header {
     height: u64,
     /// The samples of each component across and down in a block of the file, 1 to 4.
     samplings: Vec<[u64; 2]>,
-    /// `true` where all coefficients are kept.
+    /// `true` if all coefficients are kept.
     keeps_all: bool,
-    /// Its own bytes, those of metadata among them, of which the decoder makes copies.
+    /// The length of the file in bytes, including metadata, of which the decoder makes copies.
     length: u64,
 }
 
-/// Returns the bytes that decoding takes, the pixels of the decoder and its copy of the file among them; `None` for a file
-/// that it refuses.
+/// Returns the bytes needed for decoding, including the decoder's pixels and its copy of the file; `None` for a file
+/// that it rejects.
 pub(super) fn room(bytes: &[u8], bytes_per_pixel: u64) -> Option<u64> {
     let header = Header::read(bytes)?;
     let pixels = header.width * header.height * bytes_per_pixel;
@@ -35,7 +35,7 @@ impl Header {
             let segment = reader.segment()?;
             match marker {
                 0xc0..=0xc2 if frame.is_none() => frame = Some(Self::of_frame(marker, segment)?),
-                // Other frames, arithmetic coding, an end without a picture, a height that comes later.
+                // Other frames, arithmetic coding, an end without an image, a height that comes later.
                 0xc0..=0xc3 | 0xc5..=0xc7 | 0xc9..=0xcd | 0xcf | 0xd9 | 0xdc => return None,
                 0xda => {
                     let of_scan = usize::from(*segment.first()?);
@@ -51,7 +51,7 @@ impl Header {
         }
     }
 
-    /// Reads the start of a frame.
+    /// Reads the frame header.
     fn of_frame(marker: u8, segment: &[u8]) -> Option<Self> {
         let [_, h1, h0, w1, w0, count, components @ ..] = segment else { return None };
         let (components, rest) = components.as_chunks::<3>();
@@ -67,7 +67,7 @@ impl Header {
         is_whole.then_some(Self { width, height, samplings, keeps_all, length: 0 })
     }
 
-    /// Returns the most samples that a component has across and down.
+    /// Returns the maximum sampling factors of the components, across and down.
     fn most(&self) -> [u64; 2] {
         [0, 1].map(|axis| self.samplings.iter().map(|sampling| sampling[axis]).max().unwrap_or(1))
     }
@@ -79,7 +79,8 @@ impl Header {
         self.samplings.iter().map(|[h, v]| 2 * 64 * blocks * h * v).sum()
     }
 
-    /// Returns the bytes of one row of blocks: its samples, and the same upsampled to those of the finest component.
+    /// Returns the bytes of one row of blocks: its samples, and the same upsampled to the finest component's
+    /// resolution.
     fn rows(&self) -> u64 {
         let [across, down] = self.most();
         let blocks = self.width.div_ceil(8 * across);
@@ -92,7 +93,7 @@ impl Header {
     }
 }
 
-/// The rest of a file, and the byte before it.
+/// The rest of a file, and the last byte read before it.
 struct Reader<'a> {
     bytes: &'a [u8],
     last: u8,
@@ -105,7 +106,7 @@ impl<'a> Reader<'a> {
         Some(*byte)
     }
 
-    /// Returns the next marker: a byte after 255, or after several. Zeros behind a 255 are passed over with it.
+    /// Returns the next marker: the byte after one or more 255s. Zeros after a 255 are skipped as well.
     fn marker(&mut self) -> Option<u8> {
         loop {
             let mut byte = self.byte()?;
@@ -123,7 +124,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Returns the bytes after a marker, whose number they begin with.
+    /// Returns the segment after a marker, whose length is stored in its first two bytes.
     fn segment(&mut self) -> Option<&'a [u8]> {
         let length = usize::from(u16::from_be_bytes([self.byte()?, self.byte()?]));
         let (segment, rest) = self.bytes.split_at_checked(length.checked_sub(2)?)?;
@@ -136,7 +137,8 @@ impl<'a> Reader<'a> {
 mod tests {
     use super::*;
 
-    /// A header of 64 × 32 pixels: a marker of the frame, its components' factors, and the components of the first scan.
+    /// A header of 64 × 32 pixels, from a frame marker, the components' sampling factors, and the component count of
+    /// the first scan.
     fn file(frame: u8, factors: &[u8], scan: u8) -> Vec<u8> {
         let count = factors.len() as u8;
         let mut bytes = b"\xff\xd8\xff\xe0\0\x06ab\xff\xc2".to_vec();
@@ -168,7 +170,7 @@ mod tests {
         assert_eq!(header.coefficients(), 2 * samples);
         let all = room(&file, 3).unwrap();
         assert_eq!(all, 64 * 32 * 3 + 2 * samples + header.rows() + 2 * file.len() as u64);
-        // Rows are few where the picture is high.
+        // The buffered rows are small compared with a tall image.
         assert!((64 * 176..=64 * 320).contains(&header.rows()), "{}", header.rows());
     }
 
@@ -181,7 +183,7 @@ mod tests {
         for wrong in [&file(0xc9, &[0x11], 1), &file(0xc0, &[0x51], 1), &file(0xc0, &[], 0), &twice] {
             assert_eq!(keeps_all(wrong), None);
         }
-        // Zeros between 255 and a marker hide it.
+        // Zeros between a 255 and a marker hide the marker.
         let hidden = [&b"\xff\xd8\xff\0\xc2"[..], &sound[2..]].concat();
         assert_eq!(keeps_all(&hidden), Some(false));
     }

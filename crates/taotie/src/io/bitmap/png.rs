@@ -1,4 +1,4 @@
-//! PNG row by row into texels, without a copy of the whole image in between.
+//! Decodes PNG row by row into texels, without an intermediate copy of the whole image.
 
 use super::super::reading::Reading;
 use super::limits::{Failure, TexelRoom, check_room, check_size, credible};
@@ -9,8 +9,8 @@ use std::io::Cursor;
 
 type Rows<'a> = Reader<Cursor<&'a [u8]>>;
 
-/// Decodes a PNG; palettes, bits and transparent colours become samples of 8 or 16 bits. `None` for one that is
-/// interlaced.
+/// Decodes a PNG; palettes, sub-byte samples and transparent colours become samples of 8 or 16 bits. Returns `None`
+/// for an interlaced one.
 pub(super) fn decode(bytes: &[u8], reading: &Reading) -> std::result::Result<Option<Bitmap>, Failure> {
     let mut decoder = Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(Transformations::EXPAND);
@@ -24,13 +24,13 @@ pub(super) fn decode(bytes: &[u8], reading: &Reading) -> std::result::Result<Opt
     check_size(u64::from(width), u64::from(height), credible(bytes))?;
     let (color, depth) = rows.output_color_type();
     let bytes_of_channel = if depth == BitDepth::Sixteen { 2 } else { 1 };
-    check_room(reading, [width, height], TexelRoom { depth: bytes_of_channel, beside: 0 })?;
+    check_room(reading, [width, height], TexelRoom { depth: bytes_of_channel, scratch: 0 })?;
     let channels = match color {
         ColorType::Grayscale => 1,
         ColorType::GrayscaleAlpha => 2,
         ColorType::Rgb => 3,
         ColorType::Rgba => 4,
-        ColorType::Indexed => return Err(Failure::Unsupported("a palette that is not expanded".into())),
+        ColorType::Indexed => return Err(Failure::Unsupported("an unexpanded palette".into())),
     };
     let texels = match depth {
         BitDepth::Eight => {
@@ -41,12 +41,12 @@ pub(super) fn decode(bytes: &[u8], reading: &Reading) -> std::result::Result<Opt
         BitDepth::Sixteen => Texels::U16(texels(&mut rows, channels, u16::MAX, |line, samples| {
             samples.extend(line.as_chunks().0.iter().map(|bytes| u16::from_be_bytes(*bytes)));
         })?),
-        other => return Err(Failure::Unsupported(format!("{other:?} bits that are not expanded"))),
+        other => return Err(Failure::Unsupported(format!("unexpanded bit depth {other:?}"))),
     };
     Bitmap::new(width, height, channels, texels).map(Some).map_err(|e| Failure::Damaged(e.to_string()))
 }
 
-/// All texels; `read` appends the samples of a row of bytes.
+/// Returns all texels; `read` appends the samples of a row of bytes.
 fn texels<T: Copy + Default>(
     rows: &mut Rows<'_>,
     channels: u8,

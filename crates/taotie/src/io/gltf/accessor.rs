@@ -1,4 +1,4 @@
-//! Typed elements out of buffers: any component type, normalised or not, interleaved, sparse.
+//! Typed elements from buffers: any component type, normalised or not, interleaved, sparse.
 
 use super::document::Document;
 use super::reason::{Reason, no_such};
@@ -6,7 +6,7 @@ use super::supplied::Supplied;
 use gltf::json::accessor::{Accessor as Json, ComponentType, Type};
 use gltf::json::validation::Checked;
 
-/// The most elements that an accessor without stored data may claim.
+/// Maximum number of elements of an accessor without stored data.
 const MAX_IMPLICIT: u64 = 1 << 24;
 
 /// Elements of up to 16 components, read one at a time.
@@ -15,9 +15,9 @@ pub(super) struct Accessor<'a> {
     pub count: usize,
     /// The number of components of an element.
     pub width: usize,
-    /// The bytes of the dense elements; `None` where all are zero.
+    /// The bytes of the dense elements; `None` if all are zero.
     dense: Option<Strided<'a>>,
-    /// Index and place in `sparse_values` of replaced elements, in rising order of index.
+    /// Index and position in `sparse_values` of replaced elements, by ascending index.
     sparse: Vec<(u32, u32)>,
     sparse_values: &'a [u8],
     component: ComponentType,
@@ -30,7 +30,7 @@ struct Strided<'a> {
 }
 
 impl<'a> Accessor<'a> {
-    /// Checks the accessor `index`: after this, every element can be read.
+    /// Opens and checks the accessor `index`: afterwards, every element can be read.
     pub fn open(document: &'a Document, index: usize) -> Reason<Self> {
         let json = document.root.accessors.get(index).ok_or_else(|| no_such("accessor", index))?;
         let accessor = match document.supplied(index) {
@@ -55,12 +55,12 @@ impl<'a> Accessor<'a> {
     }
 
     fn check(document: &'a Document, json: &Json) -> Reason<Self> {
-        let Checked::Valid(kind) = json.type_ else { return Err("its type is unknown".into()) };
+        let Checked::Valid(kind) = json.type_ else { return Err("unknown type".into()) };
         let Checked::Valid(component) = json.component_type else {
-            return Err("its component type is unknown".into());
+            return Err("unknown component type".into());
         };
         if matches!(kind, Type::Mat2 | Type::Mat3) {
-            return Err("matrices of 2 or 3 columns mean nothing here".into());
+            return Err("2×2 and 3×3 matrices are not used here".into());
         }
         let (count, width, component) = (json.count.0, kind.multiplicity(), component.0);
         let size = width * component.size();
@@ -70,7 +70,7 @@ impl<'a> Accessor<'a> {
                 Some(strided(document, view.value(), offset, Elements { count, size })?)
             }
             None if count > MAX_IMPLICIT => {
-                return Err(format!("{count} elements without data; at most {MAX_IMPLICIT}"));
+                return Err(format!("{count} elements without data; the maximum is {MAX_IMPLICIT}"));
             }
             None => None,
         };
@@ -91,7 +91,7 @@ impl<'a> Accessor<'a> {
     fn read_sparse(&mut self, document: &'a Document, json: &Json) -> Reason<()> {
         let Some(sparse) = &json.sparse else { return Ok(()) };
         let Checked::Valid(kind) = sparse.indices.component_type else {
-            return Err("the component type of its indices is unknown".into());
+            return Err("unknown component type of the indices".into());
         };
         let count = sparse.count.0;
         let (view, offset) = (sparse.indices.buffer_view.value(), sparse.indices.byte_offset.0);
@@ -101,7 +101,7 @@ impl<'a> Accessor<'a> {
         for place in 0..count as usize {
             let index = unsigned(&indices.bytes[place * indices.stride..], kind.0);
             if index as usize >= self.count {
-                return Err(format!("it replaces element {index} of {}", self.count));
+                return Err(format!("replaces element {index} of {}", self.count));
             }
             self.sparse.push((index, place as u32));
         }
@@ -109,12 +109,12 @@ impl<'a> Accessor<'a> {
         Ok(())
     }
 
-    /// Says whether neither a buffer view nor sparse values define the elements.
+    /// Returns `true` if neither a buffer view nor sparse values define the elements.
     pub fn is_implicit(&self) -> bool {
         self.dense.is_none() && self.sparse.is_empty()
     }
 
-    /// Element `i` as floating-point numbers, integers mapped to [0, 1] or [−1, 1] where normalised. Components
+    /// Returns element `i` as floating-point numbers, integers mapped to [0, 1] or [−1, 1] if normalised. Components
     /// beyond its width are zero. Source: glTF 2.0, 3.11 (Skinned Mesh Attributes uses the same mapping).
     #[inline]
     pub fn floats<const N: usize>(&self, i: usize) -> [f32; N] {
@@ -128,7 +128,7 @@ impl<'a> Accessor<'a> {
         values
     }
 
-    /// Element `i` as unsigned integers; signed and float components give zero.
+    /// Returns element `i` as unsigned integers; signed and float components give zero.
     #[inline]
     pub fn unsigned<const N: usize>(&self, i: usize) -> [u32; N] {
         let mut values = [0; N];
@@ -153,12 +153,12 @@ impl<'a> Accessor<'a> {
         Supplied { component: self.component, width: self.width, bytes }
     }
 
-    /// Returns `true` if integers stand for numbers in [0, 1] or [−1, 1].
+    /// Returns `true` if integers represent numbers in [0, 1] or [−1, 1].
     pub fn is_normalized(&self) -> bool {
         self.normalized
     }
 
-    /// Says whether the components are unsigned integers.
+    /// Returns `true` if the components are unsigned integers.
     pub fn is_unsigned(&self) -> bool {
         matches!(self.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32)
     }
@@ -167,12 +167,12 @@ impl<'a> Accessor<'a> {
         self.width * self.component.size()
     }
 
-    /// The bytes of element `i`, or `None` where it is zero.
+    /// Returns the bytes of element `i`, or `None` if it is zero.
     #[inline]
     fn element(&self, i: usize) -> Option<&'a [u8]> {
         let size = self.size();
         if !self.sparse.is_empty() {
-            // Of several values for one element the last counts.
+            // If an element is replaced several times, the last value counts.
             let after = self.sparse.partition_point(|(index, _)| *index as usize <= i);
             if let Some((_, place)) =
                 after.checked_sub(1).map(|j| self.sparse[j]).filter(|s| s.0 as usize == i)
@@ -185,13 +185,13 @@ impl<'a> Accessor<'a> {
     }
 }
 
-/// The number of elements, and the number of bytes of each.
+/// The number of elements, and the size of each in bytes.
 struct Elements {
     count: u64,
     size: usize,
 }
 
-/// The part of a buffer view that holds some elements from `offset` on.
+/// Returns the part of a buffer view that holds `elements`, starting at `offset`.
 fn strided(document: &Document, view: usize, offset: u64, elements: Elements) -> Reason<Strided<'_>> {
     let Elements { count, size } = elements;
     let (bytes, stride) = document.view(view)?;
@@ -205,8 +205,8 @@ fn strided(document: &Document, view: usize, offset: u64, elements: Elements) ->
     let end = last.and_then(|l| l.checked_add(if count == 0 { 0 } else { size as u64 }));
     let end = end.and_then(|e| e.checked_add(offset)).filter(|e| *e <= bytes.len() as u64);
     if end.is_none() {
-        let what = format!("{count} elements of {size} bytes, {stride} apart, from byte {offset} on");
-        return Err(format!("{what} do not fit into the {} bytes of buffer view {view}", bytes.len()));
+        let what = format!("{count} elements of {size} bytes, {stride} apart, starting at byte {offset},");
+        return Err(format!("{what} do not fit in the {} bytes of buffer view {view}", bytes.len()));
     }
     Ok(Strided { bytes: &bytes[offset as usize..], stride })
 }

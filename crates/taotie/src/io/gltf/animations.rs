@@ -1,4 +1,4 @@
-//! Animations: channels and keyframes, each checked by itself.
+//! Animations: channels and keyframes, each checked separately.
 
 use super::accessor::Accessor;
 use super::document::Document;
@@ -10,13 +10,13 @@ use gltf::json::validation::Checked;
 use gltf::json::{self, Value};
 use std::collections::{HashMap, HashSet};
 
-/// The most numbers of all keyframes together, in multiples of the bytes of the buffers, and that many more. Sharing
-/// keyframes between channels is common; a small file that asks for gigabytes is not.
+/// Maximum number of values in all keyframes together, per byte of the buffers, plus a constant for small files.
+/// Sharing keyframes between channels is common; a small file that requests gigabytes is not.
 const MAX_NUMBERS_PER_BYTE: usize = 8;
 const MAX_NUMBERS_OF_SMALL: usize = 1 << 22;
 
-/// The animations of the file. `nodes` have their morph weights. A channel that cannot be used is left out with a
-/// warning; an animation without any is kept, since it is there to be chosen.
+/// Returns the animations of the file. `nodes` have their morph weights. A channel that cannot be used is skipped
+/// with a warning; an animation without any is kept, so that it can be chosen.
 pub(super) fn read(document: &Document, nodes: &[Node], warnings: &mut Warnings) -> Vec<Animation> {
     let mut budget = MAX_NUMBERS_OF_SMALL + MAX_NUMBERS_PER_BYTE * document.total_bytes();
     let mut animations = Vec::new();
@@ -40,7 +40,7 @@ pub(super) fn read(document: &Document, nodes: &[Node], warnings: &mut Warnings)
             }
         }
         if let Some(why) = first_reason {
-            warnings.note(format!("animation {i}: channels are left out, the first because {why}"), left_out);
+            warnings.note(format!("animation {i}: skipped channels, the first because: {why}"), left_out);
         }
         budget = reader.budget;
         animations.push(reader.animation);
@@ -55,7 +55,7 @@ struct AnimationReader<'a> {
     json: &'a Value,
     budget: usize,
     animation: Animation,
-    /// From the file's samplers to those of `animation`.
+    /// Maps the file's samplers to those of `animation`.
     samplers: HashMap<usize, usize>,
     seen: HashSet<(usize, Path)>,
 }
@@ -67,9 +67,9 @@ impl AnimationReader<'_> {
             return Err("KHR_animation_pointer is not supported".into());
         }
         let channel: json::animation::Channel =
-            json::deserialize::from_value(json.clone()).map_err(|e| malformed("it", &e))?;
+            json::deserialize::from_value(json.clone()).map_err(|e| malformed("channel", &e))?;
         let Checked::Valid(property) = channel.target.path else {
-            return Err(format!("there is no path '{}'", path.unwrap_or_default()));
+            return Err(format!("unknown path '{}'", path.unwrap_or_default()));
         };
         let path = match property {
             Property::Translation => Path::Translation,
@@ -82,21 +82,21 @@ impl AnimationReader<'_> {
         let channel = Channel { node, path, sampler };
         self.animation.check_channel(&channel, self.nodes)?;
         if !self.seen.insert((node, path)) {
-            return Err("another channel moves the same before".into());
+            return Err("an earlier channel has the same target".into());
         }
         self.animation.channels.push(channel);
         Ok(())
     }
 
-    /// The number in `animation` of a sampler of the file.
+    /// Returns the index in `animation` of a sampler of the file.
     fn sampler(&mut self, index: usize) -> Reason<usize> {
         if let Some(known) = self.samplers.get(&index) {
             return Ok(*known);
         }
         let json = self.json.get("samplers").and_then(|samplers| samplers.get(index));
         let json = json.ok_or_else(|| no_such("sampler", index))?.clone();
-        let json = json::deserialize::from_value(json).map_err(|e| malformed("its sampler", &e))?;
-        let sampler = self.keyframes(&json).map_err(|why| format!("of sampler {index}: {why}"))?;
+        let json = json::deserialize::from_value(json).map_err(|e| malformed("sampler", &e))?;
+        let sampler = self.keyframes(&json).map_err(|why| format!("sampler {index}: {why}"))?;
         self.animation.samplers.push(sampler);
         self.samplers.insert(index, self.animation.samplers.len() - 1);
         Ok(self.animation.samplers.len() - 1)
@@ -107,15 +107,16 @@ impl AnimationReader<'_> {
             Checked::Valid(JsonInterpolation::Step) => Interpolation::Step,
             Checked::Valid(JsonInterpolation::Linear) => Interpolation::Linear,
             Checked::Valid(JsonInterpolation::CubicSpline) => Interpolation::CubicSpline,
-            Checked::Invalid => return Err("its interpolation is unknown".into()),
+            Checked::Invalid => return Err("unknown interpolation".into()),
         };
         let input = Accessor::open(self.document, json.input.value())?;
         if input.width != 1 {
-            return Err("times must be one number each".into());
+            return Err("times must be scalars".into());
         }
         let output = Accessor::open(self.document, json.output.value())?;
         let numbers = output.count.saturating_mul(output.width).saturating_add(input.count);
-        self.budget = self.budget.checked_sub(numbers).ok_or("there are too many keyframes for the file")?;
+        self.budget =
+            self.budget.checked_sub(numbers).ok_or("too many keyframes for the size of the file")?;
         let times = (0..input.count).map(|i| input.floats::<1>(i)[0]).collect();
         let element = |i| output.floats::<16>(i).into_iter().take(output.width);
         let values = (0..output.count).flat_map(element).collect();
@@ -124,5 +125,5 @@ impl AnimationReader<'_> {
 }
 
 fn malformed(what: &str, error: &json::Error) -> String {
-    format!("{what} is malformed: {error}")
+    format!("malformed {what}: {error}")
 }

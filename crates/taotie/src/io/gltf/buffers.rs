@@ -1,4 +1,4 @@
-//! The bytes of buffers and of their views, unpacked where they are compressed.
+//! The bytes of buffers and of their views, decompressed where necessary.
 
 use super::meshopt::{self, Packed};
 use super::reason::{Reason, no_such};
@@ -9,8 +9,8 @@ use gltf::json::Root;
 use gltf::json::buffer::View;
 use std::collections::BTreeMap;
 
-/// The most bytes that all compressed views unpack to, in multiples of the bytes of the buffers, and that many more.
-/// Several views may name the same packed bytes, so a limit for each alone would not bound their sum.
+/// Maximum number of bytes that all compressed views unpack to, per byte of the buffers, plus a constant for small
+/// files. Several views may share the same packed bytes, so a limit per view would not bound their sum.
 const MAX_UNPACKED_PER_BYTE: usize = 64;
 const MAX_UNPACKED_OF_SMALL: usize = 1 << 28;
 
@@ -18,15 +18,15 @@ const MAX_UNPACKED_OF_SMALL: usize = 1 << 28;
 pub(super) struct Buffers {
     /// The bytes of each buffer; `None` for one that has no source.
     buffers: Vec<Option<Vec<u8>>>,
-    /// The bytes of compressed views, or why they cannot be had.
+    /// The bytes of compressed views, or the reason why they are unavailable.
     unpacked: BTreeMap<usize, Reason<Vec<u8>>>,
 }
 
 impl Buffers {
-    /// Reads every buffer that `root` names; `blob` is the binary chunk of the container.
+    /// Reads every buffer of `root`; `blob` is the binary chunk of the container.
     ///
     /// # Errors
-    /// Fails where a buffer cannot be read. [`Self::view`] reports a compressed view that is damaged.
+    /// Fails if a buffer cannot be read. [`Self::view`] reports a damaged compressed view.
     pub fn load(
         reading: &Reading,
         root: &Root,
@@ -59,7 +59,7 @@ impl Buffers {
         Ok(buffers)
     }
 
-    /// The bytes of view `index`, which is `view`.
+    /// Returns the bytes of view `index`, which is `view`.
     pub fn view(&self, index: usize, view: &View) -> Reason<&[u8]> {
         let start = view.byte_offset.map_or(0, |o| o.0);
         let bytes = match self.unpacked.get(&index) {
@@ -69,7 +69,7 @@ impl Buffers {
         bytes.map_err(|why| format!("buffer view {index}: {why}"))
     }
 
-    /// Returns the number of bytes, those of compressed views as unpacked.
+    /// Returns the number of bytes, counting compressed views as unpacked.
     pub fn total_bytes(&self) -> usize {
         let unpacked = self.unpacked.values().flatten();
         self.buffers.iter().flatten().chain(unpacked).map(Vec::len).sum()
@@ -81,10 +81,10 @@ impl Buffers {
             .get(buffer)
             .ok_or_else(|| no_such("buffer", buffer))?
             .as_ref()
-            .ok_or_else(|| format!("buffer {buffer} has no data, only what an extension would fill"))?;
+            .ok_or_else(|| format!("buffer {buffer} has no data except from an extension"))?;
         let end = start.saturating_add(length);
         if end > bytes.len() as u64 {
-            return Err(format!("it ends at byte {end}, but buffer {buffer} has {}", bytes.len()));
+            return Err(format!("ends at byte {end}, but buffer {buffer} has {} bytes", bytes.len()));
         }
         Ok(&bytes[start as usize..end as usize])
     }
@@ -105,7 +105,7 @@ impl Buffers {
     }
 }
 
-/// Reads the buffer that a URI names.
+/// Reads the buffer that a URI refers to.
 pub(super) fn load_buffer(reading: &Reading, name: &str, index: usize) -> Result<Vec<u8>> {
     let wrong = |what: String| Err(Error::parse(reading.path(), format!("buffer {index}"), what));
     let short = uri::shortened(name);

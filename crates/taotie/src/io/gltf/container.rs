@@ -1,9 +1,9 @@
-//! The GLB container: a header, the JSON and at most one piece of binary data.
+//! The GLB container: a header, the JSON and at most one chunk of binary data.
 
 use crate::error::{Error, Result};
 use std::path::Path;
 
-/// The JSON text and, for GLB, the binary chunk (empty where there is none).
+/// Returns the JSON text and, for GLB, the binary chunk (empty if there is none).
 pub(super) fn split(path: &Path, mut bytes: Vec<u8>) -> Result<(Vec<u8>, Option<Vec<u8>>)> {
     if !bytes.starts_with(b"glTF") {
         return Ok((bytes, None));
@@ -32,7 +32,7 @@ pub(super) fn split(path: &Path, mut bytes: Vec<u8>) -> Result<(Vec<u8>, Option<
                 bytes.drain(..start);
                 return Ok((json.unwrap_or_default(), Some(bytes)));
             }
-            (_, None) => return Err(Error::parse(path, "GLB container", "its first chunk is not JSON")),
+            (_, None) => return Err(Error::parse(path, "GLB container", "the first chunk is not JSON")),
             _ => {}
         }
         at = end;
@@ -42,7 +42,7 @@ pub(super) fn split(path: &Path, mut bytes: Vec<u8>) -> Result<(Vec<u8>, Option<
 }
 
 fn truncated(path: &Path, what: &str) -> Error {
-    Error::parse(path, "GLB container", format!("the file ends inside its {what}; fetch it again"))
+    Error::parse(path, "GLB container", format!("the file ends within the {what}; download it again"))
 }
 
 fn little_endian(bytes: &[u8], at: usize) -> Option<u32> {

@@ -1,4 +1,4 @@
-//! The vertices, triangles and images of a file as it stores them, for programs that pack them anew.
+//! The vertices, triangles and images of a file as stored, for programs that repack them.
 
 use super::accessor::{Accessor, float};
 use super::document::Document;
@@ -24,14 +24,14 @@ pub(in crate::io) struct StoredAttribute {
     /// Its name in the file.
     pub name: String,
     pub elements: Supplied,
-    /// `true` if integers stand for numbers in [0, 1] or [−1, 1].
+    /// `true` if integers represent numbers in [0, 1] or [−1, 1].
     pub is_normalized: bool,
 }
 
-/// Vertices that primitives share.
+/// Vertices shared by primitives.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::io) struct StoredVertices {
-    /// At least POSITION, the first; all have one element a vertex.
+    /// At least POSITION, which is first; all have one element per vertex.
     pub attributes: Vec<StoredAttribute>,
     /// The attributes of each morph target.
     pub targets: Vec<Vec<StoredAttribute>>,
@@ -41,29 +41,29 @@ pub(in crate::io) struct StoredVertices {
 /// A primitive on shared vertices.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::io) struct StoredPrimitive {
-    /// The number of its mesh in the file.
+    /// The index of its mesh in the file.
     pub mesh: usize,
-    /// Its number in the mesh.
+    /// Its index in the mesh.
     pub primitive: usize,
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// What a file stores.
+/// The stored content of a file.
 #[derive(Debug, Clone, Default)]
 pub(in crate::io) struct Content {
-    /// Of the primitives of triangles that no extension packs and that can be read as a whole.
+    /// Vertices of the triangle primitives that no extension packs and that can be read completely.
     pub vertices: Vec<StoredVertices>,
-    /// The images in the order of the file; `None` for one that cannot be decoded.
+    /// The images in file order; `None` for one that cannot be decoded.
     pub images: Vec<Option<Bitmap>>,
 }
 
 const POSITION: &str = "POSITION";
 
 impl Content {
-    /// Reads what a file stores.
+    /// Reads the stored content of a file.
     ///
     /// # Errors
-    /// Those of reading the file; [`crate::Error::Limit`] if its content does not fit the memory.
+    /// Those of reading the file; [`crate::Error::Limit`] if its content does not fit in memory.
     pub fn read(source: GltfSource<'_>, raw: &RawGltf) -> Result<Self> {
         let reading = raw.reading();
         let bytes = source.bytes(reading)?.into_owned();
@@ -75,7 +75,7 @@ impl Content {
     }
 }
 
-/// Reads primitives, typed and as raw JSON, which alone has all names.
+/// Reads primitives, both typed and as raw JSON, since only the latter has all names.
 struct Reader<'a> {
     document: &'a Document,
     json: &'a Value,
@@ -88,7 +88,7 @@ impl Reader<'_> {
         for (mesh, typed) in self.document.root.meshes.iter().enumerate() {
             for (primitive, typed) in typed.primitives.iter().enumerate() {
                 let json = &self.json["meshes"][mesh]["primitives"][primitive];
-                // One that cannot be read stays as it is.
+                // A primitive that cannot be read stays unchanged.
                 let Ok(Some(triangles)) = self.triangles(typed, json, &mut budget) else { continue };
                 let key = format!("{} {}", json["attributes"], json["targets"]);
                 let primitive = StoredPrimitive { mesh, primitive, triangles };
@@ -125,7 +125,7 @@ impl Reader<'_> {
         let indices = typed.indices.map(|index| Accessor::open(self.document, index.value())).transpose()?;
         spend(budget, indices.as_ref().map_or(count, |indices| indices.count))?;
         if !self.document.reading.take(bytes_of(0, count)) {
-            return Err("it does not fit the memory".into());
+            return Err("it does not fit in memory".into());
         }
         let found = triangulate(mode, &read_indices(indices.as_ref(), count)?);
         let is_whole = mode != Mode::Triangles || found.as_ref().is_some_and(|found| found.surplus == 0);
@@ -145,7 +145,7 @@ impl Reader<'_> {
             |attribute: &StoredAttribute| attribute.elements.count() == count && attribute.can_be_packed();
         match attributes.iter().chain(targets.iter().flatten()).all(can_pack) {
             true => Ok(StoredVertices { attributes, targets, primitives: Vec::new() }),
-            false => Err("its attributes have several lengths, or numbers that nothing packs".into()),
+            false => Err("its attributes differ in length, or cannot be packed".into()),
         }
     }
 
@@ -157,7 +157,7 @@ impl Reader<'_> {
                 let accessor = Accessor::open(self.document, index)?;
                 spend(budget, accessor.count)?;
                 if !self.document.reading.take(bytes_of(accessor.count, 0)) {
-                    return Err("it does not fit the memory".into());
+                    return Err("it does not fit in memory".into());
                 }
                 Ok(StoredAttribute {
                     name: name.clone(),
@@ -170,7 +170,7 @@ impl Reader<'_> {
 }
 
 impl StoredVertices {
-    /// Leaves out vertices that no triangle has, and all but one of those that are the same in every attribute; `None` if
+    /// Removes vertices that no triangle uses, and merges those that are equal in every attribute; returns `None` if
     /// no triangle is left.
     fn compacted(mut self) -> Option<Self> {
         let count = self.attributes[0].elements.count();
@@ -196,12 +196,12 @@ impl StoredVertices {
         };
         self.attributes.iter_mut().for_each(&mut pick);
         self.targets.iter_mut().flatten().for_each(&mut pick);
-        // An empty primitive is nothing that glTF can say; it stays as it is.
+        // glTF has no empty primitives, so such a primitive stays unchanged.
         self.primitives.retain(|primitive| !primitive.triangles.is_empty());
         (!self.primitives.is_empty()).then_some(self)
     }
 
-    /// Returns for each vertex the first one that is the same in every attribute.
+    /// Returns for each vertex the first one that is equal in every attribute.
     fn first_of_same(&self, count: usize) -> Vec<u32> {
         let all: Vec<&StoredAttribute> =
             self.attributes.iter().chain(self.targets.iter().flatten()).collect();
@@ -222,8 +222,8 @@ impl StoredVertices {
 }
 
 impl StoredAttribute {
-    /// Returns `true` if it is as glTF defines it, of numbers that can be packed: positions are finite, and no element has more
-    /// than 16 bytes.
+    /// Returns `true` if it is as glTF defines it, with numbers that can be packed: positions are finite, and no
+    /// element has more than 16 bytes.
     fn can_be_packed(&self) -> bool {
         let Supplied { component, width, bytes } = &self.elements;
         let is_finite = |word: &[u8; 4]| !self.is_float() || f32::from_le_bytes(*word).is_finite();
@@ -241,13 +241,13 @@ impl StoredAttribute {
         self.elements.component == ComponentType::F32
     }
 
-    /// Returns the components of a vertex as numbers; integers stand for themselves.
+    /// Returns the components of a vertex as numbers; integers are not normalised.
     pub fn numbers(&self, vertex: usize) -> impl Iterator<Item = f32> {
         let component = self.elements.component;
         self.element(vertex).chunks_exact(component.size()).map(move |bytes| float(bytes, component, false))
     }
 
-    /// Returns the components of a vertex as numbers; normalised integers in [0, 1] or [−1, 1].
+    /// Returns the components of a vertex as numbers; normalised integers map to [0, 1] or [−1, 1].
     pub fn unit_numbers(&self, vertex: usize) -> impl Iterator<Item = f32> {
         let component = self.elements.component;
         let number = move |bytes: &[u8]| float(bytes, component, self.is_normalized);
@@ -262,7 +262,7 @@ impl StoredAttribute {
 }
 
 fn spend(budget: &mut usize, elements: usize) -> Reason<()> {
-    *budget = budget.checked_sub(elements).ok_or("its primitives share bytes too many times")?;
+    *budget = budget.checked_sub(elements).ok_or("its primitives share bytes too often")?;
     Ok(())
 }
 

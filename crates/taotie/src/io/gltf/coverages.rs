@@ -1,12 +1,13 @@
-//! The screen coverages at which levels of detail are shown, which nodes say in application data (MSFT_screencoverage).
+//! The screen coverages at which levels of detail are shown, from the nodes' application data (MSFT_screencoverage).
 
 use gltf::json::Value;
 use std::collections::BTreeMap;
 
-/// The parts of the screen for the levels of nodes, by the numbers of these.
+/// The screen coverages of the levels of nodes, by node index.
 pub(super) type Coverages = BTreeMap<usize, Vec<f32>>;
 
-/// Returns what nodes say in application data: the least part of the screen that is covered while each of their levels is shown.
+/// Returns the coverages in nodes' application data: the minimum screen coverage at which each of their levels is
+/// shown.
 pub(super) fn of(json: &Value) -> Coverages {
     let of_node = |node: &Value| -> Option<Vec<f32>> {
         let parts = node.pointer("/extras/MSFT_screencoverage")?.as_array()?;

@@ -11,19 +11,19 @@ use crate::scene::animation::Skin;
 use gltf::json::Index;
 use gltf::json::mesh::{MorphTarget as JsonTarget, Semantic};
 
-/// The most sets of four joints of a vertex that are read.
+/// Maximum number of sets of four joints read per vertex.
 const MAX_JOINT_SETS: u32 = 4;
 
 /// The choice of morph targets that are read.
 pub(super) struct Wanted<'a> {
-    /// The weights at rest; a target without one weighs nothing.
+    /// The weights at rest; a target without one has weight 0.
     pub weights: &'a [f32],
-    /// `true` where weights will change, so that all targets are wanted and not only those that weigh something.
+    /// `true` if weights will change, so that all targets are needed, not only those with a weight.
     pub all: bool,
 }
 
-/// The morph targets for the vertices `used`. One that cannot be read is left out with a warning that starts with
-/// `place`, unless it weighs something at rest. Targets that are not wanted change nothing.
+/// Returns the morph targets for the vertices `used`. One that cannot be read is skipped with a warning that starts
+/// with `place`, unless it has a weight at rest. Targets that are not wanted are empty.
 pub(super) fn targets(
     vertices: &Vertices,
     used: &[u32],
@@ -52,7 +52,7 @@ pub(super) fn targets(
 fn finite(target: MorphTarget) -> Reason<MorphTarget> {
     let all = [&target.positions, &target.normals, &target.tangents];
     if all.into_iter().flatten().any(|delta| !delta.is_finite()) {
-        return Err("it holds infinite or NaN numbers".into());
+        return Err("infinite or NaN values".into());
     }
     Ok(target)
 }
@@ -70,7 +70,7 @@ fn target(vertices: &Vertices, used: &[u32], json: &JsonTarget) -> Reason<MorphT
     })
 }
 
-/// Returns the joint weights of the vertices `used`; each vertex's sum to one.
+/// Returns the joint weights of the vertices `used`; the weights of each vertex sum to one.
 pub(super) fn binding(vertices: &Vertices, used: &[u32], warnings: &mut Warnings) -> Reason<Binding> {
     let mut sets = Vec::new();
     for set in 0..MAX_JOINT_SETS {
@@ -81,7 +81,7 @@ pub(super) fn binding(vertices: &Vertices, used: &[u32], warnings: &mut Warnings
         sets.push((open(joints)?, open(weights)?));
     }
     if sets.is_empty() {
-        return Err("its node has a skin, but there are no JOINTS_0 and WEIGHTS_0".into());
+        return Err("its node has a skin, but JOINTS_0 or WEIGHTS_0 is missing".into());
     }
     let mut binding = Binding { per_vertex: 4 * sets.len(), ..Binding::default() };
     for i in used.iter().map(|i| *i as usize) {
@@ -91,12 +91,12 @@ pub(super) fn binding(vertices: &Vertices, used: &[u32], warnings: &mut Warnings
         }
     }
     let unbound = normalize_weights(&mut binding);
-    warnings.note("vertices without joint weights; they follow their first joint", unbound);
+    warnings.note("vertices without joint weights; bound to their first joint", unbound);
     Ok(binding)
 }
 
-/// Makes each vertex's weights sum to one and returns how many vertices had none; those follow their first joint.
-/// Joints of weight zero are set to zero, since files leave any number there.
+/// Makes each vertex's weights sum to one and returns how many vertices had none; those are bound to their first
+/// joint. Joints of weight zero are set to zero, since files may have any index there.
 fn normalize_weights(binding: &mut Binding) -> usize {
     let mut unbound = 0;
     let weights = binding.weights.chunks_exact_mut(binding.per_vertex);
@@ -114,7 +114,7 @@ fn normalize_weights(binding: &mut Binding) -> usize {
     unbound
 }
 
-/// Reads skin `index`, its joints in range of the file's nodes.
+/// Reads skin `index`, checking that its joints are nodes of the file.
 pub(super) fn skin(document: &Document, index: usize, warnings: &mut Warnings) -> Reason<Skin> {
     let skin = document.root.skins.get(index).ok_or_else(|| no_such("skin", index))?;
     let within = |why: String| format!("skin {index}: {why}");
@@ -127,7 +127,7 @@ pub(super) fn skin(document: &Document, index: usize, warnings: &mut Warnings) -
     };
     let binds = Accessor::open(document, binds.value()).map_err(within)?;
     if binds.width != 16 || binds.count < joints.len() {
-        return Err(within("it needs one inverse bind matrix of 4×4 a joint".into()));
+        return Err(within("expected one 4×4 inverse bind matrix per joint".into()));
     }
     let bind = |j: usize| super::nodes::from_columns(&binds.floats(j), warnings);
     let inverse_bind_matrices = (0..joints.len()).map(bind).collect();

@@ -1,4 +1,4 @@
-//! The container and its JSON: the content of a `.gltf` or `.glb` file before any of it is believed.
+//! The container and its JSON: the content of a `.gltf` or `.glb` file before any validation.
 
 use super::buffers::Buffers;
 use super::container::split;
@@ -21,9 +21,9 @@ use std::sync::Arc;
 pub(super) struct Document {
     /// The file.
     pub path: PathBuf,
-    /// What may be taken and reached, and was taken.
+    /// The limits on memory and file access, and the memory used so far.
     pub reading: Arc<Reading>,
-    /// Its JSON; nothing in it is checked beyond its types.
+    /// Its JSON; only the types in it have been checked.
     pub root: Root,
     /// Bytes of its JSON.
     pub json_bytes: u64,
@@ -31,22 +31,22 @@ pub(super) struct Document {
     pub format: &'static str,
     /// The animations' JSON, whose types are checked channel by channel.
     pub animations: Vec<Value>,
-    /// Its XMP packets, untouched.
+    /// Its XMP packets, unmodified.
     pub xmp: Vec<Value>,
-    /// The parts of the screen that nodes say for their levels of detail.
+    /// The screen coverages that nodes specify for their levels of detail.
     pub coverages: Coverages,
     buffers: Buffers,
     supply: Supply,
 }
 
 impl Document {
-    /// Reads the file and every buffer it names.
+    /// Reads the file and every buffer it refers to.
     pub fn open(reading: &Arc<Reading>, warnings: &mut Warnings) -> Result<Self> {
         let content = reading.read_own(reading.path())?;
         Self::of(reading, content, warnings)
     }
 
-    /// Takes the content of the file, and reads every buffer it names.
+    /// Parses the content of the file, and reads every buffer it refers to.
     pub fn of(reading: &Arc<Reading>, content: Vec<u8>, warnings: &mut Warnings) -> Result<Self> {
         let path = reading.path();
         let (text, blob) = split(path, content)?;
@@ -56,7 +56,7 @@ impl Document {
         let format = if blob.is_some() { "GLB" } else { "glTF" };
         let Parsed { root, animations, xmp, coverages } = parse(path, &text)?;
         let json_bytes = text.len() as u64;
-        // Its place is counted for what data URIs hold.
+        // Its memory is counted for the contents of data URIs.
         drop(text);
         check_extensions(path, &root, warnings)?;
         check_nodes(reading, root.nodes.len() as u64)?;
@@ -80,18 +80,18 @@ impl Document {
         })
     }
 
-    /// An error at a place in this file.
+    /// Returns an error at a place in this file.
     pub fn error(&self, at: impl Into<String>, what: impl Into<String>) -> Error {
         Error::parse(&self.path, at, what)
     }
 
-    /// The bytes of a buffer view and its stride, where it has one.
+    /// Returns the bytes of a buffer view and its stride, if it has one.
     pub fn view(&self, index: usize) -> Reason<(&[u8], Option<usize>)> {
         let view = self.root.buffer_views.get(index).ok_or_else(|| no_such("buffer view", index))?;
         Ok((self.buffers.view(index, view)?, view.byte_stride.map(|s| s.0)))
     }
 
-    /// Returns the elements that accessor `index` holds in place of those of its buffer view, where there are any.
+    /// Returns the elements that replace those in the buffer view of accessor `index`, if any.
     pub fn supplied(&self, index: usize) -> Reason<Option<&Supplied>> {
         self.supply.get(&index).map(|supplied| supplied.as_ref().map_err(Clone::clone)).transpose()
     }
@@ -103,13 +103,13 @@ impl Document {
     }
 }
 
-/// Refuses a scene of too many nodes.
+/// Rejects a scene with too many nodes.
 fn check_nodes(reading: &Reading, count: u64) -> Result<()> {
     let most = reading.limits().nodes;
     match count > most {
         true => Err(Error::limit(
             format!("{}: {count} nodes", reading.path().display()),
-            format!("at most {most} are read; split the file"),
+            format!("the maximum is {most}; split the file"),
         )),
         false => Ok(()),
     }
@@ -118,9 +118,9 @@ fn check_nodes(reading: &Reading, count: u64) -> Result<()> {
 /// The typed JSON, and the parts that are taken out of it.
 struct Parsed {
     root: Root,
-    /// The animations; a wrong one harms nothing else.
+    /// The animations; an invalid one does not affect anything else.
     animations: Vec<Value>,
-    /// The XMP packets as the file has them.
+    /// The XMP packets as stored in the file.
     xmp: Vec<Value>,
     coverages: Coverages,
 }
@@ -138,7 +138,7 @@ fn parse(path: &Path, text: &[u8]) -> Result<Parsed> {
         _ => Vec::new(),
     };
     let root = json::deserialize::from_value(value).map_err(|e| {
-        // Parsing the text again tells the line, which a value does not know.
+        // Parsing the text again gives the line of the error, which a value does not have.
         match json::deserialize::from_slice::<Root>(text) {
             Err(placed) => wrong(&placed),
             Ok(_) => wrong(&e),
@@ -150,7 +150,7 @@ fn parse(path: &Path, text: &[u8]) -> Result<Parsed> {
 fn check_version(path: &Path, value: &Value) -> Result<()> {
     let asset = |key: &str| value.get("asset").and_then(|a| a.get(key)).and_then(Value::as_str);
     let version = asset("version")
-        .ok_or_else(|| Error::parse(path, "asset", "there is no asset.version; is this glTF 2.0?"))?;
+        .ok_or_else(|| Error::parse(path, "asset", "asset.version is missing; is this glTF 2.0?"))?;
     let needed = asset("minVersion").unwrap_or(version);
     if !version.starts_with("2.") || (needed != "2.0" && asset("minVersion").is_some()) {
         return Err(Error::unsupported(
@@ -161,8 +161,8 @@ fn check_version(path: &Path, value: &Value) -> Result<()> {
     Ok(())
 }
 
-/// Makes the JSON readable as other readers do: whole numbers written as `4.0`, scenes without nodes. Application data
-/// goes, since nothing below reads it.
+/// Makes the JSON as tolerant as other readers: integers written as `4.0`, scenes without nodes. Application data is
+/// removed, since nothing below reads it.
 fn tidy(root: &mut Value) {
     let scenes = root.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten();
     for scene in scenes.filter_map(Value::as_object_mut) {
@@ -171,7 +171,7 @@ fn tidy(root: &mut Value) {
     tidy_value(root);
 }
 
-/// Tidies one value; the depth of the recursion is bounded by the JSON parser's own limit of 128.
+/// Tidies one value; the recursion depth is bounded by the JSON parser's own limit of 128.
 fn tidy_value(value: &mut Value) {
     match value {
         Value::Object(members) => {

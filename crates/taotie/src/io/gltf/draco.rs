@@ -1,7 +1,7 @@
-//! KHR_draco_mesh_compression: primitives packed by Draco.
+//! KHR_draco_mesh_compression: primitives compressed by Draco.
 //!
-//! Every packed primitive is unpacked when the file is opened. Its accessors take the unpacked elements in place of
-//! those in their buffer views, so that nothing else needs to know.
+//! Every compressed primitive is unpacked when the file is opened. Its accessors get the unpacked elements instead of
+//! those in their buffer views, so that no other code has to know about it.
 
 use super::super::panics::caught;
 use super::super::reading::Reading;
@@ -19,7 +19,8 @@ use gltf::json::validation::Checked;
 use gltf::json::{Root, Value};
 use std::collections::BTreeMap;
 
-/// The most bytes that all packed primitives unpack to, in multiples of the bytes of the buffers, and that many more.
+/// Maximum number of bytes that all packed primitives unpack to, per byte of the buffers, plus a constant for small
+/// files.
 const MAX_UNPACKED_PER_BYTE: u64 = 64;
 const MAX_UNPACKED_OF_SMALL: u64 = 1 << 28;
 
@@ -43,9 +44,9 @@ pub(super) fn supply(root: &Root, buffers: &Buffers, reading: &Reading, warnings
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let Some(json) = extension(primitive, DRACO) else { continue };
             if let Err(why) = unpacker.primitive(primitive, json) {
-                let why = format!("it is compressed by Draco: {why}");
+                let why = format!("Draco compression: {why}");
                 if unpacker.refuse(primitive, &why) {
-                    let what = format!("mesh {m}, primitive {p}: {why}; its uncompressed data is drawn");
+                    let what = format!("mesh {m}, primitive {p}: {why}; using its uncompressed data");
                     warnings.note(what, 1);
                 }
             }
@@ -61,7 +62,7 @@ struct Unpacker<'a> {
     buffers: &'a Buffers,
     /// The number of bytes that may still be unpacked.
     budget: u64,
-    /// The meshes unpacked from buffer views that primitives name.
+    /// The meshes unpacked from buffer views that primitives refer to.
     meshes: BTreeMap<usize, Reason<Mesh>>,
     supply: Supply,
 }
@@ -69,11 +70,11 @@ struct Unpacker<'a> {
 impl Unpacker<'_> {
     fn primitive(&mut self, primitive: &Primitive, json: &Value) -> Reason<()> {
         if primitive.mode != Checked::Valid(Mode::Triangles) {
-            return Err("only its triangle lists are read; save the model without strips".into());
+            return Err("only triangle lists are supported; export the model without strips".into());
         }
-        let indices = primitive.indices.ok_or("it has no indices")?.value();
-        let view = json.get("bufferView").and_then(Value::as_u64).ok_or("it names no buffer view")?;
-        let attributes = json.get("attributes").and_then(Value::as_object).ok_or("it names no attributes")?;
+        let indices = primitive.indices.ok_or("indices are missing")?.value();
+        let view = json.get("bufferView").and_then(Value::as_u64).ok_or("bufferView is missing")?;
+        let attributes = json.get("attributes").and_then(Value::as_object).ok_or("attributes are missing")?;
         let view = usize::try_from(view).map_err(|e| e.to_string())?;
         if !self.meshes.contains_key(&view) {
             let mesh = self.unpack(view);
@@ -91,7 +92,8 @@ impl Unpacker<'_> {
             let Some(id) = attributes.get(&semantic.to_string()) else { continue };
             let id = id.as_u64().and_then(|id| u32::try_from(id).ok());
             let attribute = id.and_then(|id| mesh.attribute_by_unique_id(id));
-            let attribute = attribute.ok_or_else(|| format!("there is no {} in it", semantic.to_string()))?;
+            let attribute =
+                attribute.ok_or_else(|| format!("attribute {} is missing", semantic.to_string()))?;
             take(mesh.num_points().saturating_mul(value_size(attribute)?))?;
             supplied.push((accessor.value(), values(mesh, attribute)?));
         }
@@ -101,7 +103,7 @@ impl Unpacker<'_> {
         Ok(())
     }
 
-    /// Notes `why` for the accessors that hold nothing else. Says whether all of them do hold something else.
+    /// Notes `why` for the accessors without other data. Returns `true` if all of them do have other data.
     fn refuse(&mut self, primitive: &Primitive, why: &str) -> bool {
         let mut all = true;
         let accessors = primitive.attributes.values().chain(&primitive.indices).map(|index| index.value());
@@ -126,7 +128,7 @@ impl Unpacker<'_> {
 }
 
 /// Unpacks a mesh that needs at most `budget` bytes. The decoder (`draco-core` 2.3) is safe code, but a port of many
-/// thousand lines that index arrays; should damage make it panic, that is caught here and becomes an error.
+/// thousand lines of array indexing; if damage makes it panic, the panic is caught here and becomes an error.
 fn decode(bytes: &[u8], budget: u64) -> Reason<Mesh> {
     let limits = DecodeLimits::default();
     let limits =
@@ -140,9 +142,9 @@ fn decode(bytes: &[u8], budget: u64) -> Reason<Mesh> {
         Some(Ok(mesh)) => Ok(mesh),
         Some(Err(error)) => {
             let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
-            Err(format!("its stream cannot be read ({what}); save the model again"))
+            Err(format!("cannot read the stream ({what}); re-export the model"))
         }
-        None => Err("its stream contradicts itself; save the model again".into()),
+        None => Err("the stream is inconsistent; re-export the model".into()),
     }
 }
 
@@ -152,7 +154,7 @@ fn faces(mesh: &Mesh) -> Supplied {
     Supplied { component: ComponentType::U32, width: 1, bytes }
 }
 
-/// The bytes of a value of an attribute, at least 1.
+/// Returns the size in bytes of a value of an attribute, at least 1.
 fn value_size(attribute: &PointAttribute) -> Reason<usize> {
     match usize::from(attribute.num_components()) {
         0 => Err("an attribute has no components".into()),
@@ -160,7 +162,7 @@ fn value_size(attribute: &PointAttribute) -> Reason<usize> {
     }
 }
 
-/// The values of an attribute, one a point.
+/// Returns the values of an attribute, one per point.
 fn values(mesh: &Mesh, attribute: &PointAttribute) -> Reason<Supplied> {
     let component = component(attribute.data_type())?;
     let width = usize::from(attribute.num_components());
@@ -183,6 +185,6 @@ fn component(data_type: DataType) -> Reason<ComponentType> {
         DataType::Uint16 => Ok(ComponentType::U16),
         DataType::Uint32 => Ok(ComponentType::U32),
         DataType::Float32 => Ok(ComponentType::F32),
-        other => Err(format!("its numbers are of the type {other:?}, which glTF has not")),
+        other => Err(format!("component type {other:?} does not exist in glTF")),
     }
 }

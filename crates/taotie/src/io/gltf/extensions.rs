@@ -1,15 +1,15 @@
-//! The extensions of a file that are understood.
+//! The supported extensions.
 
 use crate::error::{Error, Result, Warnings};
 use gltf::json::mesh::Primitive;
 use gltf::json::{Root, Value};
 use std::path::Path;
 
-/// The extension of primitives that Draco compresses.
+/// The extension of Draco-compressed primitives.
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 
-/// Extensions of glTF whose meaning is drawn.
-pub const SUPPORTED: [&str; 17] = [
+/// The glTF extensions that are rendered.
+pub const GLTF_EXTENSIONS: [&str; 17] = [
     "KHR_lights_punctual",
     "KHR_texture_transform",
     "KHR_mesh_quantization",
@@ -29,25 +29,25 @@ pub const SUPPORTED: [&str; 17] = [
     DRACO,
 ];
 
-/// Extensions that give a texture another image than its own, the one that is believed most first.
+/// Extensions that give a texture an alternative image, in order of preference.
 pub(in crate::io) const OF_TEXTURES: [&str; 3] =
     ["EXT_texture_avif", "EXT_texture_webp", "KHR_texture_basisu"];
 
-/// Extensions that do not change an image with the default materials: of levels of detail the finest is drawn, and
-/// the channels of KHR_animation_pointer are left out with a separate warning.
+/// Extensions that do not affect an image with the default materials: the finest level of detail is drawn, and the
+/// channels of KHR_animation_pointer are skipped with a separate warning.
 const WITHOUT_EFFECT: [&str; 4] = ["KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer", "MSFT_lod"];
 
-/// Says whether an extension is understood, or changes nothing.
+/// Returns `true` if an extension is supported, or has no effect.
 pub(in crate::io) fn is_known(name: &str) -> bool {
-    SUPPORTED.contains(&name) || WITHOUT_EFFECT.contains(&name)
+    GLTF_EXTENSIONS.contains(&name) || WITHOUT_EFFECT.contains(&name)
 }
 
-/// The JSON of an extension that the parser does not know.
+/// Returns the JSON of an extension that the parser does not know.
 pub(super) fn extension<'a>(primitive: &'a Primitive, name: &str) -> Option<&'a Value> {
     primitive.extensions.as_ref()?.others.get(name)
 }
 
-/// The extension and the feature that reads it, where this build lacks that.
+/// Returns the extension and the feature that reads it, if this build lacks that feature.
 fn lacking(name: &str) -> Option<(&'static str, &'static str)> {
     let features = [
         (DRACO, "draco", cfg!(feature = "draco")),
@@ -59,7 +59,7 @@ fn lacking(name: &str) -> Option<(&'static str, &'static str)> {
     found.map(|(extension, feature, _)| (extension, feature))
 }
 
-/// Refuses a file that requires extensions that are not understood, and notes those that it merely uses.
+/// Rejects a file that requires unsupported extensions, and notes those that it merely uses.
 pub(super) fn check_extensions(path: &Path, root: &Root, warnings: &mut Warnings) -> Result<()> {
     let known = |name: &&String| is_known(name);
     if let Some(name) = root.extensions_required.iter().find(|name| !known(name)) {
@@ -75,13 +75,10 @@ pub(super) fn check_extensions(path: &Path, root: &Root, warnings: &mut Warnings
         ));
     }
     for (name, feature) in root.extensions_used.iter().filter_map(|name| lacking(name)) {
-        warnings.note(
-            format!("the extension {name} is ignored; the feature `{feature}` of the crate reads it"),
-            1,
-        );
+        warnings.note(format!("ignored extension {name}; the crate feature `{feature}` supports it"), 1);
     }
     for name in root.extensions_used.iter().filter(|name| !known(name)) {
-        warnings.note(format!("the extension {name} is ignored"), 1);
+        warnings.note(format!("ignored extension {name}"), 1);
     }
     Ok(())
 }

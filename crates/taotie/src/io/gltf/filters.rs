@@ -1,12 +1,12 @@
 //! The filters of EXT_meshopt_compression and KHR_meshopt_compression: from stored values to numbers.
 //!
-//! meshoptimizer has them too, but for speed it takes reciprocals as the processor approximates them, and makers of
-//! processors differ in that. These give the same bits everywhere. Source: KHR_meshopt_compression, appendix B.
+//! meshoptimizer has them too, but it uses the processor's approximate reciprocals for speed, which differ between
+//! vendors. These give the same bits everywhere. Source: KHR_meshopt_compression, appendix B.
 //! Law: they agree with meshoptimizer's to one unit (`tests::meshoptimizer_agrees_to_one_unit`).
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// The width of the numbers of a vector of four.
+/// The bit width of the numbers of a four-component vector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Width {
     /// 8 bits.
@@ -16,7 +16,7 @@ pub(super) enum Width {
 }
 
 impl Width {
-    /// The greatest signed number.
+    /// Returns the largest signed number.
     fn signed_one(self) -> f64 {
         match self {
             Self::Byte => 127.0,
@@ -24,19 +24,19 @@ impl Width {
         }
     }
 
-    /// The greatest unsigned number.
+    /// Returns the largest unsigned number.
     fn unsigned_one(self) -> f64 {
         2.0 * self.signed_one() + 1.0
     }
 }
 
-/// Unit vectors of two octahedral coordinates and the stored 1; the fourth number stays.
+/// Decodes unit vectors from two octahedral coordinates and the stored 1; the fourth number is unchanged.
 pub(super) fn octahedral(bytes: &mut [u8], width: Width) {
     each(bytes, width, |[x, y, one, rest]| {
         let one = f64::from(one.max(1));
         let (x, y) = (f64::from(x) / one, f64::from(y) / one);
         let z = 1.0 - x.abs() - y.abs();
-        // The lower half is folded over the corners of the upper.
+        // The lower half is folded over the corners of the upper half.
         let fold = z.min(0.0);
         let (x, y) = (x - fold.abs().copysign(x), y - fold.abs().copysign(y));
         let scale = width.signed_one() / (x * x + y * y + z * z).sqrt();
@@ -44,8 +44,8 @@ pub(super) fn octahedral(bytes: &mut [u8], width: Width) {
     });
 }
 
-/// Unit quaternions of 16 bits: three components, and beside the stored 1 in two bits the place of the greatest, which
-/// is positive and left out.
+/// Decodes unit quaternions from 16-bit numbers: three components, and a fourth number with the stored 1 and, in two
+/// bits, the index of the largest component, which is positive and omitted.
 pub(super) fn quaternion(bytes: &mut [u8]) {
     each(bytes, Width::Short, |[x, y, z, last]| {
         let scale = FRAC_1_SQRT_2 / f64::from((last | 3).max(1));
@@ -60,7 +60,7 @@ pub(super) fn quaternion(bytes: &mut [u8]) {
     });
 }
 
-/// Floats of a signed exponent of 8 bits and a signed mantissa of 24.
+/// Decodes floats from a signed 8-bit exponent and a signed 24-bit mantissa.
 pub(super) fn exponential(bytes: &mut [u8]) {
     for word in bytes.as_chunks_mut::<4>().0 {
         let stored = i32::from_le_bytes(*word);
@@ -70,7 +70,7 @@ pub(super) fn exponential(bytes: &mut [u8]) {
     }
 }
 
-/// Colours of luma, two differences, and alpha of one bit less, under a bit that tells how many there are.
+/// Decodes colours from luma, two differences, and alpha of one bit less, below a bit that marks the bit depth.
 pub(super) fn color(bytes: &mut [u8], width: Width) {
     let most = width.unsigned_one();
     each(bytes, width, |[y, co, cg, a]| {
@@ -84,7 +84,7 @@ pub(super) fn color(bytes: &mut [u8], width: Width) {
     });
 }
 
-/// Replaces each vector of four signed numbers, little-endian.
+/// Replaces each vector of four signed little-endian numbers.
 fn each(bytes: &mut [u8], width: Width, decode: impl Fn([i32; 4]) -> [i32; 4]) {
     match width {
         Width::Byte => {
@@ -102,7 +102,7 @@ fn each(bytes: &mut [u8], width: Width, decode: impl Fn([i32; 4]) -> [i32; 4]) {
     }
 }
 
-/// The nearest whole number; halves go away from zero.
+/// Rounds to the nearest integer, halves away from zero.
 fn nearest(v: f64) -> i32 {
     v.round() as i32
 }
@@ -111,7 +111,7 @@ fn nearest(v: f64) -> i32 {
 mod tests {
     use super::*;
 
-    /// Vectors of four numbers in [−1, 1], the same on every run.
+    /// Vectors of four numbers in [−1, 1], the same in every run.
     fn vectors() -> Vec<[f32; 4]> {
         let mut state = 1u32;
         let mut next = || {
@@ -193,7 +193,7 @@ mod tests {
         exponential(&mut ours);
         meshopt::decode_filter_exp(&mut theirs);
         assert_eq!(ours, theirs.iter().flatten().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>());
-        // 2^−3 · 5, 2^2 · −9, and 2^−128, which is 2^21 times the least float.
+        // 2^−3 · 5, 2^2 · −9, and 2^−128, which is 2^21 times the smallest float.
         let mut bytes =
             [0xfd00_0005u32, 0x02ff_fff7, 0x8000_0001].map(u32::to_le_bytes).as_flattened().to_vec();
         exponential(&mut bytes);
@@ -209,7 +209,7 @@ mod tests {
         assert_eq!(bytes, [127, 0, 0, 5, 0, 0, 127, 6, 0x81, 0, 0, 7, 0, 0, 0x81, 8]);
     }
 
-    /// Bytes that no encoder writes give numbers too.
+    /// Bytes that no encoder writes still decode to numbers.
     #[test]
     fn nonsense_is_survived() {
         for byte in [0u8, 1, 0x7f, 0x80, 0xff] {

@@ -1,4 +1,4 @@
-//! Images: those that a texture shows, the places of their bytes, and their decoding.
+//! Images: those of a texture, the location of their bytes, and their decoding.
 
 use super::document::Document;
 use super::extensions::OF_TEXTURES;
@@ -9,8 +9,8 @@ use crate::io::bitmap::decode_within;
 use gltf::json::{Image, Texture, Value};
 use std::collections::HashMap;
 
-/// Returns the images of a texture, the one to be shown first. The others are there for programs that cannot read it,
-/// so they replace it where it is damaged or missing.
+/// Returns the images of a texture, the preferred one first. The others exist for programs that cannot read it, so
+/// they replace it if it is damaged or missing.
 pub(super) fn sources(document: &Document, index: usize) -> Reason<Vec<usize>> {
     let root = &document.root;
     let texture = root.textures.get(index).ok_or_else(|| no_such("texture", index))?;
@@ -20,7 +20,7 @@ pub(super) fn sources(document: &Document, index: usize) -> Reason<Vec<usize>> {
     match (there.is_empty(), named.first()) {
         (false, _) => Ok(there),
         (true, Some(image)) => Err(no_such("image", *image)),
-        (true, None) => Err(format!("texture {index} has no image but what an unknown extension would read")),
+        (true, None) => Err(format!("texture {index} has no image except in an unknown extension")),
     }
 }
 
@@ -30,7 +30,7 @@ fn extended(texture: &Texture) -> impl Iterator<Item = usize> {
     OF_TEXTURES.into_iter().filter_map(source).map(|image| usize::try_from(image).unwrap_or(usize::MAX))
 }
 
-/// Returns for each image of the file the first that has the same source, so that each source is decoded once.
+/// Returns for each image of the file the first one with the same source, so that each source is decoded once.
 pub(super) fn same_sources(document: &Document) -> Vec<usize> {
     let mut firsts = HashMap::new();
     let images = document.root.images.iter().enumerate();
@@ -38,7 +38,7 @@ pub(super) fn same_sources(document: &Document) -> Vec<usize> {
     images.map(first).collect()
 }
 
-/// Returns the view or the URI that an image names.
+/// Returns the view or the URI that an image refers to.
 fn source(image: &Image) -> Option<(Option<usize>, Option<&str>)> {
     match (image.buffer_view, &image.uri) {
         (Some(view), _) => Some((Some(view.value()), None)),
@@ -46,11 +46,11 @@ fn source(image: &Image) -> Option<(Option<usize>, Option<&str>)> {
     }
 }
 
-/// The reason why an image cannot be had.
+/// The reason why an image is unavailable.
 pub(super) struct Unread {
     /// The reason in words.
     pub why: String,
-    /// The file that is not there.
+    /// The missing file.
     pub missing: Option<String>,
 }
 
@@ -70,7 +70,7 @@ pub(super) fn read_image(document: &Document, index: usize) -> std::result::Resu
     if let Some(view) = image.buffer_view {
         return decode(document.view(view.value())?.0);
     }
-    let Some(address) = &image.uri else { return Err("it has neither uri nor bufferView".to_owned().into()) };
+    let Some(address) = &image.uri else { return Err("neither uri nor bufferView is set".to_owned().into()) };
     match uri::locate(address, reading).map_err(|why| format!("'{name}': {why}"))? {
         uri::ByteSource::Data { bytes, .. } => decode(&bytes),
         uri::ByteSource::File(path) if path.exists() => {
@@ -84,7 +84,7 @@ pub(super) fn read_image(document: &Document, index: usize) -> std::result::Resu
     }
 }
 
-/// Returns the name of an image for messages: its file, else its name, else its number.
+/// Returns the name of an image for messages: its file, else its name, else its index.
 pub(super) fn image_name(document: &Document, index: usize) -> String {
     let image = &document.root.images[index];
     let file = image.uri.as_ref().filter(|u| !u.starts_with("data:"));

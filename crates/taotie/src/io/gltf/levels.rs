@@ -1,4 +1,4 @@
-//! Levels of detail (MSFT_lod): the nodes that stand in for others where these are shown coarser.
+//! Levels of detail (MSFT_lod): the nodes that replace others at coarser levels.
 
 use super::document::Document;
 use crate::error::Warnings;
@@ -6,19 +6,19 @@ use gltf::json::Value;
 
 const NAME: &str = "MSFT_lod";
 
-/// The nodes that are shown at one level of detail.
+/// The nodes shown at one level of detail.
 pub(super) struct Levels {
     /// The number of levels of the file, at least 1.
     pub count: usize,
-    /// The largest part of the screen that the object covers while this level is shown; `None` of the finest.
+    /// The largest screen coverage of the object at which this level is shown; `None` for the finest.
     pub coverage: Option<f32>,
-    /// The node that is shown in place of each.
+    /// The node shown instead of each node.
     stand_ins: Vec<usize>,
 }
 
 impl Levels {
-    /// Chooses a level, 0 the finest. A node with fewer levels shows its coarsest; what is no node is left out with a
-    /// warning.
+    /// Selects a level; 0 is the finest. A node with fewer levels shows its coarsest; invalid node indices are
+    /// skipped with a warning.
     pub fn read(document: &Document, level: usize, warnings: &mut Warnings) -> Self {
         let lists: Vec<Vec<usize>> =
             (0..document.root.nodes.len()).map(|node| coarser(document, node, warnings)).collect();
@@ -34,12 +34,12 @@ impl Levels {
         Self { count, coverage: has_levels.filter_map(of_node).reduce(f32::max), stand_ins }
     }
 
-    /// Returns the node that is shown in place of `node`.
+    /// Returns the node shown instead of `node`.
     pub fn stand_in(&self, node: usize) -> usize {
         self.stand_ins[node]
     }
 
-    /// Gives each stand-in the parent of the node that it stands in for.
+    /// Gives each replacement the parent of the node that it replaces.
     pub fn hang(&self, parents: &mut [Option<usize>]) {
         for (node, stand_in) in self.stand_ins.iter().enumerate() {
             if *stand_in != node {
@@ -49,7 +49,7 @@ impl Levels {
     }
 }
 
-/// Returns the stand-ins of a node that exist, the finest first.
+/// Returns the coarser replacements of a node that exist, the finest first.
 fn coarser(document: &Document, node: usize, warnings: &mut Warnings) -> Vec<usize> {
     let nodes = &document.root.nodes;
     let extension = nodes[node].extensions.as_ref().and_then(|extensions| extensions.others.get(NAME));
@@ -57,6 +57,6 @@ fn coarser(document: &Document, node: usize, warnings: &mut Warnings) -> Vec<usi
     let ids = ids.map_or(&[][..], Vec::as_slice);
     let named = |id: &Value| Some(id.as_u64()? as usize).filter(|id| *id < nodes.len());
     let found: Vec<usize> = ids.iter().filter_map(named).collect();
-    warnings.note("levels of detail that are no nodes; left out", ids.len() - found.len());
+    warnings.note("skipped levels of detail that are not nodes", ids.len() - found.len());
     found
 }

@@ -10,7 +10,7 @@ use gltf::json;
 use gltf::json::extensions::scene::khr_lights_punctual::{Light as JsonLight, Type as LightType};
 use gltf::json::validation::Checked;
 
-/// Returns the cameras of the shown nodes, with the nodes. One that cannot be used is left out with a warning.
+/// Returns the cameras of the shown nodes, with the nodes. One that cannot be used is skipped with a warning.
 pub(super) fn cameras(document: &Document, nodes: &Nodes, warnings: &mut Warnings) -> Vec<(usize, Camera)> {
     let mut cameras = Vec::new();
     for node in &nodes.shown {
@@ -23,7 +23,7 @@ pub(super) fn cameras(document: &Document, nodes: &Nodes, warnings: &mut Warning
                 let world_from_view = rigid(&nodes.world[*node]);
                 cameras.push((*node, Camera { name, world_from_view, projection }));
             }
-            Err(why) => warnings.note(format!("camera of node {node} is left out: {why}"), 1),
+            Err(why) => warnings.note(format!("skipped camera of node {node}: {why}"), 1),
         }
     }
     cameras
@@ -36,21 +36,21 @@ fn projection(camera: &json::Camera) -> Result<Projection, String> {
         let aspect = p.aspect_ratio.map(f64::from).filter(|a| *a > 0.0 && a.is_finite());
         let usable = fov_y > 0.0 && fov_y < std::f64::consts::PI && near > 0.0 && near.is_finite();
         if !usable || far.is_some_and(|f| f.is_nan() || f <= near) {
-            return Err(format!("yfov {fov_y}, znear {near} and zfar {far:?} make no view"));
+            return Err(format!("invalid yfov {fov_y}, znear {near} and zfar {far:?}"));
         }
         return Ok(Projection::Perspective { fov_y, aspect, near, far });
     }
-    let Some(o) = &camera.orthographic else { return Err("it has no projection".into()) };
+    let Some(o) = &camera.orthographic else { return Err("no projection".into()) };
     let (half_width, half_height) = (f64::from(o.xmag).abs(), f64::from(o.ymag).abs());
     let (near, far) = (f64::from(o.znear), f64::from(o.zfar));
     if half_width > 0.0 && half_height > 0.0 && far > near && (half_width + half_height + far).is_finite() {
         Ok(Projection::Orthographic { half_width, half_height, near, far })
     } else {
-        Err(format!("xmag {half_width}, ymag {half_height}, znear {near} and zfar {far} make no view"))
+        Err(format!("invalid xmag {half_width}, ymag {half_height}, znear {near} and zfar {far}"))
     }
 }
 
-/// Returns the lights of the shown nodes, with the nodes. One that cannot be used is left out with a warning.
+/// Returns the lights of the shown nodes, with the nodes. One that cannot be used is skipped with a warning.
 pub(super) fn lights(document: &Document, nodes: &Nodes, warnings: &mut Warnings) -> Vec<(usize, Light)> {
     let extension = document.root.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
     let all = extension.map_or(&[][..], |e| &e.lights);
@@ -66,17 +66,17 @@ pub(super) fn lights(document: &Document, nodes: &Nodes, warnings: &mut Warnings
                 light.place(&nodes.world[*node]);
                 lights.push((*node, light));
             }
-            Err(why) => warnings.note(format!("light of node {node} is left out: {why}"), 1),
+            Err(why) => warnings.note(format!("skipped light of node {node}: {why}"), 1),
         }
     }
     lights
 }
 
-/// Makes a light in candela for points and spots, lux for directions; not yet where its node stands.
+/// Makes a light, in candela for points and spots and lux for directional lights, not yet placed by its node.
 fn unplaced_light(light: &JsonLight) -> Result<Light, String> {
     let color = Vec3::from_array(light.color) * light.intensity;
     if !Light::is_strength(color) {
-        return Err(format!("its colour {:?} times {} is no light", light.color, light.intensity));
+        return Err(format!("invalid colour {:?} with intensity {}", light.color, light.intensity));
     }
     let (position, direction) = (Vec3::splat(0.0), Vec3::new(0.0, 0.0, -1.0));
     let kind = match light.type_ {
@@ -90,7 +90,7 @@ fn unplaced_light(light: &JsonLight) -> Result<Light, String> {
             let (inner, outer) = cone(spot.inner_cone_angle, spot.outer_cone_angle)?;
             LightKind::Spot { position, direction, inner: f64::from(inner), outer: f64::from(outer) }
         }
-        Checked::Invalid => return Err("its type is unknown".into()),
+        Checked::Invalid => return Err("unknown type".into()),
     };
     let falloff = match light.range {
         Some(range) if range > 0.0 && range.is_finite() => Falloff::Windowed(range),
@@ -105,7 +105,7 @@ fn cone(inner: f32, outer: f32) -> Result<(f32, f32), String> {
     if inner >= 0.0 && inner < outer {
         Ok((inner, outer))
     } else {
-        Err(format!("its cone from {inner} to {outer} radians is empty"))
+        Err(format!("empty cone from {inner} to {outer} radians"))
     }
 }
 

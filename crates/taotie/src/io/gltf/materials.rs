@@ -1,4 +1,4 @@
-//! Materials: factors and texture slots. [`super::layers`] reads the layers that extensions add.
+//! Materials: factors and texture slots. [`super::layers`] reads the layers added by extensions.
 
 use super::document::Document;
 use super::textures::{Slot, Textures};
@@ -8,7 +8,7 @@ use crate::scene::{AlphaMode, GreenChannel, Light, Material, NormalMap, NormalSp
 use gltf::json;
 use gltf::json::validation::Checked;
 
-/// The file's materials, in order, and after them glTF's default for primitives that name none.
+/// Returns the file's materials in order, followed by glTF's default for primitives without one.
 pub(super) fn read(document: &Document, textures: &mut Textures, warnings: &mut Warnings) -> Vec<Material> {
     let json = document.root.materials.iter().enumerate();
     let mut materials: Vec<Material> = json
@@ -21,14 +21,14 @@ pub(super) fn read(document: &Document, textures: &mut Textures, warnings: &mut 
     materials
 }
 
-/// The material of primitives without one. Source: glTF 2.0, 3.9.6.
+/// Returns the material of primitives without one. Source: glTF 2.0, 3.9.6.
 fn default_material() -> Material {
     Material { name: "default".into(), ..Material::default_of_gltf() }
 }
 
 /// Reads one material.
 pub(super) struct MaterialReader<'a, 'b> {
-    /// The material that is read.
+    /// The material being read.
     pub json: &'a json::Material,
     textures: &'a mut Textures<'b>,
     warnings: &'a mut Warnings,
@@ -62,7 +62,7 @@ impl MaterialReader<'_, '_> {
         material
     }
 
-    /// The texture of a slot; `None` with a warning where it cannot be had.
+    /// Returns the texture of a slot; `None` with a warning if it is unavailable.
     pub fn texture(
         &mut self,
         info: Option<&json::texture::Info>,
@@ -80,7 +80,7 @@ impl MaterialReader<'_, '_> {
             self.textures.resolve(&slot, Encoding::Linear, (&self.place, self.warnings));
     }
 
-    /// A normal map; `None` with a warning where its texture cannot be had.
+    /// Returns a normal map; `None` with a warning if its texture is unavailable.
     pub fn normal_map(&mut self, json: &json::material::NormalTexture) -> Option<NormalMap> {
         let slot = Slot::new(json.index.value(), json.tex_coord, json.extensions.as_ref().map(|e| &e.others));
         let texture = self.textures.resolve(&slot, Encoding::Normal, (&self.place, self.warnings))?;
@@ -97,31 +97,32 @@ impl MaterialReader<'_, '_> {
                 AlphaMode::Mask(self.positive("alphaCutoff", cutoff))
             }
             Checked::Invalid => {
-                self.note("unknown alphaMode, taken as OPAQUE".into());
+                self.note("unknown alphaMode; using OPAQUE".into());
                 AlphaMode::Opaque
             }
         }
     }
 
-    /// A value of [0, 1].
+    /// Clamps a value to [0, 1].
     pub fn fraction(&mut self, name: &str, value: f32) -> f32 {
         self.clamped(name, value, 1.0)
     }
 
-    /// A value of at least 0, at most [`Light::MOST`].
+    /// Clamps a value to at least 0 and at most [`Light::MOST`].
     pub fn positive(&mut self, name: &str, value: f32) -> f32 {
         self.clamped(name, value, Light::MOST)
     }
 
-    fn clamped(&mut self, name: &str, value: f32, most: f32) -> f32 {
+    /// Clamps a value to at least 0 and at most `most`.
+    pub fn clamped(&mut self, name: &str, value: f32, most: f32) -> f32 {
         if (0.0..=most).contains(&value) {
             return value;
         }
-        self.note(format!("{name} of {value} is out of range and clamped"));
+        self.note(format!("{name} {value} is out of range; clamped"));
         if value > most { most } else { 0.0 }
     }
 
-    /// Notes a fault of this material.
+    /// Notes a defect of this material.
     pub fn note(&mut self, what: String) {
         self.warnings.note(format!("{}: {what}", self.place), 1);
     }

@@ -1,4 +1,4 @@
-//! Primitives to meshes, each built once for all nodes that show it alike.
+//! Converts primitives to meshes, each built once for all nodes that show it identically.
 
 use super::deforming;
 use super::document::Document;
@@ -16,35 +16,35 @@ use gltf::json;
 use gltf::json::mesh::Primitive;
 use std::collections::HashMap;
 
-/// The meshes of the scene with their places.
+/// The meshes of the scene with their placement.
 #[derive(Default)]
 pub(super) struct Meshes {
     /// The meshes.
     pub meshes: Vec<Mesh>,
     /// Their names, in the same order.
     pub names: Vec<String>,
-    /// The places of the meshes. `material` is that of the file, or the number of the file's materials for the
-    /// default.
+    /// The placement of the meshes. `material` is the index in the file, or the number of the file's materials for
+    /// the default.
     pub instances: Vec<Instance>,
-    /// The node of each instance; `None` for those that a skin or nothing places.
+    /// The node of each instance; `None` for those placed by a skin or by nothing.
     pub nodes: Vec<Option<usize>>,
-    /// The shapes that animations deform; empty where the file has none.
+    /// The shapes that animations deform; empty if the file has none.
     pub deformed: Vec<Deformed>,
     /// The skins of the shown meshes.
     pub skins: Vec<Skin>,
-    /// The weights at rest, one a morph target, of nodes that show a mesh with targets.
+    /// The weights at rest, one per morph target, of nodes that show a mesh with targets.
     pub weights: Vec<(usize, Vec<f32>)>,
     /// The materials of the instances in each variant.
     pub variants: Variants,
 }
 
-/// A mesh of the file, and the node that poses it, where that pose is not shared.
+/// A mesh of the file, and the node that poses it if the pose is not shared.
 type Key = (usize, Option<usize>);
 
-/// Builds the meshes of the shown nodes. A primitive that cannot be read is left out with a warning.
+/// Builds the meshes of the shown nodes. A primitive that cannot be read is skipped with a warning.
 ///
 /// # Errors
-/// The error of the first primitive where none can be read, or that there is nothing to draw.
+/// The error of the first primitive if none can be read, or that there is nothing to draw.
 pub(super) fn build(document: &Document, nodes: &Nodes, warnings: &mut Warnings) -> Result<Meshes> {
     let mut builder = Builder {
         document,
@@ -70,7 +70,7 @@ struct Builder<'a> {
     nodes: &'a Nodes,
     reader: Primitives<'a>,
     built: HashMap<Key, Vec<(usize, usize)>>,
-    /// The numbers in `out` of the file's skins.
+    /// The indices in `out` of the file's skins.
     skins: HashMap<usize, usize>,
     mappings: Mappings,
     out: Meshes,
@@ -81,9 +81,7 @@ impl Builder<'_> {
     /// Shows every mesh of a file that has no nodes at all, such as a library of parts.
     fn show_library(&mut self) -> Result<()> {
         for mesh in 0..self.document.root.meshes.len() {
-            self.reader
-                .warnings
-                .note("meshes that no node shows, since the file has none; drawn at the origin", 1);
+            self.reader.warnings.note("meshes drawn at the origin, since the file has no nodes", 1);
             for (mesh, material) in self.build_mesh(mesh, None)? {
                 self.out.instances.push(Instance { mesh, material, world_from_object: Mat4::IDENTITY });
                 self.out.nodes.push(None);
@@ -102,7 +100,7 @@ impl Builder<'_> {
             let parts = self.build_mesh(mesh, Some(node))?;
             self.built.insert(key, parts);
         }
-        // A skin puts the mesh into the world by itself: the node's own place does not count (glTF 2.0, 3.7.3.3).
+        // A skin places the mesh in the world: the node's own transform is ignored (glTF 2.0, 3.7.3.3).
         let hangs_on = json.skin.is_none().then_some(node);
         let world = hangs_on.map_or(Mat4::IDENTITY, |node| self.nodes.world[node]);
         for (mesh, material) in &self.built[&key] {
@@ -118,7 +116,7 @@ impl Builder<'_> {
         primitives.iter().flat_map(|p| &p.targets).map(Vec::len).max().unwrap_or(0)
     }
 
-    /// The meshes and materials of the primitives of mesh `index` as `node` shows them.
+    /// Returns the meshes and materials of the primitives of mesh `index` as `node` shows them.
     fn build_mesh(&mut self, index: usize, node: Option<usize>) -> Result<Vec<(usize, usize)>> {
         let posed = match self.document.root.meshes.get(index) {
             Some(mesh) => self.pose(mesh, node).map(|pose| (mesh, pose)),
@@ -154,7 +152,7 @@ impl Builder<'_> {
         Ok(parts)
     }
 
-    /// Adds a mesh that `node` shows and returns its number.
+    /// Adds a mesh shown by `node` and returns its index.
     fn add(&mut self, built: Built, name: String, pose: &Pose, node: Option<usize>) -> usize {
         let mesh = self.out.meshes.len();
         self.out.meshes.push(built.mesh);
@@ -171,7 +169,7 @@ impl Builder<'_> {
         let weights = node.and_then(|n| n.weights.as_ref()).or(mesh.weights.as_ref());
         let mut weights = weights.cloned().unwrap_or_default();
         for weight in weights.iter_mut().filter(|w| !w.is_finite()) {
-            self.reader.warnings.note("morph weights that were infinite or NaN, set to 0", 1);
+            self.reader.warnings.note("infinite or NaN morph weights; set to 0", 1);
             *weight = 0.0;
         }
         let skin = node.and_then(|n| n.skin).map(|s| self.skin(s.value())).transpose()?;
@@ -179,7 +177,7 @@ impl Builder<'_> {
         Ok(Pose { weights, skin })
     }
 
-    /// The number in [`Meshes::skins`] of a skin of the file.
+    /// Returns the index in [`Meshes::skins`] of a skin of the file.
     fn skin(&mut self, index: usize) -> Reason<usize> {
         if let Some(known) = self.skins.get(&index) {
             return Ok(*known);
@@ -196,16 +194,16 @@ impl Builder<'_> {
         if index > count || (index == count && primitive.material.is_some()) {
             self.reader
                 .warnings
-                .note(format!("{place}: {}; drawn with the default", no_such("material", index)), 1);
+                .note(format!("{place}: {}; using the default", no_such("material", index)), 1);
         }
         index.min(count)
     }
 
     fn why_empty(&self) -> &'static str {
         if self.reader.warnings.iter().any(|(what, _)| what == NOT_TRIANGLES) {
-            "there is nothing to draw: it holds only points or lines"
+            "nothing to draw: the file has only points or lines"
         } else {
-            "there is nothing to draw: no node shows a triangle"
+            "nothing to draw: no node shows a triangle"
         }
     }
 
@@ -217,7 +215,7 @@ impl Builder<'_> {
             });
         }
         for (place, why) in self.failures {
-            self.reader.warnings.note(format!("{place} is left out: {why}"), 1);
+            self.reader.warnings.note(format!("skipped {place}: {why}"), 1);
         }
         let authored = self.out.instances.iter().map(|instance| instance.material).collect();
         self.out.variants = Variants { authored, ..self.mappings.variants };

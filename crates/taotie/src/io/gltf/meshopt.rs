@@ -1,6 +1,6 @@
 //! EXT_meshopt_compression and KHR_meshopt_compression: buffer views packed by meshoptimizer.
 //!
-//! The decoders take their sizes on trust, so everything that the extension demands is checked before.
+//! The decoders do not check sizes, so all requirements of the extension are checked first.
 
 use super::filters::{self, Width};
 use super::reason::Reason;
@@ -9,16 +9,16 @@ use gltf::json::buffer::{Buffer, View};
 
 const NAMES: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
 
-/// No stream unpacks to more bytes than this for one packed byte: 256 vertices for two bits a byte of a vertex.
+/// Maximum number of unpacked bytes per packed byte of any stream: 256 vertices for two bits per byte of a vertex.
 const MAX_RATIO: u64 = 1024;
 
-/// Returns the JSON of the extension in a view; `None` where there is none.
+/// Returns the JSON of the extension in a view; `None` if absent.
 pub(super) fn of_view(view: &View) -> Option<&Value> {
     let extensions = view.extensions.as_ref()?;
     NAMES.into_iter().find_map(|name| extensions.others.get(name))
 }
 
-/// Says whether a buffer only holds data that other programs read in place of packed data, or nothing at all.
+/// Returns `true` if a buffer only holds data that other programs read instead of the packed data, or nothing at all.
 pub(super) fn is_fallback(buffer: &Buffer) -> bool {
     let Some(extensions) = &buffer.extensions else { return false };
     let flag = |name| extensions.others.get(name)?.get("fallback")?.as_bool();
@@ -41,7 +41,7 @@ enum Filter {
     Color,
 }
 
-/// A view as it is packed; its numbers fit one another.
+/// A packed view, with consistent numbers.
 #[derive(Debug)]
 pub(super) struct Packed {
     /// The buffer of the packed bytes.
@@ -61,7 +61,7 @@ impl Packed {
     pub fn read(json: &Value) -> Reason<Self> {
         let optional =
             |name: &str| json.get(name).map(|v| v.as_u64().ok_or_else(|| wrong(name, v))).transpose();
-        let number = |name: &str| optional(name)?.ok_or_else(|| format!("it lacks {name}"));
+        let number = |name: &str| optional(name)?.ok_or_else(|| format!("missing {name}"));
         let index = |name: &str| usize::try_from(number(name)?).map_err(|e| e.to_string());
         let packed = Self {
             buffer: index("buffer")?,
@@ -117,7 +117,7 @@ impl Packed {
             (Mode::Indices, 2) => meshopt::decode_index_sequence::<u16>(bytes, count).map(from_u16),
             (Mode::Indices, _) => meshopt::decode_index_sequence::<u32>(bytes, count).map(from_u32),
         };
-        let mut unpacked = unpacked.map_err(|_| "its packed bytes are damaged; save the model again")?;
+        let mut unpacked = unpacked.map_err(|_| "the packed data is damaged; re-export the model")?;
         self.unfilter(&mut unpacked);
         Ok(unpacked)
     }
@@ -135,7 +135,7 @@ impl Packed {
 }
 
 fn wrong(name: &str, value: &Value) -> String {
-    format!("its {name} cannot be {value}")
+    format!("invalid {name} {value}")
 }
 
 fn mode(json: &Value) -> Reason<Mode> {
@@ -143,7 +143,7 @@ fn mode(json: &Value) -> Reason<Mode> {
         Some("ATTRIBUTES") => Ok(Mode::Attributes),
         Some("TRIANGLES") => Ok(Mode::Triangles),
         Some("INDICES") => Ok(Mode::Indices),
-        _ => Err("its compression mode is unknown".into()),
+        _ => Err("unknown compression mode".into()),
     }
 }
 
@@ -154,7 +154,7 @@ fn filter(json: &Value) -> Reason<Filter> {
         Some(Some("QUATERNION")) => Ok(Filter::Quaternion),
         Some(Some("EXPONENTIAL")) => Ok(Filter::Exponential),
         Some(Some("COLOR")) => Ok(Filter::Color),
-        _ => Err("its compression filter is unknown".into()),
+        _ => Err("unknown compression filter".into()),
     }
 }
 
@@ -166,7 +166,7 @@ fn from_u32(values: Vec<u32>) -> Vec<u8> {
     values.into_iter().flat_map(u32::to_le_bytes).collect()
 }
 
-/// A vertex of `N` times four bytes: the decoder takes the size of a vertex from its type.
+/// A vertex of `N` times four bytes: the decoder derives the size of a vertex from its type.
 #[derive(Clone, Copy)]
 #[repr(transparent)]
 struct Vertex<const N: usize>([[u8; 4]; N]);
@@ -190,7 +190,7 @@ macro_rules! decoders {
     ($($words:literal)*) => { [$(vertices::<$words>),*] };
 }
 
-/// One decoder for each size of a vertex, by its number of words less one.
+/// One decoder for each vertex size, indexed by the number of words minus one.
 const VERTEX_DECODERS: [VertexDecoder; 64] = decoders!(
     1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32
     33 34 35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64
@@ -209,7 +209,7 @@ mod tests {
 
     const ATTRIBUTES: &str = r#""mode":"ATTRIBUTES""#;
 
-    /// Streams by the library's own encoder, of every size that a vertex can have.
+    /// Streams from the library's own encoder, of every possible vertex size.
     #[test]
     fn vertices_of_every_size() {
         fn round_trip<const N: usize>() {

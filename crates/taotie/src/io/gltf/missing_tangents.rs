@@ -1,4 +1,4 @@
-//! MikkTSpace's tangents of the primitives of a file that have none, where each vertex has but one.
+//! MikkTSpace tangents for primitives of a file that have none, if no vertex needs more than one.
 
 use super::accessor::Accessor;
 use super::document::Document;
@@ -17,20 +17,20 @@ use std::sync::Arc;
 
 /// The tangents of a primitive.
 pub(in crate::io) struct MissingTangents {
-    /// The number of its mesh in the file.
+    /// The index of its mesh in the file.
     pub mesh: usize,
-    /// Its number in the mesh.
+    /// Its index in the mesh.
     pub primitive: usize,
-    /// The tangents, in the order of its vertices.
+    /// The tangents, in vertex order.
     pub tangents: Vec<[f32; 4]>,
 }
 
-/// Finds the tangents of the primitives of the file of `reading` that show one of `materials`, by their numbers, have
-/// normals and uvs and no tangents. One whose vertices would have to be split has none, nor have those beyond what a file
-/// of its size may ask for.
+/// Computes the tangents of the primitives in the file of `reading` that use one of `materials`, given by index, and
+/// have normals and uvs but no tangents. Skips primitives whose vertices would have to be split, and those beyond the
+/// budget of a file of its size.
 ///
 /// # Errors
-/// Those of reading the file; [`crate::Error::Limit`] where its meshes do not fit the memory.
+/// Those of reading the file; [`crate::Error::Limit`] if its meshes do not fit in memory.
 pub(in crate::io) fn missing_tangents(
     source: GltfSource<'_>,
     reading: &Arc<Reading>,
@@ -52,7 +52,7 @@ pub(in crate::io) fn missing_tangents(
             }
         }
     }
-    // What did not fit is no primitive without tangents.
+    // A primitive skipped for lack of memory must not pass as one without missing tangents.
     reading.check()?;
     Ok(found)
 }
@@ -83,7 +83,7 @@ fn tangents(document: &Document, primitive: &Primitive, budget: &mut usize) -> O
     one_a_vertex(&Mesh::new(data).ok()?)
 }
 
-/// Returns the tangent of each vertex; `None` where one has several.
+/// Returns the tangent of each vertex; `None` if a vertex has several.
 fn one_a_vertex(mesh: &Mesh) -> Option<Vec<[f32; 4]>> {
     let made = with_tangents(mesh, 0, TangentMethod::MikkTSpace).ok()?.mesh;
     let mut found = vec![None; mesh.positions().len()];
@@ -94,7 +94,7 @@ fn one_a_vertex(mesh: &Mesh) -> Option<Vec<[f32; 4]>> {
             return None;
         }
     }
-    // Vertices that no triangle has need one that is of length 1.
+    // Vertices without triangles still need a tangent of length 1.
     Some(found.into_iter().map(|tangent| tangent.unwrap_or([1.0, 0.0, 0.0, 1.0])).collect())
 }
 
@@ -104,7 +104,7 @@ mod tests {
     use crate::math::{Vec2, Vec3};
     use crate::mesh::MeshData;
 
-    /// Two triangles that share an edge, the second with uvs that are mirrored or not.
+    /// Two triangles that share an edge, the second with mirrored uvs if `is_mirrored`.
     fn pair(is_mirrored: bool) -> Mesh {
         let corner = |x: f32, y: f32| Vec3::new(x, y, 0.0);
         let uv = |x: f32, y: f32| Vec2::new(x, 1.0 - y);

@@ -1,7 +1,7 @@
 //! glTF 2.0, `.gltf` and `.glb`: the scene in its rest pose, and its animations.
 //!
-//! The `gltf` crate gives the types of the JSON; every index, range and number in it is checked here, so that a
-//! file that is wrong in one place is drawn without that place, or refused in one line.
+//! The `gltf` crate provides the JSON types; every index, range and number in it is checked here, so that a file with
+//! one defect is drawn without the defective part, or rejected with a one-line error.
 
 mod accessor;
 mod animations;
@@ -41,7 +41,7 @@ mod variants;
 mod vertices;
 
 pub(super) use content::{Content, StoredAttribute, StoredVertices};
-pub use extensions::SUPPORTED;
+pub use extensions::GLTF_EXTENSIONS;
 pub(super) use extensions::{OF_TEXTURES, is_known};
 pub(super) use missing_tangents::missing_tangents;
 pub(super) use raw::RawGltf;
@@ -69,14 +69,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use textures::{Decoded, Textures};
 
-/// Reads a `.gltf` or `.glb` file with everything it names, at its finest level of detail.
+/// Reads a `.gltf` or `.glb` file and everything it refers to, at its finest level of detail.
 pub(super) fn read(reading: &Arc<Reading>) -> Result<Loaded> {
     let mut warnings = Warnings::default();
     let document = Document::open(reading, &mut warnings)?;
     finest(&document, warnings)
 }
 
-/// Reads the bytes of a GLB that names no files, at its finest level of detail.
+/// Reads the bytes of a GLB that refers to no files, at its finest level of detail.
 pub(super) fn read_glb(reading: &Arc<Reading>, content: Vec<u8>) -> Result<Loaded> {
     let mut warnings = Warnings::default();
     let document = Document::of(reading, content, &mut warnings)?;
@@ -95,18 +95,18 @@ pub(super) fn read_xmp(path: &Path, limits: &Limits) -> Result<Vec<Value>> {
     RawGltf::read(source, limits).map(|raw| xmp::packets(&raw.json))
 }
 
-/// The most levels of detail that are read together: each has meshes of its own, and a short list may name many.
+/// Maximum number of levels of detail read together: each has its own meshes, and a short list may have many levels.
 const MOST_LEVELS: usize = 64;
 
-/// Reads a file at all of its levels of detail, the finest first. What is noted of the file as a whole stands with the
-/// finest.
+/// Reads a file at all its levels of detail, the finest first. Notes on the file as a whole are attached to the
+/// finest level.
 pub(super) fn read_levels(reading: &Arc<Reading>) -> Result<Vec<Loaded>> {
     let mut warnings = Warnings::default();
     let document = Document::open(reading, &mut warnings)?;
     let shapes = Shapes::read(&document, 0, &mut warnings)?;
     let count = shapes.nodes.levels;
     if count > MOST_LEVELS {
-        let why = format!("there are {count}; at most {MOST_LEVELS} are read together");
+        let why = format!("{count} levels; the maximum is {MOST_LEVELS}");
         return Err(document.error("levels of detail", why));
     }
     let looks = Looks::read(&document, &mut warnings)?;
@@ -124,17 +124,17 @@ struct Shapes {
     shown: Meshes,
 }
 
-/// The materials and textures of a file, which all its levels share.
+/// The materials and textures of a file, shared by all its levels.
 #[derive(Clone)]
 struct Looks {
-    /// The default material stands last.
+    /// The default material is last.
     materials: Vec<Material>,
     decoded: Decoded,
 }
 
 impl Looks {
     fn read(document: &Document, warnings: &mut Warnings) -> Result<Self> {
-        /// Bytes of a material beside those that its text takes while it is parsed: as it is drawn, and as it is listed.
+        /// Bytes per material in addition to those for parsing its text: as rendered, and as listed.
         const MATERIAL: u64 = 2048;
         if !document.reading.take(document.root.materials.len() as u64 * MATERIAL) {
             document.reading.check()?;
@@ -153,7 +153,7 @@ impl Shapes {
         Ok(Self { nodes, shown })
     }
 
-    /// Returns the level as it is handed out.
+    /// Returns the level in its public form.
     fn loaded(self, document: &Document, looks: Looks, mut warnings: Warnings) -> Result<Loaded> {
         let Self { nodes, mut shown } = self;
         let (levels, coverage) = (nodes.levels, nodes.coverage);
@@ -184,7 +184,7 @@ impl Shapes {
     }
 }
 
-/// Returns a scene with what the document says of itself.
+/// Returns a scene with the document's metadata.
 fn about(document: &Document, scene: Scene, warnings: Warnings) -> Loaded {
     let root = &document.root;
     Loaded {
@@ -199,14 +199,14 @@ fn about(document: &Document, scene: Scene, warnings: Warnings) -> Loaded {
     }
 }
 
-/// Returns the files beside the document that it names and that are there.
+/// Returns the existing files that the document refers to.
 fn files(document: &Document) -> Vec<PathBuf> {
     let buffers = document.root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
     let images = document.root.images.iter().filter_map(|image| image.uri.as_deref());
     buffers.chain(images).filter_map(|uri| uri::file(uri, &document.reading)).collect()
 }
 
-/// Says how the model moves: by a skin, by morph targets, or by animations alone.
+/// Returns how the model moves: by a skin, by morph targets, or only by animations.
 fn moving(document: &Document) -> Option<&'static str> {
     let root = &document.root;
     let mut primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
@@ -227,7 +227,7 @@ struct Hung {
 }
 
 impl Hung {
-    /// Returns the rig; `None` where nothing moves.
+    /// Returns the rig; `None` if nothing moves.
     fn rig(self, document: &Document, nodes: Nodes, warnings: &mut Warnings) -> Result<Option<Rig>> {
         if document.animations.is_empty() {
             return Ok(None);
@@ -241,7 +241,7 @@ impl Hung {
     }
 }
 
-/// Removes the default material, which stands last, where no primitive needs it.
+/// Removes the default material, which is last, if no primitive needs it.
 fn drop_unused_default(materials: &mut Vec<Material>, instances: &mut [Instance]) {
     let default = materials.len() - 1;
     if instances.iter().all(|i| i.material != default) {
@@ -249,7 +249,7 @@ fn drop_unused_default(materials: &mut Vec<Material>, instances: &mut [Instance]
     }
 }
 
-/// Gives each mesh every uv set that its materials name, in any variant, since a file may promise more than it holds.
+/// Gives each mesh every uv set that its materials use in any variant, since a file may promise more than it holds.
 fn add_missing_uvs(
     scene: &mut SceneData,
     variants: &Variants,
@@ -258,7 +258,7 @@ fn add_missing_uvs(
 ) -> Result<()> {
     let needed: Vec<usize> = scene.materials.iter().map(uv_sets_of).collect();
     let authored = scene.instances.iter().map(|instance| (instance.mesh, instance.material));
-    // Of all materials that a mesh may get, the one that names most.
+    // Of all materials that a mesh may get, the one with the most uv sets.
     let neediest = |mapping: &Mapping| mapping.iter().map(|(_, m)| *m).max_by_key(|m| needed[*m]);
     let neediest: Vec<Option<usize>> = variants.mappings.iter().map(neediest).collect();
     let offered = variants.mapping_of_mesh.iter().enumerate();
@@ -269,7 +269,7 @@ fn add_missing_uvs(
         if needed <= mesh.uvs().len() {
             continue;
         }
-        warnings.note(format!("'{}' names uv sets that its mesh lacks; they are 0", material.name), 1);
+        warnings.note(format!("'{}' uses uv sets that its mesh lacks; set to 0", material.name), 1);
         let mut data = std::mem::take(mesh).into_data();
         let zeros = vec![Vec2::default(); data.positions.len()];
         data.uvs.resize(needed, zeros);
@@ -281,7 +281,7 @@ fn add_missing_uvs(
     Ok(())
 }
 
-/// Returns one more than the highest uv set that a material names.
+/// Returns one more than the highest uv set that a material uses.
 fn uv_sets_of(material: &Material) -> usize {
     material.textures().into_iter().map(|texture| texture.uv_set + 1).max().unwrap_or(0)
 }

@@ -12,21 +12,21 @@ use gltf::json;
 pub(super) struct Nodes {
     /// Every node of the file, without morph weights.
     pub nodes: Vec<Node>,
-    /// World matrix of every node of the file.
+    /// World matrix of every node in the file.
     pub world: Vec<Mat4>,
     /// The nodes of the shown scene, parents before children.
     pub shown: Vec<usize>,
-    /// How many levels of detail there are, at least 1.
+    /// The number of levels of detail, at least 1.
     pub levels: usize,
-    /// The part of the screen that is covered where this level is first shown; `None` of the finest.
+    /// The screen coverage at which this level is first shown; `None` for the finest.
     pub coverage: Option<f32>,
 }
 
 impl Nodes {
-    /// Follows the hierarchy of `document`, whose nodes are shown at a level of detail, 0 the finest.
+    /// Resolves the hierarchy of `document` at a level of detail; 0 is the finest.
     ///
     /// # Errors
-    /// Fails where a node is its own ancestor, a node is named that does not exist, or a transform is not finite.
+    /// Fails if a node is its own ancestor, a referenced node does not exist, or a transform is not finite.
     pub fn resolve(document: &Document, level: usize, warnings: &mut Warnings) -> Result<Self> {
         if !document.reading.take(document.root.nodes.len() as u64 * NODE) {
             document.reading.check()?;
@@ -49,7 +49,7 @@ impl Nodes {
     }
 }
 
-/// Bytes of a node beside those that its text takes while it is parsed: transforms, and what shows its mesh.
+/// Bytes per node in addition to those for parsing its text: transforms, and what shows its mesh.
 const NODE: u64 = 512;
 
 type Parents = Vec<Option<usize>>;
@@ -62,7 +62,7 @@ fn children(document: &Document, node: usize) -> impl Iterator<Item = usize> {
     document.root.nodes[node].children.iter().flatten().map(|c| c.value())
 }
 
-/// The parent of each node; of several the first counts.
+/// Returns the parent of each node; the first if there are several.
 fn parents(document: &Document, warnings: &mut Warnings) -> Result<Parents> {
     let count = document.root.nodes.len();
     let mut parents = vec![None; count];
@@ -71,7 +71,7 @@ fn parents(document: &Document, warnings: &mut Warnings) -> Result<Parents> {
             match parents.get_mut(child) {
                 None => return Err(document.error(at(node), no_such("child", child))),
                 Some(parent @ None) => *parent = Some(node),
-                Some(Some(_)) => warnings.note("nodes with two parents; the first counts", 1),
+                Some(Some(_)) => warnings.note("nodes with two parents; using the first", 1),
             }
         }
     }
@@ -85,10 +85,10 @@ fn local_transform(document: &Document, index: usize, warnings: &mut Warnings) -
         None => from_parts(node, warnings),
     };
     let finite = local.matrix().is_finite();
-    if finite { Ok(local) } else { Err(document.error(at(index), "its transform is not finite")) }
+    if finite { Ok(local) } else { Err(document.error(at(index), "the transform is not finite")) }
 }
 
-/// A matrix stored by columns; projective parts are dropped.
+/// Converts a column-major matrix; projective parts are dropped.
 pub(super) fn from_columns(m: &[f32; 16], warnings: &mut Warnings) -> Mat4 {
     let mut columns = [[0.0; 4]; 4];
     for (i, v) in m.iter().enumerate() {
@@ -96,7 +96,7 @@ pub(super) fn from_columns(m: &[f32; 16], warnings: &mut Warnings) -> Mat4 {
     }
     let last_row = columns.map(|c| c[3]);
     if last_row != [0.0, 0.0, 0.0, 1.0] {
-        warnings.note("matrices with a last row other than 0 0 0 1; it is ignored", 1);
+        warnings.note("matrices with a last row other than 0 0 0 1; row ignored", 1);
         columns.iter_mut().zip([0.0, 0.0, 0.0, 1.0]).for_each(|(c, v)| c[3] = v);
     }
     Mat4 { columns }
@@ -108,11 +108,12 @@ fn from_parts(node: &json::Node, warnings: &mut Warnings) -> Transform {
     let scale = vector(node.scale.unwrap_or([1.0; 3]));
     let rotation = node.rotation.unwrap_or_default().0.map(f64::from);
     let zero = rotation == [0.0; 4];
-    warnings.note("rotations of length zero; taken as none", usize::from(zero));
+    warnings.note("zero-length rotations; treated as identity", usize::from(zero));
     Transform::parts(translation, rotation, scale)
 }
 
-/// The nodes of the default scene, else of the first, else every tree there is; at a level of detail its stand-ins.
+/// Returns the nodes of the default scene, else of the first, else all trees, replaced according to the level of
+/// detail.
 fn shown(document: &Document, parents: &Parents, levels: &Levels) -> Result<Vec<usize>> {
     let root = &document.root;
     let scene = root.scene.map_or(0, |s| s.value());

@@ -1,20 +1,23 @@
-//! The memory that the JSON of a document takes, foretold from its text.
+//! The memory needed for the JSON of a document, estimated from its text.
 
-/// Bytes that a byte of JSON takes while it is parsed: values, then types made of them.
+/// Bytes needed per byte of JSON during parsing: values, then the types built from them.
 const PARSED: u64 = 16;
-/// A list and an object with the first few of what they hold: bytes, and the bytes of text among which [`PARSED`] covers one.
+/// Bytes of a list or object with its first few members, and the bytes of text for which [`PARSED`] covers one of
+/// them.
 const LIST: [u64; 2] = [144, 32];
 const OBJECT: [u64; 2] = [640, 48];
-/// Lists and objects that are not counted in any text.
+/// Number of lists and of objects that are not counted in any text.
 const FREE: u64 = 8;
-/// Bytes that a byte of a `data:` URI takes beside its text. While it is parsed that is a string, one byte. Later the text
-/// is gone, and there are the string, at most one byte of Base64 without blanks, and three quarters of a byte of content.
+/// Bytes needed per byte of a `data:` URI in addition to its text. During parsing, this is a string, one byte. Later
+/// the text is freed, and there are the string, at most one byte of Base64 without whitespace, and three quarters of
+/// a byte of content.
 const OF_DATA: u64 = 2;
-/// The first bytes of a URI that count as any others: what its string takes beside its letters, and a short one does not
-/// count apart.
+/// The first bytes of a URI, which count like other text: they cover the overhead of its string, and a short URI is
+/// not counted separately.
 const HEAD: usize = 64;
 
-/// Returns the bytes that a document takes beside its text, which is a copy of a part of the file where `is_copied`.
+/// Returns the bytes that a document needs in addition to its text, which is a copy of part of the file if
+/// `is_copied`.
 pub(super) fn parsed_size(text: &[u8], is_copied: bool) -> u64 {
     let data = data_uris(text);
     let values = text.len() as u64 - data;
@@ -25,12 +28,12 @@ pub(super) fn parsed_size(text: &[u8], is_copied: bool) -> u64 {
     values * PARSED + beyond(b'[', LIST) + beyond(b'{', OBJECT) + data * (OF_DATA + u64::from(is_copied))
 }
 
-/// Returns the bytes of `data:` URIs, without their heads. Where a string has an escape, the parser copies it once more, and
-/// it does not count.
+/// Returns the bytes of `data:` URIs, without their heads. Strings with an escape are not included, since the parser
+/// copies them again.
 fn data_uris(text: &[u8]) -> u64 {
     let mut is_escaped = false;
     let mut bytes = 0;
-    // In JSON a piece that begins with these letters is a string, unless the mark before it is escaped.
+    // In JSON, a piece that starts with these letters is a string, unless the preceding quote is escaped.
     for piece in text.split(|byte| *byte == b'"') {
         if !is_escaped && piece.starts_with(b"data:") && !piece.contains(&b'\\') {
             bytes += piece.len().saturating_sub(HEAD) as u64;
@@ -65,7 +68,7 @@ mod tests {
         let objects = format!("[{}0]", r#"{"":0},"#.repeat(100));
         assert_eq!(size(&objects), 703 * 16 + (100 - 703 / 48 - 8) * 640);
         let node = r#"{"mesh":0,"translation":[10.25,20.5,30.75],"name":"n"},"#;
-        assert_eq!(size(&node.repeat(100)), node.len() as u64 * 100 * 16, "as files have them");
+        assert_eq!(size(&node.repeat(100)), node.len() as u64 * 100 * 16, "as in real files");
     }
 
     #[test]
@@ -73,7 +76,7 @@ mod tests {
         let long = "0,".repeat(100);
         let texts = [
             format!("[{long}0]"),
-            // The marks within a string do not end it.
+            // Quotes within a string do not end it.
             format!(r#"["a\"data:{long}"]"#),
             format!(r#"["data:{long}\u0041"]"#),
             format!(r#"["data:{long}\""]"#),

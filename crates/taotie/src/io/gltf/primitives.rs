@@ -12,42 +12,42 @@ use crate::mesh::{Mesh, first, repair};
 use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::validation::Checked;
 
-/// The most vertices and indices of all meshes together, in multiples of the bytes of the buffers. Sharing data
-/// between primitives is common; a small file that asks for gigabytes is not.
+/// Maximum number of vertices and indices of all meshes together, per byte of the buffers. Sharing data between
+/// primitives is common; a small file that requests gigabytes is not.
 const MAX_ELEMENTS_PER_BYTE: usize = 8;
 
-/// The number added to that, so that tiny files are free.
+/// Constant added to that limit, so that tiny files are unrestricted.
 const MAX_ELEMENTS_OF_SMALL: usize = 1 << 22;
 
-/// Bytes of a vertex, with all that it may have, and of an index, while a mesh is made.
+/// Bytes per vertex, with every possible attribute, and per index, while a mesh is built.
 const VERTEX: u64 = 80;
 const INDEX: u64 = 12;
-/// Bytes of a corner with the normal of its facet: position, normal and uv.
+/// Bytes per corner with the normal of its facet: position, normal and uv.
 const FLAT_CORNER: u64 = 12 + 12 + 8;
 
-/// Returns the bytes of so many vertices and indices while a mesh is made.
+/// Returns the bytes needed for `vertices` and `indices` while a mesh is built.
 pub(super) fn bytes_of(vertices: usize, indices: usize) -> u64 {
     vertices as u64 * VERTEX + indices as u64 * INDEX
 }
 
-/// Returns the most vertices and indices of all meshes of a file together.
+/// Returns the maximum number of vertices and indices of all meshes of a file together.
 pub(super) fn most_elements(document: &Document) -> usize {
     MAX_ELEMENTS_OF_SMALL + MAX_ELEMENTS_PER_BYTE * document.total_bytes()
 }
 
 /// The warning for primitives that are not drawn.
-pub(super) const NOT_TRIANGLES: &str = "primitives of points or lines; only triangles are drawn";
+pub(super) const NOT_TRIANGLES: &str = "primitives with points or lines; only triangles are drawn";
 
 /// The rest pose of a mesh: morph weights and skin.
 #[derive(Default)]
 pub(super) struct Pose {
     /// Weights of the morph targets; missing ones are zero.
     pub weights: Vec<f32>,
-    /// The skin, as a number into [`super::meshes::Meshes::skins`], and its joint matrices.
+    /// The skin, as an index into [`super::meshes::Meshes::skins`], and its joint matrices.
     pub skin: Option<(usize, Vec<Mat4>)>,
 }
 
-/// A primitive as a mesh, and its source data where animations deform it.
+/// A primitive as a mesh, and its source data if animations deform it.
 pub(super) struct Built {
     /// The mesh.
     pub mesh: Mesh,
@@ -55,12 +55,12 @@ pub(super) struct Built {
     pub shape: Option<Deformable>,
 }
 
-/// Reads primitives as long as their sizes fit the file's.
+/// Reads primitives as long as their total size is plausible for the file.
 pub(super) struct Primitives<'a> {
     document: &'a Document,
-    /// Notes on wrong or missing parts that could be drawn without.
+    /// Notes on invalid or missing parts that are not essential.
     pub warnings: &'a mut Warnings,
-    /// `true` where anything in the file moves, so that the data that deforms meshes has to be kept.
+    /// `true` if anything in the file moves, so that the data that deforms meshes has to be kept.
     pub moves: bool,
     budget: usize,
 }
@@ -72,7 +72,7 @@ impl<'a> Primitives<'a> {
         Self { document, warnings, moves: !document.animations.is_empty(), budget }
     }
 
-    /// Returns the mesh of a primitive; `None` where it has nothing to draw.
+    /// Returns the mesh of a primitive; `None` if it has nothing to draw.
     pub fn build(
         &mut self,
         primitive: &Primitive,
@@ -80,7 +80,7 @@ impl<'a> Primitives<'a> {
         place: &str,
     ) -> std::result::Result<Option<Built>, Stop> {
         let Checked::Valid(mode) = primitive.mode else {
-            return Err("its mode is unknown".to_owned().into());
+            return Err("unknown mode".to_owned().into());
         };
         let Some(vertices) = Vertices::open(self.document, primitive)? else {
             self.warnings.note("primitives without POSITION; nothing to draw", 1);
@@ -90,7 +90,7 @@ impl<'a> Primitives<'a> {
             self.warnings.note(NOT_TRIANGLES, 1);
             return Ok(None);
         };
-        self.warnings.note("indices that make no whole triangle", triangles.surplus);
+        self.warnings.note("surplus indices that do not form a triangle", triangles.surplus);
         let (used, triangles) = compact(triangles.list, vertices.count);
         if triangles.is_empty() {
             self.warnings.note("primitives without a triangle; nothing to draw", 1);
@@ -128,7 +128,7 @@ impl<'a> Primitives<'a> {
         if wanted.all {
             self.spend(used.len().saturating_mul(vertices.primitive.targets.as_ref().map_or(0, Vec::len)))?;
         }
-        let mut note = |why: String| self.warnings.note(format!("{place}: left out: {why}"), 1);
+        let mut note = |why: String| self.warnings.note(format!("{place}: skipped {why}"), 1);
         let targets = deforming::targets(vertices, used, &wanted, &mut note)?;
         let binding = match &pose.skin {
             Some(_) => Some(deforming::binding(vertices, used, self.warnings)?),
@@ -145,13 +145,13 @@ impl<'a> Primitives<'a> {
         };
         let indices = accessor.as_ref().map_or(vertices, |a| a.count);
         self.spend(indices)?;
-        // Without normals each corner becomes a vertex of its facet.
+        // Without normals, each corner becomes a vertex of its facet.
         let is_flat = attribute(primitive, Semantic::Normals).is_none();
         self.take(bytes_of(vertices, indices) + if is_flat { indices as u64 * FLAT_CORNER } else { 0 })?;
         Ok(read_indices(accessor.as_ref(), vertices).map_err(within)?)
     }
 
-    /// Counts bytes that are about to be taken.
+    /// Counts bytes that are about to be allocated.
     fn take(&self, bytes: u64) -> std::result::Result<(), Stop> {
         let reading = &self.document.reading;
         match reading.take(bytes) {
@@ -167,7 +167,7 @@ impl<'a> Primitives<'a> {
                 let bytes = self.document.total_bytes();
                 return Err(Stop::Everything(Error::limit(
                     format!("{}: the geometry", self.document.path.display()),
-                    format!("its primitives share {bytes} bytes too many times; split the file"),
+                    format!("its primitives share {bytes} bytes too often; split the file"),
                 )));
             }
         }

@@ -1,4 +1,4 @@
-//! A glTF file as it stands: its JSON with all that nobody here reads, and the bytes of its buffers.
+//! An unmodified glTF file: its JSON, including the parts that are not read here, and the bytes of its buffers.
 
 use super::buffers::load_buffer;
 use super::container::split;
@@ -13,11 +13,11 @@ use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A glTF file as it stands.
+/// An unmodified glTF file.
 pub(in crate::io) struct RawGltf {
-    /// Its JSON, an object; nothing in it is checked.
+    /// Its JSON, an object; its contents are not checked.
     pub json: Value,
-    /// The bytes of each buffer; `None` for one that has none, which compressed views unpack to.
+    /// The bytes of each buffer; `None` for one without data, as the target of compressed views.
     pub buffers: Vec<Option<Vec<u8>>>,
     reading: Arc<Reading>,
 }
@@ -26,7 +26,7 @@ impl RawGltf {
     /// Reads a file and its buffers.
     ///
     /// # Errors
-    /// [`Error::Io`] and [`Error::Parse`] where it cannot be read, [`Error::Limit`] where a limit is exceeded.
+    /// [`Error::Io`] and [`Error::Parse`] if it cannot be read, [`Error::Limit`] if a limit is exceeded.
     pub fn read(source: GltfSource<'_>, limits: &Limits) -> Result<Self> {
         let path = source.path();
         let reading = Arc::new(Reading::new(path, limits));
@@ -47,21 +47,21 @@ impl RawGltf {
         Ok(Self { json, buffers, reading })
     }
 
-    /// Returns what may be taken and reached, and was taken.
+    /// Returns the limits on memory and file access, and the memory used so far.
     pub fn reading(&self) -> &Arc<Reading> {
         &self.reading
     }
 
-    /// Returns an error at a place of the file.
+    /// Returns an error at a place in the file.
     pub fn error(&self, at: impl Into<String>, what: impl Into<String>) -> Error {
         Error::parse(self.reading.path(), at, what)
     }
 
-    /// Returns the bytes of the file beside the document that `name`, a URI, leads to; `None` where it holds its bytes
-    /// itself, or is not there, or may not be read.
+    /// Returns the bytes of the external file that `name`, a URI, refers to; `None` if the URI holds the bytes
+    /// itself, or the file does not exist or may not be read.
     ///
     /// # Errors
-    /// [`Error::Io`] where the file is there and cannot be read, [`Error::Limit`] where it does not fit the memory.
+    /// [`Error::Io`] if the file exists but cannot be read, [`Error::Limit`] if it does not fit in memory.
     pub fn file(&self, name: &str) -> Result<Option<Vec<u8>>> {
         match uri::locate(name, &self.reading) {
             Ok(ByteSource::File(path)) if path.is_file() => self.reading.read(&path).map(Some),
@@ -70,12 +70,12 @@ impl RawGltf {
     }
 }
 
-/// Parses the JSON of a document, whose text goes.
+/// Parses the JSON of a document and drops its text.
 fn parse(path: &Path, text: Vec<u8>) -> Result<Value> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&text);
     let json: Value = serde_json::from_slice(text).map_err(|e| broken(path, &e))?;
     match json.is_object() {
         true => Ok(json),
-        false => Err(Error::parse(path, "JSON", "it is no object; is this glTF 2.0?")),
+        false => Err(Error::parse(path, "JSON", "expected an object; is this glTF 2.0?")),
     }
 }

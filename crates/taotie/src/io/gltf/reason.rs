@@ -3,7 +3,7 @@
 /// A value, or the reason why it cannot be read; the caller knows the place in the file.
 pub(super) type Reason<T> = std::result::Result<T, String>;
 
-/// Returns the usual words for an index out of range.
+/// Returns the standard message for an index out of range.
 pub(super) fn no_such(what: &str, index: usize) -> String {
-    format!("it names {what} {index}, which does not exist")
+    format!("{what} {index} does not exist")
 }

@@ -4,7 +4,7 @@ use crate::image::{MipFilter, Sampler, TexelFilter, Wrap};
 use gltf::json::texture::{MagFilter, MinFilter, WrappingMode};
 use gltf::json::validation::Checked;
 
-/// Reads a sampler of the file; values left open are repeated and smooth.
+/// Reads a sampler of the file; missing values default to repeat and smooth.
 pub(super) fn sampler_from(json: &gltf::json::texture::Sampler) -> Sampler {
     let wrap = |mode: &Checked<WrappingMode>| match mode {
         Checked::Valid(WrappingMode::ClampToEdge) => Wrap::Clamp,

@@ -1,4 +1,4 @@
-//! The bytes of a document by content.
+//! The sizes in bytes of a document's contents.
 
 use super::document::Document;
 use super::extensions::{DRACO, extension};
@@ -24,11 +24,11 @@ use std::sync::Arc;
 /// The content of an accessor or a buffer view.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 enum Content {
-    /// Elements of vertices, by the name of the attribute.
+    /// Elements of vertices, by attribute name.
     Attribute(String),
     Indices,
     Animation,
-    /// A number of an image.
+    /// The index of an image.
     Image(usize),
 }
 
@@ -41,7 +41,7 @@ impl GltfSizes {
     ///
     /// # Errors
     /// [`Error::Io`](crate::Error::Io) and [`Error::Parse`](crate::Error::Parse) if it cannot be read,
-    /// [`Error::Limit`](crate::Error::Limit) if its buffers do not fit the memory.
+    /// [`Error::Limit`](crate::Error::Limit) if its buffers do not fit in memory.
     pub fn read(source: GltfSource<'_>, limits: &Limits) -> Result<Self> {
         let reading = Arc::new(Reading::new(source.path(), limits));
         let content = source.bytes(&reading)?.into_owned();
@@ -79,7 +79,7 @@ fn of(document: &Document) -> GltfSizes {
     .summed()
 }
 
-/// Returns the bytes that each content takes on a graphics card.
+/// Returns the GPU memory in bytes that each content needs.
 fn gpu_bytes(document: &Document, accessors: &BTreeMap<usize, Content>) -> BTreeMap<Content, u64> {
     let mut sums: BTreeMap<Content, u64> = BTreeMap::new();
     for (index, content) in accessors {
@@ -129,7 +129,8 @@ fn morphed(target: &gltf::json::mesh::MorphTarget) -> impl Iterator<Item = Index
     [target.positions, target.normals, target.tangents].into_iter().flatten()
 }
 
-/// Returns the bytes of each content in the buffers. A view that several share is divided by the size of their elements.
+/// Returns the bytes of each content in the buffers. A shared view is divided in proportion to the size of the
+/// elements.
 fn stored_bytes(document: &Document, accessors: &BTreeMap<usize, Content>) -> BTreeMap<Content, u64> {
     let root = &document.root;
     let mut shares: BTreeMap<usize, BTreeMap<Content, u64>> = BTreeMap::new();
@@ -161,7 +162,7 @@ fn stored_bytes(document: &Document, accessors: &BTreeMap<usize, Content>) -> BT
     stored
 }
 
-/// Adds the bytes of a view to those of each content in it, in proportion.
+/// Distributes the bytes of a view among its contents, in proportion.
 fn divide(bytes: u64, shares: &BTreeMap<Content, u64>, stored: &mut BTreeMap<Content, u64>) {
     let all: u128 = shares.values().map(|weight| u128::from(*weight)).sum();
     let (mut left, mut weight_left) = (bytes, all);
@@ -178,13 +179,13 @@ fn draco_view(primitive: &Primitive) -> Option<usize> {
     usize::try_from(view).ok()
 }
 
-/// Returns the bytes of a view in the file, as compressed.
+/// Returns the number of bytes of a view in the file, as compressed.
 fn view_bytes(view: &View) -> u64 {
     let packed = meshopt::of_view(view).and_then(|json| json.get("byteLength")).and_then(Value::as_u64);
     packed.unwrap_or(view.byte_length.0)
 }
 
-/// Returns the bytes of the elements of an accessor, each a multiple of `unit`.
+/// Returns the number of bytes of the elements of an accessor, each a multiple of `unit`.
 fn bytes_of(accessor: &Accessor, unit: u64) -> u64 {
     let (Checked::Valid(kind), Checked::Valid(component)) = (accessor.type_, accessor.component_type) else {
         return 0;
@@ -231,7 +232,7 @@ fn embedded(document: &Document, number: usize) -> Option<ImageHeader> {
     ImageHeader::read(Cursor::new(bytes))
 }
 
-/// Returns the header and the bytes of an image outside the buffers.
+/// Returns the header and the size in bytes of an image outside the buffers.
 fn external(document: &Document, number: usize) -> (Option<ImageHeader>, u64) {
     let uri = document.root.images[number].uri.as_deref();
     match uri.and_then(|uri| uri::locate(uri, &document.reading).ok()) {

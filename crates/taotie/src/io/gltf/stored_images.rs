@@ -1,4 +1,4 @@
-//! The images of a glTF file as it stores them: their uses and the hashes of their bytes, without decoding any.
+//! The images of a glTF file as stored: their uses and the hashes of their bytes, without decoding them.
 
 use super::raw::RawGltf;
 use super::source::GltfSource;
@@ -9,14 +9,14 @@ use crate::io::limits::Limits;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// An image of a glTF file as the file stores it.
+/// An image as stored in a glTF file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StoredImage {
-    /// What materials read of it, such as `normal`; empty if none reads it.
+    /// The material properties that read it, such as `normal`; empty if there are none.
     pub uses: Vec<String>,
     /// Its file; `None` if it is embedded.
     pub file: Option<PathBuf>,
-    /// The length and the SHA-256 of its bytes as they are stored; `None` if they are missing.
+    /// The length and the SHA-256 of its stored bytes; `None` if they are missing.
     pub bytes: Option<(u64, String)>,
 }
 
@@ -27,7 +27,7 @@ pub struct StoredParts {
     pub buffers: Vec<PathBuf>,
     /// Its images, in order.
     pub images: Vec<StoredImage>,
-    /// The name and the file of each map that its extras name next to it.
+    /// The name and file of each map that its extras list next to it.
     pub maps_beside: Vec<(String, PathBuf)>,
 }
 
@@ -60,10 +60,10 @@ fn stored(raw: &RawGltf, number: usize, image: &Value) -> Result<StoredImage> {
     Ok(StoredImage { uses: uses(&raw.json, number), file: file_of(raw, image), bytes })
 }
 
-/// Returns the bytes of an image as they are stored; `None` if they are missing.
+/// Returns the stored bytes of an image; `None` if they are missing.
 ///
 /// # Errors
-/// [`crate::Error::Io`] if a file is there and cannot be read, [`crate::Error::Limit`] if it does not fit the memory.
+/// [`crate::Error::Io`] if a file exists but cannot be read, [`crate::Error::Limit`] if it does not fit in memory.
 pub(in crate::io) fn image_bytes(raw: &RawGltf, image: &Value) -> Result<Option<Vec<u8>>> {
     match image.get("uri").and_then(Value::as_str) {
         Some(uri) => match uri::locate(uri, raw.reading()) {
@@ -82,7 +82,7 @@ fn view_bytes(raw: &RawGltf, view: &Value) -> Option<Vec<u8>> {
     buffer.get(start..start.checked_add(number("byteLength")?)?).map(<[u8]>::to_vec)
 }
 
-/// Returns what materials read of an image, such as `base color`, in the order of the file, each once.
+/// Returns the material properties that read an image, such as `base color`, in file order, each once.
 pub(in crate::io) fn uses(json: &Value, image: usize) -> Vec<String> {
     let textures: Vec<bool> = items(json, "textures").map(|texture| shows(texture, image)).collect();
     let mut found = Vec::new();
@@ -92,7 +92,7 @@ pub(in crate::io) fn uses(json: &Value, image: usize) -> Vec<String> {
     found
 }
 
-/// Returns `true` if a texture has this image as its source, or as that of an extension.
+/// Returns `true` if a texture has this image as its source, or as the source in an extension.
 fn shows(texture: &Value, image: usize) -> bool {
     let is_it = |of: &Value| of.get("source").and_then(Value::as_u64) == Some(image as u64);
     let extensions = texture.get("extensions").and_then(Value::as_object);
@@ -117,23 +117,23 @@ fn collect_uses(of: &Value, textures: &[bool], found: &mut Vec<String>) {
     }
 }
 
-/// Returns a name such as `baseColor` as words: `base color`.
+/// Returns a name such as `baseColor` as separate words: `base color`.
 fn words(name: &str) -> String {
     let letter =
         |c: char| if c.is_ascii_uppercase() { format!(" {}", c.to_ascii_lowercase()) } else { c.into() };
     name.chars().map(letter).collect()
 }
 
-/// Returns the maps that the extras of `asset` name, as a bake writes them.
+/// Returns the maps listed in the extras of `asset`, as a bake writes them.
 fn maps_beside(json: &Value, path: &Path) -> Vec<(String, PathBuf)> {
     let maps = json.pointer("/asset/extras/maps").and_then(Value::as_object);
     let folder = path.parent().unwrap_or(Path::new(""));
-    let beside = |(name, about): (&String, &Value)| {
-        // A name without folders: nothing outside of the model's own folder is opened.
+    let map_of = |(name, about): (&String, &Value)| {
+        // Only the file name: nothing outside the model's own folder is opened.
         let file = Path::new(about.get("file")?.as_str()?).file_name()?;
         Some((name.clone(), folder.join(file)))
     };
-    maps.into_iter().flatten().filter_map(beside).collect()
+    maps.into_iter().flatten().filter_map(map_of).collect()
 }
 
 #[cfg(test)]
@@ -160,13 +160,13 @@ mod tests {
         });
         std::fs::write(&path, document.to_string()).unwrap();
         let parts = StoredParts::read(&path, &Limits::default()).unwrap();
-        let [embedded, beside, broken] = &parts.images[..] else { panic!("three images") };
+        let [embedded, external, broken] = &parts.images[..] else { panic!("three images") };
         // SHA-256 of "abc": FIPS 180-2, appendix B.1.
         let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
         assert_eq!(embedded.bytes, Some((3, abc.into())));
         assert_eq!(embedded.uses, ["clearcoat normal", "normal"]);
-        assert_eq!((&beside.bytes, &beside.file), (&embedded.bytes, &Some(folder.path().join("c.png"))));
-        assert_eq!((beside.uses.as_slice(), &broken.bytes), (&["base color".to_owned()][..], &None));
+        assert_eq!((&external.bytes, &external.file), (&embedded.bytes, &Some(folder.path().join("c.png"))));
+        assert_eq!((external.uses.as_slice(), &broken.bytes), (&["base color".to_owned()][..], &None));
         assert_eq!(parts.maps_beside, [("height".into(), folder.path().join("m.height.png"))]);
     }
 }

@@ -1,4 +1,4 @@
-//! The contents of the document in numbers, and the root nodes of what its scene shows.
+//! Counts of the document's contents, and the root nodes shown by its scene.
 
 use super::document::Document;
 use super::nodes::Nodes;
@@ -6,7 +6,7 @@ use crate::io::structure::{GltfStructure, RootNode};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
-/// Returns the contents of the document.
+/// Returns the counts of the document's contents.
 pub(super) fn of(document: &Document, nodes: &Nodes) -> GltfStructure {
     let root = &document.root;
     let primitives = || root.meshes.iter().flat_map(|mesh| &mesh.primitives);
@@ -20,7 +20,7 @@ pub(super) fn of(document: &Document, nodes: &Nodes) -> GltfStructure {
     }
 }
 
-/// Returns the number of triangles that a primitive's accessors and mode promise; 0 for points and lines.
+/// Returns the number of triangles implied by a primitive's accessors and mode; 0 for points and lines.
 fn triangles(document: &Document, primitive: &Primitive) -> usize {
     let positions = || primitive.attributes.get(&Checked::Valid(Semantic::Positions));
     let accessor = primitive.indices.as_ref().or_else(positions);
@@ -36,7 +36,7 @@ fn triangles(document: &Document, primitive: &Primitive) -> usize {
 fn roots(document: &Document, nodes: &Nodes) -> Vec<RootNode> {
     let json = &document.root.nodes;
     let mut is_root = vec![false; json.len()];
-    // The root above each node; parents are shown before their children.
+    // The root above each node; parents come before their children.
     let mut root_of: Vec<usize> = (0..json.len()).collect();
     for node in nodes.shown.iter().copied() {
         if let Some(parent) = nodes.nodes[node].parent {

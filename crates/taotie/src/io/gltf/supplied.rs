@@ -1,10 +1,10 @@
-//! The elements that accessors hold in place of those of their buffer views.
+//! Accessor elements that replace those of buffer views.
 
 use super::reason::Reason;
 use gltf::json::accessor::ComponentType;
 use std::collections::BTreeMap;
 
-/// The elements of an accessor, without gaps, in the type that they were packed in.
+/// The elements of an accessor, without gaps, in their packed type.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::io) struct Supplied {
     /// The type of a component.
@@ -22,5 +22,5 @@ impl Supplied {
     }
 }
 
-/// The elements that accessors hold in place of those of their buffer views, or why they cannot be had.
+/// The accessor elements that replace those of buffer views, or the reason why they are unavailable.
 pub(super) type Supply = BTreeMap<usize, Reason<Supplied>>;

@@ -1,4 +1,4 @@
-//! Texture slots, samplers and images, each image decoded once and kept once an encoding.
+//! Texture slots, samplers and images; each image is decoded once and kept once per encoding.
 
 use super::document::Document;
 use super::images::{image_name, read_image, same_sources, sources};
@@ -17,7 +17,7 @@ use gltf::json::{Value, deserialize};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-/// A texture as a material names it.
+/// A texture as referenced by a material.
 pub(super) struct Slot {
     index: usize,
     uv_set: u32,
@@ -25,13 +25,13 @@ pub(super) struct Slot {
 }
 
 impl Slot {
-    /// A slot whose extensions the parser knows.
+    /// Makes a slot whose extensions the parser knows.
     pub fn from_info(info: &Info) -> Self {
         let transform = info.extensions.as_ref().and_then(|e| e.texture_transform.clone());
         Self { index: info.index.value(), uv_set: info.tex_coord, transform }
     }
 
-    /// A slot whose extensions are still JSON: those of normal and occlusion textures.
+    /// Makes a slot whose extensions are still JSON: those of normal and occlusion textures.
     pub fn new<'a>(
         index: usize,
         uv_set: u32,
@@ -50,16 +50,16 @@ impl Slot {
     }
 }
 
-/// The images that materials ask for, before any is decoded.
+/// The images requested by materials, before any is decoded.
 pub(super) struct Textures<'a> {
     document: &'a Document,
-    /// The image and encoding that each texture of the scene is made from.
+    /// The source image and encoding of each texture of the scene.
     requests: Vec<(usize, Encoding)>,
-    /// The place of each among them.
+    /// The index of each among the requests.
     places: HashMap<(usize, Encoding), usize>,
-    /// For each image of the file the first that has the same bytes.
+    /// For each image of the file, the first one with the same bytes.
     same: Vec<usize>,
-    /// The images that may replace another, which is the key.
+    /// The images that may replace the image used as key.
     substitutes: BTreeMap<usize, Vec<usize>>,
 }
 
@@ -70,18 +70,18 @@ pub(super) struct Decoded {
     pub textures: Vec<Texture>,
     /// Their files or names, in the same order.
     pub names: Vec<String>,
-    /// Files that are not there.
+    /// Files that do not exist.
     pub missing: Vec<String>,
 }
 
 impl<'a> Textures<'a> {
-    /// No requests yet.
+    /// Makes an empty set of requests.
     pub fn new(document: &'a Document) -> Self {
         let same = same_sources(document);
         Self { document, requests: Vec::new(), places: HashMap::new(), same, substitutes: BTreeMap::new() }
     }
 
-    /// Registers a use of a texture; `None` with a warning where it has no image that can be read.
+    /// Registers a use of a texture; returns `None` with a warning if it has no readable image.
     pub fn resolve(
         &mut self,
         slot: &Slot,
@@ -91,7 +91,7 @@ impl<'a> Textures<'a> {
         match self.find_image(slot) {
             Ok((image, sampler)) => Some(self.request(slot, (image, encoding), sampler)),
             Err(why) => {
-                warnings.note(format!("{place}: a texture is left out: {why}"), 1);
+                warnings.note(format!("{place}: skipped a texture: {why}"), 1);
                 None
             }
         }
@@ -99,10 +99,13 @@ impl<'a> Textures<'a> {
 
     fn find_image(&mut self, slot: &Slot) -> Reason<(usize, Sampler)> {
         if slot.uv_set() >= MAX_UV_SETS {
-            return Err(format!("it names uv set {}; at most {MAX_UV_SETS} are read", slot.uv_set()));
+            return Err(format!(
+                "unsupported uv set {}; only the first {MAX_UV_SETS} are read",
+                slot.uv_set()
+            ));
         }
         if !transform(slot).is_bounded() {
-            return Err(format!("its transform has a number beyond ±{:e}", UvTransform::MOST));
+            return Err(format!("the texture transform has a value beyond ±{:e}", UvTransform::MOST));
         }
         let mut images: Vec<usize> =
             sources(self.document, slot.index)?.into_iter().map(|image| self.same[image]).collect();
@@ -121,10 +124,10 @@ impl<'a> Textures<'a> {
         TextureRef { texture, uv_set: slot.uv_set() as usize, sampler, transform: transform(slot) }
     }
 
-    /// Decodes the requested images. Uses of images that cannot be read are taken out of `materials`, with a warning.
+    /// Decodes the requested images. Uses of unreadable images are removed from `materials`, with a warning.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] where they do not fit the memory; all are counted first.
+    /// [`crate::Error::Limit`] if they do not fit in memory; all are counted first.
     pub fn decode(self, materials: &mut [Material], warnings: &mut Warnings) -> Result<Decoded> {
         let mut decoded = Decoded::default();
         let bitmaps = self.read_images(&mut decoded.missing, warnings);
@@ -139,7 +142,7 @@ impl<'a> Textures<'a> {
         Ok(decoded)
     }
 
-    /// Counts what textures take beside their images. An image under a second encoding is copied.
+    /// Counts the memory of textures in addition to their images. An image needed in a second encoding is copied.
     fn count(&self, requests: &[(usize, Encoding)], bitmaps: &BTreeMap<usize, Bitmap>) -> Result<()> {
         let (reading, mut seen) = (&self.document.reading, BTreeSet::new());
         for (image, encoding) in requests {
@@ -161,7 +164,7 @@ impl<'a> Textures<'a> {
         let substitutes = self.read_all(others.collect(), missing, warnings);
         for (image, others) in lacking {
             let Some(other) = others.iter().find(|other| substitutes.contains_key(other)) else { continue };
-            warnings.note(format!("image {other} stands for image {image}"), 1);
+            warnings.note(format!("used image {other} instead of image {image}"), 1);
             bitmaps.insert(*image, substitutes[other].clone());
         }
         bitmaps
@@ -180,7 +183,7 @@ impl<'a> Textures<'a> {
             match result {
                 Ok(bitmap) => drop(bitmaps.insert(image, bitmap)),
                 Err(unread) => {
-                    warnings.note(format!("image {image} is left out: {}", unread.why), 1);
+                    warnings.note(format!("skipped image {image}: {}", unread.why), 1);
                     missing.extend(unread.missing);
                 }
             }
@@ -189,7 +192,7 @@ impl<'a> Textures<'a> {
     }
 }
 
-/// One texture a request; a bitmap is copied only where it is needed under both encodings.
+/// Builds one texture per request; a bitmap is copied only if it is needed in both encodings.
 fn build_textures(requests: &[(usize, Encoding)], mut bitmaps: BTreeMap<usize, Bitmap>) -> Vec<Texture> {
     let mut parts = Vec::with_capacity(requests.len());
     let last: HashMap<usize, usize> =
@@ -202,7 +205,7 @@ fn build_textures(requests: &[(usize, Encoding)], mut bitmaps: BTreeMap<usize, B
     parts.into_par_iter().map(|(bitmap, encoding)| Texture::new(bitmap, encoding)).collect()
 }
 
-/// Gives each texture use its final number, or takes it out.
+/// Gives each use of a texture its final index, or removes it.
 fn renumber(material: &mut Material, places: &[Option<usize>]) {
     material.retain_textures(|texture| match places.get(texture.texture) {
         Some(Some(place)) => {

@@ -1,4 +1,4 @@
-//! From primitive modes and indices to triangles.
+//! Converts primitive modes and indices to triangles.
 
 use super::accessor::Accessor;
 use super::reason::Reason;
@@ -6,31 +6,31 @@ use crate::mesh::first;
 use crate::parallel;
 use gltf::json::mesh::Mode;
 
-/// The triangles of a primitive, and the number of indices left out of them.
+/// The triangles of a primitive, and the number of surplus indices.
 pub(super) struct Triangles {
     /// The triangles, counter-clockwise, in the file's vertex indices.
     pub list: Vec<[u32; 3]>,
-    /// The number of indices at the end that made no whole triangle.
+    /// The number of indices at the end that do not form a whole triangle.
     pub surplus: usize,
 }
 
-/// Reads the vertex indices of a primitive of `vertices` vertices; without `indices` they count up from zero.
+/// Reads the vertex indices of a primitive with `vertices` vertices; without `indices` they count up from zero.
 pub(super) fn read_indices(indices: Option<&Accessor>, vertices: usize) -> Reason<Vec<u32>> {
     let Some(accessor) = indices else { return Ok((0..vertices as u32).collect()) };
     if accessor.width != 1 || !accessor.is_unsigned() {
-        return Err("indices must be unsigned integers, one an element".into());
+        return Err("indices must be unsigned integer scalars".into());
     }
     let read = parallel::collect(accessor.count, |i| accessor.unsigned::<1>(i)[0]);
     match first(&read, |v| *v as usize >= vertices) {
-        Some(i) => Err(format!("index {i} names vertex {}, but there are {vertices}", read[i])),
+        Some(i) => Err(format!("index {i} refers to vertex {}, but there are only {vertices}", read[i])),
         None => Ok(read),
     }
 }
 
-/// Cuts strips and fans into triangles; `None` for points and lines.
+/// Converts strips and fans to triangles; returns `None` for points and lines.
 ///
-/// Every second triangle of a strip is turned, so that all keep the winding of the first. Triangles of a strip or
-/// fan that name a vertex twice only join its parts and are dropped.
+/// Every second triangle of a strip is flipped, so that all keep the winding of the first. Strip and fan triangles
+/// with a repeated vertex only join parts and are dropped.
 /// Source: glTF 2.0, 3.7.2.1.
 pub(super) fn triangulate(mode: Mode, indices: &[u32]) -> Option<Triangles> {
     let list: Vec<[u32; 3]> = match mode {
@@ -54,11 +54,11 @@ fn turned(i: usize, window: &[u32]) -> [u32; 3] {
     [window[0], window[1 + odd], window[2 - odd]]
 }
 
-/// The vertices that triangles name, in rising order, and the triangles over them.
+/// Returns the vertices used by triangles, in ascending order, and the triangles re-indexed to them.
 pub(super) fn compact(mut triangles: Vec<[u32; 3]>, count: usize) -> (Vec<u32>, Vec<[u32; 3]>) {
     let corners = triangles.as_flattened();
     if corners.len() < count / 4 {
-        // A small part of a large shared array: time and space by the part alone.
+        // A small part of a large shared array: time and memory must depend only on the part.
         let mut used = corners.to_vec();
         used.sort_unstable();
         used.dedup();

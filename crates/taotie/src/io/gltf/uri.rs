@@ -1,4 +1,4 @@
-//! Finds a buffer or image: in a data URI or in a file beside the model. The network is never asked.
+//! Locates a buffer or image: in a data URI or in a file next to the model. The network is never accessed.
 
 use super::reason::Reason;
 use crate::io::reading::Reading;
@@ -8,7 +8,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
 use std::path::PathBuf;
 
-/// A decoder of Base64 that does not demand padding, which is often forgotten.
+/// A Base64 decoder that does not require padding, which is often missing.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &STANDARD,
     GeneralPurposeConfig::new()
@@ -30,19 +30,19 @@ pub(super) enum ByteSource {
     File(PathBuf),
 }
 
-/// Finds the source that `uri` names; a file has to lie in the model's folder, or be allowed elsewhere.
+/// Locates the source that `uri` refers to; a file must be in the model's folder unless other locations are allowed.
 pub(super) fn locate(uri: &str, reading: &Reading) -> Reason<ByteSource> {
     if let Some(data) = strip_scheme(uri, "data:") {
         return decode_data(data);
     }
     if has_scheme(uri) {
-        return Err("addresses with a scheme are not fetched; save the file beside the model".into());
+        return Err("URIs with a scheme are not fetched; put the file next to the model".into());
     }
     if uri.starts_with(['/', '\\']) {
-        return Err("absolute paths are not followed; save the file beside the model".into());
+        return Err("absolute paths are not followed; put the file next to the model".into());
     }
-    let decoded = percent_decode_str(uri).decode_utf8().map_err(|_| "it is not UTF-8")?;
-    // Names written without encoding, or with the separators of Windows, are common.
+    let decoded = percent_decode_str(uri).decode_utf8().map_err(|_| "not valid UTF-8")?;
+    // Names written without encoding, or with Windows separators, are common.
     let candidates =
         [decoded.as_ref(), uri, &decoded.replace('\\', "/")].map(|name| reading.folder().join(name));
     let mut allowed = candidates.iter().filter(|path| reading.allows(path).is_ok());
@@ -53,7 +53,7 @@ pub(super) fn locate(uri: &str, reading: &Reading) -> Reason<ByteSource> {
     refused.map_or_else(|| Ok(ByteSource::File(candidates[0].clone())), Err)
 }
 
-/// Returns the file that `uri` names, where it is there and may be read.
+/// Returns the file that `uri` refers to, if it exists and may be read.
 pub(super) fn file(uri: &str, reading: &Reading) -> Option<PathBuf> {
     if strip_scheme(uri, "data:").is_some() {
         return None;
@@ -64,7 +64,7 @@ pub(super) fn file(uri: &str, reading: &Reading) -> Option<PathBuf> {
     }
 }
 
-/// Returns a URI fit for one line of a message.
+/// Returns a URI shortened for a one-line message.
 pub(super) fn shortened(uri: &str) -> String {
     let start: String = uri.chars().filter(|c| !c.is_control()).take(80).collect();
     if start.len() < uri.len() { format!("{start}…") } else { start }
@@ -75,7 +75,7 @@ fn strip_scheme<'a>(uri: &'a str, scheme: &str) -> Option<&'a str> {
     start.eq_ignore_ascii_case(scheme).then_some(rest)
 }
 
-/// Says whether a URI has a scheme. RFC 3986, 3.1. A single letter counts too: it is a drive of Windows, which is an
+/// Returns `true` if a URI has a scheme. RFC 3986, 3.1. A single letter counts too: it is a Windows drive, hence an
 /// absolute path.
 fn has_scheme(uri: &str) -> bool {
     let Some((scheme, _)) = uri.split_once(':') else { return false };
@@ -84,7 +84,7 @@ fn has_scheme(uri: &str) -> bool {
 }
 
 fn decode_data(data: &str) -> Reason<ByteSource> {
-    let (header, body) = data.split_once(',').ok_or("a data URI without a comma")?;
+    let (header, body) = data.split_once(',').ok_or("data URI without a comma")?;
     let mut parts = header.split(';');
     let media_type = parts.next().unwrap_or_default().to_ascii_lowercase();
     let bytes = if parts.any(|p| p.trim().eq_ignore_ascii_case("base64")) {
@@ -93,15 +93,14 @@ fn decode_data(data: &str) -> Reason<ByteSource> {
             true => BASE64.decode(body),
             false => BASE64.decode(unescaped(body, |byte| !byte.is_ascii_whitespace())),
         };
-        decoded.map_err(|e| format!("its base64 is damaged: {e}"))?
+        decoded.map_err(|e| format!("invalid base64: {e}"))?
     } else {
         unescaped(body, |_| true)
     };
     Ok(ByteSource::Data { media_type, bytes })
 }
 
-/// Returns the bytes that a text with percent signs stands for, but for those that are not wanted. It takes no more memory
-/// than the text.
+/// Percent-decodes a text, keeping only the wanted bytes. Uses no more memory than the text.
 fn unescaped(text: &str, is_wanted: impl Fn(u8) -> bool) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(text.len());
     bytes.extend(percent_decode_str(text).filter(|byte| is_wanted(*byte)));

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 const NAME: &str = "KHR_materials_variants";
 
-/// The names of the file's variants. One without a name is called by its number.
+/// Returns the names of the file's variants. A variant without a name is named by its number.
 pub(super) fn names(document: &Document) -> Vec<String> {
     let extensions = document.root.extensions.as_ref();
     let variants = extensions.and_then(|e| e.others.get(NAME)).and_then(|json| json.get("variants"));
@@ -22,14 +22,14 @@ pub(super) fn names(document: &Document) -> Vec<String> {
     variants.and_then(Value::as_array).into_iter().flatten().enumerate().map(name).collect()
 }
 
-/// The numbers in the file of a mesh, and of a primitive of it.
+/// The index of a mesh in the file, and of a primitive in that mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct PrimitiveIndex {
     pub mesh: usize,
     pub primitive: usize,
 }
 
-/// Collects the mappings of primitives while meshes are built.
+/// Collects the variant mappings of primitives while meshes are built.
 pub(super) struct Mappings {
     /// The mappings collected so far; `authored` is still empty.
     pub variants: Variants,
@@ -44,14 +44,15 @@ impl Mappings {
         Self { variants, materials: document.root.materials.len(), known: BTreeMap::new() }
     }
 
-    /// Notes that the next mesh of the scene is the primitive `at` of the file. Mappings to what does
-    /// not exist are left out with a warning that starts with `place`.
+    /// Notes that the next mesh of the scene is the primitive `at` of the file. Mappings to anything that does not
+    /// exist are skipped with a warning that starts with `place`.
     pub fn add(&mut self, at: PrimitiveIndex, primitive: &Primitive, place: &str, warnings: &mut Warnings) {
         let json = extension(primitive, NAME).filter(|_| !self.variants.names.is_empty());
         let mapping = json.map(|json| match self.known.get(&at) {
             Some(known) => *known,
             None => {
-                let mapping = self.read(json, |why| warnings.note(format!("{place}: a variant: {why}"), 1));
+                let mapping =
+                    self.read(json, |why| warnings.note(format!("{place}: variant mapping: {why}"), 1));
                 self.variants.mappings.push(mapping);
                 self.known.insert(at, self.variants.mappings.len() - 1);
                 self.variants.mappings.len() - 1
@@ -60,7 +61,7 @@ impl Mappings {
         self.variants.mapping_of_mesh.push(mapping);
     }
 
-    /// Reads the mapping; of several materials for one variant the first counts.
+    /// Reads the mapping; if a variant has several materials, the first is used.
     fn read(&self, json: &Value, mut note: impl FnMut(String)) -> Mapping {
         let mut materials = BTreeMap::new();
         let list =
@@ -89,6 +90,6 @@ fn index(value: Option<&Value>, count: usize) -> Option<usize> {
 fn no_such_value(what: &str, value: Option<&Value>) -> String {
     match value.and_then(Value::as_u64) {
         Some(index) => no_such(what, index as usize),
-        None => format!("it names no {what}"),
+        None => format!("missing {what}"),
     }
 }

@@ -1,4 +1,4 @@
-//! The vertex arrays of a primitive, as they are stored.
+//! The vertex arrays of a primitive, as stored.
 
 use super::accessor::Accessor;
 use super::document::Document;
@@ -10,13 +10,13 @@ use crate::parallel;
 use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::validation::Checked;
 
-/// The most uv sets of a mesh that are read.
+/// Maximum number of uv sets read per mesh.
 pub(super) const MAX_UV_SETS: u32 = 8;
 
-/// Reads the attributes of one primitive, for the vertices `used` only.
+/// Reads the attributes of one primitive, only for the vertices `used`.
 pub(super) struct Vertices<'a> {
     document: &'a Document,
-    /// The primitive that is read.
+    /// The primitive being read.
     pub primitive: &'a Primitive,
     /// The number of vertices that the file has for the primitive.
     pub count: usize,
@@ -24,30 +24,30 @@ pub(super) struct Vertices<'a> {
 }
 
 impl<'a> Vertices<'a> {
-    /// Opens POSITION; `None` where the primitive has none.
+    /// Opens POSITION; returns `None` if the primitive has none.
     pub fn open(document: &'a Document, primitive: &'a Primitive) -> Reason<Option<Self>> {
         let Some(index) = attribute(primitive, Semantic::Positions) else { return Ok(None) };
         let positions = Accessor::open(document, index).map_err(|why| format!("POSITION: {why}"))?;
         if positions.width != 3 {
-            return Err("POSITION: it must have 3 components".into());
+            return Err("POSITION must have 3 components".into());
         }
         if positions.count > u32::MAX as usize {
-            return Err(format!("POSITION: {} vertices; at most 2^32 - 1", positions.count));
+            return Err(format!("POSITION: {} vertices; the maximum is 2^32 - 1", positions.count));
         }
         if positions.is_implicit() && primitive_is_compressed(primitive) {
-            return Err("POSITION: it is compressed by an extension that is not supported".into());
+            return Err("POSITION: compressed by an unsupported extension".into());
         }
         Ok(Some(Self { document, primitive, count: positions.count, positions }))
     }
 
-    /// Reads every attribute of the vertices `used`. Attributes other than POSITION that cannot be read are left
-    /// out, with a warning that starts with `place`.
+    /// Reads every attribute of the vertices `used`. Attributes other than POSITION that cannot be read are skipped,
+    /// with a warning that starts with `place`.
     pub fn read(&self, used: &[u32], place: &str, warnings: &mut Warnings) -> MeshData {
         let mut optional = |semantic: Semantic| {
             let name = semantic.to_string();
             let index = attribute(self.primitive, semantic)?;
             self.open_optional(index)
-                .map_err(|w| warnings.note(format!("{place}: {name} left out: {w}"), 1))
+                .map_err(|w| warnings.note(format!("{place}: skipped {name}: {w}"), 1))
                 .ok()
         };
         let mut data = MeshData {
@@ -68,7 +68,7 @@ impl<'a> Vertices<'a> {
         data
     }
 
-    /// Opens an accessor with one element a vertex.
+    /// Opens an accessor with one element per vertex.
     pub fn open_optional(&self, index: usize) -> Reason<Accessor<'a>> {
         let accessor = Accessor::open(self.document, index)?;
         if accessor.count == self.count {
@@ -79,7 +79,7 @@ impl<'a> Vertices<'a> {
     }
 }
 
-/// The accessor index of an attribute.
+/// Returns the accessor index of an attribute.
 pub(super) fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usize> {
     primitive.attributes.get(&Checked::Valid(semantic)).map(|i| i.value())
 }
@@ -97,7 +97,7 @@ fn color(accessor: &Accessor, i: u32) -> [f32; 4] {
     [r, g, b, if accessor.width < 4 { 1.0 } else { a }]
 }
 
-/// The uv sets up to the last that exists; one that is missing between others is zero.
+/// Reads the uv sets up to the last existing one; missing sets in between are zero.
 fn read_uvs(sets: &[Option<Accessor>], used: &[u32]) -> Vec<Vec<Vec2>> {
     let count = sets.iter().rposition(Option::is_some).map_or(0, |last| last + 1);
     let uv = |accessor: &Accessor, i: u32| {

@@ -1,9 +1,9 @@
-//! The text of an OBJ file in blocks of whole statements, which are read in parallel.
+//! Splits the text of an OBJ file into blocks of whole statements, which are read in parallel.
 
 use super::super::text;
 use super::super::words::line_ends;
 
-/// Bytes of a block, or a line more.
+/// Bytes per block; a block may be one line longer.
 const BLOCK: usize = 1 << 20;
 
 /// An offset in a file, in lines and entries.
@@ -30,7 +30,7 @@ impl FileOffset {
         Self { lines: line_ends(text.as_bytes()), counts }
     }
 
-    /// Goes on by `length` and returns the offset so far.
+    /// Advances by `length` and returns the previous offset.
     pub fn advance(&mut self, length: &Self) -> Self {
         let so_far = *self;
         self.lines += length.lines;
@@ -39,12 +39,12 @@ impl FileOffset {
     }
 }
 
-/// Returns the word that a statement starts with, and the words that follow it.
+/// Returns the keyword of a statement, and the words that follow it.
 pub(super) fn split_keyword(statement: &str) -> (&str, &str) {
     statement.split_once(char::is_whitespace).unwrap_or((statement, ""))
 }
 
-/// Cuts `text` behind lines that do not go on in the next.
+/// Splits `text` after lines that do not continue on the next.
 pub(super) fn blocks(text: &str) -> Vec<&str> {
     let mut blocks = Vec::new();
     let mut rest = text;

@@ -1,4 +1,4 @@
-//! Faces into meshes, one for each material and each set of attributes that faces have.
+//! Converts faces to meshes, one for each material and each combination of attributes.
 
 use super::super::polygon::{Cutter, Outline};
 use super::content::{Face, Obj};
@@ -14,16 +14,16 @@ use std::collections::HashMap;
 pub(super) struct Part {
     /// Index into [`Obj::material_names`], or `None`.
     pub material: Option<usize>,
-    /// The objects or groups of its faces; empty where the file names none.
+    /// The objects or groups of its faces; empty if the file has none.
     pub name: String,
     /// The triangles.
     pub mesh: Mesh,
 }
 
-/// Cuts the faces of `obj` into triangles and welds corners with equal position, uv and normal index.
+/// Triangulates the faces of `obj` and welds corners with equal position, uv and normal index.
 ///
-/// A mesh has uvs only where all of its faces have them at every corner, and so with normals; so one material can
-/// have up to four meshes. In memory the uv origin is top left.
+/// A mesh has uvs only if all its faces have them at every corner, and likewise normals; so one material can have up
+/// to four meshes. In memory the uv origin is top left.
 pub(super) fn build(obj: &Obj, warnings: &mut Warnings) -> Result<Vec<Part>> {
     let mut parts: Vec<PartBuilder> = Vec::new();
     let mut part_of_kind: HashMap<Kind, usize> = HashMap::new();
@@ -47,12 +47,12 @@ pub(super) fn build(obj: &Obj, warnings: &mut Warnings) -> Result<Vec<Part>> {
         parts[part].mark(walk.at(i));
     }
     if parts.iter().any(|part| !part.kind.2) {
-        warnings.note("smoothing groups are drawn as one, since faces lack normals", obj.smoothing_changes);
+        warnings.note("smoothing groups are merged, since faces lack normals", obj.smoothing_changes);
     }
     parts.into_iter().map(|part| part.finish(obj.marks.chosen(), warnings)).collect()
 }
 
-/// Material, whether there are uvs, whether there are normals.
+/// The material, whether there are uvs, and whether there are normals.
 type Kind = (u32, bool, bool);
 
 /// The current face.
@@ -65,7 +65,7 @@ struct Scratch {
 }
 
 impl Scratch {
-    /// Takes the corners of `face`, without the uvs or normals that cannot be used.
+    /// Takes the corners of `face`, without unusable uvs or normals.
     fn take(&mut self, obj: &Obj, face: &Face, warnings: &mut Warnings) -> Kind {
         self.corners.clear();
         self.corners.extend_from_slice(&obj.corners[face.first as usize..][..face.count as usize]);
@@ -73,22 +73,18 @@ impl Scratch {
         self.points.extend(self.corners.iter().map(|c| obj.positions[c[0] as usize]));
         let bad_uv = |i: u32| i != NONE && !is_finite(obj.uvs[i as usize]);
         let bad_normal = |i: u32| i != NONE && !is_direction(obj.normals[i as usize]);
-        let uvs = self.keep(
-            1,
-            bad_uv,
-            "faces whose uvs are left out, being infinite, NaN or not at every corner",
-            warnings,
-        );
+        let uvs =
+            self.keep(1, bad_uv, "faces with unusable uvs (infinite, NaN or not at every corner)", warnings);
         let normals = self.keep(
             2,
             bad_normal,
-            "faces whose normals are left out, being zero, NaN or not at every corner",
+            "faces with unusable normals (zero, NaN or not at every corner)",
             warnings,
         );
         (face.material, uvs, normals)
     }
 
-    /// Says whether every corner has a usable index in `slot`; else none of them keeps it.
+    /// Returns `true` if every corner has a usable index in `slot`; otherwise removes it from all corners.
     fn keep(&mut self, slot: usize, bad: impl Fn(u32) -> bool, name: &str, warnings: &mut Warnings) -> bool {
         let all = self.corners.iter().all(|c| c[slot] != NONE && !bad(c[slot]));
         if !all {
@@ -104,23 +100,23 @@ impl Scratch {
         if self.points.len() == 3 {
             self.triangles.push([0, 1, 2]);
         } else if self.cutter.cut(&self.points, &mut self.triangles) == Outline::Crossing {
-            warnings.note("polygons that cross themselves are drawn only roughly", 1);
+            warnings.note("self-intersecting polygons, triangulated approximately", 1);
         }
     }
 }
 
-/// For each position the part that used it first, and the vertex there.
+/// For each position, the part that used it first, and the vertex there.
 type Firsts = [(u32, u32)];
 
 struct PartBuilder {
     number: u32,
     kind: Kind,
     data: MeshData,
-    /// The numbers of the marks that its faces have, in their order.
+    /// The indices of the marks of its faces, in order.
     marks: Vec<usize>,
-    /// The corner that each vertex is made from.
+    /// The source corner of each vertex.
     corners: Vec<Corner>,
-    /// The vertices of corners, but for those in [`Firsts`]: most positions have one corner in one part.
+    /// The vertices of corners, except for those in [`Firsts`]: most positions have one corner in one part.
     welded: HashMap<Corner, u32>,
 }
 
@@ -146,7 +142,7 @@ impl PartBuilder {
         }
     }
 
-    /// Notes the mark of the face that was added.
+    /// Records the mark of the face just added.
     fn mark(&mut self, number: usize) {
         if self.marks.last() != Some(&number) {
             self.marks.push(number);
@@ -198,12 +194,12 @@ fn is_direction(normal: Vec3) -> bool {
     length > 1e-20 && length.is_finite()
 }
 
-/// Returns vertex colours, which the format does not define and tools write sRGB-encoded in [0, 1], or in [0, 255].
+/// Returns vertex colours; the format does not define them, and tools write them sRGB-encoded in [0, 1] or [0, 255].
 fn linear_colors(obj: &Obj, warnings: &mut Warnings) -> Vec<[f32; 4]> {
     let usable = |v: f32| if v.is_finite() { v.max(0.0) } else { 0.0 };
     let largest = obj.colors.iter().flatten().fold(0.0, |a: f32, v| a.max(usable(*v)));
     let scale = if largest > 1.5 { 1.0 / 255.0 } else { 1.0 };
-    warnings.note("vertex colours above 1, so all are read as 0 to 255", usize::from(scale < 1.0));
+    warnings.note("vertex colours above 1; reading all as 0 to 255", usize::from(scale < 1.0));
     let decode = |v: f32| linear_from_srgb((f64::from(usable(v)) * scale).min(1.0)) as f32;
     obj.colors.iter().map(|[r, g, b]| [decode(*r), decode(*g), decode(*b), 1.0]).collect()
 }

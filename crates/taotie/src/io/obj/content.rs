@@ -1,4 +1,4 @@
-//! The content of an OBJ file, as it stands in it.
+//! The content of an OBJ file, as stored.
 
 use super::corner::Corner;
 use super::objects::Marks;
@@ -13,7 +13,7 @@ pub(super) struct Face {
     pub count: u32,
     /// Index into [`Obj::material_names`], or [`NONE`](super::corner::NONE).
     pub material: u32,
-    /// The line in the file, from 1.
+    /// The line in the file, starting at 1.
     pub line: u32,
 }
 
@@ -22,7 +22,7 @@ pub(super) struct Face {
 pub(super) struct Obj {
     /// The positions, model units; finite.
     pub positions: Vec<Vec3>,
-    /// The vertex colours as in the file; empty, or one a position.
+    /// The vertex colours as in the file; empty, or one per position.
     pub colors: Vec<[f32; 3]>,
     /// The uvs as in the file: the origin is bottom left.
     pub uvs: Vec<Vec2>,
@@ -32,12 +32,12 @@ pub(super) struct Obj {
     pub corners: Vec<Corner>,
     /// The faces.
     pub faces: Vec<Face>,
-    /// The names that `usemtl` gives, each once.
+    /// The names used by `usemtl`, each once.
     pub material_names: Vec<String>,
-    /// The words behind each `mtllib`.
+    /// The words after each `mtllib`.
     pub libraries: Vec<String>,
     /// The objects and groups.
     pub marks: Marks,
-    /// The number of times that `s` names another smoothing group than before, once one was named.
+    /// The number of times that `s` switches to another smoothing group, not counting the first.
     pub smoothing_changes: usize,
 }

@@ -1,4 +1,4 @@
-//! A corner of a face: what it names.
+//! A corner of a face: its indices.
 
 use super::super::text::quote;
 use super::super::words::Words;
@@ -9,7 +9,8 @@ pub(super) const NONE: u32 = u32::MAX;
 /// Indices of position, uv and normal.
 pub(super) type Corner = [u32; 3];
 
-/// Takes a corner of plain indices from 1 on, as [`corner`] reads it; `None` where it is another, or none is left.
+/// Reads a corner of plain indices starting at 1, like [`corner`]; returns `None` for any other form, or if none is
+/// left.
 #[inline]
 pub(super) fn plain_corner(words: &mut Words) -> Option<Corner> {
     let mut corner = [plain_index(words)?, NONE, NONE];
@@ -30,7 +31,7 @@ fn plain_index(words: &mut Words) -> Option<u32> {
     words.whole()?.checked_sub(1)
 }
 
-/// Reads `v`, `v/vt`, `v//vn` or `v/vt/vn`, where negative indices count back from the last element so far.
+/// Reads `v`, `v/vt`, `v//vn` or `v/vt/vn`; negative indices count back from the latest element.
 pub(super) fn corner(token: &str, counts: [usize; 3]) -> std::result::Result<Corner, String> {
     let mut corner = [NONE; 3];
     let mut parts = token.split('/');
@@ -41,19 +42,18 @@ pub(super) fn corner(token: &str, counts: [usize; 3]) -> std::result::Result<Cor
         }
     }
     if corner[0] == NONE || parts.next().is_some() {
-        return Err(format!("{} is not of the form v, v/vt, v//vn or v/vt/vn; mend the file", quote(token)));
+        return Err(format!("invalid corner {}: expected v, v/vt, v//vn or v/vt/vn", quote(token)));
     }
     Ok(corner)
 }
 
 fn resolve(part: &str, count: usize) -> std::result::Result<u32, String> {
-    let index: i64 =
-        part.parse().map_err(|_| format!("{} is not a whole number; mend the file", quote(part)))?;
+    let index: i64 = part.parse().map_err(|_| format!("{} is not an integer; fix the file", quote(part)))?;
     let from_zero = if index < 0 { index.saturating_add(count as i64) } else { index - 1 };
     match u32::try_from(from_zero) {
         Ok(found) if found != NONE => Ok(found),
-        _ if index == 0 => Err("0 means nothing; indices count from 1".to_owned()),
-        _ => Err(format!("{index} is out of range, there are {count}; mend the file")),
+        _ if index == 0 => Err("0 is invalid; indices start at 1".to_owned()),
+        _ => Err(format!("{index} is out of range: the count is {count}; fix the file")),
     }
 }
 

@@ -1,4 +1,4 @@
-//! MTL materials into the scene's.
+//! Converts MTL materials to the scene's.
 
 use super::mtl::{Channel, Map, Mtl};
 use super::textures::{ChannelReader, Textures, combine};
@@ -10,17 +10,17 @@ use crate::scene::{
 };
 use crate::surface::{NormalMapKind, is_normal_map};
 
-/// The material of files and names that no library describes: the neutral default, seen from both sides, since
-/// formats without a rule for back faces are full of shells and of faces wound either way.
+/// Returns the material for files and names without a library entry: the neutral default, double-sided, since formats
+/// without a rule for back faces are full of shells and of inconsistently wound faces.
 pub(in crate::io) fn neutral(name: &str) -> Material {
     Material { name: name.to_owned(), double_sided: true, ..Material::default() }
 }
 
-/// Turns an MTL material into the scene's.
+/// Converts an MTL material to the scene's.
 ///
 /// Kd is the base colour, taken as linear. Roughness is Pr, or follows from Ns by α² = 2/(Ns + 2); a map of roughness
-/// or metalness replaces its number, as in Blender. Opacity is d, or 1 − Tr. Ka, Kd, Ks and Ns are kept for the classic
-/// models. A colour of zero beside its own texture is read as one: exporters write it where they mean "see texture".
+/// or metalness replaces its number, as in Blender. Opacity is d, or 1 − Tr. Ka, Kd, Ks and Ns are kept for the
+/// classic models. A zero colour with a texture is read as one: exporters write it to mean "see texture".
 pub(super) fn material(mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnings) -> Material {
     let mut m = Material {
         metallic: mtl.metallic.unwrap_or(0.0).clamp(0.0, 1.0),
@@ -45,12 +45,12 @@ pub(super) fn material(mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnin
     m
 }
 
-/// Returns a colour whose channels are at most what light can be.
+/// Returns a colour with its channels limited to valid light values.
 fn bounded(color: [f32; 3]) -> [f32; 3] {
     color.map(|v| v.min(Light::MOST))
 }
 
-/// Returns the roughness of a shininess s by α² = 2 / (s + 2), and α = roughness².
+/// Returns the roughness for a shininess s by α² = 2 / (s + 2), and α = roughness².
 fn roughness_from_shininess(shininess: f32) -> f32 {
     (2.0 / (shininess.max(0.0) + 2.0)).sqrt().sqrt()
 }
@@ -62,21 +62,21 @@ fn texture_ref(texture: usize, map: &Map) -> TextureRef {
         texture,
         uv_set: 0,
         sampler: Sampler { wrap_u: wrap, wrap_v: wrap, ..Sampler::default() },
-        // Written for an origin bottom left: v' = 1 − (sv·(1 − v) + ov) from the top.
+        // Written for a bottom-left origin: v' = 1 − (sv·(1 − v) + ov) from the top.
         transform: UvTransform { linear: [[su, 0.0], [0.0, sv]], offset: [ou, 1.0 - sv - ov] },
     }
 }
 
-/// Returns the name of a texture made from two files.
+/// Returns the name of a texture made from up to two files.
 fn names(maps: [Option<&Map>; 2]) -> String {
     maps.into_iter().flatten().map(|map| map.file.as_str()).collect::<Vec<_>>().join(" + ")
 }
 
-/// The factor for a colour that has a texture: zero is read as one.
+/// Returns the factor for a colour that has a texture: zero is read as one.
 fn factor(color: Option<[f32; 3]>, keyword: &str, warnings: &mut Warnings) -> [f32; 3] {
     match color {
         Some([0.0, 0.0, 0.0]) => {
-            warnings.note(format!("{keyword} 0 0 0 beside map_{keyword} is read as 1 1 1"), 1);
+            warnings.note(format!("{keyword} 0 0 0 with map_{keyword} is read as 1 1 1"), 1);
             [1.0; 3]
         }
         other => other.unwrap_or([1.0; 3]),
@@ -106,7 +106,7 @@ fn color_encoding(map: &Map) -> Encoding {
     if map.linear { Encoding::Linear } else { Encoding::Srgb }
 }
 
-/// Puts the opacity map, where there is one, into the alpha channel of the base colour texture.
+/// Puts the opacity map, if any, into the alpha channel of the base colour texture.
 fn set_opacity_map(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnings) {
     let Some(map) = &mtl.dissolve_map else { return };
     let key = format!("opacity {map:?} of {:?} in {}", mtl.diffuse_map, mtl.folder.display());
@@ -115,7 +115,7 @@ fn set_opacity_map(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warning
         let opacity = textures.bitmap(map, &mtl.folder, warnings)?;
         let channel = map.channel.unwrap_or(Channel::Stored(if opacity.has_alpha() { 3 } else { 0 }));
         let color = colored.and_then(|map| textures.bitmap(map, &mtl.folder, warnings));
-        // Float pictures are linear in the file already.
+        // Float images are already linear in the file.
         let is_float = color.as_ref().is_some_and(|b| b.bits() == 32);
         let encoding =
             if is_float { Encoding::Linear } else { colored.map_or(Encoding::Linear, color_encoding) };
@@ -129,7 +129,7 @@ fn set_opacity_map(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warning
     m.base_color_texture = Some(texture_ref(texture, colored.unwrap_or(map)));
 }
 
-/// Says whether at least 95 in 100 texels are fully there or fully away.
+/// Returns `true` if at least 95% of texels are fully opaque or fully transparent.
 fn is_cutout(bitmap: &Bitmap) -> bool {
     let count = bitmap.texels().len();
     let hard = (0..count).filter(|i| !(0.02..0.98).contains(&bitmap.stored(*i)[3])).count();
@@ -145,15 +145,15 @@ fn set_emission(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: 
     }
 }
 
-/// Sets one texture of roughness (green) and metalness (blue) from the two of the file.
+/// Sets one texture of roughness (green) and metalness (blue) from the two in the file.
 ///
-/// An image that both name without saying which channel, and that is not grey, is packed in that order already.
+/// An image used for both without a channel, and that is not grey, is already packed in that order.
 fn set_metallic_roughness(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnings) {
     let (rough, metal) = (mtl.roughness_map.as_ref(), mtl.metallic_map.as_ref());
     let Some(placed) = rough.or(metal) else { return };
     if let (Some(a), Some(b)) = (rough, metal) {
         let differ = (a.scale, a.offset, a.clamp) != (b.scale, b.offset, b.clamp);
-        warnings.note("map_Pm is placed as map_Pr is, though its options differ", usize::from(differ));
+        warnings.note("map_Pm and map_Pr have different options; using those of map_Pr", usize::from(differ));
     }
     let read = |map: Option<&Map>, textures: &mut Textures, warnings: &mut Warnings| {
         map.and_then(|map| textures.bitmap(map, &mtl.folder, warnings))
@@ -182,7 +182,7 @@ fn set_metallic_roughness(m: &mut Material, mtl: &Mtl, textures: &mut Textures, 
     }
 }
 
-/// Says whether some texel, of those looked at, is not grey.
+/// Returns `true` if any of the sampled texels is not grey.
 fn is_colorful(bitmap: &Bitmap) -> bool {
     let count = bitmap.texels().len();
     (0..count).step_by((count >> 16) | 1).any(|i| {
@@ -191,7 +191,8 @@ fn is_colorful(bitmap: &Bitmap) -> bool {
     })
 }
 
-/// Sets the normal map and the height map. The pixels decide the content of `map_Bump`, and the space of the normals.
+/// Sets the normal map and the height map. The pixels determine the content of `map_Bump`, and the space of the
+/// normals.
 fn set_relief(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnings) {
     if let Some(map) = &mtl.bump_map
         && let Some(texture) = textures.relief(map, &mtl.folder, warnings)
@@ -208,7 +209,7 @@ fn set_relief(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: &m
     }
 }
 
-/// Returns the normal map; -bm multiplies the leaning of the normals.
+/// Returns the normal map; -bm scales the tilt of the normals.
 fn normal_map(texture: usize, map: &Map, kind: NormalMapKind) -> NormalMap {
     let space = if kind == NormalMapKind::Object { NormalSpace::Object } else { NormalSpace::Tangent };
     NormalMap { texture: texture_ref(texture, map), scale: map.bump, space, green: GreenChannel::Up }
@@ -225,7 +226,7 @@ fn height_map(
     let map = mtl.bump_map.as_ref()?;
     let bitmap = textures.list[texture].bitmap();
     let colorful = is_colorful(bitmap);
-    warnings.note("a colour picture is used as heights: its red channel is read", usize::from(colorful));
+    warnings.note("colour image used as a height map; reading its red channel", usize::from(colorful));
     let texture = match map.channel {
         None | Some(Channel::Stored(0)) => texture,
         Some(channel) => {

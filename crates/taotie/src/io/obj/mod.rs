@@ -1,8 +1,8 @@
-//! OBJ with MTL: polygons, materials and the images beside them.
+//! OBJ with MTL: polygons, materials and external images.
 //!
-//! The format is read here rather than through a crate, because files in the wild need what those lack: errors with
-//! line numbers, concave polygons, continued lines, UTF-16 and Latin-1, faces with and without uvs in one object,
-//! and the options of texture statements.
+//! The format is read here rather than through a crate, because real-world files need features that crates lack:
+//! errors with line numbers, concave polygons, continued lines, UTF-16 and Latin-1, faces with and without uvs in one
+//! object, and the options of texture statements.
 
 mod blocks;
 mod build;
@@ -30,17 +30,18 @@ use mtl::Mtl;
 use std::collections::HashMap;
 use textures::Textures;
 
-/// The number of missing libraries or materials that are named one by one.
+/// Maximum number of missing libraries or materials that are named individually.
 const NAMED: usize = 64;
 
 /// Reads an OBJ file, its MTL files and their textures.
 ///
-/// The scene has one mesh for each material in use (two or more where only some of its faces have uvs or normals);
-/// objects and groups are not kept apart, but name the meshes that hold their faces. Normals are absent where the file has none. The uv origin is turned from
-/// bottom left to top left; vertex colours are taken as sRGB-encoded, material colours as linear.
+/// The scene has one mesh for each material in use (two or more if only some of its faces have uvs or normals);
+/// objects and groups are not kept apart, but name the meshes that hold their faces. Normals are absent if the file
+/// has none. The uv origin is converted from bottom left to top left; vertex colours are taken as sRGB-encoded,
+/// material colours as linear.
 ///
 /// # Errors
-/// [`crate::Error::Io`] where the file cannot be read, [`crate::Error::Parse`] with the line of what cannot be used.
+/// [`crate::Error::Io`] if the file cannot be read, [`crate::Error::Parse`] with the line of unusable content.
 /// Missing libraries, materials and textures are noted in the warnings.
 pub(super) fn read(reading: &Reading) -> Result<Loaded> {
     let path = reading.path();
@@ -95,15 +96,15 @@ fn place(scene: &mut SceneData, mesh: Mesh, material: usize) {
 fn note_unknown(name: &str, unknown: &mut usize, warnings: &mut Warnings) {
     *unknown += usize::from(!name.is_empty());
     if *unknown > NAMED {
-        warnings.note("further materials that no library describes are drawn in grey", 1);
+        warnings.note("further materials not found in any library; using grey", 1);
     } else if !name.is_empty() {
-        warnings.note(format!("no library describes material {}; it is drawn in grey", quote(name)), 1);
+        warnings.note(format!("material {} not found in any library; using grey", quote(name)), 1);
     }
 }
 
-/// The materials of all libraries by name; of equal names, the last.
+/// Returns the materials of all libraries by name; of equal names, the last.
 fn library(reading: &Reading, obj: &Obj, loaded: &mut Loaded) -> HashMap<String, Mtl> {
-    /// Bytes that a byte of a library takes in all.
+    /// Total bytes needed per byte of a library.
     const UNPACKED: u64 = 4;
     let Loaded { warnings, missing_files, files, .. } = loaded;
     let mut materials = HashMap::new();
@@ -111,8 +112,8 @@ fn library(reading: &Reading, obj: &Obj, loaded: &mut Loaded) -> HashMap<String,
         for name in library_files(names, reading) {
             let found = match locate::find(&name, &[reading.folder()], reading) {
                 Ok(Some(path)) => Ok(path),
-                Ok(None) => Err("is not there".to_owned()),
-                Err(why) => Err(format!("is left out: {why}")),
+                Ok(None) => Err("is missing".to_owned()),
+                Err(why) => Err(format!("skipped: {why}")),
             };
             let text = match found {
                 Err(why) => {
@@ -136,12 +137,12 @@ fn library(reading: &Reading, obj: &Obj, loaded: &mut Loaded) -> HashMap<String,
         }
     }
     let more = obj.libraries.len().saturating_sub(NAMED);
-    warnings.note(format!("material libraries beyond {NAMED} are not read"), more);
+    warnings.note(format!("ignored material libraries beyond the first {NAMED}"), more);
     materials
 }
 
-/// The files behind one `mtllib`: a single name with spaces where there is such a file, else one a word, where a
-/// backslash keeps the space behind it.
+/// Returns the files of one `mtllib`: a single name with spaces if such a file exists, else one per word, with a
+/// backslash escaping a space.
 fn library_files(names: &str, reading: &Reading) -> Vec<String> {
     let whole = names.trim().trim_matches('"');
     if !whole.contains(char::is_whitespace) || locate::find(whole, &[reading.folder()], reading) != Ok(None) {

@@ -1,4 +1,4 @@
-//! The statements of an MTL file, as they stand in it.
+//! The statements of an MTL file, as stored.
 
 use super::super::text;
 use crate::error::Warnings;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// One material of an MTL file. Absent values are `None`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Mtl {
-    /// The name behind `newmtl`; may hold spaces, may be empty.
+    /// The name after `newmtl`; may contain spaces, may be empty.
     pub name: String,
     /// The folder of the MTL file.
     pub folder: PathBuf,
@@ -49,19 +49,19 @@ pub(super) struct Mtl {
 /// A texture statement.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Map {
-    /// The name as it stands, with either kind of slash.
+    /// The name as written, with either kind of slash.
     pub file: String,
     /// The scale, -s, first two numbers.
     pub scale: [f32; 2],
     /// The offset, -o, first two numbers.
     pub offset: [f32; 2],
-    /// `true` where -clamp is on.
+    /// `true` if -clamp is on.
     pub clamp: bool,
     /// The factor of -bm.
     pub bump: f32,
     /// The channel of -imfchan.
     pub channel: Option<Channel>,
-    /// `true` where -colorspace says linear.
+    /// `true` if -colorspace is linear.
     pub linear: bool,
 }
 
@@ -74,8 +74,7 @@ pub(super) enum Channel {
     Mean,
 }
 
-/// Reads the statements of `text`, which stands in the file `path`. Statements that cannot be used are noted and left
-/// out.
+/// Reads the statements of `text` from the file `path`. Unusable statements are noted and skipped.
 pub(super) fn parse(path: &Path, text: &str, warnings: &mut Warnings) -> Vec<Mtl> {
     let mut materials: Vec<Mtl> = Vec::new();
     let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
@@ -87,7 +86,7 @@ pub(super) fn parse(path: &Path, text: &str, warnings: &mut Warnings) -> Vec<Mtl
         } else if let Some(material) = materials.last_mut() {
             let keyword = keyword.to_ascii_lowercase();
             if material.statement(&keyword, rest, warnings).is_none() {
-                warnings.note(format!("MTL statement '{keyword}' without a usable value is left out"), 1);
+                warnings.note(format!("skipped MTL statement '{keyword}' without a usable value"), 1);
             }
         }
     }
@@ -95,7 +94,7 @@ pub(super) fn parse(path: &Path, text: &str, warnings: &mut Warnings) -> Vec<Mtl
 }
 
 impl Mtl {
-    /// Takes one statement; `None` where its value cannot be used.
+    /// Reads one statement; returns `None` if its value cannot be used.
     fn statement(&mut self, keyword: &str, rest: &str, warnings: &mut Warnings) -> Option<()> {
         match keyword {
             "ka" => self.ambient = Some(color(rest)?),
@@ -121,20 +120,20 @@ impl Mtl {
     }
 }
 
-/// A note on a statement that is read over; unknown ones share one, since there may be any number of them.
+/// Returns the note for an ignored statement; unknown ones share one, since there may be any number of them.
 fn unused(keyword: &str) -> String {
     const KNOWN: [&str; 15] = [
         "map_ka", "map_ks", "map_ns", "map_ps", "map_refl", "refl", "disp", "map_disp", "decal", "map_aat",
         "ps", "pc", "pcr", "aniso", "anisor",
     ];
     if KNOWN.contains(&keyword) {
-        format!("MTL statement '{keyword}' is not used")
+        format!("ignored MTL statement '{keyword}'")
     } else {
-        "unknown MTL statements are not used".to_owned()
+        "ignored unknown MTL statements".to_owned()
     }
 }
 
-/// Reads one or three numbers; below 0 is 0.
+/// Reads one or three numbers; negative ones become 0.
 fn color(rest: &str) -> Option<[f32; 3]> {
     let mut words = rest.split_ascii_whitespace();
     let r = number(words.next()?)?;
@@ -143,12 +142,12 @@ fn color(rest: &str) -> Option<[f32; 3]> {
     Some([r, g, b].map(|v| v.max(0.0)))
 }
 
-/// Reads the first word, finite.
+/// Reads the first word as a finite number.
 fn number(rest: &str) -> Option<f32> {
     rest.split_ascii_whitespace().next()?.parse().ok().filter(|value: &f32| value.is_finite())
 }
 
-/// Reads options and a file name, which may hold spaces; options may also follow the name.
+/// Reads options and a file name, which may contain spaces; options may also follow the name.
 fn map(rest: &str) -> Option<Map> {
     let mut map = Map {
         file: String::new(),
@@ -172,7 +171,7 @@ fn map(rest: &str) -> Option<Map> {
     (!map.file.is_empty()).then_some(map)
 }
 
-/// Returns the least and the greatest number of words that may follow an option.
+/// Returns the minimum and maximum number of words that may follow an option.
 fn option_words(option: &str) -> Option<(usize, usize)> {
     match option {
         "-s" | "-o" | "-t" => Some((1, 3)),
@@ -183,7 +182,7 @@ fn option_words(option: &str) -> Option<(usize, usize)> {
     }
 }
 
-/// Finds the place where the name ends and known options follow it.
+/// Returns the position at which the name ends and known options follow it.
 fn trailing_options(rest: &str) -> usize {
     let starts = rest.match_indices(" -").filter(|(i, _)| {
         let word = rest[i + 1..].split_ascii_whitespace().next().unwrap_or("");
@@ -193,7 +192,7 @@ fn trailing_options(rest: &str) -> usize {
 }
 
 impl Map {
-    /// Takes one option from the start of `rest` and returns the words that follow it, or `None` where there is none.
+    /// Reads one option from the start of `rest` and returns the words that follow it, or `None` if there is none.
     fn option<'a>(&mut self, rest: &'a str) -> Option<&'a str> {
         let (option, mut rest) = next_word(rest)?;
         let (least, most) = option_words(option)?;
@@ -211,7 +210,7 @@ impl Map {
     }
 
     fn apply(&mut self, option: &str, words: &[&str]) {
-        // A transform adds up to three of them.
+        // A transform adds up to three such values.
         let most = UvTransform::MOST / 4.0;
         let value = |i: usize, absent: f32| {
             let parsed = words.get(i).and_then(|w| w.parse::<f32>().ok());
@@ -268,7 +267,7 @@ mod tests {
         assert_eq!((m.shininess, m.dissolve, m.transparency), (Some(20.0), Some(0.5), Some(0.25)));
         assert_eq!((m.roughness, m.metallic, m.emissive), (Some(0.2), None, None));
         let notes: Vec<&str> = warnings.iter().map(|(w, _)| w).collect();
-        assert_eq!(notes[0], "MTL statement 'pm' without a usable value is left out");
+        assert_eq!(notes[0], "skipped MTL statement 'pm' without a usable value");
         assert_eq!(notes.len(), 2);
     }
 
@@ -299,6 +298,6 @@ mod tests {
             parse(Path::new("a.mtl"), "Kd 1 1 1\nnewmtl \n  newmtl a  b \nrefl x.png", &mut warnings);
         let names: Vec<&str> = materials.iter().map(|m| m.name.as_str()).collect();
         assert_eq!(names, ["", "a  b"]);
-        assert_eq!(warnings.iter().next(), Some(("MTL statement 'refl' is not used", 1)));
+        assert_eq!(warnings.iter().next(), Some(("ignored MTL statement 'refl'", 1)));
     }
 }

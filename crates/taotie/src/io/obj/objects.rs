@@ -1,23 +1,23 @@
-//! Objects and groups: what the meshes of an OBJ file are called, which are made by material.
+//! Objects and groups: they name the meshes of an OBJ file, which are divided by material.
 
-/// The most names that a mesh is called by.
+/// Maximum number of names in the name of a mesh.
 const MOST: usize = 8;
 
-/// A statement `o` or `g`: the faces behind it have its name.
+/// A statement `o` or `g`: it names the faces that follow.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Mark {
-    /// The number of its first face.
+    /// The index of its first face.
     pub face: u32,
-    /// The words behind the keyword.
+    /// The words after the keyword.
     pub name: String,
 }
 
-/// The objects and groups of a file, in its order.
+/// The objects and groups of a file, in file order.
 #[derive(Debug, Default)]
 pub(super) struct Marks {
-    /// Of statements `o`.
+    /// From statements `o`.
     pub objects: Vec<Mark>,
-    /// Of statements `g`.
+    /// From statements `g`.
     pub groups: Vec<Mark>,
 }
 
@@ -30,25 +30,25 @@ impl Marks {
         self.groups.extend(moved(block.groups));
     }
 
-    /// Returns the objects; where the file names none, its groups.
+    /// Returns the objects, or the groups if the file has no objects.
     pub fn chosen(&self) -> &[Mark] {
         if self.objects.is_empty() { &self.groups } else { &self.objects }
     }
 }
 
-/// Goes along the faces of a file and knows the mark of each.
+/// Iterates over the faces of a file, tracking the mark of each.
 pub(super) struct Walk<'a> {
     marks: &'a [Mark],
     passed: usize,
 }
 
 impl<'a> Walk<'a> {
-    /// Begins before the first face.
+    /// Starts before the first face.
     pub fn new(marks: &'a [Mark]) -> Self {
         Self { marks, passed: 0 }
     }
 
-    /// Goes on to a face and returns the number of its mark, from 1; 0 for none.
+    /// Advances to a face and returns the number of its mark, starting at 1; 0 for none.
     pub fn at(&mut self, face: usize) -> usize {
         while self.marks.get(self.passed).is_some_and(|mark| mark.face as usize <= face) {
             self.passed += 1;

@@ -1,4 +1,4 @@
-//! An OBJ file, of which blocks are read in parallel and put together.
+//! Parses an OBJ file by reading blocks in parallel and combining them.
 
 use super::blocks::{FileOffset, blocks};
 use super::content::Obj;
@@ -10,15 +10,15 @@ use crate::parallel;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Reads the statements of `text`, which stands in the file `path`, in blocks and in parallel.
+/// Reads the statements of `text` from the file `path`, in blocks and in parallel.
 ///
 /// # Errors
-/// [`Error::Parse`] naming the line of the first number or index that cannot be used, and where there is no face.
+/// [`Error::Parse`] with the line of the first unusable number or index, and if there are no faces.
 pub(super) fn parse(path: &Path, text: &str, warnings: &mut Warnings) -> Result<Obj> {
     let mut whole = Whole::default();
     for group in blocks(text).chunks(4 * rayon::current_num_threads()) {
-        let alone = if whole.is_relative { None } else { read_alone(group) };
-        let parsers = match alone {
+        let separate = if whole.is_relative { None } else { read_alone(group) };
+        let parsers = match separate {
             Some(parsers) => parsers,
             None => {
                 whole.is_relative = true;
@@ -31,19 +31,19 @@ pub(super) fn parse(path: &Path, text: &str, warnings: &mut Warnings) -> Result<
     let obj = whole.obj;
     check_ranges(path, &obj)?;
     if obj.faces.is_empty() {
-        let what = format!("no face ({} vertices); export triangles or polygons", obj.positions.len());
+        let what = format!("no faces ({} vertices); export triangles or polygons", obj.positions.len());
         return Err(Error::parse(path, "whole file", what));
     }
     Ok(obj)
 }
 
-/// Reads blocks that need not know what stands before them; `None` where one does, having relative indices or an error.
+/// Reads blocks independently of what precedes them; `None` if one has relative indices or an error.
 fn read_alone(blocks: &[&str]) -> Option<Vec<Parser>> {
     let read = |i: usize| Parser::new(None).block(blocks[i]).ok();
     parallel::tasks(blocks.len(), &read).into_iter().collect()
 }
 
-/// Reads blocks that stand behind `offset`. An error comes with its line.
+/// Reads blocks that follow `offset`. An error includes its line.
 fn read_behind(blocks: &[&str], mut offset: FileOffset) -> std::result::Result<Vec<Parser>, (usize, String)> {
     let lengths = parallel::tasks(blocks.len(), &|i| FileOffset::of(blocks[i]));
     let starts: Vec<FileOffset> = lengths.iter().map(|length| offset.advance(length)).collect();
@@ -51,12 +51,12 @@ fn read_behind(blocks: &[&str], mut offset: FileOffset) -> std::result::Result<V
     parallel::tasks(blocks.len(), &read).into_iter().collect()
 }
 
-/// The content of the blocks, one behind the other.
+/// The concatenated content of the blocks.
 struct Whole {
     obj: Obj,
     /// The number of lines.
     lines: usize,
-    /// `true` once a block needed to know what stands before it.
+    /// `true` once a block has depended on what precedes it.
     is_relative: bool,
     material: u32,
     material_ids: HashMap<String, u32>,
@@ -125,7 +125,7 @@ impl Whole {
     }
 }
 
-/// Checks the range of all indices at the end, since they may name elements that follow later.
+/// Checks the range of all indices at the end, since they may refer to later elements.
 fn check_ranges(path: &Path, obj: &Obj) -> Result<()> {
     let counts = [obj.positions.len(), obj.uvs.len(), obj.normals.len()];
     let is_beyond = |(index, count): (&u32, usize)| *index as usize >= count && *index != NONE;
@@ -137,7 +137,7 @@ fn check_ranges(path: &Path, obj: &Obj) -> Result<()> {
     let parts = obj.corners[bad].iter().zip(counts).zip(["vertex", "uv", "normal"]);
     let what = parts.filter(|(part, _)| is_beyond(*part)).map(|((index, count), name)| {
         let index = u64::from(*index) + 1;
-        format!("{name} index {index} is out of range, there are {count}; mend the file")
+        format!("{name} index {index} is out of range: the count is {count}; fix the file")
     });
     Err(Error::parse(path, format!("line {line}"), what.take(1).collect::<String>()))
 }
@@ -166,23 +166,25 @@ mod tests {
 
     #[test]
     fn errors_name_the_line() {
-        assert_eq!(error("v 0 0\n"), "a.obj: line 1: a vertex of 2 numbers; it needs 3");
+        assert_eq!(error("v 0 0\n"), "a.obj: line 1: vertex with 2 numbers; expected at least 3");
         assert!(
             error("\nv nan 0 0").starts_with("a.obj: line 2: vertex position 'nan 0 0' is infinite or NaN")
         );
         assert!(error("v 0 0 1e40").contains("infinite"));
         assert!(error("v 1 1 1 0").contains("infinite"));
-        assert!(error("v 0 0 0\nf 1 1 2").contains("line 2: vertex index 2 is out of range, there are 1"));
-        assert!(error("v 0 0 0\nf 1 1 -2").contains("line 2: vertex index -2 is out of range, there are 1"));
-        assert!(error("v 0 0 0\nf 1 1 0").contains("indices count from 1"));
-        assert!(error("v 0 0 0\nf 1 1 1 0\n").contains("indices count from 1"));
-        assert!(error("v 0 0 0\nf 1 1 1 1x\n").contains("'1x' is not a whole number"));
-        assert!(error("v 0 0 0\nf 1/1 1 1").contains("uv index 1 is out of range, there are 0"));
-        assert!(error("v 0 0 0\nf 1 1 1/2/3/4").contains("not of the form"));
-        assert!(error("v 0 0 0\nf 1 1 99999999999999999999").contains("not a whole number"));
+        assert!(error("v 0 0 0\nf 1 1 2").contains("line 2: vertex index 2 is out of range: the count is 1"));
+        assert!(
+            error("v 0 0 0\nf 1 1 -2").contains("line 2: vertex index -2 is out of range: the count is 1")
+        );
+        assert!(error("v 0 0 0\nf 1 1 0").contains("indices start at 1"));
+        assert!(error("v 0 0 0\nf 1 1 1 0\n").contains("indices start at 1"));
+        assert!(error("v 0 0 0\nf 1 1 1 1x\n").contains("'1x' is not an integer"));
+        assert!(error("v 0 0 0\nf 1/1 1 1").contains("uv index 1 is out of range: the count is 0"));
+        assert!(error("v 0 0 0\nf 1 1 1/2/3/4").contains("expected v, v/vt"));
+        assert!(error("v 0 0 0\nf 1 1 99999999999999999999").contains("not an integer"));
         assert!(error("v 0 0 0\nf 1 1 4294967296").contains("out of range"));
         assert!(error("v 0 0 0\nf 1 1 -9223372036854775808").contains("out of range"));
-        assert!(error("v 0 0 0\np 1\n").contains("no face (1 vertices)"));
+        assert!(error("v 0 0 0\np 1\n").contains("no faces (1 vertices)"));
     }
 
     #[test]
@@ -194,7 +196,7 @@ mod tests {
         assert_eq!(counts, [1, 2, 1, 1, 1]);
     }
 
-    /// A file of several blocks is read as if it were one: relative indices count over their borders.
+    /// A file of several blocks is read as a whole: relative indices count across block boundaries.
     #[test]
     fn blocks_are_read_as_one() {
         let filler = "# filler\n".repeat(300_000);
@@ -216,7 +218,7 @@ mod tests {
         assert!(error(&format!("{text}f 1 2 -4")).contains("line 900017: vertex index -4"));
     }
 
-    /// Lines of plain numbers, and the same behind a space, which are read as statements.
+    /// Lines of plain numbers, and the same after a space, which are read as statements.
     #[test]
     fn plain_lines_are_read_as_any_others() {
         let lines = [
@@ -260,15 +262,15 @@ mod tests {
         }
     }
 
-    /// The line of an error in a later block, whatever stood before.
+    /// Errors in a later block have the right line, whatever precedes it.
     #[test]
     fn errors_in_later_blocks_name_their_line() {
         let text = "v 0 0 0\n".repeat(400_000);
         for (end, error_there) in [
-            ("f 1 1 x", "line 400001: vertex index 'x' is not a whole number"),
-            ("f 1 1 -400001", "line 400001: vertex index -400001 is out of range, there are 400000"),
-            ("f 1 1 400001", "line 400001: vertex index 400001 is out of range, there are 400000"),
-            ("f -400000 1 -1\nv 0", "line 400002: a vertex of 1 numbers"),
+            ("f 1 1 x", "line 400001: vertex index 'x' is not an integer"),
+            ("f 1 1 -400001", "line 400001: vertex index -400001 is out of range: the count is 400000"),
+            ("f 1 1 400001", "line 400001: vertex index 400001 is out of range: the count is 400000"),
+            ("f -400000 1 -1\nv 0", "line 400002: vertex with 1 numbers"),
         ] {
             let said = error(&format!("{text}{end}\n"));
             assert!(said.contains(error_there), "{said}");

@@ -11,21 +11,22 @@ use crate::error::Warnings;
 use crate::math::{Vec2, Vec3};
 use std::collections::HashMap;
 
-/// The colour of a vertex that has none.
+/// The colour of a vertex without one.
 pub(super) const WHITE: [f32; 3] = [1.0; 3];
 
-/// In a [`Face`] of one block: the material of the block before.
+/// In a [`Face`] of one block: the material of the previous block.
 const INHERITED: u32 = u32::MAX - 1;
 
 /// Reads one block.
 pub(super) struct Parser {
-    /// The start of the block; `None` where that is not known, and then relative indices are errors.
+    /// The start of the block; `None` if unknown, in which case relative indices are errors.
     start: Option<FileOffset>,
-    /// The content of the block. Corners count from the start of the file, all else from that of the block.
+    /// The content of the block. Corners count from the start of the file, everything else from the start of the
+    /// block.
     pub obj: Obj,
     /// The number of lines.
     pub lines: usize,
-    /// Statements that were left out, counted.
+    /// Skipped statements, counted.
     pub warnings: Warnings,
     /// The material of the last statement.
     pub material: u32,
@@ -37,7 +38,7 @@ pub(super) struct Parser {
 }
 
 impl Parser {
-    /// Begins a block that starts there, where that is known.
+    /// Creates a parser for a block that starts at `start`, if known.
     pub fn new(start: Option<FileOffset>) -> Self {
         Self {
             start,
@@ -51,7 +52,7 @@ impl Parser {
         }
     }
 
-    /// Reads all statements; an error comes with its line.
+    /// Reads all statements; an error includes its line.
     pub fn block(mut self, block: &str) -> std::result::Result<Self, (usize, String)> {
         let before = self.start.map_or(0, |start| start.lines);
         let read = if block.contains('\\') { self.joined_lines(block) } else { self.lines(block) };
@@ -63,13 +64,13 @@ impl Parser {
         Ok(self)
     }
 
-    /// Reads statements that may go on in the next line.
+    /// Reads statements that may continue on the next line.
     fn joined_lines(&mut self, block: &str) -> std::result::Result<(), (usize, String)> {
         text::lines(block)
             .try_for_each(|(line, statement)| self.statement(&statement, line).map_err(|what| (line, what)))
     }
 
-    /// Reads statements of one line each.
+    /// Reads statements on one line each.
     fn lines(&mut self, block: &str) -> std::result::Result<(), (usize, String)> {
         let (mut rest, mut line) = (block, 0);
         while !rest.is_empty() {
@@ -88,8 +89,8 @@ impl Parser {
         Ok(())
     }
 
-    /// Reads the line that `text` starts with and returns its bytes, where it is a vertex, uv, normal or face of plain
-    /// numbers; else nothing is read.
+    /// Reads the line at the start of `text` and returns its length in bytes if it is a vertex, uv, normal or face of
+    /// plain numbers; otherwise reads nothing.
     #[inline]
     fn plain(&mut self, text: &[u8], line: usize) -> Option<usize> {
         let mut words = Words::new(text);
@@ -135,7 +136,7 @@ impl Parser {
         Some(())
     }
 
-    /// Takes the corners that are left in a line, up to the first that is not plain.
+    /// Reads the remaining corners of a line, up to the first that is not plain.
     fn plain_corners(&mut self, words: &mut Words) -> Option<()> {
         while !words.at_end_of_line() {
             self.obj.corners.push(plain_corner(words)?);
@@ -164,7 +165,7 @@ impl Parser {
             "l" => warnings.note("line statements are not drawn", 1),
             "curv" | "curv2" | "surf" => warnings.note("free-form curves and surfaces are not drawn", 1),
             _ if is_harmless(keyword) => {}
-            _ => warnings.note("lines that are no OBJ statement are left out", 1),
+            _ => warnings.note("skipped unrecognised lines", 1),
         }
         Ok(())
     }
@@ -176,13 +177,13 @@ impl Parser {
         let [x, y, z, r, g, b, _] = values;
         let mut position = Vec3::new(x, y, z);
         if count < 3 {
-            return Err(format!("a vertex of {count} numbers; it needs 3"));
+            return Err(format!("vertex with {count} numbers; expected at least 3"));
         }
         if count == 4 {
             position = position / r;
         }
         if !position.is_finite() {
-            return Err(format!("vertex position {} is infinite or NaN; mend the file", quote(rest)));
+            return Err(format!("vertex position {} is infinite or NaN; fix the file", quote(rest)));
         }
         self.push_vertex(position, (count >= 6).then_some([r, g, b]));
         Ok(())
@@ -199,7 +200,7 @@ impl Parser {
         self.obj.positions.push(position);
     }
 
-    /// Adds the face of the corners from `first` on.
+    /// Adds the face whose corners start at `first`.
     fn push_face(&mut self, first: usize, line: usize) {
         let count = (self.obj.corners.len() - first) as u32;
         let (first, line) = (first as u32, line as u32);
@@ -208,7 +209,7 @@ impl Parser {
 
     fn face(&mut self, rest: &str, line: usize) -> std::result::Result<(), String> {
         if self.start.is_none() && rest.contains('-') {
-            return Err("an index that counts back".to_owned());
+            return Err("relative index".to_owned());
         }
         let [positions, uvs, normals] = self.start.unwrap_or_default().counts;
         let Obj { positions: p, uvs: t, normals: n, .. } = &self.obj;
@@ -220,11 +221,11 @@ impl Parser {
         let count = self.obj.corners.len() - first;
         if count < 3 {
             self.obj.corners.truncate(first);
-            self.warnings.note("faces of fewer than three corners are left out", 1);
+            self.warnings.note("skipped faces with fewer than three corners", 1);
             return Ok(());
         }
         if count > Cutter::MAX_CORNERS {
-            return Err(format!("a face of {count} corners; at most {}", Cutter::MAX_CORNERS));
+            return Err(format!("face with {count} corners; the maximum is {}", Cutter::MAX_CORNERS));
         }
         self.push_face(first, line);
         Ok(())
@@ -238,7 +239,7 @@ impl Parser {
         }
     }
 
-    /// Returns a mark of the faces that follow.
+    /// Returns a mark for the faces that follow.
     fn mark(&self, name: &str) -> Mark {
         Mark { face: self.obj.faces.len() as u32, name: name.to_owned() }
     }
@@ -252,7 +253,7 @@ impl Parser {
     }
 }
 
-/// Says whether a statement changes nothing in the image: merging groups, and the attributes of free-form geometry.
+/// Returns `true` if a statement does not affect the image: merging groups, and attributes of free-form geometry.
 fn is_harmless(keyword: &str) -> bool {
     const KEYWORDS: [&str; 34] = [
         "mg",
@@ -297,17 +298,17 @@ fn tokens(rest: &str) -> impl Iterator<Item = &str> {
     rest.split_ascii_whitespace().take_while(|token| !token.starts_with('#'))
 }
 
-/// Writes the numbers of `rest` to `values` and returns how many there were; those beyond `values` are left out.
+/// Writes the numbers of `rest` to `values` and returns how many there were; any beyond `values` are dropped.
 fn fill(rest: &str, values: &mut [f32]) -> std::result::Result<usize, String> {
     let mut count = 0;
     for (value, token) in values.iter_mut().zip(tokens(rest)) {
-        *value = token.parse().map_err(|_| format!("{} is not a number; mend the file", quote(token)))?;
+        *value = token.parse().map_err(|_| format!("{} is not a number; fix the file", quote(token)))?;
         count += 1;
     }
     Ok(count)
 }
 
-/// Takes all numbers of a line, and returns how many there are; `None` where there are more or where it has other words.
+/// Reads all numbers of a line and returns their count; `None` if there are more than `N`, or other words.
 #[inline]
 fn plain_numbers<const N: usize>(words: &mut Words) -> Option<([f32; N], usize)> {
     let (mut values, mut count) = ([0.0; N], 0);
@@ -319,11 +320,11 @@ fn plain_numbers<const N: usize>(words: &mut Words) -> Option<([f32; N], usize)>
     Some((values, count))
 }
 
-/// Returns the first `N` numbers of `rest`, of which at least `needed` must be there; the others are 0.
+/// Returns the first `N` numbers of `rest`, at least `needed` of which must exist; the others are 0.
 fn numbers<const N: usize>(rest: &str, needed: usize) -> std::result::Result<[f32; N], String> {
     let mut values = [0.0; N];
     match fill(rest, &mut values)? {
-        count if count < needed => Err(format!("{count} numbers; {needed} are needed")),
+        count if count < needed => Err(format!("{count} numbers; expected at least {needed}")),
         _ => Ok(values),
     }
 }

@@ -1,4 +1,4 @@
-//! The images that MTL files name, each read once.
+//! The images that MTL files refer to, each read once.
 
 use super::super::bitmap::read_map;
 use super::super::locate::find;
@@ -12,20 +12,20 @@ use crate::surface::{NormalMapKind, is_normal_map};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-/// The number of missing files that are named one by one.
+/// Maximum number of missing files that are named individually.
 const NAMED: usize = 64;
 
-/// The textures of a scene as it is built.
+/// The textures of a scene under construction.
 pub(super) struct Textures<'a> {
     /// The reading of the OBJ file.
     reading: &'a Reading,
-    /// The textures that the materials will name by index.
+    /// The textures, which materials refer to by index.
     pub list: Vec<Texture>,
-    /// The files that each texture was made from.
+    /// The source files of each texture.
     pub names: Vec<String>,
-    /// The files that were read, some of them in vain.
+    /// The files that were opened, including those that could not be decoded.
     pub files: Vec<PathBuf>,
-    /// The files that are not there.
+    /// The files that do not exist.
     pub missing_files: Vec<String>,
     known: HashMap<String, Option<usize>>,
     missing: HashSet<String>,
@@ -44,8 +44,8 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// Returns the texture under `key`, made from the files `name`; `make` makes it at the first call. `None` where
-    /// that failed.
+    /// Returns the texture under `key`, made from the files `name`; `make` makes it on the first call. `None` if that
+    /// failed.
     pub(super) fn keyed(
         &mut self,
         key: String,
@@ -64,7 +64,7 @@ impl<'a> Textures<'a> {
         index
     }
 
-    /// Returns the image that `map` names as a separate texture.
+    /// Returns the image of `map` as a separate texture.
     pub(super) fn plain(
         &mut self,
         map: &Map,
@@ -76,7 +76,7 @@ impl<'a> Textures<'a> {
         self.keyed(key, &map.file, |s| texture(s.reading, s.bitmap(map, folder, warnings)?, encoding))
     }
 
-    /// Returns the image that `map` names as a normal map where its pixels are one, else as heights.
+    /// Returns the image of `map` as a normal map if its pixels are one, else as heights.
     pub(super) fn relief(&mut self, map: &Map, folder: &Path, warnings: &mut Warnings) -> Option<usize> {
         let key = format!("relief {}", full_name(map, folder));
         self.keyed(key, &map.file, |s| {
@@ -86,12 +86,12 @@ impl<'a> Textures<'a> {
         })
     }
 
-    /// Makes a texture of channels of several images; `None` where there are none, or it does not fit the memory.
+    /// Makes a texture from channels of several images; `None` if there are none, or it does not fit in memory.
     pub(super) fn combined(&self, bitmap: Option<Bitmap>, encoding: Encoding) -> Option<Texture> {
         combined(self.reading, bitmap?, encoding)
     }
 
-    /// Returns the image that `map` names; `None` with a note where it cannot be read.
+    /// Returns the image of `map`; `None` with a note if it cannot be read.
     pub(super) fn bitmap(&mut self, map: &Map, folder: &Path, warnings: &mut Warnings) -> Option<Bitmap> {
         let name = full_name(map, folder);
         if self.missing.contains(&name) {
@@ -100,7 +100,7 @@ impl<'a> Textures<'a> {
         let why = match find(&map.file, &[folder, self.reading.folder()], self.reading) {
             Ok(None) => {
                 self.missing_files.push(map.file.clone());
-                "it is not there".to_owned()
+                "file not found".to_owned()
             }
             Err(why) => {
                 self.missing_files.push(map.file.clone());
@@ -116,15 +116,15 @@ impl<'a> Textures<'a> {
         };
         self.missing.insert(name);
         let what = if self.missing.len() > NAMED {
-            "further textures that cannot be read are left out".to_owned()
+            "skipped further unreadable textures".to_owned()
         } else {
-            format!("texture {} is left out: {why}", quote(&map.file))
+            format!("skipped texture {}: {why}", quote(&map.file))
         };
         warnings.note(what, 1);
         None
     }
 
-    /// Says whether the image that `map` names could be read, after it was asked for.
+    /// Returns `true` if the image of `map` could be read, after it was requested.
     pub(super) fn has(&self, map: &Map, folder: &Path) -> bool {
         !self.missing.contains(&full_name(map, folder))
     }
@@ -134,7 +134,7 @@ fn full_name(map: &Map, folder: &Path) -> String {
     format!("{} in {}", map.file, folder.display())
 }
 
-/// The channel that a map reads of an image, in [0, 1], at a position in [0, 1) by the nearest texel.
+/// The channel that a map reads from an image, in [0, 1], at a position in [0, 1), using the nearest texel.
 pub(super) struct ChannelReader<'a> {
     bitmap: &'a Bitmap,
     channel: Channel,
@@ -158,8 +158,8 @@ impl<'a> ChannelReader<'a> {
     }
 }
 
-/// Makes a linear image whose channels are read from others; `None` is 1 everywhere. It is as large as the largest of
-/// them and has 16 bits where one of them has more than 8.
+/// Makes a linear image from channels of other images; `None` is 1 everywhere. It has the size of the largest of
+/// them, and 16 bits if any has more than 8.
 pub(super) fn combine(channels: [Option<ChannelReader>; 4]) -> Option<Bitmap> {
     let sources = || channels.iter().flatten().map(|r| r.bitmap);
     let size = (sources().map(Bitmap::width).max()?, sources().map(Bitmap::height).max()?);

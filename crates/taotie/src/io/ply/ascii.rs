@@ -1,6 +1,6 @@
-//! Ascii payloads, rewritten as binary ones. `ply-rs-bw` reads one row a line by a grammar that refuses `.5`, `1.` and
-//! `nan`, which writers do write, so words are taken one by one here: in parallel where each row has a line of its own, else
-//! wherever lines end.
+//! ASCII payloads, converted to binary ones. `ply-rs-bw` reads one row per line with a grammar that rejects `.5`,
+//! `1.` and `nan`, which exporters do write, so words are read individually here: in parallel if each row has its own
+//! line, else regardless of line ends.
 
 use super::super::text::quote;
 use super::super::words::line_ends;
@@ -10,27 +10,27 @@ use crate::parallel;
 use ply_rs_bw::ply::{ElementDef, PropertyType, ScalarType};
 use std::path::Path;
 
-/// Bytes of text that a thread reads at once, or a line more.
+/// Bytes of text that a thread reads at a time; a piece may be one line longer.
 const PIECE: usize = 1 << 18;
 
-/// The words of a payload, with the line they stand in.
+/// The words of a payload, with their current line.
 pub(super) struct Tokens<'a> {
     path: &'a Path,
     rest: &'a [u8],
     line: usize,
-    /// `true` where words behind the end of the line do not count.
+    /// `true` if words after the end of the line are ignored.
     in_line: bool,
 }
 
 impl<'a> Tokens<'a> {
-    /// The words of `payload`, which starts at the given line of the file.
+    /// Creates a reader for the words of `payload`, which starts at the given line of the file.
     pub(super) fn new(path: &'a Path, payload: &'a [u8], line: usize) -> Self {
         Self { path, rest: payload, line, in_line: false }
     }
 
-    /// The rows of an element as little-endian numbers, and the element with the types that these have.
+    /// Returns the rows of an element as little-endian numbers, and the element with their actual types.
     ///
-    /// Lists are widened, since writers declare indices as narrower than they are.
+    /// Lists are widened, since exporters declare narrower indices than they write.
     pub(super) fn rows(&mut self, element: &ElementDef) -> Result<(Vec<u8>, ElementDef)> {
         let mut widened = element.clone();
         for (_, property) in widened.properties.iter_mut() {
@@ -46,7 +46,7 @@ impl<'a> Tokens<'a> {
         Ok((rows, widened))
     }
 
-    /// The rows of an element, wherever its lines end.
+    /// Returns the rows of an element, regardless of line ends.
     fn rows_by_word(&mut self, element: &ElementDef) -> Result<Vec<u8>> {
         let mut rows = Vec::new();
         for i in 0..element.count {
@@ -58,8 +58,8 @@ impl<'a> Tokens<'a> {
         Ok(rows)
     }
 
-    /// The rows of an element that has one in each line, read in parallel; `None` where it has not or where anything is
-    /// wrong, and then nothing is taken.
+    /// Returns the rows of an element with one row per line, read in parallel; `None` if it has a different layout or
+    /// any error, in which case nothing is consumed.
     fn rows_by_line(&mut self, element: &ElementDef) -> Option<Vec<u8>> {
         let start = self.rest.iter().position(|byte| !byte.is_ascii_whitespace())?;
         let (space, text) = self.rest.split_at(start);
@@ -80,7 +80,7 @@ impl<'a> Tokens<'a> {
         Some(rows)
     }
 
-    /// The rows that stand in these lines, one in each.
+    /// Returns the rows of these lines, one per line.
     fn rows_of_lines(&self, lines: &'a [u8], element: &ElementDef) -> Option<Vec<u8>> {
         let mut tokens = Self { rest: lines, in_line: true, ..*self };
         let mut rows = Vec::with_capacity(lines.len());
@@ -115,13 +115,13 @@ impl<'a> Tokens<'a> {
         };
         let count = self.number()?;
         if index(count).is_none() && (count < 0.0 || count != count.floor()) {
-            return Err(format!("a list of {count} values"));
+            return Err(format!("invalid list length {count}"));
         }
         row.extend((count as u32).to_le_bytes());
         for _ in 0..count as u64 {
             let value = self.number()?;
             match scalar {
-                // What is no index is made one that is out of range.
+                // An invalid index is replaced by one that is out of range.
                 ScalarType::UInt => row.extend(index(value).unwrap_or(u32::MAX).to_le_bytes()),
                 _ => push_number(value, scalar, row),
             }
@@ -135,7 +135,7 @@ impl<'a> Tokens<'a> {
         let end = self.rest.iter().position(|b| b.is_ascii_whitespace()).unwrap_or(self.rest.len());
         let (word, rest) = self.rest.split_at(end);
         if word.is_empty() {
-            return Err("the file ends too early".to_owned());
+            return Err("unexpected end of file".to_owned());
         }
         self.rest = rest;
         let value = std::str::from_utf8(word).ok().and_then(|text| text.parse().ok());
@@ -154,21 +154,22 @@ impl<'a> Tokens<'a> {
     }
 }
 
-/// Returns a number as an index; `None` where it is none.
+/// Converts a number to an index; `None` if it is not a valid index.
 #[inline]
 fn index(value: f64) -> Option<u32> {
     let index = value as u32;
     (f64::from(index) == value).then_some(index)
 }
 
-/// The bytes of the first `count` lines, without the end of the last; `None` where there are fewer, or the last is empty.
+/// Returns the length in bytes of the first `count` lines, without the last line end; `None` if there are fewer, or
+/// the last is empty.
 fn length_of_lines(text: &[u8], count: usize) -> Option<usize> {
     let end = end_of_lines(text, count)?;
     (!text[..end].ends_with(b"\n")).then_some(end)
 }
 
 fn end_of_lines(text: &[u8], count: usize) -> Option<usize> {
-    /// Bytes whose lines are counted at once.
+    /// Bytes whose lines are counted together.
     const BLOCK: usize = 1 << 12;
     let mut left = count.checked_sub(1)?;
     for (block, bytes) in text.chunks(BLOCK).enumerate() {
@@ -182,7 +183,7 @@ fn end_of_lines(text: &[u8], count: usize) -> Option<usize> {
     (left == 0).then_some(text.len())
 }
 
-/// Cuts text behind ends of lines.
+/// Splits text after line ends.
 fn pieces(mut text: &[u8]) -> Vec<&[u8]> {
     let mut pieces = Vec::new();
     while !text.is_empty() {
@@ -195,7 +196,7 @@ fn pieces(mut text: &[u8]) -> Vec<&[u8]> {
     pieces
 }
 
-/// Appends a number as its declared type; out-of-range whole numbers take the nearest.
+/// Appends a number as its declared type; integers out of range are clamped.
 fn push_number(value: f64, scalar: &ScalarType, row: &mut Vec<u8>) {
     match scalar {
         ScalarType::Char => row.extend((value as i8).to_le_bytes()),
@@ -224,7 +225,7 @@ mod tests {
         element
     }
 
-    /// The rows of two elements, or the error; and whether the first was read by lines.
+    /// Returns the rows of two elements, or the error; and whether the first was read by lines.
     fn read(text: &str, counts: [usize; 2]) -> (std::result::Result<Vec<Vec<u8>>, String>, bool) {
         let mut tokens = Tokens::new(Path::new("a.ply"), text.as_bytes(), 7);
         let rows = counts.map(|count| tokens.rows(&element(count)).map(|(rows, _)| rows));
@@ -232,7 +233,7 @@ mod tests {
         (rows.into_iter().collect::<Result<_>>().map_err(|error| error.to_string()), by_line.is_some())
     }
 
-    /// Rows of one line each, and the same words in other lines.
+    /// Rows on one line each, and the same words on other lines.
     #[test]
     fn rows_are_the_same_however_their_lines_end() {
         let rows =
@@ -258,7 +259,7 @@ mod tests {
     fn an_empty_line_is_no_row() {
         let (rows, by_line) = read("1 0 1\n1 2 3\n\n1 4 5\n", [3, 0]);
         assert_eq!((rows.unwrap()[0].len(), by_line), (36, false));
-        assert!(read("1 0 1\n1 2 3\n\n", [3, 0]).0.unwrap_err().contains("line 10: the file ends too early"));
+        assert!(read("1 0 1\n1 2 3\n\n", [3, 0]).0.unwrap_err().contains("line 10: unexpected end of file"));
     }
 
     #[test]
@@ -266,13 +267,13 @@ mod tests {
         let sound = "1 0 1\n".repeat(3);
         let cases = [
             ("1 0 x\n", "a.ply: line 10: 'x' is not a number in face 0 of 1"),
-            ("\n1.5 0 0\n", "a.ply: line 11: a list of 1.5 values in face 0 of 1"),
-            ("-1 0\n", "a.ply: line 10: a list of -1 values in face 0 of 1"),
-            ("1 0", "a.ply: line 10: the file ends too early in face 0 of 1"),
-            ("", "a.ply: line 10: the file ends too early in face 0 of 1"),
-            ("\n", "a.ply: line 11: the file ends too early in face 0 of 1"),
-            ("1 0\n\n", "a.ply: line 12: the file ends too early in face 0 of 1"),
-            ("inf 0\n", "a.ply: line 11: the file ends too early in face 0 of 1"),
+            ("\n1.5 0 0\n", "a.ply: line 11: invalid list length 1.5 in face 0 of 1"),
+            ("-1 0\n", "a.ply: line 10: invalid list length -1 in face 0 of 1"),
+            ("1 0", "a.ply: line 10: unexpected end of file in face 0 of 1"),
+            ("", "a.ply: line 10: unexpected end of file in face 0 of 1"),
+            ("\n", "a.ply: line 11: unexpected end of file in face 0 of 1"),
+            ("1 0\n\n", "a.ply: line 12: unexpected end of file in face 0 of 1"),
+            ("inf 0\n", "a.ply: line 11: unexpected end of file in face 0 of 1"),
         ];
         for (end, error) in cases {
             assert_eq!(read(&format!("{sound}{end}"), [3, 1]), (Err(error.to_owned()), true), "{end:?}");

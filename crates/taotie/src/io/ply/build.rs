@@ -1,4 +1,4 @@
-//! Vertices and faces into a mesh.
+//! Builds a mesh from vertices and faces.
 
 use super::faces::{Block, FaceElement, Wanted};
 use super::names::Attributes;
@@ -11,18 +11,18 @@ use crate::mesh::{Mesh, MeshData, first};
 use crate::parallel;
 use std::path::Path;
 
-/// The elements that can be drawn.
+/// The drawable elements.
 #[derive(Default)]
 pub(super) struct Elements<'a> {
     /// The attributes of the elements.
     pub attributes: Attributes,
-    /// The vertices, where there are any.
+    /// The vertices, if any.
     pub vertices: Option<Element<'a>>,
     /// Polygons and strips.
     pub faces: Vec<FaceElement<'a>>,
 }
 
-/// Makes the mesh. Vertices are split where faces give them different uvs or colours of their own.
+/// Builds the mesh. Vertices are split if faces give them different uvs or colours.
 pub(super) fn build(path: &Path, elements: &Elements, warnings: &mut Warnings) -> Result<Mesh> {
     let vertices = read_vertices(path, elements)?;
     let attributes = &elements.attributes;
@@ -63,10 +63,10 @@ pub(super) fn build(path: &Path, elements: &Elements, warnings: &mut Warnings) -
 fn read_vertices(path: &Path, elements: &Elements) -> Result<Vertices> {
     let whole = |what: &str| Err(Error::parse(path, "whole file", what));
     let Some(rows) = elements.vertices.as_ref().filter(|rows| rows.count > 0) else {
-        return whole("no vertices; export the mesh again");
+        return whole("no vertices; re-export the mesh");
     };
     if !elements.attributes.positions {
-        return whole("the vertices lack x, y or z; export the mesh again");
+        return whole("the vertices lack x, y or z; re-export the mesh");
     }
     if elements.faces.iter().all(|faces| faces.rows.count == 0) {
         return Err(cloud(path, rows.count));
@@ -74,20 +74,19 @@ fn read_vertices(path: &Path, elements: &Elements) -> Result<Vertices> {
     let vertices = Vertices::read(rows, &elements.attributes)?;
     match first(&vertices.positions, |p| !p.is_finite()) {
         Some(i) => {
-            Err(Error::parse(path, format!("vertex {i}"), "its position is infinite or NaN; mend the file"))
+            Err(Error::parse(path, format!("vertex {i}"), "the position is infinite or NaN; fix the file"))
         }
         None => Ok(vertices),
     }
 }
 
 fn cloud(path: &Path, points: usize) -> Error {
-    let what = format!(
-        "a cloud of {points} points without faces; reconstruct its surface first, for instance in MeshLab"
-    );
+    let what =
+        format!("point cloud ({points} points, no faces); reconstruct its surface first, e.g. in MeshLab");
     Error::parse(path, "whole file", what)
 }
 
-/// The content of the blocks of faces.
+/// The combined content of the blocks of faces.
 struct Gathered<'a> {
     path: &'a Path,
     triangles: Vec<[u32; 3]>,
@@ -135,20 +134,20 @@ impl<'a> Gathered<'a> {
             return Err(cloud(self.path, points));
         }
         let lacking = if with_uvs > 0 { self.faces - with_uvs } else { 0 };
-        warnings.note("faces without uvs beside faces with them", lacking);
-        let normals = "corners whose normals are zero or NaN, so that all normals are left out";
+        warnings.note("faces without uvs among faces with uvs", lacking);
+        let normals = "corners with zero or NaN normals; dropped all normals";
         warnings.note(normals, self.without_normal);
-        warnings.note("faces of fewer than three corners are left out", self.too_few);
-        warnings.note("polygons that cross themselves are drawn only roughly", self.crossing);
+        warnings.note("skipped faces with fewer than three corners", self.too_few);
+        warnings.note("self-intersecting polygons, triangulated approximately", self.crossing);
         if self.triangles.is_empty() {
-            let what = "no face of three corners or more; export triangles";
+            let what = "no faces with three or more corners; export triangles";
             return Err(Error::parse(self.path, "whole file", what));
         }
         Ok(())
     }
 }
 
-/// The vertices as they are, unit normals.
+/// Returns the vertices unsplit, with unit normals.
 fn plain(vertices: Vertices) -> MeshData {
     let Vertices { positions, mut normals, uvs, colors } = vertices;
     parallel::change(&mut normals, |_, n| *n = unit(*n));
@@ -156,7 +155,7 @@ fn plain(vertices: Vertices) -> MeshData {
     MeshData { positions, normals, uvs, colors, ..MeshData::default() }
 }
 
-/// The vertices as faces split them.
+/// Returns the vertices as split by faces.
 fn split(vertices: Vertices, splitter: Splitter, attributes: &Attributes) -> MeshData {
     fn gather<T: Copy>(from: &[T], splitter: &Splitter) -> Vec<T> {
         if from.is_empty() { Vec::new() } else { splitter.vertices().map(|v| from[v]).collect() }

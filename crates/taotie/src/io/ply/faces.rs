@@ -1,4 +1,4 @@
-//! Rows of faces into triangles, block by block.
+//! Converts rows of faces to triangles, block by block.
 
 use super::super::polygon::{Cutter, Outline};
 use super::names::{Role, slot};
@@ -10,12 +10,12 @@ use crate::math::Vec3;
 pub(super) struct FaceElement<'a> {
     /// Its rows.
     pub rows: Element<'a>,
-    /// `true` where a row is a set of triangle strips rather than a polygon.
+    /// `true` if a row is a set of triangle strips rather than a polygon.
     pub strips: bool,
 }
 
 impl FaceElement<'_> {
-    /// All faces as one block, where they are triangles with indices alone; else `None`.
+    /// Returns all faces as one block if they are triangles with only indices; else `None`.
     pub fn triangles(&self, wanted: &Wanted) -> Option<Block> {
         let plain = !self.strips && !wanted.splits() && wanted.lack_normals.is_empty();
         let triangles = plain.then(|| self.rows.triangles(wanted.positions.len()))??;
@@ -23,51 +23,51 @@ impl FaceElement<'_> {
     }
 }
 
-/// The data needed of faces.
+/// The data required from faces.
 #[derive(Clone, Copy)]
 pub(super) struct Wanted<'a> {
     /// The vertices' positions.
     pub positions: &'a [Vec3],
     /// See [`super::vertices::Vertices::lack_normals`].
     pub lack_normals: &'a [bool],
-    /// `true` where corners have uvs of their own.
+    /// `true` if corners have their own uvs.
     pub uvs: bool,
-    /// `true` where faces have colours of their own.
+    /// `true` if faces have their own colours.
     pub colors: bool,
 }
 
 impl Wanted<'_> {
-    /// Says whether corners with the same vertex may differ.
+    /// Returns `true` if corners with the same vertex may differ.
     pub fn splits(&self) -> bool {
         self.uvs || self.colors
     }
 }
 
-/// Some faces, cut into triangles.
+/// Some faces, triangulated.
 #[derive(Default)]
 pub(super) struct Block {
-    /// The vertex of each corner, where corners have something of their own.
+    /// The vertex of each corner, if corners have their own data.
     pub corners: Vec<u32>,
-    /// The stored uv of each corner, where wanted.
+    /// The stored uv of each corner, if wanted.
     pub uvs: Vec<[f32; 2]>,
-    /// The stored colour of each corner, where wanted.
+    /// The stored colour of each corner, if wanted.
     pub colors: Vec<[f32; 4]>,
-    /// Triangles as indices of vertices, or of corners where these have something of their own.
+    /// Triangles as indices of vertices, or of corners if these have their own data.
     pub triangles: Vec<[u32; 3]>,
     /// The number of faces.
     pub faces: usize,
     /// The number of faces with fewer than three corners.
     pub too_few: usize,
-    /// The number of faces that cross themselves.
+    /// The number of self-intersecting faces.
     pub crossing: usize,
-    /// The number of corners with a normal that is no direction.
+    /// The number of corners with an invalid normal.
     pub without_normal: usize,
-    /// The first face that cannot be used, and why.
+    /// The first unusable face, and the reason.
     pub error: Option<(usize, String)>,
 }
 
 impl Block {
-    /// Reads and cuts the faces of `rows`.
+    /// Reads and triangulates the faces of `rows`.
     pub fn read(mut rows: Rows, strips: bool, wanted: &Wanted) -> Self {
         let mut block = Self::default();
         block.triangles.reserve(rows.left);
@@ -125,7 +125,7 @@ impl Block {
         }
     }
 
-    /// Adds the triangles of a polygon, whose corners `name` names.
+    /// Adds the triangles of a polygon; `name` maps its corners to indices.
     #[inline(always)]
     fn cut(&mut self, corners: &[u32], positions: &[Vec3], name: impl Fn(u32) -> u32, scratch: &mut Scratch) {
         if corners.len() == 3 {
@@ -143,12 +143,12 @@ impl Block {
 
 fn why_not(corners: &[u32], count: usize) -> String {
     if corners.len() > Cutter::MAX_CORNERS {
-        return format!("{} corners; at most {}", corners.len(), Cutter::MAX_CORNERS);
+        return format!("{} corners; the maximum is {}", corners.len(), Cutter::MAX_CORNERS);
     }
     match corners.iter().find(|c| **c as usize >= count) {
-        Some(&u32::MAX) => "a negative vertex index; mend the file".to_owned(),
+        Some(&u32::MAX) => "negative vertex index; fix the file".to_owned(),
         index => format!(
-            "vertex index {} is out of range, there are {count}; mend the file",
+            "vertex index {} is out of range: the count is {count}; fix the file",
             index.copied().unwrap_or_default()
         ),
     }
@@ -195,7 +195,8 @@ impl Row {
         })
     }
 
-    /// The triangles of strips that are cut by negative indices; every second one of a strip is turned.
+    /// Returns the triangles of strips, which are separated by negative indices; every second one of a strip is
+    /// flipped.
     fn strip_triangles(&self) -> impl Iterator<Item = [u32; 3]> {
         let strips = self.corners.split(|index| *index == u32::MAX);
         strips.flat_map(|strip| {

@@ -1,4 +1,4 @@
-//! The header of a PLY file, and what is wrong with one in plain words.
+//! The header of a PLY file, with plain error messages.
 
 use super::super::text::quote;
 use crate::error::{Error, Result};
@@ -7,13 +7,13 @@ use ply_rs_bw::ply::{DefaultElement, Header};
 use std::io::{Cursor, ErrorKind};
 use std::path::Path;
 
-/// The longest header that is looked at.
+/// Maximum length of a header.
 const MAX_HEADER: usize = 1 << 20;
 
-/// Returns the header, and where the payload starts: its first byte and its line.
+/// Returns the header, and the start of the payload: its first byte and its line.
 ///
 /// # Errors
-/// [`Error::Parse`] with the line that is no statement of a header, or that the header lacks.
+/// [`Error::Parse`] with the line of an invalid header statement, or with what the header lacks.
 pub(super) fn read_header(path: &Path, bytes: &mut [u8]) -> Result<(Header, usize, usize)> {
     mend_header(bytes);
     let mut reader = Reader::new(Cursor::new(&*bytes));
@@ -22,8 +22,8 @@ pub(super) fn read_header(path: &Path, bytes: &mut [u8]) -> Result<(Header, usiz
     Ok((header, reader.get_ref().position() as usize, reader.line()))
 }
 
-/// Makes the header what the parser takes: question marks for what is not ASCII, since it demands UTF-8 even of
-/// comments, and line feeds where the lines end in carriage returns alone.
+/// Makes the header acceptable to the parser: replaces non-ASCII bytes with question marks, since it requires UTF-8
+/// even in comments, and lone carriage returns at line ends with line feeds.
 fn mend_header(bytes: &mut [u8]) {
     const LAST: &[u8] = b"end_header";
     let start = &bytes[..bytes.len().min(MAX_HEADER)];
@@ -41,35 +41,35 @@ fn place(error: &ParseError) -> String {
     error.line().map_or("header".to_owned(), |line| format!("line {line}"))
 }
 
-/// Returns what is wrong; the parser's own message names the rules of its grammar.
+/// Returns the fault; the parser's own message uses the rule names of its grammar.
 fn fault(error: &ParseError, bytes: &[u8]) -> String {
     match (error.kind(), error.line()) {
         (ErrorKind::UnexpectedEof, _) => {
-            "the header has no end_header: the file is cut off; fetch or export it again".into()
+            "missing end_header: the file is truncated; download or re-export it".into()
         }
-        (ErrorKind::InvalidData, _) => "the header is no text; fetch or export the file again".into(),
-        (_, Some(1)) => "the file does not begin with ply; fetch or export it again".into(),
+        (ErrorKind::InvalidData, _) => "the header is not text; download or re-export the file".into(),
+        (_, Some(1)) => "the file does not start with ply; download or re-export it".into(),
         (_, Some(line)) => of_statement(&line_of(bytes, line)),
-        (_, None) => "the header has no format with a version, such as `format ascii 1.0`".into(),
+        (_, None) => "missing format with a version, such as `format ascii 1.0`".into(),
     }
 }
 
-/// Returns why a statement of a header cannot be read.
+/// Returns why a header statement is invalid.
 fn of_statement(statement: &str) -> String {
     let why = match statement.split_whitespace().next().unwrap_or_default() {
         "format" => {
             "is not ascii, binary_little_endian or binary_big_endian with 1.0, or contradicts another"
         }
-        "element" => "is no element with a name and a number, such as `element vertex 8`",
+        "element" => "is not an element with a name and a count, such as `element vertex 8`",
         "property" => {
-            "is no property of an element before it, with a type and a name, such as `property float x`"
+            "is not a property of a preceding element with a type and a name, e.g. `property float x`"
         }
-        _ => "is none of format, element, property, comment, obj_info and end_header",
+        _ => "is not one of format, element, property, comment, obj_info or end_header",
     };
-    format!("{} {why}; mend the file or export it again", quote(statement))
+    format!("{} {why}; fix the file or re-export it", quote(statement))
 }
 
-/// Returns a line of the file, from 1.
+/// Returns a line of the file, starting at 1.
 fn line_of(bytes: &[u8], line: usize) -> String {
     let line = bytes.split(|byte| *byte == b'\n').nth(line.saturating_sub(1)).unwrap_or_default();
     String::from_utf8_lossy(line).trim().to_owned()
@@ -82,28 +82,28 @@ mod tests {
     #[test]
     fn what_is_wrong_is_told_in_plain_words() {
         let cases = [
-            ("plyx\n", "line 1: the file does not begin with ply"),
-            (
-                "ply\nformat ascii 1.0\nelement vertex 3\n",
-                "the header has no end_header: the file is cut off",
-            ),
-            ("ply\nelement vertex 0\nend_header\n", "header: the header has no format with a version"),
+            ("plyx\n", "line 1: the file does not start with ply"),
+            ("ply\nformat ascii 1.0\nelement vertex 3\n", "missing end_header: the file is truncated"),
+            ("ply\nelement vertex 0\nend_header\n", "header: missing format with a version"),
             (
                 "ply\nformat text 1.0\nend_header\n",
                 "line 2: 'format text 1.0' is not ascii, binary_little_endian",
             ),
-            ("ply\nformat ascii 1.0\nelement vertex\nend_header\n", "line 3: 'element vertex' is no element"),
+            (
+                "ply\nformat ascii 1.0\nelement vertex\nend_header\n",
+                "line 3: 'element vertex' is not an element",
+            ),
             (
                 "ply\nformat ascii 1.0\nproperty float x\nend_header\n",
-                "line 3: 'property float x' is no property",
+                "line 3: 'property float x' is not a property",
             ),
             (
                 "ply\nformat ascii 1.0\nelement v 1\nproperty big x\nend_header\n",
-                "line 4: 'property big x' is no",
+                "line 4: 'property big x' is not",
             ),
             (
                 "ply\nformat ascii 1.0\nelephant\nend_header\n",
-                "line 3: 'elephant' is none of format, element",
+                "line 3: 'elephant' is not one of format, element",
             ),
         ];
         for (header, why) in cases {

@@ -1,7 +1,8 @@
-//! PLY: polygons with any properties, ascii or binary.
+//! PLY: polygons with arbitrary properties, ASCII or binary.
 //!
-//! Headers are read by `ply-rs-bw`. Its payloads are one object a row, which a scan of millions is too large for, and
-//! its ascii is stricter than its writers; so payloads are read here, in blocks and in parallel where rows allow it.
+//! Headers are read by `ply-rs-bw`. Its payloads are one object per row, which is too much for a scan with millions
+//! of rows, and its ASCII is stricter than real exporters; so payloads are read here, in blocks and, if rows allow
+//! it, in parallel.
 
 mod ascii;
 mod build;
@@ -31,13 +32,12 @@ use std::path::Path;
 
 /// Reads a PLY file into one mesh.
 ///
-/// Colours stored as whole numbers are taken as sRGB-encoded, colours stored as floats as linear. Uvs come from
-/// vertices (`s t`, `u v`, `texture_u texture_v`) or from a `texcoord` list at each face, with the origin bottom left;
-/// a `comment TextureFile` names the base colour texture. Normals are absent where the file has none, or has some
-/// that are no directions.
+/// Colours stored as integers are taken as sRGB-encoded, colours stored as floats as linear. Uvs come from vertices
+/// (`s t`, `u v`, `texture_u texture_v`) or from a `texcoord` list per face, with the origin bottom left; a `comment
+/// TextureFile` specifies the base colour texture. Normals are absent if the file has none, or if some are invalid.
 ///
 /// # Errors
-/// [`crate::Error::Io`] where the file cannot be read, [`crate::Error::Parse`] where its header or payload is wrong, and
+/// [`crate::Error::Io`] if the file cannot be read, [`crate::Error::Parse`] if its header or payload is invalid, and
 /// for point clouds, which cannot be drawn.
 pub(super) fn read(reading: &Reading) -> Result<Loaded> {
     let path = reading.path();
@@ -67,7 +67,7 @@ pub(super) fn read(reading: &Reading) -> Result<Loaded> {
     Ok(loaded)
 }
 
-/// Finds the elements that can be drawn; the others are passed over.
+/// Locates the drawable elements; the others are skipped.
 fn locate<'a>(path: &Path, header: &Header, payload: &'a [u8], line: usize) -> Result<Elements<'a>> {
     let mut elements = Elements { attributes: Attributes::of(header), ..Elements::default() };
     let mut tokens = Tokens::new(path, payload, line);

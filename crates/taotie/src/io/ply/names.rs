@@ -2,7 +2,7 @@
 
 use ply_rs_bw::ply::{ElementDef, Header, PropertyType, ScalarType};
 
-/// The numbers that a vertex can have.
+/// The slots for the numbers of a vertex.
 pub(super) mod slot {
     pub const POSITION: usize = 0;
     pub const NORMAL: usize = 3;
@@ -11,10 +11,10 @@ pub(super) mod slot {
     pub const COUNT: usize = 12;
 }
 
-/// The use of a field.
+/// The use of a property.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
-    /// It is passed over.
+    /// Skipped.
     Ignored,
     /// One of the numbers of [`slot`].
     Slot(usize),
@@ -24,7 +24,7 @@ pub(super) enum Role {
     Uvs,
 }
 
-/// The slot of a vertex property, by the names in use.
+/// Returns the slot of a vertex property, by the common names.
 fn vertex_slot(name: &str) -> Option<usize> {
     Some(match name {
         "x" => slot::POSITION,
@@ -57,7 +57,7 @@ pub(super) fn role(element: &str, name: &str, data_type: &PropertyType) -> Resul
         ("face" | "tristrips", "vertex_indices" | "vertex_index") if is_list => return Ok(Role::Corners),
         ("face" | "tristrips", "texcoord") if is_list => return Ok(Role::Uvs),
         ("face" | "tristrips", "vertex_indices" | "vertex_index" | "texcoord") => {
-            return Err(format!("its property {name} must be a list; export the mesh again"));
+            return Err(format!("property {name} must be a list; re-export the mesh"));
         }
         ("vertex", name) => vertex_slot(name),
         ("face", name) => color_slot(name).map(|slot| slot::COLOR + slot),
@@ -66,27 +66,27 @@ pub(super) fn role(element: &str, name: &str, data_type: &PropertyType) -> Resul
     Ok(slot.filter(|_| !is_list).map_or(Role::Ignored, Role::Slot))
 }
 
-/// The meaning of colour numbers.
+/// The encoding of colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ColorCode {
-    /// Whole numbers: sRGB-encoded.
+    /// Integers: sRGB-encoded.
     Encoded,
     /// Floats: linear.
     Linear,
 }
 
-/// The attributes that the header declares.
+/// The attributes declared by the header.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Attributes {
-    /// x, y and z are there.
+    /// `true` if x, y and z exist.
     pub positions: bool,
-    /// A normal at each vertex.
+    /// A normal per vertex.
     pub normals: bool,
-    /// A uv at each vertex.
+    /// A uv per vertex.
     pub uvs: bool,
-    /// A colour at each vertex.
+    /// A colour per vertex.
     pub colors: Option<ColorCode>,
-    /// A colour at each face.
+    /// A colour per face.
     pub face_colors: Option<ColorCode>,
 }
 
@@ -106,7 +106,7 @@ impl Attributes {
     }
 }
 
-/// The declaration of each slot: `None` where there is none, else its colour code.
+/// The declaration of each slot: `None` if absent, else its colour encoding.
 type Declared = [Option<ColorCode>; slot::COUNT];
 
 fn declared(element: &ElementDef) -> Declared {
@@ -126,12 +126,12 @@ fn color_code(declared: &Declared) -> Option<ColorCode> {
     rgb.iter().all(Option::is_some).then_some(if linear { ColorCode::Linear } else { ColorCode::Encoded })
 }
 
-/// Says whether a type has fractions.
+/// Returns `true` for floating-point types.
 pub(super) fn is_float(scalar: &ScalarType) -> bool {
     matches!(scalar, ScalarType::Float | ScalarType::Double)
 }
 
-/// The number that means full intensity in a colour.
+/// Returns the number that represents full intensity in a colour.
 pub(super) fn full_intensity(scalar: &ScalarType) -> f64 {
     match scalar {
         ScalarType::Char => 127.0,

@@ -1,7 +1,7 @@
-//! Rows of binary elements: their places, and the uses of their properties.
+//! Rows of binary elements: their positions, and the uses of their properties.
 //!
-//! A scan is one long table of vertices and one of faces, so rows are never separate objects: they are found by one
-//! walk over the file, which notes where each block of them starts, and the blocks are decoded in parallel.
+//! A scan is one long table of vertices and one of faces, so rows are never separate objects: one pass over the file
+//! records where each block of them starts, and the blocks are decoded in parallel.
 
 use super::ascii::Tokens;
 use super::names::{self, Role};
@@ -18,13 +18,13 @@ const BLOCK: usize = 1 << 15;
 /// One property of an element.
 pub(super) struct Property {
     role: Role,
-    /// The type of a list's length; `None` where there is one number.
+    /// The type of a list's length; `None` for a scalar.
     length: Option<ScalarType>,
     scalar: ScalarType,
 }
 
 impl Property {
-    /// Its bytes in a row, where a list has three values.
+    /// Returns its bytes per row if lists have three values.
     fn length_of_three(&self) -> usize {
         self.length.as_ref().map_or(size(&self.scalar), |length| size(length) + 3 * size(&self.scalar))
     }
@@ -43,7 +43,7 @@ pub(super) struct Element<'a> {
     properties: Vec<Property>,
     /// The start of each block in `bytes`.
     starts: Vec<usize>,
-    /// The bytes of each row, where all have as many: there is no list, or one that has three values in each row.
+    /// Bytes per row, if all rows have equal length: there is no list, or one with three values in each row.
     row: Option<usize>,
 }
 
@@ -68,7 +68,7 @@ pub(super) struct Values<'a> {
 }
 
 impl<'a> Element<'a> {
-    /// Finds the rows of the element that starts at the first of `bytes`, and how many bytes they have.
+    /// Locates the rows of the element at the start of `bytes`, and returns their total length in bytes.
     pub fn binary(
         path: &Path,
         definition: &ElementDef,
@@ -81,7 +81,7 @@ impl<'a> Element<'a> {
         Ok((element, length))
     }
 
-    /// Takes the rows of an element from text.
+    /// Reads the rows of an element from text.
     pub fn ascii(path: &Path, definition: &ElementDef, tokens: &mut Tokens) -> Result<Self> {
         let (bytes, widened) = tokens.rows(definition)?;
         let mut element = Self::new(path, &widened, Cow::Owned(bytes), false)?;
@@ -104,7 +104,7 @@ impl<'a> Element<'a> {
         Ok(Self { count, corners: 0, with_uvs: 0, bytes, big_endian, properties, starts, row: None })
     }
 
-    /// Finds where blocks start, and the end of the last.
+    /// Finds where blocks start and where the last one ends.
     fn walk(&mut self) -> std::result::Result<usize, String> {
         self.row = self.length_of_all_rows();
         if let Some(row) = self.row {
@@ -137,7 +137,7 @@ impl<'a> Element<'a> {
         Ok(self.bytes.len() - rows.rest.len())
     }
 
-    /// Returns the bytes of each row, where all have as many, see [`Element::row`].
+    /// Returns the bytes per row if all rows have equal length, see [`Element::row`].
     fn length_of_all_rows(&self) -> Option<usize> {
         let mut lists = self.properties.iter().enumerate().filter(|(_, p)| p.length.is_some());
         let list = lists.next();
@@ -151,11 +151,11 @@ impl<'a> Element<'a> {
         parallel::first(self.count, has_more).is_none().then_some(row)
     }
 
-    /// The corners of all rows, where each has three that are plain indices below `vertices`; else `None`.
+    /// Returns the corners of all rows, if each has three plain indices below `vertices`; else `None`.
     pub fn triangles(&self, vertices: usize) -> Option<Vec<[u32; 3]>> {
         let place = self.properties.iter().position(|p| p.role == Role::Corners)?;
         let Property { length: Some(length), scalar, .. } = &self.properties[place] else { return None };
-        // A negative index is no plain one, nor is it below these.
+        // A negative index is neither plain nor below these.
         let below = match scalar {
             ScalarType::Int => vertices.min(1 << 31),
             ScalarType::UInt => vertices,
@@ -177,14 +177,14 @@ impl<'a> Element<'a> {
         (!wrong.into_inner()).then_some(triangles)
     }
 
-    /// The numbers of consecutive slots in all rows, where these are `float`, stand side by side and in this order, and
-    /// each row has as many bytes; else `None`.
+    /// Returns the numbers of consecutive slots in all rows, if they are `float`, adjacent, in this order, and all
+    /// rows have equal length; else `None`.
     pub fn floats<const N: usize>(&self, slot: usize) -> Option<Vec<[f32; N]>> {
         let start = self.start_of_slots(slot..slot + N, &ScalarType::Float)?;
         Some(self.columns(|row| words(&row[start..]).map(f32::from_le_bytes)))
     }
 
-    /// Returns `of` the numbers of consecutive slots as in [`Self::floats`], where these are `uchar`.
+    /// Applies `of` to the numbers of consecutive slots as in [`Self::floats`], if they are `uchar`.
     pub fn bytes<const N: usize>(
         &self,
         slot: usize,
@@ -194,12 +194,12 @@ impl<'a> Element<'a> {
         Some(self.columns(|row| of(std::array::from_fn(|i| row[start + i]))))
     }
 
-    /// Says whether rows have a number for this slot.
+    /// Returns `true` if rows have a number for this slot.
     pub fn has_slot(&self, slot: usize) -> bool {
         self.properties.iter().any(|p| p.role == Role::Slot(slot))
     }
 
-    /// Returns `of` each row, which all have as many bytes.
+    /// Applies `of` to each row; all rows have equal length.
     fn columns<const N: usize>(&self, of: impl Fn(&[u8]) -> [f32; N] + Sync) -> Vec<[f32; N]> {
         let row = self.row.unwrap_or(1).max(1);
         let mut columns = vec![[0.0; N]; self.count];
@@ -211,8 +211,8 @@ impl<'a> Element<'a> {
         columns
     }
 
-    /// The first byte of slots in each row, where they are of this type, little-endian, one behind the other, and each
-    /// there once.
+    /// Returns the offset of the slots in each row, if they have this type, are little-endian and adjacent, and each
+    /// occurs once.
     fn start_of_slots(&self, slots: std::ops::Range<usize>, scalar: &ScalarType) -> Option<usize> {
         let of = |p: &Property| matches!(p.role, Role::Slot(slot) if slots.contains(&slot));
         self.row.filter(|_| !self.big_endian)?;
@@ -226,7 +226,7 @@ impl<'a> Element<'a> {
         (fit && once).then_some(start)
     }
 
-    /// Reads the blocks in parallel, a few at a time, and hands over what each gives in the order of the file.
+    /// Reads the blocks in parallel, a few at a time, and passes on the results in file order.
     pub fn blocks<T: Send>(
         &self,
         read: impl Fn(Rows) -> T + Sync,
@@ -248,7 +248,7 @@ impl<'a> Element<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// Shows the properties of the next row; `false` where there is none.
+    /// Passes the properties of the next row to `see`; returns `false` if there is none.
     #[inline(always)]
     pub fn next(&mut self, see: impl FnMut(Role, Values<'a>)) -> bool {
         self.left > 0 && self.try_next(see).is_ok()
@@ -276,26 +276,26 @@ impl<'a> Rows<'a> {
         let length = count.checked_mul(size(scalar));
         let (bytes, rest) = length
             .and_then(|length| self.rest.split_at_checked(length))
-            .ok_or("the file ends in it; it is cut short or damaged")?;
+            .ok_or("the file ends within it; it is truncated or damaged")?;
         self.rest = rest;
         Ok(Values { count, scalar, bytes, big_endian: self.big_endian })
     }
 }
 
 impl<'a> Values<'a> {
-    /// The only number of a scalar property; the first of a list's, or 0.
+    /// Returns the number of a scalar property; the first of a list, or 0.
     #[inline(always)]
     pub fn number(self) -> f64 {
         if self.count > 0 { number(self.scalar, self.big_endian, self.bytes) } else { 0.0 }
     }
 
-    /// All numbers.
+    /// Returns all numbers.
     pub fn numbers(self) -> impl Iterator<Item = f64> + 'a {
         let words = self.bytes.chunks_exact(size(self.scalar));
         words.map(move |word| number(self.scalar, self.big_endian, word))
     }
 
-    /// Appends all numbers as indices; what is none becomes `u32::MAX`.
+    /// Appends all numbers as indices; invalid ones become `u32::MAX`.
     #[inline(always)]
     pub fn push_indices(self, to: &mut Vec<u32>) {
         let words = self.bytes.as_chunks::<4>().0.iter();
@@ -310,7 +310,7 @@ impl<'a> Values<'a> {
     }
 }
 
-/// The length of a list.
+/// Returns the length of a list.
 #[inline(always)]
 fn length(values: Values) -> std::result::Result<usize, &'static str> {
     if *values.scalar == ScalarType::UChar {
@@ -318,12 +318,10 @@ fn length(values: Values) -> std::result::Result<usize, &'static str> {
     }
     let length = values.number();
     let is_whole = length >= 0.0 && length == length.floor();
-    is_whole
-        .then_some(length as usize)
-        .ok_or("the length of a list is no whole number from 0 on; mend the file")
+    is_whole.then_some(length as usize).ok_or("the list length is not an integer of at least 0; fix the file")
 }
 
-/// Bytes of a number.
+/// Returns the size of a number in bytes.
 #[inline(always)]
 pub(super) fn size(scalar: &ScalarType) -> usize {
     match scalar {
@@ -334,7 +332,7 @@ pub(super) fn size(scalar: &ScalarType) -> usize {
     }
 }
 
-/// The number at the start of `bytes`; exact, since no type has more bits than the result holds.
+/// Returns the number at the start of `bytes`; exact, since no type has more bits than the result holds.
 #[inline(always)]
 fn number(scalar: &ScalarType, big_endian: bool, bytes: &[u8]) -> f64 {
     match scalar {
@@ -349,7 +347,7 @@ fn number(scalar: &ScalarType, big_endian: bool, bytes: &[u8]) -> f64 {
     }
 }
 
-/// The first `N` words of four bytes.
+/// Returns the first `N` four-byte words.
 #[inline(always)]
 fn words<const N: usize>(bytes: &[u8]) -> [[u8; 4]; N] {
     let (words, _) = bytes.as_chunks::<4>();
@@ -358,7 +356,7 @@ fn words<const N: usize>(bytes: &[u8]) -> [[u8; 4]; N] {
     first
 }
 
-/// The first `N` of `bytes` from the least significant on.
+/// Returns the first `N` of `bytes`, least significant first.
 #[inline(always)]
 fn word<const N: usize>(bytes: &[u8], big_endian: bool) -> [u8; N] {
     let mut word = [0; N];
@@ -369,7 +367,7 @@ fn word<const N: usize>(bytes: &[u8], big_endian: bool) -> [u8; N] {
     word
 }
 
-/// Refuses a count that the rest of the file is too short for, before anything is allocated.
+/// Rejects a count that the rest of the file is too short for, before anything is allocated.
 fn check_length(path: &Path, element: &ElementDef, left: usize) -> Result<()> {
     let least = |property: &PropertyType| match property {
         PropertyType::Scalar(scalar) | PropertyType::List(scalar, _) => size(scalar),
@@ -379,7 +377,7 @@ fn check_length(path: &Path, element: &ElementDef, left: usize) -> Result<()> {
         return Ok(());
     }
     let what = format!(
-        "{} of at least {row} bytes each, but only {left} bytes follow; the file is cut short or damaged",
+        "{} of at least {row} bytes each, but only {left} bytes follow; the file is truncated or damaged",
         element.count
     );
     Err(error(path, element, what))

@@ -1,26 +1,26 @@
-//! Vertices for corners that have uvs or colours of their own.
+//! Splits vertices for corners with their own uvs or colours.
 
 use super::faces::{Block, Wanted};
 use std::collections::HashMap;
 
-/// The vertex of a corner in the file, and the bits of the values of its face.
+/// The vertex of a corner in the file, and the bits of its face's values.
 type Corner = [u32; 7];
 
-/// Gives corners that are alike the same vertex, numbered in order of first appearance.
+/// Gives identical corners the same vertex, numbered in order of first appearance.
 pub(super) struct Splitter {
-    /// `true` where corners have uvs of their own.
+    /// `true` if corners have their own uvs.
     pub uvs: bool,
-    /// `true` where corners have colours of their own.
+    /// `true` if corners have their own colours.
     pub colors: bool,
     corners: Vec<Corner>,
-    /// The first corner of each vertex of the file, which most often is the only one.
+    /// The first corner of each vertex of the file, which is usually the only one.
     first: Vec<u32>,
     /// All other corners.
     known: HashMap<Corner, u32>,
 }
 
 impl Splitter {
-    /// Makes a splitter for corners with the wanted values of their own.
+    /// Makes a splitter for corners with the wanted values.
     pub fn new(wanted: &Wanted) -> Self {
         let first = vec![u32::MAX; wanted.positions.len()];
         Self { uvs: wanted.uvs, colors: wanted.colors, corners: Vec::new(), first, known: HashMap::new() }
@@ -49,7 +49,7 @@ impl Splitter {
         index
     }
 
-    /// Returns the vertex of the file that each vertex is made from.
+    /// Returns the source vertex in the file for each vertex.
     pub fn vertices(&self) -> impl Iterator<Item = usize> {
         self.corners.iter().map(|corner| corner[0] as usize)
     }

@@ -1,4 +1,4 @@
-//! Rows of vertices into columns.
+//! Converts rows of vertices to columns.
 
 use super::names::{Attributes, ColorCode, Role, full_intensity, slot};
 use super::payload::{Element, Rows};
@@ -47,7 +47,8 @@ impl Vertices {
         Ok(all)
     }
 
-    /// Reads rows of the usual layout: `float` and, for colours, `uchar`, the numbers of each attribute side by side.
+    /// Reads rows of the usual layout: `float` and, for colours, `uchar`, with the numbers of each attribute
+    /// adjacent.
     fn of_columns(element: &Element, attributes: &Attributes) -> Option<Self> {
         let points = |slot: usize| Some(element.floats(slot)?.into_iter().map(Vec3::from_array).collect());
         let uvs = || Some(element.floats(slot::UV)?.into_iter().map(|[u, v]| upright(u, v)).collect());
@@ -83,7 +84,7 @@ impl Vertices {
         block
     }
 
-    /// Says of each vertex whether it lacks a normal that is a direction; empty where none does.
+    /// Returns for each vertex whether it lacks a valid normal; empty if all normals are valid.
     pub fn lack_normals(&self) -> Vec<bool> {
         let is_bad = |n: &Vec3| {
             let length = n.to_f64().length();
@@ -101,7 +102,7 @@ fn where_wanted<T>(wanted: bool, read: impl FnOnce() -> Option<Vec<T>>) -> Optio
     if wanted { read() } else { Some(Vec::new()) }
 }
 
-/// The colours that are stored as red, green and blue of one byte each, with or without alpha behind them.
+/// Returns the colours if stored as red, green and blue bytes, optionally followed by alpha.
 fn byte_colors(element: &Element, code: ColorCode) -> Option<Vec<[f32; 4]>> {
     let decoder = Decoder::new(code);
     match element.has_slot(slot::COLOR + 3) {
@@ -110,23 +111,23 @@ fn byte_colors(element: &Element, code: ColorCode) -> Option<Vec<[f32; 4]>> {
     }
 }
 
-/// A number of a vertex or face; colours stored as whole numbers are divided by their greatest.
+/// Returns a number of a vertex or face; colours stored as integers are divided by their maximum.
 #[inline(always)]
 pub(super) fn attribute(slot: usize, field: super::payload::Values) -> f32 {
     let value = field.number();
     (if slot >= slot::COLOR { value / full_intensity(field.scalar) } else { value }) as f32
 }
 
-/// Returns a uv of the file, whose origin is bottom left, with the origin top left; what is not finite is 0.
+/// Converts a uv of the file, with a bottom-left origin, to a top-left origin; non-finite values become 0.
 pub(super) fn upright(u: f32, v: f32) -> Vec2 {
     let usable = |v: f32| if v.is_finite() { v } else { 0.0 };
     Vec2::new(usable(u), 1.0 - usable(v))
 }
 
-/// Makes stored colours linear.
+/// Converts stored colours to linear.
 pub(super) struct Decoder {
     code: ColorCode,
-    /// The linear-light values of 0 to 255 parts of 255, since most files store these.
+    /// The linear-light values of 0/255 to 255/255, since most files store these.
     steps: Vec<f32>,
 }
 
@@ -136,7 +137,7 @@ impl Decoder {
         Self { code, steps }
     }
 
-    /// Returns linear RGBA; alpha is no more than 1.
+    /// Returns linear RGBA; alpha is clamped to 1.
     pub fn linear(&self, color: [f32; 4]) -> [f32; 4] {
         let usable = |v: f32| if v.is_finite() { v.max(0.0) } else { 0.0 };
         let [r, g, b, a] = color.map(usable);
@@ -147,7 +148,7 @@ impl Decoder {
         [decode(r), decode(g), decode(b), a.min(1.0)]
     }
 
-    /// Returns [`Self::linear`] of colours that are stored as so many parts of 255.
+    /// Returns [`Self::linear`] for colours stored as bytes.
     fn linear_of_bytes(&self, color: [u8; 4]) -> [f32; 4] {
         let [r, g, b, a] = color;
         let [r, g, b] = [r, g, b].map(|v| match self.code {
@@ -167,7 +168,7 @@ impl Decoder {
     }
 }
 
-/// Returns the value that is stored as `i` of 255.
+/// Returns the value `i` / 255.
 fn step(i: u8) -> f32 {
     (f64::from(i) / 255.0) as f32
 }

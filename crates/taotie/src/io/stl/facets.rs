@@ -1,13 +1,14 @@
-//! Facets of an ascii STL file in the lines that nearly all programs write, read in parallel.
+//! Facets of an ASCII STL file in the layout that nearly all programs write, read in parallel.
 
 use super::super::words::Words;
 use crate::math::Vec3;
 use crate::parallel;
 
-/// Bytes of text that a thread reads at once, or a facet more.
+/// Bytes of text that a thread reads at a time; a piece may be one facet longer.
 const PIECE: usize = 1 << 20;
 
-/// The corners of all triangles of `text`; `None` where it holds anything but solids of facets in the usual lines.
+/// Returns the corners of all triangles of `text`; `None` if it contains anything but solids of facets in the usual
+/// layout.
 pub(super) fn read(text: &str) -> Option<Vec<Vec3>> {
     let pieces = pieces(text.as_bytes());
     let mut corners = Vec::new();
@@ -20,7 +21,7 @@ pub(super) fn read(text: &str) -> Option<Vec<Vec3>> {
     Some(corners)
 }
 
-/// Cuts text before lines that begin a facet.
+/// Splits text before lines that start a facet.
 fn pieces(mut text: &[u8]) -> Vec<&[u8]> {
     let mut pieces = Vec::new();
     while !text.is_empty() {
@@ -44,7 +45,8 @@ fn end_of_piece(text: &[u8]) -> usize {
     text.len()
 }
 
-/// The corners of a piece. The first one begins before a solid, the last one ends behind one, and all others within.
+/// Returns the corners of a piece. The first one starts before a solid, the last one ends after one, and all others
+/// start and end within one.
 fn read_piece(pieces: &[&[u8]], number: usize) -> Option<Vec<Vec3>> {
     let mut words = Words::new(pieces[number]);
     let is_last = number + 1 == pieces.len();
@@ -70,7 +72,7 @@ fn read_piece(pieces: &[&[u8]], number: usize) -> Option<Vec<Vec3>> {
     }
 }
 
-/// Passes over the line that begins a solid, whatever its name is.
+/// Skips the line that starts a solid, whatever its name.
 fn begin_solid(words: &mut Words) -> Option<()> {
     words.skip_empty_lines();
     words.skip_blanks();
@@ -79,7 +81,7 @@ fn begin_solid(words: &mut Words) -> Option<()> {
     is_solid.then(|| words.skip_line())
 }
 
-/// The corners of a facet, whose normal is finite too.
+/// Returns the corners of a facet, if its normal is finite too.
 fn facet(words: &mut Words) -> Option<[Vec3; 3]> {
     words.keyword(b"facet")?;
     words.keyword(b"normal")?;
@@ -97,14 +99,14 @@ fn corner(words: &mut Words) -> Option<Vec3> {
     point(words)
 }
 
-/// The three finite numbers that end a line.
+/// Returns the three finite numbers at the end of a line.
 fn point(words: &mut Words) -> Option<Vec3> {
     let point = Vec3::new(words.number()?, words.number()?, words.number()?);
     words.end_line()?;
     point.is_finite().then_some(point)
 }
 
-/// Passes over the line that has these words.
+/// Skips a line with these words.
 fn line(words: &mut Words, all: &[&[u8]]) -> Option<()> {
     words.skip_empty_lines();
     all.iter().try_for_each(|word| words.keyword(word))?;
@@ -129,7 +131,7 @@ mod tests {
         (0..count).map(facet).collect()
     }
 
-    /// Corners by both ways of reading, and whether this one took the text.
+    /// Returns the corners as read both ways, and whether this one accepted the text.
     fn both(text: &str) -> (std::result::Result<Vec<Vec3>, String>, bool) {
         let slow = solids::read(Path::new("a.stl"), text).map_err(|error| error.to_string());
         let fast = read(text);

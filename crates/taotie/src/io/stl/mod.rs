@@ -1,4 +1,4 @@
-//! STL: loose triangles, ascii or binary, welded where positions are equal to the bit.
+//! STL: separate triangles, ASCII or binary, welded if positions are bitwise equal.
 
 mod facets;
 mod solids;
@@ -16,23 +16,23 @@ use crate::surface::{Classes, bits};
 use solids::not_finite;
 use std::path::Path;
 
-/// Bytes before the first triangle of a binary file: a header of 80 and a count.
+/// Bytes before the first triangle of a binary file: an 80-byte header and a count.
 const BINARY_START: usize = 84;
-/// Bytes of a triangle in a binary file.
+/// Bytes per triangle in a binary file.
 const BINARY_TRIANGLE: usize = 50;
-/// Bytes that are made of each byte of a binary file, as if no triangle shared a corner: only looking at them tells.
+/// Bytes needed per byte of a binary file, as if no triangles shared corners: only reading them would show that.
 const BINARY_MADE: u64 = 4;
-/// The same of an ascii file, whose shortest triangles have ninety bytes.
+/// The same for an ASCII file, whose shortest triangles have ninety bytes.
 const ASCII_MADE: u64 = 3;
 
-/// Reads an STL file into one mesh without normals, since those of the file are the triangles' own.
+/// Reads an STL file into one mesh without normals, since those in the file are per triangle.
 ///
-/// All solids of an ascii file are taken together. A file is binary where its length is what its count demands,
-/// whatever it starts with; else it is ascii where it starts with `solid`.
+/// All solids of an ASCII file are combined. A file is binary if its length matches its triangle count, whatever it
+/// starts with; otherwise it is ASCII if it starts with `solid`.
 ///
 /// # Errors
-/// [`Error::Io`] where the file cannot be read, [`Error::Limit`] where it does not fit the memory, [`Error::Parse`] naming
-/// the first triangle that cannot be used, or where there is none.
+/// [`Error::Io`] if the file cannot be read, [`Error::Limit`] if it does not fit in memory, [`Error::Parse`] with the
+/// first unusable triangle, or if there are no triangles.
 pub(super) fn read(reading: &Reading) -> Result<Loaded> {
     let path = reading.path();
     let bytes = reading.read_own(path)?;
@@ -46,7 +46,7 @@ pub(super) fn read(reading: &Reading) -> Result<Loaded> {
         binary(path, &bytes, &mut warnings)?
     };
     if data.triangles.is_empty() {
-        return Err(Error::parse(path, "whole file", "no triangles; export the model again"));
+        return Err(Error::parse(path, "whole file", "no triangles; re-export the model"));
     }
     let mesh = Mesh::new(data)?;
     warnings.note("triangles without area", mesh.degenerate_triangles());
@@ -65,13 +65,13 @@ fn is_ascii(bytes: &[u8]) -> bool {
     says_solid && declared(bytes).is_none_or(|count| BINARY_START + count * BINARY_TRIANGLE != bytes.len())
 }
 
-/// The triangle count of a binary file.
+/// Returns the triangle count of a binary file.
 fn declared(bytes: &[u8]) -> Option<usize> {
     let count = bytes.get(80..BINARY_START)?;
     Some(u32::from_le_bytes([count[0], count[1], count[2], count[3]]) as usize)
 }
 
-/// The mesh of a binary file.
+/// Returns the mesh of a binary file.
 fn binary(path: &Path, bytes: &[u8], warnings: &mut Warnings) -> Result<MeshData> {
     let Some(count) = declared(bytes) else {
         let what = format!("{} bytes are too few for an STL file", bytes.len());
@@ -80,12 +80,11 @@ fn binary(path: &Path, bytes: &[u8], warnings: &mut Warnings) -> Result<MeshData
     let (there, _) = bytes[BINARY_START..].as_chunks::<BINARY_TRIANGLE>();
     let Some(triangles) = there.get(..count) else {
         let there = there.len();
-        let what =
-            format!("{count} triangles are declared, but the file ends after {there}; it is cut short");
+        let what = format!("{count} triangles declared, but the file ends after {there}; it is truncated");
         return Err(Error::parse(path, "header", what));
     };
     warnings
-        .note("bytes behind the last triangle", bytes.len() - BINARY_START - triangles.as_flattened().len());
+        .note("bytes after the last triangle", bytes.len() - BINARY_START - triangles.as_flattened().len());
     let is_bad = |t: &[u8; BINARY_TRIANGLE]| (0..3).any(|corner| !stored_corner(t, corner).is_finite());
     match first(triangles, is_bad) {
         Some(i) => Err(not_finite(path, format!("triangle {i}"))),
@@ -93,13 +92,13 @@ fn binary(path: &Path, bytes: &[u8], warnings: &mut Warnings) -> Result<MeshData
     }
 }
 
-/// A corner of a triangle in a binary file; its normal stands before the first.
+/// Returns a corner of a triangle in a binary file; the normal precedes the first.
 fn stored_corner(triangle: &[u8; BINARY_TRIANGLE], corner: usize) -> Vec3 {
     let (words, _) = triangle[12 * (corner + 1)..].as_chunks::<4>();
     Vec3::new(f32::from_le_bytes(words[0]), f32::from_le_bytes(words[1]), f32::from_le_bytes(words[2]))
 }
 
-/// The corners of all triangles of an ascii file.
+/// Returns the corners of all triangles of an ASCII file.
 fn ascii(path: &Path, text: &str) -> Result<Vec<Vec3>> {
     match facets::read(text) {
         Some(corners) => Ok(corners),
@@ -107,7 +106,7 @@ fn ascii(path: &Path, text: &str) -> Result<Vec<Vec3>> {
     }
 }
 
-/// Triangles over corners, of which those at one place become one vertex.
+/// Welds triangle corners at equal positions into one vertex.
 fn welded(corners: usize, corner: impl Fn(usize) -> Vec3 + Sync) -> MeshData {
     let places = Classes::by(corners, |c| bits(corner(c).to_array()));
     MeshData {

@@ -1,4 +1,4 @@
-//! Solids of an ascii STL file, whatever they hold, and what is wrong with one.
+//! Solids of an ASCII STL file of any layout, with error messages.
 
 use super::super::text;
 use crate::error::{Error, Result};
@@ -6,10 +6,10 @@ use crate::math::Vec3;
 use std::io::Cursor;
 use std::path::Path;
 
-/// The corners of all triangles of the solids of `text`. `stl_io` reads one solid and its key words in small letters.
+/// Returns the corners of all triangles of the solids of `text`. `stl_io` reads one solid, with lower-case keywords.
 ///
 /// # Errors
-/// [`Error::Parse`] naming the first triangle that cannot be used, and where something else follows a solid.
+/// [`Error::Parse`] with the first unusable triangle, and if something else follows a solid.
 pub(super) fn read(path: &Path, text: &str) -> Result<Vec<Vec3>> {
     let text = text.to_ascii_lowercase();
     let mut corners = Vec::new();
@@ -29,8 +29,8 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Vec<Vec3>> {
     if rest.is_empty() {
         return Ok(corners);
     }
-    let at = format!("behind solid {solids}");
-    Err(Error::parse(path, at, format!("{} is no solid; mend the file", text::quote(rest))))
+    let at = format!("after solid {solids}");
+    Err(Error::parse(path, at, format!("expected `solid`, found {}; fix the file", text::quote(rest))))
 }
 
 fn read_solid(path: &Path, solid: &str, at: &str, corners: &mut Vec<Vec3>) -> Result<()> {
@@ -48,9 +48,9 @@ fn read_solid(path: &Path, solid: &str, at: &str, corners: &mut Vec<Vec3>) -> Re
     Ok(())
 }
 
-/// The error of a triangle that is nowhere.
+/// Returns the error for a triangle with a non-finite position.
 pub(super) fn not_finite(path: &Path, at: String) -> Error {
-    Error::parse(path, at, "a position is infinite or NaN; mend the file")
+    Error::parse(path, at, "a position is infinite or NaN; fix the file")
 }
 
 fn one_line(error: &std::io::Error) -> String {

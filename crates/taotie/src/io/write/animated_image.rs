@@ -13,13 +13,14 @@ type GifResult<T> = std::result::Result<T, gif::EncodingError>;
 /// The file format of an animated image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AnimationFormat {
-    /// Animated PNG: every colour and alpha, 8 bits a channel. Programs without animation show the first frame.
+    /// Animated PNG: full colour and alpha, 8 bits per channel. Programs without animation support show the first
+    /// frame.
     Png,
-    /// GIF: 256 colours a frame, each pixel seen or not.
+    /// GIF: 256 colours per frame, with each pixel either opaque or fully transparent.
     Gif,
 }
 
-/// The properties that all frames of an animated image share.
+/// The properties shared by all frames of an animated image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnimationSpec {
     /// The file format.
@@ -28,15 +29,15 @@ pub struct AnimationSpec {
     pub width: u32,
     /// Height in pixels, 1 to 16384.
     pub height: u32,
-    /// The number of frames, from 1.
+    /// The number of frames, at least 1.
     pub frames: u32,
-    /// The length of all frames together, seconds; then the animation begins anew.
+    /// The total duration of all frames in seconds, after which the animation repeats.
     pub seconds: f64,
-    /// `true` where alpha is kept.
+    /// `true` if alpha is kept.
     pub alpha: bool,
 }
 
-/// An animated image in the making, a file of a [`FileSet`].
+/// An animated image being written, a file of a [`FileSet`].
 pub struct AnimatedImage {
     draft: Draft,
     spec: AnimationSpec,
@@ -48,22 +49,22 @@ enum Encoder {
     Png(Box<png::Writer<BufWriter<File>>>),
     Gif {
         writer: Box<gif::Encoder<BufWriter<File>>>,
-        /// Frames that wait until there is one for each thread, since choosing colours takes long.
+        /// Frames that wait until there is one per thread, since quantising colours is slow.
         waiting: Vec<gif::Frame<'static>>,
     },
 }
 
 impl AnimatedImage {
-    /// Begins an image at `path`, as a file of a set.
+    /// Starts an image at `path`, as a file of a set.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a size, number of frames or length that cannot be, [`Error::Io`] where the place cannot
-    /// be written to.
+    /// [`Error::Invalid`] for an invalid size, number of frames or duration, [`Error::Io`] if the location is not
+    /// writable.
     pub fn create(files: &FileSet, path: &Path, spec: &AnimationSpec) -> Result<Self> {
         const LARGEST: u32 = 16384;
         let sized = (1..=LARGEST).contains(&spec.width) && (1..=LARGEST).contains(&spec.height);
         if !sized || spec.frames == 0 || !(spec.seconds >= 0.0 && spec.seconds.is_finite()) {
-            return Err(Error::invalid("animated image", format!("{spec:?} cannot be")));
+            return Err(Error::invalid("animated image", format!("invalid specification {spec:?}")));
         }
         let draft = files.begin(path)?;
         let second_handle = draft.file.try_clone().map_err(|e| Error::io(path, e))?;
@@ -78,17 +79,21 @@ impl AnimatedImage {
         Ok(Self { draft, spec: *spec, encoder, added: 0 })
     }
 
-    /// Adds the next frame: sRGB with alpha that is not premultiplied, row by row from the top. Without
-    /// [`AnimationSpec::alpha`] alpha is not looked at; a GIF shows what has at least half of it.
+    /// Adds the next frame: sRGB with straight (not premultiplied) alpha, row by row from the top. Without
+    /// [`AnimationSpec::alpha`], alpha is ignored; a GIF shows pixels with an alpha of at least one half.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where the number of pixels does not fit, or there are frames enough; [`Error::Io`] where
-    /// the file cannot be written.
+    /// [`Error::Invalid`] if the number of pixels is wrong, or all frames were already added; [`Error::Io`] if the
+    /// file cannot be written.
     pub fn add(&mut self, pixels: &[[u8; 4]]) -> Result<()> {
         let AnimationSpec { width, height, frames, alpha, .. } = self.spec;
         let wanted = width as usize * height as usize;
         if pixels.len() != wanted || self.added == frames {
-            let why = format!("frame {} of {frames} has {} pixels of {wanted}", self.added + 1, pixels.len());
+            let why = format!(
+                "frame {} of {frames} has {} pixels; expected {wanted}",
+                self.added + 1,
+                pixels.len()
+            );
             return Err(Error::invalid("animated image", why));
         }
         match &mut self.encoder {
@@ -110,15 +115,18 @@ impl AnimatedImage {
         Ok(())
     }
 
-    /// Ends the image: its file is complete.
+    /// Finishes the image, so that its file is complete.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where frames are missing, [`Error::Io`] where the file cannot be written.
+    /// [`Error::Invalid`] if frames are missing, [`Error::Io`] if the file cannot be written.
     pub fn finish(self) -> Result<()> {
         let Self { draft, spec, encoder, added } = self;
         let path = draft.path();
         if added != spec.frames {
-            return Err(Error::invalid("animated image", format!("{added} of {} frames", spec.frames)));
+            return Err(Error::invalid(
+                "animated image",
+                format!("incomplete: {added} of {} frames", spec.frames),
+            ));
         }
         match encoder {
             Encoder::Png(writer) => writer.finish().map_err(|e| png_error(path, e))?,
@@ -133,7 +141,8 @@ impl AnimatedImage {
 }
 
 impl AnimationSpec {
-    /// Returns the length of frame `index` in parts of a second. Rounded so that the sum over all frames is right.
+    /// Returns the duration of frame `index` in units of 1/`parts` second, rounded so that the sum over all frames is
+    /// right.
     fn delay(&self, index: u32, parts: u32) -> u64 {
         let end = |frames: u32| {
             (self.seconds * f64::from(frames) / f64::from(self.frames) * f64::from(parts)).round() as u64
@@ -141,9 +150,9 @@ impl AnimationSpec {
         end(index + 1) - end(index)
     }
 
-    /// A frame whose colours are still to be chosen.
+    /// Returns a frame before colour quantisation.
     fn gif_frame(&self, index: u32, pixels: &[[u8; 4]]) -> gif::Frame<'static> {
-        // Many viewers take less than two hundredths for ten.
+        // Many viewers treat less than two hundredths as ten.
         let delay = self.delay(index, 100).clamp(2, u64::from(u16::MAX)) as u16;
         let dispose = if self.alpha { gif::DisposalMethod::Background } else { gif::DisposalMethod::Keep };
         gif::Frame {
@@ -180,12 +189,12 @@ fn gif(spec: &AnimationSpec, out: BufWriter<File>) -> GifResult<gif::Encoder<Buf
     Ok(encoder)
 }
 
-/// Chooses the colours of frames that hold RGBA, by a neural net (Dekker 1994), and writes them.
+/// Quantises the colours of RGBA frames with a neural net (Dekker 1994), and writes the frames.
 fn write_gif_frames(
     writer: &mut gif::Encoder<BufWriter<File>>,
     frames: &mut Vec<gif::Frame<'static>>,
 ) -> GifResult<()> {
-    /// The net learns from one pixel of this many.
+    /// The net is trained on one pixel out of this many.
     const SPEED: i32 = 10;
     let mut frames = std::mem::take(frames);
     parallel::pieces(&mut frames, 1, &|_, piece| {
@@ -198,7 +207,7 @@ fn write_gif_frames(
     frames.iter().try_for_each(|frame| writer.write_lzw_pre_encoded_frame(frame))
 }
 
-/// Returns the channels of pixels one after another, with alpha or without.
+/// Returns the interleaved channels of pixels, with or without alpha.
 fn channels(pixels: &[[u8; 4]], alpha: bool) -> Vec<u8> {
     if alpha {
         return pixels.as_flattened().to_vec();
@@ -232,7 +241,7 @@ mod tests {
         AnimationSpec { format, width: 3, height: 2, frames: 3, seconds: 0.1, alpha }
     }
 
-    /// Every frame of one colour, the first pixel hidden.
+    /// A frame of a single grey, with its first pixel transparent.
     fn frame(grey: u8) -> Vec<[u8; 4]> {
         let mut pixels = vec![[grey, grey / 2, 0, 255]; 6];
         pixels[0][3] = 0;
@@ -245,7 +254,7 @@ mod tests {
         let mut picture = AnimatedImage::create(&files, &path, spec).unwrap();
         [20, 120, 220].iter().for_each(|grey| picture.add(&frame(*grey)).unwrap());
         picture.finish().unwrap();
-        assert!(!path.exists(), "it appears with its set");
+        assert!(!path.exists(), "appears only with its set");
         files.commit().unwrap();
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
         (folder, path)
@@ -284,7 +293,7 @@ mod tests {
             for grey in [20, 120, 220] {
                 let frame = reader.read_next_frame().unwrap().unwrap();
                 assert_eq!(frame.buffer[4..8], [grey, grey / 2, 0, 255]);
-                assert_eq!(frame.buffer[3] == 0, alpha, "the first pixel is hidden only where alpha is kept");
+                assert_eq!(frame.buffer[3] == 0, alpha, "the first pixel is hidden only if alpha is kept");
                 hundredths += frame.delay;
             }
             assert_eq!(hundredths, 10);
@@ -297,7 +306,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (files, path) = (FileSet::new(), folder.path().join("m.png"));
         let mut picture = AnimatedImage::create(&files, &path, &spec(AnimationFormat::Png, false)).unwrap();
-        assert!(picture.add(&[[0; 4]; 5]).is_err(), "a pixel is lacking");
+        assert!(picture.add(&[[0; 4]; 5]).is_err(), "a pixel is missing");
         picture.add(&frame(1)).unwrap();
         assert!(picture.finish().unwrap_err().to_string().contains("1 of 3 frames"));
         files.commit().unwrap();

@@ -9,10 +9,10 @@ use exr::prelude::{
 use std::io::Cursor;
 use std::path::Path;
 
-/// Some channels of an image under one name.
+/// Channels of an image under a common name.
 #[derive(Debug, Clone, Copy)]
 pub struct ExrLayer<'a> {
-    /// The name put before each channel with a dot, such as `normal` in `normal.X`; empty for the image itself.
+    /// The prefix of each channel name, such as `normal` in `normal.X`; empty for the image itself.
     pub name: &'a str,
     /// The channels in the order of the samples, such as `["R", "G", "B", "A"]` or `["Z"]`.
     pub channels: &'a [&'a str],
@@ -20,11 +20,11 @@ pub struct ExrLayer<'a> {
     pub samples: &'a [f32],
 }
 
-/// Writes layers of one size into one part, losslessly, whole or not at all.
+/// Writes layers of equal size into one part, losslessly, completely or not at all.
 ///
 /// # Errors
-/// [`Error::Invalid`] where there is no layer, a channel name comes twice or the sample count does not fit the
-/// size; [`Error::Io`] where the file cannot be written.
+/// [`Error::Invalid`] if there are no layers, a channel name is duplicated or the sample count does not match the
+/// size; [`Error::Io`] if the file cannot be written.
 pub fn write_exr(path: &Path, size: (u32, u32), layers: &[ExrLayer]) -> Result<()> {
     FileSet::one(|files| files.write_exr(path, size, layers))
 }
@@ -32,7 +32,7 @@ pub fn write_exr(path: &Path, size: (u32, u32), layers: &[ExrLayer]) -> Result<(
 /// Returns the bytes that [`write_exr`] would write.
 ///
 /// # Errors
-/// As [`write_exr`], but for those of the file.
+/// As [`write_exr`], except for those of the file.
 pub fn encode_exr(size: (u32, u32), layers: &[ExrLayer]) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
     let written = image_of(size, layers)?.write().to_buffered(&mut bytes);
@@ -41,7 +41,7 @@ pub fn encode_exr(size: (u32, u32), layers: &[ExrLayer]) -> Result<Vec<u8>> {
 }
 
 impl FileSet {
-    /// Writes layers as [`write_exr`] does.
+    /// Writes layers like [`write_exr`].
     ///
     /// # Errors
     /// As [`write_exr`].
@@ -51,7 +51,7 @@ impl FileSet {
     }
 }
 
-/// Returns all channels of layers as those of one part.
+/// Returns all channels of the layers as one part.
 fn image_of(
     (width, height): (u32, u32),
     layers: &[ExrLayer],
@@ -62,11 +62,11 @@ fn image_of(
         split_channels(layer, size.0 * size.1, &mut channels)?;
     }
     if channels.is_empty() || size.0 * size.1 == 0 {
-        return Err(Error::invalid("EXR image", "it has no pixel"));
+        return Err(Error::invalid("EXR image", "no pixels"));
     }
     channels.sort_by(|a, b| a.name.cmp(&b.name));
     if let Some(pair) = channels.windows(2).find(|pair| pair[0].name == pair[1].name) {
-        return Err(Error::invalid("EXR image", format!("two channels are named {}", pair[0].name)));
+        return Err(Error::invalid("EXR image", format!("duplicate channel name {}", pair[0].name)));
     }
     let encoding = Encoding {
         compression: Compression::ZIP16,
@@ -80,7 +80,7 @@ fn image_of(
 fn split_channels(layer: &ExrLayer, pixels: usize, into: &mut Vec<AnyChannel<FlatSamples>>) -> Result<()> {
     let count = layer.channels.len();
     if layer.samples.len() != pixels * count {
-        let why = format!("{} samples for {pixels} pixels of {count} channels", layer.samples.len());
+        let why = format!("{} samples for {pixels} pixels with {count} channels", layer.samples.len());
         return Err(Error::invalid(format!("EXR layer '{}'", layer.name), why));
     }
     for (c, channel) in layer.channels.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Files that appear together or not at all, and never over one that was read.
+//! A set of files that appear together or not at all, and never overwrite an input.
 
 use super::place::{folder_of, refuse_read, refuse_special};
 use super::staging::{Staging, exchange, sync};
@@ -9,7 +9,7 @@ use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
-/// The number of bytes written to a file at once.
+/// The buffer size for writing a file, in bytes.
 pub(super) const BUFFER: usize = 1 << 16;
 
 /// The number of bytes between two checks for cancellation.
@@ -24,10 +24,10 @@ pub struct FileBytes {
     pub bytes: Vec<u8>,
 }
 
-/// Files that appear together or not at all, and never over one that was read. Clones share all of it.
+/// A set of files that appear together or not at all, and never overwrite an input. Clones share everything.
 ///
-/// What is written lies in a hidden folder beside its place until [`FileSet::commit`]. Without that, nothing of it is
-/// left when the last clone is dropped, and what stood there before stays as it was.
+/// Files are written to a hidden folder next to their destination until [`FileSet::commit`]. Without a commit, they
+/// are removed when the last clone is dropped, and existing files stay unchanged.
 ///
 /// ```
 /// use taotie::io::FileSet;
@@ -41,7 +41,7 @@ pub struct FileBytes {
 /// files.write_bytes(&asset, b"glTF")?;
 /// files.write_text(&report, "{}")?;
 /// assert!(!asset.exists() && files.current(&asset).exists());
-/// assert!(files.write_text(&scan, "no").unwrap_err().to_string().contains("is read"));
+/// assert!(files.write_text(&scan, "no").unwrap_err().to_string().contains("would overwrite"));
 /// files.commit()?;
 /// assert!(asset.exists() && report.exists());
 /// # Ok::<(), taotie::Error>(())
@@ -51,7 +51,7 @@ pub struct FileSet {
     state: Arc<Mutex<State>>,
 }
 
-/// A line to a [`FileSet`] that stops it from any thread.
+/// A handle to a [`FileSet`] that stops it from any thread.
 #[derive(Debug, Clone)]
 pub struct Stopper {
     state: Weak<Mutex<State>>,
@@ -64,24 +64,24 @@ struct State {
     /// The files that will be written.
     claimed: Vec<PathBuf>,
     folders: Vec<Staging>,
-    /// Folders that were made, the deepest of each path first.
+    /// Folders that were created, the deepest of each path first.
     made: Vec<PathBuf>,
-    /// Files that are begun and not complete.
+    /// Number of files that were started but are not complete.
     open: usize,
     is_stopped: bool,
 }
 
-/// A target to write to, at any place.
+/// A seekable output.
 pub(in crate::io) trait Sink: Write + Seek {}
 impl<T: Write + Seek> Sink for T {}
 
 impl FileSet {
-    /// Makes an empty set.
+    /// Creates an empty set.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Lets `write` fill a set of its own, and commits it.
+    /// Lets `write` fill a new set, and commits it.
     ///
     /// # Errors
     /// Those of `write` and of [`FileSet::commit`].
@@ -91,10 +91,10 @@ impl FileSet {
         files.commit().map(|()| written)
     }
 
-    /// Takes files as read: none of the set is written over one of them, by whatever name or link.
+    /// Marks files as inputs: no file of the set may overwrite one of them, under any name or link.
     ///
     /// # Errors
-    /// [`Error::Invalid`] naming both where one of them will be written.
+    /// [`Error::Invalid`] with both names if one of them is to be written.
     pub fn protect(&self, sources: impl IntoIterator<Item = impl AsRef<Path>>) -> Result<()> {
         let mut state = self.state()?;
         let sources: Vec<PathBuf> = sources.into_iter().map(|source| source.as_ref().to_path_buf()).collect();
@@ -103,32 +103,32 @@ impl FileSet {
         Ok(())
     }
 
-    /// Says that a file will be written, and tries whether it can be, before the work.
+    /// Registers a file to be written, and tests that it can be, before the actual work.
     ///
     /// ```
     /// let files = taotie::io::FileSet::new();
     /// let error = files.claim("no/such/folder/scan.glb".as_ref()).unwrap_err();
-    /// assert_eq!(error.to_string(), "no/such/folder: there is no such folder; make it first");
+    /// assert_eq!(error.to_string(), "no/such/folder: the folder does not exist; create it first");
     /// ```
     ///
     /// # Errors
-    /// [`Error::Io`] naming the folder where that is missing, or the path where it is no regular file or the system
-    /// refuses; [`Error::Invalid`] naming both where it was read.
+    /// [`Error::Io`] with the folder if that is missing, or with the path if it is not a regular file or the system
+    /// refuses; [`Error::Invalid`] with both names if it is an input.
     pub fn claim(&self, path: &Path) -> Result<()> {
         self.reserve(path)?;
         let at = self.state()?.place(path)?;
         if !at.exists() {
-            // A name may be too long.
+            // The name may be too long.
             let tried = File::create_new(&at).and_then(|_| fs::remove_file(&at));
             tried.map_err(|e| Error::io(path, e))?;
         }
         Ok(())
     }
 
-    /// Says that a file may be written, and is not one that was read.
+    /// Registers a file that may be written, and checks that it is not an input.
     ///
     /// # Errors
-    /// [`Error::Invalid`] naming both where it was read.
+    /// [`Error::Invalid`] with both names if it is an input.
     pub fn reserve(&self, path: &Path) -> Result<()> {
         let mut state = self.state()?;
         refuse_read(path, &state.sources)?;
@@ -136,11 +136,11 @@ impl FileSet {
         Ok(())
     }
 
-    /// Says that files will be written into a folder, and makes it where it is not there. It is removed again where
-    /// nothing comes of the set.
+    /// Registers a folder that files will be written to, and creates it if it does not exist. It is removed again if
+    /// the set is not committed.
     ///
     /// # Errors
-    /// [`Error::Io`] naming what stands in its place where that is no folder, or the folder where the system refuses.
+    /// [`Error::Io`] with the path of an existing file in its place, or with the folder if the system refuses.
     pub fn claim_folder(&self, folder: &Path) -> Result<()> {
         let mut state = self.state()?;
         let missing = |part: &&Path| !part.as_os_str().is_empty() && !part.exists();
@@ -148,7 +148,7 @@ impl FileSet {
         if let Some(there) = folder.ancestors().find(|part| part.exists())
             && !there.is_dir()
         {
-            let why = io::Error::new(io::ErrorKind::NotADirectory, "it is a file; give a folder");
+            let why = io::Error::new(io::ErrorKind::NotADirectory, "expected a folder, found a file");
             return Err(Error::io(there, why));
         }
         state.made.extend(new);
@@ -156,7 +156,7 @@ impl FileSet {
         state.staging(folder).map(drop).map_err(|e| Error::io(folder, e))
     }
 
-    /// Returns the place where a file of the set can be read now: its own after [`FileSet::commit`].
+    /// Returns the path where a file of the set can be read now: its own after [`FileSet::commit`].
     pub fn current(&self, path: &Path) -> PathBuf {
         let state = lock(&self.state);
         let name = path.file_name().unwrap_or_default();
@@ -165,7 +165,7 @@ impl FileSet {
         held.map_or_else(|| path.to_path_buf(), |staging| staging.new_path(name))
     }
 
-    /// Returns the files that are complete and not yet in their places.
+    /// Returns the files that are complete but not yet at their destination.
     pub fn files(&self) -> Vec<PathBuf> {
         lock(&self.state).folders.iter().flat_map(Staging::targets).collect()
     }
@@ -186,7 +186,7 @@ impl FileSet {
         self.write_bytes(path, text.as_bytes())
     }
 
-    /// Writes all files. The first is renamed last: a document comes after the files it names.
+    /// Writes all files. The first is renamed last: a document appears after the files it refers to.
     ///
     /// # Errors
     /// [`Error::Cancelled`]; as [`FileSet::write_bytes`].
@@ -206,7 +206,7 @@ impl FileSet {
         progress.at(1.0)
     }
 
-    /// Lets `fill` write to a file of the set. The file is removed where anything fails.
+    /// Lets `fill` write to a file of the set. The file is removed if anything fails.
     pub(in crate::io) fn write_with(
         &self,
         path: &Path,
@@ -220,7 +220,7 @@ impl FileSet {
         draft.finish()
     }
 
-    /// Begins a file of the set.
+    /// Starts a file of the set.
     pub(super) fn begin(&self, path: &Path) -> Result<Draft> {
         let mut state = self.state()?;
         let at = state.place(path)?;
@@ -230,15 +230,15 @@ impl FileSet {
         Ok(Draft { files: self.clone(), path: path.to_path_buf(), at, file, is_done: false })
     }
 
-    /// Puts all files in their places, or none of them.
+    /// Moves all files to their destinations, or none of them.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where a file is not complete, [`Error::Cancelled`] after [`Stopper::stop`], [`Error::Io`]
-    /// where the system refuses: then all is as it was.
+    /// [`Error::Invalid`] if a file is incomplete, [`Error::Cancelled`] after [`Stopper::stop`], [`Error::Io`] if the
+    /// system refuses: then everything is unchanged.
     pub fn commit(&self) -> Result<()> {
         let mut state = self.state()?;
         if state.open > 0 {
-            return Err(Error::invalid("the files to write", format!("{} are not complete", state.open)));
+            return Err(Error::invalid("output files", format!("{} incomplete", state.open)));
         }
         let folders: Vec<PathBuf> = state.folders.iter().map(|staging| staging.folder().to_owned()).collect();
         let done = exchange(&mut state.folders);
@@ -251,7 +251,7 @@ impl FileSet {
         done
     }
 
-    /// Returns a line by which another thread stops the set.
+    /// Returns a handle with which another thread can stop the set.
     pub fn stopper(&self) -> Stopper {
         Stopper { state: Arc::downgrade(&self.state) }
     }
@@ -264,8 +264,8 @@ impl FileSet {
 }
 
 impl Stopper {
-    /// Removes all that is not in its place, and lets nothing more be written. Files that are being put in their places
-    /// come there first, which takes milliseconds.
+    /// Removes all files that are not at their destination, and prevents further writes. Files being moved get there
+    /// first, which takes milliseconds.
     pub fn stop(&self) {
         if let Some(state) = self.state.upgrade() {
             let mut state = lock(&state);
@@ -276,16 +276,16 @@ impl Stopper {
 }
 
 impl State {
-    /// Returns where a file is written before it is in its place.
+    /// Returns the temporary path of a file.
     fn place(&mut self, path: &Path) -> Result<PathBuf> {
         refuse_special(path)?;
         refuse_read(path, &self.sources)?;
         let Some(name) = path.file_name() else {
-            return Err(Error::invalid(path.display().to_string(), "give a file name"));
+            return Err(Error::invalid(path.display().to_string(), "specify a file name"));
         };
         let folder = folder_of(path);
         if !folder.is_dir() {
-            let why = io::Error::new(io::ErrorKind::NotFound, "there is no such folder; make it first");
+            let why = io::Error::new(io::ErrorKind::NotFound, "the folder does not exist; create it first");
             return Err(Error::io(folder, why));
         }
         let staging = self.staging(folder).map_err(|e| Error::io(path, e))?;
@@ -306,7 +306,7 @@ impl State {
 
     fn clear(&mut self) {
         self.folders.clear();
-        // A folder that is not empty stays.
+        // Folders that are not empty stay.
         self.made.drain(..).for_each(|folder| drop(fs::remove_dir(folder)));
     }
 }
@@ -317,7 +317,7 @@ impl Drop for State {
     }
 }
 
-/// A file of a set that is being written.
+/// A file of a set, being written.
 #[derive(Debug)]
 pub(super) struct Draft {
     files: FileSet,
@@ -328,15 +328,15 @@ pub(super) struct Draft {
 }
 
 impl Draft {
-    /// Returns the path that the file will have.
+    /// Returns the final path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Takes the file as complete.
+    /// Marks the file as complete.
     ///
     /// # Errors
-    /// [`Error::Io`] where it does not reach the disk, [`Error::Cancelled`] where the set was stopped.
+    /// [`Error::Io`] if it cannot be synced to disk, [`Error::Cancelled`] if the set was stopped.
     pub fn finish(mut self) -> Result<()> {
         self.file.sync_data().map_err(|e| Error::io(&self.path, e))?;
         let mut state = self.files.state()?;
@@ -362,15 +362,15 @@ fn lock(state: &Mutex<State>) -> MutexGuard<'_, State> {
     state.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Writes `bytes` to `path`, whole or not at all.
+/// Writes `bytes` to `path`, completely or not at all.
 ///
 /// # Errors
-/// [`Error::Io`] naming the folder where that is missing, or the path where the system refuses.
+/// [`Error::Io`] with the folder if that is missing, or with the path if the system refuses.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
     FileSet::one(|files| files.write_bytes(path, bytes))
 }
 
-/// Writes `text` to `path`, whole or not at all.
+/// Writes `text` to `path`, completely or not at all.
 ///
 /// # Errors
 /// As [`write_bytes`].
@@ -435,11 +435,11 @@ mod tests {
         files.claim_folder(&path("folder/deep")).unwrap();
         let refused = |name: &str| files.claim(&path(name)).unwrap_err().to_string();
         assert!(
-            refused("").contains("it is a folder") && refused("new/deep/file").contains("no such folder")
+            refused("").contains("found a folder") && refused("new/deep/file").contains("does not exist")
         );
         assert!(refused(&"x".repeat(300)).contains("xxx"), "the name is too long");
         let error = files.claim_folder(&path("file/deep")).unwrap_err().to_string();
-        assert!(error.ends_with("file: it is a file; give a folder"), "{error}");
+        assert!(error.ends_with("file: expected a folder, found a file"), "{error}");
         drop(files);
         assert_eq!(fs::read(path("file")).unwrap(), b"before");
         assert_eq!(count(&folder), 1);
@@ -448,7 +448,7 @@ mod tests {
     #[cfg(target_os = "linux")]
     #[test]
     fn a_folder_that_refuses_is_told() {
-        // No one can make files there, not even the administrator.
+        // Nobody can create files there, not even root.
         let files = FileSet::new();
         let error = files.claim(Path::new("/proc/scan.glb")).unwrap_err().to_string();
         assert!(error.starts_with("/proc/scan.glb: "), "{error}");
@@ -468,14 +468,11 @@ mod tests {
         files.protect([path("scan.bin"), path("missing.bin")]).unwrap();
         for name in ["scan.bin", "sub/../scan.bin", "link.bin"] {
             let error = files.write_bytes(&path(name), b"").unwrap_err().to_string();
-            assert!(
-                error.contains(name) && error.contains("scan.bin, which is read; give another"),
-                "{error}"
-            );
+            assert!(error.contains(name) && error.contains("scan.bin; choose another"), "{error}");
             assert!(files.claim(&path(name)).is_err());
         }
         fs::write(path("later.bin"), "it came to be").unwrap();
-        assert!(files.protect([path("later.bin")]).is_err(), "what is claimed is not read either");
+        assert!(files.protect([path("later.bin")]).is_err(), "a claimed file cannot become an input");
         files.write_bytes(&path("other.bin"), b"").unwrap();
         files.commit().unwrap();
         assert_eq!(fs::read(path("scan.bin")).unwrap(), b"numbers");
@@ -502,7 +499,7 @@ mod tests {
         files.claim_folder(&made).unwrap();
         files.write_text(&made.join("a"), "a").unwrap();
         let open = files.begin(&made.join("b")).unwrap();
-        assert!(files.commit().unwrap_err().to_string().contains("1 are not complete"));
+        assert!(files.commit().unwrap_err().to_string().contains("1 incomplete"));
         let stopper = files.stopper();
         stopper.stop();
         assert!(matches!(open.finish(), Err(Error::Cancelled)));

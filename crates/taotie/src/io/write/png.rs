@@ -1,4 +1,4 @@
-//! PNG images of 8 or 16 bits a channel.
+//! PNG images with 8 or 16 bits per channel.
 
 use super::file_set::{FileSet, Sink};
 use crate::error::{Error, Result};
@@ -13,16 +13,16 @@ pub enum PngColor {
     Grey,
     /// Red, green, blue.
     Rgb,
-    /// Red, green, blue and alpha; colour is not premultiplied.
+    /// Red, green, blue and straight (not premultiplied) alpha.
     Rgba,
 }
 
 /// Channel values, interleaved, row by row from the top.
 #[derive(Debug, Clone, Copy)]
 pub enum PngSamples<'a> {
-    /// 8 bits a channel.
+    /// 8 bits per channel.
     U8(&'a [u8]),
-    /// 16 bits a channel.
+    /// 16 bits per channel.
     U16(&'a [u16]),
 }
 
@@ -37,16 +37,16 @@ pub struct PngImage<'a> {
     pub color: PngColor,
     /// `width · height ·` channels values.
     pub samples: PngSamples<'a>,
-    /// [`Encoding::Srgb`] marks the file as sRGB colour; [`Encoding::Linear`] leaves it without colour space, which
-    /// is right for normals, heights and masks.
+    /// [`Encoding::Srgb`] marks the file as sRGB colour; [`Encoding::Linear`] omits the colour space, as is
+    /// appropriate for normals, heights and masks.
     pub encoding: Encoding,
 }
 
-/// Writes the texels of a bitmap of 8 or 16 bits as they are, in as many channels as it says; grey with alpha becomes
+/// Writes the texels of an 8-bit or 16-bit bitmap unchanged, with its number of channels; grey with alpha becomes
 /// RGBA.
 ///
 /// # Errors
-/// [`Error::Unsupported`] for float texels, [`Error::Io`] where the file cannot be written.
+/// [`Error::Unsupported`] for float texels, [`Error::Io`] if the file cannot be written.
 pub fn write_png_bitmap(path: &Path, bitmap: &Bitmap, encoding: Encoding) -> Result<()> {
     FileSet::one(|files| files.write_png_bitmap(path, bitmap, encoding))
 }
@@ -79,11 +79,11 @@ fn with_image<T>(
             let samples = interleaved(texels, channels);
             with(&PngImage { width, height, color, samples: PngSamples::U16(&samples), encoding })
         }
-        Texels::F32(_) => Err(Error::unsupported("float texels in PNG", "store 8 or 16 bits")),
+        Texels::F32(_) => Err(Error::unsupported("float texels in PNG", "use 8 or 16 bits")),
     }
 }
 
-/// The first channels of texels, 1 to 4, one after the other.
+/// Returns the first 1 to 4 channels of texels, interleaved.
 pub(super) fn interleaved<T: Copy + Default>(texels: &[[T; 4]], channels: usize) -> Cow<'_, [T]> {
     match channels {
         1 => first::<T, 1>(texels).into(),
@@ -93,7 +93,7 @@ pub(super) fn interleaved<T: Copy + Default>(texels: &[[T; 4]], channels: usize)
     }
 }
 
-/// Copies of a width that the compiler knows.
+/// Copies a number of channels known at compile time.
 fn first<T: Copy + Default, const N: usize>(texels: &[[T; 4]]) -> Vec<T> {
     let mut samples = vec![T::default(); N * texels.len()];
     for (sample, texel) in samples.as_chunks_mut::<N>().0.iter_mut().zip(texels) {
@@ -102,16 +102,16 @@ fn first<T: Copy + Default, const N: usize>(texels: &[[T; 4]]) -> Vec<T> {
     samples
 }
 
-/// Writes an image to `path`, whole or not at all. The same image gives the same bytes.
+/// Writes an image to `path`, completely or not at all. The same image gives the same bytes.
 ///
 /// # Errors
-/// [`Error::Invalid`] where the sample count does not fit the size, [`Error::Io`] where the file cannot be written.
+/// [`Error::Invalid`] if the sample count does not match the size, [`Error::Io`] if the file cannot be written.
 pub fn write_png(path: &Path, image: &PngImage) -> Result<()> {
     FileSet::one(|files| files.write_png(path, image))
 }
 
 impl FileSet {
-    /// Writes an image as [`write_png`] does.
+    /// Writes an image like [`write_png`].
     ///
     /// # Errors
     /// As [`write_png`].
@@ -120,7 +120,7 @@ impl FileSet {
         self.write_with(path, |out| encode(image, out).map_err(|e| encoding_error(path, e)))
     }
 
-    /// Writes the texels of a bitmap as [`write_png_bitmap`] does.
+    /// Writes the texels of a bitmap like [`write_png_bitmap`].
     ///
     /// # Errors
     /// As [`write_png_bitmap`].
@@ -137,7 +137,7 @@ impl FileSet {
 /// Returns the bytes that [`write_png`] would write.
 ///
 /// # Errors
-/// [`Error::Invalid`] where the sample count does not fit the size.
+/// [`Error::Invalid`] if the sample count does not match the size.
 pub fn encode_png(image: &PngImage) -> Result<Vec<u8>> {
     check(image)?;
     let mut bytes = std::io::Cursor::new(Vec::new());
@@ -172,7 +172,7 @@ fn encode(image: &PngImage, out: &mut dyn Sink) -> std::result::Result<(), png::
         PngColor::Rgb => png::ColorType::Rgb,
         PngColor::Rgba => png::ColorType::Rgba,
     });
-    // Renders are smooth: adaptive filters with the light deflate give small files in little time.
+    // Renders are smooth: adaptive filters with light deflate give small files quickly.
     encoder.set_compression(png::Compression::Fast);
     encoder.set_filter(png::Filter::Adaptive);
     if image.encoding == Encoding::Srgb {

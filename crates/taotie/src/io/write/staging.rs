@@ -1,10 +1,10 @@
-//! A hidden folder beside the files that are to be written: it holds them until all are complete, and puts them in their
-//! places together.
+//! A hidden folder next to the files to be written: it holds them until all are complete, and moves them into place
+//! together.
 //!
-//! Its name is `.taotie-XXXXXX.part`. `lock` in it is locked for as long as the process lives, so that the next process
-//! tells what a dead one has left, whatever became of its number. `new` holds the files under their names, `old` what
-//! stood in their places. `whole` says that all of both is there: from then on the renaming is finished even where the
-//! process dies amid it.
+//! Its name is `.taotie-XXXXXX.part`. Its file `lock` is locked as long as the process lives, so that the next
+//! process can recognise what a dead one left behind, even if its process ID has been reused. `new` holds the files
+//! under their names, `old` the files that they replace. `whole` marks both as complete: from then on, the renaming
+//! is finished even if the process dies in the middle.
 
 use crate::error::{Error, Result};
 use same_file::is_same_file;
@@ -26,23 +26,23 @@ const WHOLE: &str = "whole";
 pub(super) struct Staging {
     folder: PathBuf,
     place: PathBuf,
-    /// Open, and so locked, as long as the folder is in use.
+    /// Open, and thus locked, as long as the folder is in use.
     lock: File,
     /// The files that are complete.
     names: Vec<OsString>,
-    /// The number of them, from the last on, that are in their places.
+    /// The number of them, counted from the last, that are in place.
     put: usize,
-    /// `true` where a file that stood in a place before is here alone: then the folder stays.
+    /// `true` if this folder holds the only copy of a replaced file, in which case it is kept.
     keeps: bool,
 }
 
 impl Staging {
-    /// Makes one in a folder, and removes those of processes that have died there.
+    /// Creates one in a folder, and removes those left there by dead processes.
     ///
     /// # Errors
-    /// Those of the system, where it lets nothing be written there.
+    /// Those of the system, if the folder is not writable.
     pub fn new(folder: &Path) -> io::Result<Self> {
-        /// Another process may take a folder for left over while it is made, but not again and again.
+        /// Another process may mistake a folder for a leftover while it is created, but not repeatedly.
         const MOST: usize = 16;
         sweep(folder);
         for _ in 0..MOST {
@@ -50,10 +50,10 @@ impl Staging {
                 return Ok(made);
             }
         }
-        Err(io::Error::other("temporary folders vanish while they are made"))
+        Err(io::Error::other("temporary folders vanish while being created"))
     }
 
-    /// Returns `None` where another process took the folder for left over.
+    /// Returns `None` if another process mistook the folder for a leftover.
     fn attempt(folder: &Path) -> io::Result<Option<Self>> {
         let place = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).tempdir_in(folder)?;
         match furnished(place.path()) {
@@ -71,32 +71,32 @@ impl Staging {
         &self.folder
     }
 
-    /// Says whether the files are for a folder, however it is spelled.
+    /// Returns `true` if the files are for a folder, however its path is written.
     pub fn is_of(&self, folder: &Path) -> bool {
         self.folder == folder || is_same_file(&self.folder, folder).unwrap_or(false)
     }
 
-    /// Returns the place of a file that is not in its own yet.
+    /// Returns the temporary path of a file.
     pub fn new_path(&self, name: &OsStr) -> PathBuf {
         self.place.join(NEW).join(name)
     }
 
-    /// Says whether a file of this name is complete.
+    /// Returns `true` if a file with this name is complete.
     pub fn holds(&self, name: &OsStr) -> bool {
         self.names.iter().any(|known| known == name)
     }
 
-    /// Takes a file as complete.
+    /// Marks a file as complete.
     pub fn complete(&mut self, name: &OsStr) {
         self.names.push(name.to_owned());
     }
 
-    /// Returns the files that are complete, under the paths that they will have.
+    /// Returns the final paths of the complete files.
     pub fn targets(&self) -> impl Iterator<Item = PathBuf> {
         self.names.iter().map(|name| self.folder.join(name))
     }
 
-    /// Keeps what stands in the places of the files: by a second name, so that it stays there too, or else moved away.
+    /// Keeps the files to be replaced: with a second name, so that they also stay in place, or else by moving them.
     pub fn keep_old(&self) -> Result<()> {
         let keep = |name: &OsString| {
             let (target, old) = (self.folder.join(name), self.old_path(name));
@@ -111,12 +111,13 @@ impl Staging {
         self.names.iter().try_for_each(keep)
     }
 
-    /// Marks the files as complete and what they replace as kept: what is begun now is finished, by whomever.
+    /// Marks the files as complete and those that they replace as kept: from now on, some process finishes the
+    /// exchange.
     pub fn mark(&self) -> Result<()> {
         File::create_new(self.place.join(WHOLE)).map(drop).map_err(|e| Error::io(&self.folder, e))
     }
 
-    /// Puts all files in their places, the first last: a document comes after the files that it names.
+    /// Moves all files into place, the first last: a document appears after the files it refers to.
     pub fn put_new(&mut self) -> Result<()> {
         while let Some(name) = self.names.iter().rev().nth(self.put) {
             let target = self.folder.join(name);
@@ -126,8 +127,8 @@ impl Staging {
         Ok(())
     }
 
-    /// Puts back what stood there before. What cannot be put back stays in the hidden folder, from which the next run
-    /// puts it back.
+    /// Restores the replaced files. Any that cannot be restored stay in the hidden folder, and the next run restores
+    /// them.
     pub fn put_back(&mut self) {
         let _ = fs::remove_file(self.place.join(WHOLE));
         for (index, name) in self.names.iter().rev().enumerate() {
@@ -147,11 +148,11 @@ impl Staging {
     }
 }
 
-/// Makes what a hidden folder holds; returns its lock, taken.
+/// Creates the contents of a hidden folder; returns its lock, already locked.
 fn furnished(place: &Path) -> io::Result<File> {
     let path = place.join(LOCK);
     let lock = File::create_new(&path)?;
-    // Where the file system has no locks, nobody can take this one, and nothing is ever swept.
+    // If the file system has no locks, nobody can lock this one, and nothing is ever swept.
     let _ = lock.lock();
     fs::metadata(&path)?;
     [NEW, OLD].iter().try_for_each(|part| fs::create_dir(place.join(part)))?;
@@ -167,14 +168,14 @@ impl Drop for Staging {
     }
 }
 
-/// Removes a hidden folder, its lock last: where that is cut off, the next process tells what is left over.
+/// Removes a hidden folder, its lock last: if this is interrupted, the next process recognises the leftovers.
 fn remove(place: &Path) {
     [OLD, NEW].iter().for_each(|part| drop(fs::remove_dir_all(place.join(part))));
     [WHOLE, LOCK].iter().for_each(|name| drop(fs::remove_file(place.join(name))));
     let _ = fs::remove_dir(place);
 }
 
-/// Puts the files of several folders in their places, or none of them. Processes that do so in one folder take turns.
+/// Moves the files of several folders into place, or none of them. Processes that do so in one folder take turns.
 pub(super) fn exchange(folders: &mut [Staging]) -> Result<()> {
     let mut places: Vec<&Path> = folders.iter().map(Staging::folder).collect();
     places.sort();
@@ -188,13 +189,13 @@ pub(super) fn exchange(folders: &mut [Staging]) -> Result<()> {
     put
 }
 
-/// Lets the names in a folder reach the disk, where the system can do that for folders.
+/// Syncs the names in a folder to disk, if the system supports that for folders.
 pub(super) fn sync(folder: &Path) {
     let _ = File::open(folder).and_then(|folder| folder.sync_all());
 }
 
-/// Waits until no other process renames files in a folder, five seconds at most: renaming takes far less, and a program
-/// that runs this one may hold a lock of the folder itself. `None` where the system cannot lock folders.
+/// Waits until no other process renames files in a folder, for at most five seconds: renaming takes far less, and a
+/// program that runs this one may itself hold a lock on the folder. Returns `None` if the system cannot lock folders.
 fn turn(folder: &Path) -> Option<File> {
     const TRIES: u32 = 500;
     const PAUSE: Duration = Duration::from_millis(10);
@@ -209,7 +210,7 @@ fn turn(folder: &Path) -> Option<File> {
     None
 }
 
-/// Removes what processes have left that died while they wrote into a folder.
+/// Removes the leftovers of processes that died while writing into a folder.
 fn sweep(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
@@ -222,10 +223,10 @@ fn sweep(folder: &Path) {
     }
 }
 
-/// Removes a hidden folder unless its process lives; ends what that was amid.
+/// Removes a hidden folder unless its process is alive; finishes an interrupted exchange.
 fn clear(folder: &Path, place: &Path) {
     let Ok(lock) = File::options().write(true).open(place.join(LOCK)) else {
-        // It was being made, perhaps is still; then its maker begins anew.
+        // It was or still is being created; in the latter case, its creator retries.
         let _ = fs::remove_dir(place);
         return;
     };
@@ -239,13 +240,13 @@ fn clear(folder: &Path, place: &Path) {
     for entry in fs::read_dir(&from).into_iter().flatten().flatten() {
         let target = folder.join(entry.file_name());
         let is_free = fs::symlink_metadata(&target).is_err();
-        // Only what was to be replaced is: not a file that has come to stand there since.
+        // Only the file to be replaced is, not one that has appeared there since.
         let is_replaced = is_whole && is_same_file(&target, old.join(entry.file_name())).unwrap_or(false);
         if is_free || is_replaced {
             is_done &= fs::rename(entry.path(), &target).is_ok();
         }
     }
-    // What could not be moved is tried again by the next run.
+    // Files that could not be moved are retried by the next run.
     if is_done {
         remove(place);
     }
@@ -268,7 +269,7 @@ mod tests {
         (folder, staging)
     }
 
-    /// What `a`, `b` and `c` hold, once nothing else is there.
+    /// Returns the contents of `a`, `b` and `c`, after checking that nothing else exists.
     fn content(folder: &TempDir) -> [Option<String>; 3] {
         let content = ["a", "b", "c"].map(|name| fs::read_to_string(folder.path().join(name)).ok());
         let all = fs::read_dir(folder.path()).unwrap().count();
@@ -276,7 +277,7 @@ mod tests {
         content
     }
 
-    /// The same as if the process had died.
+    /// Simulates the death of the process.
     fn die(staging: Staging) {
         staging.lock.unlock().unwrap();
         std::mem::forget(staging);
@@ -318,7 +319,7 @@ mod tests {
         let live = Staging::new(folder.path()).unwrap();
         die(dead);
         drop(Staging::new(folder.path()).unwrap());
-        assert!(live.new_path("x".as_ref()).parent().unwrap().is_dir(), "the live one is there");
+        assert!(live.new_path("x".as_ref()).parent().unwrap().is_dir(), "the live one still exists");
         drop(live);
         assert_eq!(content(&folder), before());
     }

@@ -9,15 +9,15 @@ use std::path::Path;
 /// The file format of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ImageFormat {
-    /// PNG, sRGB, 8 bits a channel.
+    /// PNG, sRGB, 8 bits per channel.
     Png8,
-    /// PNG, sRGB, 16 bits a channel.
+    /// PNG, sRGB, 16 bits per channel.
     Png16,
-    /// OpenEXR, linear float; nothing is developed.
+    /// OpenEXR, linear float, undeveloped.
     Exr,
 }
 
-/// Writes an image in linear light, developed unless it is stored linear.
+/// Writes an image in linear light, developed unless the format stores linear values.
 ///
 /// ```no_run
 /// use taotie::film::Development;
@@ -31,13 +31,13 @@ pub enum ImageFormat {
 ///
 /// # Errors
 /// Those of the development, [`crate::Error::Unsupported`] for OpenEXR without the feature `exr`, and
-/// [`crate::Error::Io`] where the file cannot be written.
+/// [`crate::Error::Io`] if the file cannot be written.
 pub fn write_image(path: &Path, image: &Image, development: &Development, format: ImageFormat) -> Result<()> {
     FileSet::one(|files| files.write_image(path, image, development, format))
 }
 
 impl FileSet {
-    /// Writes an image in linear light as [`write_image`] does.
+    /// Writes an image in linear light like [`write_image`].
     ///
     /// # Errors
     /// As [`write_image`].
@@ -56,11 +56,11 @@ impl FileSet {
         self.write_developed(path, [image.width(), image.height()], development, texels)
     }
 
-    /// Writes the pixels of a developed image of this width and height as PNG: without alpha where `development` puts a
-    /// background behind it.
+    /// Writes the pixels of a developed image with this width and height as PNG, without alpha if `development` adds
+    /// a background.
     ///
     /// # Errors
-    /// [`crate::Error::Invalid`] where the size does not fit the texels, [`crate::Error::Io`] where the file cannot be
+    /// [`crate::Error::Invalid`] if the size does not match the texels, [`crate::Error::Io`] if the file cannot be
     /// written.
     pub fn write_developed(
         &self,
@@ -69,7 +69,7 @@ impl FileSet {
         development: &Development,
         texels: Texels,
     ) -> Result<()> {
-        // Nothing is seen through a picture with a background.
+        // An image with a background is opaque.
         let channels = if development.background.is_some() { 3 } else { 4 };
         self.write_png_bitmap(path, &Bitmap::new(width, height, channels, texels)?, Encoding::Srgb)
     }

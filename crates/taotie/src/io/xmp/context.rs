@@ -1,4 +1,4 @@
-//! The context of a packet: which namespaces its prefixes stand for.
+//! The context of a packet: the namespaces of its prefixes.
 
 use serde_json::{Map, Value};
 
@@ -11,7 +11,7 @@ const OURS: [(&str, &str); 5] = [
     ("xmpMM", "http://ns.adobe.com/xap/1.0/mm/"),
 ];
 
-/// Further prefixes that need no context of the user's.
+/// Further prefixes that need no user-defined context.
 const COMMON: [(&str, &str); 6] = [
     ("Iptc4xmpCore", "http://iptc.org/std/Iptc4xmpCore/1.0/xmlns/"),
     ("Iptc4xmpExt", "http://iptc.org/std/Iptc4xmpExt/2008-02-29/"),
@@ -21,13 +21,12 @@ const COMMON: [(&str, &str); 6] = [
     ("xmpRights", "http://ns.adobe.com/xap/1.0/rights/"),
 ];
 
-/// Returns the namespace that a prefix commonly stands for.
+/// Returns the common namespace of a prefix.
 pub(super) fn namespace(prefix: &str) -> Option<&'static str> {
     OURS.iter().chain(&COMMON).find(|(name, _)| *name == prefix).map(|(_, address)| *address)
 }
 
-/// Adds our prefixes where they are lacking. Several contexts become one object; addresses of contexts elsewhere stay
-/// before it.
+/// Adds missing prefixes of ours. Several contexts become one object; references to external contexts stay before it.
 pub(super) fn extend(context: &mut Value) {
     let parts = match context.take() {
         Value::Array(parts) => parts,

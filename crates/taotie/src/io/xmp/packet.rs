@@ -1,31 +1,31 @@
-//! The packets of a glTF document, and what they say of rights, sources and history.
+//! The packets of a glTF document, and the rights, sources and history in them.
 
 use super::values::{items, text};
 use crate::io::json::Json;
 use serde_json::Value;
 
-/// The extension of glTF that holds packets.
+/// The glTF extension for XMP packets.
 pub(in crate::io) const EXTENSION: &str = "KHR_xmp_json_ld";
 
-/// A step in the history of a model, as an XMP packet tells it (`xmpMM:History`).
+/// A step in the history of a model, as recorded in an XMP packet (`xmpMM:History`).
 ///
 /// ```
-/// use taotie::io::{Provenance, xmp_history};
+/// use taotie::io::XmpEvent;
 ///
-/// let made = Provenance { tool: "taotie 1.0", ..Provenance::default() };
-/// let history = xmp_history(&made.extend(None));
-/// assert_eq!(history[0].action, "converted");
-/// assert_eq!(history[0].agent.as_deref(), Some("taotie 1.0"));
+/// /// Returns a line of a model's history.
+/// fn line(event: &XmpEvent) -> String {
+///     format!("{} by {}", event.action, event.agent.as_deref().unwrap_or("an unknown program"))
+/// }
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct XmpEvent {
-    /// The kind of step, such as `converted`; empty where the packet does not say.
+    /// The kind of step, such as `converted`; empty if the packet does not specify it.
     pub action: String,
-    /// The program that did it.
+    /// The program that performed it.
     pub agent: Option<String>,
-    /// The moment, as the packet writes it.
+    /// The time, as written in the packet.
     pub when: Option<String>,
     /// The parameters of the program.
     pub parameters: Option<String>,
@@ -43,8 +43,8 @@ impl XmpEvent {
     }
 }
 
-/// Returns the rights that a packet states (`dc:rights`): of several languages the first, which XMP takes for the
-/// default; other statements side by side, separated by semicolons. `None` where it states none.
+/// Returns the rights stated in a packet (`dc:rights`): of several languages, the first, which is the default in XMP;
+/// other statements are joined with semicolons. `None` if there are none.
 ///
 /// ```
 /// use taotie::io::{Json, xmp_rights};
@@ -60,7 +60,7 @@ pub fn xmp_rights(packet: &Json) -> Option<String> {
     (!said.is_empty()).then(|| said.join("; "))
 }
 
-/// Returns the sources that a packet names (`dc:source`), in its order.
+/// Returns the sources listed in a packet (`dc:source`), in order.
 ///
 /// ```
 /// use taotie::io::{Json, xmp_sources};
@@ -73,18 +73,18 @@ pub fn xmp_sources(packet: &Json) -> Vec<String> {
     packet.0.get("dc:source").map(|sources| texts(sources).collect()).unwrap_or_default()
 }
 
-/// Returns the history that a packet tells (`xmpMM:History`), the oldest step first.
+/// Returns the history recorded in a packet (`xmpMM:History`), the oldest step first.
 pub fn xmp_history(packet: &Json) -> Vec<XmpEvent> {
     let history = packet.0.get("xmpMM:History").map(items).unwrap_or_default();
     history.into_iter().filter(|event| event.is_object()).map(XmpEvent::of).collect()
 }
 
-/// Returns the texts of a value, empty ones left out.
+/// Returns the non-empty texts of a value.
 fn texts(value: &Value) -> impl Iterator<Item = String> {
     items(value).into_iter().filter_map(text).filter(|text| !text.trim().is_empty())
 }
 
-/// Returns the packets of a glTF document, that of the whole asset first. What is no packet is left out.
+/// Returns the packets of a glTF document, that of the whole asset first. Invalid packets are skipped.
 pub(in crate::io) fn packets(root: &Value) -> Vec<Value> {
     let all = root.pointer("/extensions/KHR_xmp_json_ld/packets").and_then(Value::as_array);
     let mut packets: Vec<Value> = all.cloned().unwrap_or_default();
@@ -99,6 +99,7 @@ pub(in crate::io) fn packets(root: &Value) -> Vec<Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::Provenance;
     use serde_json::json;
 
     #[test]
@@ -129,6 +130,14 @@ mod tests {
             assert_eq!(rights(none.clone()), None, "{none}");
         }
         assert_eq!(xmp_rights(&Json(json!(7))), None);
+    }
+
+    #[test]
+    fn a_program_records_itself() {
+        let made = Provenance { tool: "taotie 1.0", ..Provenance::default() };
+        let history = xmp_history(&made.extend(None));
+        assert_eq!(history[0].action, "converted");
+        assert_eq!(history[0].agent.as_deref(), Some("taotie 1.0"));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! XMP properties that a user gives for an asset, checked before any work is done with them.
+//! User-specified XMP properties for an asset, validated before any work is done.
 
 use super::context::namespace;
 use crate::error::{Error, Result};
@@ -9,10 +9,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::result::Result as Checked;
 
-/// Keys that start with `@` and may stand in a value.
+/// Keys that start with `@` and may occur in a value.
 const KEYWORDS: [&str; 6] = ["@id", "@language", "@list", "@set", "@type", "@value"];
 
-/// The largest file of properties, bytes: lists within lists take a hundred times as much when they are read.
+/// Maximum size of a properties file in bytes: nested lists take a hundred times as much memory when read.
 const MOST_BYTES: u64 = 1 << 20;
 
 /// XMP properties as JSON-LD whose prefixes all have a namespace.
@@ -20,25 +20,26 @@ const MOST_BYTES: u64 = 1 << 20;
 pub(crate) struct XmpProperties(Map<String, Value>);
 
 impl XmpProperties {
-    /// Reads a file of properties, such as `{ "dc:title": "Jue" }`. Prefixes that XMP commonly uses need no `@context`.
+    /// Reads a file of properties, such as `{ "dc:title": "Jue" }`. Prefixes commonly used in XMP need no `@context`.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::Limit`] where it has more than a mebibyte; [`Error::Parse`] where the file is no JSON; [`Error::Invalid`] where it is no object, a prefix
-    /// has no namespace, or a value is of no form that programs read.
+    /// [`Error::Io`]; [`Error::Limit`] if it is larger than a mebibyte; [`Error::Parse`] if the file is not valid
+    /// JSON; [`Error::Invalid`] if it is not an object, a prefix has no namespace, or a value has a form that
+    /// programs do not read.
     pub fn read(path: &Path) -> Result<Self> {
         if file::file_size(path)? > MOST_BYTES {
-            return Err(Error::limit(path.display().to_string(), "XMP properties may have 1 MiB"));
+            return Err(Error::limit(path.display().to_string(), "the maximum for XMP properties is 1 MiB"));
         }
         let no_json = |error: serde_json::Error| broken(path, &error);
         let Value::Object(given) = serde_json::from_slice(&file::read(path)?).map_err(no_json)? else {
-            let why = "XMP properties are a JSON object, such as {\"dc:title\": \"…\"}";
+            let why = "expected a JSON object of XMP properties, such as {\"dc:title\": \"…\"}";
             return Err(Error::invalid(path.display().to_string(), why));
         };
         checked(given)
             .map_err(|Fault { property, why }| Error::invalid(format!("{}: {property}", path.display()), why))
     }
 
-    /// Returns a packet with these properties, which go before its own; contexts are joined.
+    /// Returns a packet with these properties, which override its own; contexts are joined.
     pub fn merged_into(self, packet: Option<&Json>) -> Json {
         let mut packet = packet.and_then(|packet| packet.0.as_object()).cloned().unwrap_or_default();
         for (name, value) in self.0 {
@@ -52,7 +53,7 @@ impl XmpProperties {
     }
 }
 
-/// Returns two contexts as one array, the later one going before the first.
+/// Joins two contexts into one array, in which the later one overrides the first.
 fn joined(known: Value, more: Value) -> Value {
     match known {
         Value::Array(parts) => parts.into_iter().chain([more]).collect(),
@@ -60,7 +61,7 @@ fn joined(known: Value, more: Value) -> Value {
     }
 }
 
-/// A property that cannot be used.
+/// An invalid property.
 #[derive(Debug)]
 struct Fault {
     property: String,
@@ -86,7 +87,7 @@ struct Prefixes(BTreeMap<String, Value>);
 
 impl Prefixes {
     fn of(context: Option<Value>) -> Checked<Self, Fault> {
-        let why = "it is an object of prefixes and their namespaces";
+        let why = "expected an object of prefixes and their namespaces";
         let wrong = || Fault { property: "@context".into(), why: why.into() };
         let names = match context {
             None => return Ok(Self(BTreeMap::new())),
@@ -97,18 +98,18 @@ impl Prefixes {
         if names.values().all(is_address) { Ok(Self(names.into_iter().collect())) } else { Err(wrong()) }
     }
 
-    /// Checks that a name has a known prefix, and takes the namespace of a common one in.
+    /// Checks that a name has a known prefix, and adds the namespace if it is a common one.
     fn check(&mut self, name: &str) -> Checked<(), String> {
         let Some((prefix, rest)) = name.split_once(':').filter(|(_, rest)| !rest.is_empty()) else {
-            return Err(format!("`{name}` has no prefix; XMP properties are named as in dc:title"));
+            return Err(format!("`{name}` has no prefix; use a name such as dc:title"));
         };
         if rest.starts_with("//") {
-            return Err(format!("`{name}` is an address; give it a prefix in @context"));
+            return Err(format!("`{name}` is a URL; define a prefix for it in @context"));
         }
         if self.0.contains_key(prefix) {
             return Ok(());
         }
-        let unknown = || format!("the prefix `{prefix}` is not known; add its namespace to @context");
+        let unknown = || format!("unknown prefix `{prefix}`; add its namespace to @context");
         let address = namespace(prefix).ok_or_else(unknown)?;
         self.0.insert(prefix.to_owned(), address.into());
         Ok(())
@@ -125,7 +126,7 @@ impl Prefixes {
 
     fn check_items(&mut self, items: &[Value]) -> Checked<(), String> {
         if items.iter().any(Value::is_array) {
-            return Err("it is an array within an array".into());
+            return Err("nested arrays are not supported".into());
         }
         items.iter().try_for_each(|item| self.check_value(item))
     }
@@ -133,7 +134,7 @@ impl Prefixes {
     fn check_members(&mut self, members: &Map<String, Value>) -> Checked<(), String> {
         let is_array = |kind: &str| members.get(kind).is_none_or(Value::is_array);
         if let Some(kind) = ["@list", "@set"].into_iter().find(|kind| !is_array(kind)) {
-            return Err(format!("its {kind} is no array"));
+            return Err(format!("its {kind} is not an array"));
         }
         let is_choice = members.get("@type").is_some_and(|kind| kind == "rdf:Alt");
         if is_choice && members.get("rdf:_1").and_then(|first| first.get("@value")).is_none() {
@@ -179,16 +180,16 @@ mod tests {
         let cases = [
             (json!({ "title": "a" }), "title", "has no prefix"),
             (json!({ "dc:": "a" }), "dc:", "has no prefix"),
-            (json!({ "http://purl.org/dc/elements/1.1/title": "a" }), "http://", "give it a prefix"),
-            (json!({ "dcx:title": "a" }), "dcx:title", "the prefix `dcx` is not known; add its namespace"),
+            (json!({ "http://purl.org/dc/elements/1.1/title": "a" }), "http://", "define a prefix"),
+            (json!({ "dcx:title": "a" }), "dcx:title", "unknown prefix `dcx`; add its namespace"),
             (json!({ "dc:title": null }), "dc:title", "no value"),
-            (json!({ "dc:title": [["a"]] }), "dc:title", "an array within an array"),
-            (json!({ "dc:title": { "@list": "a" } }), "dc:title", "its @list is no array"),
+            (json!({ "dc:title": [["a"]] }), "dc:title", "nested arrays"),
+            (json!({ "dc:title": { "@list": "a" } }), "dc:title", "its @list is not an array"),
             (json!({ "dc:title": { "@set": [null] } }), "dc:title", "no value"),
             (json!({ "dc:title": { "@type": "rdf:Alt" } }), "dc:title", "no rdf:_1"),
-            (json!({ "dc:title": { "dcx:a": "b" } }), "dc:title", "`dcx` is not known"),
+            (json!({ "dc:title": { "dcx:a": "b" } }), "dc:title", "unknown prefix `dcx`"),
             (json!({ "dc:title": { "@graph": [] } }), "dc:title", "`@graph` has no prefix"),
-            (json!({ "dc:title": { "@type": "dcx:A" } }), "dc:title", "`dcx` is not known"),
+            (json!({ "dc:title": { "@type": "dcx:A" } }), "dc:title", "unknown prefix `dcx`"),
             (json!({ "@context": "https://x/" }), "@context", "an object of prefixes"),
             (json!({ "@context": { "a": 1 } }), "@context", "an object of prefixes"),
         ];

@@ -1,4 +1,4 @@
-//! The source of a model and the tool that made it, added to what its source says.
+//! The source of a model and the tool that made it, added to its source's metadata.
 
 use super::context;
 use super::values::{is_list_of_objects, items, sequence};
@@ -8,9 +8,9 @@ use serde_json::{Map, Value, json};
 /// The origin of a model: its source, the program and the parameters.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Provenance<'a> {
-    /// The file name of the source, without folder; empty where it is no file, of which nothing is said then.
+    /// The file name of the source, without the folder; empty if it is not a file, in which case it is omitted.
     pub source: &'a str,
-    /// The SHA-256 of the source's bytes, hexadecimal.
+    /// The SHA-256 of the source's bytes, in hexadecimal.
     pub sha256: &'a str,
     /// The program and its version, such as `taotie 0.1.0`.
     pub tool: &'a str,
@@ -19,11 +19,11 @@ pub struct Provenance<'a> {
 }
 
 impl Provenance<'_> {
-    /// Returns the packet of a model made of a source that has `packet`, which may be none. Everything in the source's
-    /// packet stays; added are one more `dc:source` (name and hash), one more event in `xmpMM:History` (tool and
-    /// parameters), and `xmp:CreatorTool` where there is none.
+    /// Returns the packet of a model made from a source with `packet`, if any. Everything in the source's packet is
+    /// preserved; added are another `dc:source` (name and hash), another event in `xmpMM:History` (tool and
+    /// parameters), and `xmp:CreatorTool` if missing.
     ///
-    /// Ordered lists of anything but text become `rdf:Seq`, which says the same and which other programs show.
+    /// Ordered lists of anything but text become `rdf:Seq`, which is equivalent and is displayed by other programs.
     pub fn extend(&self, packet: Option<&Json>) -> Json {
         let mut packet = packet.and_then(|packet| packet.0.as_object()).cloned().unwrap_or_default();
         context::extend(packet.entry("@context").or_insert(Value::Null));
@@ -47,7 +47,7 @@ impl Provenance<'_> {
     }
 }
 
-/// Adds a source to those of the packet, which stay a list where they are one.
+/// Adds a source to those of the packet; an existing list stays a list.
 fn append_source(packet: &mut Map<String, Value>, source: String) {
     let held = packet.get("dc:source").unwrap_or(&Value::Null);
     let kind = if held.get("@list").is_some() { "@list" } else { "@set" };

@@ -1,9 +1,9 @@
-//! Values of XMP properties: one, or several in one of the forms that JSON-LD and RDF have for them.
+//! Values of XMP properties: a single value, or several in one of the forms of JSON-LD and RDF.
 
 use serde_json::{Map, Value, json};
 
-/// Returns the items of a value: those of an array, of `@set`, `@list` or an RDF container; the value itself where it
-/// is a single one.
+/// Returns the items of a value: those of an array, of `@set`, `@list` or an RDF container; otherwise the value
+/// itself.
 pub(super) fn items(value: &Value) -> Vec<&Value> {
     match value {
         Value::Null => Vec::new(),
@@ -22,7 +22,7 @@ fn members_of(object: &Map<String, Value>) -> Option<Vec<&Value>> {
     matches!(kind, Some("rdf:Seq" | "rdf:Bag" | "rdf:Alt")).then(|| numbered(object))
 }
 
-/// Returns the members `rdf:_1`, `rdf:_2` and so on, by their numbers.
+/// Returns the members `rdf:_1`, `rdf:_2` and so on, in numeric order.
 fn numbered(container: &Map<String, Value>) -> Vec<&Value> {
     let number = |name: &str| name.strip_prefix("rdf:_")?.parse::<u32>().ok();
     let mut items: Vec<(u32, &Value)> =
@@ -31,8 +31,8 @@ fn numbered(container: &Map<String, Value>) -> Vec<&Value> {
     items.into_iter().map(|(_, value)| value).collect()
 }
 
-/// Returns ordered items as a container of RDF. Programs take each item of a `@list` for text: `gltf-transform inspect`
-/// ends with an error where one is an object.
+/// Returns ordered items as an RDF container. Programs expect each item of a `@list` to be text: `gltf-transform
+/// inspect` fails if one is an object.
 pub(super) fn sequence(items: impl IntoIterator<Item = Value>) -> Value {
     let numbered = (1..).zip(items).map(|(i, item): (u32, Value)| (format!("rdf:_{i}"), item));
     std::iter::once(("@type".to_owned(), json!("rdf:Seq"))).chain(numbered).collect()

@@ -1,4 +1,4 @@
-//! A mesh before anything has moved it, together with what can.
+//! A mesh before deformation, with everything that can deform it.
 
 use super::{Binding, morph, skin};
 use crate::error::{Error, Result};
@@ -6,37 +6,37 @@ use crate::math::{Mat4, Vec3};
 use crate::mesh::MeshData;
 use std::collections::HashMap;
 
-/// The displacements that a morph target of weight one adds to each vertex; arrays that it leaves alone are empty.
+/// The displacements that a morph target of weight one adds to each vertex; unaffected arrays are empty.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MorphTarget {
     /// Added to positions, model units.
     pub positions: Vec<Vec3>,
     /// Added to normals.
     pub normals: Vec<Vec3>,
-    /// Added to the directions of tangents; their handedness stays.
+    /// Added to the directions of tangents; their handedness is unchanged.
     pub tangents: Vec<Vec3>,
 }
 
 /// A mesh before it is deformed, with its morph targets and its skin's weights.
 #[derive(Debug, Clone, Default)]
 pub struct Deformable {
-    /// The arrays as they were authored.
+    /// The arrays as authored.
     pub base: MeshData,
     /// The morph targets.
     pub targets: Vec<MorphTarget>,
-    /// The joints that move each vertex; `None` where no skin does.
+    /// The joints that move each vertex; `None` without a skin.
     pub binding: Option<Binding>,
 }
 
 impl Deformable {
-    /// The deformed arrays: morph targets first, then the skin. Missing weights are zero; a target of weight zero
-    /// changes no bit. `joint_matrices` are as for [`skin`] and are not read without a binding.
+    /// Returns the deformed arrays: morph targets first, then the skin. Missing weights are zero; a target of weight
+    /// zero changes no bit. `joint_matrices` are as for [`skin`] and unused without a binding.
     ///
-    /// Normals and tangents that the mesh has are deformed with it. So a tangent-space normal map is read in the
-    /// frame that it was baked in, moved along with the surface.
+    /// The mesh's own normals and tangents are deformed with it, so a tangent-space normal map is read in the frame
+    /// in which it was baked, moved along with the surface.
     ///
     /// # Errors
-    /// As [`skin`].
+    /// As for [`skin`].
     pub fn deformed(&self, weights: &[f32], joint_matrices: &[Mat4]) -> Result<MeshData> {
         let mut data = self.base.clone();
         for (target, weight) in self.targets.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
@@ -48,10 +48,10 @@ impl Deformable {
         Ok(data)
     }
 
-    /// The same with these tangents at the corners of its triangles. A vertex whose corners differ is split.
+    /// Returns the mesh with these tangents at the corners of its triangles. A vertex whose corners differ is split.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where there is not one triple of tangents a triangle, or an array is neither empty nor as
+    /// [`Error::Invalid`] if there is not one triple of tangents per triangle, or an array is neither empty nor as
     /// long as the positions.
     pub fn with_corner_tangents(self, tangents: &[[[f32; 4]; 3]]) -> Result<Self> {
         self.check()?;
@@ -76,10 +76,10 @@ impl Deformable {
         Ok(split)
     }
 
-    /// That arrays are as long as the positions and triangles name vertices that exist.
+    /// Checks that arrays are as long as the positions and that triangles refer to existing vertices.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where that is not so.
+    /// [`Error::Invalid`] if not.
     pub fn check(&self) -> Result<()> {
         self.base.check()?;
         let count = self.base.positions.len();
@@ -88,11 +88,11 @@ impl Deformable {
         let bound = |b: &Binding| b.joints.len() == count * b.per_vertex && b.weights.len() == b.joints.len();
         match whole && self.binding.as_ref().is_none_or(bound) {
             true => Ok(()),
-            false => Err(Error::invalid("what deforms a mesh", format!("it is not for {count} vertices"))),
+            false => Err(Error::invalid("a mesh's deformation", format!("it is not for {count} vertices"))),
         }
     }
 
-    /// The vertices `which`, without triangles.
+    /// Returns only the vertices `which`, without triangles.
     fn gathered(&self, which: &[usize]) -> Self {
         let base = MeshData {
             positions: gather(&self.base.positions, which),
@@ -133,7 +133,7 @@ impl Binding {
     }
 }
 
-/// The elements `which`; none of an array that is absent.
+/// Returns the elements `which`; nothing for an absent array.
 fn gather<T: Copy>(from: &[T], which: &[usize]) -> Vec<T> {
     if from.is_empty() { Vec::new() } else { which.iter().map(|i| from[*i]).collect() }
 }

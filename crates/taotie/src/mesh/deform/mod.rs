@@ -1,4 +1,4 @@
-//! Moving vertices: morph targets and linear blend skinning.
+//! Deforms vertices: morph targets and linear blend skinning.
 
 mod deformable;
 
@@ -9,9 +9,9 @@ use crate::error::{Error, Result};
 use crate::math::{Mat4, Vec3};
 use crate::parallel;
 
-/// Adds `weight · deltas[i]` to each `values[i]`. Surplus elements of either are left alone.
+/// Adds `weight · deltas[i]` to each `values[i]`. Surplus elements of either are unchanged.
 ///
-/// Normals and tangents morphed so have to be normalised afterwards.
+/// Normals and tangents morphed this way must be normalised afterwards.
 /// Source: glTF 2.0, 3.7.2.2.
 pub fn morph(values: &mut [Vec3], deltas: &[Vec3], weight: f32) {
     for (value, delta) in values.iter_mut().zip(deltas) {
@@ -22,25 +22,25 @@ pub fn morph(values: &mut [Vec3], deltas: &[Vec3], weight: f32) {
 /// The joints that move each vertex, with their weights.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Binding {
-    /// The number of joints of a vertex.
+    /// The number of joints per vertex.
     pub per_vertex: usize,
-    /// `per_vertex` joint indices a vertex.
+    /// `per_vertex` joint indices per vertex.
     pub joints: Vec<u32>,
-    /// `per_vertex` weights a vertex; each vertex's sum to one.
+    /// `per_vertex` weights per vertex; each vertex's sum to one.
     pub weights: Vec<f32>,
 }
 
-/// Moves the vertices of `data` by linear blend skinning: each by M = Σ wⱼ · `joint_matrices[j]`, normals by M's
-/// cofactors, tangents by M's linear part; where M mirrors, the handedness turns. Joint matrices take object space
-/// to where the mesh is wanted, usually `world_from_joint * joint_from_object_at_bind`.
+/// Deforms the vertices of `data` by linear blend skinning: each by M = Σ wⱼ · `joint_matrices[j]`, normals by M's
+/// cofactors, tangents by M's linear part; if M mirrors, the handedness flips. Joint matrices map object space to the
+/// target space, usually `world_from_joint * joint_from_object_at_bind`.
 ///
-/// The cofactors are M's inverse transpose but for a positive factor, so normals stay perpendicular under joints that
-/// scale unevenly. That the weights change along the surface is left out, as in every engine: a normal is turned
-/// as if its vertex's M held all around it.
+/// The cofactors are M's inverse transpose up to a positive factor, so normals stay perpendicular under joints that
+/// scale non-uniformly. The variation of the weights along the surface is ignored, as in every engine: a normal is
+/// transformed as if its vertex's M applied all around it.
 ///
 /// # Errors
-/// [`Error::Invalid`] where the binding is not as long as the positions or names a joint that does not exist;
-/// `data` is then unchanged.
+/// [`Error::Invalid`] if the binding is not as long as the positions or refers to a joint that does not exist; `data`
+/// is then unchanged.
 /// Source: glTF 2.0, 3.7.3.3; Magnenat-Thalmann et al. 1988.
 pub fn skin(data: &mut MeshData, binding: &Binding, joint_matrices: &[Mat4]) -> Result<()> {
     let vertices = data.positions.len();
@@ -63,7 +63,7 @@ pub fn skin(data: &mut MeshData, binding: &Binding, joint_matrices: &[Mat4]) -> 
     Ok(())
 }
 
-/// Returns the first `count` elements, or all of fewer.
+/// Returns the first `count` elements, or all if there are fewer.
 fn up_to<T>(count: usize, all: &mut [T]) -> &mut [T] {
     let count = count.min(all.len());
     &mut all[..count]
@@ -81,7 +81,7 @@ fn check(binding: &Binding, vertices: usize, joints: usize) -> Result<()> {
     match binding.joints.iter().position(|j| *j as usize >= joints) {
         Some(i) => Err(Error::invalid(
             format!("vertex {}", i / binding.per_vertex),
-            format!("it follows joint {}, but there are {joints}", binding.joints[i]),
+            format!("it refers to joint {}, but there are {joints}", binding.joints[i]),
         )),
         None => Ok(()),
     }

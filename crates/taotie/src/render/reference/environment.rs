@@ -1,4 +1,4 @@
-//! The environment as paths see it.
+//! The environment as seen by paths.
 
 use super::super::settings::EnvironmentLight;
 use crate::math::Vec3;
@@ -10,7 +10,7 @@ use crate::shade::environment::EnvironmentSample;
 pub(super) struct WorldEnvironment<'t> {
     light: &'t EnvironmentLight,
     turn: Turn<f32>,
-    /// `true` where it is seen wherever nothing stands before it.
+    /// `true` if it is visible wherever no surface is in front of it.
     pub visible: bool,
 }
 
@@ -24,7 +24,7 @@ impl<'t> WorldEnvironment<'t> {
         self.light.environment.radiance(self.turn.to_environment(world)) * self.light.intensity
     }
 
-    /// A direction, world space, where much may come from. `u` in [0, 1)².
+    /// Samples a direction, in world space, proportionally to radiance. `u` in [0, 1)².
     pub(super) fn sample(&self, u: [f32; 2]) -> EnvironmentSample {
         let sample = self.light.environment.sample(u);
         EnvironmentSample {

@@ -1,5 +1,5 @@
-//! Evaluation of BSDFs: emission, and reflection of every light, of the environment and of the direction
-//! in which a path goes on, for eight fragments at a time.
+//! Evaluates BSDFs: emission, and reflection of every light, of the environment and of the direction in which a path
+//! continues, for eight fragments at a time.
 
 use super::super::batch::{Batch, Lanes};
 use super::super::columns::{Column, Column3, ZERO, ZERO3, store3};
@@ -11,7 +11,7 @@ use crate::scene::Material;
 use crate::shade::Shading;
 use fearless_simd::Level;
 
-/// A BSDF query: the inputs of evaluation beside the fragments.
+/// A BSDF query: the inputs of evaluation in addition to the fragments.
 pub(super) struct BsdfQuery<'t> {
     /// The number of surfaces that the paths have met before.
     pub depth: u32,
@@ -19,29 +19,29 @@ pub(super) struct BsdfQuery<'t> {
     pub material: &'t Material,
     pub sources: &'t [LightSource<f32>],
     pub ambient: Vec3,
-    /// `true` where light behind the shading normal is shadowed.
+    /// `true` if light behind the shading normal is shadowed.
     pub shadows: bool,
-    /// `true` where there are directions to the environment.
+    /// `true` if there are directions to the environment.
     pub sky: bool,
-    /// `true` where paths go on.
+    /// `true` if paths continue.
     pub onward: bool,
-    /// `true` where mapped normals are grooves.
+    /// `true` if mapped normals are grooves.
     pub grooved: bool,
 }
 
-/// A batch of BSDF evaluations: directions of fragments and the answers to them.
+/// A batch of BSDF evaluations: directions of fragments and the results for them.
 pub(super) struct BsdfBatch {
-    /// Numbers in [0, 1) that choose where the path goes on.
+    /// Numbers in [0, 1) that choose where the path continues.
     pub u: [Column; 2],
     pub grooves: Grooves,
-    /// The direction chosen for the environment's light; unit, world space.
+    /// The sampled direction of the environment's light; unit, in world space.
     pub to_sky: Column3,
-    /// The direction in which the path goes on; unit, world space.
+    /// The direction in which the path continues; unit, in world space.
     pub onward: Column3,
-    /// Densities of [`Scatter`] for both directions.
+    /// The densities of [`Scatter`] in both directions.
     pub sky_pdf: Column,
     pub onward_pdf: Column,
-    /// The light that leaves without any of these: emission and reflected ambient light.
+    /// The light without any of these: emission and reflected ambient light.
     pub own: Column3,
     /// Reflected light of each source, unshadowed.
     pub lit: Vec<Column3>,
@@ -67,7 +67,7 @@ impl BsdfBatch {
     }
 }
 
-/// Fills the answers for the fragments of `batch`, whose normals are known.
+/// Fills the results for the fragments of `batch`, whose normals are known.
 pub(super) fn evaluate(level: Level, query: &BsdfQuery<'_>, batch: &Batch, bsdf: &mut BsdfBatch) {
     dispatch_eight!(level, P, token => all_packs::<P>(token, query, batch, bsdf));
 }
@@ -104,14 +104,14 @@ fn all_packs<P: Pack>(token: P::Token, query: &BsdfQuery<'_>, batch: &Batch, bsd
     }
 }
 
-/// A direction in which reflection is asked for.
+/// A direction for which reflection is requested.
 #[derive(Clone, Copy)]
 enum Request {
-    /// The direction towards a light, by its number.
+    /// The direction towards a light, by its index.
     Light(usize),
     /// The direction towards the environment.
     Sky,
-    /// The direction in which the path goes on.
+    /// The direction in which the path continues.
     Onward,
 }
 
@@ -134,7 +134,7 @@ impl BsdfQuery<'_> {
 }
 
 impl BsdfBatch {
-    /// Keeps the answers of entries from `i` on; the density only where it is needed.
+    /// Stores the results of entries from `i` onwards; the density only if it is needed.
     #[inline(always)]
     fn answer<P: Pack>(&mut self, request: Request, i: usize, reflected: Vec3<P>, pdf: P) {
         match request {
@@ -153,7 +153,7 @@ impl BsdfBatch {
 
 const ONE: Vec3 = Vec3::new(1.0, 1.0, 1.0);
 
-/// Points of a surface as a viewer sees them.
+/// Points of a surface from a viewpoint.
 struct Seen<P> {
     surface: SurfacePoint<P>,
     /// The true direction to the viewer.
@@ -173,7 +173,7 @@ impl<P: Pack> Seen<P> {
         Self { surface, from: at.load3(&bsdf.grooves.v), groove: Some(groove) }
     }
 
-    /// Radiance per unit of irradiance; where light is `shadowed` behind the shading normal, 0 there.
+    /// Radiance per unit of irradiance; 0 if the light is `shadowed` and behind the shading normal.
     #[inline(always)]
     fn reflected(&self, l: Vec3<P>, shadowed: bool) -> Vec3<P> {
         let Some(groove) = &self.groove else { return self.reflected_flat(l, shadowed) };

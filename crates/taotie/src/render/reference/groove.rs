@@ -13,22 +13,22 @@ use crate::shade::Facets;
 use crate::shade::sampling::stretched;
 use fearless_simd::Level;
 
-/// Says whether the draw's normals are taken as grooves.
+/// Returns true if the draw's normals are interpreted as grooves.
 pub(super) fn is_grooved(reference: &ReferenceSettings, draw: &Draw<'_>) -> bool {
-    reference.normal_mapping == NormalMapping::Microfacet && draw.normal_source.is_mapped()
+    reference.normal_mapping == NormalMapping::Microfacet && draw.normal_source.method().is_mapped()
 }
 
-/// The facet that each fragment's viewer sees, in columns.
+/// The facet visible to each fragment's viewer, in columns.
 pub(super) struct Grooves {
-    /// Numbers in [0, 1) that choose the facet; afterwards what remains of them, as evenly distributed as they were.
+    /// Numbers in [0, 1) that choose the facet; afterwards the remainder, as evenly distributed as before.
     pub u: Column,
-    /// The true direction to the viewer; the batch has the one that the mapped facet is seen from.
+    /// The true direction to the viewer; the batch contains the direction from which the mapped facet is seen.
     pub v: Column3,
 }
 
 impl Grooves {
-    /// Does what [`complete`](super::super::point::complete) does, and chooses for each fragment whether its viewer
-    /// sees the mapped facet directly or in the upright one.
+    /// Like [`complete`](super::super::point::complete), and chooses for each fragment whether its viewer sees the
+    /// mapped facet directly or in the upright one.
     pub(super) fn complete(
         &mut self,
         level: Level,
@@ -53,7 +53,7 @@ impl Grooves {
         }
         if takes_albedos(settings.shading) {
             albedos::look_up(level, settings, draw, batch);
-            // The clearcoat lies over the groove: the true viewer sees it.
+            // The clearcoat is over the groove: the true viewer sees it.
             for i in batch.entries() {
                 albedos::look_up_coat(draw.material, batch, i, get3(&self.v, i));
             }
@@ -82,7 +82,7 @@ impl<P: Pack> Groove<P> {
         let mut sum = Vec3::splat(zero);
         for (way, share) in self.facets.ways(l) {
             let lit = zero.lt(self.facets.p.dot(way));
-            sum += Vec3::select(lit, surface.reflect_bare(way) * share, Vec3::splat(zero));
+            sum += Vec3::select(lit, surface.reflect_base(way) * share, Vec3::splat(zero));
         }
         sum
     }
@@ -95,7 +95,7 @@ impl<P: Pack> Groove<P> {
         Vec3::select(self.u.lt(chance), l, self.facets.mirrored(l))
     }
 
-    /// The density of [`Self::leaving`] for facets that send paths with the density `pdf`.
+    /// The density of [`Self::leaving`] for facets that scatter paths with the density `pdf`.
     #[inline(always)]
     pub(super) fn pdf(&self, l: Vec3<P>, pdf: impl Fn(Vec3<P>) -> P) -> P {
         let (zero, one) = (l.x.lit(0.0), l.x.lit(1.0));

@@ -1,4 +1,4 @@
-//! A tile of the image: its paths begin, and their light is added up.
+//! A tile of the image: starts its paths and sums their light.
 
 use super::super::batch::Batch;
 use super::super::columns::get3;
@@ -11,13 +11,13 @@ use crate::image::Image;
 use crate::math::Vec3;
 use crate::math::sequence::{Sequence, hash};
 
-/// The side of a tile in pixels.
+/// The side length of a tile in pixels.
 const SIDE: u32 = 16;
 
-/// The number of paths of each pixel that are followed together.
+/// The number of paths per pixel that are followed together.
 const TOGETHER: u32 = 4;
 
-/// A tile of the image, pixels.
+/// A tile of the image, in pixels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ImageTile {
     x: u32,
@@ -29,7 +29,7 @@ pub(super) struct ImageTile {
 /// A tile's pixels, row by row.
 pub(super) struct TilePixels {
     color: Vec<[f32; 4]>,
-    /// Normals, depth, albedo, uv, triangle; empty where not asked for.
+    /// Normals, depth, albedo, uv, triangle; empty if not requested.
     aovs: [Vec<[f32; 4]>; 5],
 }
 
@@ -43,7 +43,7 @@ pub(super) fn tiles(settings: &RenderSettings) -> Vec<ImageTile> {
 }
 
 impl Tracer<'_> {
-    /// Follows all paths of a tile, as long as `go_on` gives no error: many paths a pixel may take minutes.
+    /// Follows all paths of a tile, until `go_on` returns an error: many paths per pixel may take minutes.
     pub(super) fn tile(&self, tile: &ImageTile, go_on: &dyn Fn() -> Result<()>) -> Result<TilePixels> {
         let pixels = (tile.width * tile.height) as usize;
         let mut aovs: [Vec<[f32; 4]>; 5] = Default::default();
@@ -75,7 +75,7 @@ impl Tracer<'_> {
         Ok(TilePixels { color, aovs })
     }
 
-    /// Begins path number `index` of each pixel.
+    /// Starts the path with index `index` of each pixel.
     fn begin(&self, tile: &ImageTile, index: u32) -> impl Iterator<Item = Path> {
         let ImageTile { x, y, width, height } = *tile;
         (0..width * height).map(move |pixel| {
@@ -119,7 +119,7 @@ impl Tracer<'_> {
 }
 
 impl TilePixels {
-    /// Writes its pixels into the frame.
+    /// Writes its pixels to the frame.
     pub(super) fn store(&self, tile: &ImageTile, frame: &mut Frame) {
         copy(&mut frame.color, tile, &self.color);
         if let Some(aovs) = &mut frame.aovs {

@@ -1,16 +1,16 @@
-//! A path tracer, the reference for every approximation. It follows paths of light one by one, without bias, over the
-//! same scene, materials, normals and lights as the rasteriser.
+//! A path tracer, the reference for every approximation. It follows paths of light individually, without bias, over
+//! the same scene, materials, normals and lights as the rasteriser.
 //!
-//! A path begins at a point of a pixel, chosen evenly, and meets surfaces (see [`surfaces`]). At each it gathers
-//! light directly: from every point, spot and directional light by a shadow ray, and from the environment in two ways
-//! that are weighed against each other: towards where it is bright, and where the surface reflects much ([`evaluate`]).
-//! Then it goes on in the second direction. Reflection is
+//! A path starts at a uniformly sampled point of a pixel and meets surfaces (see [`surfaces`]). At each it gathers
+//! direct light: from every point, spot and directional light by a shadow ray, and from the environment by two
+//! techniques that are weighted against each other: sampling the environment's brightness, and sampling the surface's
+//! reflection ([`evaluate`]). Then it continues in the second direction. Reflection is
 //! [`SurfacePoint::reflect`](crate::pixel::SurfacePoint::reflect), so that every named model works, physical or not.
 //! Textures are read at their finest level, since a pixel's many paths average them.
 //!
-//! The following is the same as in the rasteriser, so that direct light is equal: interpolation, normals, the origins
-//! of shadow rays, and that light behind the shading normal counts as shadowed. One thing differs: blended surfaces let
-//! light through in proportion to what they lack, while the rasteriser's cast no shadow.
+//! Interpolation, normals, the origins of shadow rays, and the treatment of light behind the shading normal as
+//! shadowed are the same as in the rasteriser, so that direct light is equal. One thing differs: blended surfaces
+//! transmit light in proportion to their transparency, while the rasteriser's cast no shadow.
 
 mod environment;
 mod evaluate;
@@ -34,15 +34,15 @@ use tracer::Tracer;
 
 /// Renders an image by following paths of light. The same settings give the same bits with any number of threads.
 ///
-/// Of the shot's settings, the number of samples and `specular_aa` are not read, since many paths average what is too
-/// fine for a pixel. Without shadows lights shine through everything, as in the rasteriser; environment and surfaces
-/// always throw shadows. [`Lighting::ambient`](super::Lighting::ambient) is reflected at every surface. Cameras see
-/// single-sided surfaces from their front; light meets both sides of all. The frame's output variables show the first
+/// Of the shot's settings, the number of samples and `specular_aa` are ignored, since many paths average subpixel
+/// detail. Without shadows, lights shine through everything, as in the rasteriser; environment and surfaces always
+/// cast shadows. [`Lighting::ambient`](super::Lighting::ambient) is reflected at every surface. Cameras see
+/// single-sided surfaces from their front; light hits both sides of all. The frame's output variables show the first
 /// path of each pixel.
 ///
 /// # Errors
-/// [`crate::Error::Cancelled`]; [`crate::Error::Invalid`] or [`crate::Error::Limit`] for a size, camera or number of
-/// paths that cannot be, [`crate::Error::Unsupported`] for a SIMD level that the processor lacks.
+/// [`crate::Error::Cancelled`]; [`crate::Error::Invalid`] or [`crate::Error::Limit`] for an invalid size, camera or
+/// number of paths, [`crate::Error::Unsupported`] for a SIMD level that the CPU lacks.
 pub fn reference(
     prepared: &Prepared,
     shot: &Shot<'_>,
@@ -54,7 +54,7 @@ pub fn reference(
     let tracer = Tracer::new(ready, &draws, shot, paths)?;
     let mut frame = Frame::new(shot.settings)?;
     let tiles = image_tile::tiles(shot.settings);
-    // How many there are between two reports changes no pixel.
+    // The number of paths between two reports does not affect pixels.
     let at_once = 8 * rayon::current_num_threads();
     let mut done = 0;
     for part in tiles.chunks(at_once) {

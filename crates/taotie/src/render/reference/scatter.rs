@@ -1,4 +1,4 @@
-//! Chooses where a surface sends paths: as its base reflects, or as its clearcoat does.
+//! Chooses where a surface scatters paths: like its base reflects, or like its clearcoat does.
 
 use super::groove::Groove;
 use crate::math::{Lane, Pack, Vec3};
@@ -7,7 +7,7 @@ use crate::shade::coat_fresnel;
 use crate::shade::ndf::alpha_from_roughness;
 use crate::shade::sampling::{Lobes, ggx_visible_normal, ggx_visible_pdf, mirrored, raised, stretched};
 
-/// The distribution of directions in which a surface point sends paths.
+/// The distribution of directions in which a surface point scatters paths.
 pub(super) struct Scatter<'s, L> {
     base: ShadingFrame<L>,
     lobes: Lobes<L>,
@@ -15,15 +15,15 @@ pub(super) struct Scatter<'s, L> {
     groove: Option<&'s Groove<L>>,
 }
 
-/// The clearcoat's own lobe.
+/// The clearcoat's lobe.
 struct CoatLobe<L> {
     frame: ShadingFrame<L>,
     alpha: L,
-    /// The probability with which it is chosen, (0, 1).
+    /// The probability of choosing it, (0, 1).
     share: L,
 }
 
-/// A normal's own space, and the viewer in it.
+/// The local space of a normal, and the viewer in it.
 struct ShadingFrame<L> {
     t: Vec3<L>,
     b: Vec3<L>,
@@ -33,7 +33,8 @@ struct ShadingFrame<L> {
 }
 
 impl<'s, P: Pack> Scatter<'s, P> {
-    /// Makes the distribution; `v` is where the viewer truly is; the surface may be seen in the mirror of its groove.
+    /// Creates the distribution; `v` is the true direction to the viewer; the surface may be seen in the mirror of
+    /// its groove.
     #[inline(always)]
     pub(super) fn new(surface: &SurfacePoint<P>, v: Vec3<P>, groove: Option<&'s Groove<P>>) -> Self {
         let n = surface.frame.n.normalize_or(surface.frame.v);
@@ -53,7 +54,7 @@ impl<'s, P: Pack> Scatter<'s, P> {
         Self { base, lobes, coat, groove }
     }
 
-    /// A direction, unit, world space; it may lie below the horizon. `u` in [0, 1)².
+    /// Samples a direction, unit, in world space; it may be below the horizon. `u` in [0, 1)².
     #[inline(always)]
     pub(super) fn direction(&self, [u, around]: [P; 2]) -> Vec3<P> {
         let share = self.coat.as_ref().map_or(u.lit(0.0), |coat| coat.share);
@@ -96,7 +97,7 @@ impl<P: Pack> CoatLobe<P> {
 }
 
 impl<L: Lane> ShadingFrame<L> {
-    /// Makes the frame; `n`, `t` and `v` unit, world space; `t` at a right angle to `n`.
+    /// Creates the frame; `n`, `t` and `v` unit, in world space; `t` perpendicular to `n`.
     #[inline(always)]
     fn new(n: Vec3<L>, t: Vec3<L>, v: Vec3<L>) -> Self {
         let frame = Self { t, b: n.cross(t), n, v };

@@ -1,4 +1,4 @@
-//! Finds the surface that a ray meets.
+//! Finds the surface hit by a ray.
 
 use super::super::draw::{Draw, Draws};
 use super::super::footprint::Footprint;
@@ -7,34 +7,34 @@ use crate::math::sequence::{hash, unit};
 use crate::scene::AlphaMode;
 use crate::trace::{Hit, Ray};
 
-/// The point where a ray met a surface.
+/// The point where a ray hit a surface.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Intersection {
     pub draw: u32,
-    /// The triangle's number over all draws.
+    /// The triangle's index over all draws.
     pub triangle: u32,
     /// The weights of its corners.
     pub weights: [f32; 3],
-    /// `true` where it was met from its front.
+    /// `true` if it was hit from its front.
     pub front: bool,
 }
 
-/// Rays through a scene. A mask is there where its alpha reaches the cutoff; a blended surface is there as often as its
-/// alpha says.
+/// Rays through a scene. A mask exists if its alpha reaches the cutoff; a blended surface exists with the probability
+/// alpha.
 pub(super) struct Sight<'t> {
     pub draws: &'t Draws<'t>,
     pub tree: &'t SceneTree,
 }
 
-/// A blended surface that a ray met, and a number in [0, 1) that decides whether it is there.
+/// A blended surface hit by a ray, and a number in [0, 1) that decides whether it exists.
 struct Blended {
     hit: Hit,
     chance: f32,
 }
 
 impl Sight<'_> {
-    /// The nearest surface at a distance below `limit`. A `camera` sees single-sided surfaces from their front alone.
-    /// `chance` is a number in [0, 1), asked for once, that decides which of the blended surfaces on the way is there.
+    /// The nearest surface at a distance below `limit`. A `camera` sees single-sided surfaces only from their front.
+    /// `chance` is a number in [0, 1), requested once, that decides which of the blended surfaces on the way exists.
     pub(super) fn nearest(
         &self,
         ray: &Ray,
@@ -56,8 +56,8 @@ impl Sight<'_> {
         Some(Intersection { draw: draw as u32, triangle: hit.triangle, weights: hit.weights, front })
     }
 
-    /// Goes from one surface to the next until one is there. What remains of the chance is as evenly distributed as it
-    /// was.
+    /// Steps through surfaces, accepting each with probability α. The remainder of the chance is as evenly
+    /// distributed as before.
     fn nearest_by_chance(
         &self,
         ray: &Ray,
@@ -83,8 +83,8 @@ impl Sight<'_> {
         }
     }
 
-    /// Says whether nothing stands in the way up to `limit` lengths of the ray. `chance` is the ray's own number: with
-    /// the triangle's, it decides whether a blended surface is there.
+    /// Returns true if nothing blocks the ray up to `limit` lengths. `chance` is the ray's number: with the
+    /// triangle's, it decides whether a blended surface exists.
     pub(super) fn is_free(&self, ray: &Ray, limit: f32, chance: u32) -> bool {
         !self.tree.0.occluded(ray, limit, |hit| {
             let draw = self.draw(hit);
@@ -99,7 +99,7 @@ impl Sight<'_> {
         self.draws.of(hit.triangle)
     }
 
-    /// Says whether no mask leaves the surface out.
+    /// Returns true if the surface is not cut out by a mask.
     fn is_masked_in(&self, draw: &Draw<'_>, hit: &Hit) -> bool {
         match draw.material.alpha {
             AlphaMode::Mask(cutoff) => self.alpha(draw, hit) >= cutoff,
@@ -112,7 +112,7 @@ impl Sight<'_> {
     }
 }
 
-/// Says whether the ray comes from the triangle's front.
+/// Returns true if the ray comes from the triangle's front.
 fn from_front(draw: &Draw<'_>, hit: &Hit, ray: &Ray) -> bool {
     let [a, b, c] = draw.vertices(hit.triangle).map(|v| draw.positions[v as usize]);
     let along = (b - a).cross(c - a).dot(ray.direction());

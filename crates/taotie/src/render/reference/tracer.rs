@@ -24,21 +24,21 @@ pub(super) struct Tracer<'t> {
     pub ambient: Vec3,
     pub ground: Option<Ground>,
     pub environment: Option<WorldEnvironment<'t>>,
-    /// The settings, as the model takes them.
+    /// The settings effective for the model.
     pub settings: RenderSettings,
     pub reference: ReferenceSettings,
     pub level: Level,
-    /// The height above the surface at which rays start, model units.
+    /// The height above the surface at which rays start, in model units.
     pub ray_offset: f32,
-    /// `true` where any surface emits light.
+    /// `true` if any surface emits light.
     pub emitters: bool,
 }
 
 impl<'t> Tracer<'t> {
-    /// Checks and prepares what paths need.
+    /// Validates and prepares the inputs of paths.
     ///
     /// # Errors
-    /// As [`super::reference`].
+    /// As for [`super::reference`].
     pub(super) fn new(
         ready: Ready<'t>,
         draws: &'t Draws<'t>,

@@ -17,47 +17,47 @@ use crate::shade::environment::EnvironmentSample;
 use crate::shade::sampling::power_heuristic;
 use crate::trace::Ray;
 
-/// The number of surfaces from which on paths that carry little end by chance.
+/// The number of surfaces after which paths that carry little light may be terminated by Russian roulette.
 const ROULETTE_FROM: u32 = 3;
 
-/// The least chance to go on.
+/// The minimum probability of continuing.
 const LEAST_CHANCE: f32 = 0.05;
 
-/// A path of light, followed against the light from the camera on.
+/// A path of light, traced backwards from the camera.
 pub(super) struct Path {
     /// Its pixel in the tile.
     pub pixel: u32,
-    /// Its number among the pixel's.
+    /// Its index among the pixel's paths.
     pub index: u32,
-    /// The pixel's numbers.
+    /// The pixel's random numbers.
     pub sequence: Sequence,
-    /// The number from which its shadow rays have their numbers.
+    /// The index at which the numbers of its shadow rays start.
     pub shadows: u32,
     pub origin: Vec3,
     /// The direction, unit.
     pub direction: Vec3,
-    /// The length of the ray, model units.
+    /// The length of the ray, in model units.
     pub limit: f32,
-    /// The density with which its surface chose the direction; 0 for rays of sight.
+    /// The density with which its surface sampled the direction; 0 for camera rays.
     pub pdf: f32,
-    /// `true` where it left below the facet that it left from.
+    /// `true` if it left below the facet from which it started.
     pub below: bool,
-    /// The part of the light it meets that arrives at the camera, linear RGB.
+    /// The fraction of the light it meets that reaches the camera, linear RGB.
     pub throughput: Vec3,
     /// The light found so far, linear RGB.
     pub light: Vec3,
-    /// The coverage of the pixel: 1 where the camera saw something.
+    /// The coverage of the pixel: 1 if the camera saw something.
     pub coverage: f32,
 }
 
-/// Memory that the paths of a tile use one after another.
+/// Scratch memory reused by the paths of a tile.
 pub(super) struct PathScratch {
     batch: Box<Batch>,
     bsdf: Box<BsdfBatch>,
     origins: [Vec3; BATCH],
     sky: Vec<EnvironmentSample>,
     intersections: Vec<(u32, Intersection)>,
-    /// The paths that go on.
+    /// The paths that continue.
     alive: Vec<u32>,
 }
 
@@ -79,20 +79,20 @@ struct Stop<'s> {
     /// The number of surfaces that the paths have met before.
     depth: u32,
     draw: &'s Draw<'s>,
-    /// The path's number, and where it is.
+    /// The path's index, and where it is.
     intersections: &'s [(u32, Intersection)],
 }
 
 impl Stop<'_> {
-    /// The path's number and its place of entry `i` of a batch. Packs read on to the next multiple of eight: there the
-    /// last is repeated.
+    /// The path's index and the hit of entry `i` of a batch. Packs read up to the next multiple of eight, where the
+    /// last entry is repeated.
     fn entry(&self, i: usize) -> &(u32, Intersection) {
         &self.intersections[i.min(self.intersections.len() - 1)]
     }
 }
 
-/// A sink of output variables that receives what the camera sees: the path, the batch with its normals, the entry, and
-/// the triangle's number.
+/// A sink of output variables that receives the camera's hits: the path, the batch with its normals, the entry, and
+/// the triangle's index.
 pub(super) type AovSink<'w> = dyn FnMut(&Path, &Batch, usize, u32) + 'w;
 
 impl Tracer<'_> {
@@ -116,14 +116,14 @@ impl Tracer<'_> {
         }
     }
 
-    /// Follows the rays of the living paths to the surfaces that they meet, sorted by draw.
+    /// Traces the rays of the living paths to the surfaces that they hit, sorted by draw.
     fn cast(&self, depth: u32, paths: &mut [Path], work: &mut PathScratch) {
         work.intersections.clear();
         for index in &work.alive {
             let path = &mut paths[*index as usize];
             let ray = Ray::new(path.origin, path.direction);
             match self.sight.nearest(&ray, path.limit, depth == 0, || path.chance(depth)) {
-                // It went through the surface that it left from.
+                // It passed through the surface from which it started.
                 Some(intersection) if path.below && !intersection.front => {}
                 Some(intersection) => work.intersections.push((*index, intersection)),
                 None => self.escape(depth, path),
@@ -132,7 +132,7 @@ impl Tracer<'_> {
         work.intersections.sort_by_key(|(_, intersection)| intersection.draw);
     }
 
-    /// Ends a path that meets no surface.
+    /// Ends a path that hits no surface.
     fn escape(&self, depth: u32, path: &mut Path) {
         if depth == 0
             && let Some(ground) = &self.ground
@@ -155,7 +155,7 @@ impl Tracer<'_> {
         }
     }
 
-    /// Gathers light where paths meet surfaces of one draw, and sends them on.
+    /// Gathers light at the hits of one draw, and continues the paths.
     fn meet(&self, stop: &Stop<'_>, paths: &mut [Path], work: &mut PathScratch, sink: &mut AovSink<'_>) {
         if self.is_last(stop) && !stop.draw.shines() {
             return;
@@ -176,12 +176,12 @@ impl Tracer<'_> {
         }
     }
 
-    /// Says whether only the light that the surface emits counts.
+    /// Returns true if only the light emitted by the surface counts.
     fn is_last(&self, stop: &Stop<'_>) -> bool {
         stop.depth > self.reference.bounces
     }
 
-    /// Adds the light that surfaces emit and reflect, and sends paths on.
+    /// Adds the light that surfaces emit and reflect, and continues the paths.
     fn light(&self, stop: &Stop<'_>, paths: &mut [Path], work: &mut PathScratch) {
         let last = self.is_last(stop);
         if !last {
@@ -208,12 +208,12 @@ impl Tracer<'_> {
         }
     }
 
-    /// Says whether anything may be found beyond the surface.
+    /// Returns true if there may be light beyond the surface.
     fn goes_on(&self, depth: u32) -> bool {
         depth < self.reference.bounces || self.environment.is_some() || self.emitters
     }
 
-    /// Fills the batch, and where rays leave from.
+    /// Fills the batch, and the origins of rays.
     fn gather(&self, stop: &Stop<'_>, paths: &[Path], work: &mut PathScratch) {
         let interpolation = Interpolation {
             level: self.level,
@@ -236,7 +236,7 @@ impl Tracer<'_> {
         work.origins = interpolation.origins(self.ray_offset, batch);
     }
 
-    /// Fills the batch with what does not come by interpolation.
+    /// Fills the values of the batch that are not interpolated.
     fn complete(&self, stop: &Stop<'_>, paths: &[Path], work: &mut PathScratch) {
         if !is_grooved(&self.reference, stop.draw) {
             complete(self.level, &self.settings, stop.draw, &mut work.batch);
@@ -249,7 +249,7 @@ impl Tracer<'_> {
         work.bsdf.grooves.complete(self.level, &self.settings, stop.draw, &mut work.batch);
     }
 
-    /// Chooses numbers and directions to the environment.
+    /// Samples numbers and directions to the environment.
     fn choose(&self, stop: &Stop<'_>, paths: &[Path], work: &mut PathScratch) {
         work.sky.clear();
         let environment =
@@ -301,7 +301,7 @@ impl Tracer<'_> {
         reflected * (weight / sample.pdf)
     }
 
-    /// Turns the path of entry `i` into its next direction; returns whether it goes on.
+    /// Redirects the path of entry `i`; returns true if it continues.
     fn send_on(&self, depth: u32, i: usize, path: &mut Path, work: &PathScratch) -> bool {
         let pdf = work.bsdf.onward_pdf[i];
         let reflected = get3(&work.bsdf.from_onward, i);
@@ -338,24 +338,25 @@ fn show_color(stop: &Stop<'_>, paths: &mut [Path], work: &PathScratch) {
 }
 
 impl Path {
-    /// Numbers of the path's way to surface `depth`: whether it goes on from there (its place in the pixel at first),
-    /// one more of that place, which blended surfaces are there for the ray that leads to it, which facet of a groove it
-    /// meets.
+    /// Numbers of the path's way to surface `depth`: whether it continues from there (at first, its position in the
+    /// pixel), another number for that position, which blended surfaces exist for the ray that leads to it, and which
+    /// facet of a groove it hits.
     fn at_surface(&self, depth: u32) -> [f32; 4] {
         self.sequence.four(self.index, 2 * depth)
     }
 
-    /// Numbers of the light at surface `depth`: two for the direction in which the path goes on, two for the environment.
+    /// Numbers of the light at surface `depth`: two for the direction in which the path continues, two for the
+    /// environment.
     fn of_light(&self, depth: u32) -> [f32; 4] {
         self.sequence.four(self.index, 2 * depth + 1)
     }
 
-    /// Decides which blended surfaces are there for the ray that leads to surface `depth`.
+    /// Decides which blended surfaces exist for the ray that leads to surface `depth`.
     fn chance(&self, depth: u32) -> f32 {
         self.at_surface(depth)[2]
     }
 
-    /// The number of one of the shadow rays from surface `depth`.
+    /// The index of the numbers of one of the shadow rays from surface `depth`.
     fn shadow(&self, depth: u32, ray: u32) -> u32 {
         hash(hash(self.shadows, depth), ray)
     }

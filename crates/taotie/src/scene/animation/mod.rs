@@ -1,4 +1,4 @@
-//! Animation: nodes, skins and morph weights that keyframes drive, in the words of glTF 2.0.
+//! Animation: nodes, skins and morph weights driven by keyframes, in the terms of glTF 2.0.
 
 mod node;
 mod pose;
@@ -9,12 +9,12 @@ pub use node::{Node, Transform, world_matrices};
 pub use rig::{Deformed, Rig, RigData, Skin};
 pub use sampler::{Interpolation, Sampler};
 
-/// A motion: keyframes for the parts of nodes.
+/// An animation: keyframes for the properties of nodes.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Animation {
     /// Its name; may be empty.
     pub name: String,
-    /// The properties that are moved.
+    /// The animated properties.
     pub channels: Vec<Channel>,
     /// The keyframes.
     pub samplers: Vec<Sampler>,
@@ -23,11 +23,11 @@ pub struct Animation {
 /// The target to which a sampler's values are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Channel {
-    /// The node moved, by number.
+    /// The animated node, by index.
     pub node: usize,
     /// The property of the node.
     pub path: Path,
-    /// The keyframes, as a number into [`Animation::samplers`].
+    /// The keyframes, as an index into [`Animation::samplers`].
     pub sampler: usize,
 }
 
@@ -38,14 +38,14 @@ pub enum Path {
     Translation,
     /// Its rotation: a quaternion (x, y, z, w).
     Rotation,
-    /// Its size: a factor an axis.
+    /// Its scale: a factor per axis.
     Scale,
-    /// The weights of its morph targets: one number a target.
+    /// The weights of its morph targets: one number per target.
     Weights,
 }
 
 impl Animation {
-    /// The time of the last keyframe that a channel uses, seconds; 0 without one.
+    /// Returns the time of the last keyframe that a channel uses, in seconds; 0 without one.
     pub fn seconds(&self) -> f64 {
         let samplers = self.channels.iter().filter_map(|channel| self.samplers.get(channel.sampler));
         let ends = samplers.filter_map(|sampler| sampler.times().last());
@@ -55,8 +55,8 @@ impl Animation {
     /// Checks that `channel` can be applied to `nodes`.
     ///
     /// # Errors
-    /// A message that names the fault: a node or sampler that does not exist, values of a wrong width, or a node that
-    /// cannot move so.
+    /// A message that states the fault: a node or sampler that does not exist, values of the wrong width, or a node
+    /// that cannot be animated this way.
     pub fn check_channel(&self, channel: &Channel, nodes: &[Node]) -> Result<(), String> {
         let sampler = self.samplers.get(channel.sampler).ok_or("its sampler does not exist")?;
         let node = nodes.get(channel.node).ok_or("its node does not exist")?;
@@ -64,14 +64,14 @@ impl Animation {
             Path::Weights if node.weights.is_empty() => return Err("its node has no morph targets".into()),
             Path::Weights => node.weights.len(),
             _ if matches!(node.local, Transform::Matrix(_)) => {
-                return Err("its node is placed by a matrix, which cannot be animated".into());
+                return Err("its node has a matrix, which cannot be animated".into());
             }
             Path::Rotation => 4,
             Path::Translation | Path::Scale => 3,
         };
         match sampler.width() {
             width if width == wanted => Ok(()),
-            width => Err(format!("its values are {width} numbers wide and not {wanted}")),
+            width => Err(format!("its values have {width} components, expected {wanted}")),
         }
     }
 }
@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(check(0, Path::Rotation, 2), Ok(()));
         assert_eq!(check(1, Path::Weights, 0), Ok(()));
         let why = |node, path, sampler| check(node, path, sampler).unwrap_err();
-        assert!(why(0, Path::Rotation, 0).contains("3 numbers wide and not 4"));
+        assert!(why(0, Path::Rotation, 0).contains("3 components, expected 4"));
         assert!(why(0, Path::Weights, 0).contains("no morph targets"));
         assert!(why(1, Path::Translation, 0).contains("matrix"));
         assert!(why(2, Path::Scale, 0).contains("node") && why(0, Path::Scale, 3).contains("sampler"));

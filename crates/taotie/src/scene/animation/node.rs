@@ -1,4 +1,4 @@
-//! The hierarchy of places that things hang on.
+//! The node hierarchy.
 
 use super::sampler::unit_quaternion;
 use crate::error::{Error, Result};
@@ -7,13 +7,13 @@ use crate::math::{Mat4, Vec3};
 /// The position, rotation and scale of a node relative to its parent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Transform {
-    /// Scaled, then rotated, then moved; these parts can be animated.
+    /// Scaled, then rotated, then translated; these parts can be animated.
     Parts {
         /// Model units.
         translation: Vec3<f64>,
         /// A unit quaternion (x, y, z, w).
         rotation: [f64; 4],
-        /// A factor an axis.
+        /// A factor per axis.
         scale: Vec3<f64>,
     },
     /// Any affine transform; it cannot be animated.
@@ -27,12 +27,12 @@ impl Default for Transform {
 }
 
 impl Transform {
-    /// Makes a transform from its parts; the quaternion is made unit.
+    /// Makes a transform from its parts, normalising the quaternion.
     pub fn parts(translation: Vec3<f64>, rotation: [f64; 4], scale: Vec3<f64>) -> Self {
         Self::Parts { translation, rotation: unit_quaternion(rotation), scale }
     }
 
-    /// Takes the node's space to its parent's.
+    /// Returns the matrix from the node's space to its parent's.
     pub fn matrix(&self) -> Mat4 {
         match self {
             Self::Parts { translation, rotation, scale } => {
@@ -43,18 +43,18 @@ impl Transform {
     }
 }
 
-/// A place in a hierarchy, at rest.
+/// A node in a hierarchy, at rest.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Node {
-    /// The node that it follows, by number.
+    /// The parent node, by index.
     pub parent: Option<usize>,
-    /// Its place relative to the parent.
+    /// Its transform relative to the parent.
     pub local: Transform,
-    /// The weights of the morph targets of what it shows, one a target.
+    /// The weights of the morph targets of its mesh, one per target.
     pub weights: Vec<f32>,
 }
 
-/// The matrix from each node's space to the world.
+/// Returns the matrix from each node's space to world space.
 ///
 /// # Errors
 /// [`Error::Invalid`] naming a node that is its own ancestor, or whose parent does not exist.
@@ -62,7 +62,7 @@ pub fn world_matrices(nodes: &[Node]) -> Result<Vec<Mat4>> {
     let mut world: Vec<Option<Mat4>> = vec![None; nodes.len()];
     let mut waiting = Vec::new();
     for start in 0..nodes.len() {
-        // Up to a node that is known or a root, then down again; a way longer than there are nodes is a circle.
+        // Up to a known node or a root, then down again; a path longer than the number of nodes is a cycle.
         let mut above = Some(start);
         while let Some(node) = above.filter(|node| world.get(*node).is_none_or(Option::is_none)) {
             check_place(nodes, node, start, waiting.len())?;
@@ -81,7 +81,7 @@ pub fn world_matrices(nodes: &[Node]) -> Result<Vec<Mat4>> {
 fn check_place(nodes: &[Node], node: usize, start: usize, depth: usize) -> Result<()> {
     let wrong = |why: String| Err(Error::invalid(format!("node {start}"), why));
     if node >= nodes.len() {
-        return wrong(format!("it follows node {node}, but there are {}", nodes.len()));
+        return wrong(format!("its parent is node {node}, but there are {}", nodes.len()));
     }
     if depth >= nodes.len() {
         return wrong("it is its own ancestor; nodes must form trees".into());

@@ -8,24 +8,24 @@ use crate::parallel;
 use crate::scene::{Scene, rigid};
 
 impl Rig {
-    /// Brings `scene` to the moment `seconds` of an animation, by number; a time outside its keyframes is that of the
-    /// nearest. What the animation does not move is at rest, whatever the scene was posed to before.
+    /// Poses `scene` at the moment `seconds` of an animation, by index; a time outside its keyframes is clamped.
+    /// Nodes that the animation does not move are at rest, whatever the earlier pose of the scene.
     ///
-    /// Normals and tangents that a mesh was authored with are deformed with it. Where it has no normals they are those
-    /// of the deformed faces. Tangents that are lacking are made from the deformed mesh when it is drawn, unless
-    /// `render::bind_tangents` gave it those of its authored shape, which are those that normal maps are baked with.
+    /// Authored normals and tangents of a mesh are deformed with it. Without normals, those of the deformed faces are
+    /// used. Missing tangents are made from the deformed mesh when it is drawn, unless `render::bind_tangents` gave
+    /// it those of its authored shape, for which normal maps are baked.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where there is no such animation, the scene is not the rig's, or a moved mesh leaves the
-    /// numbers; the scene is then unchanged.
+    /// [`Error::Invalid`] if there is no such animation, the scene is not the rig's, or a moved mesh exceeds the
+    /// range of numbers; the scene is then unchanged.
     pub fn pose(&self, scene: &mut Scene, animation: usize, seconds: f64) -> Result<()> {
         self.place(scene, &self.posed(animation, seconds)?)
     }
 
-    /// The matrices that take each node's space to the world at a moment, as [`Rig::pose`] understands it.
+    /// Returns the matrices from each node's space to world space at a moment, as [`Rig::pose`] understands it.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where there is no such animation.
+    /// [`Error::Invalid`] if there is no such animation.
     pub fn world_matrices(&self, animation: usize, seconds: f64) -> Result<Vec<Mat4>> {
         world_matrices(&self.posed(animation, seconds)?)
     }
@@ -38,7 +38,7 @@ impl Rig {
         Ok(posed(&self.data().nodes, animation, seconds))
     }
 
-    /// Brings `scene` back to rest, to the last bit.
+    /// Resets `scene` to rest, bit-exactly.
     ///
     /// # Errors
     /// As [`Rig::pose`].
@@ -76,7 +76,7 @@ impl Rig {
         Ok(())
     }
 
-    /// Makes the deformed mesh. Faults corrected at rest were reported then, and are corrected without a note now.
+    /// Makes the deformed mesh. Faults corrected at rest were reported then, and are now corrected silently.
     fn mesh(&self, deformed: &Deformed, nodes: &[Node], world: &[Mat4]) -> Result<Mesh> {
         let joints = deformed.skin.map(|skin| self.data().skins[skin].joint_matrices(world));
         let weights = &nodes[deformed.node].weights;

@@ -1,11 +1,11 @@
-//! The rig of a scene: the parts that hang on each node.
+//! The rig of a scene: the parts attached to each node.
 
 use super::{Animation, Node, world_matrices};
 use crate::error::{Error, Result};
 use crate::math::Mat4;
 use crate::mesh::deform::Deformable;
 
-/// The parts of a [`Rig`], before they are checked.
+/// The parts of a [`Rig`], before validation.
 #[derive(Debug, Clone, Default)]
 pub struct RigData {
     /// The hierarchy at rest.
@@ -14,67 +14,67 @@ pub struct RigData {
     pub skins: Vec<Skin>,
     /// The meshes of the scene that morph targets or skins deform.
     pub deformed: Vec<Deformed>,
-    /// The node that each of the scene's instances hangs on; `None` for one that stands still. A skin places its mesh
-    /// by itself, so such an instance stands still too.
+    /// The node to which each of the scene's instances is attached; `None` for static ones. A skin positions its mesh
+    /// on its own, so such an instance is static too.
     pub instances: Vec<Option<usize>>,
     /// The node of each of the scene's cameras.
     pub cameras: Vec<usize>,
     /// The node of each of the scene's lights.
     pub lights: Vec<usize>,
-    /// The motions.
+    /// The animations.
     pub animations: Vec<Animation>,
 }
 
-/// Joints that move a mesh.
+/// Joints that deform a mesh.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Skin {
-    /// The nodes that are its joints.
+    /// The nodes of its joints.
     pub joints: Vec<usize>,
-    /// The matrix of each joint that takes the mesh's space at bind time to the joint's.
+    /// The matrix of each joint from the mesh's space at bind time to the joint's.
     pub inverse_bind_matrices: Vec<Mat4>,
 }
 
 impl Skin {
-    /// The matrix of each joint that takes the mesh's space at bind time to the world.
+    /// The matrix of each joint from the mesh's space at bind time to world space.
     pub fn joint_matrices(&self, world: &[Mat4]) -> Vec<Mat4> {
         let pairs = self.joints.iter().zip(&self.inverse_bind_matrices);
         pairs.map(|(joint, inverse_bind)| world[*joint] * *inverse_bind).collect()
     }
 }
 
-/// A mesh of the scene that is deformed.
+/// A deformed mesh of the scene.
 #[derive(Debug, Clone)]
 pub struct Deformed {
-    /// The mesh, by its number in the scene.
+    /// The mesh, by its index in the scene.
     pub mesh: usize,
     /// The node whose weights morph it.
     pub node: usize,
-    /// The skin, where its shape has a binding.
+    /// The skin, if its shape has a binding.
     pub skin: Option<usize>,
-    /// The shape that it is made from.
+    /// The shape from which it is made.
     pub shape: Deformable,
 }
 
-/// The data that lets a scene move: every number in it is in range.
+/// The data that animates a scene: every index in it is in range.
 ///
-/// Nothing in it is read for an image of the scene at rest.
+/// It is not used for an image of the scene at rest.
 #[derive(Debug, Clone, Default)]
 pub struct Rig {
     data: RigData,
 }
 
 impl Rig {
-    /// Checks `data`.
+    /// Validates `data`.
     ///
     /// # Errors
-    /// [`Error::Invalid`] naming what does not exist, does not fit or goes in a circle.
+    /// [`Error::Invalid`] naming what does not exist, does not fit or forms a cycle.
     pub fn new(data: RigData) -> Result<Self> {
         world_matrices(&data.nodes)?;
         let nodes = data.nodes.len();
         for (i, skin) in data.skins.iter().enumerate() {
             let at = format!("skin {i}");
             if skin.joints.len() != skin.inverse_bind_matrices.len() {
-                return Err(Error::invalid(at, "it needs one inverse bind matrix a joint"));
+                return Err(Error::invalid(at, "it needs one inverse bind matrix per joint"));
             }
             skin.joints.iter().try_for_each(|joint| in_range(&at, "node", *joint, nodes))?;
         }
@@ -93,17 +93,17 @@ impl Rig {
         Ok(Self { data })
     }
 
-    /// The motions.
+    /// Returns the animations.
     pub fn animations(&self) -> &[Animation] {
         &self.data.animations
     }
 
-    /// The data that the rig is made of.
+    /// Returns the data of the rig.
     pub fn data(&self) -> &RigData {
         &self.data
     }
 
-    /// Gives the parts back, to change them and check them again.
+    /// Returns the parts, to change and validate them again.
     pub fn into_data(self) -> RigData {
         self.data
     }
@@ -117,7 +117,7 @@ impl Deformed {
         match (self.skin, &self.shape.binding) {
             (Some(skin), Some(_)) => in_range(&at, "skin", skin, data.skins.len()),
             (None, None) => Ok(()),
-            _ => Err(Error::invalid(at, "skin and joint weights come together or not at all")),
+            _ => Err(Error::invalid(at, "it needs both a skin and joint weights, or neither")),
         }
     }
 }
@@ -125,7 +125,7 @@ impl Deformed {
 fn in_range(at: &str, what: &str, index: usize, count: usize) -> Result<()> {
     match index < count {
         true => Ok(()),
-        false => Err(Error::invalid(at, format!("it names {what} {index}, but there are {count}"))),
+        false => Err(Error::invalid(at, format!("it refers to {what} {index}, but there are {count}"))),
     }
 }
 
@@ -137,7 +137,7 @@ mod tests {
     use crate::mesh::deform::Binding;
     use crate::scene::animation::{Channel, Path};
 
-    /// One node, one skin of one joint, and a triangle that it moves.
+    /// One node, one skin with one joint, and a triangle that it moves.
     fn sound() -> RigData {
         let base = MeshData {
             positions: vec![Vec3::splat(1.0); 3],
@@ -168,7 +168,7 @@ mod tests {
         assert!(why(|rig| rig.skins[0].inverse_bind_matrices.clear()).contains("inverse bind matrix"));
         assert!(why(|rig| rig.deformed[0].node = 1).contains("node 1, but there are 1"));
         assert!(why(|rig| rig.deformed[0].skin = Some(3)).contains("skin 3"));
-        assert!(why(|rig| rig.deformed[0].skin = None).contains("together"));
+        assert!(why(|rig| rig.deformed[0].skin = None).contains("both a skin"));
         assert!(why(|rig| rig.deformed[0].shape.base.triangles[0][1] = 9).contains("vertex 9"));
         assert!(why(|rig| rig.instances.push(Some(2))).contains("node 2"));
         assert!(why(|rig| rig.lights.push(1)).contains("node 1"));

@@ -1,21 +1,21 @@
-//! Keyframes, and the value between two of them.
+//! Keyframes and interpolation between them.
 
 use crate::error::{Error, Result};
 use crate::math::scalar;
 
-/// The interpolation of a value from one keyframe to the next.
+/// The interpolation from one keyframe to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Interpolation {
-    /// It stays until the next keyframe.
+    /// Constant until the next keyframe.
     Step,
-    /// It goes straight; rotations turn evenly the shorter way.
+    /// Linear; rotations turn uniformly the shorter way.
     #[default]
     Linear,
-    /// It follows a cubic Hermite spline with authored tangents.
+    /// A cubic Hermite spline with authored tangents.
     CubicSpline,
 }
 
-/// Keyframes: values of any width at rising times.
+/// Keyframes: values of any width at non-decreasing times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampler {
     interpolation: Interpolation,
@@ -35,22 +35,22 @@ struct Segment {
 }
 
 impl Sampler {
-    /// Checks keyframes at `times` (seconds). `values` are equally many numbers for each keyframe; for
-    /// [`Interpolation::CubicSpline`] an in-tangent, a value and an out-tangent, each of that many.
+    /// Validates keyframes at `times` (seconds). `values` has the same number of values for each keyframe; for
+    /// [`Interpolation::CubicSpline`] an in-tangent, a value and an out-tangent, each of that width.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where there is no keyframe, a time is negative, not finite or earlier than the one before, a
+    /// [`Error::Invalid`] if there is no keyframe, a time is negative, not finite or earlier than the previous one, a
     /// value is not finite, or the values do not divide evenly among the keyframes.
     pub fn new(interpolation: Interpolation, times: Vec<f32>, values: Vec<f32>) -> Result<Self> {
         let wrong = |why: String| Err(Error::invalid("animation sampler", why));
         if times.is_empty() {
-            return wrong("it has no keyframe".into());
+            return wrong("it has no keyframes".into());
         }
         if let Some(i) = times.iter().position(|t| !(t.is_finite() && *t >= 0.0)) {
-            return wrong(format!("time {i} is {}; times are finite and not negative", times[i]));
+            return wrong(format!("time {i} is {}; times must be finite and not negative", times[i]));
         }
         if let Some(i) = times.windows(2).position(|pair| pair[0] > pair[1]) {
-            return wrong(format!("time {} lies before time {i}; times must rise", i + 1));
+            return wrong(format!("time {} is before time {i}; times must not decrease", i + 1));
         }
         if let Some(i) = values.iter().position(|v| !v.is_finite()) {
             return wrong(format!("value {i} is infinite or NaN"));
@@ -63,22 +63,22 @@ impl Sampler {
         Ok(sampler)
     }
 
-    /// The number of numbers in a value.
+    /// Returns the number of components in a value.
     pub fn width(&self) -> usize {
         self.values.len() / (self.times.len() * self.elements_per_key())
     }
 
-    /// The times of the keyframes, seconds, rising.
+    /// Returns the times of the keyframes, in seconds, non-decreasing.
     pub fn times(&self) -> &[f32] {
         &self.times
     }
 
-    /// The numbers of all keyframes, as [`Sampler::new`] took them.
+    /// Returns the numbers of all keyframes, as passed to [`Sampler::new`].
     pub fn values(&self) -> &[f32] {
         &self.values
     }
 
-    /// The value at a time, number by number; before the first keyframe the first value, after the last the last.
+    /// Returns the value at a time, component by component, clamped to the first and last keyframe.
     ///
     /// Source: glTF 2.0, appendix C.2, C.3 and C.5.
     pub fn at(&self, seconds: f64) -> Vec<f64> {
@@ -86,7 +86,7 @@ impl Sampler {
         (0..self.width()).map(|i| self.number_at(segment, i)).collect()
     }
 
-    /// The value at a time as a unit quaternion (x, y, z, w); for samplers of width 4.
+    /// Returns the value at a time as a unit quaternion (x, y, z, w); for samplers of width 4.
     ///
     /// Source: glTF 2.0, appendix C.4 and C.5.
     pub fn rotation_at(&self, seconds: f64) -> [f64; 4] {
@@ -112,7 +112,7 @@ impl Sampler {
     fn segment(&self, seconds: f64) -> Segment {
         let last = self.times.len() - 1;
         let time = |k: usize| f64::from(self.times[k]);
-        // At equal times the later keyframe counts, so no segment that is asked for has length zero.
+        // At equal times the later keyframe counts, so no requested segment has length zero.
         match self.times.partition_point(|t| f64::from(*t) <= seconds) {
             0 => Segment { from: 0, to: 0, t: 0.0, length: 0.0 },
             after if after > last => Segment { from: last, to: last, t: 0.0, length: 0.0 },
@@ -127,18 +127,19 @@ impl Sampler {
         if self.interpolation == Interpolation::CubicSpline { 3 } else { 1 }
     }
 
-    /// Number `i` of the value at keyframe `k`.
+    /// Returns number `i` of the value at keyframe `k`.
     fn value(&self, k: usize, i: usize) -> f64 {
         self.element(k, self.elements_per_key() / 2, i)
     }
 
-    /// Number `i` of element `e` of keyframe `k`: of a spline 0 the in-tangent, 1 the value, 2 the out-tangent.
+    /// Returns number `i` of element `e` of keyframe `k`: of a spline 0 is the in-tangent, 1 the value, 2 the
+    /// out-tangent.
     fn element(&self, k: usize, e: usize, i: usize) -> f64 {
         f64::from(self.values[(k * self.elements_per_key() + e) * self.width() + i])
     }
 }
 
-/// The cubic through `ends` with `slopes` there, for the parameter `t` from 0 to 1.
+/// Evaluates the cubic through `ends` with `slopes` there, for the parameter `t` from 0 to 1.
 ///
 /// (2t³ − 3t² + 1) p₀ + (t³ − 2t² + t) m₀ + (−2t³ + 3t²) p₁ + (t³ − t²) m₁
 fn hermite([p0, p1]: [f64; 2], [m0, m1]: [f64; 2], t: f64) -> f64 {
@@ -146,11 +147,11 @@ fn hermite([p0, p1]: [f64; 2], [m0, m1]: [f64; 2], t: f64) -> f64 {
     (2.0 * t3 - 3.0 * t2 + 1.0) * p0 + (t3 - 2.0 * t2 + t) * m0 + (3.0 * t2 - 2.0 * t3) * p1 + (t3 - t2) * m1
 }
 
-/// Turns evenly from the unit quaternion `a` (`t` = 0) to `b` (`t` = 1), the shorter way.
+/// Rotates uniformly from the unit quaternion `a` (`t` = 0) to `b` (`t` = 1), the shorter way.
 ///
 /// Source: Shoemake 1985, "Animating rotation with quaternion curves".
 fn slerp(a: [f64; 4], b: [f64; 4], t: f64) -> [f64; 4] {
-    /// Nearer than this the arc is straight to double precision, and its sine too small to divide by.
+    /// Below this the arc is straight to double precision, and its sine too small to divide by.
     const STRAIGHT: f64 = 1.0 - 1e-12;
     let dot: f64 = a.iter().zip(&b).map(|(x, y)| x * y).sum();
     let side = if dot < 0.0 { -1.0 } else { 1.0 };
@@ -164,7 +165,7 @@ fn slerp(a: [f64; 4], b: [f64; 4], t: f64) -> [f64; 4] {
     unit_quaternion([0, 1, 2, 3].map(|i| a[i] * from + b[i] * to * side))
 }
 
-/// `q` made unit; of length zero, no rotation.
+/// Returns `q` normalised; if its length is zero, no rotation.
 pub(super) fn unit_quaternion(q: [f64; 4]) -> [f64; 4] {
     let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
     if length == 0.0 { [0.0, 0.0, 0.0, 1.0] } else { q.map(|v| v / length) }
@@ -179,7 +180,7 @@ mod tests {
         Sampler::new(interpolation, times.to_vec(), values.to_vec()).unwrap()
     }
 
-    /// A turn about z by `degrees`.
+    /// Returns a rotation about z by `degrees`.
     fn about_z(degrees: f64) -> [f64; 4] {
         let half = degrees.to_radians() / 2.0;
         [0.0, 0.0, scalar::sin(half), scalar::cos(half)]
@@ -220,7 +221,7 @@ mod tests {
         // −q is the same rotation as q; from 10° to 350° is 20° back.
         assert!(close(slerp(about_z(10.0), about_z(350.0), 0.25), about_z(5.0)));
         assert!(close(slerp(about_z(20.0), about_z(20.0).map(|v| -v), 0.5), about_z(20.0)));
-        // Half a turn has no shorter way, but still an even one.
+        // Half a turn has no shorter way, but is still uniform.
         let half = slerp(about_z(0.0), about_z(180.0), 0.5);
         assert!(close(half, [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2]), "{half:?}");
         let tiny = slerp(about_z(0.0), about_z(1e-7), 0.5);
@@ -258,7 +259,7 @@ mod tests {
         assert!(why(linear, &[], &[]).contains("no keyframe"));
         assert!(why(linear, &[0.0, f32::NAN], &[1.0, 2.0]).contains("time 1"));
         assert!(why(linear, &[-1.0], &[1.0]).contains("negative"));
-        assert!(why(linear, &[0.0, 2.0, 1.0], &[1.0; 3]).contains("time 2 lies before time 1"));
+        assert!(why(linear, &[0.0, 2.0, 1.0], &[1.0; 3]).contains("time 2 is before time 1"));
         assert!(why(linear, &[0.0, 1.0], &[1.0; 3]).contains("3 numbers for 2"));
         assert!(why(linear, &[0.0], &[]).contains("0 numbers"));
         assert!(why(linear, &[0.0], &[f32::INFINITY]).contains("value 0"));

@@ -1,4 +1,4 @@
-//! The tables' numbers by quadrature.
+//! Computes the tables by quadrature.
 
 use crate::math::{Lane, Vec3, scalar};
 use crate::shade::Angles;
@@ -9,19 +9,19 @@ use crate::shade::ndf::{MIN_ALPHA, d_beckmann, d_ggx};
 use crate::shade::sheen::{d_charlie, v_neubelt};
 use std::f64::consts::{FRAC_1_PI, PI};
 
-/// The cosine from which on a surface is seen edge-on.
+/// The cosine from which a surface counts as seen edge-on.
 const LEAST_COSINE: f64 = 1e-4;
 
 /// Nodes in each interval of the polar angle.
 const FINENESS: usize = 10;
 
-/// Numbers of [`super::Dfg`] for GGX: `scale`, `bias`, `edge`, `diffuse_edge`.
+/// The fields of [`super::Dfg`] for GGX: `scale`, `bias`, `edge`, `diffuse_edge`.
 pub fn ggx(n_dot_v: f64, roughness: f64) -> [f64; 4] {
     let alpha = roughness * roughness;
     numbers(n_dot_v, alpha, |a| d_ggx(a.n_dot_h, a.sin2_h, alpha) * v_smith_ggx(a.n_dot_l, a.n_dot_v, alpha))
 }
 
-/// Integrates as [`ggx`], for Beckmann's distribution between V-shaped cavities.
+/// Like [`ggx`], for Beckmann's distribution with V-shaped cavities.
 pub fn cook_torrance(n_dot_v: f64, slope: f64) -> [f64; 4] {
     numbers(n_dot_v, slope, |a| {
         let g = g_v_cavity(a.n_dot_l, a.n_dot_v, a.n_dot_h, a.v_dot_h);
@@ -29,7 +29,7 @@ pub fn cook_torrance(n_dot_v: f64, slope: f64) -> [f64; 4] {
     })
 }
 
-/// The total reflection of white sheen.
+/// The directional albedo of white sheen.
 pub fn sheen(n_dot_v: f64, roughness: f64) -> f64 {
     let (n, v) = directions(n_dot_v.max(LEAST_COSINE));
     over_hemisphere(FINENESS, |l| {
@@ -40,7 +40,7 @@ pub fn sheen(n_dot_v: f64, roughness: f64) -> f64 {
     .x
 }
 
-/// `width` is α or the slope; `lobe` gives D V.
+/// `width` is α or the slope; `lobe` returns D V.
 fn numbers(n_dot_v: f64, width: f64, lobe: impl Fn(&Angles<f64>) -> f64) -> [f64; 4] {
     let n_dot_v = n_dot_v.max(LEAST_COSINE);
     let (n, v) = directions(n_dot_v);

@@ -1,9 +1,9 @@
-//! Directional albedos of the lobes, as tables: what a highlight sends back in all, at any angle and roughness.
+//! Directional albedos of the lobes, as tables: the total reflection of a highlight, at any angle and roughness.
 //!
-//! The part of light that a lobe reflects depends on n·v and the roughness alone, but for the Fresnel factor, which is
-//! linear in the colours at normal and at grazing incidence and in the F82 term. So one table of four numbers per lobe
-//! gives the split sum its second factor, tells how much light single scattering has lost, and how much is left for
-//! what lies below. `cargo run -p xtask -- tables` computes the tables; [`integrate`] is how.
+//! The fraction of light that a lobe reflects depends only on n·v and the roughness, apart from the Fresnel factor,
+//! which is linear in the colours at normal and at grazing incidence and in the F82 term. So one table of four
+//! numbers per lobe is the second factor of the split sum, determines how much light single scattering loses, and how
+//! much remains for the layer below. `cargo run -p xtask -- tables` computes the tables with [`integrate`].
 
 pub mod integrate;
 
@@ -17,7 +17,7 @@ pub use grid::{COLUMNS, ROWS};
 use crate::math::{Lane, Number, Vec3};
 use std::array::from_fn;
 
-/// The total reflection of a lobe, for each part of its Fresnel factor: F0 `scale` + F90 `bias` − drop `edge`.
+/// The directional albedo of a lobe, for each term of its Fresnel factor: F0 `scale` + F90 `bias` − drop `edge`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dfg<L> {
     /// ∫ D V (1 − (1 − v·h)⁵) n·l dl, [0, 1].
@@ -26,19 +26,19 @@ pub struct Dfg<L> {
     pub bias: L,
     /// ∫ D V v·h (1 − v·h)⁶ n·l dl, [0, 0.06].
     pub edge: L,
-    /// ∫ (1 − v·h)⁵ n·l / π dl, [0, 1]: Schlick's rise over a diffuse reflection.
+    /// ∫ (1 − v·h)⁵ n·l / π dl, [0, 1]: Schlick's rise averaged over a diffuse reflection.
     pub diffuse_edge: L,
 }
 
 impl<L: Lane> Dfg<L> {
-    /// The share of light that the lobe reflects where every facet reflects all, (0, 1].
+    /// The fraction of light that the lobe reflects if every facet reflects all, (0, 1].
     #[inline(always)]
     pub fn total(&self) -> L {
         self.scale + self.bias
     }
 
-    /// The share of light that the lobe reflects, linear RGB, for Schlick's Fresnel factor between `f0` and `f90` with
-    /// Lazányi's `drop`.
+    /// The fraction of light that the lobe reflects, linear RGB, for Schlick's Fresnel factor between `f0` and `f90`
+    /// with Lazányi's `drop`.
     #[inline(always)]
     pub fn albedo(&self, f0: Vec3<L>, f90: L, drop: Vec3<L>) -> Vec3<L> {
         let albedo = f0 * self.scale + Vec3::splat(f90 * self.bias) - drop * self.edge;
@@ -57,15 +57,15 @@ pub fn of_ggx(n_dot_v: f32, roughness: f32) -> Dfg<f32> {
 
 /// Reads the table of the Cook-Torrance lobe: Beckmann's distribution between V-shaped cavities.
 ///
-/// `n_dot_v` in [0, 1]; `slope` at least 0, beyond 1 taken as 1.
+/// `n_dot_v` in [0, 1]; `slope` at least 0, clamped to 1.
 /// Law: within 0.5 % of the quadrature (`laws::energy::tables_are_exact_between_their_nodes`).
 pub fn of_cook_torrance(n_dot_v: f32, slope: f32) -> Dfg<f32> {
     from_array(bilinear(&cook_torrance::TABLE, n_dot_v, slope.max(0.0).sqrt()))
 }
 
-/// The share of light that sheen of the colour white reflects, [0, 2].
+/// The fraction of light that white sheen reflects, [0, 2].
 ///
-/// The lobe as published sends back more than arrives where it is seen edge-on: up to 1.9 times at n·v below 0.1 and
+/// The lobe as published reflects more light than it receives if seen edge-on: up to 1.9 times at n·v below 0.1 and
 /// roughness below 0.3.
 ///
 /// `n_dot_v` and `roughness` in [0, 1].
@@ -89,14 +89,14 @@ pub fn row_roughness(j: usize) -> f64 {
     j as f64 / (ROWS - 1) as f64
 }
 
-/// The position at which a table is read.
+/// A position in a table.
 #[derive(Debug, Clone, Copy)]
 pub struct TablePosition<L> {
-    /// The node below, an integer: its row times [`COLUMNS`] plus its column.
+    /// The lower node, an integer: its row times [`COLUMNS`] plus its column.
     pub node: L,
     /// The fraction of the way from this node to the next along the cosine, [0, 1].
     pub across: L,
-    /// The same of the roughness.
+    /// The same along the roughness.
     pub down: L,
 }
 
@@ -119,11 +119,11 @@ impl<L: Lane> TablePosition<L> {
 /// A table of directional albedos.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AlbedoTable {
-    /// That of GGX's lobe.
+    /// The table of GGX's lobe.
     Ggx,
-    /// That of Cook-Torrance's lobe.
+    /// The table of Cook-Torrance's lobe.
     CookTorrance,
-    /// That of white sheen, whose one number is [`Dfg::scale`].
+    /// The table of white sheen, whose only number is [`Dfg::scale`].
     Sheen,
 }
 
@@ -145,13 +145,13 @@ impl<L: Number> TablePosition<L> {
 }
 
 impl Dfg<f32> {
-    /// The numbers of GGX's lobe at a position, in the order of the fields.
+    /// The values of GGX's lobe at a position, in the order of the fields.
     #[inline]
     pub fn of_ggx_at(node: u32, shares: [f32; 2]) -> [f32; 4] {
         between(&ggx::TABLE, node as usize, shares)
     }
 
-    /// The numbers of Cook-Torrance's lobe at a position, in the order of the fields.
+    /// The values of Cook-Torrance's lobe at a position, in the order of the fields.
     #[inline]
     pub fn of_cook_torrance_at(node: u32, shares: [f32; 2]) -> [f32; 4] {
         between(&cook_torrance::TABLE, node as usize, shares)
@@ -177,7 +177,7 @@ fn between<L: Lane, const N: usize>(
     })
 }
 
-/// The number of a table between four entries: those of the node, of the next along the cosine, and of the two below;
+/// The value of a table interpolated between four entries: the node, the next along the cosine, and the two below;
 /// `across` and `down` in [0, 1] as in [`TablePosition`].
 #[inline(always)]
 pub fn between_entries<L: Lane>([a, b, c, d]: [L; 4], [across, down]: [L; 2]) -> L {
@@ -186,14 +186,14 @@ pub fn between_entries<L: Lane>([a, b, c, d]: [L; 4], [across, down]: [L; 2]) ->
     top + (bottom - top) * down
 }
 
-/// All tables as one picture of [`COLUMNS`] texels a row, row by row: [`ROWS`] rows of GGX, as many of Cook-Torrance,
-/// both with the fields of [`Dfg`] in their order, and as many of sheen, in the first channel.
+/// All tables as one image, [`COLUMNS`] texels wide: [`ROWS`] rows of GGX, as many of Cook-Torrance, both with the
+/// fields of [`Dfg`] in order, and as many of sheen, in the first channel.
 pub fn tables() -> Vec<[f32; 4]> {
     let lobes = ggx::TABLE.iter().chain(&cook_torrance::TABLE).copied();
     lobes.chain(sheen::TABLE.iter().map(|[albedo]| [*albedo, 0.0, 0.0, 0.0])).collect()
 }
 
-/// The node below `x` in [0, 1] of `count` nodes, and how far `x` is on the way to the next.
+/// The node below `x` in [0, 1] among `count` nodes, and the fraction of the way from it to the next.
 #[inline(always)]
 fn node<L: Lane>(x: L, count: usize) -> (L, L) {
     let scaled = x.clamp(0.0, 1.0) * x.lit((count - 1) as f64);

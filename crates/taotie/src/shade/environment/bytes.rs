@@ -1,7 +1,8 @@
-//! An environment as bytes, so that its levels need not be made anew: little endian, checked by length and sum.
+//! Serialises an environment, so that its levels need not be recomputed: little endian, validated by length and
+//! checksum.
 //!
-//! After the header come the number of mended texels, the image and the levels. Texels
-//! are six bytes, three half floats, after the exponent of two that they are multiplied by.
+//! The header is followed by the number of corrected texels, the image and the levels. Texels are six bytes, three
+//! half floats, after their exponent of two.
 
 use super::equirect::Equirect;
 use super::levels::{Levels, RoughnessLevel, alphas};
@@ -14,22 +15,22 @@ use crc32fast::Hasher;
 use std::io::{self, Read};
 use std::sync::OnceLock;
 
-/// The first bytes; then come [`ENVIRONMENT_VERSION`] and the CRC-32 of all that follows.
+/// The signature; [`ENVIRONMENT_VERSION`] and the CRC-32 of the rest follow.
 const SIGNATURE: &[u8; 8] = b"taotie\0E";
 const HEADER: usize = 16;
 
-/// The most levels, and the most texels across one.
+/// The maximum number of levels, and the maximum texels across one.
 const MOST_LEVELS: usize = 64;
 const MOST_TEXELS: usize = 4096;
 
 impl Environment {
-    /// All of it, to be read by [`Self::from_bytes`] of the same [`ENVIRONMENT_VERSION`].
+    /// Returns the environment as bytes for [`Self::from_bytes`] of the same [`ENVIRONMENT_VERSION`].
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(self.stored_bytes());
         bytes.extend(SIGNATURE);
         bytes.extend(ENVIRONMENT_VERSION.to_le_bytes());
         bytes.extend([0; 4]);
-        put_count(&mut bytes, self.mended);
+        put_count(&mut bytes, self.repaired);
         put_count(&mut bytes, self.picture.width());
         put_count(&mut bytes, self.picture.height());
         put_texels(&mut bytes, self.picture.texels());
@@ -43,51 +44,50 @@ impl Environment {
         bytes
     }
 
-    /// About how many bytes [`Self::to_bytes`] makes, and no fewer.
+    /// An upper bound, nearly exact, of the number of bytes from [`Self::to_bytes`].
     fn stored_bytes(&self) -> usize {
         let levels = self.levels.0.iter().map(|level| level.map.texels());
         let texels: usize = levels.chain([self.picture.texels()]).map(|texels| texels.texels().len()).sum();
         1024 + texels * 6
     }
 
-    /// Reads what [`Self::to_bytes`] made, to the same bits.
+    /// Reads the bytes from [`Self::to_bytes`], restoring the same bits.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where the bytes are none of an environment, of another version, cut off or damaged.
+    /// [`Error::Invalid`] if the bytes are not an environment, of another version, truncated or damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         Self::read(bytes)
     }
 
-    /// [`Self::from_bytes`] of all that `from` gives, which is read in large pieces and never held as a
-    /// whole.
+    /// Like [`Self::from_bytes`], but reads from `from`, in large pieces and without holding all bytes in memory.
     ///
     /// # Errors
-    /// As [`Self::from_bytes`], also where nothing can be read.
+    /// As for [`Self::from_bytes`], and if reading fails.
     pub fn read(from: impl Read) -> Result<Self> {
         let mut rest = Rest { from, sum: Hasher::new() };
         if rest.array()? != *SIGNATURE {
-            return Err(wrong("they begin otherwise"));
+            return Err(wrong("not an environment file"));
         }
         let version = u32::from_le_bytes(rest.array()?);
         if version != ENVIRONMENT_VERSION {
-            return Err(wrong(&format!("they are of version {version}, not {ENVIRONMENT_VERSION}")));
+            return Err(wrong(&format!("version {version}; expected {ENVIRONMENT_VERSION}")));
         }
         let sum = u32::from_le_bytes(rest.array()?);
         rest.sum = Hasher::new();
-        let mended = rest.count(usize::MAX)?;
+        let repaired = rest.count(usize::MAX)?;
         let side = Image::MAX_SIDE as usize;
         let (width, height) = (rest.size(side)?, rest.size(side)?);
         let picture = Equirect::from_texels(width, height, rest.texels(width * height)?);
         let levels = (0..rest.count(MOST_LEVELS)?).map(|_| rest.level()).collect::<Result<Vec<_>>>()?;
         let expected = alphas().into_iter().map(|alpha| alpha as f32);
         if !rest.is_at_end() || !levels.iter().map(|level| level.alpha).eq(expected) {
-            return Err(wrong("they contradict themselves"));
+            return Err(wrong("inconsistent content"));
         }
         if rest.sum.finalize() != sum {
-            return Err(wrong("their sum is wrong; they were damaged or cut off"));
+            return Err(wrong("wrong checksum: damaged or truncated"));
         }
         let levels = Levels(levels);
-        Ok(Self { picture, levels, distribution: OnceLock::new(), mended })
+        Ok(Self { picture, levels, distribution: OnceLock::new(), repaired })
     }
 }
 
@@ -112,26 +112,26 @@ fn put_texels(bytes: &mut Vec<u8>, texels: &HalfTexels) {
 }
 
 fn wrong(why: &str) -> Error {
-    Error::invalid("the bytes of an environment", why)
+    Error::invalid("environment data", why)
 }
 
-/// The number of bytes of texels read or written at once: few enough to stay in the cache until they are texels.
+/// The number of bytes of texels read or written at a time: few enough to stay in the cache until they are converted.
 const PIECE: usize = 6 << 13;
 
-/// The most texels for which room is made before they are read; more room is made as they are.
+/// The maximum number of texels allocated before they are read; the allocation grows as they are.
 const BELIEVED: usize = 1 << 22;
 
-/// The rest, still to be read.
+/// The unread rest.
 struct Rest<R> {
     from: R,
-    /// The sum of what was read since the header.
+    /// The checksum of the bytes since the header.
     sum: Hasher,
 }
 
 impl<R: Read> Rest<R> {
     fn fill(&mut self, bytes: &mut [u8]) -> Result<()> {
         self.from.read_exact(bytes).map_err(|error| match error.kind() {
-            io::ErrorKind::UnexpectedEof => wrong("they end too early"),
+            io::ErrorKind::UnexpectedEof => wrong("unexpected end"),
             _ => wrong(&error.to_string()),
         })?;
         self.sum.update(bytes);
@@ -150,7 +150,7 @@ impl<R: Read> Rest<R> {
 
     fn count(&mut self, most: usize) -> Result<usize> {
         let count = usize::try_from(u64::from_le_bytes(self.array()?)).ok().filter(|count| *count <= most);
-        count.ok_or_else(|| wrong("a count is too high"))
+        count.ok_or_else(|| wrong("a count is too large"))
     }
 
     fn size(&mut self, most: usize) -> Result<usize> {
@@ -161,13 +161,13 @@ impl<R: Read> Rest<R> {
     fn texels(&mut self, count: usize) -> Result<HalfTexels> {
         let exponent = i32::from_le_bytes(self.array()?);
         let texels = HalfTexels::with_exponent(exponent, count.min(BELIEVED));
-        let mut texels = texels.ok_or_else(|| wrong("a number is none"))?;
+        let mut texels = texels.ok_or_else(|| wrong("invalid number"))?;
         let mut piece = [0; PIECE];
         while texels.texels().len() < count {
             let stored = &mut piece[..PIECE.min(6 * (count - texels.texels().len()))];
             self.fill(stored)?;
             if !texels.add_stored(stored.as_chunks().0) {
-                return Err(wrong("a number is none"));
+                return Err(wrong("invalid number"));
             }
         }
         Ok(texels)
@@ -194,7 +194,7 @@ mod tests {
         Environment::new(image).unwrap()
     }
 
-    /// Reads bytes with one value changed and the sum corrected.
+    /// Reads bytes with one value changed and the checksum corrected.
     fn changed(mut bytes: Vec<u8>, at: usize, value: &[u8]) -> Result<Environment> {
         bytes[at..at + value.len()].copy_from_slice(value);
         let sum = crc32fast::hash(&bytes[HEADER..]).to_le_bytes();
@@ -209,7 +209,7 @@ mod tests {
         let again = Environment::from_bytes(&bytes).unwrap();
         assert_eq!(again.picture, environment.picture);
         assert_eq!(again.levels, environment.levels);
-        assert_eq!(again.mended_texels(), 1);
+        assert_eq!(again.repaired_texels(), 1);
         assert!(again.to_bytes() == bytes);
     }
 
@@ -232,7 +232,7 @@ mod tests {
     fn sums_are_no_reason_to_believe() {
         let bytes = small().to_bytes();
         let all = [0xff; 8];
-        // Mended texels, width, height, exponent, a texel, the count of levels.
+        // Corrected texels, width, height, exponent, a texel, the number of levels.
         let picture = 16 + 3 * 8 + 4;
         let levels = picture + 8 * 4 * 6;
         for at in [24, 32, 40, picture, levels - 4, levels, levels + 8, levels + 12, levels + 20] {
@@ -240,6 +240,6 @@ mod tests {
         }
         assert!(changed(bytes.clone(), 24, &0u64.to_le_bytes()).is_err());
         assert!(changed(bytes.clone(), levels, &1u64.to_le_bytes()).is_err());
-        assert!(changed(bytes, 16, &5u64.to_le_bytes()).is_ok_and(|e| e.mended_texels() == 5));
+        assert!(changed(bytes, 16, &5u64.to_le_bytes()).is_ok_and(|e| e.repaired_texels() == 5));
     }
 }

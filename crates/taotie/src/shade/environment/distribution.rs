@@ -1,44 +1,43 @@
-//! Directions chosen at random, with more likelihood where more light comes from.
+//! Samples directions proportionally to radiance.
 
 use super::equirect::{Equirect, direction_at, uv_of};
 use crate::math::{Vec3, scalar};
 use std::f64::consts::{PI, TAU};
 
-/// The most columns and rows of cells.
+/// The maximum number of columns and rows of cells.
 const MOST: [usize; 2] = [1024, 512];
 
-/// The weight of a cell without light, as part of the mean: no direction is left out.
+/// The weight of a cell without light, relative to the mean: no direction is excluded.
 const FLOOR: f64 = 0.02;
 
-/// A sequence that rises from 0 to 1, with marks from which its steps are soon found.
+/// An increasing sequence from 0 to 1, with an index for finding its steps quickly.
 #[derive(Debug, Clone)]
 struct Rising {
     values: Vec<f64>,
-    /// The step in which each of as many equal parts of [0, 1] begins; a power of two of them, so that a number's part is
-    /// exact.
+    /// For each of N equal parts of [0, 1], the step in which it begins; N is a power of two, so that the part of a
+    /// number is exact.
     marks: Vec<u16>,
 }
 
-/// A density over the sphere that is constant in each cell of an equirectangular grid, and there as high as the
-/// brightest that filtered lookup within the cell finds.
+/// A density over the sphere that is constant in each cell of an equirectangular grid and proportional to the maximum
+/// of filtered lookup within the cell.
 ///
-/// Law: samples fall as the density says, which integrates to 1; radiance / density is bounded
-/// (`laws::environment`).
+/// Law: samples follow the density, which integrates to 1; radiance / density is bounded (`laws::environment`).
 /// Source: Pharr, Jakob and Humphreys 2023, §12.5.2; constant in solid angle instead of in uv.
 #[derive(Debug, Clone)]
 pub(super) struct Distribution {
     columns: usize,
     rows: usize,
-    /// The probability of all above each row, and at the end 1.
+    /// The probability of everything above each row, and finally 1.
     above: Rising,
-    /// The probability in each row of all to the left of each column, and at the end 1.
+    /// The probability, within each row, of everything to the left of each column, and finally 1.
     left: Vec<Rising>,
     /// The density in each cell, sr⁻¹.
     density: Vec<f32>,
 }
 
 impl Distribution {
-    /// Makes the distribution for the light of an image.
+    /// Creates the distribution for the light of an image.
     pub(super) fn new(picture: &Equirect) -> Self {
         let columns = picture.width().min(MOST[0]);
         let rows = picture.height().min(MOST[1]);
@@ -83,12 +82,12 @@ impl Distribution {
     }
 }
 
-/// The height y at which a row begins.
+/// The height y at the start of a row.
 fn edge(row: usize, rows: usize) -> f64 {
     scalar::cos(PI * row as f64 / rows as f64)
 }
 
-/// The share of a row's sum that lies to the left of each of its cells, and at the end 1.
+/// The fraction of a row's sum to the left of each of its cells, and finally 1.
 fn shares_to_the_left(row: &[f64], sum: f64) -> Vec<f64> {
     let (mut shares, mut all) = (vec![0.0], 0.0);
     for weight in &row[..row.len() - 1] {
@@ -100,7 +99,7 @@ fn shares_to_the_left(row: &[f64], sum: f64) -> Vec<f64> {
 }
 
 impl Rising {
-    /// Takes at most 2^16 values.
+    /// Accepts at most 2^16 values.
     fn new(values: Vec<f64>) -> Self {
         let parts = (values.len() - 1).next_power_of_two();
         let step = |part: usize| {
@@ -111,7 +110,7 @@ impl Rising {
         Self { values, marks }
     }
 
-    /// The step in which `u` in [0, 1) lies, and how far in it.
+    /// The step that contains `u` in [0, 1), and the fraction within it.
     fn find(&self, u: f64) -> (usize, f64) {
         let part = (u * self.marks.len() as f64) as usize;
         let mut step = usize::from(self.marks[part.min(self.marks.len() - 1)]);
@@ -123,7 +122,7 @@ impl Rising {
     }
 }
 
-/// The mean of the channels where filtered lookup finds most, for each cell, row by row.
+/// The mean of the channels at the maximum of filtered lookup, for each cell, row by row.
 fn brightest(picture: &Equirect, columns: usize, rows: usize) -> Vec<f64> {
     let (width, height) = (picture.width(), picture.height());
     let mut across = Vec::with_capacity(height * columns);
@@ -137,8 +136,8 @@ fn brightest(picture: &Equirect, columns: usize, rows: usize) -> Vec<f64> {
     (0..rows * columns).map(|i| cell(i / columns, i % columns)).collect()
 }
 
-/// The most that interpolating between texels finds in the cell `index` of `count` over `size` texels: at a texel, or
-/// at the cell's edges.
+/// The maximum of interpolation between texels in the cell `index` of `count` over `size` texels: at a texel, or at
+/// the cell's edges.
 fn most(index: usize, count: usize, size: usize, texel: impl Fn(isize) -> f64) -> f64 {
     let [first, end] = [(index * size / count) as isize, ((index + 1) * size).div_ceil(count) as isize];
     let edge = |x: isize| (texel(x - 1) + texel(x)) / 2.0;
@@ -156,7 +155,7 @@ mod tests {
     #[test]
     fn marks_lead_to_the_steps_that_searching_finds() {
         for count in [1usize, 2, 5, 64, 1000] {
-            // Steps of very different heights, some of them none at all.
+            // Steps of very different heights, some of them zero.
             let weights: Vec<f64> = (0..count).map(|i| [0.0, 1e-9, 1.0, 300.0][i * 7 % 4] + 1e-12).collect();
             let values = shares_to_the_left(&weights, weights.iter().sum());
             let rising = Rising::new(values.clone());

@@ -1,4 +1,4 @@
-//! The equirectangular image itself: where a direction lies in it, and what shines from there.
+//! The equirectangular image itself: the position of a direction in it, and the radiance from there.
 
 use super::bilinear::bilinear;
 use super::texels::{HalfTexels, MAX_RADIANCE};
@@ -15,15 +15,15 @@ pub(super) struct Equirect {
     texels: HalfTexels,
 }
 
-/// The place of a unit direction in the image: u and v in [0, 1] from the top left, u = ½ at +x and ¾ at +z.
+/// The position of a unit direction in the image: u and v in [0, 1] from the top left, u = ½ at +x and ¾ at +z.
 pub(super) fn uv_of<L: Number>(direction: Vec3<L>) -> [L; 2] {
     let Vec3 { x, y, z } = direction;
-    // Near the poles the arc cosine of y would lose half the digits.
+    // Near the poles, the arc cosine of y would lose half of the digits.
     let polar = L::angle((x * x + z * z).sqrt(), y);
     picture_uv(L::angle(z, x), polar)
 }
 
-/// [`uv_of`] many at once, to the same bits.
+/// [`uv_of`] for many directions at a time, with the same bits.
 #[inline(always)]
 pub(super) fn uv_of_lanes<L: Lane>(direction: Vec3<L>) -> [L; 2] {
     let Vec3 { x, y, z } = direction;
@@ -31,20 +31,20 @@ pub(super) fn uv_of_lanes<L: Lane>(direction: Vec3<L>) -> [L; 2] {
     picture_uv(poly::angle(z, x), polar)
 }
 
-/// The place in an equirectangular picture, [0, 1]² from the top left: `azimuth` is atan2(z, x), in [−π, π], and `polar`
-/// the angle from +y, in [0, π].
+/// The position in an equirectangular image, [0, 1]² from the top left: `azimuth` is atan2(z, x), in [−π, π], and
+/// `polar` the angle from +y, in [0, π].
 #[inline(always)]
 pub fn picture_uv<L: Lane>(azimuth: L, polar: L) -> [L; 2] {
     let (turns, half) = (azimuth.lit(f64::from(0.5 / PI)), azimuth.lit(0.5));
     [azimuth * turns + half, polar / polar.lit(f64::from(PI))]
 }
 
-/// The texels around a place in an equirectangular picture: columns and rows, integers.
+/// The texels around a position in an equirectangular image: columns and rows, integers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PicturePosition<L> {
     /// The left column.
     pub left: L,
-    /// The right column, which is the first beyond the last.
+    /// The right column; wraps from the last to the first.
     pub right: L,
     /// The upper row.
     pub top: L,
@@ -57,11 +57,11 @@ pub struct PicturePosition<L> {
 }
 
 impl<L: Lane> PicturePosition<L> {
-    /// Finds the texels around `uv` in [0, 1]² of a picture of `size` texels, each a centre apart from the next.
+    /// Finds the texels around `uv` in [0, 1]² of an image of `size` texels, whose centres are one apart.
     #[inline(always)]
     pub fn of([u, v]: [L; 2], [width, height]: [L; 2]) -> Self {
         let (zero, half, one) = (u.lit(0.0), u.lit(0.5), u.lit(1.0));
-        // One column on, so that what is cut off is what lies below.
+        // Shifted by one column, so that truncation rounds down.
         let x = u * width + half;
         let y = (v * height - half).max(zero).min(height - one);
         let (next, top) = (x.floor(), y.floor());
@@ -76,7 +76,7 @@ impl<L: Lane> PicturePosition<L> {
     }
 }
 
-/// The direction that has the azimuth of `u` and the height `y`.
+/// The direction with the azimuth of `u` and the height `y`.
 pub(super) fn direction_at(u: f64, y: f64) -> Vec3 {
     let azimuth = (u - 0.5) * std::f64::consts::TAU;
     let radius = (1.0 - y * y).max(0.0).sqrt();
@@ -84,13 +84,13 @@ pub(super) fn direction_at(u: f64, y: f64) -> Vec3 {
 }
 
 impl Equirect {
-    /// Encodes an image whose texels were [`mended`].
+    /// Encodes an image whose texels were [`repaired`].
     pub(super) fn new(image: &Image) -> Self {
         let (width, height) = (image.width() as usize, image.height() as usize);
         Self { width, height, texels: HalfTexels::encode(image.pixels()) }
     }
 
-    /// Takes stored texels, as many as the size says.
+    /// Creates the image from stored texels, `width` · `height` of them.
     pub(super) fn from_texels(width: usize, height: usize, texels: HalfTexels) -> Self {
         Self { width, height, texels }
     }
@@ -113,8 +113,8 @@ impl Equirect {
         self.texels.get(y * self.width + x)
     }
 
-    /// The radiance from the direction at u and v in [0, 1], linear RGB: the mean of the four texels around it, by
-    /// nearness.
+    /// The radiance from the direction at u and v in [0, 1], linear RGB: bilinear interpolation of the four texels
+    /// around it.
     #[inline(always)]
     pub(super) fn radiance_at<L: Number>(&self, uv: [L; 2]) -> Vec3<L> {
         let size = [uv[0].lit(self.width as f64), uv[0].lit(self.height as f64)];
@@ -130,7 +130,7 @@ impl Equirect {
         bilinear(texels, [at.across, at.down])
     }
 
-    /// Texel `i` as numbers like `like`.
+    /// Texel `i` as numbers of the type of `like`.
     #[inline(always)]
     fn number<L: Number>(&self, i: usize, like: L) -> Vec3<L> {
         let Vec3 { x, y, z } = self.texels.get(i);
@@ -138,9 +138,9 @@ impl Equirect {
     }
 }
 
-/// Makes every number one that light can have, and counts the texels that had another: neither a number nor positive
-/// becomes 0, infinite becomes 65504, the largest half float, or the largest number of the image where that is more.
-pub(super) fn mended(image: &mut Image) -> usize {
+/// Replaces texels that light cannot have, and counts them: negative numbers and NaN become 0, infinite ones become
+/// 65504, the largest half float, or the largest number of the image if that is more.
+pub(super) fn repaired(image: &mut Image) -> usize {
     let sound = |v: f32| (0.0..=MAX_RADIANCE).contains(&v);
     let pixels = image.pixels();
     if parallel::count(pixels.len(), |i| !pixels[i][..3].iter().all(|v| sound(*v))) == 0 {
@@ -200,13 +200,13 @@ mod tests {
     }
 
     #[test]
-    fn what_no_light_can_be_is_mended_and_counted() {
+    fn what_no_light_can_be_is_repaired_and_counted() {
         let mut image = Image::new(5, 1, [1.0; 4]).unwrap();
         image.pixels_mut()[0] = [f32::NAN, 2.0, -1.0, 1.0];
         image.pixels_mut()[1] = [f32::INFINITY, 3e38, 0.5, 1.0];
         image.pixels_mut()[2] = [f32::NEG_INFINITY, -0.0, 0.0, 1.0];
         image.pixels_mut()[3] = [1e5, 0.0, 0.0, f32::NAN];
-        assert_eq!(mended(&mut image), 3);
+        assert_eq!(repaired(&mut image), 3);
         assert_eq!(image.pixels()[0][..3], [0.0, 2.0, 0.0]);
         assert_eq!(image.pixels()[1][..3], [1e5, MAX_RADIANCE, 0.5]);
         assert_eq!(image.pixels()[2][..3], [0.0, 0.0, 0.0]);

@@ -1,19 +1,19 @@
-//! Irradiance by nine numbers a channel.
+//! Irradiance as nine numbers per channel.
 
 use super::equirect::Equirect;
 use crate::math::{Vec3, scalar};
 use crate::parallel;
 use std::f64::consts::{PI, TAU};
 
-/// The irradiance as a polynomial of degree 2 in the normal: what spherical harmonics up to l = 2 give, with all
-/// constants multiplied in. In the order 1, y, z, x, xy, yz, 3z² − 1, xz, x² − y².
+/// The irradiance as a polynomial of degree 2 in the normal: spherical harmonics up to l = 2, with all constants
+/// multiplied in. In the order 1, y, z, x, xy, yz, 3z² − 1, xz, x² − y².
 ///
 /// Law: exact for light of the second degree (`laws::environment::irradiance_of_light_of_the_second_degree_is_exact`).
 /// Source: Ramamoorthi and Hanrahan 2001, eq. 7, 8 and 10.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IrradianceHarmonics(pub [Vec3; 9]);
 
-/// Â_l times the square of Y_lm's constant: what the integral of light times a polynomial is multiplied by.
+/// Â_l times the square of Y_lm's constant: the factor of the integral of light times a polynomial.
 const FACTORS: [f64; 9] = {
     let [constant, linear, quadratic] = [0.25, 0.5, PI / 4.0];
     let product = quadratic * 15.0 / (4.0 * PI);
@@ -22,7 +22,7 @@ const FACTORS: [f64; 9] = {
 };
 
 impl IrradianceHarmonics {
-    /// Makes the harmonics of an image whose texels each shine evenly.
+    /// Computes the harmonics of an image whose texels each have constant radiance.
     pub(super) fn new(picture: &Equirect) -> Self {
         let waves = waves(picture.width());
         let row = |y: usize| {
@@ -79,8 +79,8 @@ fn sums(picture: &Equirect, y: usize, waves: &[[f64; 5]]) -> [Vec3<f64>; 5] {
     sums
 }
 
-/// Integrals over the polar angle θ up to a row's edge, and by difference over the row: of sin θ times 1, cos θ,
-/// sin θ, sin θ cos θ, sin² θ and cos² θ.
+/// Integrals over the polar angle θ up to a row's edge, and by difference over the row: of sin θ times 1, cos θ, sin
+/// θ, sin θ cos θ, sin² θ and cos² θ.
 #[derive(Clone, Copy)]
 struct Edge([f64; 6]);
 

@@ -1,7 +1,7 @@
-//! The light of an environment at some roughnesses, and at all by going between them.
+//! The light of an environment at several roughnesses, interpolated for those in between.
 
 use super::bilinear::linear;
-use super::octahedron::{Octahedron, place_of};
+use super::octahedron::{Octahedron, octahedral_place};
 use crate::math::{Lane, Mask, Number, Vec3, scalar};
 
 /// The light at one roughness.
@@ -16,13 +16,13 @@ pub(super) struct RoughnessLevel {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Levels(pub(super) Vec<RoughnessLevel>);
 
-/// The α from which levels are dense; next their density below and above. Going between two lobes of GGX that are a
-/// factor of e^δ apart in α errs by up to 0.18 δ² in the mean square; steps above are 1.14.
+/// The α from which levels are dense; then their density below and above. Interpolating between two lobes of GGX
+/// whose α differ by a factor of e^δ has an error of up to 0.18 δ² in the mean square; steps above are 1.14.
 const DENSE_FROM: f64 = 0.04;
 const SPARSE: (u32, f64) = (6, 1.5);
 const DENSE: u32 = 24;
 
-/// Levels to an octave of α below and above: 1/log2 1.5 and 24/log2 25.
+/// Levels per octave of α below and above: 1/log2 1.5 and 24/log2 25.
 const SPARSE_TO_OCTAVE: f64 = 1.709_511_291_351_454_7;
 const DENSE_TO_OCTAVE: f64 = 5.168_118_696_880_717;
 
@@ -36,16 +36,17 @@ pub(super) fn alphas() -> Vec<f64> {
     sparse.chain(dense).collect()
 }
 
-/// The two levels between which a roughness lies.
+/// The two levels around a roughness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevelPosition<L> {
-    /// The number of the level below; −1 where all are rougher.
+    /// The index of the lower level; −1 if all are rougher.
     pub below: L,
-    /// The weight of the level above in the mean.
+    /// The weight of the upper level in the mean.
     pub share: L,
 }
 
-/// The weight of the smoothest level, whose roughness² is `alpha`, against the light itself, for a `roughness` below it.
+/// The weight of the smoothest level, whose roughness² is `alpha`, relative to the unfiltered light, for a lower
+/// `roughness`.
 #[inline(always)]
 pub fn share_of_smoothest<L: Lane>(roughness: L, alpha: L) -> L {
     roughness * roughness / alpha
@@ -54,8 +55,9 @@ pub fn share_of_smoothest<L: Lane>(roughness: L, alpha: L) -> L {
 impl<L: Lane> LevelPosition<L> {
     /// Finds the levels of a `roughness` in [0, 1].
     ///
-    /// Between levels light is linear in 1/α: of all functions of α that one errs least for a lone bright texel, since
-    /// the second derivative of a lobe by ln α is, as far as it is like the first, its negative.
+    /// Between levels light is linear in 1/α: of all functions of α, this one has the smallest error for an isolated
+    /// bright texel, since the second derivative of a lobe by ln α, as far as it resembles the first, is its
+    /// negative.
     #[inline(always)]
     pub fn of(roughness: L) -> Self {
         let one = roughness.lit(1.0);
@@ -65,7 +67,7 @@ impl<L: Lane> LevelPosition<L> {
         let position = octaves * to_octave + one.lit(f64::from(SPARSE.0));
         let position = position.clamp(-1.0, f64::from(SPARSE.0 + DENSE));
         let below = position.floor();
-        // 1/α falls from one level to the next by `step`, of which `left` to the roughness.
+        // 1/α decreases from one level to the next by `step`, of which `left` remains to the roughness.
         let step = L::select(sparse, one.lit(SPARSE.1), one.lit(DENSE_STEP));
         let left = ((one - (position - below)) / to_octave).exp2();
         Self { below, share: (step - left) / (step - one) }
@@ -73,7 +75,7 @@ impl<L: Lane> LevelPosition<L> {
 }
 
 impl Levels {
-    /// The light at `roughness`, [0, 1], in a direction. `mirror` tells the light itself there.
+    /// The light at `roughness`, [0, 1], in a direction. `mirror` returns the unfiltered light there.
     #[inline]
     pub(super) fn at<L: Number>(
         &self,
@@ -81,7 +83,7 @@ impl Levels {
         roughness: L,
         mirror: impl FnOnce() -> Vec3<L>,
     ) -> Vec3<L> {
-        let (place, zero) = (place_of(direction), roughness.lit(0.0));
+        let (place, zero) = (octahedral_place(direction), roughness.lit(0.0));
         let LevelPosition { below, share } = LevelPosition::of(roughness);
         if zero.le(below).any() {
             let (below, above) = (self.numbered(below.index()), self.numbered(below.index() + 1));
@@ -92,7 +94,7 @@ impl Levels {
         if zero.lt(share).any() { linear(mirror(), smoothest.map.at(place), share) } else { mirror() }
     }
 
-    /// A level by its number; the roughest beyond the last.
+    /// A level by its index; the roughest beyond the last.
     #[inline]
     pub(super) fn numbered(&self, number: usize) -> &Octahedron {
         &self.0[number.min(self.0.len() - 1)].map
@@ -108,7 +110,7 @@ impl Levels {
 mod tests {
     use super::*;
 
-    /// The number of the level that a roughness has, with fractions.
+    /// The fractional index of the level of a roughness.
     fn position(roughness: f64) -> f64 {
         let between = LevelPosition::of(roughness);
         between.below + between.share

@@ -1,29 +1,28 @@
-//! Environment lookup of many directions at once: levels and places are found in packs, texels read one by one, and
-//! decoded and filtered in packs.
+//! Environment lookup of many directions at a time: levels and positions are computed in packs, texels read one by
+//! one, and decoded and filtered in packs.
 
 use super::Environment;
 use super::levels::{LevelPosition, Levels};
-use super::octahedron::taps;
+use super::octahedron::octahedral_taps;
 use crate::math::{Column, Pack, Quads, Vec3, Words, dispatch_pack};
 use fearless_simd::Level;
 
-/// The directions and roughnesses that are looked up, at most [`crate::math::BATCH`], in the environment's
-/// space.
+/// The directions and roughnesses to look up, at most [`crate::math::BATCH`], in the environment's local space.
 #[derive(Debug, Clone)]
 pub(crate) struct LookupDirections {
     /// The directions that light comes from, of any length.
     pub direction: [Column; 3],
-    /// [`Environment::place_of`] it.
+    /// [`Environment::place_of`] of the directions.
     pub place: [Column; 2],
     /// [0, 1].
     pub roughness: Column,
 }
 
-/// A lookup: where, of how many, and by what factor.
+/// A lookup: the points, their number, and the factor of the light.
 #[derive(Clone, Copy)]
 pub(crate) struct LookupRequest<'a> {
     pub directions: &'a LookupDirections,
-    /// The number of them that count, from the first on.
+    /// The number of points in use, starting at the first.
     pub len: usize,
     /// The factor of the light.
     pub factor: f32,
@@ -40,16 +39,16 @@ impl Default for LookupDirections {
 pub(crate) struct EnvironmentLookup {
     below: Taps,
     above: Taps,
-    /// The number of the level below; −1 where all are rougher.
+    /// The index of the lower level; −1 if all are rougher.
     number: Column,
-    /// The weight of the level above in the mean.
+    /// The weight of the upper level in the mean.
     share: Column,
 }
 
-/// The four texels around places in maps.
+/// The four texels around positions in maps.
 #[derive(Debug, Clone)]
 struct Taps {
-    /// The numbers of the maps, their texels across, and what their half floats are multiplied by.
+    /// The indices of the maps, their texels across, and the factors of their half floats.
     map: Words,
     side: Column,
     decode: Column,
@@ -57,7 +56,7 @@ struct Taps {
     place: Words,
     across: Column,
     down: Column,
-    /// The upper and the lower two texels: of each two words with two half floats each, as the bits of floats.
+    /// The upper and the lower two texels: each as two words of two half floats each, as the bits of floats.
     rows: [Quads; 2],
 }
 
@@ -108,7 +107,7 @@ impl Environment {
         }
     }
 
-    /// [`Self::irradiance`] at the places, times the factor over π.
+    /// [`Self::irradiance`] at the positions, times the factor divided by π.
     pub(crate) fn look_up_mean(
         &self,
         level: Level,
@@ -150,7 +149,7 @@ impl EnvironmentLookup {
 }
 
 impl Taps {
-    /// Looks point `i` up in a map.
+    /// Looks up point `i` in a map.
     #[inline(always)]
     fn choose(&mut self, i: usize, levels: &Levels, number: usize) {
         let map = levels.numbered(number);
@@ -159,7 +158,7 @@ impl Taps {
         self.decode[i] = map.texels().factor();
     }
 
-    /// Looks the first `len` points up in one map.
+    /// Looks up the first `len` points in one map.
     fn choose_all(&mut self, levels: &Levels, number: usize, len: usize) {
         let map = levels.numbered(number);
         self.map[..len].fill(number as u32);
@@ -167,7 +166,7 @@ impl Taps {
         self.decode[..len].fill(map.texels().factor());
     }
 
-    /// Reads the texels around the places.
+    /// Reads the texels around the positions.
     fn read(&mut self, level: Level, levels: &Levels, places: &[Column; 2], len: usize) {
         dispatch_pack!(level, P, token => self.find::<P>(token, places, len));
         let (maps, places) = (&self.map[..len], &self.place[..len]);
@@ -185,8 +184,8 @@ impl Taps {
         let two = P::splat(token, 2.0);
         for i in (0..len).step_by(P::LANES) {
             let side = P::load(token, &self.side[i..]);
-            let (left, across) = taps(P::load(token, &u[i..]), side);
-            let (top, down) = taps(P::load(token, &v[i..]), side);
+            let (left, across) = octahedral_taps(P::load(token, &u[i..]), side);
+            let (top, down) = octahedral_taps(P::load(token, &v[i..]), side);
             left.store_place(top, side + two, &mut self.place[i..]);
             across.store(&mut self.across[i..]);
             down.store(&mut self.down[i..]);

@@ -1,35 +1,35 @@
-//! The pictures of an environment, for machines that look it up themselves.
+//! The images of an environment, for GPUs that look it up themselves.
 
 use super::Environment;
 use super::texels::HalfTexels;
 
-/// The pictures that an environment is looked up in.
+/// The images in which an environment is looked up.
 #[derive(Debug, Clone)]
 pub struct EnvironmentMaps<'e> {
-    /// Its light as seen by rough mirrors, from the smoothest to the roughest: unfolded octahedra with a border of one
-    /// texel on each side.
+    /// Its light filtered for rough mirrors, from the smoothest to the roughest: unfolded octahedra with a border of
+    /// one texel on each side.
     pub levels: Vec<HalfPicture<'e>>,
     /// Roughness² of the smoothest level, (0, 1].
     pub smoothest_alpha: f32,
-    /// The equirectangular picture itself.
+    /// The equirectangular image itself.
     pub picture: HalfPicture<'e>,
 }
 
-/// A picture of linear RGB in half floats, row by row from the top.
+/// An image of linear RGB in half floats, row by row from the top.
 #[derive(Debug, Clone, Copy)]
 pub struct HalfPicture<'e> {
-    /// Texels across, with the border.
+    /// Width in texels, with the border.
     pub width: usize,
-    /// Texels down, with the border.
+    /// Height in texels, with the border.
     pub height: usize,
     /// The half floats of each texel.
     pub texels: &'e [[u16; 3]],
-    /// Multiplies the half floats: a power of two.
+    /// The factor of the half floats: a power of two.
     pub factor: f32,
 }
 
 impl Environment {
-    /// The pictures that this environment is looked up in.
+    /// Returns the images in which this environment is looked up.
     pub fn maps(&self) -> EnvironmentMaps<'_> {
         let levels = self.levels.0.iter().map(|level| {
             let map = &level.map;

@@ -1,7 +1,7 @@
-//! Light from infinitely far all around: an equirectangular image and what is made of it once.
+//! Light from infinitely far away in all directions: an equirectangular image and the levels filtered from it.
 //!
-//! Directions are unit, in the environment's own space, with +y up. The image's convention is u = atan2(z, x)/(2π) +
-//! 1/2, v = acos(y)/π, both from the top left.
+//! Directions are unit, in the environment's local space, with +y up. The image's convention is u = atan2(z, x)/(2π)
+//! + 1/2, v = acos(y)/π, both from the top left.
 
 mod bilinear;
 mod bytes;
@@ -30,58 +30,58 @@ pub use equirect::{PicturePosition, picture_uv};
 pub use irradiance::IrradianceHarmonics;
 pub use levels::{LevelPosition, share_of_smoothest};
 pub use maps::{EnvironmentMaps, HalfPicture};
-pub use octahedron::{place_of as octahedral_place, taps as octahedral_taps};
+pub use octahedron::{octahedral_place, octahedral_taps};
 pub use studio::{STUDIO_VERSION, studio};
 
-/// Version of what [`Environment::new`] makes and of the bytes that it is kept in: the same image gives the same bits
-/// as long as it stays.
+/// The version of the results of [`Environment::new`] and of their serialised form: as long as it is unchanged, the
+/// same image gives the same bits.
 pub const ENVIRONMENT_VERSION: u32 = 3;
 
-/// Light from infinitely far all around.
+/// Light from infinitely far away in all directions.
 #[derive(Debug, Clone)]
 pub struct Environment {
     picture: Equirect,
     levels: Levels,
-    /// Made when it is first asked for: only who chooses directions at random needs it.
+    /// Computed on first use: only needed for sampling directions.
     distribution: OnceLock<Distribution>,
-    mended: usize,
+    repaired: usize,
 }
 
-/// A direction chosen at random.
+/// A sampled direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnvironmentSample {
     /// Unit, to the light.
     pub direction: Vec3,
     /// The radiance from there, linear RGB.
     pub radiance: Vec3,
-    /// Density of the choice, sr⁻¹, above 0.
+    /// The density of the sample, sr⁻¹, above 0.
     pub pdf: f32,
 }
 
 impl Environment {
-    /// Makes an environment from an equirectangular image, linear RGB. Texels that no light can have are corrected and
-    /// counted: what is negative or not a number becomes 0, what is infinite 65504 or the largest number of the image.
+    /// Creates an environment from an equirectangular image, linear RGB. Texels that light cannot have are corrected
+    /// and counted: negative numbers and NaN become 0, infinite ones 65504 or the largest number of the image.
     ///
     /// # Errors
     /// None yet.
     pub fn new(mut image: Image) -> Result<Self> {
-        let mended = equirect::mended(&mut image);
+        let repaired = equirect::repaired(&mut image);
         let picture = Equirect::new(&image);
         drop(image);
         let levels = prefilter::levels(&picture);
-        Ok(Self { levels, picture, distribution: OnceLock::new(), mended })
+        Ok(Self { levels, picture, distribution: OnceLock::new(), repaired })
     }
 
     /// The number of texels of the image that were corrected.
-    pub fn mended_texels(&self) -> usize {
-        self.mended
+    pub fn repaired_texels(&self) -> usize {
+        self.repaired
     }
 
-    /// Returns the bytes that it takes, and choosing directions at random by it.
+    /// Returns the memory that it occupies in bytes, including the distribution for sampling directions.
     #[doc(hidden)]
     pub fn bytes(&self) -> u64 {
         const TEXEL: u64 = 6;
-        /// Its levels, and the likelihood of each direction, whose sizes are bounded.
+        /// Its levels, and the density of each direction, whose sizes are bounded.
         const DERIVED: u64 = 32 << 20;
         (self.picture.width() * self.picture.height()) as u64 * TEXEL + DERIVED
     }
@@ -92,10 +92,9 @@ impl Environment {
     }
 
     /// The radiance that a rough mirror at `direction` gathers, linear RGB: the mean over the GGX lobe of this
-    /// `roughness`, [0, 1], that is seen from straight above, weighted by n·l. At roughness 0 it is
-    /// [`Self::radiance`].
+    /// `roughness`, [0, 1], as seen along the normal, weighted by n·l. At roughness 0 it is [`Self::radiance`].
     ///
-    /// Law: within 1 % of the integral over all texels from roughness 0.2 on
+    /// Law: within 1 % of the integral over all texels from roughness 0.2 upwards
     /// (`environments::levels_are_integrals_over_all_texels`).
     /// Source: Karis 2013, "Pre-Filtered Environment Map".
     pub fn specular<L: Number>(&self, direction: Vec3<L>, roughness: L) -> Vec3<L> {
@@ -111,25 +110,25 @@ impl Environment {
         self.levels.at(n, one, || self.radiance(n)) * one.lit(std::f64::consts::PI)
     }
 
-    /// The place of a direction of any length in the filtered maps.
+    /// The position of a direction of any length in the filtered maps.
     #[inline(always)]
     pub(crate) fn place_of<L: Lane>(direction: Vec3<L>) -> [L; 2] {
-        octahedron::place_of(direction)
+        octahedral_place(direction)
     }
 
-    /// The irradiance up to the second degree of spherical harmonics, for engines that take light so. On the dark side
-    /// of a room with few lamps it is off by a quarter, where [`Self::irradiance`] is exact.
+    /// The irradiance up to the second degree of spherical harmonics, for engines that expect this form. On the dark
+    /// side of a room with few lamps, its error is a quarter, while [`Self::irradiance`] is accurate.
     pub fn irradiance_harmonics(&self) -> IrradianceHarmonics {
         IrradianceHarmonics::new(&self.picture)
     }
 
-    /// Chooses a direction, with more likelihood where more light comes from. `u` in [0, 1)².
+    /// Samples a direction proportionally to radiance. `u` in [0, 1)².
     pub fn sample(&self, u: [f32; 2]) -> EnvironmentSample {
         let (direction, pdf) = self.distribution().sample(u);
         EnvironmentSample { direction, radiance: self.radiance(direction), pdf }
     }
 
-    /// The density with which [`Self::sample`] chooses a direction, sr⁻¹, above 0.
+    /// The density of [`Self::sample`] in a direction, sr⁻¹, above 0.
     pub fn pdf(&self, direction: Vec3) -> f32 {
         self.distribution().pdf(direction)
     }

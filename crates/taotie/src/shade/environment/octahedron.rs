@@ -15,11 +15,11 @@ pub(super) struct Octahedron {
     texels: HalfTexels,
 }
 
-/// The place in the unfolded square, [0, 1]², of a direction of any length.
+/// The position in the unfolded square, [0, 1]², of a direction of any length.
 ///
 /// Source: Engelhardt and Dachsbacher 2008, "Octahedron Environment Maps".
 #[inline(always)]
-pub fn place_of<L: Lane>(direction: Vec3<L>) -> [L; 2] {
+pub fn octahedral_place<L: Lane>(direction: Vec3<L>) -> [L; 2] {
     let Vec3 { x, y, z } = direction;
     let (zero, half, one) = (x.lit(0.0), x.lit(0.5), x.lit(1.0));
     let scale = one / (x.abs() + y.abs() + z.abs());
@@ -32,7 +32,7 @@ pub fn place_of<L: Lane>(direction: Vec3<L>) -> [L; 2] {
     [x * half + half, z * half + half]
 }
 
-/// The unit direction of a place.
+/// The unit direction at a position.
 #[inline(always)]
 pub(super) fn direction_of<L: Lane>([u, v]: [L; 2]) -> Vec3<L> {
     let (zero, one, two) = (u.lit(0.0), u.lit(1.0), u.lit(2.0));
@@ -46,13 +46,14 @@ pub(super) fn direction_of<L: Lane>([u, v]: [L; 2]) -> Vec3<L> {
     Vec3::new(L::select(below, folded_x, x), y, L::select(below, folded_z, z)).normalize()
 }
 
-/// The coordinate in the middle of texel `i` of `side`.
+/// The coordinate of the centre of texel `i` of `side`.
 pub(super) fn middle(side: usize, i: usize) -> f32 {
     (i as f32 + 0.5) / side as f32
 }
 
 impl Octahedron {
-    /// Makes a map; `light` writes what is seen in the direction of each texel of a row, whose number it is told.
+    /// Creates a map; `light` is called with the index of each row and writes the light in the directions of its
+    /// texels.
     pub(super) fn new(side: usize, light: impl Fn(usize, &mut [[f32; 3]]) + Sync) -> Self {
         let mut colors = vec![[0.0; 3]; (side + 2) * (side + 2)];
         parallel::pieces(&mut colors[side + 2..(side + 2) * (side + 1)], side + 2, &|y, row| {
@@ -67,7 +68,7 @@ impl Octahedron {
         Self { side, texels: HalfTexels::encode(&colors) }
     }
 
-    /// Takes stored texels, as many as a map of this side has with its border.
+    /// Creates a map from stored texels, as many as a map of this side has with its border.
     pub(super) fn from_texels(side: usize, texels: HalfTexels) -> Self {
         Self { side, texels }
     }
@@ -80,11 +81,11 @@ impl Octahedron {
         &self.texels
     }
 
-    /// The mean of the four texels around a place, by nearness, linear RGB.
+    /// Bilinear interpolation of the four texels around a position, linear RGB.
     #[inline]
     pub(super) fn at<L: Number>(&self, [u, v]: [L; 2]) -> Vec3<L> {
         let side = u.lit(self.side as f64);
-        let ((left, s), (top, t)) = (taps(u, side), taps(v, side));
+        let ((left, s), (top, t)) = (octahedral_taps(u, side), octahedral_taps(v, side));
         let start = top.index() * (self.side + 2) + left.index();
         let below = start + self.side + 2;
         let texel = |at| self.texels.get(at).map(|channel| u.lit(f64::from(channel)));
@@ -92,16 +93,16 @@ impl Octahedron {
     }
 }
 
-/// The first of the two texels around the coordinate `u` of a map of `side` texels, counted with the border, and the
+/// The first of the two texels around the coordinate `u` in a map of `side` texels, counted with the border, and the
 /// fraction of the way to the next.
 #[inline(always)]
-pub fn taps<L: Lane>(u: L, side: L) -> (L, L) {
+pub fn octahedral_taps<L: Lane>(u: L, side: L) -> (L, L) {
     let x = u * side + u.lit(0.5);
     let first = x.floor();
     (first, x - first)
 }
 
-/// The texel inside that shows what a border texel does: each edge of the square is sewn to itself, turned round.
+/// The inner texel with the same content as a border texel: each edge of the square is joined to itself, reversed.
 fn inside([x, y]: [usize; 2], side: usize) -> [usize; 2] {
     let turned = |i: usize| side + 1 - i;
     let (x, y) = if x == 0 || x == side + 1 { (x.clamp(1, side), turned(y)) } else { (x, y) };
@@ -116,14 +117,14 @@ mod tests {
     fn places_and_directions_are_inverse() {
         for i in 0..400 {
             let place = [(i % 20) as f32 / 20.0 + 0.021, (i / 20) as f32 / 20.0 + 0.017];
-            let [u, v]: [f32; 2] = place_of(direction_of(place));
+            let [u, v]: [f32; 2] = octahedral_place(direction_of(place));
             assert!((u - place[0]).abs() < 1e-6 && (v - place[1]).abs() < 1e-6, "{place:?}: {u} {v}");
         }
-        assert_eq!(place_of(Vec3::new(0.0f32, 3.0, 0.0)), [0.5, 0.5]);
-        assert_eq!(place_of(Vec3::new(0.0f32, -1.0, 0.0)), [1.0, 1.0]);
+        assert_eq!(octahedral_place(Vec3::new(0.0f32, 3.0, 0.0)), [0.5, 0.5]);
+        assert_eq!(octahedral_place(Vec3::new(0.0f32, -1.0, 0.0)), [1.0, 1.0]);
     }
 
-    /// A linear function of the direction has no jump anywhere.
+    /// A linear function of the direction is continuous everywhere.
     #[test]
     fn there_is_no_seam() {
         let direction = |i: usize| direction_of([middle(64, i % 64), middle(64, i / 64)]);
@@ -147,7 +148,7 @@ mod tests {
                 _ => {}
             }
             let d = d.normalize();
-            let found = map.at(place_of(d)) - Vec3::splat(2.0);
+            let found = map.at(octahedral_place(d)) - Vec3::splat(2.0);
             assert!((found - d).length() < 0.03, "{d:?}: {found:?}");
         }
     }

@@ -1,4 +1,4 @@
-//! A photographer's studio made by code: light for models that bring none.
+//! A procedural photographer's studio: light for models that have none.
 
 use super::equirect::direction_at;
 use crate::image::Image;
@@ -6,32 +6,32 @@ use crate::math::{Vec3, scalar};
 use crate::parallel;
 use std::f64::consts::PI;
 
-/// Version of [`studio`]: it is the same to the bit as long as this is.
+/// The version of [`studio`], which is bit-identical as long as this is unchanged.
 pub const STUDIO_VERSION: u32 = 1;
 
-/// Pixels across; half as many down.
+/// Width in pixels; the height is half of it.
 const WIDTH: u32 = 1024;
 
-/// The factor of all radiance, so that a white matt plane that faces +z is about as bright as one under the sky of
+/// The factor of all radiance, chosen so that a white matt plane facing +z is about as bright as one under a sky of
 /// radiance 0.8.
 const EXPOSURE: f64 = 0.502;
 
-/// A lamp: a rectangle that faces the middle, soft at its edges.
+/// A lamp: a rectangle facing the centre, soft at its edges.
 struct Panel {
-    /// The direction of its middle.
+    /// The direction of its centre.
     toward: [f64; 3],
-    /// The rough direction of its width.
+    /// The approximate direction of its width.
     right: [f64; 3],
     /// Half its width and height at distance 1.
     half: [f64; 2],
     /// The width of its edges.
     edge: f64,
-    /// The radiance in its middle; at the edges it is dimmer.
+    /// The radiance at its centre; the edges are dimmer.
     radiance: f64,
 }
 
 /// A large key light from the upper left, a fill from the right, a strip overhead and a narrow one from behind; the
-/// viewer stands at +z.
+/// viewer is at +z.
 const PANELS: [Panel; 4] = [
     Panel {
         toward: [-0.66, 0.5, 0.56],
@@ -63,9 +63,9 @@ const PANELS: [Panel; 4] = [
     },
 ];
 
-/// An equirectangular image of the studio, linear and grey, so that what it lights keeps its colour.
+/// Returns an equirectangular image of the studio, linear and grey, so that lit objects keep their colour.
 ///
-/// Law: its bits are those of [`STUDIO_VERSION`], and its irradiance is what its exposure says
+/// Law: its bits are those of [`STUDIO_VERSION`], and its irradiance matches its exposure
 /// (`laws::environment::the_studio_*`).
 pub fn studio() -> Image {
     let height = WIDTH / 2;
@@ -82,7 +82,7 @@ pub fn studio() -> Image {
     image
 }
 
-/// Grey walls under a lighter ceiling, and a floor that darkens towards the viewer's feet; no line parts them.
+/// Grey walls under a lighter ceiling, and a floor that darkens towards the viewer's feet, without visible edges.
 fn room(d: Vec3<f64>) -> f64 {
     let wall = 0.2 + 0.14 * smooth(d.y) + 0.04 * d.z;
     let floor = 0.38 - 0.22 * smooth(-1.1 * d.y);

@@ -1,16 +1,16 @@
-//! Light in half floats: an environment's image and its levels are large, and are read far more often than made.
+//! Light in half floats: an environment's image and its levels are large, and read far more often than computed.
 
 use crate::math::{SimdLevel, Vec3, dispatch_registers};
 use crate::parallel;
 use half::f16;
 use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
 
-/// The largest radiance that is stored; the disc of the sun has 1.6e9 in cd/m², and no image holds it whole.
+/// The largest stored radiance; the sun's disc has 1.6e9 in cd/m², and no image contains all of it.
 pub(super) const MAX_RADIANCE: f32 = 1e9;
 
-/// Texels of three half floats, all times one power of two, which lets the brightest come near the end of the range.
+/// Texels of three half floats, all times one power of two, which brings the brightest near the end of the range.
 ///
-/// A texel is within 2⁻¹¹ of its true value, and black where that is below 2⁻²⁹ of the brightest.
+/// A texel is within 2⁻¹¹ of its true value, and black if that is below 2⁻²⁹ of the brightest.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct HalfTexels {
     exponent: i32,
@@ -19,7 +19,7 @@ pub(super) struct HalfTexels {
 }
 
 impl HalfTexels {
-    /// Encodes linear RGB in [0, [`MAX_RADIANCE`]]; a fourth channel is not looked at.
+    /// Encodes linear RGB in [0, [`MAX_RADIANCE`]]; a fourth channel is ignored.
     pub(super) fn encode<const N: usize>(colors: &[[f32; N]]) -> Self {
         let level = SimdLevel::fastest();
         let piece = |i: usize| &colors[i * PIECE..colors.len().min((i + 1) * PIECE)];
@@ -40,13 +40,15 @@ impl HalfTexels {
         Self { exponent, texels, decode: power_of_two(exponent + 112) as f32 }
     }
 
-    /// None yet, with room for some, of what [`Self::exponent`] told; nothing where that cannot be.
+    /// Creates an empty buffer with the capacity `room`, for the value of [`Self::exponent`]; `None` if that is
+    /// invalid.
     pub(super) fn with_exponent(exponent: i32, room: usize) -> Option<Self> {
         let exponents = exponent_of(0.0) - 15..=exponent_of(MAX_RADIANCE) - 15;
         exponents.contains(&exponent).then(|| Self::new(exponent, Vec::with_capacity(room)))
     }
 
-    /// Adds texels of three half floats, little endian, as [`Self::texels`] told; whether all are numbers of light.
+    /// Adds texels of three half floats, little endian, as returned by [`Self::texels`]; returns true if all are
+    /// valid.
     #[must_use]
     pub(super) fn add_stored(&mut self, stored: &[[u8; 6]]) -> bool {
         let half = |low: u8, high: u8| u16::from_le_bytes([low, high]);
@@ -56,7 +58,7 @@ impl HalfTexels {
         added.iter().fold(true, |sound, half| sound & (*half < f16::INFINITY.to_bits()))
     }
 
-    /// The stored numbers are multiplied by two to this power.
+    /// The exponent of two by which the stored numbers are multiplied.
     pub(super) fn exponent(&self) -> i32 {
         self.exponent
     }
@@ -87,20 +89,20 @@ impl HalfTexels {
         power_of_two(self.exponent) as f32
     }
 
-    /// The factor of half floats whose exponent and mantissa are moved to where a float has them.
+    /// The factor of half floats whose exponent and mantissa are moved to their positions in a float.
     #[inline]
     pub(super) fn factor(&self) -> f32 {
         self.decode
     }
 
-    /// A half float's exponent and mantissa moved to where a float has them are the same number but for 2¹¹².
+    /// A half float's exponent and mantissa, moved to their positions in a float, are the same number up to 2¹¹².
     #[inline(always)]
     fn float(&self, stored: u16) -> f32 {
         f32::from_bits(u32::from(stored) << 13) * self.decode
     }
 }
 
-/// The number of texels that a thread encodes at once.
+/// The number of texels encoded per task.
 const PIECE: usize = 4096;
 
 #[inline(always)]
@@ -121,7 +123,7 @@ fn brightest<const N: usize>(colors: &[[f32; N]]) -> f32 {
     most.iter().chain(rest).flat_map(|color| &color[..3]).fold(0.0, |most, value| brighter(most, *value))
 }
 
-/// Writes the nearest half floats of colours times `scale`; zeros where these have less than their full precision.
+/// Writes the nearest half floats of colours times `scale`; zeros if these would have less than full precision.
 fn halves<const N: usize>(colors: &[[f32; N]], scale: f64, texels: &mut [[u16; 3]]) {
     let scaled = |v: f32| (f64::from(v) * scale) as f32;
     let scaled: Vec<[f32; 3]> = colors.iter().map(|c| [scaled(c[0]), scaled(c[1]), scaled(c[2])]).collect();

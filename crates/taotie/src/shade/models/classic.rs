@@ -8,7 +8,7 @@ use std::f64::consts::FRAC_1_PI;
 ///
 /// f · n·l = ρ/π · n·l
 ///
-/// ρ is the base colour, whatever `metallic` says.
+/// ρ is the base colour, regardless of `metallic`.
 /// Law: reflects exactly ρ of the light (`laws::shade::lambert_reflects_its_colour`).
 /// Source: Lambert 1760.
 #[inline(always)]
@@ -20,7 +20,7 @@ pub(super) fn lambert<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> 
 ///
 /// L = k_d n·l + k_s ((r·v)⁺)^s
 ///
-/// Ambient light is the caller's.
+/// Ambient light is left to the caller.
 /// Law: none of the physical ones (`laws::shade::unphysical_models_earn_their_names`).
 /// Source: Phong 1975; Guo and Wang 2025, eq. 1, 3 and §1.2.
 #[inline(always)]
@@ -32,8 +32,8 @@ pub(super) fn phong<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
 ///
 /// f · n·l = (C_diff/π + (s + 8)/(8π) C_spec (n·h)^s) n·l
 ///
-/// The factor is a handy approximation: where C_diff + C_spec = 1, up to 7.5 % more light is reflected than arrives
-/// (s = 9, seen along the normal).
+/// The factor is an approximation: if C_diff + C_spec = 1, up to 7.5 % more light is reflected than arrives (s = 9,
+/// seen along the normal).
 /// Law: reciprocity; energy ≤ 1.0755 (`laws::shade::physical_models_stay_within_energy`).
 /// Source: Blinn 1977; normalisation of Akenine-Möller, Haines and Hoffman, Real-Time Rendering, 3rd ed., eq. 7.49.
 #[inline(always)]
@@ -43,7 +43,7 @@ pub(super) fn blinn_phong<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3
     (s.diffuse * scale.lit(FRAC_1_PI) + s.specular * (scale * lobe)) * a.n_dot_l
 }
 
-/// Blinn-Phong without normalisation, as fixed-function graphics had it.
+/// Blinn-Phong without normalisation, as in fixed-function graphics.
 ///
 /// L = C_diff n·l + C_spec (n·h)^s
 ///

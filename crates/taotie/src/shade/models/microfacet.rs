@@ -11,9 +11,10 @@ use std::f64::consts::FRAC_1_PI;
 ///
 /// f · n·l = k_d/π · n·l + k_s D_beckmann G_v_cavity F / (4 n·v), the n·l of the denominator cancelled
 ///
-/// `diffuse` is k_d times the surface's colour, `specular` is k_s. Ambient light is the caller's.
-/// Law: reciprocity; energy ≤ 1 where k_d + k_s ≤ 1 (`laws::shade`).
-/// Source: Cook and Torrance 1982, eq. 1–5, with 4 for their π (Torrance and Sparrow 1967; Walter et al. 2007, eq. 20).
+/// `diffuse` is k_d times the surface's colour, `specular` is k_s. Ambient light is left to the caller.
+/// Law: reciprocity; energy ≤ 1 if k_d + k_s ≤ 1 (`laws::shade`).
+/// Source: Cook and Torrance 1982, eq. 1–5, with 4 for their π (Torrance and Sparrow 1967; Walter et al. 2007, eq.
+/// 20).
 #[inline(always)]
 pub(super) fn cook_torrance<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
     let d = d_beckmann(a.n_dot_h, a.sin2_h, s.slope);
@@ -28,11 +29,11 @@ pub(super) fn cook_torrance<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Ve
 ///
 /// f · n·l = ((1 − F)(1 − metallic) ρ/π + D_ggx V_smith F) n·l
 ///
-/// Without compensation the diffuse part is weighed by 1 − F(v·h) as glTF has it, not by what the highlight takes: a
-/// metal never reflects more than arrives, but a white dielectric seen at a grazing angle does, up to 1.7 times (1.02
-/// over all angles); and a rough metal loses light, 1 − ln 2 of it remain at roughness 1 along the normal. With
-/// compensation F in the highlight is multiplied by its gain and 1 − F gives way to what is transmitted: both white
-/// surfaces then return exactly what arrives.
+/// Without compensation, the diffuse part is weighted by 1 − F(v·h) as in glTF, not by the light that the highlight
+/// leaves: a metal never reflects more than arrives, but a white dielectric at a grazing angle does, up to 1.7 times
+/// (1.02 over all angles); and a rough metal loses light: 1 − ln 2 of it remain at roughness 1 along the normal. With
+/// compensation, F in the highlight is multiplied by its gain and 1 − F is replaced by the transmitted fraction: both
+/// white surfaces then reflect exactly what arrives.
 /// Law: reciprocity, energy ≤ 1 for metals, white furnace (`laws::shade::white_furnace_of_ggx`, `laws::energy`,
 /// `laws::shade::a_white_dielectric_of_ggx_exceeds_its_energy_at_grazing_view_only`).
 /// Source: glTF 2.0 specification, appendix B.3; Walter et al. 2007; Heitz 2014; Turquin 2019.
@@ -42,7 +43,7 @@ pub(super) fn ggx<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
     ggx_with_lobe(s, a, d_ggx(a.n_dot_h, a.sin2_h, alpha) * v_smith_ggx(a.n_dot_l, a.n_dot_v, alpha))
 }
 
-/// Computes [`ggx`] for another D V.
+/// Like [`ggx`], for another D V.
 #[inline(always)]
 pub(super) fn ggx_with_lobe<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>, lobe: L) -> Vec3<L> {
     let one = a.n_dot_l.lit(1.0);

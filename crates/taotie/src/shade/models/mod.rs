@@ -7,11 +7,11 @@ mod printed;
 use super::{Angles, AnisotropicLobe, MaterialSample, Shading};
 use crate::math::{Lane, Vec3};
 
-/// Outgoing radiance per unit of irradiance on a plane that faces the light, linear RGB.
+/// Outgoing radiance per unit of irradiance on a plane facing the light, linear RGB.
 ///
-/// That is f · (n·l)⁺ for the physical models and the printed expression for the others. Zero where n·l ≤ 0, but
-/// for `ggx-printed`, whose diffuse part has no n·l at all. Finite for every material sample in the ranges that
-/// [`MaterialSample`] states and any [`Angles::new`].
+/// This is f · (n·l)⁺ for the physical models and the printed expression for the others. Zero if n·l ≤ 0, except for
+/// `ggx-printed`, whose diffuse part has no n·l at all. Finite for every material sample in the ranges of
+/// [`MaterialSample`] and any [`Angles::new`].
 /// Law: reciprocity and energy of the physical models (`laws::shade`), every value (`oracle::shade`).
 #[inline(always)]
 pub fn reflect<L: Lane>(shading: Shading, s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
@@ -28,7 +28,7 @@ pub fn reflect<L: Lane>(shading: Shading, s: &MaterialSample<L>, a: &Angles<L>) 
     }
 }
 
-/// Computes [`reflect`] with [`Shading::Ggx`], for an anisotropic highlight; `v` and `l` are those of `a`.
+/// Like [`reflect`] with [`Shading::Ggx`], for an anisotropic highlight; `v` and `l` are those of `a`.
 #[inline(always)]
 pub fn reflect_anisotropic<L: Lane>(
     s: &MaterialSample<L>,
@@ -39,7 +39,7 @@ pub fn reflect_anisotropic<L: Lane>(
     lit(a, microfacet::ggx_with_lobe(s, a, anisotropic.lobe(a, v, l)))
 }
 
-/// `value` where n·l > 0, else zero.
+/// `value` if n·l > 0, else zero.
 #[inline(always)]
 fn lit<L: Lane>(a: &Angles<L>, value: Vec3<L>) -> Vec3<L> {
     let zero = a.n_dot_l.lit(0.0);

@@ -1,4 +1,4 @@
-//! The models as Guo and Wang 2025 and an article print them, errors included. Nothing else may use these.
+//! The models as printed by Guo and Wang 2025 and by an article, errors included. Nothing else may use these.
 
 use super::classic::normalisation;
 use crate::math::{Lane, Vec3};
@@ -8,7 +8,7 @@ use crate::shade::ndf::{MIN_ALPHA, d_beckmann, d_ggx};
 use crate::shade::{Angles, MaterialSample};
 use std::f64::consts::{FRAC_1_PI, PI};
 
-/// The smallest n·l that the printed Cook-Torrance divides by. G falls with n·l, so the quotient stays finite.
+/// The smallest n·l by which the printed Cook-Torrance divides. G decreases with n·l, so the quotient stays finite.
 const MIN_N_DOT_L: f64 = 1e-6;
 
 /// Cook-Torrance as Guo and Wang 2025 print it; called for n·l > 0.
@@ -35,7 +35,7 @@ pub(super) fn cook_torrance_printed<L: Lane>(s: &MaterialSample<L>, a: &Angles<L
 ///
 /// L = (C_diff/π + (m + 8)/(8π) C_spec (n·h)⁵) n·l
 ///
-/// The exponent is 5 whatever m = `shininess` says, so a higher m is brighter instead of sharper.
+/// The exponent is 5 regardless of m = `shininess`, so a higher m is brighter instead of sharper.
 /// Law: not within energy for large m (`laws::shade::unphysical_models_earn_their_names`).
 /// Source: the article's shader `Custom/BlinnPhong`.
 #[inline(always)]
@@ -44,17 +44,17 @@ pub(super) fn blinn_phong_printed<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>)
     (s.diffuse * scale.lit(FRAC_1_PI) + s.specular * (scale * pow5(a.n_dot_h))) * a.n_dot_l
 }
 
-/// GGX as the article's shader computes it, also where n·l ≤ 0.
+/// GGX as the article's shader computes it, also for n·l ≤ 0.
 ///
 /// L = k_d ρ/π + k_s V F D with n·l and n·v clamped at 0,
 /// D = α²/(π((n·h)²(α² − 1) + 1)²), α = roughness; F = F0 + (1 − F0)(1 − (n·h)⁵);
 /// V = g(n·l) g(n·v) / (4 (n·l/2 + 1/2) n·v), g(x) = x/(k + (1 − k)x), k = (roughness + 1)²/8;
 /// k_d = F0, k_s = (1 − F0)(1 − metallic)
 ///
-/// It differs from [`super::microfacet::ggx`]: F falls where it should rise and takes n·h for v·h; k_d and k_s
+/// It differs from [`super::microfacet::ggx`]: F decreases where it should increase and uses n·h for v·h; k_d and k_s
 /// are swapped; the denominator has half-Lambert for n·l; α is not squared; there is no factor n·l, so the side
-/// turned away from the light is lit. The shader stores F, k_d and k_s in scalars, which keeps the **first channel
-/// of F0 alone**: so do we, and the highlight is grey. The bits of its half floats are not imitated. α is at
+/// facing away from the light is lit. The shader stores F, k_d and k_s in scalars, which keeps **only the first
+/// channel of F0**: so does this, and the highlight is grey. The rounding of its half floats is not imitated. α is at
 /// least 1e-3, since the shader's D is 0/0 at roughness 0.
 /// Law: neither reciprocal nor dark at n·l = 0 (`laws::shade::unphysical_models_earn_their_names`).
 /// Source: the article's shader `Custom/BRDF`.

@@ -1,27 +1,27 @@
-//! The boxes of a HEIF file, as far as they have to be checked before its reader sees them. Source: ISO/IEC 14496-12, 8.11.
+//! Checks the boxes of a HEIF file that its reader relies on. Source: ISO/IEC 14496-12, 8.11.
 
 use super::super::limits::Failure;
 
-/// The most items of a file: the image, its alpha, thumbnails, metadata.
+/// Maximum number of items in a file: the image, its alpha, thumbnails, metadata.
 const MOST_ITEMS: u64 = 64;
 
 /// A box: its type and its content.
 type FileBox<'a> = ([u8; 4], &'a [u8]);
 
-/// Refuses items in several extents, which the reader would join whatever their lengths add up to, and images that are to be
-/// turned, mirrored or cropped.
+/// Rejects items in several extents, which the reader would join whatever their lengths add up to, and images with a
+/// rotation, mirror or crop.
 pub(super) fn check(bytes: &[u8]) -> Result<(), Failure> {
-    let meta = content(bytes, *b"meta").ok_or_else(|| Failure::damaged("it has no list of items"))?;
+    let meta = content(bytes, *b"meta").ok_or_else(|| Failure::damaged("missing list of items"))?;
     // A version and flags come first.
     let meta = meta.get(4..).unwrap_or_default();
-    let locations = content(meta, *b"iloc").ok_or_else(|| Failure::damaged("its items have no places"))?;
+    let locations = content(meta, *b"iloc").ok_or_else(|| Failure::damaged("missing item locations"))?;
     if items_in_one_piece(locations).is_none() {
-        return Err(Failure::Unsupported("an AVIF of many items, or of items in several pieces".into()));
+        return Err(Failure::Unsupported("AVIF with many items, or with items in several extents".into()));
     }
     let properties = content(meta, *b"iprp").and_then(|all| content(all, *b"ipco")).unwrap_or_default();
     let is_transform = |(kind, _): &FileBox<'_>| [*b"irot", *b"imir", *b"clap"].contains(kind);
     match boxes(properties).any(|property| is_transform(&property)) {
-        true => Err(Failure::Unsupported("an AVIF that is turned, mirrored or cropped".into())),
+        true => Err(Failure::Unsupported("AVIF with a rotation, mirror or crop".into())),
         false => Ok(()),
     }
 }
@@ -31,7 +31,7 @@ fn content(bytes: &[u8], wanted: [u8; 4]) -> Option<&[u8]> {
     boxes(bytes).find(|(kind, _)| *kind == wanted).map(|(_, content)| content)
 }
 
-/// Returns boxes that follow one another, up to the first that is damaged.
+/// Returns consecutive boxes, up to the first damaged one.
 fn boxes(bytes: &[u8]) -> impl Iterator<Item = FileBox<'_>> {
     let mut rest = bytes;
     std::iter::from_fn(move || {
@@ -77,11 +77,11 @@ fn items_in_one_piece(iloc: &[u8]) -> Option<()> {
     Some(())
 }
 
-/// Reads numbers, the most significant byte first.
+/// Reads big-endian numbers.
 struct Reader<'a>(&'a [u8]);
 
 impl Reader<'_> {
-    /// Reads a number of so many bytes, at most 8; 0 of none.
+    /// Reads a number of `bytes` bytes, at most 8; 0 if `bytes` is 0.
     fn number(&mut self, bytes: u64) -> Option<u64> {
         let (number, rest) = self.0.split_at_checked(bytes as usize)?;
         self.0 = rest;
@@ -96,14 +96,14 @@ mod tests {
     const SOUND: &[u8] = include_bytes!("../../../../tests/data/pictures/avif-alpha.avif");
 
     fn at(name: &[u8; 4]) -> usize {
-        SOUND.windows(4).position(|four| four == name).expect("the box is there")
+        SOUND.windows(4).position(|four| four == name).expect("the box exists")
     }
 
     #[test]
     fn items_in_many_extents_are_refused() {
         assert!(check(SOUND).is_ok());
         let mut many = SOUND.to_vec();
-        // Behind the type: version and flags, sizes, the number of items, the first item's number, source and base.
+        // After the type: version and flags, sizes, the number of items, the first item's number, source and base.
         let extents = at(b"iloc") + 4 + 4 + 2 + 2 + 2 + 2;
         assert_eq!(many[extents..extents + 2], [0, 1], "one extent");
         many[extents..extents + 2].fill(0xff);

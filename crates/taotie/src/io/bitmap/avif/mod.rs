@@ -1,4 +1,4 @@
-//! AVIF: the container through `avif-parse`, AV1 through `re_rav1d`, and from luma and chroma to red, green and blue.
+//! AVIF: the container through `avif-parse`, AV1 through `re_rav1d`, and the conversion from luma and chroma to RGB.
 
 mod boxes;
 
@@ -12,20 +12,20 @@ use re_rav1d::dav1d::{
     DecodeFrameType, Decoder, Error, Picture, PixelLayout, PlanarImageComponent, Plane, Settings,
 };
 
-/// The bytes that the decoder takes for each texel of 8 bits: planes in whole blocks, filtered and not.
+/// Bytes that the decoder allocates per 8-bit texel: planes in whole blocks, filtered and unfiltered.
 const BESIDE_OF_8_BITS: u64 = 12;
 
-/// Decodes a still image, its first frame alone; 10 and 12 bits are rounded to 8, as browsers do.
+/// Decodes a still image, or the first frame only; 10 and 12 bits are rounded to 8, as in browsers.
 pub(super) fn decode(bytes: &[u8], reading: &Reading) -> Result<Bitmap, Failure> {
     caught(|| decode_or_panic(bytes, reading))
-        .unwrap_or_else(|| Err(Failure::damaged("its content is contradictory")))
+        .unwrap_or_else(|| Err(Failure::damaged("inconsistent content")))
 }
 
 fn decode_or_panic(bytes: &[u8], reading: &Reading) -> Result<Bitmap, Failure> {
     boxes::check(bytes)?;
     let file: AvifData = read_avif(&mut &bytes[..]).map_err(container_failure)?;
     if file.premultiplied_alpha {
-        return Err(Failure::Unsupported("colors multiplied by alpha".into()));
+        return Err(Failure::Unsupported("premultiplied alpha".into()));
     }
     let header = file.primary_item_metadata().map_err(container_failure)?;
     let of_alpha = file.alpha_item_metadata().map_err(container_failure)?;
@@ -33,14 +33,14 @@ fn decode_or_panic(bytes: &[u8], reading: &Reading) -> Result<Bitmap, Failure> {
     check_size(size[0].into(), size[1].into(), credible(bytes).max(MAX_TEXELS_OF_PLAIN))?;
     let bytes_of_texel: u64 =
         [Some(&header), of_alpha.as_ref()].into_iter().flatten().map(beside_texel).sum();
-    let beside = bytes_of_texel * u64::from(size[0]) * u64::from(size[1]);
-    check_room(reading, size, TexelRoom { depth: 1, beside })?;
+    let scratch = bytes_of_texel * u64::from(size[0]) * u64::from(size[1]);
+    check_room(reading, size, TexelRoom { depth: 1, scratch })?;
     let color = Planes::decode(&file.primary_item, size)?;
     let alpha = file.alpha_item.map(|alpha| Planes::decode(&alpha, size)).transpose()?;
     bitmap(&color, alpha.as_ref())
 }
 
-/// Returns the bytes that the decoder takes for each texel.
+/// Returns the bytes that the decoder allocates per texel.
 fn beside_texel(header: &AV1Metadata) -> u64 {
     let bytes_of_code = if header.bit_depth > 8 { 2 } else { 1 };
     BESIDE_OF_8_BITS * bytes_of_code
@@ -51,7 +51,7 @@ struct Planes {
     size: [u32; 2],
     /// Luma, then chroma unless it is monochrome.
     planes: Vec<Plane>,
-    /// Bytes from a row to the next, of luma and chroma.
+    /// Bytes from one row to the next, of luma and of chroma.
     strides: [usize; 2],
     bits: usize,
     layout: PixelLayout,
@@ -73,7 +73,7 @@ impl Planes {
         }
         let picture: Picture = decoder.get_picture().map_err(decoder_failure)?;
         if [picture.width(), picture.height()] != size {
-            return Err(Failure::damaged("its planes differ in size"));
+            return Err(Failure::damaged("its planes do not have the declared size"));
         }
         let layout = picture.pixel_layout();
         let components = match layout {
@@ -92,7 +92,7 @@ impl Planes {
         })
     }
 
-    /// Returns the largest code.
+    /// Returns the largest code value.
     fn most(&self) -> f32 {
         ((1u32 << self.bits) - 1) as f32
     }
@@ -108,7 +108,7 @@ impl Planes {
         }
     }
 
-    /// Returns luma, 0 to 1.
+    /// Returns luma in [0, 1].
     fn luma(&self, at: [usize; 2]) -> f32 {
         let code = self.code(0, at);
         match self.range {
@@ -120,7 +120,7 @@ impl Planes {
         }
     }
 
-    /// Returns a plane of chroma at a texel, between the samples around where there are fewer.
+    /// Returns the value of a chroma plane at a texel, interpolated if the plane is subsampled.
     fn chroma_code(&self, plane: usize, at: [usize; 2]) -> f32 {
         let is_halved = match self.layout {
             PixelLayout::I420 => [true, true],
@@ -140,7 +140,7 @@ impl Planes {
         products.filter(|(_, part)| *part > 0.0).map(|(at, part)| part * self.code(plane, at)).sum()
     }
 
-    /// Returns chroma around 0.
+    /// Returns chroma centred on 0.
     fn chroma(&self, plane: usize, at: [usize; 2]) -> f32 {
         let zero = (1u32 << (self.bits - 1)) as f32;
         let unit = match self.range {
@@ -150,7 +150,7 @@ impl Planes {
         (self.chroma_code(plane, at) - zero) / unit
     }
 
-    /// Returns red, green and blue, 0 to 1.
+    /// Returns red, green and blue in [0, 1].
     fn rgb(&self, at: [usize; 2], weights: Option<[f32; 2]>) -> [f32; 3] {
         let luma = self.luma(at);
         if self.planes.len() < 3 {
@@ -165,7 +165,7 @@ impl Planes {
         [red, (luma - of_red * red - of_blue * blue) / (1.0 - of_red - of_blue), blue]
     }
 
-    /// Returns the weights of red and blue in luma; `None` of RGB itself, and of grey. Source: ITU-T H.273, table 4.
+    /// Returns the weights of red and blue in luma; `None` for RGB and greyscale. Source: ITU-T H.273, table 4.
     fn weights(&self) -> Result<Option<[f32; 2]>, Failure> {
         use MatrixCoefficients::{BT470BG, BT709, BT2020NonConstantLuminance, Identity, ST170M, Unspecified};
         if self.planes.len() < 3 {
@@ -176,12 +176,13 @@ impl Planes {
             BT470BG | ST170M | Unspecified => Ok(Some([0.299, 0.114])),
             BT709 => Ok(Some([0.2126, 0.0722])),
             BT2020NonConstantLuminance => Ok(Some([0.2627, 0.0593])),
-            other => Err(Failure::Unsupported(format!("colors by the matrix {other}"))),
+            other => Err(Failure::Unsupported(format!("colour matrix {other}"))),
         }
     }
 }
 
-/// Returns the two samples around a texel along an axis with half as many, and their parts: samples lie between texels.
+/// Returns the two samples around a texel along an axis with half the samples, and their weights: samples lie between
+/// texels.
 fn halved(texel: usize, samples: usize) -> [(usize, f32); 2] {
     let own = texel / 2;
     let other = if texel.is_multiple_of(2) { own.saturating_sub(1) } else { (own + 1).min(samples - 1) };
@@ -212,7 +213,7 @@ fn container_failure(error: avif_parse::Error) -> Failure {
 
 fn decoder_failure(error: Error) -> Failure {
     match error {
-        Error::UnsupportedBitstream => Failure::Unsupported("this kind of AV1".into()),
-        _ => Failure::damaged("its pixels cannot be decoded"),
+        Error::UnsupportedBitstream => Failure::Unsupported("this kind of AV1 stream".into()),
+        _ => Failure::damaged("cannot decode its pixels"),
     }
 }

@@ -1,16 +1,17 @@
-//! AVIF, by `rav1e`.
+//! AVIF encoding with `rav1e`.
 
 use crate::error::{Error, Result};
 use ravif::{BitDepth, ColorModel, Encoder, Img, RGB8};
 
-/// rav1e's effort, 1 (best) to 10 (fastest).
+/// rav1e's speed setting, 1 (best quality) to 10 (fastest).
 const SPEED: u8 = 8;
 
-/// Returns the file of an image of these samples of red, green and blue, which stay apart (the identity matrix): decoders round luma and chroma
-/// in different ways, each with a bias over flat colours. rav1e is given one thread, so that its bytes do not depend on their number.
+/// Encodes an image from RGB samples, which are kept as RGB (the identity matrix): decoders round luma and chroma in
+/// different ways, each with a bias over flat colours. rav1e gets one thread, so that the result does not depend on
+/// the number of threads.
 ///
 /// # Errors
-/// [`Error::Invalid`] if rav1e refuses the size.
+/// [`Error::Invalid`] if rav1e rejects the size.
 pub(super) fn encode([width, height]: [u32; 2], samples: &[u8], quality: u8) -> Result<Vec<u8>> {
     let pixels: Vec<RGB8> =
         samples.as_chunks::<3>().0.iter().map(|[r, g, b]| RGB8::new(*r, *g, *b)).collect();
@@ -21,6 +22,6 @@ pub(super) fn encode([width, height]: [u32; 2], samples: &[u8], quality: u8) -> 
         .with_internal_color_model(ColorModel::RGB)
         .with_num_threads(Some(1));
     let encoded = encoder.encode_rgb(Img::new(&pixels[..], width as usize, height as usize));
-    let what = || format!("a texture of {width}×{height} as AVIF");
+    let what = || format!("{width}×{height} AVIF texture");
     encoded.map(|image| image.avif_file).map_err(|error| Error::invalid(what(), error.to_string()))
 }

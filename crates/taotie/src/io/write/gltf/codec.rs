@@ -1,4 +1,4 @@
-//! The formats of images in glTF, and what each may lose.
+//! Image formats in glTF and their settings for lossy compression.
 
 use crate::error::{Error, Result};
 use crate::image::Encoding;
@@ -6,43 +6,44 @@ use crate::names::Named;
 use std::fmt;
 use std::str::FromStr;
 
-/// A format of images in glTF, with what it may lose.
+/// An image format in glTF, with its quality.
 ///
 /// ```
 /// use taotie::io::ImageCodec;
 ///
 /// assert_eq!("webp:85".parse::<ImageCodec>()?, ImageCodec::LossyWebP(85));
 /// assert_eq!(ImageCodec::Jpeg(90).to_string(), "jpeg:90");
-/// assert!("jpeg".parse::<ImageCodec>().is_err(), "JPEG has a quality");
+/// assert!("jpeg".parse::<ImageCodec>().is_err(), "JPEG requires a quality");
 /// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(into = "String", try_from = "String"))]
 pub enum ImageCodec {
-    /// PNG, lossless, as precise as the bitmap; every program reads it.
+    /// PNG: lossless, with the bitmap's precision; supported by every program.
     #[default]
     Png,
-    /// JPEG 4:4:4 of a quality, 1 to 100; every program reads it. It holds no alpha: images whose alpha is read are PNG.
+    /// JPEG 4:4:4 of a quality from 1 to 100; supported by every program. It has no alpha: images whose alpha is read
+    /// become PNG.
     Jpeg(u8),
-    /// Lossless WebP (EXT_texture_webp); 16 bits are rounded to 8. Programs that do not know the extension cannot read the
+    /// Lossless WebP (EXT_texture_webp); 16 bits are rounded to 8. Programs without the extension cannot read the
     /// file.
     WebP,
-    /// WebP of a quality, 1 to 100, with half as many texels of hue along each side; alpha is lossless.
+    /// WebP of a quality from 1 to 100, with chroma at half resolution along each axis; alpha is lossless.
     LossyWebP(u8),
-    /// AVIF of a quality, 1 to 100, whose red, green and blue stay apart (EXT_texture_avif); 16 bits are rounded to 8.
-    /// Browsers read it, few other programs do. It holds no alpha: images whose alpha is read are PNG.
+    /// AVIF of a quality from 1 to 100, stored as RGB (EXT_texture_avif); 16 bits are rounded to 8. Browsers read it,
+    /// but few other programs do. It has no alpha: images whose alpha is read become PNG.
     Avif(u8),
-    /// KTX2 of UASTC blocks with mip levels (KHR_texture_basisu), each under Zstandard: less than a byte per texel in the
-    /// file, a byte on graphics cards. 16 bits are rounded to 8, and sides must be multiples of 4. It holds no alpha: images
-    /// whose alpha is read are PNG.
+    /// KTX2 with UASTC blocks and mip levels (KHR_texture_basisu), each compressed with Zstandard: less than one byte
+    /// per texel in the file, one byte in GPU memory. 16 bits are rounded to 8, and sides must be multiples of 4. It
+    /// has no alpha: images whose alpha is read become PNG.
     ///
-    /// The number is λ of rate–distortion optimisation, 0 for none to 64: blocks repeat earlier ones where Zstandard then saves
-    /// enough, and the mean square error of a block rises by at most λ² of 255².
+    /// The number is λ of the rate–distortion optimisation, from 0 (off) to 64: blocks repeat earlier ones if that
+    /// saves Zstandard enough, and the mean square error of a block rises by at most λ² of 255².
     Ktx2(u8),
 }
 
-/// A kind of [`ImageCodec`], whatever it loses.
+/// A kind of [`ImageCodec`], regardless of its quality.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum CodecKind {
@@ -70,7 +71,7 @@ impl Named for CodecKind {
 }
 
 impl CodecKind {
-    /// Returns the codec of this kind that loses least; `None` of JPEG and AVIF, which have a quality.
+    /// Returns the least lossy codec of this kind; `None` for JPEG and AVIF, which require a quality.
     pub fn least_lossy(self) -> Option<ImageCodec> {
         match self {
             Self::Png => Some(ImageCodec::Png),
@@ -80,7 +81,7 @@ impl CodecKind {
         }
     }
 
-    /// Returns the kind of an image's bytes; `None` if it is none of these.
+    /// Returns the kind of an encoded image; `None` if it is none of these.
     pub(super) fn detect(bytes: &[u8]) -> Option<Self> {
         match bytes {
             [0x89, b'P', b'N', b'G', ..] => Some(Self::Png),
@@ -92,7 +93,7 @@ impl CodecKind {
         }
     }
 
-    /// Returns the ending of its files.
+    /// Returns the file extension.
     pub(super) fn file_extension(self) -> &'static str {
         match self {
             Self::Png => "png",
@@ -114,7 +115,7 @@ impl CodecKind {
         }
     }
 
-    /// Returns the extension that a texture needs to show such an image.
+    /// Returns the glTF extension that a texture needs to use such an image.
     pub(super) fn extension(self) -> Option<&'static str> {
         match self {
             Self::Png | Self::Jpeg => None,
@@ -149,7 +150,7 @@ impl ImageCodec {
         }
     }
 
-    /// Returns the quality of JPEG, AVIF and lossy WebP, or λ of KTX2; `None` of lossless formats and without λ.
+    /// Returns the quality of JPEG, AVIF and lossy WebP, or λ of KTX2; `None` for lossless formats and without λ.
     pub fn number(self) -> Option<u8> {
         match self {
             Self::Png | Self::WebP | Self::Ktx2(0) => None,
@@ -159,12 +160,12 @@ impl ImageCodec {
         }
     }
 
-    /// Returns `true` if it holds alpha.
+    /// Returns `true` if it supports alpha.
     pub fn holds_alpha(self) -> bool {
         matches!(self.kind(), CodecKind::Png | CodecKind::WebP)
     }
 
-    /// Returns `true` if it holds images of so many texels across and down.
+    /// Returns `true` if it supports images of a size, in texels across and down.
     pub(super) fn holds_size(self, size: [u32; 2]) -> bool {
         self.kind() != CodecKind::Ktx2 || size.iter().all(|side| side.is_multiple_of(4))
     }
@@ -172,7 +173,7 @@ impl ImageCodec {
     /// Checks that its number is in range.
     ///
     /// # Errors
-    /// [`Error::Invalid`], which names the number.
+    /// [`Error::Invalid`] with the number.
     pub fn check(self) -> Result<()> {
         let (least, most) = match self {
             Self::Ktx2(_) => (0, 64),
@@ -188,7 +189,7 @@ impl ImageCodec {
 }
 
 impl fmt::Display for ImageCodec {
-    /// Writes it such that reading it gives the same one: `png`, `webp:85`.
+    /// Writes a text that parses to the same value: `png`, `webp:85`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kind = self.kind().name();
         match self.number() {
@@ -201,7 +202,7 @@ impl fmt::Display for ImageCodec {
 impl FromStr for ImageCodec {
     type Err = Error;
 
-    /// Reads `png`, `webp`, `webp:85`, `jpeg:90`, `avif:80`, `ktx2` or `ktx2:2`.
+    /// Parses `png`, `webp`, `webp:85`, `jpeg:90`, `avif:80`, `ktx2` or `ktx2:2`.
     fn from_str(text: &str) -> Result<Self> {
         let text = text.trim();
         let (name, number) = match text.split_once(':') {
@@ -210,7 +211,7 @@ impl FromStr for ImageCodec {
         };
         let wrong = |why: &str| Error::invalid(format!("image format `{text}`"), why);
         let number: Option<u8> = match number.map(str::parse) {
-            Some(Err(_)) => return Err(wrong("expected a whole number after the colon, such as webp:85")),
+            Some(Err(_)) => return Err(wrong("expected an integer after the colon, such as webp:85")),
             Some(Ok(number)) => Some(number),
             None => None,
         };
@@ -230,7 +231,7 @@ impl FromStr for ImageCodec {
     }
 }
 
-/// The formats of the textures of a model.
+/// The image formats of the textures of a model.
 ///
 /// ```
 /// use taotie::io::{ImageCodec, TextureCodecs};
@@ -245,17 +246,17 @@ impl FromStr for ImageCodec {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(into = "String", try_from = "String"))]
 pub struct TextureCodecs {
-    /// Of base colour and emission.
+    /// For base colour and emission.
     pub colors: ImageCodec,
-    /// Of normal maps.
+    /// For normal maps.
     pub normals: ImageCodec,
-    /// Of roughness, metallic and occlusion, whose channels blur together if they are lossy.
+    /// For roughness, metallic and occlusion, whose channels bleed into each other in lossy formats.
     pub numbers: ImageCodec,
 }
 
 impl From<ImageCodec> for TextureCodecs {
-    /// Chooses the format of all textures by that of colours: the loss of JPEG, WebP and AVIF is for colours only, λ of KTX2 for all
-    /// but normals.
+    /// Derives the formats of all textures from that of colours: the loss of JPEG, WebP and AVIF applies only to
+    /// colours, λ of KTX2 to all but normals.
     fn from(colors: ImageCodec) -> Self {
         let (normals, numbers) = match colors {
             ImageCodec::Png | ImageCodec::Jpeg(_) => (ImageCodec::Png, ImageCodec::Png),
@@ -269,7 +270,7 @@ impl From<ImageCodec> for TextureCodecs {
 }
 
 impl TextureCodecs {
-    /// Returns the format of images with texels of this meaning.
+    /// Returns the format of images with texels of this encoding.
     pub fn of(&self, encoding: Encoding) -> ImageCodec {
         match encoding {
             Encoding::Srgb => self.colors,
@@ -283,7 +284,7 @@ impl TextureCodecs {
         [self.colors, self.normals, self.numbers]
     }
 
-    /// Returns `true` if some texture has a format of this kind.
+    /// Returns `true` if any texture has a format of this kind.
     pub fn has(&self, kind: CodecKind) -> bool {
         self.all().iter().any(|codec| codec.kind() == kind)
     }
@@ -291,14 +292,15 @@ impl TextureCodecs {
     /// Checks that all numbers are in range.
     ///
     /// # Errors
-    /// [`Error::Invalid`], which names the number.
+    /// [`Error::Invalid`] with the number.
     pub fn check(&self) -> Result<()> {
         self.all().into_iter().try_for_each(ImageCodec::check)
     }
 }
 
 impl fmt::Display for TextureCodecs {
-    /// Writes the format of colours if the others follow from it, else all three: `webp:85`, `jpeg:90/webp/webp:75`.
+    /// Writes only the format of colours if the others follow from it, else all three: `webp:85`,
+    /// `jpeg:90/webp/webp:75`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { colors, normals, numbers } = self;
         match Self::from(*colors) == *self {
@@ -311,7 +313,7 @@ impl fmt::Display for TextureCodecs {
 impl FromStr for TextureCodecs {
     type Err = Error;
 
-    /// Reads one format, or those of colours, normals and numbers.
+    /// Parses one format, or those of colours, normals and numbers.
     fn from_str(text: &str) -> Result<Self> {
         match text.split('/').collect::<Vec<_>>()[..] {
             [one] => Ok(one.parse::<ImageCodec>()?.into()),
@@ -320,7 +322,7 @@ impl FromStr for TextureCodecs {
             }
             _ => Err(Error::invalid(
                 format!("image formats `{text}`"),
-                "specify one, or those of colours, normals and numbers, such as jpeg:90/webp/webp:75",
+                "specify one format, or those of colours, normals and numbers, such as jpeg:90/webp/webp:75",
             )),
         }
     }
@@ -366,7 +368,7 @@ mod tests {
             ("webp:0", "1 to 100"),
             ("jpeg:101", "1 to 100"),
             ("ktx2:65", "0 to 64"),
-            ("webp:x", "whole number"),
+            ("webp:x", "integer"),
             ("webp/png", "colours, normals and numbers"),
         ];
         for (text, why) in cases {

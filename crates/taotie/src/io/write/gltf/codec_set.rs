@@ -1,9 +1,9 @@
-//! Sets of codecs: how new a program has to be to open an asset.
+//! Codec sets: how recent a program must be to open an asset.
 
 use super::codec::CodecKind;
 use crate::names::Named;
 
-/// The codecs that an asset may need.
+/// The codecs that an asset may require.
 ///
 /// ```
 /// use taotie::names::Named;
@@ -16,10 +16,10 @@ use crate::names::Named;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum CodecSet {
-    /// What most programs read: PNG, JPEG and WebP; EXT_meshopt_compression.
+    /// Supported by most programs: PNG, JPEG and WebP; EXT_meshopt_compression.
     #[default]
     Portable,
-    /// What the newest web viewers read: AVIF as well; KHR_meshopt_compression, whose vertices take fewer bytes.
+    /// Supported by the newest web viewers: AVIF as well; KHR_meshopt_compression, whose vertices take fewer bytes.
     /// EXT_texture_avif is not ratified, and KHR_meshopt_compression is a release candidate.
     WebLatest,
 }
@@ -39,7 +39,7 @@ impl CodecSet {
         }
     }
 
-    /// Returns the extension that packs geometry.
+    /// Returns the geometry compression extension.
     pub(super) fn meshopt(self) -> &'static str {
         match self {
             Self::Portable => "EXT_meshopt_compression",

@@ -1,9 +1,9 @@
-//! The GLB container: a header, the JSON and one piece of binary data. Source: glTF 2.0, 4.4.
+//! The GLB container: a header, the JSON and one chunk of binary data. Source: glTF 2.0, 4.4.
 
 use crate::error::{Error, Result};
 use std::io::{self, Write};
 
-/// Writes the container to `out`. `json` is filled up with spaces; the length of `binary` is a multiple of four.
+/// Writes the container to `out`. `json` is padded with spaces; the length of `binary` is a multiple of four.
 pub(super) fn write(out: &mut dyn Write, head: &Head, binary: &[u8]) -> io::Result<()> {
     out.write_all(b"glTF\x02\0\0\0")?;
     out.write_all(&head.length.to_le_bytes())?;
@@ -18,10 +18,10 @@ pub(super) fn write(out: &mut dyn Write, head: &Head, binary: &[u8]) -> io::Resu
     Ok(())
 }
 
-/// Returns the container of JSON and binary data, whose length is a multiple of four.
+/// Returns the container for JSON and binary data, whose length is a multiple of four.
 ///
 /// # Errors
-/// [`Error::Limit`] where it would have 4 GiB or more.
+/// [`Error::Limit`] if it would be 4 GiB or more.
 pub(super) fn encoded(json: Vec<u8>, binary: &[u8]) -> Result<Vec<u8>> {
     let head = Head::new(json, binary.len())?;
     let mut bytes = Vec::with_capacity(head.length as usize);
@@ -40,13 +40,13 @@ impl Head {
     /// Measures the container of `json` and `binary` bytes.
     ///
     /// # Errors
-    /// [`Error::Limit`] where its length does not fit 32 bits.
+    /// [`Error::Limit`] if its length does not fit 32 bits.
     pub fn new(mut json: Vec<u8>, binary: usize) -> Result<Self> {
         json.resize(json.len().next_multiple_of(4), b' ');
         let chunk = if binary == 0 { 0 } else { 8 + binary as u64 };
         let length = 20 + json.len() as u64 + chunk;
         let too_large = |_| {
-            let why = "a GLB has less than 4 GiB; write .gltf, or give smaller textures or fewer triangles";
+            let why = "the limit is 4 GiB; write .gltf, or use smaller textures or fewer triangles";
             Error::limit(format!("a GLB of {length} bytes"), why)
         };
         Ok(Self { length: u32::try_from(length).map_err(too_large)?, json })

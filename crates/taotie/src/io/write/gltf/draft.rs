@@ -1,4 +1,4 @@
-//! A glTF document in the making: its JSON, and the numbers that its accessors name.
+//! A glTF document under construction: its JSON, and the data that its accessors refer to.
 
 use super::codec_set::CodecSet;
 use super::container::{self, Head};
@@ -11,11 +11,11 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// glTF's numbers for the uses of a view.
+/// glTF's constants for the uses of a view.
 pub(super) const VERTICES: u32 = 34962;
 pub(super) const INDICES: u32 = 34963;
 
-/// The type of an accessor's numbers.
+/// The component type of an accessor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Component {
     I8,
@@ -27,7 +27,7 @@ pub(super) enum Component {
 }
 
 impl Component {
-    /// Its number in glTF.
+    /// Returns its glTF constant.
     fn code(self) -> u32 {
         match self {
             Self::I8 => 5120,
@@ -61,7 +61,7 @@ impl From<ComponentType> for Component {
     }
 }
 
-/// Returns an accessor of `count` elements of `width` numbers from the start of a view on.
+/// Returns an accessor of `count` elements of `width` components, starting at the start of a view.
 pub(super) fn accessor(view: usize, (component, width): (Component, usize), count: usize) -> Value {
     let kind = match width {
         1 => "SCALAR",
@@ -78,26 +78,26 @@ pub(super) fn accessor(view: usize, (component, width): (Component, usize), coun
 pub(super) struct Packing {
     /// The number of elements.
     pub count: usize,
-    /// The number of bytes of each element, unpacked.
+    /// The size of each unpacked element in bytes.
     pub stride: usize,
     /// The mode: `ATTRIBUTES` or `TRIANGLES`.
     pub mode: &'static str,
-    /// The extension's name of a filter.
+    /// The name of a filter in the extension.
     pub filter: Option<&'static str>,
-    /// glTF's number for its use.
+    /// glTF's constant for its use.
     pub target: u32,
-    /// The set whose extension it is packed by.
+    /// The codec set whose extension packs it.
     pub codecs: CodecSet,
 }
 
 impl Packing {
-    /// Returns the number of bytes, unpacked.
+    /// Returns the unpacked size in bytes.
     pub fn size(&self) -> usize {
         self.count * self.stride
     }
 
-    /// Returns the view of packed bytes that begin somewhere in buffer 0 and have some length. Unpacked they lie in another
-    /// buffer, from some byte on.
+    /// Returns the view of packed bytes with a start and a length in buffer 0. Unpacked, they belong in another
+    /// buffer, starting at a given byte.
     pub fn view(&self, [start, length]: [usize; 2], (buffer, unpacked): (usize, usize)) -> Value {
         let Self { count, stride, mode, filter, target, codecs } = *self;
         let mut packed = json!({
@@ -118,23 +118,24 @@ impl Packing {
     }
 }
 
-/// Returns the buffer that packed views unpack to, which holds nothing, as the extension wants of files that require it.
+/// Returns the buffer that packed views unpack to; it has no data, as the extension demands for files that require
+/// it.
 pub(super) fn unpacked_buffer(bytes: usize, codecs: CodecSet) -> Value {
     json!({ "byteLength": bytes, "extensions": { codecs.meshopt(): { "fallback": true } } })
 }
 
-/// A glTF document in the making: JSON, to which [`GltfDraft::put`] adds anything, and the numbers that it names by
-/// accessors.
+/// A glTF document under construction: JSON, to which [`GltfDraft::put`] adds anything, and the data that it refers
+/// to through accessors.
 ///
-/// Buffers, buffer views, accessors and the names of extensions are added to the JSON at the end.
+/// Buffers, buffer views, accessors and the names of extensions are added to the JSON last.
 #[derive(Debug, Clone, Default)]
 pub struct GltfDraft {
     /// The document without buffers, buffer views, accessors and the names of extensions.
     pub(super) json: Value,
-    /// The set whose extension meshes are packed by.
+    /// The codec set whose extension packs meshes.
     pub(super) codecs: CodecSet,
     bytes: Vec<u8>,
-    /// The number of bytes of the compressed views when unpacked.
+    /// The total unpacked size of the compressed views in bytes.
     unpacked: usize,
     views: Vec<Value>,
     accessors: Vec<Value>,
@@ -143,16 +144,16 @@ pub struct GltfDraft {
 }
 
 impl GltfDraft {
-    /// Begins with this JSON.
+    /// Starts with this JSON.
     pub(super) fn begun(json: Value, codecs: CodecSet) -> Self {
         Self { json, codecs, ..Self::default() }
     }
 
-    /// Puts a value into the JSON: as member `name` of the object, or, where `name` is `-`, at the end of the list that
-    /// the JSON pointer `parent` (RFC 6901) leads to. The document itself is the empty pointer.
+    /// Puts a value into the JSON: as member `name` of the object or, if `name` is `-`, at the end of the list that
+    /// the JSON pointer `parent` (RFC 6901) refers to. The document itself is the empty pointer.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where the pointer leads to no such object or list.
+    /// [`Error::Invalid`] if the pointer does not refer to an object or list.
     pub fn put(&mut self, parent: &str, name: &str, value: Json) -> Result<()> {
         match self.json.pointer_mut(parent) {
             Some(Value::Object(members)) => {
@@ -165,18 +166,18 @@ impl GltfDraft {
             }
             _ => Err(Error::invalid(
                 format!("`{name}` at `{parent}`"),
-                "the glTF document has no object or list there; put that first",
+                "the glTF document has no object or list there; add it first",
             )),
         }
     }
 
-    /// Adds elements of `N` floats, 1 to 4, or 16 for matrices; returns the accessor's number.
+    /// Adds elements of `N` floats, 1 to 4, or 16 for matrices; returns the accessor's index.
     pub fn floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
         let bytes: Vec<u8> = values.as_flattened().iter().copied().flat_map(f32::to_le_bytes).collect();
         self.elements(&bytes, Component::F32, N)
     }
 
-    /// Adds elements as [`Self::floats`], with the least and greatest value of each component, which glTF wants of
+    /// Adds elements like [`Self::floats`], with the minimum and maximum of each component, which glTF requires for
     /// positions and times.
     pub fn bounded_floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
         let index = self.floats(values);
@@ -188,12 +189,12 @@ impl GltfDraft {
         index
     }
 
-    /// Adds elements of four bytes, such as joints; returns the accessor's number.
+    /// Adds elements of four bytes, such as joints; returns the accessor's index.
     pub fn bytes(&mut self, values: &[[u8; 4]]) -> usize {
         self.elements(values.as_flattened(), Component::U8, 4)
     }
 
-    /// Adds elements of `width` numbers as they lie in memory; returns the accessor's number.
+    /// Adds elements of `width` components in their memory layout; returns the accessor's index.
     pub(super) fn elements(&mut self, bytes: &[u8], component: Component, width: usize) -> usize {
         let view = self.view(bytes);
         let json = accessor(view, (component, width), bytes.len() / (width * component.size()));
@@ -205,8 +206,8 @@ impl GltfDraft {
         self.accessors.len() - 1
     }
 
-    /// Adds a view that meshoptimizer packed; returns its number. Unpacked it lies in a second buffer that holds
-    /// nothing, as the extension wants of files that require it.
+    /// Adds a view packed by meshoptimizer; returns its index. Its unpacked data belongs in a second buffer without
+    /// data, as the extension demands for files that require it.
     pub(super) fn packed_view(&mut self, bytes: &[u8], packing: &Packing) -> usize {
         let view = packing.view([self.bytes.len(), bytes.len()], (1, self.unpacked));
         self.unpacked = (self.unpacked + packing.size()).next_multiple_of(4);
@@ -215,7 +216,7 @@ impl GltfDraft {
         self.views.len() - 1
     }
 
-    /// Says that the file uses an extension that programs may ignore.
+    /// Registers an extension that programs may ignore.
     pub(super) fn uses(&mut self, extension: &'static str) {
         self.used.insert(extension);
     }
@@ -226,7 +227,7 @@ impl GltfDraft {
         self.required.insert(extension);
     }
 
-    /// Adds bytes and returns the number of their view. Each begins at a multiple of four.
+    /// Adds bytes and returns the index of their view. Each starts at a multiple of four.
     pub(super) fn view(&mut self, bytes: &[u8]) -> usize {
         self.views.push(json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() }));
         self.append(bytes);
@@ -238,12 +239,12 @@ impl GltfDraft {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
     }
 
-    /// Says that an accessor holds a vertex attribute.
+    /// Marks an accessor as a vertex attribute.
     pub fn mark_vertices(&mut self, accessor: usize) {
         self.mark(accessor, VERTICES);
     }
 
-    /// Says that an accessor holds indices of vertices.
+    /// Marks an accessor as vertex indices.
     pub(super) fn mark_indices(&mut self, accessor: usize) {
         self.mark(accessor, INDICES);
     }
@@ -255,7 +256,7 @@ impl GltfDraft {
         }
     }
 
-    /// Returns the text of the whole document; its buffer is the file `uri`, or the container's.
+    /// Returns the text of the whole document; its buffer is the file `uri`, or in the container.
     fn text(&self, uri: Option<String>) -> Result<Vec<u8>> {
         let mut json = self.json.clone();
         let mut buffer = json!({ "byteLength": self.bytes.len() });
@@ -277,10 +278,10 @@ impl GltfDraft {
         serde_json::to_vec(&json).map_err(|e| Error::invalid("glTF document", e.to_string()))
     }
 
-    /// Writes the document as GLB, whole or not at all.
+    /// Writes the document as GLB, completely or not at all.
     ///
     /// # Errors
-    /// [`Error::Limit`] where it would have 4 GiB or more, [`Error::Io`] where the file cannot be written.
+    /// [`Error::Limit`] if it would be 4 GiB or more, [`Error::Io`] if the file cannot be written.
     pub fn write_glb(&self, path: &Path) -> Result<()> {
         FileSet::one(|files| self.write_glb_in(files, path))
     }
@@ -299,12 +300,12 @@ impl GltfDraft {
     /// Returns the document as GLB.
     ///
     /// # Errors
-    /// [`Error::Limit`] where it would have 4 GiB or more.
+    /// [`Error::Limit`] if it would be 4 GiB or more.
     pub fn encode_glb(&self) -> Result<Vec<u8>> {
         container::encoded(self.text(None)?, &self.bytes)
     }
 
-    /// Returns the document as JSON, and its numbers and images as files beside it; the JSON first.
+    /// Returns the document as JSON, followed by its data and images as external files.
     pub(super) fn into_files(self, path: &Path, images: Vec<FileBytes>) -> Result<Vec<FileBytes>> {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let binary = format!("{stem}.bin");

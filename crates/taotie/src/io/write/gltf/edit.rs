@@ -1,9 +1,9 @@
-//! Edits of JSON that make what is not there, and never fail.
+//! Infallible edits of JSON that create missing parts.
 
 use crate::error::{Error, Result};
 use serde_json::{Map, Value, json};
 
-/// Returns a member of an object, null where it had none. What is no object becomes one.
+/// Returns a member of an object, null if absent. A value that is not an object becomes one.
 pub(super) fn member<'a>(of: &'a mut Value, name: &str) -> &'a mut Value {
     if !of.is_object() {
         *of = json!({});
@@ -11,7 +11,7 @@ pub(super) fn member<'a>(of: &'a mut Value, name: &str) -> &'a mut Value {
     &mut of[name]
 }
 
-/// Adds to the end of a list; returns the item's number.
+/// Appends to a list; returns the item's index.
 pub(super) fn push(of: &mut Value, name: &str, item: Value) -> usize {
     let list = member(of, name);
     let mut items = list.as_array_mut().map(std::mem::take).unwrap_or_default();
@@ -21,7 +21,7 @@ pub(super) fn push(of: &mut Value, name: &str, item: Value) -> usize {
     last
 }
 
-/// Adds a name to a list of names, where it is not there yet.
+/// Adds a name to a list of names, unless it is already there.
 pub(super) fn name(of: &mut Value, list: &str, name: &str) {
     if !items(of, list).iter().any(|known| known == name) {
         push(of, list, name.into());
@@ -36,7 +36,7 @@ pub(super) fn require(of: &mut Value, extension: &str) {
 /// Returns the text of a document.
 ///
 /// # Errors
-/// [`Error::Invalid`] for what JSON cannot express.
+/// [`Error::Invalid`] for values that JSON cannot express.
 pub(super) fn text(json: &Value) -> Result<Vec<u8>> {
     serde_json::to_vec(json).map_err(|e| Error::invalid("glTF document", e.to_string()))
 }
@@ -54,23 +54,23 @@ pub(super) fn taken(of: &mut Value, name: &str) -> Vec<Value> {
     }
 }
 
-/// Returns the items of a list, none where there is no such list.
+/// Returns the items of a list, or none if the list does not exist.
 pub(super) fn items<'a>(of: &'a Value, name: &str) -> &'a [Value] {
     of.get(name).and_then(Value::as_array).map_or(&[], Vec::as_slice)
 }
 
-/// Returns the items of a list to be edited.
+/// Returns the items of a list for editing.
 pub(super) fn items_mut<'a>(of: &'a mut Value, name: &str) -> impl Iterator<Item = &'a mut Value> {
     of.get_mut(name).and_then(Value::as_array_mut).into_iter().flatten()
 }
 
-/// Returns the number of a thing that a member names.
+/// Returns the index in a member.
 pub(super) fn number(of: &Value, name: &str) -> Option<usize> {
     usize::try_from(of.get(name)?.as_u64()?).ok()
 }
 
-/// Visits the members of every object below a value, but for those of application data. The depth is bounded by the
-/// JSON parser's own limit of 128.
+/// Visits the members of every object below a value, except for those in application data. The depth is bounded by
+/// the JSON parser's own limit of 128.
 pub(super) fn each_object(value: &mut Value, visit: &mut impl FnMut(&mut Map<String, Value>)) {
     match value {
         Value::Object(members) => {

@@ -1,4 +1,4 @@
-//! How a model is packed.
+//! The options for packing a model.
 
 use super::codec::TextureCodecs;
 use super::codec_set::CodecSet;
@@ -9,15 +9,16 @@ use crate::error::{Error, Result};
 pub struct GltfFormat {
     /// The formats of textures.
     pub images: TextureCodecs,
-    /// `true` for a shorter search for repetitions in lossless WebP: it takes less than half the time, for about 3 % more bytes.
+    /// `true` for a shorter search for repetitions in lossless WebP: less than half the time, for about 3 % more
+    /// bytes.
     pub quick_webp: bool,
-    /// Packs meshes by meshoptimizer: positions, normals and tangents in the bits of [`GltfFormat::bits`]; uvs
-    /// and colours in 16 bits where they lie in [0, 1]. Vertices and triangles are sorted anew. Programs that do not know
-    /// the extension cannot read the file.
+    /// Packs meshes with meshoptimizer: positions, normals and tangents with the bits of [`GltfFormat::bits`]; uvs
+    /// and colours with 16 bits if they are in [0, 1]. Vertices and triangles are reordered. Programs without the
+    /// extension cannot read the file.
     pub meshopt: bool,
-    /// The set of codecs, which says by which extension meshes are packed.
+    /// The codec set, which determines the extension for packing meshes.
     pub codecs: CodecSet,
-    /// The bits of packed vertices. For meshopt only.
+    /// The bits of packed vertices. Only for meshopt.
     pub bits: VertexBits,
 }
 
@@ -25,14 +26,15 @@ pub struct GltfFormat {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct VertexBits {
-    /// Bits of each coordinate of a position, 8 to 16: 2^bits − 1 steps along the longest side of the box around all levels.
+    /// Bits per position coordinate, 8 to 16: 2^bits − 1 steps along the longest side of the bounding box of all
+    /// levels.
     pub positions: u8,
-    /// Bits of each of the two octahedral coordinates of a normal, 6 to 12. 8 bits are within 0.95° and 0.24° on average, 12
-    /// within 0.05°. Up to 8 a vertex takes half of the bytes before compression. Tangents have two bits less, at least 6: a
-    /// normal map turns normals by a small part of what a tangent is off.
+    /// Bits per octahedral coordinate of a normal, 6 to 12. 8 bits are accurate to 0.95°, 0.24° on average, 12 bits
+    /// to 0.05°. Up to 8, a vertex takes half as many bytes before compression. Tangents have two bits fewer, at
+    /// least 6: a normal map turns normals by only a small part of a tangent's error.
     pub normals: u8,
-    /// Bits of each coordinate of a uv, 8 to 16: steps of 2^−bits of the texture, as floats under the exponential filter. With
-    /// 16, uvs in [0, 1] are integers and others stay as they are.
+    /// Bits per uv coordinate, 8 to 16: steps of 2^−bits of the texture, as floats with the exponential filter. With
+    /// 16, uvs in [0, 1] are integers and others are unchanged.
     pub uvs: u8,
 }
 
@@ -48,10 +50,10 @@ impl VertexBits {
         (self.normals - 2).max(6)
     }
 
-    /// Checks that all numbers are in their ranges.
+    /// Checks that all numbers are in range.
     ///
     /// # Errors
-    /// [`Error::Invalid`], which names the number.
+    /// [`Error::Invalid`] with the number.
     pub fn check(self) -> Result<()> {
         let Self { positions, normals, uvs } = self;
         let numbers =
@@ -59,7 +61,7 @@ impl VertexBits {
         let wrong = numbers.into_iter().find(|(_, bits, [least, most])| !(*least..=*most).contains(bits));
         match wrong {
             Some((what, bits, [least, most])) => {
-                Err(Error::invalid(format!("{what} of {bits} bits"), format!("give {least} to {most}")))
+                Err(Error::invalid(format!("{what} with {bits} bits"), format!("use {least} to {most}")))
             }
             None => Ok(()),
         }
@@ -70,7 +72,7 @@ impl GltfFormat {
     /// Checks that all numbers are in range.
     ///
     /// # Errors
-    /// [`Error::Invalid`], which names the number.
+    /// [`Error::Invalid`] with the number.
     pub fn check(&self) -> Result<()> {
         self.images.check()?;
         self.bits.check()

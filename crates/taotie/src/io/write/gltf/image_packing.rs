@@ -1,4 +1,4 @@
-//! The bytes of a texture's image in each format.
+//! Encodes the image of a texture in each format.
 
 #[cfg(feature = "avif")]
 use super::avif;
@@ -14,11 +14,11 @@ use crate::io::{PngColor, PngImage, PngSamples, encode_png};
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 use std::borrow::Cow;
 
-/// The stored form of a bitmap, and its meaning.
+/// The encoding of a bitmap, and how to store it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stored {
     pub encoding: Encoding,
-    /// `true` if alpha is written; AVIF, KTX2 and JPEG hold none.
+    /// `true` if alpha is written; AVIF, KTX2 and JPEG do not support it.
     pub alpha: bool,
     /// As [`GltfFormat::quick_webp`](super::format::GltfFormat).
     pub quick_webp: bool,
@@ -27,7 +27,7 @@ pub(super) struct Stored {
 /// Returns the bytes of an image file.
 ///
 /// # Errors
-/// [`Error::Unsupported`] for texels of floats; the errors of the format.
+/// [`Error::Unsupported`] for float texels; the errors of the format.
 pub(super) fn encode(bitmap: &Bitmap, stored: Stored, codec: ImageCodec) -> Result<Vec<u8>> {
     match codec {
         ImageCodec::Png => png(bitmap, stored),
@@ -59,11 +59,11 @@ fn png(bitmap: &Bitmap, stored: Stored) -> Result<Vec<u8>> {
     }
 }
 
-/// Returns the bytes of a progressive JPEG with as many texels of hues as of lightness; it holds 8 bits and no alpha.
+/// Encodes a progressive JPEG with full-resolution chroma, 8 bits and no alpha.
 fn jpeg(bitmap: &Bitmap, stored: Stored, quality: u8) -> Result<Vec<u8>> {
-    let wrong = |why: String| Error::invalid("a texture as JPEG", why);
+    let wrong = |why: String| Error::invalid("JPEG texture", why);
     let side = |texels: u32| {
-        u16::try_from(texels).map_err(|_| wrong(format!("{texels} texels are too long a side")))
+        u16::try_from(texels).map_err(|_| wrong(format!("a side of {texels} texels is too long")))
     };
     let (width, height) = (side(bitmap.width())?, side(bitmap.height())?);
     let mut bytes = Vec::new();
@@ -102,15 +102,15 @@ fn webp(bitmap: &Bitmap, stored: Stored, loss: WebPLoss) -> Result<Vec<u8>> {
     webp::encode(&WebPImage { size, samples: &samples, has_alpha }, loss)
 }
 
-/// Returns the bytes of a JPEG of a bitmap's colours, of this quality, 1 to 100.
+/// Encodes the colours of a bitmap as JPEG, with a quality from 1 to 100.
 ///
 /// # Errors
-/// [`Error::Unsupported`] for texels of floats; [`Error::Invalid`] for a side of more than 65,535.
+/// [`Error::Unsupported`] for float texels; [`Error::Invalid`] for a side of more than 65,535.
 pub fn encode_jpeg_bitmap(bitmap: &Bitmap, quality: u8) -> Result<Vec<u8>> {
     jpeg(bitmap, Stored { encoding: Encoding::Srgb, alpha: false, quick_webp: false }, quality)
 }
 
-/// Returns the bytes of a lossless WebP of the texels of a bitmap, with alpha where it has some.
+/// Encodes the texels of a bitmap as lossless WebP, with alpha if it has any.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for texels of more than 8 bits, and without the feature `webp`.
@@ -119,9 +119,7 @@ pub fn encode_webp_bitmap(bitmap: &Bitmap) -> Result<Vec<u8>> {
     let stored = Stored { encoding: Encoding::Linear, alpha, quick_webp: false };
     match bitmap.bits() {
         8 => webp(bitmap, stored, WebPLoss::Lossless),
-        bits => {
-            Err(Error::unsupported(format!("a WebP of {bits} bits a channel"), "it holds 8; write a .png"))
-        }
+        bits => Err(Error::unsupported(format!("a WebP with {bits} bits per channel"), "write a .png")),
     }
 }
 
@@ -136,5 +134,5 @@ fn eight_bits(bitmap: &Bitmap, stored: Stored) -> Result<Cow<'_, [[u8; 4]]>> {
 }
 
 fn no_floats(stored: Stored) -> Error {
-    Error::unsupported(format!("a {:?} texture of floats in glTF", stored.encoding), "store 8 or 16 bits")
+    Error::unsupported(format!("a float {:?} texture in glTF", stored.encoding), "use 8 or 16 bits")
 }

@@ -1,4 +1,4 @@
-//! The textures of a material: each image encoded once, and its place in a document.
+//! The textures of a material: each image is encoded once, with its place in a document.
 
 use super::codec::{CodecKind, ImageCodec};
 use super::draft::GltfDraft;
@@ -17,26 +17,26 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// An image as it is written, and the slots that show it.
+/// An image to be written, and the slots that use it.
 #[derive(Debug)]
 pub(super) struct Encoded<'a> {
     image: GltfImage<'a>,
     codec: ImageCodec,
     slots: Vec<Slot>,
-    /// `true` where the material reads its alpha.
+    /// `true` if the material reads its alpha.
     alpha: bool,
     bytes: Vec<u8>,
 }
 
 impl<'a> Encoded<'a> {
-    /// Takes the image of a slot, not encoded yet.
+    /// Takes the unencoded image of a slot.
     fn new(slot: Slot, image: GltfImage<'a>, alpha: AlphaMode) -> Self {
         let has_alpha = matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
         let alpha = has_alpha && slot == Slot::BaseColor && alpha != AlphaMode::Opaque;
         Self { image, codec: ImageCodec::Png, slots: vec![slot], alpha, bytes: Vec::new() }
     }
 
-    /// Chooses the format; images with alpha are PNG if the format of colours cannot hold it.
+    /// Chooses the format; images with alpha become PNG if the format of colours does not support it.
     fn packed(self, format: &GltfFormat) -> Self {
         let wanted = format.images.of(self.encoding());
         let codec = if self.alpha && !wanted.holds_alpha() { ImageCodec::Png } else { wanted };
@@ -45,29 +45,29 @@ impl<'a> Encoded<'a> {
 }
 
 impl Encoded<'_> {
-    /// Returns the slots that show it.
+    /// Returns the slots that use it.
     pub fn slots(&self) -> &[Slot] {
         &self.slots
     }
 
-    /// Returns the meaning of its texels, which all slots share.
+    /// Returns the encoding of its texels, which all slots share.
     fn encoding(&self) -> Encoding {
         self.slots[0].encoding()
     }
 
-    /// Returns the bytes of its file; `None` where the file is there already.
+    /// Returns the bytes of its file; `None` if the file already exists.
     pub fn bytes(&self) -> Option<&[u8]> {
         matches!(self.image, GltfImage::Bitmap(_)).then_some(&self.bytes)
     }
 
-    /// Returns its file beside the model `path`; `None` where it is there already.
+    /// Returns its file next to the model `path`; `None` if it already exists.
     pub fn into_file(self, path: &Path) -> Option<FileBytes> {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let file = path.with_file_name(self.file_name(&stem));
         matches!(self.image, GltfImage::Bitmap(_)).then_some(FileBytes { path: file, bytes: self.bytes })
     }
 
-    /// Returns the name of its file beside a model.
+    /// Returns the name of its file next to a model.
     pub fn file_name(&self, stem: &str) -> String {
         match self.image {
             GltfImage::File(name) => name.to_owned(),
@@ -80,7 +80,7 @@ impl Encoded<'_> {
         self.codec.kind().media_type()
     }
 
-    /// Returns a word for what it shows.
+    /// Returns a word for its content.
     pub fn role(&self) -> &'static str {
         match self.slots[..] {
             [Slot::MetallicRoughness, Slot::Occlusion] => "orm",
@@ -92,7 +92,7 @@ impl Encoded<'_> {
         }
     }
 
-    /// The texture that shows image `source`.
+    /// Returns the texture for image `source`.
     pub fn texture(&self, source: usize) -> Value {
         match self.extension() {
             None => json!({ "sampler": 0, "source": source }),
@@ -100,17 +100,17 @@ impl Encoded<'_> {
         }
     }
 
-    /// The extension of its texture; a file that is there already is shown as any program can.
+    /// Returns the extension of its texture; an existing file is used without one.
     pub fn extension(&self) -> Option<&'static str> {
         self.bytes().and(self.codec.kind().extension())
     }
 }
 
-/// The roles by which images are named beside a model.
+/// The roles in the names of external images.
 pub(super) const ROLES: [&str; 6] = ["orm", "color", "metallic_roughness", "occlusion", "emissive", "normal"];
 
-/// Returns the name of every file that an image of these kinds, or PNG in their place, may have beside a model of so many coarser
-/// levels of detail.
+/// Returns the name of every file that an image of these kinds, or PNG as a fallback, may have next to a model with
+/// `coarser` coarser levels of detail.
 pub(super) fn possible_names(stem: &str, (kinds, coarser): (&[CodecKind], usize)) -> Vec<String> {
     let kinds = [CodecKind::Png].iter().chain(kinds);
     let extensions: BTreeSet<&str> = kinds.map(|kind| kind.file_extension()).collect();
@@ -122,16 +122,15 @@ pub(super) fn possible_names(stem: &str, (kinds, coarser): (&[CodecKind], usize)
     roles.flat_map(|role| named(&role)).collect()
 }
 
-/// The beginning of the roles of images of a coarser level of detail.
+/// The prefix of the roles of images at a coarser level of detail.
 pub(super) const LEVEL: &str = "lod";
 
-/// Returns the role of an image of a coarser level of detail: `lod1_normal`.
+/// Returns the role of an image at a coarser level of detail: `lod1_normal`.
 pub(super) fn level_role(number: usize, role: &str) -> String {
     format!("{LEVEL}{number}_{role}")
 }
 
-/// Encodes every image of a material, in the order of its slots. Slots that show the same image in the same encoding
-/// share it.
+/// Encodes every image of a material, in slot order. Slots with the same image in the same encoding share it.
 pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: &GltfFormat) -> Result<Vec<Encoded<'a>>> {
     format.check()?;
     let mut images: Vec<Encoded> = Vec::new();
@@ -156,15 +155,15 @@ pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: &GltfFormat) -> Re
     Ok(images)
 }
 
-/// The storage of images: within the document or beside it.
+/// The storage of images: within the document or in external files.
 pub(super) enum ImageStorage<'a> {
     /// In the document's buffer.
     Inside,
-    /// In files beside the model, whose name without extension this is.
-    Beside(&'a str),
+    /// In files next to the model; this is its name without extension.
+    Separate(&'a str),
 }
 
-/// Adds images, and a texture for each, all read by one sampler.
+/// Adds images, and a texture for each, all with one sampler.
 pub(super) fn add(draft: &mut GltfDraft, images: &[Encoded], storage: &ImageStorage, sampler: &Sampler) {
     if images.is_empty() {
         return;
@@ -183,7 +182,7 @@ fn entry(draft: &mut GltfDraft, image: &Encoded, storage: &ImageStorage) -> Valu
             let view = draft.view(bytes);
             json!({ "name": image.role(), "bufferView": view, "mimeType": image.mime_type() })
         }
-        (Some(_), ImageStorage::Beside(stem)) => json!({ "uri": uri(&image.file_name(stem)) }),
+        (Some(_), ImageStorage::Separate(stem)) => json!({ "uri": uri(&image.file_name(stem)) }),
         (None, _) => json!({ "uri": uri(&image.file_name("")) }),
     }
 }

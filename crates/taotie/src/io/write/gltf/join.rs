@@ -1,4 +1,4 @@
-//! Several GLBs that show one object at different levels of detail, joined into one (MSFT_lod).
+//! Joins GLBs that show one object at different levels of detail into one (MSFT_lod).
 
 use super::codec::CodecKind;
 use super::container;
@@ -19,16 +19,17 @@ use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Joins GLBs that show one object at different levels of detail into one file, by MSFT_lod, and returns it, with the files
-/// beside it if it is a `.gltf`. The finest stays as it is, but for a node above its others if it shows several; the coarser
-/// ones give what their default scene shows: nodes, meshes, materials and textures, without lights, cameras, skins and
-/// animations. What is equal in several of them is stored once. `coverages` has the least part of the screen that the object
-/// covers while each level is shown, of the finest and of each coarser one.
+/// Joins GLBs that show one object at different levels of detail into one file with MSFT_lod, and returns it,
+/// followed by its external files if it is a `.gltf`. The finest stays unchanged, except for a node above its others
+/// if it shows several; the coarser ones contribute what their default scene shows: nodes, meshes, materials and
+/// textures, without lights, cameras, skins and animations. Items that are equal in several of them are stored once.
+/// `coverages` has the minimum screen coverage of the object at which each level is shown, for the finest and each
+/// coarser one.
 ///
 /// # Errors
-/// [`Error::Parse`] for a GLB that cannot be read; [`Error::Invalid`] unless there is one coverage for each level;
-/// [`Error::Unsupported`] for an extension that may refer to things by number in a way that is not known here, for a finest file
-/// with levels of its own, and for coarser ones with other variants; [`Error::Limit`] for a GLB of 4 GiB or more.
+/// [`Error::Parse`] for a GLB that cannot be read; [`Error::Invalid`] unless there is one coverage per level;
+/// [`Error::Unsupported`] for an extension that may refer to items by index in an unknown way, for a finest file that
+/// already has levels, and for coarser ones with different variants; [`Error::Limit`] for a GLB of 4 GiB or more.
 pub fn join_levels(
     path: &Path,
     (finest, coarser): (&[u8], &[&[u8]]),
@@ -36,13 +37,13 @@ pub fn join_levels(
 ) -> Result<Vec<FileBytes>> {
     let container = Container::of(path)?;
     if coverages.len() != coarser.len() + 1 || coverages.iter().any(|c| !(0.0..=1.0).contains(c)) {
-        return Err(Error::invalid("the screen coverages", "give one in [0, 1] for each level of detail"));
+        return Err(Error::invalid("screen coverages", "specify one in [0, 1] per level of detail"));
     }
     let mut all = read(finest)?;
     if edit::items(&all.json, "extensionsUsed").iter().any(|name| name == LEVELS) {
         return Err(Error::unsupported(
-            "levels of detail of a file that has its own",
-            "leave those out first",
+            "adding levels of detail to a file that has them",
+            "remove those first",
         ));
     }
     let root = root(&mut all.json)?;
@@ -61,7 +62,7 @@ pub fn join_levels(
         Container::Glb => Vec::new(),
         Container::Gltf => apart(&mut all, path),
     };
-    // Views of images that another level had, too.
+    // Drops views of images that another level also had.
     drop_unnamed(&mut all.json, "bufferViews", each_view);
     let bytes = joined(&mut all)?;
     let mut files = match container {
@@ -75,7 +76,7 @@ pub fn join_levels(
     Ok(files)
 }
 
-/// Marks images that a bake named as those of a coarser level.
+/// Renames images written by a bake to those of a coarser level.
 fn name_images(json: &mut Value, number: usize) {
     for image in edit::items_mut(json, "images") {
         if let Some(role) = role(image) {
@@ -84,7 +85,7 @@ fn name_images(json: &mut Value, number: usize) {
     }
 }
 
-/// Returns the role of an image that a bake wrote, such as `normal`.
+/// Returns the role of an image written by a bake, such as `normal`.
 fn role(image: &Value) -> Option<String> {
     let name = image.get("name")?.as_str()?;
     let role = name.split_once("_").map_or(name, |(level, role)| if is_level(level) { role } else { name });
@@ -95,7 +96,7 @@ fn is_level(word: &str) -> bool {
     word.strip_prefix(LEVEL).is_some_and(|number| number.parse::<usize>().is_ok())
 }
 
-/// Takes the images that bakes wrote out of a document, as files beside it.
+/// Moves images written by bakes out of a document to external files.
 fn apart(all: &mut RawGltf, path: &Path) -> Vec<FileBytes> {
     let mut files = Vec::new();
     let mut taken = BTreeSet::new();
@@ -107,7 +108,7 @@ fn apart(all: &mut RawGltf, path: &Path) -> Vec<FileBytes> {
         let Some(kind) = CodecKind::detect(&bytes) else { continue };
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let name = format!("{stem}_{role}.{}", kind.file_extension());
-        // Files of others may have several images of a name.
+        // Files from other programs may have several images with the same name.
         if !taken.insert(name.clone()) {
             continue;
         }
@@ -121,19 +122,19 @@ fn read(glb: &[u8]) -> Result<RawGltf> {
     let raw = RawGltf::read(GltfSource::Glb(glb), &Limits::of_own_files())?;
     match edit::items(&raw.json, "extensionsUsed").iter().find(|name| !names_no_geometry(name)) {
         Some(name) => Err(Error::unsupported(
-            format!("levels of detail of a file with {name}"),
-            "it may refer to things by numbers, which change; leave the levels out, or the extension",
+            format!("adding levels of detail to a file with {name}"),
+            "it may refer to items by index, and indices change; omit the levels or the extension",
         )),
         None => Ok(raw),
     }
 }
 
-/// Returns the node that shows all of the default scene: its only one, or one that is put above.
+/// Returns the node that shows the whole default scene: its only one, or a new one above all.
 fn root(json: &mut Value) -> Result<usize> {
     let scene = edit::number(json, "scene").unwrap_or(0);
     let nodes = edit::items(json, "scenes").get(scene).map(|scene| edit::items(scene, "nodes").to_vec());
     let nodes = nodes.filter(|nodes| !nodes.is_empty());
-    let nodes = nodes.ok_or_else(|| Error::invalid("a level of detail", "it has no scene with nodes"))?;
+    let nodes = nodes.ok_or_else(|| Error::invalid("level of detail", "no scene with nodes"))?;
     if let [only] = &nodes[..]
         && let Some(only) = only.as_u64()
     {
@@ -144,14 +145,14 @@ fn root(json: &mut Value) -> Result<usize> {
     Ok(root)
 }
 
-/// Appends what the default scene of a document shows; returns the node that shows it.
+/// Appends what the default scene of a document shows; returns its root node.
 fn append(all: &mut RawGltf, mut level: RawGltf) -> Result<usize> {
     let root = root(&mut level.json)?;
     let variants = |json: &Value| json.pointer("/extensions/KHR_materials_variants").cloned();
     if let Some(own) = variants(&level.json)
         && variants(&all.json).as_ref() != Some(&own)
     {
-        return Err(Error::unsupported("levels of detail with other variants", "give all the same"));
+        return Err(Error::unsupported("levels of detail with different variants", "use the same for all"));
     }
     strip_unshown(&mut level.json);
     for list in ["extensionsUsed", "extensionsRequired"] {
@@ -190,7 +191,7 @@ fn append(all: &mut RawGltf, mut level: RawGltf) -> Result<usize> {
     Ok(nodes + root)
 }
 
-/// Removes what a coarser level does not bring: what moves it, its lights and cameras, and all scenes.
+/// Removes the parts not used from a coarser level: whatever moves it, its lights and cameras, and all scenes.
 fn strip_unshown(json: &mut Value) {
     ["animations", "skins", "cameras", "scenes"].iter().for_each(|list| edit::remove(json, list));
     for node in edit::items_mut(json, "nodes") {
@@ -205,7 +206,7 @@ fn strip_unshown(json: &mut Value) {
     }
 }
 
-/// Moves all items of a list to the end of another document's.
+/// Appends all items of a list to that of another document.
 fn move_all(all: &mut Value, level: &mut Value, list: &str) {
     for item in edit::taken(level, list) {
         edit::push(all, list, item);
@@ -218,8 +219,8 @@ fn shift(number: &mut Value, by: usize) {
     }
 }
 
-/// Moves the items of a list that the other document lacks, and names the others there. What items themselves name was
-/// renumbered before.
+/// Moves the items of a list that the other document lacks, and redirects references to the others. The references
+/// within items have already been renumbered.
 fn share(all: &mut RawGltf, level: &mut Value, (list, each): (&str, Visit)) {
     let own = edit::taken(level, list);
     let numbers: Vec<usize> = own.into_iter().map(|item| placed(&mut all.json, list, item)).collect();
@@ -240,7 +241,7 @@ fn rename(level: &mut Value, each: Visit, numbers: &[usize]) {
     });
 }
 
-/// Does what [`share`] does for images, which are equal if their bytes are.
+/// Like [`share`], for images, which are equal if their bytes are.
 fn share_images(all: &mut RawGltf, level: &mut Value) {
     let mut numbers = Vec::new();
     for image in edit::taken(level, "images") {
@@ -252,7 +253,7 @@ fn share_images(all: &mut RawGltf, level: &mut Value) {
     rename(level, each_image, &numbers);
 }
 
-/// Returns the bytes of an image that a view holds.
+/// Returns the bytes of an image stored in a view.
 fn image_bytes<'a>(all: &'a RawGltf, image: &Value) -> Option<&'a [u8]> {
     let view = edit::items(&all.json, "bufferViews").get(edit::number(image, "bufferView")?)?;
     let start = edit::number(view, "byteOffset").unwrap_or(0);

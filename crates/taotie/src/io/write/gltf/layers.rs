@@ -1,63 +1,40 @@
-//! The parts of a material that glTF's core leaves to extensions, without their textures: layers, emission beyond 1; and
-//! the treatment of alpha. A scene and an asset write them alike.
+//! The parts of a material that glTF's core leaves to extensions, without their textures: layers, emission beyond 1;
+//! and the alpha mode. Shared by scenes and assets.
 
 use super::number::short;
-use crate::scene::{AlphaMode, Anisotropy, Clearcoat, Material, Sheen, Specular};
-use serde_json::{Value, json};
+use crate::scene::{AlphaMode, Factor, FactorValue, LAYERS, Layer, Material};
+use serde_json::{Map, Value, json};
 
 /// The extension of emission beyond 1.
 pub(super) const STRENGTH: &str = "KHR_materials_emissive_strength";
-pub(super) const SPECULAR: &str = "KHR_materials_specular";
-pub(super) const CLEARCOAT: &str = "KHR_materials_clearcoat";
-pub(super) const ANISOTROPY: &str = "KHR_materials_anisotropy";
-pub(super) const SHEEN: &str = "KHR_materials_sheen";
-
-/// The index of refraction of materials that name none.
+/// The default index of refraction of materials.
 const IOR: f32 = 1.5;
 
 /// Returns the factors of each layer that a material has, by the name of the layer's extension.
 pub(super) fn factors(material: &Material) -> Vec<(&'static str, Value)> {
-    let layers = [
-        ("KHR_materials_unlit", material.unlit.then(|| json!({}))),
-        ("KHR_materials_ior", (material.ior != IOR).then(|| json!({ "ior": short(material.ior) }))),
-        (SPECULAR, (material.specular != Specular::default()).then(|| specular(&material.specular))),
-        (CLEARCOAT, material.clearcoat.as_ref().map(clearcoat)),
-        (ANISOTROPY, material.anisotropy.as_ref().map(anisotropy)),
-        (SHEEN, material.sheen.as_ref().map(sheen)),
-    ];
-    layers.into_iter().filter_map(|(name, json)| Some((name, json?))).collect()
+    let unlit = material.unlit.then(|| ("KHR_materials_unlit", json!({})));
+    let ior = (material.ior != IOR).then(|| ("KHR_materials_ior", json!({ "ior": short(material.ior) })));
+    let layers = LAYERS.iter().filter(|layer| (layer.is_present)(material));
+    let layers = layers.map(|layer| (layer.extension, layer_factors(layer, material)));
+    unlit.into_iter().chain(ior).chain(layers).collect()
 }
 
-fn specular(specular: &Specular) -> Value {
-    json!({
-        "specularFactor": short(specular.factor),
-        "specularColorFactor": specular.color.map(short),
-    })
+fn layer_factors(layer: &Layer, material: &Material) -> Value {
+    let member =
+        |factor: &Factor| Some((factor.member.to_owned(), written((factor.get)(material)?, factor.most)));
+    layer.factors.iter().filter_map(member).collect::<Map<_, _>>().into()
 }
 
-fn clearcoat(coat: &Clearcoat) -> Value {
-    json!({
-        "clearcoatFactor": short(coat.factor),
-        "clearcoatRoughnessFactor": short(coat.roughness),
-    })
+/// Returns the JSON of a factor; glTF clamps values above `most`.
+fn written(value: FactorValue, most: f32) -> Value {
+    match value {
+        FactorValue::Number(number) => short(number.min(most)).into(),
+        FactorValue::Color(color) => json!(color.map(|v| short(v.min(most)))),
+        FactorValue::Angle(angle) => angle.into(),
+    }
 }
 
-fn anisotropy(anisotropy: &Anisotropy) -> Value {
-    json!({
-        "anisotropyStrength": short(anisotropy.strength),
-        "anisotropyRotation": anisotropy.rotation,
-    })
-}
-
-/// Returns the factors of sheen, whose colours glTF clamps at 1.
-fn sheen(sheen: &Sheen) -> Value {
-    json!({
-        "sheenColorFactor": sheen.color.map(|v| short(v.min(1.0))),
-        "sheenRoughnessFactor": short(sheen.roughness),
-    })
-}
-
-/// An emission as glTF says it: a colour, and what it is multiplied by where it is above 1.
+/// An emission in glTF form: a colour, and its multiplier if the emission exceeds 1.
 pub(super) struct Emission {
     pub color: [f64; 3],
     pub strength: Option<f64>,
@@ -70,13 +47,13 @@ impl Emission {
         Self { color: radiance.map(|v| short(v / most)), strength: (most > 1.0).then(|| short(most)) }
     }
 
-    /// Returns the member of the strength's extension.
+    /// Returns the value of the emissive-strength extension.
     pub fn extension(&self) -> Option<Value> {
         Some(json!({ "emissiveStrength": self.strength? }))
     }
 }
 
-/// Writes the treatment of alpha into a material.
+/// Writes the alpha mode into a material.
 pub(super) fn say_alpha(json: &mut Value, alpha: AlphaMode) {
     match alpha {
         AlphaMode::Opaque => {}

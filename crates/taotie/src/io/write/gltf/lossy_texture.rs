@@ -1,4 +1,4 @@
-//! A texture that may be encoded in several ways.
+//! A texture that can be encoded in several ways.
 
 use super::codec::ImageCodec;
 use super::image_packing::{Stored, encode};
@@ -7,7 +7,7 @@ use crate::image::{Bitmap, Encoding, Texels, Texture};
 use crate::math::Vec3;
 use std::borrow::Cow;
 
-/// A texture that may be encoded in several ways.
+/// A texture that can be encoded in several ways.
 ///
 /// ```
 /// use taotie::image::{Bitmap, Encoding, Texels};
@@ -22,23 +22,23 @@ use std::borrow::Cow;
 #[derive(Debug)]
 pub struct LossyTexture {
     texture: Texture,
-    /// `true` if some texel is not opaque, and materials read that.
+    /// `true` if any texel is not opaque, and materials read the alpha.
     has_alpha: bool,
 }
 
 impl LossyTexture {
-    /// Takes a bitmap and the meaning of its texels.
+    /// Takes a bitmap and the encoding of its texels.
     pub fn new(bitmap: Bitmap, encoding: Encoding) -> Self {
         Self { has_alpha: bitmap.has_alpha(), texture: Texture::new(bitmap, encoding) }
     }
 
-    /// Takes away the alpha, for materials that do not read it.
+    /// Removes the alpha, for materials that do not read it.
     #[must_use]
     pub(super) fn without_alpha(self) -> Self {
         Self { has_alpha: false, ..self }
     }
 
-    /// Returns the meaning of its texels.
+    /// Returns the encoding of its texels.
     pub fn encoding(&self) -> Encoding {
         self.texture.encoding()
     }
@@ -48,13 +48,13 @@ impl LossyTexture {
         self.texture.bitmap()
     }
 
-    /// Returns the longer side, texels.
+    /// Returns the longer side in texels.
     pub fn side(&self) -> u32 {
         self.texture.width().max(self.texture.height())
     }
 
-    /// Returns `true` if a format can hold it with `side` texels along the longer side: one without alpha if all texels are
-    /// opaque, KTX2 if both sides are multiples of 4.
+    /// Returns `true` if a format supports it with `side` texels along the longer side: formats without alpha need
+    /// opaque texels, KTX2 needs sides that are multiples of 4.
     pub fn fits(&self, codec: ImageCodec, side: u32) -> bool {
         (codec.holds_alpha() || !self.has_alpha) && codec.holds_size(self.texture.resized_size(side))
     }
@@ -64,20 +64,20 @@ impl LossyTexture {
         self.bitmap().texels().len() as u64
     }
 
-    /// Returns its file with `side` texels along the longer side, at most its own.
+    /// Encodes it with `side` texels along the longer side, at most its own size.
     ///
     /// # Errors
-    /// [`crate::Error::Invalid`] if the encoder refuses; [`crate::Error::Unsupported`] without the feature `webp`, or for
-    /// texels of floats.
+    /// [`crate::Error::Invalid`] if the encoder fails; [`crate::Error::Unsupported`] without the feature `webp`, or
+    /// for float texels.
     pub fn encoded(&self, side: u32, codec: ImageCodec) -> Result<Vec<u8>> {
         let stored = Stored { encoding: self.encoding(), alpha: self.has_alpha, quick_webp: false };
         encode(&*self.resized(side)?, stored, codec)
     }
 
-    /// Returns it with `side` texels along the longer side, at most its own, as encoders get it.
+    /// Returns it with `side` texels along the longer side, at most its own size, as passed to encoders.
     ///
     /// # Errors
-    /// As those of [`Bitmap::new`].
+    /// Those of [`Bitmap::new`].
     pub fn resized(&self, side: u32) -> Result<Cow<'_, Bitmap>> {
         let level = self.texture.resized(side.clamp(1, self.side()));
         match self.encoding() {
@@ -87,7 +87,7 @@ impl LossyTexture {
     }
 }
 
-/// Returns the normals of a mip level, which are shorter than 1 where they differ, as unit vectors in 8 bits.
+/// Returns the normals of a mip level, which are shorter than 1 where they vary, as unit vectors in 8 bits.
 fn normals(level: &Bitmap) -> Result<Bitmap> {
     let code = |v: f32| ((v * 0.5 + 0.5) * 255.0).round() as u8;
     let texel = |i: usize| {

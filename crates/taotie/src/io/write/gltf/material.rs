@@ -4,45 +4,45 @@ use super::slots::{GltfImage, Slot};
 use crate::error::{Error, Result};
 use crate::scene::{AlphaMode, Material};
 
-/// glTF's metallic-roughness material; textures are multiplied by the factors and show the first uv set.
+/// glTF's metallic-roughness material; textures are multiplied by the factors and use the first uv set.
 #[derive(Debug, Clone, Copy)]
 pub struct GltfMaterial<'a> {
     /// Its name; may be empty.
     pub name: &'a str,
-    /// The base colour, linear RGBA, each in [0, 1]; `alpha` says whether the last is read.
+    /// The base colour, linear RGBA, each in [0, 1]; `alpha` determines whether the last is used.
     pub base_color: [f32; 4],
     /// The metalness, [0, 1].
     pub metallic: f32,
     /// The roughness, [0, 1]; α is its square.
     pub roughness: f32,
-    /// The base colour texture, sRGB-encoded; its alpha is written where `alpha` reads it.
+    /// The base colour texture, sRGB-encoded; its alpha is written if `alpha` uses it.
     pub base_color_map: Option<GltfImage<'a>>,
     /// The roughness in green and the metalness in blue; linear.
     pub metallic_roughness_map: Option<GltfImage<'a>>,
-    /// The occlusion in red, 1 where nothing is hidden; linear. It may be the image of `metallic_roughness_map`, which
-    /// is then written once.
+    /// The occlusion in red, 1 where nothing is occluded; linear. It may be the image of `metallic_roughness_map`,
+    /// which is then written once.
     pub occlusion_map: Option<GltfImage<'a>>,
     /// The strength of the occlusion, [0, 1].
     pub occlusion_strength: f32,
-    /// The normal map of tangent space, linear, +Y up.
+    /// The tangent-space normal map, linear, +Y up.
     pub normal_map: Option<GltfImage<'a>>,
-    /// The factor of x and y of the normals; finite.
+    /// The scale of x and y of the normals; finite.
     pub normal_scale: f32,
     /// The emitted radiance, linear RGB, 0 or more.
     pub emissive: [f32; 3],
     /// The texture that multiplies `emissive`, sRGB-encoded.
     pub emissive_map: Option<GltfImage<'a>>,
-    /// The treatment of alpha.
+    /// The alpha mode.
     pub alpha: AlphaMode,
-    /// A material whose layers this one has: index of refraction, specular strength, clearcoat, anisotropy, sheen, no
-    /// light. Their factors are written, their textures are not.
+    /// A material whose layers this one shares: index of refraction, specular strength, clearcoat, anisotropy, sheen,
+    /// unlit. Their factors are written, but not their textures.
     pub layers: Option<&'a Material>,
-    /// `true` where triangles are seen from both sides.
+    /// `true` if triangles are visible from both sides.
     pub double_sided: bool,
 }
 
 impl Default for GltfMaterial<'_> {
-    /// Returns a white, rough material that is not metallic.
+    /// Returns a white, rough, non-metallic material.
     fn default() -> Self {
         Self {
             name: "",
@@ -65,7 +65,7 @@ impl Default for GltfMaterial<'_> {
 }
 
 impl<'a> GltfMaterial<'a> {
-    /// Returns its textures in the order in which they are written.
+    /// Returns its textures in the order of writing.
     pub(super) fn maps(&self) -> impl Iterator<Item = (Slot, GltfImage<'a>)> {
         [
             (Slot::BaseColor, self.base_color_map),
@@ -82,7 +82,7 @@ impl<'a> GltfMaterial<'a> {
         self.maps().next().is_some()
     }
 
-    /// Checks that glTF allows its numbers.
+    /// Checks that its numbers are valid in glTF.
     pub(super) fn check(&self) -> Result<()> {
         let fractions = [
             ("metallic", self.metallic),
@@ -96,7 +96,7 @@ impl<'a> GltfMaterial<'a> {
             }
         }
         if let Some(value) = self.emissive.into_iter().find(|v| !(0.0..=f32::MAX).contains(v)) {
-            return Err(Error::invalid("emission", format!("{value} is not 0 or more, and finite")));
+            return Err(Error::invalid("emission", format!("{value} is negative, infinite or NaN")));
         }
         check_alpha(self.alpha)?;
         if !self.normal_scale.is_finite() {
@@ -106,11 +106,11 @@ impl<'a> GltfMaterial<'a> {
     }
 }
 
-/// Checks that glTF allows the cutoff of a mask.
+/// Checks that the cutoff of a mask is valid in glTF.
 pub(super) fn check_alpha(mode: AlphaMode) -> Result<()> {
     match mode {
         AlphaMode::Mask(cutoff) if !(0.0..=f32::MAX).contains(&cutoff) => {
-            Err(Error::invalid("alpha cutoff", format!("{cutoff} is not 0 or more, and finite")))
+            Err(Error::invalid("alpha cutoff", format!("{cutoff} is negative, infinite or NaN")))
         }
         _ => Ok(()),
     }

@@ -1,4 +1,4 @@
-//! The JSON of a material whose images are encoded.
+//! The JSON of a material with encoded images.
 
 use super::edit::member;
 use super::images::Encoded;
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 /// The member with the core's factors.
 pub(super) const PBR: &str = "pbrMetallicRoughness";
 
-/// Returns the JSON of the material; texture `i` shows image `i`.
+/// Returns the JSON of the material; texture `i` uses image `i`.
 pub(super) fn json(material: &GltfMaterial, images: &[Encoded]) -> Value {
     let mut json = json!({
         "doubleSided": material.double_sided,
@@ -37,7 +37,7 @@ pub(super) fn json(material: &GltfMaterial, images: &[Encoded]) -> Value {
     json
 }
 
-/// Puts a texture, by its number, into a slot of a material. It shows uv set 0, not moved.
+/// Puts a texture, given by index, into a slot of a material. It uses uv set 0, untransformed.
 pub(super) fn put_texture(json: &mut Value, slot: Slot, texture: usize, material: &GltfMaterial) {
     let info = json!({ "index": texture });
     match slot {

@@ -1,4 +1,4 @@
-//! Meshes as accessors.
+//! Writes meshes as accessors.
 
 use super::draft::{Component, GltfDraft};
 use super::parts::MeshPart;
@@ -6,10 +6,10 @@ use crate::math::Vec3;
 use crate::mesh::Mesh;
 use serde_json::{Value, json};
 
-/// The most vertices that 16-bit indices can name; 65535 itself starts a primitive anew.
+/// Maximum number of vertices for 16-bit indices; 65535 itself restarts a primitive.
 pub(super) const MOST_OF_U16: usize = 65535;
 
-/// Adds a mesh and returns the primitive of each part; all share its vertices.
+/// Adds a mesh and returns one primitive per part; all share its vertices.
 pub(super) fn add(draft: &mut GltfDraft, mesh: &Mesh, parts: &[MeshPart]) -> Vec<Value> {
     let attributes = attributes(draft, mesh);
     let primitive = |part: &MeshPart| {

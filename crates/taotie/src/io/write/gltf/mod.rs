@@ -1,5 +1,5 @@
-//! glTF 2.0, `.glb` and `.gltf`: one object with one material, which its triangles may show in several alpha modes, in
-//! one or more levels of detail.
+//! glTF 2.0, `.glb` and `.gltf`: one object with one material, whose triangles may have several alpha modes, in one
+//! or more levels of detail.
 
 #[cfg(feature = "avif")]
 mod avif;
@@ -60,45 +60,46 @@ use std::path::{Path, PathBuf};
 /// The extension of levels of detail.
 const LEVELS: &str = "MSFT_lod";
 
-/// A model to be written as glTF. Every level has the same material and stands in the same place.
+/// A model to be written as glTF. Every level has the same material and the same placement.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct GltfAsset<'a> {
-    /// The name of the node, the mesh and, in a `.gltf`, nothing else; may be empty.
+    /// The name of the node and the mesh; may be empty.
     pub name: &'a str,
     /// The mesh at each level of detail, the finest first; at least one.
     pub levels: &'a [GltfLevel<'a>],
-    /// The metres of the meshes' unit, which a root node above each level is scaled by; `None` if they are in metres.
+    /// The size of the meshes' unit in metres, by which a root node above each level scales; `None` if they are in
+    /// metres.
     pub root_scale: Option<f32>,
     /// The material of all levels.
     pub material: GltfMaterial<'a>,
-    /// The alpha mode of each triangle of each level, in place of the material's: each mode becomes a primitive with a
-    /// material of its own. Empty where all triangles have the material's. Its own mode still says whether the alpha of
-    /// the base colour's texture is written.
+    /// The alpha mode of each triangle of each level, replacing the material's: each mode becomes a primitive with
+    /// its own material. Empty if all triangles have the material's mode. The material's mode still determines
+    /// whether the alpha of the base colour texture is written.
     pub alpha_modes: &'a [Vec<AlphaMode>],
     /// The rights notice.
     pub copyright: Option<&'a str>,
     /// An XMP packet as JSON-LD, such as [`Provenance::extend`](crate::io::Provenance::extend) makes.
     pub xmp: Option<&'a Json>,
-    /// Further data for programs that know of it; goes into `asset.extras`.
+    /// Further data for programs that recognise it; written to `asset.extras`.
     pub extras: Option<&'a Json>,
 }
 
-/// A mesh and the least size on screen at which it is drawn.
+/// A mesh and the minimum size on screen at which it is drawn.
 #[derive(Debug, Clone, Copy)]
 pub struct GltfLevel<'a> {
     /// The mesh; its uv origin is top left, as in glTF.
     pub mesh: &'a Mesh,
-    /// The least part of the screen that the object covers while this level is shown, [0, 1]. Written where every
-    /// level has one and there are several.
+    /// The minimum screen coverage of the object at which this level is shown, [0, 1]. Written if there are several
+    /// levels and every level has one.
     pub coverage: Option<f32>,
 }
 
-/// Writes a model: a GLB where `path` ends in `.glb`; for `.gltf` the JSON, with the numbers in `NAME.bin` and the
-/// textures in files such as `NAME_color.png` beside it. Either all files are written or none, the JSON last. The
-/// same model gives the same bytes. Returns the files written, `path` first.
+/// Writes a model: a GLB if `path` ends in `.glb`; for `.gltf` the JSON, with the data in `NAME.bin` and the textures
+/// in files such as `NAME_color.png` next to it. Either all files are written or none, the JSON last. The same model
+/// gives the same bytes. Returns the files written, `path` first.
 ///
 /// # Errors
-/// As [`encode_gltf`]; [`Error::Io`] where a file cannot be written.
+/// As [`encode_gltf`]; [`Error::Io`] if a file cannot be written.
 pub fn write_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<PathBuf>> {
     let files = encode_gltf(path, asset, format)?;
     FileSet::one(|set| set.write_files(&files, Progress::SILENT))?;
@@ -108,31 +109,23 @@ pub fn write_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result
 /// Returns the files that [`write_gltf`] would write, `path` first.
 ///
 /// # Errors
-/// [`Error::Unsupported`] for another extension and for float textures, [`Error::Invalid`] for a model that glTF cannot
-/// express: no level, a level without triangles, textures on a mesh without uvs, factors or a quality out of range;
-/// [`Error::Limit`] for a GLB of 4 GiB or more.
+/// [`Error::Unsupported`] for another extension and for float textures, [`Error::Invalid`] for a model that glTF
+/// cannot express: no levels, a level without triangles, textures on a mesh without uvs, factors or a quality out of
+/// range; [`Error::Limit`] for a GLB of 4 GiB or more.
 pub fn encode_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<FileBytes>> {
     match Container::of(path)? {
         Container::Glb => Ok(vec![FileBytes { path: path.to_path_buf(), bytes: encode_glb(asset, format)? }]),
         Container::Gltf => {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
             let encoded = images::encode(&asset.material, format)?;
-            let draft = draft(asset, format, (&encoded, &ImageStorage::Beside(&stem)))?;
+            let draft = draft(asset, format, (&encoded, &ImageStorage::Separate(&stem)))?;
             draft.into_files(path, encoded.into_iter().filter_map(|image| image.into_file(path)).collect())
         }
     }
 }
 
-/// Returns every file that [`write_gltf`] and [`join_levels`] may write a model to, whatever textures of these kinds it and its
-/// coarser levels of detail have; `path` first.
-///
-/// ```
-/// use taotie::io::{CodecKind, gltf_files};
-///
-/// assert_eq!(gltf_files("vase.glb".as_ref(), &[CodecKind::WebP], 0).len(), 1);
-/// let files = gltf_files("vase.gltf".as_ref(), &[CodecKind::WebP], 0);
-/// assert_eq!(files[1], std::path::Path::new("vase.bin"));
-/// ```
+/// Returns every file that [`write_gltf`] and [`join_levels`] may write for a model, with any textures of these kinds
+/// and `coarser` coarser levels of detail; `path` first.
 pub fn gltf_files(path: &Path, images: &[CodecKind], coarser: usize) -> Vec<PathBuf> {
     let mut files = vec![path.to_path_buf()];
     if let Ok(Container::Gltf) = Container::of(path) {
@@ -149,7 +142,7 @@ pub fn gltf_files(path: &Path, images: &[CodecKind], coarser: usize) -> Vec<Path
 enum Container {
     /// One binary file.
     Glb,
-    /// JSON with files beside it.
+    /// JSON with external files.
     Gltf,
 }
 
@@ -161,8 +154,8 @@ impl Container {
             "glb" => Ok(Self::Glb),
             "gltf" => Ok(Self::Gltf),
             _ => Err(Error::unsupported(
-                format!("{}: the extension '{extension}'", path.display()),
-                "glTF is written as .glb and .gltf",
+                format!("{}: the file extension '{extension}'", path.display()),
+                "use .glb or .gltf",
             )),
         }
     }
@@ -177,9 +170,9 @@ pub fn encode_glb(asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<u8>> {
 }
 
 impl GltfDraft {
-    /// Makes a GLB draft of the model, to which the caller may add content that a [`GltfAsset`] lacks, such as skins
-    /// and animations. Node 0, mesh 0 and material 0 are those of the finest level, unless its triangles have alpha modes
-    /// of their own: then there is a material for each mode.
+    /// Creates a GLB draft of the model, to which the caller may add content that a [`GltfAsset`] lacks, such as
+    /// skins and animations. Node 0, mesh 0 and material 0 are those of the finest level, unless its triangles have
+    /// their own alpha modes: then there is one material per mode.
     ///
     /// # Errors
     /// As [`encode_glb`].
@@ -247,9 +240,9 @@ fn named(asset: &GltfAsset, mut json: Value) -> Value {
     json
 }
 
-/// Makes a node for each level, all in the same place. The first, which alone is in the scene, names the others and
-/// says how large each must be seen. If they are scaled, the mesh of each has a node of its own below: viewers replace one
-/// level by another with all that is below, whatever they do with nodes above. Source: MSFT_lod.
+/// Makes a node for each level, all with the same placement. The first, the only one in the scene, lists the others
+/// and the minimum screen coverage of each. If they are scaled, each level's mesh has a separate node below: viewers
+/// replace one level by another together with its subtree, whatever they do with nodes above. Source: MSFT_lod.
 fn nodes(asset: &GltfAsset, grid: Option<&Grid>) -> Vec<Value> {
     let place = |mesh| {
         let mut node = named(asset, json!({ "mesh": mesh }));
@@ -281,23 +274,23 @@ fn nodes(asset: &GltfAsset, grid: Option<&Grid>) -> Vec<Value> {
 
 fn check(asset: &GltfAsset) -> Result<()> {
     if asset.xmp.is_some_and(|packet| !packet.0.is_object()) {
-        return Err(Error::invalid("the XMP metadata", "it must be an object of JSON"));
+        return Err(Error::invalid("XMP metadata", "expected a JSON object"));
     }
     if asset.root_scale.is_some_and(|scale| !(scale.is_finite() && scale > 0.0)) {
-        return Err(Error::invalid("the scale of the model to write", "it must be a finite number above 0"));
+        return Err(Error::invalid("scale of the model", "must be a finite number above 0"));
     }
     if asset.levels.is_empty() {
-        return Err(Error::invalid("the model to write", "it has no mesh; give at least one level"));
+        return Err(Error::invalid("model to write", "no meshes; specify at least one level"));
     }
     for (i, level) in asset.levels.iter().enumerate() {
         if level.mesh.triangles().is_empty() {
-            return Err(Error::invalid(format!("level {i}"), "glTF has no empty meshes; leave it out"));
+            return Err(Error::invalid(format!("level {i}"), "glTF has no empty meshes; omit the level"));
         }
         if level.coverage.is_some_and(|c| !(0.0..=1.0).contains(&c)) {
-            return Err(Error::invalid(format!("level {i}"), "its screen coverage is not in [0, 1]"));
+            return Err(Error::invalid(format!("level {i}"), "the screen coverage is not in [0, 1]"));
         }
         if asset.material.has_maps() && level.mesh.uvs().is_empty() {
-            let why = "it has no uvs, but its material has textures; unwrap it or leave them out";
+            let why = "no uvs, but the material has textures; unwrap the mesh or omit the textures";
             return Err(Error::invalid(format!("level {i}"), why));
         }
     }
@@ -305,11 +298,23 @@ fn check(asset: &GltfAsset) -> Result<()> {
     asset.material.check()
 }
 
-/// Checks that there is a mode for each triangle, or none at all.
+/// Checks that there is one mode per triangle, or none at all.
 fn check_modes(asset: &GltfAsset) -> Result<()> {
     let counts = asset.levels.iter().map(|level| level.mesh.triangles().len());
     if !asset.alpha_modes.is_empty() && !asset.alpha_modes.iter().map(Vec::len).eq(counts) {
-        return Err(Error::invalid("the alpha modes", "give one for each triangle of each level, or none"));
+        return Err(Error::invalid("alpha modes", "specify one per triangle of each level, or none"));
     }
     asset.alpha_modes.iter().flatten().try_for_each(|mode| material::check_alpha(*mode))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_glb_is_one_file_and_a_gltf_has_a_buffer() {
+        let files = |name: &str| gltf_files(name.as_ref(), &[CodecKind::WebP], 0);
+        assert_eq!(files("vase.glb").len(), 1);
+        assert_eq!(files("vase.gltf")[1], Path::new("vase.bin"));
+    }
 }

@@ -1,7 +1,7 @@
-//! Meshes packed small: numbers of few bits (KHR_mesh_quantization), and streams by meshoptimizer
+//! Compact meshes: quantised numbers (KHR_mesh_quantization), and streams compressed by meshoptimizer
 //! (EXT_meshopt_compression or KHR_meshopt_compression).
 //!
-//! The filter is ours, as it is where files are read: the library's bits would depend on the compiler.
+//! The filter is our own, as in the reader: the library's bits would depend on the compiler.
 
 use super::draft::{Component, GltfDraft};
 use super::format::VertexBits;
@@ -13,10 +13,11 @@ use crate::math::{Vec2, Vec3};
 use crate::mesh::{Mesh, MeshData};
 use serde_json::{Value, json};
 
-/// The largest of 16 bits.
+/// The largest 16-bit number.
 const MOST: f64 = 65535.0;
 
-/// The cube of steps that positions are rounded to. It has one step for all axes, so that normals keep their directions.
+/// The cube of steps that positions are rounded to. All axes have the same step, so that normals keep their
+/// directions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Grid {
     origin: Vec3,
@@ -26,7 +27,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Returns the least grid around all meshes, of 2^`bits` − 1 steps along a side.
+    /// Returns the smallest grid around all meshes, with 2^`bits` − 1 steps per side.
     pub fn around<'a>(meshes: impl Iterator<Item = &'a Mesh>, bits: u8) -> Self {
         let (mut least, mut most) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for point in meshes.flat_map(Mesh::positions) {
@@ -41,7 +42,7 @@ impl Grid {
         Self { origin: Vec3::from_array(least), step: if step > 0.0 { step.next_up() } else { 1.0 }, most }
     }
 
-    /// Gives a node the transform that takes steps to model units.
+    /// Gives a node the transform from steps to model units.
     pub fn place(&self, node: &mut Value) {
         node["translation"] = json!(self.origin.to_array());
         node["scale"] = json!([self.step, self.step, self.step]);
@@ -55,7 +56,7 @@ impl Grid {
     }
 }
 
-/// A mesh in parts, and what its vertices are rounded to.
+/// A mesh in parts, and the precision of its vertices.
 #[derive(Clone, Copy)]
 pub(super) struct PackedMesh<'a> {
     pub mesh: &'a Mesh,
@@ -64,11 +65,11 @@ pub(super) struct PackedMesh<'a> {
     pub bits: VertexBits,
 }
 
-/// Adds a mesh and returns the primitive of each part; all share its vertices. Vertices, and the triangles of each part,
-/// are sorted anew.
+/// Adds a mesh and returns one primitive per part; all share its vertices. Vertices, and the triangles of each part,
+/// are reordered.
 ///
 /// # Errors
-/// [`Error::Invalid`] where meshoptimizer refuses.
+/// [`Error::Invalid`] if meshoptimizer fails.
 pub(super) fn add(draft: &mut GltfDraft, packed: PackedMesh) -> Result<Vec<Value>> {
     draft.require("KHR_mesh_quantization");
     draft.require(draft.codecs.meshopt());
@@ -87,8 +88,8 @@ pub(super) fn add(draft: &mut GltfDraft, packed: PackedMesh) -> Result<Vec<Value
     parts.iter().zip(lists).map(primitive).collect()
 }
 
-/// Returns the vertices in the order of their first use, and lists of triangles on them, each in an order in which neighbours
-/// follow one another.
+/// Returns the vertices in order of first use, and lists of triangles on them, each ordered so that neighbours are
+/// adjacent.
 pub(super) fn sorted(lists: &[&[[u32; 3]]], vertices: usize) -> (Vec<usize>, Vec<Vec<[u32; 3]>>) {
     let mut place = vec![None; vertices];
     let mut order = Vec::with_capacity(vertices);
@@ -157,7 +158,7 @@ fn uv_stream(name: &str, uvs: &[Vec2], bits: u8) -> Stream {
     few.unwrap_or_else(|| fractions(name.to_owned(), &uvs))
 }
 
-/// Numbers of [0, 1] in 16 bits; others stay floats.
+/// Returns numbers in [0, 1] in 16 bits; others remain floats.
 fn fractions<const N: usize>(name: String, values: &[[f32; N]]) -> Stream {
     if values.as_flattened().iter().all(|v| (0.0..=1.0).contains(v)) {
         let small: Vec<[u16; N]> =
@@ -169,14 +170,14 @@ fn fractions<const N: usize>(name: String, values: &[[f32; N]]) -> Stream {
     Stream { name, bytes, stride, component, width: N, normalized: false, filter: None, bounds: None }
 }
 
-/// Unsigned words that mean [0, 1], of which `width` count.
+/// Returns unsigned words that represent [0, 1], `width` of which are used.
 fn words<const N: usize>(name: &str, values: &[[u16; N]], width: usize) -> Stream {
     let bytes = values.as_flattened().iter().copied().flat_map(u16::to_le_bytes).collect();
     let (name, component) = (name.to_owned(), Component::U16);
     Stream { name, bytes, stride: 2 * N, component, width, normalized: true, filter: None, bounds: None }
 }
 
-/// Adds an attribute; returns the number of its accessor.
+/// Adds an attribute; returns the index of its accessor.
 fn add_stream(draft: &mut GltfDraft, stream: &Stream) -> Result<usize> {
     let view = draft.packed_view(&stream.packed(draft.codecs)?, &stream.packing(draft.codecs));
     Ok(draft.push_accessor(stream.accessor(view)))

@@ -1,4 +1,4 @@
-//! The parts of a mesh to be written: its triangles by their alpha modes, each part with a material of its own.
+//! Splits the triangles of a mesh by alpha mode into parts with separate materials.
 
 use crate::mesh::Mesh;
 use crate::scene::AlphaMode;
@@ -7,18 +7,18 @@ use std::borrow::Cow;
 /// Triangles of a mesh that become one primitive.
 pub(super) struct MeshPart<'a> {
     pub triangles: Cow<'a, [[u32; 3]]>,
-    /// The number of its material.
+    /// The index of its material.
     pub material: usize,
 }
 
 impl<'a> MeshPart<'a> {
-    /// Returns all of a mesh, which has material 0.
+    /// Returns a whole mesh, with material 0.
     pub fn whole(mesh: &'a Mesh) -> Self {
         Self { triangles: Cow::Borrowed(mesh.triangles()), material: 0 }
     }
 
-    /// Returns the parts of a mesh whose triangles have the modes `each`, in the order of `materials`, which are the modes
-    /// of the materials; the whole where there is but one material.
+    /// Returns the parts of a mesh whose triangles have the modes `each`, in the order of `materials`, which are the
+    /// modes of the materials; the whole mesh if there is only one material.
     pub fn by_mode(mesh: &'a Mesh, each: &[AlphaMode], materials: &[AlphaMode]) -> Vec<Self> {
         if materials.len() < 2 {
             return vec![Self::whole(mesh)];
@@ -32,8 +32,8 @@ impl<'a> MeshPart<'a> {
     }
 }
 
-/// Returns each mode among those of the triangles of all levels once: opaque, masks by their cutoffs, blended; the
-/// material's own where none is said.
+/// Returns each mode used by the triangles of all levels once: opaque, masks by their cutoffs, blended; the
+/// material's own if there are none.
 pub(super) fn distinct(levels: &[Vec<AlphaMode>], own: AlphaMode) -> Vec<AlphaMode> {
     let mut modes = Vec::new();
     for mode in levels.iter().flatten() {
@@ -73,7 +73,7 @@ mod tests {
             let own = mesh.triangles().iter().zip(&each).filter(|(_, own)| **own == mode);
             assert!(own.map(|(triangle, _)| triangle).eq(part.triangles.iter()), "{mode:?}");
         }
-        // A level without a mode has no part for it.
+        // A level that does not use a mode has no part for it.
         let opaque = vec![AlphaMode::Opaque; count];
         let parts = MeshPart::by_mode(&mesh, &opaque, &materials);
         assert_eq!((parts.len(), parts[0].material, parts[0].triangles.len()), (1, 0, count));

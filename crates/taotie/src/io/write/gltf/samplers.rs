@@ -1,12 +1,12 @@
-//! Samplers of textures: the one that written meshes get, and its JSON.
+//! Texture samplers: the one for written meshes, and its JSON.
 
 use crate::image::{MipFilter, Sampler, TexelFilter, Wrap};
 use crate::math::Vec2;
 use crate::mesh::Mesh;
 use serde_json::{Value, json};
 
-/// Returns the sampler of all textures of a [`GltfAsset`](super::GltfAsset) with these meshes: trilinear, clamped, or
-/// repeated where uvs of the first set leave [0, 1].
+/// Returns the sampler of all textures of a [`GltfAsset`](super::GltfAsset) with these meshes: trilinear, and
+/// clamped, or repeated if uvs of the first set leave [0, 1].
 pub fn gltf_sampler<'a>(meshes: impl IntoIterator<Item = &'a Mesh>) -> Sampler {
     let is_inside = |uv: &Vec2| (0.0..=1.0).contains(&uv.x) && (0.0..=1.0).contains(&uv.y);
     let mut sets = meshes.into_iter().filter_map(|mesh| mesh.uvs().first());
@@ -14,7 +14,7 @@ pub fn gltf_sampler<'a>(meshes: impl IntoIterator<Item = &'a Mesh>) -> Sampler {
     Sampler { wrap_u: wrap, wrap_v: wrap, ..Sampler::default() }
 }
 
-/// Returns glTF's numbers for the filters and wrapping of a sampler.
+/// Returns glTF's constants for the filters and wrapping of a sampler.
 pub(super) fn json(sampler: &Sampler) -> Value {
     let wrap = |wrap| match wrap {
         Wrap::Repeat => 10497,

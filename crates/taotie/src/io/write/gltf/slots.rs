@@ -1,13 +1,13 @@
-//! The textures that a material may show: their images and their uses.
+//! The textures of a material: their images and uses.
 
 use crate::image::{Bitmap, Encoding};
 
 /// A texture's image.
 #[derive(Debug, Clone, Copy)]
 pub enum GltfImage<'a> {
-    /// Texels of 8 or 16 bits; alpha is written where the material reads it.
+    /// 8-bit or 16-bit texels; alpha is written if the material reads it.
     Bitmap(&'a Bitmap),
-    /// A file that lies beside the model already, by its relative path with `/`.
+    /// An existing file next to the model, by its relative path with `/`.
     File(&'a str),
 }
 
@@ -18,7 +18,7 @@ impl<'a> From<&'a Bitmap> for GltfImage<'a> {
 }
 
 impl GltfImage<'_> {
-    /// Says whether both are one and the same, so that it needs to be written once only.
+    /// Returns `true` if both are the same image, so that it only has to be written once.
     pub(super) fn is(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Bitmap(a), Self::Bitmap(b)) => std::ptr::eq(*a, *b),

@@ -1,4 +1,4 @@
-//! A vertex attribute as meshoptimizer packs it.
+//! A vertex attribute as packed by meshoptimizer.
 
 use super::codec_set::CodecSet;
 use super::draft::{Component, INDICES, Packing, VERTICES, accessor};
@@ -6,7 +6,7 @@ use super::mesh::MOST_OF_U16;
 use crate::error::{Error, Result};
 use serde_json::{Value, json};
 
-/// An attribute, each vertex of it in `stride` bytes.
+/// An attribute with `stride` bytes per vertex.
 pub(super) struct Stream {
     pub name: String,
     pub bytes: Vec<u8>,
@@ -15,7 +15,7 @@ pub(super) struct Stream {
     pub width: usize,
     pub normalized: bool,
     pub filter: Option<&'static str>,
-    /// The least and the greatest of each component, as the accessor has to tell them of positions.
+    /// The minimum and maximum of each component, which the accessor must specify for positions.
     pub bounds: Option<[Vec<Value>; 2]>,
 }
 
@@ -25,16 +25,16 @@ impl Stream {
         self.bytes.len() / self.stride
     }
 
-    /// Returns how it is packed.
+    /// Returns the packing of the view.
     pub fn packing(&self, codecs: CodecSet) -> Packing {
         let &Self { stride, filter, .. } = self;
         Packing { count: self.count(), stride, mode: "ATTRIBUTES", filter, target: VERTICES, codecs }
     }
 
-    /// Returns the packed bytes, of the version that the extension allows.
+    /// Returns the packed bytes, in the version allowed by the extension.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if meshoptimizer refuses.
+    /// [`Error::Invalid`] if meshoptimizer fails.
     pub fn packed(&self, codecs: CodecSet) -> Result<Vec<u8>> {
         let version = codecs.vertex_version();
         match self.stride {
@@ -45,7 +45,7 @@ impl Stream {
         }
     }
 
-    /// Returns the accessor of a view that holds it.
+    /// Returns the accessor for a view that contains it.
     pub fn accessor(&self, view: usize) -> Value {
         let mut accessor = accessor(view, (self.component, self.width), self.count());
         if self.normalized {
@@ -59,7 +59,7 @@ impl Stream {
     }
 }
 
-/// Corners of triangles as meshoptimizer packs them.
+/// Triangle corners as packed by meshoptimizer.
 pub(super) struct PackedTriangles {
     pub bytes: Vec<u8>,
     pub packing: Packing,
@@ -67,10 +67,10 @@ pub(super) struct PackedTriangles {
 }
 
 impl PackedTriangles {
-    /// Packs triangles on so many vertices.
+    /// Packs triangles on `vertices` vertices.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if meshoptimizer refuses.
+    /// [`Error::Invalid`] if meshoptimizer fails.
     pub fn new(triangles: &[[u32; 3]], vertices: usize, codecs: CodecSet) -> Result<Self> {
         let indices = triangles.as_flattened();
         let bytes = meshopt::encode_index_buffer(indices, vertices).map_err(refused)?;
@@ -81,7 +81,7 @@ impl PackedTriangles {
         Ok(Self { bytes, packing, component })
     }
 
-    /// Returns the accessor of a view that holds them.
+    /// Returns the accessor for a view that contains them.
     pub fn accessor(&self, view: usize) -> Value {
         accessor(view, (self.component, 1), self.packing.count)
     }
@@ -92,17 +92,17 @@ fn encode<const N: usize>(bytes: &[u8], version: i32) -> Result<Vec<u8>> {
 }
 
 fn refused(error: meshopt::Error) -> Error {
-    Error::invalid("a mesh to be packed", format!("{error}; write it without"))
+    Error::invalid("mesh compression", format!("{error}; write it uncompressed"))
 }
 
-/// How the octahedral filter stores unit vectors. Source: EXT_meshopt_compression, Filter 1.
+/// The octahedral filter for unit vectors. Source: EXT_meshopt_compression, Filter 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Octahedron {
-    /// Bits of a coordinate, with sign.
+    /// Bits per coordinate, including the sign.
     pub bits: u8,
 }
 
-/// The most bits of a coordinate that fit into bytes.
+/// Maximum number of bits per coordinate that fit into bytes.
 const BITS_OF_BYTES: u8 = 8;
 
 impl Octahedron {
@@ -110,8 +110,8 @@ impl Octahedron {
         self.bits <= BITS_OF_BYTES
     }
 
-    /// Returns a direction on the octahedron whose lower half is folded over the corners of the upper, the one of it, and
-    /// a sign, which the filter keeps, as the largest number of its type.
+    /// Returns a direction on the octahedron with its lower half folded over the corners of the upper half, the value
+    /// that represents 1, and a sign, which the filter keeps, as the largest number of its type.
     fn codes(self, [x, y, z, sign]: [f32; 4]) -> [i16; 4] {
         let [x, y, z] = [x, y, z].map(f64::from);
         let sum = x.abs() + y.abs() + z.abs();
@@ -124,7 +124,7 @@ impl Octahedron {
         [stored(x), stored(y), one, (f32::from(most) * sign) as i16]
     }
 
-    /// Returns normals, whose sign is 0, or tangents, whose sign is −1 or 1.
+    /// Packs normals, whose sign is 0, or tangents, whose sign is −1 or 1.
     pub fn stream(self, name: &str, vectors: impl Iterator<Item = [f32; 4]>, width: usize) -> Stream {
         let codes = vectors.map(|vector| self.codes(vector));
         let (bytes, component, stride) = match self.is_of_bytes() {
@@ -136,19 +136,19 @@ impl Octahedron {
     }
 }
 
-/// How the exponential filter stores floats: as multiples of one power of two. Source: EXT_meshopt_compression, Filter 3.
+/// The exponential filter for floats: multiples of one power of two. Source: EXT_meshopt_compression, Filter 3.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PowerOfTwo {
     exponent: i8,
 }
 
 impl PowerOfTwo {
-    /// The largest number of steps that the filter stores.
+    /// Maximum number of steps that the filter stores.
     const MOST: f64 = 8_388_607.0;
 
-    /// Returns the largest power of which 2^`bits` are at most `extent`.
+    /// Returns the largest power of two such that 2^`bits` of it are at most `extent`.
     pub fn within(extent: f64, bits: u8) -> Self {
-        // The exponent of a number is in its bits; a logarithm might round.
+        // The exponent of a number is read from its bits; a logarithm might round.
         let exponent = ((extent.max(f64::MIN_POSITIVE).to_bits() >> 52) & 0x7ff) as i32 - 1023;
         Self { exponent: (exponent - i32::from(bits)).clamp(-100, 100) as i8 }
     }
@@ -157,7 +157,7 @@ impl PowerOfTwo {
         f64::from_bits(((1023 + i64::from(self.exponent)) as u64) << 52)
     }
 
-    /// Returns the floats of a stream, rounded; `None` if one is too large for the filter, or none.
+    /// Returns the floats of a stream, rounded; `None` if one is too large for the filter, or not finite.
     pub fn stream(self, name: &str, values: &[f32], width: usize) -> Option<Stream> {
         let steps = |v: f32| (f64::from(v) / self.step()).round();
         if !values.iter().all(|v| steps(*v).abs() <= Self::MOST) {
@@ -170,7 +170,7 @@ impl PowerOfTwo {
         Some(Stream { name, bytes, stride, component, width, normalized, filter, bounds: None })
     }
 
-    /// Returns what the filter makes of a number.
+    /// Returns a number as rounded by the filter.
     pub fn rounded(self, v: f32) -> f32 {
         ((f64::from(v) / self.step()).round() * self.step()) as f32
     }
@@ -196,7 +196,7 @@ mod tests {
         let words: Vec<i32> =
             stream.bytes.as_chunks::<4>().0.iter().map(|b| i32::from_le_bytes(*b)).collect();
         let mantissas: Vec<i32> = words.iter().map(|word| (word << 8) >> 8).collect();
-        assert_eq!(mantissas, [-4, 1, 1, 32], "a half goes away from zero");
+        assert_eq!(mantissas, [-4, 1, 1, 32], "a half rounds away from zero");
         assert!(words.iter().all(|word| word >> 24 == -2));
         assert_eq!(values.map(|v| power.rounded(v)), [-1.0, 0.25, 0.25, 8.0]);
         assert!(power.stream("A", &[3e6], 1).is_none() && power.stream("A", &[f32::NAN], 1).is_none());

@@ -1,8 +1,8 @@
-//! Names of files as relative URIs.
+//! File names as relative URIs.
 
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
 
-/// Characters that a relative URI cannot hold as they are.
+/// Characters that must be escaped in a relative URI.
 const RESERVED: &AsciiSet = &CONTROLS
     .add(b' ')
     .add(b'"')

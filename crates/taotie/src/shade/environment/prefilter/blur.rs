@@ -1,4 +1,4 @@
-//! Blurring an image of the sphere by a lobe, exactly alike everywhere: near the poles too, where pixels are narrow.
+//! Blurs an image of the sphere by a lobe, uniformly everywhere: also near the poles, where pixels are narrow.
 
 use super::lobe::Fisher;
 use super::rings::{Areas, Pixel, Rings, accumulate, areas, catmull_rom, polar};
@@ -9,22 +9,22 @@ use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-/// Lobes are cut where exp(−κq) falls below exp(−`REACH`).
+/// Lobes are truncated where exp(−κq) falls below exp(−`REACH`).
 const REACH: f64 = 10.0;
 
-/// The fewest pixels of a ring that are summed up; the others lie between them.
+/// The minimum number of pixels per ring that are summed; the others are interpolated.
 const FEWEST: usize = 8;
 
-/// Blurs images, one after the other in the same memory.
+/// Blurs images, one after the other, reusing memory.
 pub(super) struct Blurring {
     /// The smooth weights of pixels in each row, by the width of an image.
     areas: BTreeMap<usize, Vec<f64>>,
-    /// The memory of [`InputRings::twice`], from blur to blur.
+    /// The memory of [`InputRings::twice`], reused between blurs.
     twice: Vec<Pixel>,
 }
 
 impl Blurring {
-    /// For images of these widths.
+    /// Creates a blur for images of these widths.
     pub(super) fn new(widths: &[usize]) -> Self {
         let smooth = |width: &usize| (*width, areas(*width / 2, &Areas::Smooth));
         Self { areas: widths.iter().map(smooth).collect(), twice: Vec::new() }
@@ -35,7 +35,7 @@ impl Blurring {
         &self.areas[&input.width]
     }
 
-    /// An image whose texels are even, blurred by `lobe`.
+    /// An image of constant texels, blurred by `lobe`.
     pub(super) fn first(&mut self, input: &Rings, lobe: Fisher) -> Rings {
         let twice = std::mem::take(&mut self.twice);
         let sources = InputRings::new(input, &areas(input.height, &Areas::Solid), 1, twice);
@@ -63,7 +63,7 @@ impl Blurring {
     }
 }
 
-/// Every how many pixels of a ring one is needed, so that they lie no farther apart than rings do.
+/// The stride between the pixels of a ring that are summed: their spacing does not exceed that of the rings.
 fn stride(width: usize, polar: f64) -> usize {
     let closeness = 1.0 / scalar::sin(polar);
     let mut stride = 1;
@@ -74,7 +74,7 @@ fn stride(width: usize, polar: f64) -> usize {
     stride
 }
 
-/// Puts smooth values between every `stride`th of a ring's pixels.
+/// Interpolates smoothly between every `stride`th pixel of a ring.
 fn fill(row: &mut [Pixel], stride: usize) {
     let weights: Vec<_> = (1..stride).map(|x| catmull_rom(x as f32 / stride as f32)).collect();
     let count = row.len() / stride;
@@ -91,25 +91,25 @@ fn fill(row: &mut [Pixel], stride: usize) {
 struct InputRings {
     level: Level,
     width: usize,
-    /// The number of its pixels that a pixel of the output covers, along a ring.
+    /// The number of input pixels that an output pixel covers, along a ring.
     ratio: usize,
-    /// The sine of half the turn from the middle of the output's first pixel to each pixel.
+    /// The sine of half the angle from the centre of the output's first pixel to each pixel.
     turns: Vec<f64>,
     rings: Vec<InputRing>,
-    /// The pixels of each ring, twice in a row and a little further so that no sum meets its end.
+    /// The pixels of each ring twice in a row, and some more so that no sum reaches the end.
     twice: Vec<Pixel>,
 }
 
 /// A ring of the input.
 struct InputRing {
     polar: f64,
-    /// The sine of it.
+    /// The sine of the polar angle.
     sine: f64,
     area: f64,
 }
 
 impl InputRings {
-    /// Makes them for an output of so many pixels less along a ring; `twice` is written over.
+    /// Creates them for an output with `ratio` times fewer pixels along a ring; `twice` is overwritten.
     fn new(input: &Rings, areas: &[f64], ratio: usize, mut twice: Vec<Pixel>) -> Self {
         let ring = |y: usize| {
             let polar = input.polar(y);
@@ -156,7 +156,7 @@ impl InputRings {
     #[inline(always)]
     fn neighbours<S: Simd>(&self, simd: S, parts: &[Part<'_>], row: &mut [Pixel]) {
         for block in (0..row.len()).step_by(NEIGHBOURS) {
-            // The last block takes some anew rather than being shorter.
+            // The last block recomputes some instead of being shorter.
             let x = block.min(row.len() - NEIGHBOURS);
             let mut sums = [f32x16::splat(simd, 0.0); NEIGHBOURS / 4];
             for part in parts {
@@ -199,17 +199,17 @@ impl InputRings {
         }
     }
 
-    /// The numbers of all rings that the lobe may reach from the ring at `polar`.
+    /// The indices of all rings that the lobe may reach from the ring at `polar`.
     fn near(&self, lobe: Fisher, polar: f64) -> Range<usize> {
         let reach = 2.0 * scalar::asin((REACH / lobe.kappa / 2.0).sqrt().min(1.0));
         let place = |polar: f64| polar / PI * self.rings.len() as f64;
-        // One more on each side, and negative numbers become 0.
+        // One more on each side; negative numbers become 0.
         let first = (place(polar - reach) - 2.0) as usize;
         let end = (place(polar + reach) + 2.0) as usize;
         first..end.min(self.rings.len())
     }
 
-    /// The part of ring `y` that the lobe reaches from the ring at a polar angle, told with its sine.
+    /// The part of ring `y` that the lobe reaches from the ring at a polar angle, given with its sine.
     fn part(&self, y: usize, lobe: Fisher, [polar, sine]: [f64; 2]) -> Option<Part<'_>> {
         let ring = &self.rings[y];
         let apart = scalar::sin((polar - ring.polar) / 2.0);
@@ -227,7 +227,7 @@ impl InputRings {
             true => [(middle - reach).ceil() as isize, (middle + reach).floor() as isize],
             false => [0, self.width as isize - 1],
         };
-        // What lies to the left of the middle has the share of what lies as far to the right.
+        // Pixels to the left of the centre have the weight of those as far to the right.
         let mirrored = |x: isize| if x < 0 { self.ratio as isize - 1 - x } else { x };
         let share = |turn: &f64| ring.area * scalar::exp(-lobe.kappa * (nearest + round * turn * turn));
         let count = last.max(mirrored(first)) as usize + 1;
@@ -239,18 +239,18 @@ impl InputRings {
     }
 }
 
-/// The middle of an output pixel, in input pixels: of two that it covers it lies between.
+/// The centre of an output pixel, in input pixels: between two if it covers two.
 fn middle(ratio: usize) -> f64 {
     (ratio as f64 - 1.0) / 2.0
 }
 
 /// Neighbours in a ring and their weights.
 struct Part<'a> {
-    /// The first neighbour, counted from the pixel that the output's first lies on.
+    /// The first neighbour, relative to the pixel at the output's first pixel.
     first: isize,
-    /// The share of each, not yet divided by the sum of all parts.
+    /// The weight of each, before division by the sum of all parts.
     shares: Vec<f64>,
-    /// The shares divided by it.
+    /// The weights after division.
     weights: Vec<f32>,
     twice: &'a [Pixel],
 }
@@ -266,7 +266,7 @@ impl Part<'_> {
     }
 }
 
-/// The numbers of sums taken at once, of neighbours and of pixels that lie apart: additions wait for the last of their
-/// own sum only.
+/// The number of sums computed together, of neighbours and of pixels that are apart: each addition depends only on
+/// the previous one in its sum.
 const NEIGHBOURS: usize = 16;
 const APART: usize = FEWEST;

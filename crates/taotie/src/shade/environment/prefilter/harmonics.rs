@@ -7,7 +7,7 @@ use crate::parallel;
 use fearless_simd::{Level, Simd, f64x4, f64x8, prelude::*};
 use std::f64::consts::{PI, SQRT_2, TAU};
 
-/// The light of an image up to a degree: for each order m its coefficients for l from m on, with cos mφ and sin mφ.
+/// The light of an image up to a degree: for each order m its coefficients for l ≥ m, with cos mφ and sin mφ.
 ///
 /// Source: Green 2003, "Spherical Harmonic Lighting", for real harmonics; Holmes and Featherstone 2002, eq. 11 and
 /// 12, for the recurrence.
@@ -16,12 +16,12 @@ pub(super) struct Harmonics {
     orders: Vec<Vec<Pair>>,
 }
 
-/// Three channels with cos mφ and three with sin mφ; two more are carried along for the sake of speed.
+/// Three channels with cos mφ and three with sin mφ; two more are padding for speed.
 type Pair = [f64; 8];
 
 impl Harmonics {
-    /// Makes the harmonics of an image that shows no degree above its number of rings less that of `grid`. `areas` are
-    /// the weights of its pixels in each row.
+    /// Computes the harmonics of an image that contains no degree above its number of rings minus that of `grid`.
+    /// `areas` are the weights of its pixels in each row.
     pub(super) fn new(rings: &Rings, areas: &[f64], grid: &Grid) -> Self {
         let scale = 2.0 / rings.height as f64 * TAU / rings.width as f64;
         let level = rings.level;
@@ -74,19 +74,18 @@ impl Harmonics {
 pub(super) struct Grid {
     degree: usize,
     width: usize,
-    /// From one order's waves to the next.
+    /// The factor from one order's waves to the next.
     room: usize,
-    /// The cosine and the sine of m times the azimuth in the middle of each pixel.
+    /// The cosine and the sine of m times the azimuth at the centre of each pixel.
     waves: [Vec<f32>; 2],
-    /// Associated Legendre functions at each ring, for each order those of its degrees; normalised so that harmonics are
-    /// orthonormal.
+    /// Associated Legendre functions at each ring, by order and degree; normalised so that harmonics are orthonormal.
     legendre: Vec<Vec<f64>>,
     /// The start of those of each order.
     starts: Vec<usize>,
 }
 
 impl Grid {
-    /// Makes the values for rings of `width` pixels, half as many rings.
+    /// Computes the values for rings of `width` pixels, half as many rings.
     pub(super) fn new(width: usize, degree: usize) -> Self {
         let half = |x: usize| x as f64 * PI / width as f64;
         let room = width.next_multiple_of(MOST_LANES);
@@ -109,7 +108,7 @@ impl Grid {
         }
     }
 
-    /// The functions of order `m` at a ring, for each degree from m on.
+    /// The functions of order `m` at a ring, for each degree from m upwards.
     #[inline(always)]
     fn legendre(&self, y: usize, m: usize) -> &[f64] {
         &self.legendre[y][self.starts[m]..][..self.degree + 1 - m]
@@ -136,7 +135,7 @@ impl Grid {
         pairs
     }
 
-    /// Writes what `lights` with the waves of each order shine on the pixels of a ring.
+    /// Writes the radiance of `lights` with the waves of each order to the pixels of a ring.
     #[inline(always)]
     fn shine<P: Pack>(&self, token: P::Token, lights: &[[f32; 8]], row: &mut [Pixel]) {
         let zero = P::splat(token, 0.0);
@@ -181,7 +180,7 @@ impl Factors {
         }
     }
 
-    /// The functions at a polar angle: for each order those of its degrees.
+    /// The functions at a polar angle, by order and degree.
     fn legendre(&self, polar: f64) -> Vec<f64> {
         let (sin, cos) = (scalar::sin(polar), scalar::cos(polar));
         let mut values = Vec::new();

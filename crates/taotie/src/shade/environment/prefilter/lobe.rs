@@ -1,18 +1,18 @@
-//! The lobe that a level of roughness is filtered with, and of what simpler lobes it is the sum.
+//! The lobe by which a level of roughness is filtered, and its decomposition into simpler lobes.
 //!
-//! Lobes are functions of q = 1 − cos γ, γ being the angle from the middle, so that dq is solid angle over 2π.
+//! Lobes are functions of q = 1 − cos γ, γ being the angle from the centre, so that dq is solid angle divided by 2π.
 
 use crate::math::{quadrature, scalar};
 use std::f64::consts::LN_2;
 
-/// Legendre coefficients of a lobe, from degree 0: by what it multiplies the harmonics of an image.
+/// Legendre coefficients of a lobe, from degree 0: its factors of the harmonics of an image.
 pub(super) type Coefficients = Vec<f64>;
 
-/// The lobe of GGX where the surface is seen from straight above, times n·l, as the split sum wants it:
-/// K(q) = (1 − q) (1 + b q)⁻² up to q = 1, with b = (1 − α²)/(2α²).
+/// The lobe of GGX for a surface seen along its normal, times n·l, as the split sum requires: K(q) = (1 − q) (1 + b
+/// q)⁻² up to q = 1, with b = (1 − α²)/(2α²).
 ///
-/// With n = v = r the half vector lies at γ/2, so D(h) is (α² + q (1 − α²)/2)⁻² but for a factor, the Jacobian
-/// 1/(4 v·h) leaves n·h of the density, and n·l = 1 − q.
+/// With n = v = r the half vector is at γ/2, so D(h) is (α² + q (1 − α²)/2)⁻² up to a factor, the Jacobian 1/(4 v·h)
+/// leaves n·h of the density, and n·l = 1 − q.
 /// Source: Walter et al. 2007, eq. 33 and 38; Karis 2013, "Pre-Filtered Environment Map".
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ggx {
@@ -30,7 +30,7 @@ impl Ggx {
         self.alpha
     }
 
-    /// K(q), 1 in the middle.
+    /// K(q), 1 at the centre.
     fn value(self, q: f64) -> f64 {
         let t = 1.0 + self.b * q;
         (1.0 - q) / (t * t)
@@ -53,15 +53,15 @@ impl Ggx {
         sums.iter().map(|sum| sum / sums[0]).collect()
     }
 
-    /// The share of a [`Fisher`] lobe of concentration `kappa` in the lobe, where concentrations are a factor of two
-    /// apart: the sum over all of them is K / ∫ K within 1e-4, but for what lies behind the surface.
+    /// The weight in the lobe of a [`Fisher`] lobe with the concentration `kappa`, for concentrations a factor of two
+    /// apart: the sum over all of them is K / ∫ K within 1e-4, except behind the surface.
     ///
     /// (1 + bq)⁻² is ∫ κ/b² exp(−κ/b) exp(−κq) dκ, a mixture with Gamma's density; the factor 1 − q turns the density
     /// into (κ − 1 + κ/b) exp(−κ/b)/b² by integration by parts. The trapezoidal rule over ln κ is exact to
     /// |Γ(2 + 2πi/ln 2)|. ∫ K dq = (b − ln(1 + b))/b².
     pub(super) fn share(self, kappa: f64) -> f64 {
         let t = kappa / self.b;
-        // Beyond, exp(−t) is nothing; and where b is 0, t is infinite.
+        // Beyond, exp(−t) is 0; and if b is 0, t is infinite.
         if t > 40.0 {
             return 0.0;
         }
@@ -69,7 +69,7 @@ impl Ggx {
     }
 }
 
-/// The lobe exp(−κq): the Gaussian of the sphere, of variance 1/κ along each axis where it is narrow.
+/// The lobe exp(−κq): the Gaussian of the sphere, with variance 1/κ along each axis if it is narrow.
 ///
 /// Source: Fisher 1953, eq. 2.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,17 +79,17 @@ pub(super) struct Fisher {
 }
 
 impl Fisher {
-    /// Makes a lobe of about this standard deviation, radians.
+    /// Creates a lobe of about this standard deviation, in radians.
     pub(super) fn of_width(sigma: f64) -> Self {
         Self { kappa: 1.0 / (sigma * sigma) }
     }
 
-    /// Its standard deviation, radians.
+    /// Its standard deviation, in radians.
     pub(super) fn width(self) -> f64 {
         1.0 / self.kappa.sqrt()
     }
 
-    /// The lobe that makes `narrower` into `self`, very nearly: their mean cosines 1 − 1/κ multiply.
+    /// The lobe that turns `narrower` into `self`, very nearly: their mean cosines 1 − 1/κ multiply.
     pub(super) fn after(self, narrower: Self) -> Self {
         let mean = |lobe: Self| 1.0 - 1.0 / lobe.kappa;
         Self { kappa: 1.0 / (1.0 - mean(self) / mean(narrower)) }
@@ -110,7 +110,7 @@ impl Fisher {
     }
 }
 
-/// Gives each of `values` with Legendre's polynomial of its degree at x.
+/// Passes each of `values` with the Legendre polynomial of its degree at x.
 fn legendre(x: f64, values: &mut [f64], mut give: impl FnMut(&mut f64, f64)) {
     let (mut below, mut p) = (0.0, 1.0);
     for (l, value) in values.iter_mut().enumerate() {
@@ -124,7 +124,7 @@ fn legendre(x: f64, values: &mut [f64], mut give: impl FnMut(&mut f64, f64)) {
 mod tests {
     use super::*;
 
-    /// ∫ f over q, dense where narrow lobes are.
+    /// ∫ f over q, with dense nodes for narrow lobes.
     fn integral(f: impl FnMut(f64) -> f64) -> f64 {
         let mut ends = vec![0.0];
         ends.extend((0..28).map(|k| 2.0 / f64::from(1u32 << (27 - k))));

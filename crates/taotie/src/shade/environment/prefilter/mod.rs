@@ -1,10 +1,10 @@
-//! Filtering an environment's light by the lobes of rough mirrors.
+//! Filters an environment's light by the lobes of rough mirrors.
 //!
-//! The lobe of GGX has a sharp peak and a long tail, so a sum over what it covers would be long for every texel. But it
-//! is a sum of Gaussians a factor of √2 apart in width ([`lobe::Ggx::share`]). So the image is blurred once by each
-//! Gaussian that is narrow, one after the other and on coarser and coarser rings ([`blur`]), and what is left of a lobe
-//! is so smooth that spherical harmonics of a low degree hold it exactly ([`harmonics`]). A level is the weighted sum of
-//! these. The weights are those of the lobe's Legendre coefficients, so all light is kept.
+//! The lobe of GGX has a sharp peak and a long tail, so a direct sum would be long for every texel. But it is a sum
+//! of Gaussians a factor of √2 apart in width ([`lobe::Ggx::share`]). So the image is blurred once by each narrow
+//! Gaussian, one after the other and on coarser and coarser rings ([`blur`]), and the remainder of a lobe is so
+//! smooth that spherical harmonics of a low degree represent it exactly ([`harmonics`]). A level is the weighted sum
+//! of these. The weights are those of the lobe's Legendre coefficients, so all light is conserved.
 
 mod blur;
 mod harmonics;
@@ -24,28 +24,28 @@ use lobe::{Coefficients, Fisher, Ggx};
 use rings::{Pixel, Rings, accumulate};
 use std::f64::consts::{SQRT_2, TAU};
 
-/// Up to this degree light is kept as spherical harmonics.
+/// The degree up to which light is kept as spherical harmonics.
 const DEGREE: usize = 64;
 
-/// The widest Gaussian that the image is blurred by, radians: the next has nothing left above [`DEGREE`].
+/// The widest Gaussian of the blurred images, in radians: the next has nothing left above [`DEGREE`].
 const WIDEST: f64 = 0.075;
 
 /// The narrowest Gaussian, in rings.
 const NARROWEST: f64 = 0.5;
 
-/// The least width, in rings, of a Gaussian that they can show, and that the coarsest can: rough levels are made of
-/// these.
+/// The minimum width, in rings, of a Gaussian that they can represent, and for the coarsest rings, from which rough
+/// levels are computed.
 const SHOWN: [f64; 2] = [1.4, 1.9];
 
-/// From this α on, half as many rings show the smooth rest.
+/// From this α upwards, the smooth remainder is computed on half as many rings.
 const WIDE: f64 = 0.15;
 
-/// The least share of a lobe that is not left out.
+/// Smaller weights of a lobe are skipped.
 const LEAST: f32 = 1e-6;
 
-/// Texels across a level are `TEXELS`/α, at least `FEWEST_TEXELS`, and at most `MOST_TEXELS` of a ring's pixels; the
-/// first of each for α below `SHARP`, where levels are large, the second above. Between texels light is linear: a lone
-/// bright point is shown within 0.8 % of its lobe's peak below, 0.3 % above.
+/// Levels are `TEXELS`/α texels wide, at least `FEWEST_TEXELS`, and at most `MOST_TEXELS` times a ring's pixels; the
+/// first of each for α below `SHARP`, with large levels, the second above. Between texels light is linear: an
+/// isolated bright point is reproduced within 0.8 % of its lobe's peak below, 0.3 % above.
 const SHARP: f64 = 0.039;
 const TEXELS: [f64; 2] = [14.0, 24.0];
 const MOST_TEXELS: [f64; 2] = [0.625, 1.2];
@@ -79,23 +79,23 @@ fn levels_at(simd: Level, picture: &Equirect) -> Levels {
 /// The image at all scales.
 struct Scales<'a> {
     picture: &'a Equirect,
-    /// The number of pixels a ring, for each size of image, finest first.
+    /// The number of pixels per ring, for each size of image, finest first.
     widths: Vec<usize>,
     blurred: Vec<Scale>,
-    /// Those of the image blurred like `reference`.
+    /// The harmonics of the image blurred like `reference`.
     harmonics: Harmonics,
     reference: usize,
-    /// The grids that harmonics are shown on: as fine as `reference`, and half as fine.
+    /// The grids for evaluating harmonics: as fine as `reference`, and half as fine.
     grids: [Grid; 2],
-    /// The nodes and weights that lobes are integrated by.
+    /// The nodes and weights for integrating lobes.
     rule: Vec<(f64, f64)>,
 }
 
-/// The image blurred.
+/// A blurred image.
 struct Scale {
     lobe: Fisher,
     rings: Rings,
-    /// The coefficients of all blurs that led here.
+    /// The product of the coefficients of all blurs so far.
     coefficients: Coefficients,
 }
 
@@ -130,7 +130,7 @@ impl<'a> Scales<'a> {
         Self { picture, widths, blurred, harmonics, reference, grids, rule }
     }
 
-    /// The image filtered by a lobe; `spare` pixels are written over.
+    /// The image filtered by a lobe; `spare` pixels are overwritten.
     fn sum(&self, lobe: Ggx, mut spare: Vec<Pixel>) -> Sum<'a> {
         let finer = (1..).map(|n| lobe.share(self.blurred[0].lobe.kappa * f64::from(1u32 << n)));
         let sharp: f64 = finer.take(24).sum();
@@ -169,7 +169,7 @@ impl Scale {
     }
 }
 
-/// A filtered image: one that is smooth, and a share of the image itself.
+/// A filtered image: a smooth one, and a fraction of the image itself.
 struct Sum<'a> {
     picture: &'a Equirect,
     sharp: f32,
@@ -177,7 +177,7 @@ struct Sum<'a> {
 }
 
 impl Sum<'_> {
-    /// Writes the light at each place.
+    /// Writes the light at each position.
     #[inline(always)]
     fn row<S: Simd>(&self, simd: S, [u, v]: [&[f32]; 2], row: &mut [[f32; 3]]) {
         let mut sums = [[0.0; 4]; MOST_LANES];
@@ -195,11 +195,11 @@ impl Sum<'_> {
     }
 }
 
-/// The places in the picture that the texels of a map show.
+/// The positions in the image of the texels of a map.
 #[derive(Default)]
 struct Places {
     side: usize,
-    /// Row by row their u, then their v, each rounded up to whole packs.
+    /// Row by row, their u, then their v, each padded to whole packs.
     rows: Vec<f32>,
 }
 
@@ -221,7 +221,7 @@ impl Places {
     }
 }
 
-/// Writes the places of the texels of row `y`, whose middles are at these coordinates.
+/// Writes the positions of the texels of row `y`, whose centres are at these coordinates.
 #[inline(always)]
 fn fill_row<P: Pack>(token: P::Token, middles: &[f32], y: usize, row: &mut [f32]) {
     let down = P::splat(token, middles[y]);

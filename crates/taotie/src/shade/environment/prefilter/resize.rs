@@ -7,11 +7,11 @@ use crate::shade::environment::equirect::Equirect;
 use fearless_simd::Level;
 use std::f64::consts::PI;
 
-/// The narrowest and the widest image that is filtered.
+/// The minimum and the maximum width of a filtered image.
 const WIDTHS: [usize; 2] = [256, 2048];
 
-/// The image on rings, half as many as pixels a ring. Their number can be halved until rings of 256 pixels to 511
-/// are left. An image that already is like this stays as it is.
+/// Resamples the image onto rings, half as many as pixels per ring. Their number can be halved down to rings of 256
+/// to 511 pixels. An image that already has this form is unchanged.
 pub(super) fn rings(level: Level, picture: &Equirect) -> Rings {
     let wanted = picture.width().clamp(WIDTHS[0], WIDTHS[1]);
     let unit = 2 << (wanted / 256).ilog2();
@@ -46,12 +46,12 @@ fn interpolate(picture: &Equirect, v: f64, row: &mut [Pixel]) {
     }
 }
 
-/// To which pixels the texels of a larger picture give their light.
+/// The pixels that receive the light of each texel of a larger image.
 struct Shares<'a> {
     picture: &'a Equirect,
-    /// The left pixel of the two between which each texel of a row lies, and how far on it lies, [0, 1).
+    /// The left pixel of the two around each texel of a row, and the fraction of the way to the right one, [0, 1).
     columns: Vec<(usize, f64)>,
-    /// The ring that each row lies on, with fractions.
+    /// The fractional ring of each row.
     rows: Vec<f64>,
 }
 
@@ -67,7 +67,7 @@ impl<'a> Shares<'a> {
         Self { picture, columns, rows: (0..picture.height()).map(row).collect() }
     }
 
-    /// Makes ring `y`. Each texel gives its light by nearness, which leaves the middle of all light where it is.
+    /// Computes ring `y`. Each texel is distributed linearly, which keeps the centroid of the light.
     fn gather(&self, y: usize, row: &mut [Pixel]) {
         let height = self.picture.height();
         let mut weights = vec![0.0f32; row.len()];
@@ -108,7 +108,7 @@ mod tests {
         }
     }
 
-    /// A lone texel's light keeps its amount and its middle, which rounding to the next pixel would move.
+    /// An isolated texel's light keeps its amount and centroid, which rounding to the nearest pixel would move.
     #[test]
     fn shrinking_moves_no_light() {
         let mut image = Image::new(4100, 2050, [0.0, 0.0, 0.0, 1.0]).unwrap();

@@ -1,31 +1,31 @@
-//! Pictures of the sphere on rings of latitude, and smooth lookup in them.
+//! Images of the sphere on rings of latitude, and smooth lookup in them.
 
 use crate::math::{Lane, MOST_LANES, Pack, dispatch_registers, scalar};
 use crate::parallel;
 use fearless_simd::{Level, Simd, f32x4, f32x16, prelude::*};
 use std::f64::consts::PI;
 
-/// A pixel: linear RGB, and a fourth number that is carried along for the sake of speed.
+/// A pixel: linear RGB, and a fourth number as padding for speed.
 pub(super) type Pixel = [f32; 4];
 
-/// An equirectangular image on its way.
+/// An equirectangular image during filtering.
 #[derive(Debug, Clone)]
 pub(super) struct Rings {
-    /// The SIMD level that its pixels are computed at; all give the same bits.
+    /// The SIMD level for its pixels; all levels give the same bits.
     pub(super) level: Level,
-    /// Pixels a ring, even.
+    /// Pixels per ring, even.
     pub(super) width: usize,
-    /// Rings; that of row y lies at the polar angle (y + ½)π/height.
+    /// Rings; that of row y is at the polar angle (y + ½)π/height.
     pub(super) height: usize,
     /// Row by row from the top.
     pub(super) pixels: Vec<Pixel>,
 }
 
-/// The weight of each pixel of a row in an integral over the sphere; the scale does not matter.
+/// The weight of each pixel of a row in an integral over the sphere, up to scale.
 pub(super) enum Areas {
-    /// Its solid angle: light is even in each texel.
+    /// Its solid angle: light is constant within each texel.
     Solid,
-    /// The weight that integrates exactly all that rings of this number can show.
+    /// The weight that integrates exactly everything that this number of rings can represent.
     Smooth,
 }
 
@@ -49,7 +49,7 @@ pub(super) fn areas(height: usize, kind: &Areas) -> Vec<f64> {
 }
 
 impl Rings {
-    /// All black, `width` pixels a ring and half as many rings.
+    /// All black, `width` pixels per ring and half as many rings.
     pub(super) fn black(level: Level, width: usize) -> Self {
         let height = width / 2;
         Self { level, width, height, pixels: vec![[0.0; 4]; width * height] }
@@ -69,8 +69,8 @@ impl Rings {
         &self.pixels[y * self.width..][..self.width]
     }
 
-    /// The image, doubled until its rings have `width` pixels, and images of that size added, each times its weight.
-    /// `spare` pixels are written over.
+    /// The image, doubled until its rings have `width` pixels, plus images of that size, each times its weight.
+    /// `spare` pixels are overwritten.
     pub(super) fn added(mut self, others: &[(f32, &Self)], width: usize, spare: &mut Vec<Pixel>) -> Self {
         if self.width < width {
             while self.width * 2 < width {
@@ -85,8 +85,8 @@ impl Rings {
         self
     }
 
-    /// The image on twice as many rings of twice as many pixels, by the same cubic as [`Self::cubic`], and images of that
-    /// size added, each times its weight. `pixels` are written over.
+    /// The image on twice as many rings of twice as many pixels, by the same cubic as [`Self::cubic`], plus images of
+    /// that size, each times its weight. `pixels` are overwritten.
     fn doubled(&self, others: &[(f32, &Self)], mut pixels: Vec<Pixel>) -> Self {
         let (level, width, height) = (self.level, self.width * 2, self.height * 2);
         if pixels.len() != width * height {
@@ -101,7 +101,7 @@ impl Rings {
         Self { level, width, height, pixels }
     }
 
-    /// The ring `y` of twice as many, with two more pixels at each end.
+    /// Ring `y` of twice as many, with two more pixels at each end.
     #[inline(always)]
     fn between_rings(&self, y: usize) -> Vec<Pixel> {
         let (first, weights) = halfway(y);
@@ -119,7 +119,8 @@ impl Rings {
         sums
     }
 
-    /// The image at places (u, v) in [0, 1]² by Catmull and Rom's cubic, smooth across the seam and through the poles.
+    /// The image at positions (u, v) in [0, 1]² by Catmull and Rom's cubic, smooth across the seam and through the
+    /// poles.
     #[inline(always)]
     pub(super) fn cubic<S: Simd>(&self, simd: S, [u, v]: [&[f32]; 2], out: &mut [Pixel; MOST_LANES]) {
         let across = Taps::new::<f32x16<S>>(simd, u, self.width);
@@ -136,7 +137,7 @@ impl Rings {
         }
     }
 
-    /// The row that lies `y` rows from the top if one walks on beyond the poles, and how far it is turned.
+    /// The row at index `y` when continuing beyond the poles, and its rotation in pixels.
     #[inline(always)]
     fn through_pole(&self, y: isize) -> (usize, isize) {
         let (height, turned) = (self.height as isize, self.width as isize / 2);
@@ -148,9 +149,9 @@ impl Rings {
     }
 }
 
-/// The four pixels along one coordinate around each of some places.
+/// The four pixels along one coordinate around each of some positions.
 struct Taps {
-    /// The number of the first one, and two.
+    /// The index of the first one, plus two.
     first: [u32; MOST_LANES],
     weights: [[f32; MOST_LANES]; 4],
 }
@@ -160,7 +161,7 @@ impl Taps {
     #[inline(always)]
     fn new<P: Pack>(token: P::Token, coordinates: &[f32], count: usize) -> Self {
         let mut taps = Self { first: [0; MOST_LANES], weights: [[0.0; MOST_LANES]; 4] };
-        // One pixel on, so that what is cut off is what lies below.
+        // Shifted by one pixel, so that truncation rounds down.
         let x = P::load(token, coordinates) * P::splat(token, count as f32) + P::splat(token, 0.5);
         let first = x.floor();
         first.store_words(&mut taps.first);
@@ -170,7 +171,7 @@ impl Taps {
         taps
     }
 
-    /// The weights of the pixels around place `i`.
+    /// The weights of the pixels around position `i`.
     #[inline(always)]
     fn weights<S: Simd>(&self, simd: S, i: usize) -> [f32x4<S>; 4] {
         let [a, b, c, d] = &self.weights;
@@ -178,7 +179,7 @@ impl Taps {
     }
 }
 
-/// Four neighbours of a row from column `x` on, which is at most one row's length outside.
+/// Four neighbours in a row from column `x` onwards, which is at most one row's length outside.
 #[inline(always)]
 fn four<S: Simd>(simd: S, row: &[Pixel], x: isize) -> [f32x4<S>; 4] {
     let at = |k: isize| row[(x + k).rem_euclid(row.len() as isize) as usize];
@@ -211,7 +212,7 @@ fn weighted<S: Simd>([a, b, c, d]: [f32x4<S>; 4], pixels: [f32x4<S>; 4]) -> f32x
     a * pixels[0] + b * pixels[1] + c * pixels[2] + d * pixels[3]
 }
 
-/// Puts values between those of a ring that has two more pixels at each end.
+/// Interpolates a ring that has two more pixels at each end.
 #[inline(always)]
 fn widen<S: Simd>(simd: S, ring: &[Pixel], row: &mut [Pixel]) {
     let (even, odd) = (splats(simd, halfway(0).1), splats(simd, halfway(1).1));
@@ -248,7 +249,7 @@ pub(super) fn accumulate(sum: &mut Pixel, weight: f32, pixel: &Pixel) {
     *sum = [a + weight * r, b + weight * g, c + weight * b2, d + weight * e];
 }
 
-/// Weights of four neighbours for a place `t` in [0, 1] between the middle two.
+/// Weights of four neighbours for a position `t` in [0, 1] between the middle two.
 ///
 /// Source: Catmull and Rom 1974; Keys 1981, eq. 15 with a = −½.
 #[inline(always)]

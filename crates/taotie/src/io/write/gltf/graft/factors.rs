@@ -1,4 +1,4 @@
-//! A material of a document: what was baked replaces what it says, all else stays as it is written.
+//! A material of a document: baked values replace its own, everything else stays as written.
 
 use super::super::edit::{items, member, remove};
 use super::super::layers::{self, Emission, STRENGTH};
@@ -8,7 +8,7 @@ use super::super::number::short;
 use crate::scene::{AlphaMode, Material};
 use serde_json::{Value, json};
 
-/// The extension of colours and gloss that viewers show in place of the core's factors and textures.
+/// The specular-glossiness extension, which viewers use instead of the core's factors and textures.
 pub(super) const GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
 /// Returns the number of materials that have that extension.
@@ -16,20 +16,20 @@ pub(super) fn count_glossy(document: &Value) -> usize {
     items(document, "materials").iter().filter(|material| extension(material, GLOSSINESS).is_some()).count()
 }
 
-/// Returns the core's factors and textures of a material; null where it says none.
+/// Returns the core's factors and textures of a material; null if it has none.
 pub(super) fn core(json: &Value) -> Value {
     json.get(PBR).cloned().unwrap_or_default()
 }
 
-/// Removes the extension of colours and gloss from a material that says others in the core than `before`.
+/// Removes the specular-glossiness extension from a material whose core differs from `before`.
 pub(super) fn uncover(json: &mut Value, before: &Value) {
     if core(json) != *before {
         drop_extension(json, GLOSSINESS);
     }
 }
 
-/// Makes a material of the document say the factors of another, where it says otherwise. Layers that are others than those
-/// of `said`, the material as the document was read, stand in place of what it says of them, textures included.
+/// Changes the factors of a material of the document to those of another, where they differ. Layers that differ from
+/// those of `said`, the material as read from the document, replace the existing ones, including their textures.
 pub(super) fn graft(json: &mut Value, material: &GltfMaterial, said: &Material) {
     let mut pbr = json.get(PBR).cloned().unwrap_or_else(|| json!({}));
     set_color(&mut pbr, material.base_color);
@@ -50,7 +50,7 @@ pub(super) fn graft(json: &mut Value, material: &GltfMaterial, said: &Material) 
     }
 }
 
-/// Returns the names of the extensions that a material uses.
+/// Returns the names of a material's extensions.
 pub(super) fn extensions(json: &Value) -> Vec<String> {
     let extensions = json.get("extensions").and_then(Value::as_object);
     extensions.into_iter().flat_map(|extensions| extensions.keys().cloned()).collect()
@@ -60,7 +60,7 @@ fn extension<'a>(json: &'a Value, name: &str) -> Option<&'a Value> {
     json.get("extensions")?.get(name)
 }
 
-/// Returns numbers as a reader takes them, `unsaid` where they are not said.
+/// Returns numbers as a reader sees them, with `unsaid` as the default.
 fn numbers<const N: usize>(of: &Value, name: &str, unsaid: f32) -> [f32; N] {
     let number = |i: usize| of.get(name)?.get(i)?.as_f64();
     std::array::from_fn(|i| number(i).map_or(unsaid, |v| v as f32))
@@ -79,7 +79,7 @@ fn set_factor(pbr: &mut Value, name: &str, value: f32) {
     }
 }
 
-/// Makes a material emit a radiance.
+/// Sets the emitted radiance of a material.
 fn graft_emission(json: &mut Value, radiance: [f32; 3]) {
     let strength = extension(json, STRENGTH).and_then(|e| e.get("emissiveStrength")).and_then(Value::as_f64);
     let strength = strength.map_or(1.0, |v| v as f32);
@@ -88,7 +88,7 @@ fn graft_emission(json: &mut Value, radiance: [f32; 3]) {
     }
     let was_dark = numbers::<3>(json, "emissiveFactor", 0.0) == [0.0; 3];
     if was_dark {
-        // A texture that nothing showed would scale what is new.
+        // A texture that was invisible until now would scale the new emission.
         remove(json, "emissiveTexture");
     }
     let emission = Emission::of(radiance);
@@ -125,7 +125,7 @@ mod tests {
     use super::*;
     use crate::scene::Clearcoat;
 
-    /// A material as an artist's program writes it, and the same as a reader has it.
+    /// A material as authored in a modelling program, and the same as read.
     fn brass() -> (Value, GltfMaterial<'static>) {
         let json = json!({
             "name": "brass", "extras": { "id": 7 }, "alphaMode": "MASK", "emissiveFactor": [0.5, 0.25, 0.0],
@@ -166,8 +166,7 @@ mod tests {
             };
             Material { clearcoat: Some(coat), ior: 1.25, ..Material::default() }
         };
-        let off =
-            json!({ layers::CLEARCOAT: { "clearcoatTexture": { "index": 0 } }, "KHR_materials_ior": {} });
+        let off = json!({ "KHR_materials_clearcoat": { "clearcoatTexture": { "index": 0 } }, "KHR_materials_ior": {} });
         let grafted = |said: &Material, own: &Material| {
             let mut json = json!({ "extensions": off });
             graft(
@@ -178,9 +177,9 @@ mod tests {
             json["extensions"].clone()
         };
         let coat = json!({ "clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25 });
-        let on = json!({ layers::CLEARCOAT: coat, "KHR_materials_ior": { "ior": 1.25 } });
+        let on = json!({ "KHR_materials_clearcoat": coat, "KHR_materials_ior": { "ior": 1.25 } });
         assert_eq!(grafted(&Material::default(), &coated(0.5)), on);
-        assert_eq!(grafted(&coated(0.5), &coated(0.5)), off, "its own are not touched");
+        assert_eq!(grafted(&coated(0.5), &coated(0.5)), off, "its own are unchanged");
     }
 
     #[test]

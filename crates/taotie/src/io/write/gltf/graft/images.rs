@@ -1,4 +1,4 @@
-//! The images of a document: new ones for what was baked, and its own into the new file or beside it.
+//! The images of a document: new ones for the bake, and its own, moved into the new file or next to it.
 
 use super::super::codec::CodecKind;
 use super::super::edit;
@@ -16,20 +16,20 @@ use std::path::Path;
 pub(in super::super) enum Storage<'a> {
     /// In the document's buffer.
     Inside,
-    /// In files beside this model.
-    Beside(&'a Path),
+    /// In files next to this model.
+    Separate(&'a Path),
 }
 
 /// The common properties of the new textures of a material.
 pub(super) struct Textured<'a> {
     pub storage: Storage<'a>,
-    /// A word that tells its images from those of other materials.
+    /// A word that distinguishes its images from those of other materials.
     pub label: &'a str,
-    /// The number of the sampler.
+    /// The index of the sampler.
     pub sampler: usize,
 }
 
-/// Adds an image and a texture of it. Returns the texture's number.
+/// Adds an image and a texture for it. Returns the texture's index.
 pub(super) fn add(raw: &mut RawGltf, image: &Encoded, of: &Textured) -> usize {
     let Textured { storage, label, sampler } = *of;
     let json = match (image.bytes(), storage) {
@@ -38,7 +38,7 @@ pub(super) fn add(raw: &mut RawGltf, image: &Encoded, of: &Textured) -> usize {
             let name = labeled(label, image.role());
             json!({ "name": name, "bufferView": view, "mimeType": image.mime_type() })
         }
-        (Some(_), Storage::Beside(path)) => json!({ "uri": uri(&image.file_name(&stem(path, label))) }),
+        (Some(_), Storage::Separate(path)) => json!({ "uri": uri(&image.file_name(&stem(path, label))) }),
         (None, _) => json!({ "uri": uri(&image.file_name("")) }),
     };
     let source = edit::push(&mut raw.json, "images", json);
@@ -47,7 +47,7 @@ pub(super) fn add(raw: &mut RawGltf, image: &Encoded, of: &Textured) -> usize {
     edit::push(&mut raw.json, "textures", texture)
 }
 
-/// Returns the beginning of the names of files beside a model: its own, and the label of a material.
+/// Returns the stem of the names of files next to a model: its own, and the label of a material.
 pub(super) fn stem(path: &Path, label: &str) -> String {
     labeled(&path.file_stem().unwrap_or_default().to_string_lossy(), label)
 }
@@ -57,11 +57,11 @@ fn labeled(first: &str, second: &str) -> String {
     parts.collect::<Vec<_>>().join("_")
 }
 
-/// Takes those of the first `count` images along that lie in files beside the source: into the document, or as files
-/// beside the new one, which it returns. One that is not there, or is of no known kind, goes on to be named.
+/// Carries over those of the first `count` images that are external files of the source: into the document, or as
+/// files next to the new one, which it returns. Images that are missing or of unknown kind stay as references.
 ///
 /// # Errors
-/// [`crate::Error::Io`] where a file cannot be read.
+/// [`crate::Error::Io`] if a file cannot be read.
 pub(in super::super) fn take_along(
     raw: &mut RawGltf,
     count: usize,
@@ -77,7 +77,7 @@ pub(in super::super) fn take_along(
                 let view = views::add(raw, bytes);
                 vec![("bufferView", json!(view)), ("mimeType", json!(kind.media_type()))]
             }
-            Storage::Beside(path) => {
+            Storage::Separate(path) => {
                 let name = format!("{}.{}", stem(path, &format!("image{i}")), kind.file_extension());
                 let said = json!(uri(&name));
                 files.push(FileBytes { path: path.with_file_name(name), bytes });

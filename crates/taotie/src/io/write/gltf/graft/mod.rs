@@ -1,6 +1,6 @@
-//! Baked textures grafted onto the materials of a glTF file, all else of which stays: nodes, skins, morph targets,
-//! animations, cameras, names, extras, and accessors to the last bit. Primitives without tangents that show a normal map
-//! get them, where that splits no vertex.
+//! Grafts baked textures onto the materials of a glTF file. Everything else is preserved: nodes, skins, morph
+//! targets, animations, cameras, names, extras, and accessors to the last bit. Primitives without tangents get them
+//! if they show a normal map, provided that no vertex has to be split.
 
 mod factors;
 pub(super) mod images;
@@ -32,56 +32,57 @@ use images::{Storage, Textured};
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// A glTF file, and what is grafted onto it.
+/// A glTF file, and the materials grafted onto it.
 #[derive(Debug, Clone, Copy)]
 pub struct GltfGraft<'a> {
     /// The file.
     pub source: GltfSource<'a>,
     /// The limits within which it is read.
     pub limits: Limits,
-    /// The metres of the file's unit, which a root node above all others is scaled by; `None` if it is in metres.
+    /// The size of the file's unit in metres, by which a new root node scales everything; `None` if it is in metres.
     pub root_scale: Option<f32>,
-    /// Its materials that are changed.
+    /// The materials to change.
     pub materials: &'a [GraftedMaterial<'a>],
-    /// A rights notice beside the file's own.
+    /// A rights notice in addition to the file's own.
     pub copyright: Option<&'a str>,
-    /// An XMP packet for the whole asset, in place of the file's own.
+    /// An XMP packet for the whole asset, replacing the file's own.
     pub xmp: Option<&'a Json>,
     /// Further members of `asset.extras`.
     pub extras: Option<&'a Json>,
 }
 
 impl<'a> GltfGraft<'a> {
-    /// Returns a file with nothing grafted onto it.
+    /// Returns a file without any grafted material.
     pub fn unchanged(source: GltfSource<'a>, limits: Limits) -> Self {
         Self { source, limits, root_scale: None, materials: &[], copyright: None, xmp: None, extras: None }
     }
 }
 
-/// A material of a file, and what was baked for it.
+/// A material of a file, and its baked replacement.
 #[derive(Debug, Clone, Copy)]
 pub struct GraftedMaterial<'a> {
-    /// Its number in the file; the number after the last is glTF's default, of triangles that name none.
+    /// Its index in the file; one past the last is glTF's default, for triangles without a material.
     pub number: usize,
-    /// A word in the names of its images that tells it from other materials; may be empty where it is alone.
+    /// A word in the names of its images that distinguishes it from other materials; may be empty if it is the only
+    /// one.
     pub label: &'a str,
-    /// Its factors and layers, and the textures that are new. A slot without one stays as it is in the file, as do its
-    /// name, and whether it is seen from both sides.
+    /// Its factors and layers, and the new textures. Slots without a texture keep the file's, as do the name, and
+    /// whether it is double-sided.
     pub material: GltfMaterial<'a>,
-    /// The material as it was read from the file. Layers that are the same in `material` stay as they are in the file.
+    /// The material as read from the file. Layers that are the same in `material` stay unchanged in the file.
     pub said: &'a Material,
     /// The sampler of the new textures, such as [`gltf_sampler`](crate::io::gltf_sampler) makes.
     pub sampler: Sampler,
-    /// `true` where colours of vertices go, which would be multiplied with what was baked.
+    /// `true` if vertex colours are removed, which would be multiplied with the baked colours.
     pub drops_colors: bool,
 }
 
-/// The files of a model, and what is not in them as it was.
+/// The files of a model, and notes on what was not preserved.
 #[derive(Debug, Clone, Default)]
 pub struct EncodedModel {
     /// The files, the model first.
     pub files: Vec<FileBytes>,
-    /// The warnings of what was left out.
+    /// Warnings about dropped content.
     pub warnings: Warnings,
 }
 
@@ -91,29 +92,29 @@ impl From<Vec<FileBytes>> for EncodedModel {
     }
 }
 
-/// Returns the files of a model with grafted materials, `path` first: a GLB, or a `.gltf` with its files beside it. Images
-/// that nothing names any more are left out. Geometry stays as it is packed, whatever [`GltfFormat::meshopt`] says. A
-/// material loses KHR_materials_pbrSpecularGlossiness where what is grafted would be hidden by it, which is counted.
+/// Returns the files of a model with grafted materials, `path` first: a GLB, or a `.gltf` with its external files.
+/// Images that are no longer used are dropped. Geometry keeps its packing, regardless of [`GltfFormat::meshopt`]. A
+/// material loses KHR_materials_pbrSpecularGlossiness if the extension would hide the grafted values; this is counted
+/// in the warnings.
 ///
 /// # Errors
-/// [`crate::Error::Io`] and [`crate::Error::Parse`] where the source cannot be read, [`crate::Error::Limit`] where that exceeds a
-/// limit; else as
-/// [`encode_gltf`](crate::io::encode_gltf).
+/// [`crate::Error::Io`] and [`crate::Error::Parse`] if the source cannot be read, [`crate::Error::Limit`] if it
+/// exceeds a limit; otherwise as [`encode_gltf`](crate::io::encode_gltf).
 pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Result<EncodedModel> {
     let storage = match Container::of(path)? {
         Container::Glb => Storage::Inside,
-        Container::Gltf => Storage::Beside(path),
+        Container::Gltf => Storage::Separate(path),
     };
     let mut raw = RawGltf::read(graft.source, &graft.limits)?;
     let own_images = edit::items(&raw.json, "images").len();
-    let (mut beside, mut warnings) = (Vec::new(), Warnings::default());
+    let (mut external, mut warnings) = (Vec::new(), Warnings::default());
     let glossy = factors::count_glossy(&raw.json);
     for material in graft.materials {
-        beside.extend(graft_material(&mut raw, material, format, storage)?);
+        external.extend(graft_material(&mut raw, material, format, storage)?);
     }
-    let what = format!("{} of the low-poly mesh's materials is left out", factors::GLOSSINESS);
+    let what = format!("dropped {} of the low-poly mesh's materials", factors::GLOSSINESS);
     let uncovered = glossy - factors::count_glossy(&raw.json);
-    warnings.note(format!("{what}: viewers would show it and not what is baked"), uncovered);
+    warnings.note(format!("{what}: viewers would show it instead of the bake"), uncovered);
     let mapped = graft.materials.iter().filter(|grafted| grafted.material.normal_map.is_some());
     let mapped: Vec<usize> = mapped.map(|grafted| grafted.number).collect();
     tangents::give(&mut raw, graft.source, &mapped)?;
@@ -122,20 +123,20 @@ pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Resu
     }
     say_about(&mut raw.json, graft);
     let own_images = prune::prune(&mut raw.json, own_images);
-    beside.extend(images::take_along(&mut raw, own_images, storage)?);
+    external.extend(images::take_along(&mut raw, own_images, storage)?);
     let bytes = views::joined(&mut raw)?;
     let mut files = match storage {
         Storage::Inside => vec![FileBytes {
             path: path.to_path_buf(),
             bytes: container::encoded(edit::text(&raw.json)?, &bytes)?,
         }],
-        Storage::Beside(_) => gltf(path, raw.json, bytes)?,
+        Storage::Separate(_) => gltf(path, raw.json, bytes)?,
     };
-    files.extend(beside);
+    files.extend(external);
     Ok(EncodedModel { files, warnings })
 }
 
-/// Returns the files of new images beside the model.
+/// Grafts a material and returns the files of its new images next to the model.
 fn graft_material(
     raw: &mut RawGltf,
     grafted: &GraftedMaterial,
@@ -146,7 +147,7 @@ fn graft_material(
     material.check()?;
     primitives::give_default(&mut raw.json, number);
     if number >= edit::items(&raw.json, "materials").len() {
-        return Err(raw.error(format!("material {number}"), "it is not there any more; bake again"));
+        return Err(raw.error(format!("material {number}"), "no longer exists; bake again"));
     }
     let encoded = encode(material, format)?;
     let sampler = if encoded.is_empty() { 0 } else { add_sampler(&mut raw.json, &grafted.sampler) };
@@ -166,19 +167,19 @@ fn graft_material(
     if grafted.drops_colors {
         primitives::drop_colors(&mut raw.json, number);
     }
-    let Storage::Beside(path) = storage else { return Ok(Vec::new()) };
+    let Storage::Separate(path) = storage else { return Ok(Vec::new()) };
     let labeled = path.with_file_name(format!("{}.gltf", images::stem(path, label)));
     Ok(encoded.into_iter().filter_map(|image| image.into_file(&labeled)).collect())
 }
 
-/// Returns the number of a sampler among the document's, to which it is added where it is not there.
+/// Returns the index of a sampler in the document, adding it if necessary.
 fn add_sampler(json: &mut Value, sampler: &Sampler) -> usize {
     let sampler = samplers::json(sampler);
     let known = edit::items(json, "samplers").iter().position(|known| *known == sampler);
     known.unwrap_or_else(|| edit::push(json, "samplers", sampler))
 }
 
-/// Says of the whole asset who made it, of what, and whose it is.
+/// Writes the asset's metadata: generator, copyright, extras and provenance.
 fn say_about(json: &mut Value, graft: &GltfGraft) {
     let asset = edit::member(json, "asset");
     *edit::member(asset, "generator") = concat!("taotie ", env!("CARGO_PKG_VERSION")).into();
@@ -201,7 +202,7 @@ fn say_about(json: &mut Value, graft: &GltfGraft) {
     }
 }
 
-/// Returns the document, and its buffer beside it.
+/// Returns the document and its external buffer.
 pub(super) fn gltf(path: &Path, mut json: Value, bytes: Vec<u8>) -> Result<Vec<FileBytes>> {
     let name = format!("{}.bin", images::stem(path, ""));
     for buffer in edit::items_mut(&mut json, "buffers").take(1) {

@@ -1,10 +1,10 @@
-//! The primitives of a document that show a material.
+//! The primitives of a document that use a material.
 
 use super::super::edit::{self, items, items_mut};
 use serde_json::{Value, json};
 
-/// Makes glTF's default material one of the file's, where `number` is that after its last, and gives it to all triangles
-/// that name none.
+/// Adds glTF's default material to the file if `number` is one past the last, and assigns it to all triangles without
+/// a material.
 pub(super) fn give_default(json: &mut Value, number: usize) {
     let count = items(json, "materials").len();
     if number != count {
@@ -19,7 +19,7 @@ pub(super) fn give_default(json: &mut Value, number: usize) {
     primitives.filter(names_none).for_each(|p| *edit::member(p, "material") = number.into());
 }
 
-/// Takes the colours of vertices off the primitives that show a material.
+/// Removes the vertex colours of primitives that use a material.
 pub(super) fn drop_colors(json: &mut Value, material: usize) {
     const COLORS: &str = "COLOR_0";
     let primitives = items_mut(json, "meshes").flat_map(|mesh| items_mut(mesh, "primitives"));
@@ -41,7 +41,7 @@ mod tests {
         let primitives = json!([{ "material": 0 }, { "mode": 1 }, { "mode": 4 }, { "material": 9 }]);
         let mut json = json!({ "materials": [{ "name": "a" }], "meshes": [{ "primitives": primitives }] });
         give_default(&mut json, 0);
-        assert_eq!(items(&json, "materials").len(), 1, "0 is there");
+        assert_eq!(items(&json, "materials").len(), 1, "0 exists");
         give_default(&mut json, 1);
         let named: Vec<_> =
             items(&json["meshes"][0], "primitives").iter().map(|p| edit::number(p, "material")).collect();

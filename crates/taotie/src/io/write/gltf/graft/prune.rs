@@ -1,4 +1,4 @@
-//! Textures, images and views that nothing names any more, dropped.
+//! Drops textures, images and views that are no longer used.
 
 use super::super::edit;
 use super::factors::GLOSSINESS;
@@ -6,8 +6,8 @@ use crate::io::gltf::{OF_TEXTURES, is_known};
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 
-/// Drops them, and returns how many of the first `count` images are left. Where the document uses an extension that nobody
-/// here knows, which may name anything, all stays.
+/// Drops them, and returns how many of the first `count` images are left. If the document uses an unknown extension,
+/// which may refer to anything, everything is kept.
 pub(in super::super) fn prune(json: &mut Value, count: usize) -> usize {
     drop_unused(json, &["materials"], GLOSSINESS);
     let knows = |name: &Value| name.as_str().is_some_and(is_known);
@@ -23,7 +23,7 @@ pub(in super::super) fn prune(json: &mut Value, count: usize) -> usize {
     kept.into_iter().filter(|image| *image < count as u64).count()
 }
 
-/// Drops the name of an extension that no item of the lists `holders`, such as `textures`, has any more.
+/// Drops the name of an extension that is no longer used by any item of the lists `holders`, such as `textures`.
 pub(in super::super) fn drop_unused(json: &mut Value, holders: &[&str], name: &str) {
     let has_it = |holder: &Value| holder.pointer(&format!("/extensions/{name}")).is_some();
     if holders.iter().flat_map(|list| edit::items(json, list)).any(has_it) {
@@ -37,10 +37,10 @@ pub(in super::super) fn drop_unused(json: &mut Value, holders: &[&str], name: &s
     }
 }
 
-/// Visits all numbers of things of one kind that a document names.
+/// Visits all references to items of one kind in a document.
 pub(in super::super) type Visit = fn(&mut Value, &mut dyn FnMut(&mut Value));
 
-/// Drops the items of a list that nothing names, and renumbers the others; returns their old numbers.
+/// Drops the unreferenced items of a list, and renumbers the others; returns the old indices of those kept.
 pub(in super::super) fn drop_unnamed(json: &mut Value, list: &str, each: Visit) -> Vec<u64> {
     let mut named = BTreeSet::new();
     each(json, &mut |number| named.extend(number.as_u64()));
@@ -48,7 +48,7 @@ pub(in super::super) fn drop_unnamed(json: &mut Value, list: &str, each: Visit) 
     let kept: Vec<u64> = (0..items.len() as u64).filter(|i| named.contains(i)).collect();
     each(json, &mut |number| {
         if let Some(old) = number.as_u64() {
-            // A number of nothing goes on to be one.
+            // An invalid index stays invalid.
             *number = kept.binary_search(&old).unwrap_or(kept.len()).into();
         }
     });
@@ -77,7 +77,7 @@ pub(in super::super) fn each_image(json: &mut Value, visit: &mut dyn FnMut(&mut 
     edit::items_mut(json, "textures").for_each(|texture| edit::each_object(texture, &mut of));
 }
 
-/// Visits the views of accessors, images and all else.
+/// Visits the views of accessors, images and everything else.
 pub(in super::super) fn each_view(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
     let mut of = |members: &mut Map<String, Value>| {
         members.get_mut("bufferView").into_iter().for_each(&mut *visit);
@@ -135,7 +135,7 @@ mod tests {
             "accessors": [{ "bufferView": 3, "sparse": { "values": { "bufferView": 4 } } }],
             "bufferViews": ["dead", "dead", "image", "numbers", "sparse"],
         });
-        assert_eq!(prune(&mut json, 2), 1, "of the first two the second is left");
+        assert_eq!(prune(&mut json, 2), 1, "of the first two, one is left");
         assert_eq!(json["textures"], json!([{ "source": 0 }, { "source": 1 }]));
         assert_eq!(json["images"], json!([{ "bufferView": 0 }, { "uri": "a.png" }]));
         assert_eq!(json["bufferViews"], json!(["image", "numbers", "sparse"]));

@@ -1,4 +1,4 @@
-//! A node above all others of a document, which scales it to metres.
+//! A root node for a document, which scales it to metres.
 
 use super::super::edit;
 use super::super::number::short;
@@ -7,11 +7,11 @@ use crate::io::gltf::RawGltf;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
-/// Puts a node that scales above the nodes of each scene; without scenes above all that have no parent. Lights and cameras,
-/// which no node scales, are noted.
+/// Puts a scaling node above the nodes of each scene, or above all parentless nodes if there are no scenes. Lights
+/// and cameras, which nodes do not scale, are noted.
 ///
 /// # Errors
-/// [`crate::Error::Parse`] if scenes share some of their nodes, which can have but one parent.
+/// [`crate::Error::Parse`] if scenes share some of their nodes, since a node can have only one parent.
 pub(super) fn scale(raw: &mut RawGltf, scale: f32, warnings: &mut Warnings) -> Result<()> {
     let scales = [short(scale); 3];
     let root = |children: &[Value]| json!({ "name": "metres", "scale": scales, "children": children });
@@ -26,7 +26,8 @@ pub(super) fn scale(raw: &mut RawGltf, scale: f32, warnings: &mut Warnings) -> R
         let number = match shared {
             Some((same, number)) if *same == children => *number,
             Some(_) => {
-                let why = "it shares nodes with another scene, and cannot be scaled to metres; scale the file yourself";
+                let why =
+                    "shares nodes with another scene and cannot be scaled to metres; scale the file yourself";
                 return Err(raw.error(format!("scene {scene}"), why));
             }
             None => edit::push(&mut raw.json, "nodes", root(&children)),
@@ -36,12 +37,11 @@ pub(super) fn scale(raw: &mut RawGltf, scale: f32, warnings: &mut Warnings) -> R
     }
     let count = |list: &str| raw.json.pointer(list).and_then(Value::as_array).map_or(0, Vec::len);
     let lit = count("/cameras") + count("/extensions/KHR_lights_punctual/lights");
-    warnings
-        .note("cameras and lights of the low-poly mesh's file, whose ranges are not scaled to metres", lit);
+    warnings.note("cameras and lights in the low-poly mesh's file; ranges not scaled to metres", lit);
     Ok(())
 }
 
-/// Returns the numbers of all nodes that are no node's child.
+/// Returns the indices of all nodes without a parent.
 fn parentless(json: &Value) -> Vec<Value> {
     let nodes = edit::items(json, "nodes");
     let children = nodes.iter().flat_map(|node| edit::items(node, "children")).filter_map(Value::as_u64);

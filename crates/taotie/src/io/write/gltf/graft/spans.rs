@@ -1,6 +1,6 @@
-//! Pieces of buffers that are still named, moved together: none is there twice.
+//! The parts of buffers that are still in use, moved together without duplicates.
 
-/// Bytes of a buffer.
+/// A range of bytes in a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Range {
     pub buffer: usize,
@@ -9,7 +9,7 @@ pub(super) struct Range {
 }
 
 impl Range {
-    /// Says whether its buffer is there and long enough, or has no bytes at all.
+    /// Returns `true` if its buffer exists and is long enough, or has no bytes at all.
     pub fn is_in(&self, buffers: &[Option<Vec<u8>>]) -> bool {
         match buffers.get(self.buffer) {
             Some(Some(bytes)) => self.end <= bytes.len(),
@@ -19,7 +19,7 @@ impl Range {
     }
 }
 
-/// The new places of pieces of buffers.
+/// The new positions of parts of buffers.
 pub(super) struct Spans(Vec<Span>);
 
 struct Span {
@@ -27,11 +27,11 @@ struct Span {
     to: usize,
 }
 
-/// Bytes keep their place up to multiples of this, the largest that any number of glTF needs.
+/// Positions are preserved modulo this, the largest alignment of any glTF component.
 const ALIGNMENT: usize = 8;
 
 impl Spans {
-    /// Moves ranges of buffers, which are there, into one; its length is a multiple of four.
+    /// Moves existing ranges of buffers into one buffer; its length is a multiple of four.
     pub fn moved(ranges: Vec<Range>, buffers: &[Option<Vec<u8>>]) -> (Self, Vec<u8>) {
         let (mut spans, mut bytes) = (Vec::new(), Vec::new());
         for from in merged(ranges) {
@@ -44,7 +44,7 @@ impl Spans {
         (Self(spans), bytes)
     }
 
-    /// Returns where a range that was moved begins.
+    /// Returns the new start of a range.
     pub fn moved_to(&self, range: &Range) -> usize {
         let begins_before = |span: &Span| (span.from.buffer, span.from.start) <= (range.buffer, range.start);
         let after = self.0.partition_point(begins_before);
@@ -53,7 +53,7 @@ impl Spans {
     }
 }
 
-/// Returns the ranges, sorted, each that overlaps or touches another made one with it.
+/// Returns the sorted ranges, with overlapping and adjacent ones merged.
 fn merged(mut ranges: Vec<Range>) -> Vec<Range> {
     ranges.sort_unstable();
     let mut merged: Vec<Range> = Vec::new();

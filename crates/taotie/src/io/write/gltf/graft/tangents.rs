@@ -1,4 +1,4 @@
-//! Tangents for primitives that have none and show a new normal map, where no vertex needs to be split for them.
+//! Tangents for primitives that have none and show a new normal map, provided that no vertex has to be split.
 
 use super::super::edit;
 use super::views;
@@ -6,8 +6,8 @@ use crate::error::Result;
 use crate::io::gltf::{GltfSource, RawGltf, missing_tangents};
 use serde_json::json;
 
-/// Adds those of the primitives that show one of `materials`, by their numbers in the file `source`. Viewers make those of
-/// other primitives, by MikkTSpace as these are.
+/// Adds tangents to the primitives that use one of `materials`, given by index in the file `source`. For other
+/// primitives, viewers generate them with MikkTSpace, as here.
 ///
 /// # Errors
 /// Those of reading the file.

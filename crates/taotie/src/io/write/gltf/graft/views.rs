@@ -1,4 +1,4 @@
-//! The views of a document: new ones, and the bytes of all of them moved into one buffer.
+//! The views of a document: new ones, and the bytes of all views moved into one buffer.
 
 use super::super::edit;
 use super::spans::{Range, Spans};
@@ -6,18 +6,19 @@ use crate::error::Result;
 use crate::io::gltf::RawGltf;
 use serde_json::{Value, json};
 
-/// Adds bytes as a view; returns its number.
+/// Adds bytes as a view; returns its index.
 pub(super) fn add(raw: &mut RawGltf, bytes: Vec<u8>) -> usize {
     let view = json!({ "buffer": raw.buffers.len(), "byteOffset": 0, "byteLength": bytes.len() });
     raw.buffers.push(Some(bytes));
     edit::push(&mut raw.json, "bufferViews", view)
 }
 
-/// Moves the bytes that views name into one buffer, which it returns; its length is a multiple of four. Views that
-/// overlap go on to do so. The document's buffers are that one, without a URI, and those that never had any bytes.
+/// Moves the bytes used by views into one buffer, which it returns; its length is a multiple of four. Overlapping
+/// views still overlap. The document's buffers become this one, without a URI, followed by those that never had any
+/// bytes.
 ///
 /// # Errors
-/// [`crate::Error::Parse`] where a view names bytes that are not there.
+/// [`crate::Error::Parse`] if a view refers to missing bytes.
 pub(in super::super) fn joined(raw: &mut RawGltf) -> Result<Vec<u8>> {
     let mut views = edit::taken(&mut raw.json, "bufferViews");
     let mut ranges = Vec::new();
@@ -26,9 +27,7 @@ pub(in super::super) fn joined(raw: &mut RawGltf) -> Result<Vec<u8>> {
         each_place(view, &mut |place| found.push(range(place)));
         let is_there = |range: &Option<Range>| range.is_some_and(|range| range.is_in(&raw.buffers));
         if !found.iter().all(is_there) {
-            return Err(
-                raw.error(format!("buffer view {i}"), "its bytes are not there; export the file again")
-            );
+            return Err(raw.error(format!("buffer view {i}"), "its bytes are missing; re-export the file"));
         }
         ranges.extend(found.into_iter().flatten().filter(|range| raw.buffers[range.buffer].is_some()));
     }
@@ -44,7 +43,7 @@ pub(in super::super) fn joined(raw: &mut RawGltf) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Visits the objects of a view that name bytes: itself, and that of its packed bytes.
+/// Visits the objects in a view that refer to bytes: itself, and the one for its packed bytes.
 pub(in super::super) fn each_place(view: &mut Value, visit: &mut impl FnMut(&mut Value)) {
     visit(view);
     let extensions = view.get_mut("extensions").and_then(Value::as_object_mut).into_iter().flatten();
@@ -57,7 +56,7 @@ fn range(place: &mut Value) -> Option<Range> {
     Some(Range { buffer: edit::number(place, "buffer")?, start, end })
 }
 
-/// Points a place to where its bytes were moved, or to its buffer without bytes.
+/// Updates an object to the new position of its bytes, or to its buffer without bytes.
 fn set_place(place: &mut Value, spans: &Spans, empty: &[usize]) {
     let Some(range) = range(place) else { return };
     match empty.iter().position(|buffer| *buffer == range.buffer) {
@@ -69,7 +68,7 @@ fn set_place(place: &mut Value, spans: &Spans, empty: &[usize]) {
     }
 }
 
-/// Puts the buffer of all bytes into the document, and those without bytes behind it.
+/// Writes the buffer of all bytes into the document, followed by those without bytes.
 fn set_buffers(json: &mut Value, empty: &[usize], length: usize) {
     let declared = edit::taken(json, "buffers");
     let kept = empty.iter().filter_map(|i| declared.get(*i).cloned());

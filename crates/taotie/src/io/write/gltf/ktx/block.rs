@@ -4,10 +4,10 @@
 use super::fit::{Fit, STEPS_OF_4, STEPS_OF_8, STEPS_OF_16, Texels};
 use super::range::{OF_160, OF_192, OF_256, Range};
 
-/// The texels of a block as they are stored, row by row.
+/// The texels of a block as stored, row by row.
 pub(super) type Tile = [[u8; 3]; 16];
 
-/// A mode of one line in colour space: 16 weights and 192 levels, or 8 weights and all levels.
+/// A mode with one line in colour space: 16 weights and 192 levels, or 8 weights and all levels.
 pub(super) struct Line {
     prefix: (u32, u32),
     steps: &'static [u32],
@@ -27,19 +27,19 @@ const PLANES: (u32, u32) = (0x1b, 5);
 /// Mode 8: one colour.
 const SOLID: (u32, u32) = (0x17, 5);
 
-/// A block before it is written.
+/// A block before serialisation.
 #[derive(Clone, Copy)]
 pub(super) enum Block {
     /// One colour.
     Solid([u8; 3]),
-    /// A mode of one line, and its endpoints and weights.
+    /// A mode with one line, and its endpoints and weights.
     Line(&'static Line, Fit),
-    /// Two channels on a line, and one on its own.
+    /// Two channels on a line, and one separate channel.
     Planes(Planes),
 }
 
 impl Block {
-    /// Returns the block that comes nearest.
+    /// Returns the nearest block.
     pub fn nearest(tile: &Tile) -> Self {
         if tile.iter().all(|texel| *texel == tile[0]) {
             return Self::Solid(tile[0]);
@@ -59,8 +59,8 @@ impl Block {
         Self::Line(line, fit)
     }
 
-    /// Returns the block of the same mode and weights whose endpoints fit other texels best; `None` where the weights
-    /// do not differ.
+    /// Returns the block of the same mode and weights with the best endpoints for other texels; `None` if all weights
+    /// are equal.
     pub fn refitted(&self, texels: &Texels) -> Option<Self> {
         match self {
             Self::Solid(_) => None,
@@ -69,7 +69,7 @@ impl Block {
         }
     }
 
-    /// Returns the texels that it shows.
+    /// Returns the decoded texels.
     pub fn colors(&self) -> Texels {
         match self {
             Self::Solid(color) => [color.map(f32::from); 16],
@@ -78,7 +78,7 @@ impl Block {
         }
     }
 
-    /// Returns its bytes; the texels that it stands for are hints for formats of graphics cards.
+    /// Returns its bytes; `tile`, the original texels, provides hints for GPU formats.
     pub fn bytes(&self, tile: &Tile) -> [u8; 16] {
         match self {
             Self::Solid(color) => solid(*color),
@@ -88,12 +88,12 @@ impl Block {
     }
 }
 
-/// Returns the texels of a block as numbers.
+/// Returns the texels of a block as floats.
 pub(super) fn values(tile: &Tile) -> Texels {
     tile.map(|texel| texel.map(f32::from))
 }
 
-/// Bits from the lowest of the first byte on.
+/// A bit writer, from the lowest bit of the first byte upwards.
 #[derive(Default)]
 struct Bits {
     block: u128,
@@ -106,7 +106,8 @@ impl Bits {
         self.at += count;
     }
 
-    /// Endpoints, low and high channel by channel: first the digits of all, packed by fives or threes, then the bits.
+    /// Writes endpoints, low and high channel by channel: first the digits of all, packed in fives or threes, then
+    /// the bits.
     fn push_endpoints(&mut self, [low, high]: [[u8; 3]; 2], range: &Range) {
         let codes = [low[0], high[0], low[1], high[1], low[2], high[2]].map(u32::from);
         let (bundle, widths): (usize, &[u32]) = match range.digits {
@@ -121,15 +122,15 @@ impl Bits {
         codes.iter().for_each(|code| self.push((code & ((1 << range.bits) - 1), range.bits)));
     }
 
-    /// Writes the hints that help to turn the block into BC1 and ETC1.
+    /// Writes the hints for transcoding the block to BC1 and ETC1.
     fn push_hints(&mut self, texels: &Tile) {
-        // The two of BC1 promise that endpoints can be taken over; without them they are fitted anew.
+        // The two BC1 hints promise that endpoints can be reused; without them they are refitted.
         self.push((0, 2));
         let hints = EtcHints::new(texels);
         self.push((u32::from(hints.flip), 1));
         self.push((u32::from(hints.differential), 1));
         hints.tables.iter().for_each(|table| self.push((*table, 3)));
-        // Mean colours stay as they are.
+        // Mean colours are unchanged.
         self.push((13, 5));
     }
 
@@ -152,7 +153,7 @@ impl Line {
     }
 }
 
-/// Two channels on a line of their plane, and one on its own.
+/// Two channels on a line in their plane, and one separate channel.
 #[derive(Clone, Copy)]
 pub(super) struct Planes {
     channel: usize,
@@ -208,13 +209,14 @@ impl Planes {
     }
 }
 
-/// Returns the texels without one channel, and with it alone.
+/// Returns the texels without one channel, and that channel separately.
 fn parted(texels: &Texels, channel: usize) -> [Texels; 2] {
     [false, true]
         .map(|own| texels.map(|t| std::array::from_fn(|c| if (c == channel) == own { t[c] } else { 0.0 })))
 }
 
-/// One opaque colour; for ETC1 the nearest of 5 bits, lightened or darkened by the least step.
+/// Returns a block of one opaque colour; for ETC1, the nearest 5-bit colour, lightened or darkened by the smallest
+/// step.
 fn solid(color: [u8; 3]) -> [u8; 16] {
     let mut bits = Bits::default();
     bits.push(SOLID);
@@ -229,14 +231,14 @@ fn solid(color: [u8; 3]) -> [u8; 16] {
     bits.bytes()
 }
 
-/// The way ETC1 is to halve the block, and the spread of lightness in each half.
+/// How ETC1 should halve the block, and the spread of lightness in each half.
 struct EtcHints {
     flip: bool,
     differential: bool,
     tables: [u32; 2],
 }
 
-/// The larger step of each table of ETC1.
+/// The larger step of each ETC1 table.
 const SPREADS: [f32; 8] = [8.0, 17.0, 29.0, 42.0, 60.0, 80.0, 106.0, 183.0];
 
 impl EtcHints {
@@ -253,7 +255,7 @@ impl EtcHints {
         Self { flip, differential, tables: halves.each_ref().map(table) }
     }
 
-    /// Left and right, or flipped above and below.
+    /// Returns the left and right halves, or with `flip` the upper and lower ones.
     fn halves(texels: &Tile, flip: bool) -> [Half; 2] {
         let half_of = |i: usize| if flip { i / 8 } else { i % 4 / 2 };
         [0, 1].map(|half| {
@@ -268,7 +270,7 @@ impl EtcHints {
 struct Half {
     mean: [f32; 3],
     variance: f32,
-    /// From the mean, in lightness.
+    /// The largest distance from the mean, in lightness.
     farthest: f32,
 }
 

@@ -1,19 +1,19 @@
-//! The two endpoints between which the texels of a block lie best.
+//! Fits two endpoints to the texels of a block.
 
 use super::range::Range;
 
-/// The position of each weight on the way from one endpoint to the other, of 64.
+/// The position of each weight between the endpoints, in 64ths.
 pub(super) const STEPS_OF_4: [u32; 4] = [0, 21, 43, 64];
 pub(super) const STEPS_OF_8: [u32; 8] = [0, 9, 18, 27, 37, 46, 55, 64];
 pub(super) const STEPS_OF_16: [u32; 16] = [0, 4, 8, 12, 17, 21, 25, 29, 35, 39, 43, 47, 52, 56, 60, 64];
 
-/// The number of times that endpoints are fitted anew to the weights that they led to.
+/// Number of times that endpoints are refitted to the resulting weights.
 const ROUNDS: usize = 2;
 
-/// Texels of some channels; those that are not fitted are zero.
+/// Texels of some channels; channels that are not fitted are zero.
 pub(super) type Texels = [[f32; 3]; 16];
 
-/// Endpoints as codes, channel by channel, and a weight for each texel.
+/// Endpoints as codes, channel by channel, and a weight per texel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fit {
     pub codes: [[u8; 3]; 2],
@@ -50,7 +50,7 @@ impl Fit {
         fit
     }
 
-    /// Returns the same weights with the endpoints that fit other texels best; `None` where all weights are one.
+    /// Returns the same weights with the best endpoints for other texels; `None` if all weights are equal.
     pub fn refitted(&self, texels: &Texels, (steps, range): (&[u32], &Range)) -> Option<Self> {
         let ends = refined(texels, &self.weights, steps)?;
         let mut fit = Self { codes: ends.map(|end| end.map(|v| range.code(v))), ..*self };
@@ -58,14 +58,14 @@ impl Fit {
         Some(fit)
     }
 
-    /// Returns the texels that it shows.
+    /// Returns the decoded texels.
     pub fn colors(&self, levels: (&[u32], &Range)) -> Texels {
         let palette = palette(self.codes, levels);
         self.weights.map(|weight| palette[usize::from(weight)])
     }
 
-    /// Turns the ends round where the first texel lies nearer to the second end, since of its weight the highest bit is
-    /// not stored. `top` is the largest weight.
+    /// Swaps the endpoints if the first texel is nearer to the second one, since the highest bit of its weight is not
+    /// stored. `top` is the largest weight.
     pub fn anchored(mut self, top: u8) -> Self {
         if self.weights[0] > top / 2 {
             self.codes.swap(0, 1);
@@ -75,7 +75,7 @@ impl Fit {
     }
 }
 
-/// Returns the colours of the steps between two endpoints, as they are decoded.
+/// Returns the decoded colours of the steps between two endpoints.
 fn palette(codes: [[u8; 3]; 2], (steps, range): (&[u32], &Range)) -> Texels {
     let mut palette = [[0.0; 3]; 16];
     for (color, step) in palette.iter_mut().zip(steps) {
@@ -87,7 +87,7 @@ fn palette(codes: [[u8; 3]; 2], (steps, range): (&[u32], &Range)) -> Texels {
     palette
 }
 
-/// Returns the sum of the squared differences of two blocks' texels.
+/// Returns the sum of the squared differences between two blocks' texels.
 pub(super) fn squares(a: &Texels, b: &Texels) -> f32 {
     a.iter().zip(b).map(|(a, b)| squared(a, b)).sum()
 }
@@ -97,7 +97,7 @@ fn squared(a: &[f32; 3], b: &[f32; 3]) -> f32 {
     x * x + y * y + z * z
 }
 
-/// The outermost points of the texels on the line of their greatest variance.
+/// Returns the outermost points of the texels along the line of their greatest variance.
 fn ends(texels: &Texels) -> [[f32; 3]; 2] {
     let mean: [f32; 3] = std::array::from_fn(|c| texels.iter().map(|t| t[c]).sum::<f32>() / 16.0);
     let offsets = texels.map(|t| [t[0] - mean[0], t[1] - mean[1], t[2] - mean[2]]);
@@ -112,7 +112,7 @@ fn dot(a: &[f32; 3], b: &[f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Finds the axis by powers of the covariance.
+/// Finds the principal axis by power iteration on the covariance.
 fn principal_axis(offsets: &Texels) -> [f32; 3] {
     let mut covariance = [[0.0f32; 3]; 3];
     for o in offsets {
@@ -120,7 +120,7 @@ fn principal_axis(offsets: &Texels) -> [f32; 3] {
             row.iter_mut().zip(o).for_each(|(sum, b)| *sum += a * b);
         }
     }
-    // The row of the channel that varies most is not perpendicular to the axis.
+    // The row of the channel with the largest variance is not perpendicular to the axis.
     let widest = (1..3).fold(0, |best, c| if covariance[c][c] > covariance[best][best] { c } else { best });
     let mut axis = covariance[widest];
     for _ in 0..8 {
@@ -135,7 +135,7 @@ fn principal_axis(offsets: &Texels) -> [f32; 3] {
     axis.map(|v| v / length.max(1e-12))
 }
 
-/// The ends of least squares for weights that are given; `None` where all weights are one.
+/// Returns the least-squares endpoints for given weights; `None` if all weights are equal.
 fn refined(texels: &Texels, weights: &[u8; 16], steps: &[u32]) -> Option<[[f32; 3]; 2]> {
     let (mut aa, mut ab, mut bb) = (0.0f32, 0.0f32, 0.0f32);
     let (mut to_a, mut to_b) = ([0.0f32; 3], [0.0f32; 3]);

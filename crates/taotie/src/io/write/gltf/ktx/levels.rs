@@ -1,4 +1,4 @@
-//! The mip levels of a texture as blocks.
+//! Encodes the mip levels of a texture as blocks.
 
 use super::block::{Block, Tile};
 use super::rdo;
@@ -33,12 +33,12 @@ impl MipLevel<'_> {
         parallel::tasks(count.div_ceil(rdo::RUN), &run).concat().into_flattened()
     }
 
-    /// Returns the number of blocks in a row.
+    /// Returns the number of blocks per row.
     fn across(&self) -> usize {
         self.texture.level_size(self.level).0.div_ceil(4) as usize
     }
 
-    /// Returns the texels of block `i`. Those beyond the border are those at the border.
+    /// Returns the texels of block `i`. Texels beyond the border repeat those at the border.
     fn tile(&self, i: usize) -> Tile {
         let (width, height) = self.texture.level_size(self.level);
         let (x0, y0) = (i % self.across() * 4, i / self.across() * 4);
@@ -47,7 +47,7 @@ impl MipLevel<'_> {
         })
     }
 
-    /// Returns a texel as it is stored in 8 bits.
+    /// Returns a texel as stored in 8 bits.
     fn texel(&self, x: usize, y: usize) -> [u8; 3] {
         if let (0, Texels::U8(texels)) = (self.level, self.texture.bitmap().texels()) {
             let [r, g, b, _] = texels[y * self.texture.width() as usize + x];
@@ -58,7 +58,7 @@ impl MipLevel<'_> {
         match self.texture.encoding() {
             Encoding::Srgb => [r, g, b].map(|v| code(srgb_from_linear(v.into()))),
             Encoding::Linear => [r, g, b].map(|v| code(v.into())),
-            // Means of unit vectors are shorter than one.
+            // Means of unit vectors are shorter than 1.
             Encoding::Normal => {
                 let mean = Vec3::new(r, g, b).to_f64() * 2.0 - Vec3::splat(1.0);
                 mean.normalize_or(Vec3::new(0.0, 0.0, 1.0)).to_array().map(|v| code(v * 0.5 + 0.5))

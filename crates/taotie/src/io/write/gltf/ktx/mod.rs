@@ -1,7 +1,7 @@
-//! KTX2 images of UASTC blocks with all mip levels, each under Zstandard, as KHR_texture_basisu wants them.
+//! KTX2 images of UASTC blocks with all mip levels, each compressed with Zstandard, as KHR_texture_basisu requires.
 //!
-//! The encoder is ours: of the crates that encode UASTC one needs `unsafe` to be called, the others cmake or clang to
-//! be built. Source of the container: KTX File Format 2.0, 3 and 5.
+//! The encoder is our own: of the crates that encode UASTC, one needs `unsafe` to call, the others need cmake or
+//! clang to build. Source of the container: KTX File Format 2.0, 3 and 5.
 
 mod block;
 mod fit;
@@ -19,49 +19,49 @@ const HEADER: usize = 80;
 const LEVEL: usize = 24;
 const DESCRIPTOR: usize = 44;
 
-/// Numbers of the Khronos data format: the model, primaries of BT.709, and transfer functions.
+/// Constants of the Khronos data format: the model, BT.709 primaries, and transfer functions.
 const UASTC: u32 = 166;
 const BT709: u32 = 1;
 const TRANSFER_LINEAR: u32 = 1;
 const TRANSFER_SRGB: u32 = 2;
 
-/// The bytes of a block of 4 × 4 texels.
+/// Bytes per block of 4 × 4 texels.
 const BLOCK: usize = 16;
 
-/// The number of Zstandard among supercompression schemes, and the level that it is asked for: the highest that needs no
-/// more memory than usual.
+/// The supercompression scheme number of Zstandard, and its compression level: the highest that needs no more memory
+/// than usual.
 const ZSTANDARD: u32 = 2;
 const ZSTANDARD_LEVEL: i32 = 19;
 
-/// An image to be written.
+/// An image to be encoded.
 pub(super) struct KtxImage {
-    /// Width and height, texels.
+    /// Width and height in texels.
     pub size: [u32; 2],
-    /// Texels of 8 bits, of which alpha is not read.
+    /// 8-bit texels; their alpha is ignored.
     pub texels: Vec<[u8; 4]>,
-    /// The meaning of the texels.
+    /// The encoding of the texels.
     pub encoding: Encoding,
     /// As in [`ImageCodec::Ktx2`](crate::io::ImageCodec).
     pub rdo: u8,
 }
 
-/// A mip level as it is stored.
+/// A mip level as stored.
 struct Level {
-    /// Blocks under Zstandard.
+    /// The Zstandard-compressed blocks.
     packed: Vec<u8>,
-    /// The bytes of the blocks.
+    /// The uncompressed size of the blocks in bytes.
     unpacked: usize,
 }
 
-/// Returns the file.
+/// Encodes the image.
 ///
 /// # Errors
-/// [`Error::Unsupported`] where a side is no multiple of four, which KHR_texture_basisu demands.
+/// [`Error::Unsupported`] if a side is not a multiple of four, which KHR_texture_basisu requires.
 pub(super) fn encode(image: KtxImage) -> Result<Vec<u8>> {
     let KtxImage { size: [width, height], texels, encoding, rdo } = image;
     if !width.is_multiple_of(4) || !height.is_multiple_of(4) {
-        let what = format!("a texture of {width}×{height} in KTX2");
-        return Err(Error::unsupported(what, "glTF wants multiples of 4; scale it, or write PNG"));
+        let what = format!("{width}×{height} KTX2 texture");
+        return Err(Error::unsupported(what, "glTF requires multiples of 4; resize it, or write PNG"));
     }
     let texture = Texture::new(Bitmap::new(width, height, 3, Texels::U8(texels))?, encoding);
     let pack = |level: usize| Level::new(&MipLevel { texture: &texture, level }.blocks(rdo));
@@ -70,16 +70,16 @@ pub(super) fn encode(image: KtxImage) -> Result<Vec<u8>> {
 }
 
 impl Level {
-    /// Packs blocks.
+    /// Compresses blocks.
     fn new(blocks: &[u8]) -> Result<Self> {
         let packed = zstd::bulk::compress(blocks, ZSTANDARD_LEVEL)
-            .map_err(|e| Error::invalid("a texture under Zstandard", e.to_string()))?;
+            .map_err(|e| Error::invalid("Zstandard compression", e.to_string()))?;
         Ok(Self { packed, unpacked: blocks.len() })
     }
 }
 
-/// Returns the file: header, level index, descriptor, key-value data, and the levels, the smallest first. Levels under a
-/// supercompression begin anywhere.
+/// Returns the file: header, level index, descriptor, key-value data, and the levels, the smallest first.
+/// Supercompressed levels need no alignment.
 fn file([width, height]: [u32; 2], encoding: Encoding, levels: &[Level]) -> Vec<u8> {
     let descriptor_at = HEADER + LEVEL * levels.len();
     let words = key_values();
@@ -102,7 +102,7 @@ fn file([width, height]: [u32; 2], encoding: Encoding, levels: &[Level]) -> Vec<
     bytes
 }
 
-/// Blocks of 4 × 4 texels in 16 bytes, of RGB without alpha. Source: Khronos Data Format 1.3, 5.
+/// Describes 16-byte blocks of 4 × 4 texels, RGB without alpha. Source: Khronos Data Format 1.3, 5.
 fn descriptor(encoding: Encoding) -> [u32; DESCRIPTOR / 4] {
     let colors = match encoding {
         Encoding::Srgb => BT709 << 8 | TRANSFER_SRGB << 16,

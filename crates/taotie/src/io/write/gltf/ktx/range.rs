@@ -1,25 +1,25 @@
-//! The numbers that endpoints of a block are rounded to.
+//! The levels that endpoints of a block are quantised to.
 
-/// Levels: bits, and above them a digit of three or five values. Source: Khronos Data Format 1.3, 23.18, where colours
-/// are unquantised.
+/// Quantisation levels: bits, and above them a digit of three or five values. Source: Khronos Data Format 1.3, 23.18,
+/// on the unquantisation of colours.
 pub(super) struct Range {
     /// The number of bits below the digit.
     pub bits: u32,
-    /// The number of values of the digit; 1 where there is none.
+    /// The number of values of the digit; 1 if there is none.
     pub digits: u32,
-    /// The value of 0 to 255 for each code.
+    /// The value from 0 to 255 of each code.
     pub value: [u8; 256],
-    /// The code of the nearest level for each value.
+    /// The code of the nearest level to each value.
     pub nearest: [u8; 256],
 }
 
-/// 192 levels: a digit of three and six bits.
+/// 192 levels: a three-valued digit and six bits.
 pub(super) static OF_192: Range = Range::new(6, 3);
 
-/// 160 levels: a digit of five and five bits.
+/// 160 levels: a five-valued digit and five bits.
 pub(super) static OF_160: Range = Range::new(5, 5);
 
-/// All 256.
+/// All 256 levels.
 pub(super) static OF_256: Range = Range::new(8, 1);
 
 impl Range {

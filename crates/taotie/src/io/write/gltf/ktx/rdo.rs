@@ -1,18 +1,18 @@
-//! Rate–distortion optimisation: blocks that repeat bytes of earlier ones where that costs little, since Zstandard stores
-//! what is repeated in few bits. The idea is Basis Universal's; the search is ours.
+//! Rate–distortion optimisation: blocks repeat bytes of earlier ones if that costs little, since Zstandard stores
+//! repetitions in few bits. The idea is from Basis Universal; the search is our own.
 
 use super::block::{Block, Tile, values};
 use super::fit::{Texels, squares};
 use std::collections::VecDeque;
 
-/// The number of blocks that are chosen one after the other. Runs know nothing of one another, whatever the threads do.
+/// The number of blocks chosen sequentially. Runs are independent of one another, and hence of the threads.
 pub(super) const RUN: usize = 4096;
 
-/// The number of earlier blocks that one may repeat, and of those, the newest, whose weights it may.
+/// The number of earlier blocks that may be repeated, and the number of the newest whose weights may be.
 const WINDOW: usize = 256;
 const NEWEST: usize = 32;
 
-/// The bits that Zstandard is thought to need for a block: for one that is there already, for one whose weights are,
+/// The estimated number of bits that Zstandard needs for a block: for a repeated one, for one with repeated weights,
 /// which are its second half, and for a new one.
 const REPEATED: f32 = 24.0;
 const REFITTED: f32 = 88.0;
@@ -21,23 +21,23 @@ const NEW: f32 = 128.0;
 /// The channels of a block's texels.
 const CHANNELS: f32 = 48.0;
 
-/// Returns the blocks of a run. Of all candidates each takes the one with the least sum of squared error and bits, where
-/// a new block's bits are worth `rdo` of root mean square, of 255. So its mean square error is above that of the nearest
-/// block by `rdo`² at most.
+/// Returns the blocks of a run. Each is the candidate with the smallest sum of squared error and bits, where a new
+/// block's bits are worth `rdo` of root mean square, of 255. Its mean square error therefore exceeds that of the
+/// nearest block by at most `rdo`².
 pub(super) fn blocks(tiles: &[Tile], rdo: u8) -> Vec<[u8; 16]> {
     let bit = CHANNELS * f32::from(rdo) * f32::from(rdo) / NEW;
     let mut window = VecDeque::with_capacity(WINDOW + 1);
     tiles.iter().map(|tile| chosen(tile, bit, &mut window)).collect()
 }
 
-/// A block that was written, and the texels that it shows.
+/// A block that was written, and its decoded texels.
 struct Written {
     block: Block,
     colors: Texels,
     bytes: [u8; 16],
 }
 
-/// Returns the bytes of a block, which joins the window, the newest first, where it is new.
+/// Returns the bytes of a block, which is added to the front of the window if it is new.
 fn chosen(tile: &Tile, bit: f32, window: &mut VecDeque<Written>) -> [u8; 16] {
     let mut search = Search::new(tile, bit);
     window.iter().for_each(|earlier| search.repeat(earlier));
@@ -56,17 +56,17 @@ fn chosen(tile: &Tile, bit: f32, window: &mut VecDeque<Written>) -> [u8; 16] {
 /// The search for a block, and the best one so far.
 struct Search {
     texels: Texels,
-    /// The squared error that a bit is worth.
+    /// The squared error that one bit is worth.
     bit: f32,
     block: Block,
     colors: Texels,
     cost: f32,
-    /// The bytes of the earlier block that it is.
+    /// The bytes of the earlier block that is repeated.
     repeated: Option<[u8; 16]>,
 }
 
 impl Search {
-    /// Begins with the nearest block.
+    /// Starts with the nearest block.
     fn new(tile: &Tile, bit: f32) -> Self {
         let (texels, block) = (values(tile), Block::nearest(tile));
         let colors = block.colors();
@@ -74,7 +74,7 @@ impl Search {
         Self { texels, bit, block, colors, cost, repeated: None }
     }
 
-    /// Tries an earlier block as it is.
+    /// Tries to repeat an earlier block.
     fn repeat(&mut self, earlier: &Written) {
         let cost = squares(&earlier.colors, &self.texels) + self.bit * REPEATED;
         if cost < self.cost {
@@ -83,7 +83,7 @@ impl Search {
         }
     }
 
-    /// Tries an earlier block's weights.
+    /// Tries to repeat an earlier block's weights.
     fn refit(&mut self, earlier: &Written) {
         let Some(block) = earlier.block.refitted(&self.texels) else { return };
         let colors = block.colors();
@@ -108,7 +108,7 @@ mod tests {
         (0..count).map(|block| std::array::from_fn(|k| texel(block, k))).collect()
     }
 
-    /// The error that repeating adds stays below what was allowed, and more is repeated the more is allowed.
+    /// The error added by repetition stays below the bound, and a larger bound allows more repetition.
     #[test]
     fn repeats_within_the_bound() {
         let tiles = tiles(300);
@@ -123,7 +123,7 @@ mod tests {
             for tile in &tiles {
                 let bytes = chosen(tile, CHANNELS * bound / NEW, &mut window);
                 let shown = window.iter().find(|written: &&Written| written.bytes == bytes);
-                let shown = shown.expect("it is new, or in the window").colors;
+                let shown = shown.expect("new or in the window").colors;
                 let error = |colors: &Texels| squares(colors, &values(tile)) / CHANNELS;
                 let least = error(&Block::nearest(tile).colors());
                 assert!(error(&shown) <= least + bound, "{} {least} {bound}", error(&shown));

@@ -1,4 +1,4 @@
-//! Vertices of a file in fewer bits.
+//! Stores the vertices of a file with fewer bits.
 
 use super::super::format::VertexBits;
 use super::super::stream::{Octahedron, PowerOfTwo, Stream};
@@ -6,8 +6,8 @@ use crate::io::gltf::{StoredAttribute, StoredVertices};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Returns the longest side of the mesh of each group of vertices. Primitives of a mesh are rounded alike, so that they
-/// touch as before.
+/// Returns the longest side of the mesh for each group of vertices. Primitives of a mesh are rounded identically, so
+/// that they still meet.
 pub(super) fn extents(all: &[StoredVertices]) -> Vec<f64> {
     let mesh = |vertices: &StoredVertices| vertices.primitives.first().map(|primitive| primitive.mesh);
     let mut sides: BTreeMap<Option<usize>, f64> = BTreeMap::new();
@@ -31,7 +31,7 @@ fn bounds(positions: &StoredAttribute) -> [[f32; 3]; 2] {
     bounds
 }
 
-/// How vertices are rounded.
+/// The precision to which vertices are rounded.
 pub(super) struct Precision {
     pub bits: VertexBits,
     /// The longest side of the mesh.
@@ -39,9 +39,9 @@ pub(super) struct Precision {
 }
 
 impl Precision {
-    /// Returns the attributes of vertices in this order.
+    /// Returns the vertex attributes in this order.
     pub fn attributes(&self, attributes: &[StoredAttribute], order: &[usize]) -> Vec<Stream> {
-        /// Bits of colours.
+        /// Bits per colour channel.
         const COLOR: u8 = 10;
         let rounded = |attribute: &StoredAttribute| match kind(&attribute.name) {
             "POSITION" => self.positions(attribute, order),
@@ -110,18 +110,18 @@ impl Precision {
 }
 
 impl PowerOfTwo {
-    /// Returns an attribute of floats in this order; `None` if the filter cannot hold it.
+    /// Returns a float attribute in this order; `None` if the filter cannot represent it.
     fn of(self, attribute: &StoredAttribute, order: &[usize]) -> Option<Stream> {
         self.stream(&attribute.name, &in_order(attribute, order), attribute.elements.width)
     }
 }
 
-/// Returns the name of an attribute without the number of its set.
+/// Returns the name of an attribute without its set number.
 pub(super) fn kind(name: &str) -> &str {
     name.split_once('_').filter(|(kind, _)| !kind.is_empty()).map_or(name, |(kind, _)| kind)
 }
 
-/// Returns an attribute as it is stored; elements begin at multiples of four bytes.
+/// Returns an attribute as stored; elements start at multiples of four bytes.
 fn stored(attribute: &StoredAttribute, order: &[usize]) -> Stream {
     let elements = &attribute.elements;
     let size = elements.width * elements.component.size();
@@ -143,7 +143,7 @@ fn stored(attribute: &StoredAttribute, order: &[usize]) -> Stream {
     }
 }
 
-/// Returns the least and the greatest of each component as they are stored.
+/// Returns the minimum and maximum of each component as stored.
 fn bounds_of_numbers(attribute: &StoredAttribute, order: &[usize]) -> [Vec<Value>; 2] {
     let (width, is_float) = (attribute.elements.width, attribute.is_float());
     let values = in_order(attribute, order);
@@ -154,7 +154,7 @@ fn bounds_of_numbers(attribute: &StoredAttribute, order: &[usize]) -> [Vec<Value
     })
 }
 
-/// Returns the components of all elements as numbers; integers stand for themselves.
+/// Returns the components of all elements as numbers; integers are not normalised.
 pub(super) fn floats(attribute: &StoredAttribute) -> Vec<f32> {
     (0..attribute.elements.count()).flat_map(|vertex| attribute.numbers(vertex)).collect()
 }

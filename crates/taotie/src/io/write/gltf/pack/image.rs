@@ -1,4 +1,4 @@
-//! The images of a file: encoded anew, smaller and in another format.
+//! The images of a file: re-encoded at a smaller size and in another format.
 
 use super::super::codec::CodecKind;
 use super::super::edit;
@@ -9,7 +9,7 @@ use crate::image::{Bitmap, Encoding};
 use crate::io::gltf::{OF_TEXTURES, RawGltf, image_bytes, uses};
 use serde_json::{Value, json};
 
-/// An image that can be encoded anew.
+/// An image that can be re-encoded.
 #[derive(Debug)]
 pub(super) struct OwnImage {
     pub texture: LossyTexture,
@@ -18,7 +18,7 @@ pub(super) struct OwnImage {
     pub kind: CodecKind,
 }
 
-/// Takes the bytes of images out of a document; `None` for one that stays in it.
+/// Takes the bytes of images out of a document; `None` for an image that stays in it.
 ///
 /// # Errors
 /// [`crate::Error::Io`] if a file cannot be read.
@@ -29,7 +29,7 @@ pub(super) fn taken(raw: &mut RawGltf, bitmaps: Vec<Option<Bitmap>>) -> Result<V
         let encoding = encoding(&uses(&raw.json, number)).filter(|_| !has_substitute(&raw.json, number))?;
         let stored = image_bytes(raw, raw.json.pointer(&format!("/images/{number}"))?).ok()??;
         let kind = CodecKind::detect(&stored).filter(|kind| *kind != CodecKind::Ktx2)?;
-        // The longest side of WebP.
+        // The maximum side length of WebP.
         let bits = if encoding == Encoding::Srgb { 8 } else { 16 };
         let fits = |bitmap: &Bitmap| bitmap.bits() <= bits && bitmap.width().max(bitmap.height()) <= 16_383;
         let bitmap = bitmap.filter(|bitmap| cfg!(feature = "webp") && fits(bitmap))?;
@@ -48,8 +48,8 @@ fn is_opaque(json: &Value) -> bool {
     edit::items(json, "materials").iter().all(mode)
 }
 
-/// Returns the meaning of an image's texels by what materials read of it; `None` if it has several, none, or one whose loss
-/// nothing here measures.
+/// Returns the encoding of an image's texels according to its uses; `None` if it has several encodings, none, or one
+/// whose loss cannot be measured here.
 fn encoding(uses: &[String]) -> Option<Encoding> {
     let of = |role: &String| match role.as_str() {
         "normal" => Some(Encoding::Normal),
@@ -61,7 +61,7 @@ fn encoding(uses: &[String]) -> Option<Encoding> {
     uses.iter().all(|role| of(role) == Some(first)).then_some(first)
 }
 
-/// Lets textures show an image whose kind is another now: by an extension, or by none.
+/// Updates textures to an image whose kind has changed: with the right extension, or without.
 pub(super) fn show_as(kind: CodecKind, json: &mut Value, number: usize) {
     let pointer = |name: &str| format!("/extensions/{name}/source");
     for texture in edit::items_mut(json, "textures") {
@@ -85,7 +85,8 @@ pub(super) fn show_as(kind: CodecKind, json: &mut Value, number: usize) {
     }
 }
 
-/// Says whether a texture shows another image in place of this one, which is there for programs that cannot read that.
+/// Returns `true` if a texture has an alternative to this image, which is a fallback for programs that cannot read
+/// it.
 fn has_substitute(json: &Value, number: usize) -> bool {
     let shows = |texture: &Value, name: &str| texture.pointer(&format!("/extensions/{name}")).is_some();
     let substitutes = |texture: &Value| OF_TEXTURES.iter().any(|name| shows(texture, name));

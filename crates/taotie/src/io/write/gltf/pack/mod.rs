@@ -1,5 +1,5 @@
-//! A glTF file packed as a whole: all of it stays — nodes, materials, uvs, skins, morph targets, animations, extensions —
-//! with vertices in fewer bits, triangles simplified, and images that are encoded anew.
+//! Packs a complete glTF file: everything is preserved — nodes, materials, uvs, skins, morph targets, animations,
+//! extensions — with fewer bits per vertex, simplified triangles, and re-encoded images.
 
 mod geometry;
 mod image;
@@ -28,8 +28,9 @@ use serde_json::{Value, json};
 use simplified::{Shaped, Simplified};
 use std::sync::Arc;
 
-/// A glTF file that can be packed in several ways. Tangents that no material reads are left out. Meshes that an extension
-/// packs are copied as they are; so are images that cannot be decoded, are KTX2, or have a use that nothing here draws.
+/// A glTF file that can be packed in several ways. Tangents that no material reads are dropped. Meshes packed by an
+/// extension are copied unchanged; so are images that cannot be decoded, are KTX2, or have a use that is not rendered
+/// here.
 ///
 /// ```
 /// use taotie::io::{self, GltfPacker, GltfSource, Limits, PackedGeometry};
@@ -46,27 +47,27 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug)]
 pub struct GltfPacker {
-    /// The document without what is packed.
+    /// The document without the packed content.
     json: Value,
-    /// The bytes of all that is not packed.
+    /// The bytes of everything that is not packed.
     bytes: Vec<u8>,
     vertices: Vec<StoredVertices>,
-    /// The longest side of the mesh of each of these.
+    /// The longest side of the mesh for each of these.
     extents: Vec<f64>,
-    /// The locks of each of these; none if there is but one primitive, shown once.
+    /// The locks of each of these; none if there is only one primitive, shown once.
     locks: Vec<Vec<SimplifyVertex>>,
     images: Vec<Option<OwnImage>>,
     longest_side: Option<u32>,
 }
 
-/// How the meshes of a file are packed.
+/// The options for packing the meshes of a file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PackedGeometry {
-    /// The part of the triangles that is kept, (0, 1]; the others are simplified away, primitive by primitive.
+    /// The fraction of triangles that is kept, (0, 1]; the others are simplified away, primitive by primitive.
     pub kept: f64,
-    /// Bits of vertices. The longest side of a mesh has 2^bits steps of positions to twice as many.
+    /// Bits of vertices. Positions have 2^bits to 2^(bits+1) steps along the longest side of a mesh.
     pub bits: VertexBits,
-    /// The set of codecs, which says by which extension meshes are packed.
+    /// The codec set, which determines the extension for packing meshes.
     pub codecs: CodecSet,
 }
 
@@ -76,12 +77,12 @@ impl Default for PackedGeometry {
     }
 }
 
-/// An image of a file, encoded anew.
+/// A re-encoded image of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PackedImage {
-    /// Its number in the file.
+    /// Its index in the file.
     pub number: usize,
-    /// The longer side, texels.
+    /// The longer side in texels.
     pub side: u32,
     /// Its file.
     pub bytes: Arc<Vec<u8>>,
@@ -112,32 +113,32 @@ impl GltfPacker {
         self.images.len()
     }
 
-    /// Returns an image that can be encoded anew; `None` if it is copied as it is.
+    /// Returns an image that can be re-encoded; `None` if it is copied unchanged.
     pub fn image(&self, number: usize) -> Option<&LossyTexture> {
         self.images.get(number)?.as_ref().map(|own| &own.texture)
     }
 
-    /// Returns the kind and the bytes of an image as it is stored; `None` if it is copied as it is.
+    /// Returns the kind and size in bytes of a stored image; `None` if it is copied unchanged.
     pub fn stored(&self, number: usize) -> Option<(CodecKind, usize)> {
         self.images.get(number)?.as_ref().map(|own| (own.kind, own.stored.len()))
     }
 
-    /// Returns the longest side of any image, texels, 0 without one; `None` if one is unknown, or if a transform of uvs makes
-    /// texels finer.
+    /// Returns the longest side of any image in texels, 0 if there are none; `None` if one is unknown, or if uv
+    /// transforms make texels finer.
     pub fn longest_side(&self) -> Option<u32> {
         self.longest_side
     }
 
-    /// Returns the packed file as GLB, with these images in place of its own.
+    /// Returns the packed file as GLB, with these images replacing its own.
     ///
     /// # Errors
-    /// [`Error::Limit`] for a GLB of 4 GiB or more; [`Error::Invalid`] for a number out of its range.
+    /// [`Error::Limit`] for a GLB of 4 GiB or more; [`Error::Invalid`] for a number out of range.
     pub fn encode(&self, geometry: PackedGeometry, images: &[PackedImage]) -> Result<Vec<u8>> {
         geometry.bits.check()?;
         if !(geometry.kept > 0.0 && geometry.kept <= 1.0) {
             return Err(Error::invalid(
-                format!("{} of the triangles", geometry.kept),
-                "keep more than 0, at most 1",
+                format!("fraction of triangles {}", geometry.kept),
+                "use more than 0 and at most 1",
             ));
         }
         let mut file = Packed::new(&self.json, self.bytes.clone(), geometry.codecs);
@@ -154,7 +155,7 @@ impl GltfPacker {
     }
 }
 
-/// Returns the longest side of any image; `None` if one is unknown, or if uvs are transformed.
+/// Returns the longest side of any image; `None` if one is unknown, or if there are uv transforms.
 fn longest_side(json: &Value, images: &[Option<Bitmap>]) -> Option<u32> {
     let transform = Value::from("KHR_texture_transform");
     if edit::items(json, "extensionsUsed").contains(&transform) {
@@ -164,18 +165,18 @@ fn longest_side(json: &Value, images: &[Option<Bitmap>]) -> Option<u32> {
     images.iter().map(side).try_fold(0, |longest, side| Some(side?.max(longest)))
 }
 
-/// Returns `true` if a document has one primitive that one node shows, so that no other touches its border.
+/// Returns `true` if a document has one primitive shown by one node, so that no other touches its border.
 fn is_alone(json: &Value) -> bool {
     let primitives = edit::items(json, "meshes").iter().map(|mesh| edit::items(mesh, "primitives").len());
     let shown = edit::items(json, "nodes").iter().filter(|node| node.get("mesh").is_some()).count();
     primitives.sum::<usize>() == 1 && shown == 1
 }
 
-/// A packed file in the making.
+/// A packed file under construction.
 struct Packed {
     json: Value,
     bytes: Vec<u8>,
-    /// The buffer that packed views unpack to, behind those of the file, and its bytes.
+    /// The buffer that packed views unpack to, which follows those of the file, and its bytes.
     fallback: usize,
     unpacked: usize,
     codecs: CodecSet,
@@ -187,7 +188,7 @@ impl Packed {
         Self { json: json.clone(), bytes, fallback, unpacked: 0, codecs }
     }
 
-    /// Appends bytes, from a multiple of four on; returns where they begin.
+    /// Appends bytes at a multiple of four; returns their start.
     fn append(&mut self, bytes: &[u8]) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let start = self.bytes.len();
@@ -201,7 +202,7 @@ impl Packed {
         edit::push(&mut self.json, "bufferViews", view)
     }
 
-    /// Adds vertices, and their primitives' triangles.
+    /// Adds vertices, and the triangles of their primitives.
     fn add_vertices(&mut self, from: &StoredVertices, shaped: &Shaped, precision: &Precision) -> Result<()> {
         let codecs = self.codecs;
         edit::require(&mut self.json, codecs.meshopt());
@@ -235,7 +236,7 @@ impl Packed {
         Ok(())
     }
 
-    /// Adds an image, as it is stored or as it was packed.
+    /// Adds an image, as stored or re-encoded.
     fn add_image(&mut self, number: usize, own: &OwnImage, packed: Option<&PackedImage>) {
         let bytes = packed.map_or(&own.stored, |packed| &packed.bytes);
         let start = self.append(bytes);

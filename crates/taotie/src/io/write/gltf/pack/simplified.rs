@@ -1,4 +1,4 @@
-//! Triangles of a file simplified, with vertices that move.
+//! Simplifies the triangles of a file, moving vertices.
 
 use super::super::packed::sorted;
 use super::geometry::{floats, kind};
@@ -9,14 +9,14 @@ use meshopt::{SimplifyOptions, SimplifyVertex};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// Vertices in a new order, and the triangles of each primitive on them.
+/// Reordered vertices, and the triangles of each primitive on them.
 pub(super) struct Shaped {
     pub order: Vec<usize>,
     pub triangles: Vec<Vec<[u32; 3]>>,
 }
 
 impl Shaped {
-    /// Sorts the vertices that are left, and triangles.
+    /// Reorders the remaining vertices and the triangles.
     pub fn new(simplified: &Simplified<'_>) -> Self {
         let lists: Vec<&[[u32; 3]]> = simplified.triangles.iter().map(Vec::as_slice).collect();
         let (order, triangles) = sorted(&lists, simplified.vertices.attributes[0].elements.count());
@@ -24,21 +24,21 @@ impl Shaped {
     }
 }
 
-/// The weight of uvs in the error of a simplification, against positions in a box of side 1.
+/// The weight of uvs in the simplification error, relative to positions in a box of side 1.
 const WEIGHT_OF_UVS: f32 = 0.5;
-/// The most numbers of a vertex that meshoptimizer takes beside its position.
+/// Maximum number of attribute values per vertex for meshoptimizer, excluding the position.
 const MOST_NUMBERS: usize = 32;
 /// The weight of vertex colours.
 const WEIGHT_OF_COLORS: f32 = 0.5;
 
-/// Fewer triangles of each primitive, and their vertices, which moved.
+/// Fewer triangles per primitive, and their moved vertices.
 pub(super) struct Simplified<'a> {
     pub vertices: Cow<'a, StoredVertices>,
     pub triangles: Vec<Vec<[u32; 3]>>,
 }
 
 impl<'a> Simplified<'a> {
-    /// Simplifies primitives to a part of their triangles; those with morph targets stay whole.
+    /// Simplifies primitives to a fraction of their triangles; those with morph targets stay unchanged.
     pub fn new(vertices: &'a StoredVertices, locks: &[SimplifyVertex], kept: f64) -> Self {
         let triangles = vertices.primitives.iter().map(|primitive| primitive.triangles.clone()).collect();
         let own = Self { vertices: Cow::Borrowed(vertices), triangles };
@@ -55,8 +55,8 @@ impl<'a> Simplified<'a> {
     }
 }
 
-/// Returns the locks of vertices that other primitives may touch: those at open edges of a primitive, and those that several
-/// primitives share. They keep all their attributes.
+/// Returns the locks of vertices that other primitives may touch: those at open edges of a primitive, and those
+/// shared by several primitives. They keep all their attributes.
 pub(super) fn locks(vertices: &StoredVertices) -> Vec<SimplifyVertex> {
     let positions = floats(&vertices.attributes[0]);
     let mut places: HashMap<[u32; 3], u32> = HashMap::new();
@@ -86,13 +86,13 @@ pub(super) fn locks(vertices: &StoredVertices) -> Vec<SimplifyVertex> {
     place.iter().map(lock).collect()
 }
 
-/// The positions and attributes of vertices that simplification moves.
+/// The positions and attributes of vertices moved by simplification.
 struct Movable {
     positions: Vec<[f32; 3]>,
-    /// All attributes of a vertex, one vertex after the other.
+    /// All attributes of each vertex, vertex by vertex.
     attributes: Vec<f32>,
     weights: Vec<f32>,
-    /// The number of each attribute among those of the file, and its place in `attributes`.
+    /// The index of each attribute among those of the file, and its offset in `attributes`.
     places: Vec<(usize, usize)>,
 }
 
@@ -125,7 +125,7 @@ impl Movable {
         Self { positions, attributes, weights, places }
     }
 
-    /// Simplifies triangles; without locks their borders may move, too.
+    /// Simplifies triangles; without locks, their borders may move too.
     fn simplified(
         &mut self,
         triangles: Vec<[u32; 3]>,
@@ -150,7 +150,7 @@ impl Movable {
         if found.is_empty() { triangles } else { found }
     }
 
-    /// Returns the vertices of the file with those of its attributes that are floats moved.
+    /// Returns the vertices of the file with their float attributes moved.
     fn into_vertices(self, own: &StoredVertices) -> StoredVertices {
         let mut vertices = own.clone();
         if !vertices.attributes[0].is_float() {
@@ -172,7 +172,8 @@ impl Movable {
 }
 
 impl StoredAttribute {
-    /// Replaces the floats of vertices; those of a vertex whose new ones are not finite stay. Colours stay in [0, 1].
+    /// Replaces the float attributes of vertices, unless the new values of a vertex are not finite. Colours stay in
+    /// [0, 1].
     fn replace<'a>(&mut self, all: impl Iterator<Item = &'a [f32]>) {
         let is_color = kind(&self.name) == "COLOR";
         let own = std::mem::take(&mut self.elements.bytes);
@@ -190,8 +191,8 @@ impl StoredAttribute {
     }
 }
 
-/// Returns the numbers of a vertex as they are weighed: integers mapped to [0, 1] or [−1, 1], normals of unit length, and 0 for
-/// what is not finite.
+/// Returns the attribute values of a vertex for the simplification error: integers mapped to [0, 1] or [−1, 1],
+/// normals of unit length, and 0 for non-finite values.
 fn weighed_numbers(attribute: &StoredAttribute, vertex: usize) -> Vec<f32> {
     let finite = |v: f32| if v.is_finite() { v } else { 0.0 };
     let numbers: Vec<f32> = attribute.unit_numbers(vertex).map(finite).collect();

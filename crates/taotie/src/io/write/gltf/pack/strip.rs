@@ -1,4 +1,4 @@
-//! A document without the bytes of what is packed.
+//! Removes the data to be packed from a document.
 
 use super::super::edit;
 use super::super::graft::prune::{drop_unnamed, each_view};
@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::io::gltf::{RawGltf, StoredVertices, is_known};
 use serde_json::{Map, Value};
 
-/// Drops the tangents of primitives whose material reads none: it has no normal map and no anisotropy.
+/// Drops the tangents of primitives whose material does not use them: it has neither a normal map nor anisotropy.
 pub(super) fn unread_tangents(json: &mut Value) {
     let reads = |material: &Value| {
         let text = material.to_string();
@@ -17,7 +17,7 @@ pub(super) fn unread_tangents(json: &mut Value) {
     let primitives = edit::items_mut(json, "meshes").flat_map(|mesh| edit::items_mut(mesh, "primitives"));
     for primitive in primitives {
         let own = edit::number(primitive, "material").is_some_and(|own| reads.get(own) != Some(&false));
-        // Others may be chosen in its place, and targets move what is there.
+        // Variants may use other materials, and targets move existing tangents.
         let may_be_read = primitive.pointer("/extensions/KHR_materials_variants").is_some();
         if own || may_be_read || primitive.get("targets").is_some() {
             continue;
@@ -28,7 +28,7 @@ pub(super) fn unread_tangents(json: &mut Value) {
     }
 }
 
-/// Takes the accessors of vertices and their triangles out of a document.
+/// Removes the vertex accessors and their triangles from a document.
 pub(super) fn geometry(json: &mut Value, vertices: &[StoredVertices]) {
     for primitive in vertices.iter().flat_map(|vertices| &vertices.primitives) {
         let json = &mut json["meshes"][primitive.mesh]["primitives"][primitive.primitive];
@@ -37,11 +37,11 @@ pub(super) fn geometry(json: &mut Value, vertices: &[StoredVertices]) {
     }
 }
 
-/// Drops the accessors and views that nothing names any more, and returns the bytes of the others. All stay if the document
-/// uses an extension that may name any.
+/// Drops the accessors and views that are no longer used, and returns the bytes of the others. All are kept if the
+/// document uses an extension that may refer to any.
 ///
 /// # Errors
-/// [`crate::Error::Parse`] if a view names bytes that are not there.
+/// [`crate::Error::Parse`] if a view refers to missing bytes.
 pub(super) fn bytes(raw: &mut RawGltf) -> Result<Vec<u8>> {
     if edit::items(&raw.json, "extensionsUsed").iter().all(names_no_geometry) {
         drop_unnamed(&mut raw.json, "accessors", each_accessor);
@@ -50,7 +50,7 @@ pub(super) fn bytes(raw: &mut RawGltf) -> Result<Vec<u8>> {
     joined(raw)
 }
 
-/// Says whether an extension is known, or is of materials, textures or lights.
+/// Returns `true` if an extension is known, or is about materials, textures or lights.
 pub(in super::super) fn names_no_geometry(name: &Value) -> bool {
     let looks = ["KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "EXT_lights_"];
     name.as_str().is_some_and(|name| is_known(name) || looks.iter().any(|prefix| name.starts_with(prefix)))

@@ -1,61 +1,43 @@
-//! Material layers by extensions: index of refraction, specular strength, clearcoat, anisotropy, sheen, no light. Their
-//! factors are [`layers::factors`]; here they get their textures.
+//! Material layers as extensions: index of refraction, unlit, and those of [`LAYERS`]. Their
+//! factors come from [`layers::factors`]; their textures are added here.
 
 use super::super::layers;
 use super::materials::Extensions;
 use super::writer::Writer;
-use crate::scene::{Material, TextureRef};
-
-/// A texture of a layer.
-struct LayerMap {
-    /// The layer's extension.
-    layer: &'static str,
-    /// The extension's member.
-    member: &'static str,
-    texture: Option<TextureRef>,
-}
+use crate::scene::{FactorValue, LAYERS, Layer, Material, TextureRole};
+use serde_json::Value;
 
 impl Writer<'_> {
-    /// Adds the layers of a material beyond glTF's own factors.
+    /// Adds the layers of a material beyond glTF's core factors.
     pub(super) fn layers(&mut self, mut extensions: Extensions, material: &Material) -> Extensions {
-        if let Some(sheen) = &material.sheen {
-            self.note_above_one("colours of sheen", &sheen.color);
-        }
-        let maps = maps(material);
         for (name, mut json) in layers::factors(material) {
             self.draft.uses(name);
-            for map in maps.iter().filter(|map| map.layer == name) {
-                if let Some(texture) = &map.texture {
-                    json[map.member] = self.slot(texture);
-                }
-            }
-            let coat = material.clearcoat.filter(|_| name == layers::CLEARCOAT);
-            if let Some(map) = self.normal_map(coat.and_then(|coat| coat.normal).as_ref()) {
-                json["clearcoatNormalTexture"] = map;
+            if let Some(layer) = LAYERS.iter().find(|layer| layer.extension == name) {
+                self.layer(layer, material, &mut json);
             }
             extensions.insert(name.into(), json);
         }
         extensions
     }
-}
 
-/// Returns the places of textures in a material's layers; normal maps have their own way.
-fn maps(material: &Material) -> Vec<LayerMap> {
-    let of = |layer, member, texture| LayerMap { layer, member, texture };
-    let mut maps = vec![
-        of(layers::SPECULAR, "specularTexture", material.specular.factor_texture),
-        of(layers::SPECULAR, "specularColorTexture", material.specular.color_texture),
-    ];
-    if let Some(coat) = &material.clearcoat {
-        maps.push(of(layers::CLEARCOAT, "clearcoatTexture", coat.factor_texture));
-        maps.push(of(layers::CLEARCOAT, "clearcoatRoughnessTexture", coat.roughness_texture));
+    /// Adds a layer's textures, and notes factors that glTF clamps.
+    fn layer(&mut self, layer: &Layer, material: &Material, json: &mut Value) {
+        for factor in layer.factors {
+            if let (Some(FactorValue::Color(color)), 1.0) = ((factor.get)(material), factor.most) {
+                self.note_above_one(&format!("{}s", factor.name), &color);
+            }
+        }
+        for role in layer.textures {
+            let slot = match role {
+                TextureRole::ClearcoatNormal => {
+                    let coat = material.clearcoat.as_ref();
+                    self.normal_map(coat.and_then(|coat| coat.normal.as_ref()))
+                }
+                _ => role.of(material).map(|texture| self.slot(texture)),
+            };
+            if let Some(slot) = slot {
+                json[role.gltf_member()] = slot;
+            }
+        }
     }
-    if let Some(anisotropy) = &material.anisotropy {
-        maps.push(of(layers::ANISOTROPY, "anisotropyTexture", anisotropy.texture));
-    }
-    if let Some(sheen) = &material.sheen {
-        maps.push(of(layers::SHEEN, "sheenColorTexture", sheen.color_texture));
-        maps.push(of(layers::SHEEN, "sheenRoughnessTexture", sheen.roughness_texture));
-    }
-    maps
 }

@@ -18,7 +18,7 @@ impl Writer<'_> {
         }
         let constant =
             |l: &&Light| l.falloff == Falloff::None && !matches!(l.kind, LightKind::Directional { .. });
-        let what = "lights that do not fall with distance, which glTF's do";
+        let what = "lights without distance falloff, which glTF lights always have";
         self.note(what, lights.iter().filter(constant).count());
         self.draft.uses(LIGHTS);
         let described: Vec<Value> = lights.iter().map(light).collect();
@@ -65,7 +65,7 @@ fn light(light: &Light) -> Value {
     named(json, &light.name)
 }
 
-/// Returns the transform that takes −z to the light's direction. Source: KHR_lights_punctual.
+/// Returns the transform from −z to the light's direction. Source: KHR_lights_punctual.
 fn place(kind: &LightKind) -> Mat4 {
     let (position, direction) = match kind {
         LightKind::Point { position } => return Mat4::translation(position.to_f64()),

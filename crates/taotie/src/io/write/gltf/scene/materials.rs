@@ -1,4 +1,4 @@
-//! Materials: glTF's own factors and textures. [`super::layers`] writes the layers that extensions add.
+//! Materials: glTF's core factors and textures. [`super::layers`] writes the layers added by extensions.
 
 use super::super::layers::{self, Emission};
 use super::super::number::short;
@@ -39,10 +39,10 @@ impl Writer<'_> {
 
     fn note_unsaid(&mut self, material: &Material) {
         let authored = material.f0.is_some() || material.f82.is_some();
-        self.note("materials whose reflectance (f0, f82) glTF cannot say", usize::from(authored));
+        self.note("materials with a reflectance (f0, f82) that glTF cannot express", usize::from(authored));
         let classic = material.classic != Default::default();
-        self.note("materials whose parameters of classic models glTF cannot say", usize::from(classic));
-        self.note("height maps, which glTF does not have", usize::from(material.height.is_some()));
+        self.note("materials with classic-model parameters that glTF cannot express", usize::from(classic));
+        self.note("height maps, which glTF does not support", usize::from(material.height.is_some()));
     }
 
     fn metallic_roughness(&mut self, material: &Material) -> Value {
@@ -72,7 +72,7 @@ impl Writer<'_> {
         self.note(&format!("{what} above 1, which glTF clamps"), usize::from(above));
     }
 
-    /// Writes the emission; above 1 it is a colour times a strength.
+    /// Writes the emission; above 1 it becomes a colour times a strength.
     fn emission(&mut self, json: &mut Value, emissive: [f32; 3]) -> Extensions {
         let emission = Emission::of(emissive);
         json["emissiveFactor"] = json!(emission.color);
@@ -84,11 +84,11 @@ impl Writer<'_> {
         extensions
     }
 
-    /// Returns the JSON of a normal map of tangent space; `None` with a warning for one of object space.
+    /// Returns the JSON of a tangent-space normal map; `None` with a warning for an object-space one.
     pub(super) fn normal_map(&mut self, map: Option<&NormalMap>) -> Option<Value> {
         let map = map?;
         if map.space == NormalSpace::Object {
-            self.note("object-space normal maps, which glTF does not have", 1);
+            self.note("object-space normal maps, which glTF does not support", 1);
             return None;
         }
         let turned = map.green == GreenChannel::Down;
@@ -97,7 +97,7 @@ impl Writer<'_> {
         Some(json)
     }
 
-    /// Returns the JSON that names a texture.
+    /// Returns the JSON that refers to a texture.
     pub(super) fn slot(&mut self, used: &TextureRef) -> Value {
         self.textured(used, false)
     }

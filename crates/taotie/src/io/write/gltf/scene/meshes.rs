@@ -1,4 +1,4 @@
-//! Meshes with the materials that they are shown with, and their instances.
+//! Meshes with their materials, and their instances.
 
 use super::super::packed::{Grid, PackedMesh};
 use super::super::parts::MeshPart;
@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-/// The greatest distance from a right angle between two axes of a placement, as a cosine, for glTF to call it one.
+/// Maximum deviation of two axes of a transform from a right angle, as a cosine, for it to count as orthogonal.
 const SQUARE: f64 = 1e-4;
 
 /// The written parts of a mesh of the scene.
@@ -22,7 +22,7 @@ struct Shape {
 }
 
 impl Writer<'_> {
-    /// Writes the instances, and each mesh once for each material that it is shown with; its numbers are shared.
+    /// Writes the instances, and each mesh once per material used with it; its data is shared.
     pub(super) fn meshes(&mut self) -> Result<()> {
         let scene = self.scene;
         let mut shapes: HashMap<usize, Shape> = HashMap::new();
@@ -43,14 +43,11 @@ impl Writer<'_> {
             self.instance(number, shape.grid.as_ref(), &instance.world_from_object)?;
         }
         self.draft.json["meshes"] = meshes.into();
-        self.note(
-            "meshes without triangles, or that nothing shows, are left out",
-            scene.meshes().len() - shapes.len(),
-        );
+        self.note("dropped meshes without triangles or instances", scene.meshes().len() - shapes.len());
         Ok(())
     }
 
-    /// Gives meshes, and the nodes that show them, the names of the scene's meshes.
+    /// Names meshes, and the nodes that show them, after the scene's meshes.
     pub(super) fn name_meshes(&mut self, names: &[String]) {
         let scene = self.scene;
         let seen = |instance: &&Instance| !scene.meshes()[instance.mesh].triangles().is_empty();
@@ -66,12 +63,9 @@ impl Writer<'_> {
     }
 
     fn shape(&mut self, mesh: &Mesh) -> Result<Shape> {
-        self.note(
-            "meshes without normals, which glTF shows in facets",
-            usize::from(mesh.normals().is_empty()),
-        );
+        self.note("meshes without normals, which glTF shows faceted", usize::from(mesh.normals().is_empty()));
         let lost = mesh.normals().is_empty() && !mesh.tangents().is_empty();
-        self.note("tangents of meshes without normals are left out", usize::from(lost));
+        self.note("dropped tangents of meshes without normals", usize::from(lost));
         let grid =
             self.format.meshopt.then(|| Grid::around(std::iter::once(mesh), self.format.bits.positions));
         let parts = [MeshPart::whole(mesh)];
@@ -85,10 +79,11 @@ impl Writer<'_> {
         Ok(Shape { primitives, grid })
     }
 
-    /// A node that shows a mesh; below it another one where the mesh is packed and the node moved.
+    /// Adds a node that shows a mesh, with a separate node below it if the mesh is packed and the node is
+    /// transformed.
     fn instance(&mut self, mesh: usize, grid: Option<&Grid>, world: &Mat4) -> Result<()> {
         self.note(
-            "sheared placements, which not every program reads as they are",
+            "sheared transforms, which not every program reads correctly",
             usize::from(is_sheared(world)),
         );
         let mut shown = json!({ "mesh": mesh });
@@ -104,7 +99,7 @@ impl Writer<'_> {
     }
 }
 
-/// Says whether the axes are not at right angles. Source: glTF 2.0, 3.5.3, which wants matrices that decompose.
+/// Returns `true` if the axes are not at right angles. Source: glTF 2.0, 3.5.3, which requires decomposable matrices.
 fn is_sheared(m: &Mat4) -> bool {
     let pair = |a: usize, b: usize| {
         let (a, b) = (m.axis(a), m.axis(b));

@@ -1,4 +1,4 @@
-//! A whole scene as glTF 2.0: meshes in their places, materials, textures, lights and cameras.
+//! Writes a whole scene as glTF 2.0: meshes with their placement, materials, textures, lights and cameras.
 
 mod layers;
 mod lights;
@@ -17,25 +17,25 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use writer::Writer;
 
-/// The files of a scene that was written, and notes on the content they lack.
+/// The files of a written scene, and notes on the content they lack.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct WrittenScene {
-    /// The files, that of [`write_scene`]'s `path` first.
+    /// The files; [`write_scene`]'s `path` is first.
     pub files: Vec<PathBuf>,
-    /// Content that glTF cannot express, and that is left out or changed.
+    /// Notes on content that glTF cannot express and that was dropped or changed.
     pub warnings: Warnings,
 }
 
-/// Writes a scene, so that [`load_model`](crate::io::load_model) reads the same one: a GLB where `path` ends in `.glb`;
-/// for `.gltf` the JSON, with the numbers in `NAME.bin` and the textures in files such as `NAME_0.png` beside it.
+/// Writes a scene, so that [`load_model`](crate::io::load_model) reads the same one: a GLB if `path` ends in `.glb`;
+/// for `.gltf` the JSON, with the data in `NAME.bin` and the textures in files such as `NAME_0.png` next to it.
 /// Either all files are written or none, the JSON last. The same scene gives the same bytes.
 ///
-/// Numbers are stored in 32-bit floats: transforms are rounded to them, and light, emission and turned uvs may be read
-/// one rounding apart. A mesh that is shown with several materials is read as several meshes. Left out with a warning
-/// is content that glTF cannot express: reflectances (f0, f82), the classic models' parameters, height maps,
-/// object-space normal maps, sheared uvs, meshes that nothing shows; changed with a warning: lights that do not fall
-/// with distance, textures of floats.
+/// Numbers are stored as 32-bit floats: transforms are rounded to them, and light, emission and rotated uvs may
+/// differ by one rounding when read. A mesh shown with several materials is read as several meshes. Content that glTF
+/// cannot express is dropped with a warning: reflectances (f0, f82), the classic models' parameters, height maps,
+/// object-space normal maps, sheared uvs, meshes that are not shown; changed with a warning: lights without distance
+/// falloff, float textures.
 ///
 /// ```no_run
 /// use std::path::Path;
@@ -49,8 +49,9 @@ pub struct WrittenScene {
 /// ```
 ///
 /// # Errors
-/// [`Error::Unsupported`] for another extension, [`Error::Invalid`] for a scene without triangles and for numbers that
-/// no 32-bit float holds, [`Error::Limit`] for a GLB of 4 GiB or more, [`Error::Io`] where a file cannot be written.
+/// [`Error::Unsupported`] for another extension, [`Error::Invalid`] for a scene without triangles and for numbers
+/// that do not fit 32-bit floats, [`Error::Limit`] for a GLB of 4 GiB or more, [`Error::Io`] if a file cannot be
+/// written.
 pub fn write_scene(path: &Path, scene: &Scene, format: &GltfFormat) -> Result<WrittenScene> {
     let container = Container::of(path)?;
     let Begun { mut writer, materials, images } = Begun::of(scene, format)?;
@@ -59,15 +60,15 @@ pub fn write_scene(path: &Path, scene: &Scene, format: &GltfFormat) -> Result<Wr
     let (draft, warnings) = writer.finish(materials);
     let files = match container {
         Container::Glb => vec![FileBytes { path: path.to_path_buf(), bytes: draft.encode_glb()? }],
-        Container::Gltf => draft.into_files(path, textures::beside(images, path))?,
+        Container::Gltf => draft.into_files(path, textures::separate(images, path))?,
     };
     FileSet::one(|set| set.write_files(&files, Progress::SILENT))?;
     Ok(WrittenScene { files: files.into_iter().map(|file| file.path).collect(), warnings })
 }
 
-/// Returns the GLB that [`write_scene`] would write, with uncompressed geometry and PNG textures. Meshes and the nodes that
-/// show them have the names of `names`, one a mesh of the scene; missing ones are none. Adds notes on what glTF cannot
-/// express to `warnings`.
+/// Returns the GLB that [`write_scene`] would write, with uncompressed geometry and PNG textures. Meshes and the
+/// nodes that show them are named after `names`, one per mesh of the scene; missing names are empty. Adds notes on
+/// content that glTF cannot express to `warnings`.
 ///
 /// # Errors
 /// As [`write_scene`].
@@ -75,7 +76,7 @@ pub fn encode_scene(scene: &Scene, names: &[String], warnings: &mut Warnings) ->
     encode_scene_as(scene, names, &GltfFormat::default(), warnings)
 }
 
-/// As [`encode_scene`], packed as `format` says.
+/// Like [`encode_scene`], but packed according to `format`.
 ///
 /// # Errors
 /// As [`write_scene`]; [`Error::Invalid`] for a number of the format that is out of range.
@@ -93,7 +94,7 @@ pub fn encode_scene_as(
     draft.encode_glb()
 }
 
-/// A scene of which all but the textures is written.
+/// A scene that is written except for its textures.
 struct Begun<'a> {
     writer: Writer<'a>,
     materials: Vec<Value>,
@@ -103,7 +104,7 @@ struct Begun<'a> {
 impl<'a> Begun<'a> {
     fn of(scene: &'a Scene, format: &GltfFormat) -> Result<Self> {
         if scene.triangle_count() == 0 {
-            return Err(Error::invalid("the scene to write", "it shows no triangle"));
+            return Err(Error::invalid("scene to write", "it shows no triangles"));
         }
         let mut writer = Writer::new(scene, *format);
         writer.meshes()?;

@@ -1,4 +1,4 @@
-//! Textures: each image encoded once, with the samplers and transforms of its uses.
+//! Textures: each image is encoded once, with the samplers and transforms of its uses.
 
 use super::super::codec::ImageCodec;
 use super::super::format::GltfFormat;
@@ -20,21 +20,21 @@ use std::path::Path;
 
 const TRANSFORM: &str = "KHR_texture_transform";
 
-/// The largest cosine between the axes of a uv transform that counts as none.
+/// The largest cosine between the axes of a uv transform that counts as orthogonal.
 const SQUARE: f64 = 1e-5;
 
-/// An image as it is written.
+/// An image to be written.
 pub(super) struct Image {
     bytes: Vec<u8>,
     codec: ImageCodec,
-    /// `true` where floats were rounded.
+    /// `true` if floats were rounded.
     rounded: bool,
-    /// `true` where it was to be packed in another way.
+    /// `true` if another format was requested but not supported.
     refused: bool,
 }
 
-/// Returns the images as files beside the model `path`.
-pub(super) fn beside(images: Vec<Image>, path: &Path) -> Vec<FileBytes> {
+/// Returns the images as files next to the model `path`.
+pub(super) fn separate(images: Vec<Image>, path: &Path) -> Vec<FileBytes> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let file = |(i, image): (usize, Image)| {
         let path = path.with_file_name(file_name(&stem, i, &image));
@@ -48,7 +48,7 @@ fn file_name(stem: &str, index: usize, image: &Image) -> String {
 }
 
 impl Writer<'_> {
-    /// Returns the JSON that names a texture with its uv set and transform.
+    /// Returns the JSON that refers to a texture, with its uv set and transform.
     pub(super) fn textured(&mut self, used: &TextureRef, turned: bool) -> Value {
         let image = number(&mut self.textures.images, ImageUse { texture: used.texture, turned });
         let sampler = number(&mut self.textures.samplers, used.sampler);
@@ -58,14 +58,14 @@ impl Writer<'_> {
         }
         if used.transform != UvTransform::default() {
             let (transform, sheared) = transform(&used.transform);
-            self.note("sheared uvs of textures, which glTF does not have", usize::from(sheared));
+            self.note("sheared texture uvs, which glTF does not support", usize::from(sheared));
             self.draft.uses(TRANSFORM);
             json["extensions"] = json!({ TRANSFORM: transform });
         }
         json
     }
 
-    /// Encodes every image that was asked for.
+    /// Encodes every requested image.
     pub(super) fn encoded_images(&mut self) -> Result<Vec<Image>> {
         self.format.check()?;
         let (scene, format) = (self.scene, self.format);
@@ -74,12 +74,13 @@ impl Writer<'_> {
         let images = parallel::tasks(used.len(), &encode);
         let images = images.into_iter().collect::<Result<Vec<Image>>>()?;
         self.note("float textures rounded to 16 bits in [0, 1]", images.iter().filter(|i| i.rounded).count());
-        let what = "textures that the chosen format cannot hold are PNG: alpha, or sides that KTX2 needs as multiples of 4";
+        let what =
+            "textures written as PNG: the chosen format has no alpha, or KTX2 needs sides in multiples of 4";
         self.note(what, images.iter().filter(|i| i.refused).count());
         Ok(images)
     }
 
-    /// Adds images, samplers and textures; images lie beside the model of the name `stem`, where there is one.
+    /// Adds images, samplers and textures; images are files next to the model with the name `stem`, if any.
     pub(super) fn add_textures(&mut self, images: &[Image], stem: Option<&str>) {
         if images.is_empty() {
             return;
@@ -103,7 +104,7 @@ impl Writer<'_> {
     }
 }
 
-/// Returns the number of a value in a list, to which it is added where it is not there.
+/// Returns the index of a value in a list, adding it if necessary.
 fn number<T: PartialEq>(list: &mut Vec<T>, value: T) -> usize {
     list.iter().position(|known| *known == value).unwrap_or_else(|| {
         list.push(value);
@@ -124,7 +125,7 @@ fn encoded(texture: &Texture, turned: bool, format: &GltfFormat) -> Result<Image
     Ok(Image { bytes, codec, rounded, refused })
 }
 
-/// Returns the finest level in 8 or 16 bits, and whether floats were rounded for it.
+/// Returns the finest level in 8 or 16 bits, and whether floats were rounded.
 fn whole_numbers(texture: &Texture) -> Result<(Cow<'_, Bitmap>, bool)> {
     let bitmap = texture.bitmap();
     let Texels::F32(texels) = bitmap.texels() else { return Ok((Cow::Borrowed(bitmap), false)) };
@@ -145,7 +146,7 @@ fn whole_numbers(texture: &Texture) -> Result<(Cow<'_, Bitmap>, bool)> {
     Ok((Cow::Owned(bitmap), rounded))
 }
 
-/// Returns the same normals with green up, exactly.
+/// Returns the same normals, flipped exactly to green up.
 fn with_green_turned(bitmap: &Bitmap) -> Result<Bitmap> {
     let texels = match bitmap.texels() {
         Texels::U8(texels) => Texels::U8(texels.iter().map(|[r, g, b, a]| [*r, 255 - g, *b, *a]).collect()),
@@ -157,7 +158,7 @@ fn with_green_turned(bitmap: &Bitmap) -> Result<Bitmap> {
     Bitmap::new(bitmap.width(), bitmap.height(), bitmap.channels(), texels)
 }
 
-/// Returns the parts of a uv transform, T · R · S, and whether it is sheared so that they are not all of it.
+/// Returns the parts of a uv transform, T · R · S, and whether it is sheared and so not fully represented.
 /// Source: KHR_texture_transform.
 fn transform(of: &UvTransform) -> (Value, bool) {
     let [[a, b], [c, d]] = of.linear.map(|row| row.map(f64::from));

@@ -1,15 +1,15 @@
-//! The images, samplers and textures that materials ask for.
+//! The images, samplers and textures requested by materials.
 
 use crate::image::Sampler;
 
-/// An image to be written: a texture of the scene, its green channel turned where it points down.
+/// An image to be written: a texture of the scene, with its green channel flipped if it points down.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct ImageUse {
     pub texture: usize,
     pub turned: bool,
 }
 
-/// The images that materials ask for, in the order of their asking.
+/// The images requested by materials, in the order of the requests.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Textures {
     pub images: Vec<ImageUse>,

@@ -17,7 +17,7 @@ pub(super) struct Writer<'a> {
     pub textures: Textures,
     pub warnings: Warnings,
     pub nodes: Vec<Value>,
-    /// The nodes that the scene lists.
+    /// The nodes listed by the scene.
     pub shown: Vec<usize>,
 }
 
@@ -36,7 +36,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Notes that something of `count` parts is not as the scene has it.
+    /// Notes that `count` parts differ from the scene in some way.
     pub fn note(&mut self, what: &str, count: usize) {
         self.warnings.note(what, count);
     }
@@ -57,15 +57,15 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// Returns a node in its place; one that is not moved has no matrix.
+/// Returns a node with a transform; the identity has no matrix.
 ///
 /// # Errors
-/// [`Error::Invalid`] where the matrix leaves the numbers of 32-bit floats.
+/// [`Error::Invalid`] if the matrix does not fit 32-bit floats.
 pub(super) fn placed(mut node: Value, world: &Mat4) -> Result<Value> {
     let rounded = world.columns.as_flattened().iter().map(|v| *v as f32);
     let rounded: Vec<f32> = rounded.collect();
     if !rounded.iter().all(|v| v.is_finite()) {
-        return Err(Error::invalid("a transform of the scene to write", "no 32-bit float holds its numbers"));
+        return Err(Error::invalid("transform in the scene to write", "it does not fit 32-bit floats"));
     }
     if *world != Mat4::IDENTITY {
         node["matrix"] = rounded.into_iter().map(short).collect::<Vec<_>>().into();

@@ -1,33 +1,33 @@
-//! What the driver tells, as the user sees it.
+//! The driver's events, as shown to the user.
 
 use crate::console::{self, Bar};
 use taotie_batch::{Event, Record};
 
-/// Shows how far a collection is, and says what was not done.
+/// Shows the progress of a collection, and reports what was not made.
 #[derive(Default)]
-pub struct Told {
+pub struct Listener {
     bar: Option<Bar>,
 }
 
-impl Told {
-    /// Takes an event.
+impl Listener {
+    /// Handles an event.
     pub fn hear(&mut self, event: Event<'_>) {
         match event {
             Event::Planned { todo, known } => {
-                console::say(&format!("taotie: {todo} assets to do, {known} known from before"));
+                console::say(&format!("taotie: {todo} assets to do, {known} from earlier runs"));
                 self.bar = (todo > 0).then(|| Bar::new(format!("{todo} assets")));
             }
             Event::Ended(record) => say(record),
             Event::Running { fraction, left, .. } => {
                 if let Some(bar) = &self.bar {
-                    bar.tell_all(fraction, left);
+                    bar.show_all(fraction, left);
                 }
             }
         }
     }
 }
 
-/// Says why an asset was not made, or is not good enough.
+/// Reports why an asset was not made or does not meet a requirement.
 fn say(record: &Record) {
     let name = console::plain(&record.id);
     if let Some(error) = &record.error {

@@ -1,19 +1,19 @@
-//! Lengths and checksums made right again after a change, so that readers look further.
+//! Repair of lengths and checksums after a change, so that readers look further.
 
 use super::chunks::{PNG, chunks};
 
-/// The signature of environments in the cache, and where their checksum and what it sums begin.
+/// The signature of cached environments, and the offsets of their checksum and of the data it covers.
 const ENVIRONMENT: &[u8] = b"taotie\0E";
 const SUM: usize = 12;
 const SUMMED: usize = 16;
 
-/// Returns `true` where [`mend`] knows the container.
+/// Returns `true` if [`repair`] supports the container.
 pub fn is_container(bytes: &[u8]) -> bool {
     [PNG, b"RIFF", b"glTF", ENVIRONMENT].iter().any(|signature| bytes.starts_with(signature))
 }
 
-/// Makes the sums of a PNG's chunks and of a cached environment right, and the length that GLB and RIFF state.
-pub fn mend(bytes: &mut [u8]) {
+/// Corrects the checksums of PNG chunks and of cached environments, and the length field of GLB and RIFF.
+pub fn repair(bytes: &mut [u8]) {
     let length = bytes.len();
     if bytes.starts_with(PNG) {
         for chunk in chunks(bytes).into_iter().filter(|chunk| chunk.len() >= 12) {
@@ -34,17 +34,17 @@ pub fn mend(bytes: &mut [u8]) {
 mod tests {
     use super::*;
 
-    /// The empty chunk that ends every PNG, whose sum is known.
+    /// The empty chunk at the end of every PNG, whose checksum is known.
     #[test]
     fn sums_and_lengths_are_right_afterwards() {
         let mut png = [PNG, b"\0\0\0\0IEND\0\0\0\0"].concat();
-        mend(&mut png);
+        repair(&mut png);
         assert_eq!(png[16..], [0xae, 0x42, 0x60, 0x82]);
         let mut glb = b"glTF\x02\0\0\0\xff\xff\xff\xff".to_vec();
-        mend(&mut glb);
+        repair(&mut glb);
         assert_eq!(glb[8..], [12, 0, 0, 0]);
         let mut riff = b"RIFF\0\0\0\0WEBP".to_vec();
-        mend(&mut riff);
+        repair(&mut riff);
         assert_eq!(riff[4..8], [4, 0, 0, 0]);
     }
 }

@@ -1,0 +1,141 @@
+//! Lists the names that a crate exports: the items of its public modules, under every path that leads to them.
+
+use std::collections::{BTreeMap, BTreeSet};
+use syn::{Item, UseTree, Visibility};
+
+/// A path of names from the crate's root.
+type Path = Vec<String>;
+
+/// The items of a crate by module.
+#[derive(Default)]
+pub struct Exports(BTreeMap<Path, Module>);
+
+#[derive(Default)]
+struct Module {
+    /// Public items that are declared here.
+    items: BTreeSet<String>,
+    /// Public child modules.
+    modules: BTreeSet<String>,
+    /// Public re-exports: the name given, and the path of the origin.
+    doors: Vec<(String, Path)>,
+}
+
+impl Exports {
+    /// Adds the source text of a module.
+    pub fn add(&mut self, module: &[String], text: &str) -> syn::Result<()> {
+        self.read(module, &syn::parse_file(text)?.items);
+        Ok(())
+    }
+
+    fn read(&mut self, module: &[String], items: &[Item]) {
+        let mut found = Module::default();
+        for item in items {
+            if let Item::Use(item) = item
+                && is_public(&item.vis)
+            {
+                leaves(&item.tree, &mut Vec::new(), &mut found.doors);
+            }
+            let Some((name, visibility)) = declared(item) else { continue };
+            if !is_public(visibility) {
+                continue;
+            }
+            match item {
+                Item::Mod(_) => found.modules.insert(name),
+                _ => found.items.insert(name),
+            };
+        }
+        let absolute = |(name, path): (String, Path)| (name, absolute(module, &path));
+        found.doors = found.doors.into_iter().map(absolute).collect();
+        self.0.insert(module.to_vec(), found);
+    }
+
+    /// Returns every exported name with the public paths that lead to it, by the path of its declaration.
+    pub fn names(&self) -> BTreeMap<Path, BTreeSet<String>> {
+        let mut found = BTreeMap::new();
+        self.collect(&Vec::new(), &mut found);
+        found
+    }
+
+    fn collect(&self, module: &Path, found: &mut BTreeMap<Path, BTreeSet<String>>) {
+        let Some(content) = self.0.get(module) else { return };
+        let own = content.items.iter().map(|name| (name.clone(), child(module, name)));
+        let doors = content.doors.iter().flat_map(|(name, path)| self.behind(name, path));
+        for (name, origin) in own.chain(doors) {
+            found.entry(origin).or_default().insert(child(module, &name).join("::"));
+        }
+        content.modules.iter().for_each(|name| self.collect(&child(module, name), found));
+    }
+
+    /// The items that a re-export hands on: one, or all of a module.
+    fn behind(&self, name: &str, path: &Path) -> Vec<(String, Path)> {
+        let origin = self.origin(path);
+        match self.0.get(&origin) {
+            Some(module) if name == "*" => {
+                module.items.iter().map(|name| (name.clone(), child(&origin, name))).collect()
+            }
+            _ => vec![(name.to_owned(), origin)],
+        }
+    }
+
+    /// The path of the declaration, through re-exports.
+    fn origin(&self, path: &Path) -> Path {
+        let Some((name, module)) = path.split_last() else { return path.clone() };
+        let door = self.0.get(module).and_then(|module| module.doors.iter().find(|(given, _)| given == name));
+        match door {
+            Some((_, next)) if next != path => self.origin(next),
+            _ => path.clone(),
+        }
+    }
+}
+
+fn child(module: &[String], name: &str) -> Path {
+    module.iter().cloned().chain([name.to_owned()]).collect()
+}
+
+fn is_public(visibility: &Visibility) -> bool {
+    matches!(visibility, Visibility::Public(_))
+}
+
+fn declared(item: &Item) -> Option<(String, &Visibility)> {
+    let (name, visibility) = match item {
+        Item::Const(item) => (&item.ident, &item.vis),
+        Item::Enum(item) => (&item.ident, &item.vis),
+        Item::Fn(item) => (&item.sig.ident, &item.vis),
+        Item::Mod(item) => (&item.ident, &item.vis),
+        Item::Static(item) => (&item.ident, &item.vis),
+        Item::Struct(item) => (&item.ident, &item.vis),
+        Item::Trait(item) => (&item.ident, &item.vis),
+        Item::Type(item) => (&item.ident, &item.vis),
+        Item::Union(item) => (&item.ident, &item.vis),
+        _ => return None,
+    };
+    Some((name.to_string(), visibility))
+}
+
+/// The path of a re-export from the crate's root.
+fn absolute(module: &[String], path: &[String]) -> Path {
+    let ups = path.iter().take_while(|name| *name == "super").count();
+    match path.first().map(String::as_str) {
+        Some("crate") => path[1..].to_vec(),
+        Some("self") => module.iter().chain(&path[1..]).cloned().collect(),
+        Some("super") => {
+            module[..module.len().saturating_sub(ups)].iter().chain(&path[ups..]).cloned().collect()
+        }
+        _ => module.iter().chain(path).cloned().collect(),
+    }
+}
+
+fn leaves(tree: &UseTree, before: &mut Path, found: &mut Vec<(String, Path)>) {
+    let mut leaf = |name: String, given: String| found.push((given, child(before, &name)));
+    match tree {
+        UseTree::Path(path) => {
+            before.push(path.ident.to_string());
+            leaves(&path.tree, before, found);
+            before.pop();
+        }
+        UseTree::Name(name) => leaf(name.ident.to_string(), name.ident.to_string()),
+        UseTree::Rename(rename) => leaf(rename.ident.to_string(), rename.rename.to_string()),
+        UseTree::Glob(_) => found.push(("*".into(), before.clone())),
+        UseTree::Group(group) => group.items.iter().for_each(|tree| leaves(tree, before, found)),
+    }
+}
