@@ -105,7 +105,7 @@ impl Audit {
         }
         let remade = remake(record, collection, worker, hear)?;
         if let Some(error) = remade.error {
-            self.note(record, format!("made again, it fails: {error}"));
+            self.note(record, format!("re-baking it failed: {error}"));
             return Ok(());
         }
         for part in &record.parts {
@@ -118,7 +118,7 @@ impl Audit {
                     );
                 }
                 Some(other) if other.files != part.files => {
-                    self.note(record, format!("{}: made again, its bytes differ", part.kind));
+                    self.note(record, format!("{}: the re-baked bytes differ", part.kind));
                 }
                 _ => {}
             }

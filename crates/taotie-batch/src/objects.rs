@@ -1,7 +1,6 @@
 //! The descriptions stored with objects. Nothing in them depends on the machine or on when they were made.
 
 use crate::record::{FileEntry, Part, SCHEMA, ShortFigures};
-use crate::store::entry;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -113,5 +112,5 @@ impl DerivedObject {
 /// # Errors
 /// Read errors.
 pub fn entries(files: &[(String, PathBuf)]) -> Result<Vec<FileEntry>> {
-    files.iter().map(|(name, path)| entry(name, path)).collect()
+    files.iter().map(|(name, path)| FileEntry::of(name, path)).collect()
 }

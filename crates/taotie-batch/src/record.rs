@@ -3,7 +3,9 @@
 use crate::input::InputFile;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use taotie::Result;
 use taotie::asset::{Figures, Requirement, RequirementOutcome, Warning};
+use taotie::io::{file_size, sha256};
 
 /// The version of records and of the figures they are judged by. Assets whose record or figures have a different
 /// version are judged again.
@@ -103,6 +105,16 @@ pub struct FileEntry {
     pub bytes: u64,
     /// The SHA-256 of its bytes, hexadecimal.
     pub sha256: String,
+}
+
+impl FileEntry {
+    /// Describes a file that has been written.
+    ///
+    /// # Errors
+    /// Read errors.
+    pub fn of(name: &str, path: &Path) -> Result<Self> {
+        Ok(Self { name: name.into(), bytes: file_size(path)?, sha256: sha256(path)? })
+    }
 }
 
 /// The figures of a proof that a list of assets shows.

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::fs;
 use std::path::{Path, PathBuf};
-use taotie::io::{FileSet, file_size, read_bytes, sha256};
+use taotie::io::{FileSet, read_bytes};
 use taotie::{Error, Result};
 
 /// The file that marks an object as complete: it is written last.
@@ -146,12 +146,4 @@ fn link(target: &str, path: &Path) -> std::io::Result<()> {
 #[cfg(not(unix))]
 fn link(_: &str, _: &Path) -> std::io::Result<()> {
     Ok(())
-}
-
-/// Describes a file that has been written.
-///
-/// # Errors
-/// Read errors.
-pub fn entry(name: &str, path: &Path) -> Result<FileEntry> {
-    Ok(FileEntry { name: name.into(), bytes: file_size(path)?, sha256: sha256(path)? })
 }

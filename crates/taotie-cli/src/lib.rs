@@ -17,6 +17,7 @@ mod materials;
 mod normals;
 mod options;
 mod proof_args;
+mod renamed;
 mod render;
 mod running;
 mod shader;
@@ -25,7 +26,7 @@ mod studio;
 mod verify;
 mod view;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -98,7 +99,8 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
 
 /// Like [`run`], but returns the exit code for the process.
 pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
-    let cli = match Cli::try_parse_from(args) {
+    let matches = renamed::with_renamed_options(Cli::command()).try_get_matches_from(args);
+    let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(error) => {
             // A closed pipe while help is printed is not an error.

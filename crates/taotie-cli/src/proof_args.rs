@@ -10,8 +10,8 @@ use taotie_report::bake_page;
 pub struct ProofArgs {
     /// Exit with 1 unless every figure is within its limit. As seen, at the same pixel: mean-angle, p95-angle,
     /// max-angle (°), mean-color, p95-color (CIEDE2000), and patch-angle, patch-color (the mean in the worst 1 % of
-    /// the surface, seen close up). within-5deg, within-3dE, within-0.5% (at least, %: the share of the visible
-    /// surface whose angle, colour difference or distance is at most that number, which is free). On the
+    /// the surface, seen close up). within-Ndeg, within-NdE, within-N%, such as within-5deg=99% (at least, %: the share of
+    /// the visible surface whose angle, colour difference or distance is at most N). On the
     /// surface, along the rays of a bake: surface-mean-angle, surface-p95-angle, surface-max-angle. Shape: missed
     /// (visible surface that the other mesh lacks, %), completeness (at least, %), hausdorff (upper bound of the
     /// largest distance, % of the diagonal or a length), silhouette (pixels of 512 or a length), texel (median width

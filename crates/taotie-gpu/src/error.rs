@@ -25,9 +25,7 @@ pub enum GpuError {
         why: String,
     },
     /// Something exceeds a limit of the GPU.
-    #[error(
-        "{what} is too large for {adapter}: {size}, at most {most}; make it smaller, or render on the CPU"
-    )]
+    #[error("{what}: too large for {adapter}: {size}, at most {most}; make it smaller, or render on the CPU")]
     TooLarge {
         /// The texture, mesh or image.
         what: String,

@@ -156,7 +156,7 @@ mod tests {
         assert!(text.contains(" rejected a shader: ") && !text.contains('\n'), "{text}");
         gpu.limits.max_buffer_size = 64;
         let refused = gpu.buffer("the triangles of instance 3", &[0; 65], BufferUsages::INDEX).unwrap_err();
-        assert!(refused.to_string().starts_with("the triangles of instance 3 is too large for"), "{refused}");
+        assert!(refused.to_string().starts_with("the triangles of instance 3: too large for"), "{refused}");
         gpu.limits = wgpu::Limits { max_storage_buffer_binding_size: 32, ..gpu.limits };
         let refused = gpu.storage("the boxes of shadow rays", &[0; 36]).unwrap_err();
         assert!(refused.to_string().contains("36 bytes, at most 32 bytes"), "{refused}");

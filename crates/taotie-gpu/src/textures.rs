@@ -131,7 +131,7 @@ mod tests {
         assert!(textures(&gpu).unwrap().view(0).is_some());
         gpu.limits.max_texture_dimension_2d = 32;
         let refused = textures(&gpu).err().unwrap().to_string();
-        assert!(refused.starts_with("texture 0 (of material 'bronze') is too large for "), "{refused}");
+        assert!(refused.starts_with("texture 0 (of material 'bronze'): too large for "), "{refused}");
         assert!(refused.contains("48×8, at most 32×32"), "{refused}");
     }
 }

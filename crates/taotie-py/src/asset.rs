@@ -131,7 +131,7 @@ impl Asset {
             for (name, bitmap) in named.into_iter().filter_map(|(name, map)| Some((name, map.as_ref()?))) {
                 maps.set_item(name, arrays::of_bitmap(py, bitmap)?)?;
             }
-            for extra in &textures.standalone {
+            for extra in &textures.separate {
                 maps.set_item(extra.map.name(), arrays::of_bitmap(py, &extra.bitmap)?)?;
             }
             sets.set_item(label, maps)?;

@@ -54,7 +54,7 @@ pub struct BakeArgs {
     /// Triangles of the low-poly mesh; turns the search off [default: 50000 if only size or packing is given]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..), help_heading = "Low-poly mesh", conflicts_with = "low")]
     pub triangles: Option<u32>,
-    /// Target and ceilings for a use: web (mean 1°, 100,000 triangles, 80 MB on the graphics card), archive (mean
+    /// Target and ceilings for a use: web (mean 1°, 100,000 triangles, 80 MB of GPU memory), archive (mean
     /// 0.1°, no ceilings), or engine (mean 0.5°, 50,000 triangles, 32 MB, textures in KTX2). --error (all angle
     /// limits), --require, --images and explicit ceilings override them; --lods overrides the levels of detail of
     /// engine
@@ -73,11 +73,11 @@ pub struct BakeArgs {
     /// Maximum number of triangles of the asset that a search finds. Exit with 1 if it has more
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..), help_heading = "Search", conflicts_with_all = BY_HAND)]
     pub max_triangles: Option<u32>,
-    /// Maximum memory of the asset on a graphics card, such as 64MB: vertices, and textures with mip levels at four
+    /// Maximum GPU memory of the asset, such as 64MB: vertices, and textures with mip levels at four
     /// bytes per texel, or one with KTX2. Exit with 1 if it takes more
     #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Search", conflicts_with_all = BY_HAND)]
     pub max_gpu_memory: Option<u64>,
-    /// Write every trial of the search as CSV: bytes, memory on the graphics card, triangles, maps, degrees, ΔE
+    /// Write every trial of the search as CSV: bytes, GPU memory, triangles, maps, degrees, ΔE
     #[arg(long, value_name = "FILE.csv", help_heading = "Search", conflicts_with_all = BY_HAND)]
     pub trials: Option<PathBuf>,
     /// Coarser levels of detail in the same file (MSFT_lod), separated by commas. Npx (32 to 511) is the lightest
@@ -321,7 +321,9 @@ impl BakeArgs {
         }
         let has_texture = self.low.is_some() || carries || maps.iter().any(|map| self.is_inside(*map));
         if self.images != Images::Auto && !has_texture {
-            bail!("--images: the asset has no textures; leave it out, or add a map to --maps that is one");
+            bail!(
+                "--images: the asset has no textures; leave it out, or add a map that is stored in the asset to --maps"
+            );
         }
         self.check_loss()?;
         let separate = self.space == Space::Object || self.green == Green::Down || bakes(MapKind::Bent);

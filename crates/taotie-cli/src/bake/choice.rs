@@ -22,9 +22,9 @@ pub fn line(report: &Report) -> Option<String> {
     let Trial { triangles, bytes, size, normals, .. } = *chosen;
     let maps = match (size, normals) {
         (0, _) => String::new(),
-        (size, None) if chosen.is_scan => format!(", textures of at most {size} texels a side"),
+        (size, None) if chosen.is_scan => format!(", textures of at most {size} texels per side"),
         (size, Some(lossy)) if chosen.is_scan => {
-            format!(", textures of at most {size} texels a side, normals as {lossy}")
+            format!(", textures of at most {size} texels per side, normals as {lossy}")
         }
         (size, None) => format!(", maps of {size}×{size}"),
         (size, Some(lossy)) => format!(", maps of {size}×{size}, normals as {lossy}"),

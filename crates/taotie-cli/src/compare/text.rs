@@ -19,7 +19,7 @@ pub fn of(report: &Document) -> String {
         text += "\n";
     }
     for skipped in &report.skipped {
-        text += &format!("{} could not be drawn: {}\n", skipped.method, skipped.reason);
+        text += &format!("{} could not be rendered: {}\n", skipped.method, skipped.reason);
     }
     for note in &report.notes {
         text += &format!("{note}\n");

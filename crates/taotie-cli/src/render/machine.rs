@@ -29,7 +29,7 @@ impl Machine {
         match args.device {
             Device::Cpu => Ok(Self::Cpu),
             Device::Gpu => Ok(Self::Gpu(Box::new(Gpu::find(&AdapterChoice::default())?))),
-            Device::Auto if asks_for_the_processor(args) => Ok(Self::Cpu),
+            Device::Auto if requires_cpu(args) => Ok(Self::Cpu),
             Device::Auto => {
                 let hardware = AdapterChoice { hardware_only: true, name: None };
                 Ok(Gpu::find(&hardware).map_or(Self::Cpu, |gpu| Self::Gpu(Box::new(gpu))))
@@ -76,7 +76,7 @@ impl Machine {
     pub fn report(&self, args: &RenderArgs) {
         match self {
             Self::Cpu if args.device == Device::Cpu => {}
-            Self::Cpu => console::say(&format!("taotie: rendered on the CPU: {}", why_the_processor(args))),
+            Self::Cpu => console::say(&format!("taotie: rendered on the CPU: {}", why_cpu(args))),
             #[cfg(feature = "gpu")]
             Self::Gpu(gpu) => {
                 let AdapterDescription { name, backend, .. } = gpu.description();
@@ -89,8 +89,8 @@ impl Machine {
 
 /// Returns why `--device auto` uses the CPU.
 #[cfg(feature = "gpu")]
-fn why_the_processor(args: &RenderArgs) -> &'static str {
-    match asks_for_the_processor(args) {
+fn why_cpu(args: &RenderArgs) -> &'static str {
+    match requires_cpu(args) {
         true => "output variables and the reference integrator need it",
         false => "no GPU was found",
     }
@@ -98,13 +98,13 @@ fn why_the_processor(args: &RenderArgs) -> &'static str {
 
 /// Returns why `--device auto` uses the CPU.
 #[cfg(not(feature = "gpu"))]
-fn why_the_processor(_: &RenderArgs) -> &'static str {
+fn why_cpu(_: &RenderArgs) -> &'static str {
     "this build lacks the feature `gpu`"
 }
 
 /// Returns true if an option requires the CPU.
 #[cfg(feature = "gpu")]
-fn asks_for_the_processor(args: &RenderArgs) -> bool {
+fn requires_cpu(args: &RenderArgs) -> bool {
     args.settings().aovs || args.integrator.reference().is_some()
 }
 

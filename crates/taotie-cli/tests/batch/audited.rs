@@ -44,7 +44,7 @@ fn a_proof_anew_finds_an_asset_that_is_another() {
     assert_eq!(collection.report("--check --proofs 0").0, Some(0), "hashes do not reveal it");
     let (code, report) = collection.report("--check");
     assert!(
-        code == Some(1) && report["faults"].to_string().contains("made again, its bytes differ"),
+        code == Some(1) && report["faults"].to_string().contains("the re-baked bytes differ"),
         "{report}"
     );
     collection.write("scans/ball0.obj", ball(0.05));

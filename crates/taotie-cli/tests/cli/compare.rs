@@ -304,7 +304,7 @@ fn refuses_in_one_line() {
         ("compare square.obj -o out --reference flat.obj --match touch", "normal, uv, pixel"),
         (
             "compare square.obj -o out --method bump,bump:5",
-            "none of the methods can be drawn: bump: no material",
+            "none of the methods can be rendered: bump: no material",
         ),
         ("compare square.obj -o out --reference gone.ply", "gone.ply"),
         ("compare square.obj", "--output"),

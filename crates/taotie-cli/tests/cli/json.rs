@@ -404,7 +404,7 @@ fn of_inspect_with_layers() {
     let sheen = material.sheen.as_ref().expect("it has sheen");
     assert_eq!((sheen.color, sheen.roughness), ([0.5, 0.25, 0.0], 0.5));
     let roles: Vec<&str> = material.textures.iter().map(|texture| texture.role.as_str()).collect();
-    assert_eq!(roles, ["specular-color", "clearcoat-normal", "normal"]);
+    assert_eq!(roles, ["normal", "specular-color", "clearcoat-normal"]);
 }
 
 #[derive(Deserialize)]

@@ -60,7 +60,10 @@ fn pictures_larger_than_the_memory_are_refused_before_they_are_begun() {
         "render a.obj -o a.png --memory-limit 10M",
     ] {
         let said = refused(&place, line);
-        assert!(said.contains("the limit is") && said.contains("--memory-limit"), "{line}: {said}");
+        assert!(
+            said.contains("of memory, but the limit is") && said.contains("--memory-limit"),
+            "{line}: {said}"
+        );
     }
     place.taotie("render a.obj -o a.png --size 16 --memory-limit 1G").assert().success();
 }
@@ -76,7 +79,7 @@ fn files_larger_than_the_memory_are_refused_from_their_headers() {
         "normals black.png -o n.png --from height --height-scale 1 --memory-limit 20M",
     ] {
         let said = refused(&place, line);
-        assert!(said.contains("black.png") && said.contains("the limit is"), "{line}: {said}");
+        assert!(said.contains("black.png") && said.contains("of memory, but the limit is"), "{line}: {said}");
     }
 }
 

@@ -38,6 +38,7 @@ mod packed;
 mod pictures;
 mod place;
 mod provenance;
+mod renamed;
 mod render;
 mod running;
 mod same_bits;

@@ -133,7 +133,7 @@ fn maps(proof: &Proof, asset: Option<&Asset>) -> Result<Vec<Picture>> {
                 maps.push(Picture::to_look_at(named(material, name), "", &Sheet::preview(bitmap, side))?);
             }
         }
-        for separate in &textures.standalone {
+        for separate in &textures.separate {
             let name = named(material, separate.map.name());
             maps.push(Picture::to_look_at(&name, "", &Sheet::preview(&separate.bitmap, side))?);
         }

@@ -82,7 +82,8 @@ impl Document {
         serde_json::to_string_pretty(self).map_err(not_json)
     }
 
-    /// Returns `true` if a surface is measured against another; a single surface is at most compared with itself.
+    /// Returns `true` if a surface is measured against another; a single surface is at most compared with its
+    /// own image under the baseline.
     pub fn is_compared(&self) -> bool {
         self.methods.iter().any(|method| method.error.is_some())
     }

@@ -200,7 +200,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let mut document = given.as_mut().and_then(GivenMesh::take_document);
     let mut options = plan.options.clone();
     if let Some(what) = about.one_level.filter(|_| options.searches() && !options.lods.is_empty()) {
-        warnings.note(format!("omitted the levels of detail: the scan has {what}"), 1);
+        warnings.note(format!("left out: the levels of detail: the scan has {what}"), 1);
         options.lods.clear();
     }
     let mut of_scan = Warnings::default();

@@ -69,7 +69,7 @@ impl Figure {
             Self::WorstView => (Looking::Images, "visual difference (FLIP), worst view"),
             Self::Ssim => (Looking::Images, "structural similarity (SSIM), worst view"),
             Self::Triangles => (Looking::Files, "triangles"),
-            Self::GpuMemory => (Looking::Files, "memory on a graphics card"),
+            Self::GpuMemory => (Looking::Files, "GPU memory"),
             Self::Bytes => (Looking::Files, "size of the asset"),
         }
     }

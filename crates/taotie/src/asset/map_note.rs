@@ -1,6 +1,6 @@
 //! Notes on the maps of a written asset.
 
-use super::textures::StandaloneMap;
+use super::textures::SeparateMap;
 use crate::bake::MapKind;
 use crate::image::Bitmap;
 use std::path::{Path, PathBuf};
@@ -47,7 +47,7 @@ impl MapNote {
     }
 
     /// Describes a map in a separate file next to the model `path`.
-    pub(super) fn standalone(own: &StandaloneMap, label: &str, path: &Path) -> Self {
+    pub(super) fn separate(own: &SeparateMap, label: &str, path: &Path) -> Self {
         Self {
             map: own.map,
             material: named(label),

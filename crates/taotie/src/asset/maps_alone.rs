@@ -7,7 +7,7 @@ use super::map_note::MapNote;
 use super::map_numbers::{self, Meaning};
 use super::packing::Packing;
 use super::property::Property;
-use super::textures::{Range, StandaloneMap};
+use super::textures::{Range, SeparateMap};
 use super::unlit;
 use crate::bake::MapKind;
 use crate::error::{Error, Result, Warnings};
@@ -51,8 +51,8 @@ fn files<'a>(made: &'a Made, path: &Path) -> Vec<MapFile<'a>> {
         }
     }
     let other =
-        |other: &'a StandaloneMap| MapFile { range: other.range, ..MapFile::new(other.map, &other.bitmap) };
-    files.extend(textures.standalone.iter().map(other));
+        |other: &'a SeparateMap| MapFile { range: other.range, ..MapFile::new(other.map, &other.bitmap) };
+    files.extend(textures.separate.iter().map(other));
     for (i, file) in files.iter_mut().enumerate() {
         file.path = if i == 0 { path.into() } else { sibling(path, file.name()) };
         if file.holds(&[MapKind::Emission]) {

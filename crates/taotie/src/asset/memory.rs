@@ -218,7 +218,7 @@ impl MemoryEstimate {
             Some(limit) if self.bytes() > limit => Err(Error::limit(
                 format!("a bake of {} triangles", self.scan.triangles),
                 format!(
-                    "it needs about {} of memory, the limit is {limit}; raise the memory limit, free memory, lower the \
+                    "it needs about {} of memory, but the limit is {limit}; raise the memory limit, free memory, lower the \
                      maps' size, or bake fewer maps at a time",
                     self.bytes()
                 ),

@@ -137,7 +137,7 @@ pub use scan_options::ScanOptions;
 pub use scan_size::ScanSize;
 pub use search::Trial;
 pub use space::into_metres;
-pub use textures::{MapPresence, Range, StandaloneMap, Textures};
+pub use textures::{MapPresence, Range, SeparateMap, Textures};
 pub use verify_options::VerifyOptions;
 pub use view_figures::ViewFigures;
 pub use views::Views;

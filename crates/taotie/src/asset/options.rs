@@ -266,8 +266,7 @@ impl BakeOptions {
             ));
         }
         if self.space == NormalSpace::Object || !self.maps.contains(&MapKind::Normal) {
-            let why =
-                "a search needs a normal map in tangent space: add normal to the maps, omit object space";
+            let why = "a search needs a normal map in tangent space: add normal to the maps, and leave out object space";
             return Err(Error::invalid(what, why));
         }
         Ok(())

@@ -14,8 +14,8 @@ use crate::proof::{Estimate, Exceedance, Patch};
 use std::borrow::Cow;
 use std::str::FromStr;
 
-/// A figure and its limit, a maximum, or a minimum for completeness and SSIM; it applies to one level of detail, or
-/// to each level displayed at the distance of the figure.
+/// A figure and its limit: a maximum, or a minimum for completeness, SSIM and the share within a limit. It applies to
+/// one level of detail, or to every level that is shown at the figure's viewing distance.
 ///
 /// ```
 /// use taotie::asset::{Figure, Requirement};

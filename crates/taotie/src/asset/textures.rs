@@ -32,7 +32,7 @@ const DITHERED: Storage = Storage { bits: 8, dither: true };
 /// /// Returns the names of the maps inside an asset, and of those next to it.
 /// fn names(textures: &Textures) -> [Vec<&'static str>; 2] {
 ///     let inside = textures.inside().map(|(map, _)| map.name()).collect();
-///     [inside, textures.standalone.iter().map(|file| file.map.name()).collect()]
+///     [inside, textures.separate.iter().map(|file| file.map.name()).collect()]
 /// }
 /// ```
 #[derive(Default)]
@@ -51,7 +51,7 @@ pub struct Textures {
     /// Which of the three are in `orm`.
     pub has: MapPresence,
     /// Maps that glTF has no slot for.
-    pub standalone: Vec<StandaloneMap>,
+    pub separate: Vec<SeparateMap>,
     /// The places where projection rays missed; `None` if none did.
     pub misses: Option<Misses>,
     /// The maps that are stored in the textures above.
@@ -82,17 +82,17 @@ pub struct MapPresence {
 /// A map for a separate file.
 ///
 /// ```
-/// use taotie::asset::StandaloneMap;
+/// use taotie::asset::SeparateMap;
 /// use taotie::bake::MapKind;
 ///
 /// /// Returns the height map of an asset, if one was baked.
-/// fn height(files: &[StandaloneMap]) -> Option<&StandaloneMap> {
+/// fn height(files: &[SeparateMap]) -> Option<&SeparateMap> {
 ///     files.iter().find(|file| file.map == MapKind::Height)
 /// }
 /// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
-pub struct StandaloneMap {
+pub struct SeparateMap {
     /// The kind of map.
     pub map: MapKind,
     /// Its texels.
@@ -135,7 +135,7 @@ impl Textures {
             match options.space {
                 NormalSpace::Tangent => textures.normal = Some(bitmap),
                 NormalSpace::Object => {
-                    textures.standalone.push(StandaloneMap { map: MapKind::Normal, bitmap, range: None })
+                    textures.separate.push(SeparateMap { map: MapKind::Normal, bitmap, range: None })
                 }
             }
         }
@@ -153,13 +153,13 @@ impl Textures {
         }
         if !maps.bent.is_empty() {
             let bitmap = store_unit_vectors(maps.size(), &maps.bent, storage(&maps.bent))?;
-            textures.standalone.push(StandaloneMap { map: MapKind::Bent, bitmap, range: None });
+            textures.separate.push(SeparateMap { map: MapKind::Bent, bitmap, range: None });
         }
         let [length, curvature] = units(scan.unit());
         let numbers =
             [(MapKind::Height, &maps.heights, length), (MapKind::Curvature, &maps.curvature, curvature)];
         for (map, plane, unit) in numbers.into_iter().filter(|(_, plane, _)| !plane.is_empty()) {
-            textures.standalone.push(of_numbers(map, maps, plane, unit)?);
+            textures.separate.push(of_numbers(map, maps, plane, unit)?);
         }
         Ok(textures)
     }
@@ -220,7 +220,7 @@ impl Textures {
     }
 }
 
-impl StandaloneMap {
+impl SeparateMap {
     /// Returns the map's file next to the model `path`, such as `scan.height.png` next to `scan.glb`; it is named
     /// after the material if `label` is not empty.
     pub(super) fn file(&self, label: &str, path: &Path) -> PathBuf {
@@ -299,13 +299,13 @@ fn units(unit: Option<Unit>) -> [&'static str; 2] {
 }
 
 /// Creates a 16-bit map of numbers.
-fn of_numbers(map: MapKind, maps: &BakedMaps, plane: &[f32], unit: &'static str) -> Result<StandaloneMap> {
+fn of_numbers(map: MapKind, maps: &BakedMaps, plane: &[f32], unit: &'static str) -> Result<SeparateMap> {
     let [black, white] = range(map, maps, plane);
     let number = |v: f32| (v - black) / (white - black);
     let fine = Storage { bits: 16, dither: false };
     let bitmap = store_codes(maps.size(), |i| [number(plane[i]); 3], 1, fine)?;
     let range = Range { black: f64::from(black), white: f64::from(white), unit };
-    Ok(StandaloneMap { map, bitmap, range: Some(range) })
+    Ok(SeparateMap { map, bitmap, range: Some(range) })
 }
 
 /// Returns the values of black and white: for heights, the minimum and maximum; for curvature, a symmetric range that

@@ -12,7 +12,7 @@ use super::provenance;
 use super::screen;
 use super::search::{Coarser, LevelLook};
 use super::space;
-use super::textures::{StandaloneMap, Textures, labeled};
+use super::textures::{SeparateMap, Textures, labeled};
 use super::unlit;
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
@@ -297,21 +297,21 @@ struct About<'a> {
 /// The maps of a material in separate files next to the model.
 struct BesideMaps<'a> {
     label: &'a str,
-    kept: Vec<&'a StandaloneMap>,
+    kept: Vec<&'a SeparateMap>,
     /// Those with green down.
-    turned: Vec<StandaloneMap>,
+    turned: Vec<SeparateMap>,
 }
 
 impl<'a> BesideMaps<'a> {
     fn of(made: &Made, part: &'a Part, packing: &Packing) -> Result<Self> {
         let textures = &part.maps.textures;
         let turned = green::turned(made.options.space, textures, packing)?;
-        let is_turned = |own: &&StandaloneMap| turned.iter().any(|turned| turned.map == own.map);
-        let kept = textures.standalone.iter().filter(|own| !is_turned(own)).collect();
+        let is_turned = |own: &&SeparateMap| turned.iter().any(|turned| turned.map == own.map);
+        let kept = textures.separate.iter().filter(|own| !is_turned(own)).collect();
         Ok(Self { label: part.low.label(), kept, turned })
     }
 
-    fn all(&self) -> impl Iterator<Item = &StandaloneMap> {
+    fn all(&self) -> impl Iterator<Item = &SeparateMap> {
         self.kept.iter().copied().chain(&self.turned)
     }
 }
@@ -400,8 +400,8 @@ fn coverages(made: &Made) -> Vec<f32> {
 
 /// Returns the asset's notes on the files next to it; `None` if there are none.
 fn extras(sets: &[BesideMaps<'_>], path: &Path) -> Option<Json> {
-    let entry = |label: &str, own: &StandaloneMap| {
-        let note = MapNote::standalone(own, label, path);
+    let entry = |label: &str, own: &SeparateMap| {
+        let note = MapNote::separate(own, label, path);
         let name = note.file?.file_name()?.to_string_lossy().into_owned();
         let about = json!({ "file": name, "black": note.black, "white": note.white, "unit": note.unit });
         Some((labeled(label, note.map.name()), about))
@@ -446,7 +446,7 @@ impl WrittenAsset {
     }
 
     fn maps_of(&self, label: &str, textures: &Textures) -> Vec<MapNote> {
-        let separate = textures.standalone.iter().map(|own| MapNote::standalone(own, label, self.path()));
+        let separate = textures.separate.iter().map(|own| MapNote::separate(own, label, self.path()));
         let inside = textures.inside().map(|(map, bitmap)| MapNote::inside(label, map, bitmap));
         inside.chain(self.turned_normal(label, textures)).chain(separate).collect()
     }

@@ -45,7 +45,7 @@ impl ProjectionRay {
 }
 
 impl Scan {
-    /// Returns the nearest point on the ray at which the scan faces the ray's direction and can be seen: a surface
+    /// Returns the nearest point on the ray at which the scan's normal points along the ray and that can be seen: a surface
     /// facing the other way is the far side of something else, and hidden walls and ghost layers do not count. If
     /// none of the points can be seen, the nearest one is used.
     pub fn project(&self, projection: &ProjectionRay) -> Option<Correspondence> {
@@ -82,14 +82,14 @@ impl Scan {
         self.surface().normal(LookupPoint { point: found.point, width }, found.normal)
     }
 
-    /// Returns the scan's normal at a hit, if it faces the ray's direction.
+    /// Returns the scan's normal at a hit, if it points along the ray.
     #[inline]
     pub(super) fn facing(&self, hit: &Hit, projection: &ProjectionRay) -> Option<Vec3> {
         let normal = hit.point().normal(self.mesh());
         (normal.dot(projection.direction) > 0.0).then_some(normal)
     }
 
-    /// Returns the closest point of the scan within `most`, if it faces `direction`.
+    /// Returns the closest point of the scan within `most`, if its normal points along `direction`.
     pub fn closest(&self, point: Vec3, direction: Vec3, most: f32) -> Option<Correspondence> {
         let closest = self.bvh().closest(point, most)?;
         let there = closest.point();

@@ -147,7 +147,7 @@ const AWAY: f64 = 0.02;
 pub struct Fit {
     /// The fraction of the low-poly mesh that is farther than a fiftieth of the diagonal from the scan, [0, 1].
     pub away: f64,
-    /// The fraction that faces away from the closest surface of the scan, [0, 1].
+    /// The fraction that faces the opposite way to the closest surface of the scan, [0, 1].
     pub turned: f64,
     /// The mean distance as a fraction of the diagonal.
     pub distance: f64,

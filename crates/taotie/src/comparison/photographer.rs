@@ -91,7 +91,7 @@ impl<'a> Photographer<'a> {
         if surfaces.is_empty() {
             let reasons: Vec<String> =
                 skipped.iter().map(|s| format!("{}: {}", s.method, s.reason)).collect();
-            return Err(Error::invalid("none of the methods can be drawn", reasons.join("; ")));
+            return Err(Error::invalid("none of the methods can be rendered", reasons.join("; ")));
         }
         Ok((surfaces, skipped))
     }

@@ -83,8 +83,8 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// Returns the machine's free memory, images of 16384 × 16384 pixels, 2³² − 2 triangles, 16 million nodes;
-    /// nothing outside the model's folder.
+    /// Limits to the machine's free memory, images of 16384 × 16384 pixels, 2³² − 2 triangles, 16 million nodes, and
+    /// files in the model's folder.
     fn default() -> Self {
         Self {
             memory: None,

@@ -98,7 +98,7 @@ pub fn load_model_within(path: &Path, limits: &Limits) -> Result<Loaded> {
     let triangles = loaded.scene.triangle_count() as u64;
     match triangles > limits.triangles {
         true => Err(Error::limit(
-            format!("{}: {triangles} triangles", path.display()),
+            format!("{}: a model of {triangles} triangles", path.display()),
             format!("the maximum is {}; simplify the model", limits.triangles),
         )),
         false => Ok(loaded),

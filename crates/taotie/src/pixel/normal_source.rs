@@ -40,6 +40,7 @@ impl NormalSource {
     }
 
     /// Returns the method by which it is shaded.
+    #[inline(always)]
     pub fn method(&self) -> SurfaceMethod {
         match self {
             Self::Facet => SurfaceMethod::Facet,
@@ -52,11 +53,13 @@ impl NormalSource {
     }
 
     /// Returns the normal map, if it reads one.
+    #[inline(always)]
     pub fn normal_map(&self) -> Option<&NormalMap> {
         if let Self::ObjectMap(map) | Self::TangentMap(map) = self { Some(map) } else { None }
     }
 
     /// Returns the height map and its factor, if it reads one.
+    #[inline(always)]
     pub fn height_map(&self) -> Option<(&HeightMap, f32)> {
         if let Self::Bump(map, factor) | Self::BumpPrinted(map, factor) = self {
             Some((map, *factor))

@@ -99,7 +99,7 @@ impl Parts {
             return Err(Error::invalid("scene", "there are no triangles to draw"));
         }
         if total >= u32::MAX as usize {
-            return Err(Error::limit(format!("{total} triangles"), "at most 2^32 - 2"));
+            return Err(Error::limit(format!("a scene of {total} triangles"), "at most 2^32 - 2"));
         }
         let mut preparation = Preparation::new(scene, settings)?;
         let mut placed = Vec::with_capacity(scene.instances().len());

@@ -41,7 +41,7 @@ pub(crate) struct Layer {
     pub is_present: fn(&Material) -> bool,
     /// Returns true if the layer changes how the surface looks; otherwise readers omit it.
     pub is_visible: fn(&Material) -> bool,
-    /// Its factors.
+    /// Its factors; if the first makes the layer invisible, readers omit it.
     pub factors: &'static [Factor],
     /// Its textures.
     pub textures: &'static [TextureRole],
@@ -195,3 +195,29 @@ const SHEEN: Layer = Layer {
     ],
     textures: &[TextureRole::SheenColor, TextureRole::SheenRoughness],
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_layer_can_be_read_and_written() {
+        let mut members = BTreeSet::new();
+        for layer in &LAYERS {
+            let mut material = Material::default();
+            (layer.add)(&mut material);
+            for factor in layer.factors {
+                assert!(members.insert(factor.member), "{}", factor.member);
+                assert_eq!((factor.get)(&material), Some(factor.default), "{}", factor.member);
+            }
+            for role in layer.textures {
+                assert!(members.insert(role.gltf_member()), "{role:?}");
+                let is_plain = role.place(&mut material).is_some();
+                assert!(is_plain != (*role == TextureRole::ClearcoatNormal), "{role:?}");
+            }
+            (layer.remove)(&mut material);
+            assert_eq!(material, Material::default(), "{}", layer.extension);
+        }
+    }
+}

@@ -69,6 +69,7 @@ pub enum GreenChannel {
 
 impl GreenChannel {
     /// Returns 1 for up and −1 for down.
+    #[inline(always)]
     pub fn sign(self) -> f32 {
         match self {
             Self::Up => 1.0,

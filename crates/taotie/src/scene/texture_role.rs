@@ -14,6 +14,10 @@ pub enum TextureRole {
     Occlusion,
     /// Emission.
     Emissive,
+    /// The normal map; alpha is the variance of its vectors.
+    Normal,
+    /// The height map, in red.
+    Height,
     /// Alpha multiplies the strength of a dielectric's reflection.
     Specular,
     /// The colour of a dielectric's reflection.
@@ -24,16 +28,12 @@ pub enum TextureRole {
     ClearcoatRoughness,
     /// The clearcoat's normal map; alpha is the variance of its vectors.
     ClearcoatNormal,
-    /// Red and green turn the anisotropy, blue multiplies its strength.
-    Anisotropy,
     /// The colour of the sheen.
     SheenColor,
     /// Alpha multiplies the sheen's roughness.
     SheenRoughness,
-    /// The normal map; alpha is the variance of its vectors.
-    Normal,
-    /// The height map, in red.
-    Height,
+    /// Red and green turn the anisotropy, blue multiplies its strength.
+    Anisotropy,
 }
 
 /// A row of the table: role, name, member of glTF's JSON, encoding, and the meaning of its channels.
@@ -59,6 +59,15 @@ const ROWS: [Row; 14] = [
     ),
     (Role::Occlusion, "occlusion_texture", "occlusionTexture", Encoding::Linear, "Red is occlusion; linear."),
     (Role::Emissive, "emissive_texture", "emissiveTexture", Encoding::Srgb, COLOR),
+    (
+        Role::Normal,
+        "normal_texture",
+        "normalTexture",
+        Encoding::Normal,
+        "RGB is the vector, each component in [0, 1]; alpha is the variance of the vectors, 1 − |mean|², and 0 in the \
+         finest level.",
+    ),
+    (Role::Height, "height_texture", "", Encoding::Linear, "Red is the height in [0, 1]; linear."),
     (
         Role::Specular,
         "specular_texture",
@@ -89,13 +98,6 @@ const ROWS: [Row; 14] = [
         "RGB is the clearcoat's vector, each component in [0, 1]; alpha is the variance of the vectors, and 0 in the \
          finest level.",
     ),
-    (
-        Role::Anisotropy,
-        "anisotropy_texture",
-        "anisotropyTexture",
-        Encoding::Linear,
-        "Red and green turn the direction, blue multiplies the strength; linear.",
-    ),
     (Role::SheenColor, "sheen_color_texture", "sheenColorTexture", Encoding::Srgb, COLOR),
     (
         Role::SheenRoughness,
@@ -105,14 +107,12 @@ const ROWS: [Row; 14] = [
         "Alpha multiplies the sheen's roughness; linear.",
     ),
     (
-        Role::Normal,
-        "normal_texture",
-        "normalTexture",
-        Encoding::Normal,
-        "RGB is the vector, each component in [0, 1]; alpha is the variance of the vectors, 1 − |mean|², and 0 in the \
-         finest level.",
+        Role::Anisotropy,
+        "anisotropy_texture",
+        "anisotropyTexture",
+        Encoding::Linear,
+        "Red and green turn the direction, blue multiplies the strength; linear.",
     ),
-    (Role::Height, "height_texture", "", Encoding::Linear, "Red is the height in [0, 1]; linear."),
 ];
 
 impl TextureRole {
@@ -198,9 +198,14 @@ impl TextureRole {
 }
 
 impl Material {
-    /// Returns every texture in use, in the order of [`TextureRole::ALL`].
+    /// Returns every texture in use, normal and height maps last.
     pub fn textures(&self) -> Vec<TextureRef> {
-        TextureRole::ALL.into_iter().filter_map(|role| role.of(self).copied()).collect()
+        let mut textures = Vec::new();
+        self.clone().retain_textures(|texture| {
+            textures.push(*texture);
+            true
+        });
+        textures
     }
 
     /// Lets `keep` see and change every texture in use, and removes those for which it returns `false`; normal and

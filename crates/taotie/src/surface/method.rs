@@ -71,5 +71,8 @@ mod tests {
     fn all_methods_have_a_name_in_their_order() {
         let named: Vec<_> = SurfaceMethod::NAMES.iter().map(|(_, method)| *method).collect();
         assert_eq!(named, SurfaceMethod::ALL);
+        // Pages of the viewer store positions in this list.
+        let names = ["facet", "smooth", "bump", "bump-printed", "object-normal", "tangent-normal"];
+        assert_eq!(SurfaceMethod::ALL.map(Named::name), names);
     }
 }

@@ -10,7 +10,11 @@ type Path = Vec<String>;
 
 /// The files of a crate: modules by path.
 #[derive(Default)]
-pub struct Files(BTreeMap<Path, File>);
+pub struct Files {
+    files: BTreeMap<Path, File>,
+    /// `true` if imports between top modules count, not only those within one.
+    pub across_modules: bool,
+}
 
 #[derive(Default)]
 struct File {
@@ -31,7 +35,7 @@ impl Files {
         let mut reader =
             ImportReader { module: module.to_vec(), children: children.collect(), file: File::default() };
         reader.visit_file(&source);
-        self.0.insert(module.to_vec(), reader.file);
+        self.files.insert(module.to_vec(), reader.file);
         Ok(())
     }
 
@@ -39,12 +43,12 @@ impl Files {
     pub fn add_script(&mut self, name: &str, imports: impl Iterator<Item = String>) {
         let path = |name: String| vec!["scripts".to_owned(), name];
         let file = File { imports: imports.map(path).collect(), doors: BTreeMap::new() };
-        self.0.insert(path(name.to_owned()), file);
+        self.files.insert(path(name.to_owned()), file);
     }
 
     /// Returns the number of files on the longest chain of imports within a top module.
     pub fn levels(&self, top: &str) -> usize {
-        let own = self.0.iter().filter(|(module, _)| module.first().is_some_and(|first| first == top));
+        let own = self.files.iter().filter(|(module, _)| module.first().is_some_and(|first| first == top));
         let arrows: BTreeMap<&Path, BTreeSet<&Path>> =
             own.map(|(module, file)| (module, self.targets(module, file))).collect();
         let mut depths = BTreeMap::new();
@@ -66,14 +70,14 @@ impl Files {
     /// Returns the circles: groups of more than one file, each of which leads to every other.
     pub fn cycles(&self) -> Vec<BTreeSet<String>> {
         let arrows: BTreeMap<&Path, BTreeSet<&Path>> =
-            self.0.iter().map(|(module, file)| (module, self.targets(module, file))).collect();
+            self.files.iter().map(|(module, file)| (module, self.targets(module, file))).collect();
         let reached: BTreeMap<&Path, BTreeSet<&Path>> =
             arrows.keys().map(|module| (*module, reach(module, &arrows))).collect();
         let mutual = |module: &Path| {
             let with = |other: &&Path| reached[*other].contains(module);
             reached[module].iter().copied().filter(with).map(|other| other.join("/")).collect()
         };
-        let groups: BTreeSet<BTreeSet<String>> = self.0.keys().map(mutual).collect();
+        let groups: BTreeSet<BTreeSet<String>> = self.files.keys().map(mutual).collect();
         groups.into_iter().filter(|group: &BTreeSet<String>| group.len() > 1).collect()
     }
 
@@ -82,14 +86,15 @@ impl Files {
         // Re-exporting from its own submodules is not an arrow.
         let handed_on = file.doors.values().filter(|path| !path.starts_with(module));
         let homes = file.imports.iter().chain(handed_on).filter_map(|import| self.home(import, 0));
-        homes.filter(|home| *home != module && home.first() == module.first()).collect()
+        let counts = |home: &&Path| self.across_modules && !home.is_empty() || home.first() == module.first();
+        homes.filter(|home| *home != module).filter(counts).collect()
     }
 
     /// Returns the file that a name is written in, through the doors that re-export it.
     fn home(&self, import: &[String], depth: usize) -> Option<&Path> {
         /// No name is re-exported more often.
         const MOST_DOORS: usize = 8;
-        let known = (1..=import.len()).rev().find_map(|length| self.0.get_key_value(&import[..length]));
+        let known = (1..=import.len()).rev().find_map(|length| self.files.get_key_value(&import[..length]));
         let (module, file) = known?;
         match import.get(module.len()).and_then(|name| file.doors.get(name)) {
             Some(origin) if depth < MOST_DOORS => self.home(origin, depth + 1),

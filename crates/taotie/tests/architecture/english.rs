@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 /// A phrase to avoid, and how to say it instead.
 const PATTERNS: [(&str, &str); 13] = [
     (
-        r"\b(?:is|are) no [a-z`]+",
+        r"\b(?:is|are) no [A-Za-z`]+",
         "not a, invalid; `there is no`, `is no longer` and comparisons (`is no larger than`) are fine",
     ),
     (r"\b(?:tells?|told|telling|foretells?|foretold)\b", "report, return, state, estimate"),
@@ -54,7 +54,8 @@ pub fn phrases(text: &str) -> Vec<(usize, String, &'static str)> {
 
 /// Returns true if a file is written by hand in English.
 pub fn is_prose(path: &Path) -> bool {
-    let text = path.to_string_lossy().replace('\\', "/");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap_or_default();
+    let text = format!("/{}", path.strip_prefix(root).unwrap_or(path).to_string_lossy().replace('\\', "/"));
     let generated =
         ["/docs/help/", "/docs/shaders/", "/viewer/bundle/", "/golden/", "/snapshots/", "/node_modules/"];
     let about_patterns = ["architecture/english.rs", "architecture/figures.rs", "docs/style.md"];

@@ -7,12 +7,16 @@ pub const CIRCLES: [(&[&str], &str); 0] = [];
 pub const LONG_FUNCTIONS: [(&str, &str); 0] = [];
 
 /// Figures that miss their targets today. They may only improve; the test asks for the new value.
-pub const RECORDED: [(&str, usize); 13] = [
+pub const RECORDED: [(&str, usize); 15] = [
     ("files of the library", 650),
     ("lines of code in the library's median file", 73),
     ("production files that mention `sheen`", 50),
     ("production files that mention `anisotropy`", 45),
-    ("hand-written lines of shaders", 654),
+    // The name of the method, and the method with its map.
+    ("enums of the source of shading normals", 2),
+    // A bake also reads its scan's maps, with filters of its samples.
+    ("places that choose the shading normal", 2),
+    ("hand-written lines of shaders", 540),
     ("writers of a glTF material", 3),
     ("public `Gltf` types", 11),
     ("files of `asset`", 101),

@@ -453,7 +453,7 @@ fn sharing_data_without_end_is_refused() {
     let primitives = vec![primitive; 100_000].join(",");
     let rest = format!(r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{primitives}]}}]"#);
     let error = maker.try_load(&rest).unwrap_err();
-    assert!(error.contains("too often"), "{error}");
+    assert!(error.contains("bytes too often"), "{error}");
 }
 
 /// The list in the documentation matches the reader's own.

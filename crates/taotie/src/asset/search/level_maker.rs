@@ -77,7 +77,7 @@ fn read(glb: Vec<u8>) -> Result<Scene> {
 
 /// Assigns the object-space normal map next to an asset to a scene.
 fn show_object_map(scene: &mut Scene, (low, maps): (&LowPoly, &StoredMaps)) -> Result<()> {
-    let map = maps.textures.standalone.iter().find(|own| own.map == MapKind::Normal);
+    let map = maps.textures.separate.iter().find(|own| own.map == MapKind::Normal);
     let Some(map) = map else { return Ok(()) };
     let texture = Texture::new(map.bitmap.clone(), Encoding::Normal);
     object_map::show(scene, None, (&texture, io::gltf_sampler([&low.mesh])))

@@ -37,7 +37,7 @@ pub(in crate::asset) fn make_levels(
     let stage = progress.begin("levels of detail")?;
     let side = Side::of(scan.sorted());
     if !side.visibility.places().is_empty() {
-        warnings.note("omitted the levels of detail: the scan is an interior, which is always close", 1);
+        warnings.note("left out: the levels of detail: the scan is an interior, which is always close", 1);
         return Ok((found, warnings));
     }
     let maker = LevelMaker::new(recipe, (scan, &side), finest)?;
@@ -110,7 +110,7 @@ fn push(found: &mut Vec<Coarser>, (wanted, level): (Lod, Coarser), warnings: &mu
     while let Some(last) = found.pop_if(|last| is_for_pixels && last.across <= level.across) {
         let (triangles, across) = (last.mesh.triangles().len(), level.across);
         let what = format!(
-            "omitted a level of {triangles} triangles: a lighter one is good enough up to {across} pixels"
+            "left out: a level of {triangles} triangles: a lighter one is good enough up to {across} pixels"
         );
         warnings.note(what, 1);
     }

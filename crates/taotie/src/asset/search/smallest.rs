@@ -108,7 +108,7 @@ pub(in crate::asset) fn smallest(
         let Trial { triangles, gpu_bytes, .. } = trial;
         let what = format!(
             "no candidate is within the ceilings; the nearest has {triangles} triangles and {gpu_bytes} \
-             bytes on the graphics card"
+             bytes of GPU memory"
         );
         warnings.note(what, 1);
     } else if !trial.is_near && workshop.has_goal() {

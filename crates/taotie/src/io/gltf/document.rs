@@ -108,7 +108,7 @@ fn check_nodes(reading: &Reading, count: u64) -> Result<()> {
     let most = reading.limits().nodes;
     match count > most {
         true => Err(Error::limit(
-            format!("{}: {count} nodes", reading.path().display()),
+            format!("{}: a scene of {count} nodes", reading.path().display()),
             format!("the maximum is {most}; split the file"),
         )),
         false => Ok(()),

@@ -24,14 +24,19 @@ impl MaterialReader<'_, '_> {
 
     /// Reads a layer: its factors, and, if these do not disable it, its textures.
     fn layer(&mut self, layer: &Layer, json: &Value, material: &mut Material) {
+        if !json.is_object() {
+            self.note(format!("malformed {}; ignored", layer.extension));
+            return;
+        }
         (layer.add)(material);
         for factor in layer.factors {
             let value = self.factor(factor, json);
             (factor.set)(material, value);
-        }
-        if !(layer.is_visible)(material) {
-            (layer.remove)(material);
-            return;
+            // The first factor may disable the layer; the others have no effect then.
+            if !(layer.is_visible)(material) {
+                (layer.remove)(material);
+                return;
+            }
         }
         for role in layer.textures {
             self.layer_texture(*role, json, material);
@@ -39,7 +44,7 @@ impl MaterialReader<'_, '_> {
     }
 
     fn layer_texture(&mut self, role: TextureRole, json: &Value, material: &mut Material) {
-        if role.encoding() == Encoding::Normal {
+        if role == TextureRole::ClearcoatNormal {
             let normal = self.normal_slot(json, role.gltf_member());
             if let Some(coat) = &mut material.clearcoat {
                 coat.normal = normal;
@@ -62,7 +67,7 @@ impl MaterialReader<'_, '_> {
                 FactorValue::Color(color.map(|v| self.clamped(name, v, most)))
             }
             FactorValue::Angle(default) => {
-                FactorValue::Angle(self.member(json, name, as_number).map_or(default, f64::from))
+                FactorValue::Angle(self.member(json, name, as_angle).unwrap_or(default))
             }
         }
     }
@@ -89,7 +94,7 @@ impl MaterialReader<'_, '_> {
 
     /// Reads a member using `read`; returns `None` if it is absent, or malformed, which adds a warning.
     fn member<T>(&mut self, json: &Value, name: &str, read: impl FnOnce(&Value) -> Option<T>) -> Option<T> {
-        let value = json.get(name)?;
+        let value = json.get(name).filter(|value| !value.is_null())?;
         let read = read(value);
         if read.is_none() {
             self.note(format!("malformed {name}; ignored"));
@@ -99,7 +104,11 @@ impl MaterialReader<'_, '_> {
 }
 
 fn as_number(value: &Value) -> Option<f32> {
-    value.as_f64().map(|v| v as f32).filter(|v| v.is_finite())
+    value.as_f64().map(|v| v as f32)
+}
+
+fn as_angle(value: &Value) -> Option<f64> {
+    as_number(value).filter(|v| v.is_finite()).map(f64::from)
 }
 
 fn as_color(value: &Value) -> Option<[f32; 3]> {

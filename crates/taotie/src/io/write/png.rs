@@ -79,7 +79,7 @@ fn with_image<T>(
             let samples = interleaved(texels, channels);
             with(&PngImage { width, height, color, samples: PngSamples::U16(&samples), encoding })
         }
-        Texels::F32(_) => Err(Error::unsupported("float texels in PNG", "use 8 or 16 bits")),
+        Texels::F32(_) => Err(Error::unsupported("PNG with float texels", "use 8 or 16 bits")),
     }
 }
 

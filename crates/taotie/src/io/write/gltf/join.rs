@@ -152,7 +152,10 @@ fn append(all: &mut RawGltf, mut level: RawGltf) -> Result<usize> {
     if let Some(own) = variants(&level.json)
         && variants(&all.json).as_ref() != Some(&own)
     {
-        return Err(Error::unsupported("levels of detail with different variants", "use the same for all"));
+        return Err(Error::unsupported(
+            "joining levels of detail with different variants",
+            "use the same for all",
+        ));
     }
     strip_unshown(&mut level.json);
     for list in ["extensionsUsed", "extensionsRequired"] {
