@@ -24,6 +24,7 @@ fn renamed(old: &'static str, new: &str) -> Arg {
     Arg::new(old)
         .long(old)
         .hide(true)
+        .value_name("VALUE")
         .num_args(0..=1)
         .default_missing_value("")
         .value_parser(UnknownArgumentValueParser::suggest(format!("use `{new}` instead")))

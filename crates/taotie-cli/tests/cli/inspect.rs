@@ -92,9 +92,9 @@ fn layers_of_a_material() {
     place.taotie("inspect a.gltf").assert().success().stdout_eq(str![[r#"
 ...
   0  stone: base colour 0.5 0.25 0.125 1, metallic 0, roughness 0.75, mask at 0.25, double-sided, ior 1.25, specular factor 0.5, specular colour 1 0.5 2, clearcoat 0.75 with roughness 0.125 and normal map scale 0.25, anisotropy 0.5 at 90.0°, sheen 0.5 0.25 0 with roughness 0.5
+      normal            normals.png  192×192  8-bit RGB  linear  uv 0
       specular-color    normals.png  192×192  8-bit RGB  sRGB    uv 0
       clearcoat-normal  normals.png  192×192  8-bit RGB  linear  uv 0
-      normal            normals.png  192×192  8-bit RGB  linear  uv 0
 ...
 "#]]);
 }

@@ -8,11 +8,11 @@ use snapbox::str;
 fn earlier_options_name_their_replacement() {
     let place = Place::with("a.obj", TRIANGLE);
     place.taotie("bake a.obj -o a.glb --for web").assert().code(2).stderr_eq(str![[r#"
-error: unexpected argument '--for' found
+error: unexpected argument '--for [<VALUE>]' found
 
   tip: use `--preset` instead
 
-Usage: taotie bake --output <OUT> <HIGH>
+Usage: taotie bake [OPTIONS] --output <OUT> <HIGH>
 
 For more information, try '--help'.
 
