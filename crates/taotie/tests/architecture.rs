@@ -79,22 +79,28 @@ fn source() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
 }
 
-/// Returns every Rust file in `folder`, at any depth, except in folders named `target`; sorted.
-fn rust_files(folder: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    let mut waiting = vec![folder.to_path_buf()];
-    while let Some(folder) = waiting.pop() {
-        for entry in std::fs::read_dir(&folder).expect("the folder is readable") {
-            let path = entry.expect("the folder is readable").path();
-            match path.extension() {
-                _ if path.is_dir() => waiting.extend((!path.ends_with("target")).then_some(path)),
-                Some(extension) if extension == "rs" => found.push(path),
-                _ => {}
-            }
+/// Returns every file in `folder`, at any depth, except built and installed ones; sorted.
+fn files_in(folder: &Path) -> Vec<PathBuf> {
+    let is_made = |path: &Path| {
+        path.join("CACHEDIR.TAG").is_file() || path.ends_with("node_modules") || path.ends_with("__pycache__")
+    };
+    let (mut found, mut waiting) = (Vec::new(), vec![folder.to_path_buf()]);
+    while let Some(path) = waiting.pop() {
+        if path.is_file() {
+            found.push(path);
+        } else if !is_made(&path) {
+            let entries = std::fs::read_dir(&path).expect("the folder is readable");
+            waiting.extend(entries.map(|entry| entry.expect("the folder is readable").path()));
         }
     }
     found.sort();
     found
+}
+
+/// Returns every Rust file in `folder`.
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let files = files_in(folder).into_iter();
+    files.filter(|path| path.extension().is_some_and(|extension| extension == "rs")).collect()
 }
 
 /// Returns the module path of a file in `src`: `io/gltf/mod.rs` is `io`, `gltf`.
@@ -250,20 +256,9 @@ fn the_missing_layer_is_explained() {
     assert_eq!(module_of(Path::new("lib.rs")), Vec::<String>::new());
 }
 
-/// Returns the files of the crate's modules.
-fn files() -> cycles::Files {
-    let (source, mut files) = (source(), cycles::Files::default());
-    for file in rust_files(&source) {
-        let text = std::fs::read_to_string(&file).expect("the file is readable");
-        let module = module_of(file.strip_prefix(&source).expect("it lies below"));
-        files.add(&module, &text).expect("the file is Rust");
-    }
-    files
-}
-
 #[test]
 fn no_module_imports_itself_in_a_circle() {
-    let found: Vec<_> = files().cycles().into_iter().map(Vec::from_iter).collect();
+    let found: Vec<_> = figures::graph(&source()).cycles().into_iter().map(Vec::from_iter).collect();
     let excepted = |files: &[String]| CIRCLES.iter().any(|(circle, _)| circle.iter().eq(files));
     let faults = found.iter().filter(|files| !excepted(files)).map(|files| {
         format!("these files import one another; move what they share to a lower file: {}", files.join(", "))

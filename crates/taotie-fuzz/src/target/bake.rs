@@ -1,7 +1,7 @@
 //! A small bake: read, bake, write, read back, prove.
 
-use super::Subject;
 use super::promises::{Held, error_is_told_well, is_consistent, limits};
+use super::subject::Subject;
 use fastrand::Rng;
 use std::path::Path;
 use taotie::asset::{BakeOptions, Baker, Lod, MeshSource, Packing, RayDistance, Scan, VerifyOptions};

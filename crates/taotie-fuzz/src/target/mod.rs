@@ -4,12 +4,14 @@ mod bake;
 mod promises;
 mod read;
 mod render;
+mod subject;
+
+pub use subject::Subject;
 
 use crate::corpus::Seed;
 use clap::ValueEnum;
 use promises::Held;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 
 /// A reader, or a path that starts with one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize, Deserialize)]
@@ -43,17 +45,6 @@ pub enum Target {
     Bake,
     /// Read and render.
     Render,
-}
-
-/// A damaged file on disk.
-#[derive(Debug, Clone, Copy)]
-pub struct Subject<'a> {
-    /// The file.
-    pub path: &'a Path,
-    /// Its content.
-    pub bytes: &'a [u8],
-    /// The seed for the options of later steps.
-    pub variant: u64,
 }
 
 impl Target {

@@ -1,7 +1,7 @@
 //! The readers.
 
-use super::Subject;
 use super::promises::{Held, either, limits, load};
+use super::subject::Subject;
 use std::path::Path;
 use taotie::asset::{BakeOptions, Packing};
 use taotie::inspection::Inspection;

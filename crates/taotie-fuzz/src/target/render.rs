@@ -1,7 +1,7 @@
 //! A small render.
 
-use super::Subject;
 use super::promises::{Held, either, error_is_told_well, limits};
+use super::subject::Subject;
 use fastrand::Rng;
 use taotie::Result;
 use taotie::names::Named;

@@ -19,8 +19,6 @@ pub(crate) struct Factor {
     pub name: &'static str,
     /// The member of the extension's JSON.
     pub member: &'static str,
-    /// The value if the JSON lacks the member.
-    pub default: FactorValue,
     /// The largest value that glTF allows; the smallest is 0. Angles have no bounds.
     pub most: f32,
     /// Returns the value; `None` if the material lacks the layer.
@@ -33,7 +31,7 @@ pub(crate) struct Factor {
 pub(crate) struct Layer {
     /// The extension of glTF.
     pub extension: &'static str,
-    /// Adds the layer, without textures.
+    /// Adds the layer with the values that apply if the JSON lacks their members, without textures.
     pub add: fn(&mut Material),
     /// Removes the layer.
     pub remove: fn(&mut Material),
@@ -50,17 +48,29 @@ pub(crate) struct Layer {
 /// The layers, in the order in which they are written.
 pub(crate) const LAYERS: [Layer; 4] = [SPECULAR, CLEARCOAT, ANISOTROPY, SHEEN];
 
-/// A factor of the layer that `$layer` gives, an `Option` of a reference.
+/// A factor: its field, the name in messages, the member of the JSON, its kind and the largest value of glTF.
 macro_rules! factor {
-    ($name:literal, $member:literal, $kind:ident($default:expr), $most:expr, |$m:ident| $layer:expr, $layer_mut:expr, $field:ident) => {
+    (specular.$field:ident, $name:literal, $member:literal, $kind:ident, $most:expr) => {
         Factor {
             name: $name,
             member: $member,
-            default: FactorValue::$kind($default),
             most: $most,
-            get: |$m| $layer.map(|layer| FactorValue::$kind(layer.$field)),
-            set: |$m, value| {
-                if let (Some(layer), FactorValue::$kind(value)) = ($layer_mut, value) {
+            get: |material| Some(FactorValue::$kind(material.specular.$field)),
+            set: |material, value| {
+                if let FactorValue::$kind(value) = value {
+                    material.specular.$field = value;
+                }
+            },
+        }
+    };
+    ($layer:ident.$field:ident, $name:literal, $member:literal, $kind:ident, $most:expr) => {
+        Factor {
+            name: $name,
+            member: $member,
+            most: $most,
+            get: |material| material.$layer.as_ref().map(|layer| FactorValue::$kind(layer.$field)),
+            set: |material, value| {
+                if let (Some(layer), FactorValue::$kind(value)) = (&mut material.$layer, value) {
                     layer.$field = value;
                 }
             },
@@ -75,123 +85,47 @@ const SPECULAR: Layer = Layer {
     is_present: |m| m.specular != Specular::default(),
     is_visible: |_| true,
     factors: &[
-        factor!(
-            "specular factor",
-            "specularFactor",
-            Number(1.0),
-            1.0,
-            |m| Some(&m.specular),
-            Some(&mut m.specular),
-            factor
-        ),
-        factor!(
-            "specular colour",
-            "specularColorFactor",
-            Color([1.0; 3]),
-            Light::MOST,
-            |m| Some(&m.specular),
-            Some(&mut m.specular),
-            color
-        ),
+        factor!(specular.factor, "specular factor", "specularFactor", Number, 1.0),
+        factor!(specular.color, "specular colour", "specularColorFactor", Color, Light::MOST),
     ],
     textures: &[TextureRole::Specular, TextureRole::SpecularColor],
 };
 
 const CLEARCOAT: Layer = Layer {
     extension: "KHR_materials_clearcoat",
-    add: |m| {
-        let plain = Clearcoat {
-            factor: 0.0,
-            factor_texture: None,
-            roughness: 0.0,
-            roughness_texture: None,
-            normal: None,
-        };
-        m.clearcoat = Some(plain);
-    },
+    add: |m| m.clearcoat = Some(Clearcoat::default()),
     remove: |m| m.clearcoat = None,
     is_present: |m| m.clearcoat.is_some(),
     is_visible: |m| m.clearcoat.is_some_and(|coat| coat.factor > 0.0),
     factors: &[
-        factor!(
-            "clearcoat factor",
-            "clearcoatFactor",
-            Number(0.0),
-            1.0,
-            |m| m.clearcoat.as_ref(),
-            m.clearcoat.as_mut(),
-            factor
-        ),
-        factor!(
-            "clearcoat roughness",
-            "clearcoatRoughnessFactor",
-            Number(0.0),
-            1.0,
-            |m| m.clearcoat.as_ref(),
-            m.clearcoat.as_mut(),
-            roughness
-        ),
+        factor!(clearcoat.factor, "clearcoat factor", "clearcoatFactor", Number, 1.0),
+        factor!(clearcoat.roughness, "clearcoat roughness", "clearcoatRoughnessFactor", Number, 1.0),
     ],
     textures: &[TextureRole::Clearcoat, TextureRole::ClearcoatRoughness, TextureRole::ClearcoatNormal],
 };
 
 const ANISOTROPY: Layer = Layer {
     extension: "KHR_materials_anisotropy",
-    add: |m| m.anisotropy = Some(Anisotropy { strength: 0.0, rotation: 0.0, texture: None }),
+    add: |m| m.anisotropy = Some(Anisotropy::default()),
     remove: |m| m.anisotropy = None,
     is_present: |m| m.anisotropy.is_some(),
     is_visible: |m| m.anisotropy.is_some_and(|anisotropy| anisotropy.strength > 0.0),
     factors: &[
-        factor!(
-            "anisotropy strength",
-            "anisotropyStrength",
-            Number(0.0),
-            1.0,
-            |m| m.anisotropy.as_ref(),
-            m.anisotropy.as_mut(),
-            strength
-        ),
-        factor!(
-            "anisotropy rotation",
-            "anisotropyRotation",
-            Angle(0.0),
-            f32::MAX,
-            |m| m.anisotropy.as_ref(),
-            m.anisotropy.as_mut(),
-            rotation
-        ),
+        factor!(anisotropy.strength, "anisotropy strength", "anisotropyStrength", Number, 1.0),
+        factor!(anisotropy.rotation, "anisotropy rotation", "anisotropyRotation", Angle, f32::MAX),
     ],
     textures: &[TextureRole::Anisotropy],
 };
 
 const SHEEN: Layer = Layer {
     extension: "KHR_materials_sheen",
-    add: |m| {
-        m.sheen =
-            Some(Sheen { color: [0.0; 3], color_texture: None, roughness: 0.0, roughness_texture: None })
-    },
+    add: |m| m.sheen = Some(Sheen::default()),
     remove: |m| m.sheen = None,
     is_present: |m| m.sheen.is_some(),
     is_visible: |m| m.sheen.is_some_and(|sheen| sheen.color != [0.0; 3]),
     factors: &[
-        factor!(
-            "sheen colour",
-            "sheenColorFactor",
-            Color([0.0; 3]),
-            1.0,
-            |m| m.sheen.as_ref(),
-            m.sheen.as_mut(),
-            color
-        ),
-        factor!(
-            "sheen roughness",
-            "sheenRoughnessFactor",
-            Number(0.0),
-            1.0,
-            |m| m.sheen.as_ref(),
-            m.sheen.as_mut(),
-            roughness
-        ),
+        factor!(sheen.color, "sheen colour", "sheenColorFactor", Color, 1.0),
+        factor!(sheen.roughness, "sheen roughness", "sheenRoughnessFactor", Number, 1.0),
     ],
     textures: &[TextureRole::SheenColor, TextureRole::SheenRoughness],
 };
@@ -209,7 +143,13 @@ mod tests {
             (layer.add)(&mut material);
             for factor in layer.factors {
                 assert!(members.insert(factor.member), "{}", factor.member);
-                assert_eq!((factor.get)(&material), Some(factor.default), "{}", factor.member);
+                let is_zero = |value| match value {
+                    FactorValue::Number(number) => number == 0.0,
+                    FactorValue::Color(color) => color == [0.0; 3],
+                    FactorValue::Angle(angle) => angle == 0.0,
+                };
+                let default = (factor.get)(&material).expect("the layer was added");
+                assert_eq!(is_zero(default), layer.extension != SPECULAR.extension, "{}", factor.member);
             }
             for role in layer.textures {
                 assert!(members.insert(role.gltf_member()), "{role:?}");

@@ -163,7 +163,7 @@ impl Default for Specular {
 }
 
 /// A clearcoat over the surface: KHR_materials_clearcoat.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Clearcoat {
     /// The share of the surface that it covers, [0, 1].
     pub factor: f32,
@@ -178,7 +178,7 @@ pub struct Clearcoat {
 }
 
 /// Anisotropic highlights, wider along one direction: KHR_materials_anisotropy.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Anisotropy {
     /// [0, 1].
     pub strength: f32,
@@ -189,7 +189,7 @@ pub struct Anisotropy {
 }
 
 /// Sheen, the reflection of upright fibres on the surface: KHR_materials_sheen.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sheen {
     /// Linear RGB, [0, 1].
     pub color: [f32; 3],

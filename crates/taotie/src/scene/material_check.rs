@@ -21,10 +21,8 @@ impl Material {
                 UvTransform::MOST
             ));
         }
-        let fractions = [self.fractions(), self.layer_factors(false)].concat();
-        within(&fractions, "between 0 and 1", |v| (0.0..=1.0).contains(&v))?;
-        let amounts = [self.amounts(), self.layer_factors(true)].concat();
-        within(&amounts, "between 0 and 1e12", |v| (0.0..=Light::MOST).contains(&v))?;
+        within(&self.fractions(), "between 0 and 1", |v| (0.0..=1.0).contains(&v))?;
+        within(&self.amounts(), "between 0 and 1e12", |v| (0.0..=Light::MOST).contains(&v))?;
         within(&self.numbers(), "finite", f32::is_finite)?;
         within(&[("ior", self.ior)], "0, or at least 1", |v| v == 0.0 || (1.0..=f32::MAX).contains(&v))?;
         let slope = self.classic.slope.unwrap_or(1.0);
@@ -32,23 +30,22 @@ impl Material {
     }
 
     fn fractions(&self) -> Vec<Factor> {
-        vec![
+        let mut factors = vec![
             ("metallic", self.metallic),
             ("roughness", self.roughness),
             ("occlusion strength", self.occlusion_strength),
-        ]
+        ];
+        factors.extend(self.layer_factors().filter_map(|(name, value)| match value {
+            FactorValue::Number(number) => Some((name, number)),
+            _ => None,
+        }));
+        factors
     }
 
-    /// The factors of all layers: numbers, or amounts.
-    fn layer_factors(&self, amounts: bool) -> Vec<Factor> {
+    /// Returns the factors of all layers of the material.
+    fn layer_factors(&self) -> impl Iterator<Item = (&'static str, FactorValue)> {
         let factors = LAYERS.iter().flat_map(|layer| layer.factors);
-        let values = factors.filter_map(|factor| Some((factor.name, (factor.get)(self)?)));
-        let flat = |(name, value)| match value {
-            FactorValue::Number(number) if !amounts => vec![(name, number)],
-            FactorValue::Color(color) if amounts => color.map(|v| (name, v)).to_vec(),
-            _ => Vec::new(),
-        };
-        values.flat_map(flat).collect()
+        factors.filter_map(|factor| Some((factor.name, (factor.get)(self)?)))
     }
 
     fn amounts(&self) -> Vec<Factor> {
@@ -61,9 +58,13 @@ impl Material {
             ("diffuse", classic.diffuse),
             ("specular", classic.specular),
         ];
+        let of_layers = self.layer_factors().filter_map(|(name, value)| match value {
+            FactorValue::Color(color) => Some((name, Some(color))),
+            _ => None,
+        });
         let channels =
             |(name, color): (_, Option<[f32; 3]>)| color.into_iter().flatten().map(move |v| (name, v));
-        let mut factors: Vec<Factor> = colors.into_iter().flat_map(channels).collect();
+        let mut factors: Vec<Factor> = colors.into_iter().chain(of_layers).flat_map(channels).collect();
         factors.extend(self.base_color.map(|v| ("base colour", v)));
         factors.extend(classic.shininess.map(|v| ("shininess", v)));
         if let AlphaMode::Mask(cutoff) = self.alpha {

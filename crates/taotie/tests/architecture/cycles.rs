@@ -6,7 +6,7 @@ use syn::visit::Visit;
 use syn::{Item, ItemMod, ItemUse, Macro, UseTree, Visibility};
 
 /// A path of names from the crate's root.
-type Path = Vec<String>;
+pub type Path = Vec<String>;
 
 /// The files of a crate: modules by path.
 #[derive(Default)]
@@ -165,23 +165,29 @@ impl Visit<'_> for ImportReader {
 }
 
 impl ImportReader {
-    /// Returns the path from the crate's root; `None` if it lies in another crate.
+    /// Returns the path from the crate's root; `None` for paths into another crate.
     fn absolute(&self, path: &[String]) -> Option<Path> {
-        let (first, rest) = path.split_first()?;
-        let ups = path.iter().take_while(|name| *name == "super").count();
-        let (home, rest) = match first.as_str() {
-            "crate" => (&[][..], rest),
-            "self" => (&self.module[..], rest),
-            "super" => (&self.module[..self.module.len().checked_sub(ups)?], &path[ups..]),
-            child if self.children.contains(child) => (&self.module[..], path),
-            _ => return None,
-        };
-        Some(home.iter().chain(rest).cloned().collect())
+        match path.first() {
+            Some(child) if self.children.contains(child) => Some([&self.module[..], path].concat()),
+            _ => from_root(&self.module, path),
+        }
     }
 }
 
+/// Returns the path from the crate's root of one that starts with `crate`, `self` or `super` in `module`.
+pub fn from_root(module: &[String], path: &[String]) -> Option<Path> {
+    let ups = path.iter().take_while(|name| *name == "super").count();
+    let (home, rest) = match path.first()?.as_str() {
+        "crate" => (&[][..], &path[1..]),
+        "self" => (module, &path[1..]),
+        "super" => (&module[..module.len().checked_sub(ups)?], &path[ups..]),
+        _ => return None,
+    };
+    Some([home, rest].concat())
+}
+
 /// Collects the paths named by a tree of imports, with the names that they get.
-fn leaves(tree: &UseTree, before: &mut Path, found: &mut Vec<(Path, String)>) {
+pub fn leaves(tree: &UseTree, before: &mut Path, found: &mut Vec<(Path, String)>) {
     let mut leaf = |name: String, given: String| {
         let mut path = before.clone();
         path.extend((name != "self").then_some(name));

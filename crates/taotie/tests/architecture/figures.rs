@@ -4,7 +4,7 @@ use super::cycles::Files;
 use super::english;
 use super::exceptions::RECORDED;
 use super::public_names::Exports;
-use super::{module_of, rust_files, source};
+use super::{files_in, module_of, rust_files, source};
 use regex::Regex;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -29,20 +29,11 @@ fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|why| panic!("{}: {why}", path.display()))
 }
 
-/// Every file below the folders, except built and installed ones.
-fn files_below(folders: &[&str]) -> Vec<PathBuf> {
-    let (mut found, mut waiting) = (Vec::new(), folders.iter().map(|f| root().join(f)).collect::<Vec<_>>());
-    while let Some(path) = waiting.pop() {
-        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        if path.is_file() {
-            found.push(path);
-        } else if !["target", "node_modules", "__pycache__", ".git"].contains(&name.as_str()) {
-            let entries = std::fs::read_dir(&path).expect("the folder is readable");
-            waiting.extend(entries.map(|entry| entry.expect("the folder is readable").path()));
-        }
-    }
-    found.sort();
-    found
+/// Every file of some files and folders of the repository; sorted.
+fn files_below(parts: &[&str]) -> Vec<PathBuf> {
+    let mut files: Vec<_> = parts.iter().flat_map(|part| files_in(&root().join(part))).collect();
+    files.sort();
+    files
 }
 
 /// The source folders of all crates.
@@ -69,15 +60,14 @@ fn mentions(word: &str) -> usize {
     production().iter().filter(|path| read(path).to_lowercase().contains(word)).count()
 }
 
-/// Lines of code in a source text: neither blank, nor comments, nor tests.
-fn code_lines(text: &str) -> usize {
-    let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-    code.lines().filter(|line| !line.trim().is_empty() && !line.trim_start().starts_with("//")).count()
+/// Lines of code in a file: neither blank, nor comments, nor tests.
+fn code_lines(path: &Path) -> usize {
+    code(path).lines().filter(|line| !line.trim().is_empty() && !line.trim_start().starts_with("//")).count()
 }
 
 /// Lines of code in the median file of the library.
 fn median_lines() -> usize {
-    let mut lines: Vec<usize> = rust_files(&source()).iter().map(|path| code_lines(&read(path))).collect();
+    let mut lines: Vec<usize> = rust_files(&source()).iter().map(|path| code_lines(path)).collect();
     lines.sort_unstable();
     lines[lines.len() / 2]
 }
@@ -138,7 +128,7 @@ fn shader_lines() -> usize {
 }
 
 /// The crate below a source folder.
-fn graph(folder: &Path) -> Files {
+pub fn graph(folder: &Path) -> Files {
     let mut files = Files::default();
     for file in rust_files(folder) {
         let module = module_of(file.strip_prefix(folder).expect("it is below the folder"));
@@ -166,8 +156,7 @@ fn import_cycles() -> Vec<BTreeSet<String>> {
 fn script_cycles(folder: &Path, kind: &str, pattern: &str) -> Vec<BTreeSet<String>> {
     let pattern = Regex::new(pattern).expect("the pattern is valid");
     let mut files = Files::default();
-    let paths = files_below(&[&folder.strip_prefix(root()).expect("it is below the root").to_string_lossy()]);
-    for path in paths.iter().filter(|path| path.extension().is_some_and(|found| found == kind)) {
+    for path in files_in(folder).iter().filter(|path| path.extension().is_some_and(|found| found == kind)) {
         let name = path.file_stem().expect("it has a name").to_string_lossy().into_owned();
         let text = read(path);
         let imports = pattern.captures_iter(&text).flat_map(|import| match &import[1] {
@@ -179,7 +168,10 @@ fn script_cycles(folder: &Path, kind: &str, pattern: &str) -> Vec<BTreeSet<Strin
     files.cycles()
 }
 
-fn exports() -> BTreeMap<Vec<String>, BTreeSet<String>> {
+/// The library's exported names by origin, each with the paths that lead to it.
+type Names = BTreeMap<Vec<String>, BTreeSet<String>>;
+
+fn exports() -> Names {
     let mut exports = Exports::default();
     for file in rust_files(&source()) {
         let module = module_of(file.strip_prefix(source()).expect("it is below the folder"));
@@ -189,19 +181,15 @@ fn exports() -> BTreeMap<Vec<String>, BTreeSet<String>> {
 }
 
 /// Exported names that nothing outside the library uses: neither another crate, nor a test, example or benchmark.
-fn unused_names() -> Vec<String> {
+fn unused_names(all: &Names) -> Vec<String> {
     let library = source().canonicalize().expect("it exists");
     let others = files_below(&["crates", "xtask"]).into_iter();
-    let others = others
-        .filter(|path| path.extension().is_some_and(|kind| kind == "rs") && !path.starts_with(&library));
-    let words: BTreeSet<String> = others
-        .flat_map(|path| {
-            let text = read(&path);
-            text.split(|c: char| !c.is_alphanumeric() && c != '_').map(str::to_owned).collect::<Vec<_>>()
-        })
-        .collect();
-    let unused =
-        exports().into_keys().filter(|origin| origin.last().is_some_and(|name| !words.contains(name)));
+    let is_user =
+        |path: &PathBuf| path.extension().is_some_and(|kind| kind == "rs") && !path.starts_with(&library);
+    let texts: Vec<String> = others.filter(is_user).map(|path| read(&path)).collect();
+    let words: BTreeSet<&str> =
+        texts.iter().flat_map(|text| text.split(|c: char| !c.is_alphanumeric() && c != '_')).collect();
+    let unused = all.keys().filter(|origin| origin.last().is_some_and(|name| !words.contains(name.as_str())));
     unused.map(|origin| origin.join("::")).collect()
 }
 
@@ -215,11 +203,11 @@ fn phrases() -> Vec<String> {
     let pages = ["ARCHITECTURE.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md"];
     let files = files_below(&[&folders[..], &pages[..]].concat());
     let in_file = |path: PathBuf| {
-        let name = path.strip_prefix(root()).expect("it is below the root").display().to_string();
+        let name = below_root(&path);
         let found = english::phrases(&read(&path)).into_iter();
         found.map(move |(line, phrase, advice)| format!("{name}:{line}: `{phrase}`: {advice}"))
     };
-    files.into_iter().filter(|path| english::is_prose(path)).flat_map(in_file).collect()
+    files.into_iter().filter(|path| english::is_prose(&below_root(path))).flat_map(in_file).collect()
 }
 
 /// Every figure: its name, its value, and its target. All but the median are better if smaller.
@@ -256,7 +244,7 @@ fn measured() -> Vec<(&'static str, usize, usize)> {
         ("import cycles", import_cycles().len(), 0),
         ("public names", all.len(), 150),
         ("names exported from two modules", all.values().filter(|paths| paths.len() > 1).count(), 0),
-        ("public names that are unused elsewhere", unused_names().len(), 0),
+        ("public names that are unused elsewhere", unused_names(&all).len(), 0),
         ("byte constants of memory estimates", count_matches(&memory, r"const [A-Z_]+: (?:u64|usize)"), 12),
         ("words in ARCHITECTURE.md", words("ARCHITECTURE.md"), 2000),
         ("words in CHANGELOG.md", words("CHANGELOG.md"), 800),
@@ -296,7 +284,7 @@ fn figures_reach_their_targets_or_improve() {
         phrases().iter().for_each(|phrase| println!("{phrase}"));
     }
     if faults.iter().any(|fault| fault.contains("unused elsewhere")) {
-        unused_names().iter().for_each(|name| println!("unused elsewhere: {name}"));
+        unused_names(&exports()).iter().for_each(|name| println!("unused elsewhere: {name}"));
     }
     if faults.iter().any(|fault| fault.contains("import cycles")) {
         import_cycles().iter().for_each(|cycle| println!("import cycle: {cycle:?}"));

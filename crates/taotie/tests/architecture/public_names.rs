@@ -1,10 +1,8 @@
 //! Lists the names that a crate exports: the items of its public modules, under every path that leads to them.
 
+use super::cycles::{Path, from_root, leaves};
 use std::collections::{BTreeMap, BTreeSet};
-use syn::{Item, UseTree, Visibility};
-
-/// A path of names from the crate's root.
-type Path = Vec<String>;
+use syn::{Item, Visibility};
 
 /// The items of a crate by module.
 #[derive(Default)]
@@ -28,12 +26,12 @@ impl Exports {
     }
 
     fn read(&mut self, module: &[String], items: &[Item]) {
-        let mut found = Module::default();
+        let (mut found, mut doors) = (Module::default(), Vec::new());
         for item in items {
             if let Item::Use(item) = item
                 && is_public(&item.vis)
             {
-                leaves(&item.tree, &mut Vec::new(), &mut found.doors);
+                leaves(&item.tree, &mut Vec::new(), &mut doors);
             }
             let Some((name, visibility)) = declared(item) else { continue };
             if !is_public(visibility) {
@@ -44,8 +42,8 @@ impl Exports {
                 _ => found.items.insert(name),
             };
         }
-        let absolute = |(name, path): (String, Path)| (name, absolute(module, &path));
-        found.doors = found.doors.into_iter().map(absolute).collect();
+        let absolute = |path: Path| from_root(module, &path).unwrap_or_else(|| [module, &path].concat());
+        found.doors = doors.into_iter().map(|(path, name)| (name, absolute(path))).collect();
         self.0.insert(module.to_vec(), found);
     }
 
@@ -110,32 +108,4 @@ fn declared(item: &Item) -> Option<(String, &Visibility)> {
         _ => return None,
     };
     Some((name.to_string(), visibility))
-}
-
-/// The path of a re-export from the crate's root.
-fn absolute(module: &[String], path: &[String]) -> Path {
-    let ups = path.iter().take_while(|name| *name == "super").count();
-    match path.first().map(String::as_str) {
-        Some("crate") => path[1..].to_vec(),
-        Some("self") => module.iter().chain(&path[1..]).cloned().collect(),
-        Some("super") => {
-            module[..module.len().saturating_sub(ups)].iter().chain(&path[ups..]).cloned().collect()
-        }
-        _ => module.iter().chain(path).cloned().collect(),
-    }
-}
-
-fn leaves(tree: &UseTree, before: &mut Path, found: &mut Vec<(String, Path)>) {
-    let mut leaf = |name: String, given: String| found.push((given, child(before, &name)));
-    match tree {
-        UseTree::Path(path) => {
-            before.push(path.ident.to_string());
-            leaves(&path.tree, before, found);
-            before.pop();
-        }
-        UseTree::Name(name) => leaf(name.ident.to_string(), name.ident.to_string()),
-        UseTree::Rename(rename) => leaf(rename.ident.to_string(), rename.rename.to_string()),
-        UseTree::Glob(_) => found.push(("*".into(), before.clone())),
-        UseTree::Group(group) => group.items.iter().for_each(|tree| leaves(tree, before, found)),
-    }
 }

@@ -82,3 +82,16 @@ pub(super) fn check_extensions(path: &Path, root: &Root, warnings: &mut Warnings
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::LAYERS;
+
+    #[test]
+    fn every_layer_of_a_material_is_supported() {
+        let unknown: Vec<_> =
+            LAYERS.iter().map(|layer| layer.extension).filter(|name| !is_known(name)).collect();
+        assert!(unknown.is_empty(), "{unknown:?}");
+    }
+}

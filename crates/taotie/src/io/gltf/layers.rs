@@ -30,8 +30,10 @@ impl MaterialReader<'_, '_> {
         }
         (layer.add)(material);
         for factor in layer.factors {
-            let value = self.factor(factor, json);
-            (factor.set)(material, value);
+            if let Some(default) = (factor.get)(material) {
+                let value = self.factor(factor, default, json);
+                (factor.set)(material, value);
+            }
             // The first factor may disable the layer; the others have no effect then.
             if !(layer.is_visible)(material) {
                 (layer.remove)(material);
@@ -55,9 +57,9 @@ impl MaterialReader<'_, '_> {
     }
 
     /// Reads a factor, clamped to its range.
-    fn factor(&mut self, factor: &Factor, json: &Value) -> FactorValue {
+    fn factor(&mut self, factor: &Factor, default: FactorValue, json: &Value) -> FactorValue {
         let Factor { member: name, most, .. } = *factor;
-        match factor.default {
+        match default {
             FactorValue::Number(default) => {
                 let value = self.member(json, name, as_number).unwrap_or(default);
                 FactorValue::Number(self.clamped(name, value, most))

@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 
 /// The extension of emission beyond 1.
 pub(super) const STRENGTH: &str = "KHR_materials_emissive_strength";
+
 /// The default index of refraction of materials.
 const IOR: f32 = 1.5;
 

@@ -1,5 +1,5 @@
-//! Material layers as extensions: index of refraction, unlit, and those of [`LAYERS`]. Their
-//! factors come from [`layers::factors`]; their textures are added here.
+//! Material layers as extensions: index of refraction, unlit, and those of [`LAYERS`]. Their factors come from
+//! [`layers::factors`]; their textures are added here.
 
 use super::super::layers;
 use super::materials::Extensions;
