@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use taotie::image::{Encoding, Texels};
-use taotie::io::{PngColor, PngImage, PngSamples, read_bitmap, write_png};
+use taotie_engine::image::{Encoding, Texels};
+use taotie_io::{PngColor, PngImage, PngSamples, read_bitmap, write_png};
 
 /// Files that should be on disk.
 #[derive(Default)]

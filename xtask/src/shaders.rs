@@ -4,10 +4,12 @@ use crate::generated::{Content, Generated};
 use anyhow::Result;
 use std::collections::BTreeMap;
 use std::path::Path;
-use taotie::image::Sampler;
-use taotie::scene::{GreenChannel, HeightMap, Material, NormalMap, NormalSpace, TextureRef, UvTransform};
-use taotie::shade::Shading;
-use taotie::surface::SurfaceMethod;
+use taotie_engine::image::Sampler;
+use taotie_engine::scene::{
+    GreenChannel, HeightMap, Material, NormalMap, NormalSpace, TextureRef, UvTransform,
+};
+use taotie_engine::shade::Shading;
+use taotie_engine::surface::SurfaceMethod;
 use taotie_shader::{Language, PixelShader, Variant, VariantOptions, pixel_shader};
 
 /// Returns the files of `docs/shaders`.

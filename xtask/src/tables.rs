@@ -4,19 +4,20 @@ use crate::generated::{Content, Generated};
 use rayon::prelude::*;
 use std::fmt::Write;
 use std::path::Path;
-use taotie::shade::dfg::{COLUMNS, ROWS, column_cosine, integrate, row_roughness};
+use taotie_engine::shade::dfg::{COLUMNS, ROWS, column_cosine, integrate, row_roughness};
 
-/// Returns the files with tables in `crates/taotie/src/shade/dfg`.
+/// Returns the file with the tables in `crates/taotie/src/shade/dfg`.
 pub fn generated(root: &Path) -> Generated {
-    let folder = root.join("crates/taotie/src/shade/dfg");
     let slope = |roughness: f64| roughness * roughness;
-    let files = [
-        ("ggx.rs", source("GGX", &table(integrate::ggx))),
-        ("cook_torrance.rs", source("Cook-Torrance", &table(|v, r| integrate::cook_torrance(v, slope(r))))),
-        ("sheen.rs", source("Sheen", &table(|v, r| [integrate::sheen(v, r)]))),
+    let tables = [
+        source("GGX", "GGX", &table(integrate::ggx)),
+        source("COOK_TORRANCE", "Cook-Torrance", &table(|v, r| integrate::cook_torrance(v, slope(r)))),
+        source("SHEEN", "Sheen", &table(|v, r| [integrate::sheen(v, r)])),
     ];
-    let files = files.map(|(name, text)| (folder.join(name), Content::Text(text))).into();
-    Generated { files, folder: None }
+    let header = "//! Tables of directional albedos. Made by `cargo run -p xtask -- tables`: do not edit.\n";
+    let file = root.join("crates/taotie/src/shade/dfg/albedos.rs");
+    let text = header.to_owned() + &tables.concat();
+    Generated { files: [(file, Content::Text(text))].into(), folder: None }
 }
 
 /// Returns a table with rows of ascending roughness, each with ascending n·v.
@@ -25,12 +26,13 @@ fn table<const N: usize>(numbers: impl Fn(f64, f64) -> [f64; N] + Sync) -> Vec<[
     (0..COLUMNS * ROWS).into_par_iter().map(node).collect()
 }
 
-fn source<const N: usize>(lobe: &str, table: &[[f64; N]]) -> String {
+/// Returns the source of the static `name`, the table of a `lobe`.
+fn source<const N: usize>(name: &str, lobe: &str, table: &[[f64; N]]) -> String {
     let mut text = format!(
-        "//! {lobe}'s table. Made by `cargo run -p xtask -- tables`: do not edit.\n\n\
-         use super::{{COLUMNS, ROWS}};\n\n\
+        "\n/// {lobe}'s table.\n\
          #[rustfmt::skip]\n\
-         pub(super) static TABLE: [[f32; {N}]; COLUMNS * ROWS] = [\n"
+         pub(super) static {name}: [[f32; {N}]; {}] = [\n",
+        COLUMNS * ROWS
     );
     for row in table.chunks(COLUMNS) {
         let nodes: Vec<String> = row.iter().map(|node| entry(node)).collect();

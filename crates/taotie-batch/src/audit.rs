@@ -5,8 +5,8 @@ use crate::driver::{Worker, nonempty, remake};
 use crate::manifest::History;
 use crate::record::{OUTDATED, Part, Record};
 use crate::store::Store;
-use taotie::Result;
-use taotie::io::sha256;
+use taotie_engine::Result;
+use taotie_io::sha256;
 
 /// How thorough an audit is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,7 +41,7 @@ pub struct Audit {
 /// returns true to go on.
 ///
 /// # Errors
-/// [`taotie::Error::Cancelled`]; those of the manifest.
+/// [`taotie_engine::Error::Cancelled`]; those of the manifest.
 pub fn audit(
     collection: &Collection,
     options: &AuditOptions,
@@ -54,7 +54,7 @@ pub fn audit(
     let mut audit = Audit { assets: made.len(), ..Audit::default() };
     for (index, record) in made.iter().enumerate() {
         if !hear(index as f64 / made.len() as f64) {
-            return Err(taotie::Error::Cancelled);
+            return Err(taotie_engine::Error::Cancelled);
         }
         if !record.is_current() {
             audit.note(record, OUTDATED.into());

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 use taotie::asset::Limits;
-use taotie::io::{load_model_within, sha256};
-use taotie::{Error, Result};
+use taotie_engine::{Error, Result};
+use taotie_io::{load_model_within, sha256};
 
 /// A file that an asset is made from.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use std::fs::{self, File, TryLockError};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use taotie::io::read_bytes;
-use taotie::{Error, Result, Warnings};
+use taotie_engine::{Error, Result, Warnings};
+use taotie_io::read_bytes;
 
 /// The part of a collection that one call works on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,8 +4,8 @@ use crate::record::{FileEntry, Part, SCHEMA, ShortFigures};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-use taotie::Result;
 use taotie::asset::{Figures, Warning};
+use taotie_engine::Result;
 
 /// The description stored with an object.
 pub trait Object: Serialize + DeserializeOwned {

@@ -5,9 +5,9 @@ use crate::manifest::History;
 use crate::record::{OUTDATED, Record, ShortFigures};
 use crate::store::Store;
 use std::path::PathBuf;
-use taotie::Result;
 use taotie::asset::RequirementOutcome;
-use taotie::io::FileSet;
+use taotie_engine::Result;
+use taotie_io::FileSet;
 use taotie_report::collection_page::{self, Entry, Gallery};
 
 /// Writes `index.html`, `collection.json` and the IIIF manifest of a collection; returns their paths.

@@ -3,9 +3,9 @@
 use crate::input::InputFile;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use taotie::Result;
 use taotie::asset::{Figures, Requirement, RequirementOutcome, Warning};
-use taotie::io::{file_size, sha256};
+use taotie_engine::Result;
+use taotie_io::{file_size, sha256};
 
 /// The version of records and of the figures they are judged by. Assets whose record or figures have a different
 /// version are judged again.
@@ -149,8 +149,9 @@ impl ShortFigures {
     pub fn of(figures: &Figures) -> Self {
         let finest = figures.finest();
         let angles = finest.and_then(|finest| finest.overview.angles);
-        let angle =
-            |of: fn(&taotie::compare::Summary) -> f64| angles.as_ref().map(|angles| of(&angles.summary));
+        let angle = |of: fn(&taotie_engine::compare::Summary) -> f64| {
+            angles.as_ref().map(|angles| of(&angles.summary))
+        };
         Self {
             bytes_in: figures.bytes_in,
             bytes_out: figures.bytes_out,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use taotie::asset::{BakeOptions, MeshSource, Packing, RayDistance, Requirement, ScanOptions, VerifyOptions};
-use taotie::{Error, Result};
+use taotie_engine::{Error, Result};
 
 /// The files to make from a scan, and the requirements on them.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]

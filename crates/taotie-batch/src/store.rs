@@ -6,8 +6,8 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::fs;
 use std::path::{Path, PathBuf};
-use taotie::io::{FileSet, read_bytes};
-use taotie::{Error, Result};
+use taotie_engine::{Error, Result};
+use taotie_io::{FileSet, read_bytes};
 
 /// The file that marks an object as complete: it is written last.
 const RESULT: &str = "object.json";

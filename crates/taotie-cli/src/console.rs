@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use taotie::Warnings;
+use taotie_engine::Warnings;
 
 /// Writes a result line to stdout, replacing control characters, which may come from files and their names, except
 /// line ends.
@@ -94,7 +94,7 @@ pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
 
 fn io_error<'e>(error: &'e (dyn std::error::Error + 'static)) -> Option<&'e io::Error> {
     match error.downcast_ref() {
-        Some(taotie::Error::Io { cause, .. }) => Some(cause),
+        Some(taotie_engine::Error::Io { cause, .. }) => Some(cause),
         _ => error.downcast_ref(),
     }
 }
@@ -147,7 +147,7 @@ impl Bar {
         bar.set_position((fraction * STEPS as f64) as u64);
     }
 
-    /// Shows the fraction done and lets the work continue: the listener of a [`taotie::Progress`].
+    /// Shows the fraction done and lets the work continue: the listener of a [`taotie_engine::Progress`].
     pub fn hear(&self, fraction: f64) -> bool {
         self.set(fraction);
         true
@@ -183,7 +183,7 @@ mod tests {
     #[test]
     fn no_cause_is_told_twice() {
         let refused = io::Error::new(io::ErrorKind::NotFound, "not there");
-        let error = anyhow::Error::from(taotie::Error::io("a.obj", refused)).context("reading");
+        let error = anyhow::Error::from(taotie_engine::Error::io("a.obj", refused)).context("reading");
         assert_eq!(causes(&error), "reading: a.obj: not there");
         assert_eq!(causes(&anyhow!("single")), "single");
     }
@@ -204,7 +204,8 @@ mod tests {
     fn a_reader_that_went_away_is_recognised_in_both_kinds_of_error() {
         let refused = |kind| io::Error::new(kind, "refused");
         let plain = |kind| anyhow::Error::from(refused(kind)).context("writing");
-        let ours = |kind| anyhow::Error::from(taotie::Error::io("a.png", refused(kind))).context("writing");
+        let ours =
+            |kind| anyhow::Error::from(taotie_engine::Error::io("a.png", refused(kind))).context("writing");
         assert!(is_broken_pipe(&plain(io::ErrorKind::BrokenPipe)));
         assert!(is_broken_pipe(&ours(io::ErrorKind::BrokenPipe)));
         assert!(!is_broken_pipe(&plain(io::ErrorKind::NotFound)));

@@ -5,9 +5,9 @@ use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
-use taotie::math::Vec3;
-use taotie::scene::{Material, PRESETS, Preset, preset};
-use taotie::shade::fresnel::{COS_82, f_schlick};
+use taotie_engine::math::Vec3;
+use taotie_engine::scene::{Material, PRESETS, Preset, preset};
+use taotie_engine::shade::fresnel::{COS_82, f_schlick};
 use taotie_report::swatches;
 use taotie_report::table::Table;
 

@@ -2,11 +2,11 @@
 
 use anyhow::anyhow;
 use std::fmt::Display;
-use taotie::Error;
 use taotie::asset::{AUTO_SIZE, Bytes};
-use taotie::math::Vec3;
-use taotie::names::Named;
 use taotie::studio::parse;
+use taotie_engine::Error;
+use taotie_engine::math::Vec3;
+use taotie_engine::names::Named;
 
 /// Parses a value by its name, ignoring spaces around it in a list; the error lists the names.
 pub fn named<T: Named>(value: &str) -> Result<T, String> {
@@ -24,7 +24,7 @@ pub fn size(value: &str) -> Result<[u32; 2], String> {
     let (width, height) = value.split_once(['x', 'X', '×']).unwrap_or((value, value));
     let side = |text: &str| text.trim().parse::<u32>().map_err(|_| wrong());
     let (width, height) = (side(width)?, side(height)?);
-    taotie::image::Image::check_size(width, height).map_err(|error| error.to_string())?;
+    taotie_engine::image::Image::check_size(width, height).map_err(|error| error.to_string())?;
     Ok([width, height])
 }
 
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn spaces_around_the_words_of_a_list_do_not_matter() {
-        assert_eq!(named(" ggx "), Ok(taotie::shade::Shading::Ggx));
+        assert_eq!(named(" ggx "), Ok(taotie_engine::shade::Shading::Ggx));
         assert_eq!(word(" depth").as_deref(), Ok("depth"));
     }
 
@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     fn unknown_names_are_answered_with_the_list() {
-        assert!(named::<taotie::shade::Shading>("gxx").unwrap_err().contains("ggx"));
-        assert_eq!(named(" ggx"), Ok(taotie::shade::Shading::Ggx));
+        assert!(named::<taotie_engine::shade::Shading>("gxx").unwrap_err().contains("ggx"));
+        assert_eq!(named(" ggx"), Ok(taotie_engine::shade::Shading::Ggx));
     }
 }

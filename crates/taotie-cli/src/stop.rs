@@ -4,7 +4,7 @@ use crate::console;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
-use taotie::io::{FileSet, Stopper};
+use taotie_io::{FileSet, Stopper};
 
 /// The sets of files being written. Global, because a signal can reach only globals.
 static SETS: Mutex<Vec<Stopper>> = Mutex::new(Vec::new());

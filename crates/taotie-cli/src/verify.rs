@@ -10,10 +10,10 @@ use crate::{Outcome, console, stop};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
-use taotie::Progress;
 use taotie::asset::{
     self, Certificate, Limits, ProvedFile, Report, Requirement, Scan, ScanFile, ScanOptions, Warning,
 };
+use taotie_engine::Progress;
 use taotie_report::bake_page;
 
 const EXAMPLES: &str = "\

@@ -11,17 +11,17 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
-#[path = "../../taotie/tests/common/scenes.rs"]
+#[path = "../../../tests/common/scenes.rs"]
 #[allow(dead_code, reason = "tests use the rest")]
 mod scenes;
 
 use std::time::{Duration, Instant};
-use taotie::film::Development;
-use taotie::math::Vec3;
-use taotie::mesh::Mesh;
-use taotie::render::{Lighting, Prepared, RenderSettings, Renderer, Shot};
-use taotie::scene::{NormalSpace, Scene};
-use taotie::{Error, Progress};
+use taotie_engine::film::Development;
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::Mesh;
+use taotie_engine::render::{Lighting, Prepared, RenderSettings, Renderer, Shot};
+use taotie_engine::scene::{NormalSpace, Scene};
+use taotie_engine::{Error, Progress};
 use taotie_gpu::{AdapterChoice, Gpu, GpuRenderer};
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;

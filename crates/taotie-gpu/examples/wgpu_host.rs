@@ -5,9 +5,10 @@
 //! shader.
 
 use std::sync::mpsc;
-use taotie::math::Vec3;
-use taotie::pixel::{Falloff, LightSource, Place, Turn};
-use taotie::{film, image, io, mesh::Mesh, scene::Material, shade::dfg};
+use taotie_engine::math::Vec3;
+use taotie_engine::pixel::{Falloff, LightSource, Place, Turn};
+use taotie_engine::{film, image, mesh::Mesh, scene::Material, shade::dfg};
+use taotie_io as io;
 use taotie_shader::{FrameFactors, Interface, SurfaceFactors, light_numbers};
 use wgpu::util::{BufferInitDescriptor, DeviceExt, TextureDataOrder};
 use wgpu::{BufferUsages, TextureDescriptor, TextureFormat::Rgba32Float, TextureUsages};
@@ -170,7 +171,7 @@ fn pipeline(device: &wgpu::Device, shader: &taotie_shader::PixelShader) -> wgpu:
 
 fn main() -> Result<()> {
     let (mesh, size) = (Mesh::sphere(0.9, 96, 48), 512);
-    let material = taotie::scene::preset("bronze").unwrap_or_default();
+    let material = taotie_engine::scene::preset("bronze").unwrap_or_default();
     let (color, place) = (Vec3::splat(3.0), Place::Towards(Vec3::new(-0.48, 0.64, 0.6)));
     let light = LightSource { color, place, falloff: Falloff::None, cone: None };
     let radiance = View { mesh: &mesh, material: &material, light, size }.draw()?;

@@ -1,8 +1,8 @@
 //! The order of blended surfaces: from the farthest triangle to the nearest, by the triangles' centres.
 
 use std::ops::Range;
-use taotie::math::Mat4;
-use taotie::render::Surface;
+use taotie_engine::math::Mat4;
+use taotie_engine::render::Surface;
 
 /// Triangles of one surface, as a range of the indices of [`BlendOrder`].
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -72,10 +72,10 @@ fn depth(surface: &Surface<'_>, triangle: usize, clip_from_world: &Mat4) -> f64 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::math::Vec3;
-    use taotie::mesh::{Mesh, MeshData};
-    use taotie::render::{Prepared, SurfaceSettings};
-    use taotie::scene::{Instance, Material, Scene};
+    use taotie_engine::math::Vec3;
+    use taotie_engine::mesh::{Mesh, MeshData};
+    use taotie_engine::render::{Prepared, SurfaceSettings};
+    use taotie_engine::scene::{Instance, Material, Scene};
 
     /// A scene of two triangles, one in front of the other by `between`, instanced twice, the second time elsewhere.
     fn prepared() -> Prepared {

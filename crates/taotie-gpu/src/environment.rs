@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::textures::Texels2d;
 use std::sync::Arc;
-use taotie::shade::environment::{Environment, EnvironmentMaps, HalfPicture};
+use taotie_engine::shade::environment::{Environment, EnvironmentMaps, HalfPicture};
 use taotie_shader::{EnvironmentAtlas, opaque};
 use wgpu::{Buffer, BufferUsages, TextureFormat, TextureView};
 

@@ -54,5 +54,5 @@ pub enum GpuError {
     },
     /// An invalid scene or shot.
     #[error(transparent)]
-    Scene(#[from] taotie::Error),
+    Scene(#[from] taotie_engine::Error),
 }

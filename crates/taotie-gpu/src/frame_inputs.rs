@@ -6,10 +6,10 @@ use crate::gpu::Gpu;
 use crate::pipelines::{entry, storage, texture, uniform};
 use crate::shadows::ShadowInputs;
 use crate::textures::Texels2d;
-use taotie::math::Mat4;
-use taotie::pixel::{LightSource, Turn};
-use taotie::render::{CheckedShot, EnvironmentLight, Eye, Lighting};
-use taotie::shade::dfg;
+use taotie_engine::math::Mat4;
+use taotie_engine::pixel::{LightSource, Turn};
+use taotie_engine::render::{CheckedShot, EnvironmentLight, Eye, Lighting};
+use taotie_engine::shade::dfg;
 use taotie_shader::{FrameFactors, light_numbers};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, Buffer, BufferUsages, TextureFormat, TextureView};
 
@@ -26,7 +26,7 @@ pub(crate) struct FrameInputs {
 
 /// The lighting of an image as numbers.
 struct FrameLight {
-    ambient: taotie::math::Vec3,
+    ambient: taotie_engine::math::Vec3,
     turn: Turn<f32>,
     intensity: f32,
     lights: usize,
@@ -218,7 +218,7 @@ fn shifted(clip_from_world: &Mat4, size: [u32; 2], offset: [i32; 2]) -> [[f32; 4
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::math::Vec3;
+    use taotie_engine::math::Vec3;
 
     #[test]
     fn samples_come_to_the_middle_of_their_pixel() {

@@ -3,9 +3,9 @@
 use crate::error::Result;
 use crate::gpu::Gpu;
 use std::collections::HashMap;
-use taotie::math::{Vec2, Vec3};
-use taotie::render::Surface;
-use taotie::surface::SurfaceMethod;
+use taotie_engine::math::{Vec2, Vec3};
+use taotie_engine::render::Surface;
+use taotie_engine::surface::SurfaceMethod;
 use taotie_shader::VertexInput;
 use wgpu::{Buffer, BufferUsages};
 
@@ -94,9 +94,9 @@ fn values(surface: &Surface<'_>, name: &str, numbers: usize) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::mesh::Mesh;
-    use taotie::render::{Prepared, SurfaceSettings};
-    use taotie::scene::{Material, Scene};
+    use taotie_engine::mesh::Mesh;
+    use taotie_engine::render::{Prepared, SurfaceSettings};
+    use taotie_engine::scene::{Material, Scene};
 
     #[test]
     fn every_vertex_has_all_its_numbers() {

@@ -15,9 +15,9 @@ use crate::textures::Textures;
 use crate::variants::{PipelineKey, is_blended};
 use std::collections::HashMap;
 use std::sync::Arc;
-use taotie::Progress;
-use taotie::film::{Development, develop8_into};
-use taotie::render::{CheckedShot, Frame, Prepared, Shot, Surface, fill_backdrop, fill_ground};
+use taotie_engine::Progress;
+use taotie_engine::film::{Development, develop8_into};
+use taotie_engine::render::{CheckedShot, Frame, Prepared, Shot, Surface, fill_backdrop, fill_ground};
 use taotie_shader::SurfaceFactors;
 use wgpu::{
     BindGroup, Buffer, BufferUsages, CommandEncoder, Features, IndexFormat, RenderPass, TextureFormat,
@@ -90,7 +90,7 @@ impl<'p> GpuRenderer<'p> {
     /// Renders an image in linear light. Every sample is shaded, as on the CPU.
     ///
     /// # Errors
-    /// [`GpuError::Scene`] as for [`taotie::render::Pass::new`], or if cancelled; [`GpuError::Unsupported`] for
+    /// [`GpuError::Scene`] as for [`taotie_engine::render::Pass::new`], or if cancelled; [`GpuError::Unsupported`] for
     /// output variables; [`GpuError::TooLarge`] for an image or mesh beyond the GPU's limits, or if memory runs out.
     pub fn render(&mut self, shot: &Shot<'_>, progress: Progress<'_>) -> Result<Frame> {
         let checked = CheckedShot::new(shot)?;

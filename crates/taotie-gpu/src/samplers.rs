@@ -1,7 +1,7 @@
 //! The wrap and filter modes of textures.
 
 use crate::gpu::Gpu;
-use taotie::image::{MipFilter, Sampler, TexelFilter, Wrap};
+use taotie_engine::image::{MipFilter, Sampler, TexelFilter, Wrap};
 use wgpu::{AddressMode, FilterMode, MipmapFilterMode, SamplerDescriptor};
 
 /// The samplers created so far.

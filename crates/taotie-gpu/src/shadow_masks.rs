@@ -3,10 +3,10 @@
 use crate::error::Result;
 use crate::gpu::Gpu;
 use std::collections::HashMap;
-use taotie::image::{Sampler, TexelFilter, Texture, Wrap};
-use taotie::math::Vec2;
-use taotie::render::Surface;
-use taotie::scene::{AlphaMode, TextureRef};
+use taotie_engine::image::{Sampler, TexelFilter, Texture, Wrap};
+use taotie_engine::math::Vec2;
+use taotie_engine::render::Surface;
+use taotie_engine::scene::{AlphaMode, TextureRef};
 use wgpu::Buffer;
 
 /// The masks of a scene's surfaces. A shader that draws one surface cannot read the textures of another, so their
@@ -103,10 +103,10 @@ fn wrap(wrap: Wrap) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::image::{Bitmap, Encoding, Texels};
-    use taotie::mesh::Mesh;
-    use taotie::render::{Prepared, SurfaceSettings};
-    use taotie::scene::{Material, Scene, UvTransform};
+    use taotie_engine::image::{Bitmap, Encoding, Texels};
+    use taotie_engine::mesh::Mesh;
+    use taotie_engine::render::{Prepared, SurfaceSettings};
+    use taotie_engine::scene::{Material, Scene, UvTransform};
 
     #[test]
     fn textures_are_there_once_and_vertices_follow() {

@@ -4,9 +4,9 @@ use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::shadow_masks::ShadowMasks;
 use crate::variants::is_blended;
-use taotie::render::{Prepared, Surface};
-use taotie::scene::AlphaMode;
-use taotie::trace::FlatBox;
+use taotie_engine::render::{Prepared, Surface};
+use taotie_engine::scene::AlphaMode;
+use taotie_engine::trace::FlatBox;
 use wgpu::Buffer;
 
 /// The shader functions that trace shadow rays.
@@ -131,10 +131,10 @@ fn box_words(around: &FlatBox) -> [u32; 8] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::math::{Mat4, Vec3};
-    use taotie::mesh::Mesh;
-    use taotie::render::SurfaceSettings;
-    use taotie::scene::{Instance, Material, Scene};
+    use taotie_engine::math::{Mat4, Vec3};
+    use taotie_engine::mesh::Mesh;
+    use taotie_engine::render::SurfaceSettings;
+    use taotie_engine::scene::{Instance, Material, Scene};
 
     /// A sphere, a blended one next to it, and a mirrored one with holes.
     fn spheres() -> Prepared {

@@ -6,7 +6,7 @@ use crate::pipelines::SurfacePipeline;
 use crate::samplers::Samplers;
 use crate::textures::Textures;
 use std::sync::Arc;
-use taotie::scene::TextureRole;
+use taotie_engine::scene::TextureRole;
 use taotie_shader::{SurfaceFactors, TextureSlot};
 use wgpu::{BindGroup, BindGroupEntry, BindingResource, Buffer, BufferUsages, RenderPass, TextureView};
 

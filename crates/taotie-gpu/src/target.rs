@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::textures::{Texels2d, extent};
 use std::sync::mpsc;
-use taotie::image::Image;
+use taotie_engine::image::Image;
 use wgpu::{BufferUsages, CommandEncoder, MapMode, RenderPass, TextureFormat, TextureUsages, TextureView};
 
 /// The format of depth: reversed, 1 near and 0 far.

@@ -1,7 +1,7 @@
 //! The formats of textures on a GPU: the same values as on the CPU, bit for bit if possible.
 
 use half::f16;
-use taotie::image::{Encoding, Texels, Texture};
+use taotie_engine::image::{Encoding, Texels, Texture};
 use wgpu::{Features, TextureFormat};
 
 /// The texture capabilities of a GPU.
@@ -100,7 +100,7 @@ fn float_bytes(texture: &Texture, level: usize, format: TextureFormat) -> Vec<u8
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::image::Bitmap;
+    use taotie_engine::image::Bitmap;
 
     fn texture(texels: Texels, encoding: Encoding) -> Texture {
         Texture::new(Bitmap::new(2, 2, 4, texels).unwrap(), encoding)

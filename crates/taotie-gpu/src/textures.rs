@@ -3,8 +3,8 @@
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::texture_format::{format, level_bytes, texel_bytes};
-use taotie::image::Texture;
-use taotie::scene::{Material, Scene, TextureRef};
+use taotie_engine::image::Texture;
+use taotie_engine::scene::{Material, Scene, TextureRef};
 use wgpu::{Extent3d, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView};
 
 /// A scene's textures with their mip chains, each uploaded when a drawn material refers to it.
@@ -114,13 +114,13 @@ pub(crate) fn extent([width, height]: [u32; 2]) -> Extent3d {
 mod tests {
     use super::*;
     use crate::gpu::found;
-    use taotie::image::{Bitmap, Encoding, Texels};
-    use taotie::mesh::Mesh;
+    use taotie_engine::image::{Bitmap, Encoding, Texels};
+    use taotie_engine::mesh::Mesh;
 
     #[test]
     fn a_texture_beyond_the_limit_is_named() {
         let Some(mut gpu) = found() else { return };
-        let sampler = taotie::image::Sampler::default();
+        let sampler = taotie_engine::image::Sampler::default();
         let base = TextureRef { texture: 0, uv_set: 0, sampler, transform: Default::default() };
         let bronze =
             Material { name: "bronze".into(), base_color_texture: Some(base), ..Material::default() };

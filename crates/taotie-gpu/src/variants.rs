@@ -1,7 +1,7 @@
 //! The shader variants of surfaces.
 
-use taotie::render::{RenderSettings, Surface};
-use taotie::scene::AlphaMode;
+use taotie_engine::render::{RenderSettings, Surface};
+use taotie_engine::scene::AlphaMode;
 use taotie_shader::{Variant, VariantOptions};
 
 /// The facts that a surface's pipeline depends on.

@@ -8,12 +8,12 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
-use taotie::Result;
-use taotie::compare::Field;
-use taotie::image::{Bitmap, Image, Texels};
-use taotie::io::{self, Limits};
-use taotie::math::{Vec2, Vec3};
-use taotie::mesh::{Mesh, MeshData};
+use taotie_engine::Result;
+use taotie_engine::compare::Field;
+use taotie_engine::image::{Bitmap, Image, Texels};
+use taotie_engine::math::{Vec2, Vec3};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_io::Limits;
 
 /// Rows of numbers, as given.
 #[derive(FromPyObject)]
@@ -106,7 +106,7 @@ impl Taken {
     pub fn bitmap(self) -> Result<Bitmap> {
         match self {
             Self::Texels(bitmap) => Ok(bitmap),
-            Self::File(path) => io::read_bitmap_within(&path, &Limits::default().or_free()),
+            Self::File(path) => taotie_io::read_bitmap_within(&path, &Limits::default().or_free()),
         }
     }
 

@@ -14,9 +14,9 @@ use taotie::asset::{
     BakeOptions, Baker, Certificate, Figures, Limits, MeshSource, Packing, Proof, RayDistance, Report,
     Requirement, RequirementOutcome, Signature, VerifyOptions,
 };
-use taotie::length::Unit;
-use taotie::names::Named;
-use taotie::{Progress, Result};
+use taotie_engine::length::Unit;
+use taotie_engine::names::Named;
+use taotie_engine::{Progress, Result};
 
 /// The parameters of a bake.
 #[derive(FromPyObject)]

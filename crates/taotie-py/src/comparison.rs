@@ -9,12 +9,12 @@ use crate::work::{self, Running};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Deserialize;
-use taotie::Result;
 use taotie::comparison::{
     Comparison, ComparisonOptions, NamedScene, RenderedSurface, Subject, dress_reference,
 };
-use taotie::names::Named;
 use taotie::studio::{CameraOptions, EnvironmentOptions, Framing, LightOptions, Viewpoint};
+use taotie_engine::Result;
+use taotie_engine::names::Named;
 
 /// The models to compare.
 #[derive(FromPyObject)]

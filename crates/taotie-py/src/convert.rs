@@ -11,14 +11,14 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use serde::Deserialize;
 use taotie::comparison::diff::{DiffOptions, ImagePair, NamedBitmap};
-use taotie::image::{Bitmap, Encoding, Wrap};
-use taotie::io::{PngColor, PngImage, PngSamples, encode_png};
-use taotie::normal_map::{
+use taotie_engine::image::{Bitmap, Encoding, Wrap};
+use taotie_engine::normal_map::{
     self, ConversionOptions, MapContent, MapSource, convert_map, guessed_content, tangent_from_height,
 };
-use taotie::scene::{GreenChannel, NormalSpace};
-use taotie::surface::{GreenVerdict, green_direction};
-use taotie::{Error, Result};
+use taotie_engine::scene::{GreenChannel, NormalSpace};
+use taotie_engine::surface::{GreenVerdict, green_direction};
+use taotie_engine::{Error, Result};
+use taotie_io::{PngColor, PngImage, PngSamples, encode_png};
 
 /// Two images.
 #[derive(FromPyObject)]

@@ -2,7 +2,7 @@
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use taotie::Error;
+use taotie_engine::Error;
 
 /// The parts of an error, as the attributes of `taotie.Error`.
 #[derive(Default)]

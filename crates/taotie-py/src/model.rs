@@ -10,15 +10,15 @@ use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use taotie::asset::{Limits, Scan, ScanFile, ScanOptions, into_metres};
-use taotie::bake::low_poly_mesh;
 use taotie::inspection::{Audit, AuditSchema, Inspection, ProductInfo};
-use taotie::io::{self, GltfSizes, GltfSource, Loaded};
-use taotie::length::Unit;
-use taotie::mesh::Mesh;
-use taotie::scene::{Material, Scene};
 use taotie::studio::{self, MaterialOptions};
-use taotie::surface::with_normals;
-use taotie::{Error, Progress, Warnings};
+use taotie_engine::bake::low_poly_mesh;
+use taotie_engine::length::Unit;
+use taotie_engine::mesh::Mesh;
+use taotie_engine::scene::{Material, Scene};
+use taotie_engine::surface::with_normals;
+use taotie_engine::{Error, Progress, Warnings};
+use taotie_io::{GltfSizes, GltfSource, Loaded};
 
 /// The options of a model.
 #[derive(Deserialize, Default)]
@@ -31,7 +31,7 @@ struct Request {
 }
 
 impl Request {
-    fn limits(&self) -> taotie::Result<Limits> {
+    fn limits(&self) -> taotie_engine::Result<Limits> {
         let memory = self.memory_limit.as_deref().map(str::parse).transpose()?;
         Ok(Limits { memory, allow_outside: self.allow_outside, ..Limits::default() }.or_free())
     }
@@ -79,7 +79,7 @@ pub fn model_of_arrays(py: Python<'_>, arrays: MeshArrays<'_>, request: Options)
 
 impl Model {
     /// Returns the scan, which is created only once.
-    pub fn scan(&self, progress: Progress<'_>) -> taotie::Result<Scan> {
+    pub fn scan(&self, progress: Progress<'_>) -> taotie_engine::Result<Scan> {
         let mut kept = self.scan.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(scan) = &*kept {
             return Ok(scan.clone());
@@ -92,14 +92,14 @@ impl Model {
     }
 
     /// Returns the scan, read with the options of the asset's bake unless the model has its own options.
-    pub fn scan_of(&self, asset: &Path, progress: Progress<'_>) -> taotie::Result<Scan> {
+    pub fn scan_of(&self, asset: &Path, progress: Progress<'_>) -> taotie_engine::Result<Scan> {
         let options = self.scan_options.or(ScanOptions::recorded(asset, &self.limits)?);
         if options == self.scan_options { self.scan(progress) } else { self.read_as(options).scan(progress) }
     }
 
     /// Returns scene and scan in the space of a model that was baked from this one, which is in metres if it records
     /// the unit.
-    pub fn scan_beside(&self, model: &Self, progress: Progress<'_>) -> taotie::Result<(Scene, Scan)> {
+    pub fn scan_beside(&self, model: &Self, progress: Progress<'_>) -> taotie_engine::Result<(Scene, Scan)> {
         let recorded =
             model.path.as_deref().map(|path| ScanOptions::recorded(path, &model.limits)).transpose()?;
         let mut scene = self.loaded.scene.clone();
@@ -120,14 +120,14 @@ impl Model {
     }
 
     /// Returns all triangles as one mesh in world space.
-    pub fn mesh(&self) -> taotie::Result<Mesh> {
+    pub fn mesh(&self) -> taotie_engine::Result<Mesh> {
         low_poly_mesh(self.loaded.scene.clone())
     }
 }
 
 /// Returns a scene whose meshes all have normals: meshes without them are faceted in glTF, and smooth in other
 /// formats.
-fn smooth(scene: &Scene) -> taotie::Result<Scene> {
+fn smooth(scene: &Scene) -> taotie_engine::Result<Scene> {
     let mut data = scene.clone().into_data();
     for mesh in &mut data.meshes {
         *mesh = with_normals(mesh)?.into_owned();
@@ -213,9 +213,9 @@ impl Model {
     /// The result of checking the model against an auditor's schema file, as JSON.
     fn audit(&self, py: Python<'_>, schema: PathBuf, product_info: Option<PathBuf>) -> PyResult<String> {
         let audit = py.detach(|| {
-            let schema = AuditSchema::parse(&io::read_bytes(&schema)?, schema.display())?;
+            let schema = AuditSchema::parse(&taotie_io::read_bytes(&schema)?, schema.display())?;
             let product =
-                product_info.map(|path| ProductInfo::parse(&io::read_bytes(&path)?, path.display()));
+                product_info.map(|path| ProductInfo::parse(&taotie_io::read_bytes(&path)?, path.display()));
             Audit::of(&self.loaded, &schema, product.transpose()?.as_ref())
         });
         let audit = audit.map_err(|error| exception(py, &error))?;
@@ -226,7 +226,7 @@ impl Model {
     fn glb<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyBytes>, Listed)> {
         let mut warnings = Warnings::default();
         let Loaded { scene, mesh_names, .. } = &self.loaded;
-        let bytes = py.detach(|| io::encode_scene(&smooth(scene)?, mesh_names, &mut warnings));
+        let bytes = py.detach(|| taotie_io::encode_scene(&smooth(scene)?, mesh_names, &mut warnings));
         let bytes = bytes.map_err(|error| exception(py, &error))?;
         Ok((PyBytes::new(py, &bytes), work::listed(&warnings)))
     }

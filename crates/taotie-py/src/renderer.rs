@@ -8,16 +8,16 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Deserialize;
 use std::sync::{Arc, Mutex, PoisonError};
-use taotie::film::{self, Development, ToneCurve};
-use taotie::math::Vec3;
-use taotie::render::{
-    EnvironmentLight, Frame, ReferenceSettings, RenderSettings, Shot, SurfaceSettings, reference,
-};
-use taotie::scene::Scene;
 use taotie::studio::{
     CameraOptions, EnvironmentOptions, Framing, LightOptions, LightSpec, Motion, Viewpoint, parse,
 };
-use taotie::{Progress, Result, Warnings};
+use taotie_engine::film::{self, Development, ToneCurve};
+use taotie_engine::math::Vec3;
+use taotie_engine::render::{
+    EnvironmentLight, Frame, ReferenceSettings, RenderSettings, Shot, SurfaceSettings, reference,
+};
+use taotie_engine::scene::Scene;
+use taotie_engine::{Progress, Result, Warnings};
 
 /// The settings shared by all images of a renderer.
 #[derive(Deserialize, Default)]
@@ -118,7 +118,7 @@ pub struct Renderer {
 }
 
 struct State {
-    renderer: taotie::render::Renderer,
+    renderer: taotie_engine::render::Renderer,
     /// The last viewpoint, and the options it was chosen for: the images of a turn share it.
     viewpoint: Option<((CameraOptions, Framing), Viewpoint)>,
 }
@@ -200,7 +200,7 @@ impl Renderer {
             }
         };
         let scene = Arc::new(scene);
-        let renderer = taotie::render::Renderer::new(Arc::clone(&scene), &surface)?;
+        let renderer = taotie_engine::render::Renderer::new(Arc::clone(&scene), &surface)?;
         warnings.absorb(renderer.prepared().warnings().clone());
         let state = Mutex::new(State { renderer, viewpoint: None });
         Ok(Self { state, scene, environment, motion, warnings })

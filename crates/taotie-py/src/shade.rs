@@ -7,19 +7,19 @@ use numpy::{Element, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use taotie::math::{Dual, Lane, Vec3};
-use taotie::names::Named;
-use taotie::pixel::{MaterialPoint, MaterialUniforms, MaterialValues};
-use taotie::shade::fresnel::{f_conductor, f_dielectric, f_f82, f_schlick, f_schlick_f90, f82_drop};
-use taotie::shade::lights::{inverse_square, range_window, spot_cone};
-use taotie::shade::masking::{
+use taotie_engine::math::{Dual, Lane, Vec3};
+use taotie_engine::names::Named;
+use taotie_engine::pixel::{MaterialPoint, MaterialUniforms, MaterialValues};
+use taotie_engine::shade::fresnel::{f_conductor, f_dielectric, f_f82, f_schlick, f_schlick_f90, f82_drop};
+use taotie_engine::shade::lights::{inverse_square, range_window, spot_cone};
+use taotie_engine::shade::masking::{
     g_v_cavity, g1_schlick_ggx, k_for_environment, k_for_lights, v_schlick_ggx, v_smith_ggx,
 };
-use taotie::shade::ndf::{
+use taotie_engine::shade::ndf::{
     alpha_from_roughness, alpha_from_shininess, d_beckmann, d_blinn, d_ggx, shininess_from_alpha,
 };
-use taotie::shade::sheen::{d_charlie, v_neubelt};
-use taotie::shade::{Angles, Shading, coat_fresnel, reflect, specular_occlusion};
+use taotie_engine::shade::sheen::{d_charlie, v_neubelt};
+use taotie_engine::shade::{Angles, Shading, coat_fresnel, reflect, specular_occlusion};
 
 /// A formula by name.
 enum Formula {

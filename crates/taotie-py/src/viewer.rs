@@ -8,10 +8,10 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::Path;
 use taotie::asset::model_unit;
-use taotie::render::{Prepared, SurfaceSettings};
-use taotie::scene::Scene;
 use taotie::studio::{Framing, Viewpoint};
-use taotie::{Progress, Result, Warnings};
+use taotie_engine::render::{Prepared, SurfaceSettings};
+use taotie_engine::scene::Scene;
+use taotie_engine::{Progress, Result, Warnings};
 use taotie_report::viewer::{self, ScanSubject, Subject};
 
 /// The parameters of a page.

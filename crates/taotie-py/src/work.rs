@@ -7,7 +7,7 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
-use taotie::{Error, Progress, Result, Warnings};
+use taotie_engine::{Error, Progress, Result, Warnings};
 
 /// How often signals are checked and progress is reported.
 const POLL: Duration = Duration::from_millis(20);

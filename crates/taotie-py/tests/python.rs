@@ -2,7 +2,7 @@
 #![allow(clippy::print_stdout, reason = "tests print their findings")]
 
 #[allow(dead_code)]
-#[path = "../../taotie/tests/common/mod.rs"]
+#[path = "../../../tests/common/mod.rs"]
 mod common;
 
 use std::path::{Path, PathBuf};

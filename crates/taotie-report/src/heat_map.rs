@@ -1,7 +1,7 @@
 //! Numbers as colours, with a scale below.
 
 use crate::sheet::{Line, NOTE, Sheet, TITLE, TextSize};
-use taotie::compare::{ColorMap, Field, heat};
+use taotie_engine::compare::{ColorMap, Field, heat};
 
 /// The colour of pixels that were not compared.
 const NOTHING: [u8; 3] = [96, 96, 96];

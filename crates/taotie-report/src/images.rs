@@ -1,10 +1,10 @@
 //! Converts images of the library to sheets.
 
 use crate::sheet::{GROUND, Sheet};
-use taotie::compare::DisplayImage;
-use taotie::image::{Bitmap, Image};
-use taotie::math::{Vec3, srgb};
-use taotie::surface::encode_normal;
+use taotie_engine::compare::DisplayImage;
+use taotie_engine::image::{Bitmap, Image};
+use taotie_engine::math::{Vec3, srgb};
+use taotie_engine::surface::encode_normal;
 
 /// Rounds a value in [0, 1] to an 8-bit code.
 fn code(v: f32) -> u8 {
@@ -66,7 +66,7 @@ impl Sheet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::image::Texels;
+    use taotie_engine::image::Texels;
 
     #[test]
     fn normals_are_colours_and_uncovered_pixels_are_background() {

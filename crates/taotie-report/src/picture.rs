@@ -2,9 +2,9 @@
 
 use crate::data::{Legend, Picture};
 use crate::sheet::Sheet;
-use taotie::compare::ColorMap;
-use taotie::image::{Bitmap, Texels};
-use taotie::{Result, io};
+use taotie_engine::Result;
+use taotie_engine::compare::ColorMap;
+use taotie_engine::image::{Bitmap, Texels};
 
 /// The number of colours in a legend.
 const STOPS: u32 = 32;
@@ -13,20 +13,20 @@ impl Picture {
     /// Encodes a sheet as a picture for a page.
     ///
     /// # Errors
-    /// [`taotie::Error::Invalid`] if the sheet has no pixels.
+    /// [`taotie_engine::Error::Invalid`] if the sheet has no pixels.
     pub fn new(label: impl Into<String>, note: impl Into<String>, sheet: &Sheet) -> Result<Self> {
-        Ok(Self { label: label.into(), note: note.into(), file: io::encode_png(&sheet.png())? })
+        Ok(Self { label: label.into(), note: note.into(), file: taotie_io::encode_png(&sheet.png())? })
     }
 
     /// Encodes a sheet as JPEG, for viewing rather than measuring: about a fifth of the bytes.
     ///
     /// # Errors
-    /// [`taotie::Error::Invalid`] if the sheet has no pixels.
+    /// [`taotie_engine::Error::Invalid`] if the sheet has no pixels.
     pub fn to_look_at(label: impl Into<String>, note: impl Into<String>, sheet: &Sheet) -> Result<Self> {
         const QUALITY: u8 = 90;
         let texels = sheet.pixels.iter().map(|[r, g, b]| [*r, *g, *b, u8::MAX]).collect();
         let bitmap = Bitmap::new(sheet.width as u32, sheet.height as u32, 3, Texels::U8(texels))?;
-        let file = io::encode_jpeg_bitmap(&bitmap, QUALITY)?;
+        let file = taotie_io::encode_jpeg_bitmap(&bitmap, QUALITY)?;
         Ok(Self { label: label.into(), note: note.into(), file })
     }
 }

@@ -1,8 +1,8 @@
 //! Contact sheets: labelled pictures side by side.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
-use taotie::image::Encoding;
-use taotie::io::{PngColor, PngImage, PngSamples};
+use taotie_engine::image::Encoding;
+use taotie_io::{PngColor, PngImage, PngSamples};
 
 /// The gap between pictures and at the border, pixels.
 const GAP: usize = 16;

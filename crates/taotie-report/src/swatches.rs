@@ -2,13 +2,13 @@
 
 use crate::sheet::{Cell, Sheet};
 use std::sync::Arc;
-use taotie::Result;
-use taotie::film::{Development, develop8};
-use taotie::math::Vec3;
-use taotie::mesh::Mesh;
-use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
-use taotie::scene::{Material, Orbit, PRESETS, Scene, preset};
-use taotie::shade::environment::{Environment, studio};
+use taotie_engine::Result;
+use taotie_engine::film::{Development, develop8};
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::Mesh;
+use taotie_engine::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
+use taotie_engine::scene::{Material, Orbit, PRESETS, Scene, preset};
+use taotie_engine::shade::environment::{Environment, studio};
 
 /// Spheres per row.
 const COLUMNS: usize = 4;

@@ -1,9 +1,9 @@
 //! Prints the shader of a plain surface: `cargo run -p taotie-shader --example print_shader -- ggx wgsl`.
 
 use std::io::Write;
-use taotie::names::Named;
-use taotie::scene::Material;
-use taotie::shade::Shading;
+use taotie_engine::names::Named;
+use taotie_engine::scene::Material;
+use taotie_engine::shade::Shading;
 use taotie_shader::{Language, Variant, VariantOptions, pixel_shader};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -7,7 +7,7 @@ use crate::pixel::{PixelProgram, reads};
 use crate::text::fetch::textures;
 use crate::variant::{Alpha, Placement, Variant};
 use std::collections::BTreeSet;
-use taotie::scene::TextureRole;
+use taotie_engine::scene::TextureRole;
 
 /// The inputs of a variant's shader.
 pub(crate) fn interface(pixel: &PixelProgram, variant: &Variant) -> Interface {
@@ -53,7 +53,7 @@ fn vertex(
     let mut inputs = vec![input("position", 0, ValueKind::Vec3, "The position: world space, model units.")];
     if read(&["g.normal", "g.normal_dx", "g.normal_dy"]) {
         let meaning = match variant.method {
-            taotie::surface::SurfaceMethod::BumpPrinted => "The normal: unit, object space.",
+            taotie_engine::surface::SurfaceMethod::BumpPrinted => "The normal: unit, object space.",
             _ => "The normal: unit, world space.",
         };
         inputs.push(input("normal", 1, ValueKind::Vec3, meaning));

@@ -3,8 +3,8 @@
 use crate::inputs::{self, numbers};
 use crate::program::{Formula, part};
 use crate::recorder::record;
-use taotie::names::Named;
-use taotie::shade::{self, Shading};
+use taotie_engine::names::Named;
+use taotie_engine::shade::{self, Shading};
 
 /// The energy compensation of a lobe, given its directional albedos.
 pub(crate) fn compensation() -> Formula {

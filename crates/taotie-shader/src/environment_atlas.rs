@@ -1,7 +1,7 @@
 //! The levels of an environment packed into one image, as shaders read them.
 
 use crate::frame::MOST_LEVELS;
-use taotie::shade::environment::{EnvironmentMaps, HalfPicture};
+use taotie_engine::shade::environment::{EnvironmentMaps, HalfPicture};
 
 /// Alpha as a half float.
 const ONE: u16 = 0x3c00;
@@ -70,8 +70,8 @@ fn shelves(levels: &[HalfPicture<'_>]) -> ([usize; 2], Vec<[usize; 2]>) {
 mod tests {
     use super::*;
     use half::f16;
-    use taotie::image::Image;
-    use taotie::shade::environment::Environment;
+    use taotie_engine::image::Image;
+    use taotie_engine::shade::environment::Environment;
 
     #[test]
     fn every_level_is_found_by_the_table() {

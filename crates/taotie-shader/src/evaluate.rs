@@ -2,7 +2,7 @@
 
 use crate::graph::{Binary, Call, Graph, Id, Kind, Node, Unary};
 use crate::program::Program;
-use taotie::math::{Lane, Mask, Vec3};
+use taotie_engine::math::{Lane, Mask, Vec3};
 
 /// The error returned when a graph cannot be evaluated.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

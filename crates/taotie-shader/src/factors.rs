@@ -1,9 +1,9 @@
 //! The factors of a surface: the fields of its uniform buffer, and their values.
 
 use crate::interface::{Interface, UniformField, Unplaced, ValueKind, buffer_size};
-use taotie::math::{Vec3, scalar};
-use taotie::pixel::MaterialUniforms;
-use taotie::scene::{AlphaMode, Material, NormalMap, TextureRole};
+use taotie_engine::math::{Vec3, scalar};
+use taotie_engine::pixel::MaterialUniforms;
+use taotie_engine::scene::{AlphaMode, Material, NormalMap, TextureRole};
 
 /// A surface as its host knows it: the source of its uniform values.
 #[derive(Debug, Clone, Copy)]
@@ -148,7 +148,7 @@ fn green(map: &Option<NormalMap>) -> f32 {
     map.map_or(1.0, |map| map.green.sign())
 }
 
-fn coat(surface: &SurfaceFactors<'_>, value: impl Fn(&taotie::scene::Clearcoat) -> f32) -> f32 {
+fn coat(surface: &SurfaceFactors<'_>, value: impl Fn(&taotie_engine::scene::Clearcoat) -> f32) -> f32 {
     surface.material.clearcoat.as_ref().map_or(0.0, value)
 }
 

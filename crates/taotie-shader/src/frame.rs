@@ -1,8 +1,8 @@
 //! The uniform buffer of a frame, its lights, and the levels of its environment.
 
 use crate::interface::{UniformField, Unplaced, ValueKind, buffer_size, laid_out};
-use taotie::math::Vec3;
-use taotie::pixel::{Cone, Falloff, LightSource, Place, Turn};
+use taotie_engine::math::Vec3;
+use taotie_engine::pixel::{Cone, Falloff, LightSource, Place, Turn};
 
 /// The maximum number of lights in a GLSL ES shader.
 pub const MOST_LIGHTS: usize = 16;

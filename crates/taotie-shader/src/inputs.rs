@@ -1,9 +1,9 @@
 //! The structures that formulas take, as parameters of a recording, in the order of their fields.
 
 use crate::recorder::{Recorded, Scope};
-use taotie::math::Vec3;
-use taotie::shade::dfg::Dfg;
-use taotie::shade::{Angles, Compensation, EnvironmentWeights, MaterialSample};
+use taotie_engine::math::Vec3;
+use taotie_engine::shade::dfg::Dfg;
+use taotie_engine::shade::{Angles, Compensation, EnvironmentWeights, MaterialSample};
 
 /// The material sample `s`, without energy compensation.
 pub(crate) fn material(scope: Scope<'_>) -> MaterialSample<Recorded<'_>> {

@@ -3,11 +3,11 @@
 use crate::inputs;
 use crate::program::{Formula, part};
 use crate::recorder::{Recorded, Scope, record};
-use taotie::shade::fresnel::{f_conductor, f_dielectric};
-use taotie::shade::lights::{inverse_square, range_window, spot_cone};
-use taotie::shade::ndf::{alpha_squared_from_divergence_ggx, divergence_ggx};
-use taotie::shade::sheen::{d_charlie, v_neubelt};
-use taotie::shade::{
+use taotie_engine::shade::fresnel::{f_conductor, f_dielectric};
+use taotie_engine::shade::lights::{inverse_square, range_window, spot_cone};
+use taotie_engine::shade::ndf::{alpha_squared_from_divergence_ggx, divergence_ggx};
+use taotie_engine::shade::sheen::{d_charlie, v_neubelt};
+use taotie_engine::shade::{
     AnisotropicLobe, SubPixelVariance, coat_fresnel, coat_lobe, curvature_variance, specular_occlusion,
 };
 

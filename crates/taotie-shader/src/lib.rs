@@ -1,12 +1,12 @@
 //! Shaders generated from the formulas that Taotie renders with.
 //!
-//! The formulas of `taotie::shade` run on any [`Lane`](taotie::math::Lane). Here they run on a [`Recorded`] number,
+//! The formulas of `taotie_engine::shade` run on any [`Lane`](taotie_engine::math::Lane). Here they run on a [`Recorded`] number,
 //! which records every operation in an expression graph ([`record`]). The same operation on the same operands appears
 //! in the graph once. Three channels that are treated alike become one vector, and if a formula's body appears in
 //! another's graph, it becomes a call ([`library()`]). [`evaluate()`] evaluates a graph on any lane; [`shader()`]
 //! writes a model as WGSL or GLSL ES 3.00, [`functions()`] any formulas.
 //!
-//! [`pixel_shader()`] writes the whole pixel of a surface: the stages of `taotie::pixel`, recorded for a [`Variant`]
+//! [`pixel_shader()`] writes the whole pixel of a surface: the stages of `taotie_engine::pixel`, recorded for a [`Variant`]
 //! ([`PixelProgram`]), with the code that fetches their inputs and joins them. Its [`Interface`] lists the bindings
 //! for the host; [`FrameFactors`], [`light_numbers`] and [`SurfaceFactors`] fill the buffers. With the feature
 //! `translate`, `translate` converts WGSL to HLSL, MSL and SPIR-V.

@@ -1,4 +1,4 @@
-//! The formulas of `taotie::shade` as functions of a shader: the list, their names and their documentation.
+//! The formulas of `taotie_engine::shade` as functions of a shader: the list, their names and their documentation.
 //!
 //! A test checks that each line of documentation also appears in the source of the formula.
 
@@ -8,12 +8,12 @@ use crate::models::{angles, compensated, model};
 use crate::program::{Formula, Program, part};
 use crate::recorder::{Recorded, Scope, record};
 use crate::structures::structures;
-use taotie::names::Named;
-use taotie::shade::Shading;
-use taotie::shade::fresnel::{f_f82, pow5};
-use taotie::shade::masking::{g_v_cavity, g1_schlick_ggx, k_for_lights, v_smith_ggx};
-use taotie::shade::ndf::{alpha_from_roughness, d_beckmann, d_ggx};
-use taotie::shade::sampling::mirrored;
+use taotie_engine::names::Named;
+use taotie_engine::shade::Shading;
+use taotie_engine::shade::fresnel::{f_f82, pow5};
+use taotie_engine::shade::masking::{g_v_cavity, g1_schlick_ggx, k_for_lights, v_smith_ggx};
+use taotie_engine::shade::ndf::{alpha_from_roughness, d_beckmann, d_ggx};
+use taotie_engine::shade::sampling::mirrored;
 
 /// The models that support energy compensation.
 const COMPENSATED: [Shading; 2] = [Shading::CookTorrance, Shading::Ggx];

@@ -3,8 +3,8 @@
 use crate::inputs;
 use crate::program::{Formula, part};
 use crate::recorder::record;
-use taotie::names::Named;
-use taotie::shade::{Angles, MaterialSample, Shading, reflect};
+use taotie_engine::names::Named;
+use taotie_engine::shade::{Angles, MaterialSample, Shading, reflect};
 
 /// The name of the function that computes a model: `reflect_cook_torrance`.
 pub fn model_name(shading: Shading) -> String {

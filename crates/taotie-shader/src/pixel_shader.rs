@@ -10,7 +10,7 @@ use crate::text::declarations::{bindings, frame_structure, material_structure};
 use crate::text::entry::{HEADER_GLSL, entry_points, interpolated, vertex_glsl};
 use crate::text::{environment, fetch, geometry, pixel, translated, wrapped};
 use crate::variant::Variant;
-use taotie::names::Named;
+use taotie_engine::names::Named;
 
 /// A whole pixel shader.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,13 +25,13 @@ pub struct PixelShader {
 
 /// Writes the shader of a variant, from interpolated vertices to linear RGB radiance and alpha.
 ///
-/// The formulas are recordings of `taotie::pixel`; only the code that joins them is separate text. With
+/// The formulas are recordings of `taotie_engine::pixel`; only the code that joins them is separate text. With
 /// [`VariantOptions::shadows`](crate::VariantOptions::shadows) the text calls a function `visibility` that the host
 /// adds: the visible fraction of light number `light` (an `i32` or `int`) at `position`; `n` is the triangle's
 /// normal.
 ///
 /// ```
-/// use taotie::scene::Material;
+/// use taotie_engine::scene::Material;
 /// use taotie_shader::{Language, Variant, VariantOptions, pixel_shader};
 ///
 /// let variant = Variant::new(&Material::default(), &VariantOptions::default());

@@ -4,7 +4,7 @@ use crate::graph::{Binary, Call, Field, Graph, Id, Kind, Node, Parameter, Unary}
 use std::cell::{Cell, RefCell};
 use std::marker::PhantomData;
 use std::ops::{Add, Div, Mul, Neg, Sub};
-use taotie::math::{Lane, Mask, Vec3};
+use taotie_engine::math::{Lane, Mask, Vec3};
 
 /// Records the formula that `formula` runs, and returns its expression graph.
 ///
@@ -12,7 +12,7 @@ use taotie::math::{Lane, Mask, Vec3};
 /// recordings, nor outlive their own: that does not compile.
 ///
 /// ```
-/// use taotie::shade::ndf::d_ggx;
+/// use taotie_engine::shade::ndf::d_ggx;
 /// use taotie_shader::record;
 ///
 /// let graph = record(|scope| {

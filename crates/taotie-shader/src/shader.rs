@@ -7,8 +7,8 @@ use crate::library::library;
 use crate::models::model_name;
 use crate::program::{Formula, Program};
 use crate::structures::Structure;
-use taotie::names::Named;
-use taotie::shade::Shading;
+use taotie_engine::names::Named;
+use taotie_engine::shade::Shading;
 
 /// The source text of a reflectance model as functions to paste or include; the entry is `shade`.
 ///
@@ -17,7 +17,7 @@ use taotie::shade::Shading;
 /// nothing.
 ///
 /// ```
-/// use taotie::shade::Shading;
+/// use taotie_engine::shade::Shading;
 /// use taotie_shader::{Language, shader};
 ///
 /// let text = shader(Shading::Ggx, Language::Wgsl);

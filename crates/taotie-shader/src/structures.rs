@@ -1,4 +1,4 @@
-//! The structures passed between shader functions, as in `taotie::shade`.
+//! The structures passed between shader functions, as in `taotie_engine::shade`.
 
 use crate::graph::{Kind, Parameter};
 use crate::inputs;

@@ -1,20 +1,20 @@
-//! Prepared surfaces of `taotie::render` as variants and their values.
+//! Prepared surfaces of `taotie_engine::render` as variants and their values.
 
 use crate::factors::SurfaceFactors;
 use crate::variant::VariantOptions;
-use taotie::render::{GrazingNormals, RenderSettings, Surface};
-use taotie::scene::{HeightMap, Scene};
-use taotie::shade::Energy;
+use taotie_engine::render::{GrazingNormals, RenderSettings, Surface};
+use taotie_engine::scene::{HeightMap, Scene};
+use taotie_engine::shade::Energy;
 
 impl VariantOptions {
     /// The options for drawing a surface under some settings, without shadows; `environment` is true if there is
     /// environment lighting.
     ///
     /// ```
-    /// use taotie::mesh::Mesh;
-    /// use taotie::render::{Prepared, RenderSettings};
-    /// use taotie::scene::{Material, Scene};
-    /// use taotie::surface::SurfaceMethod;
+    /// use taotie_engine::mesh::Mesh;
+    /// use taotie_engine::render::{Prepared, RenderSettings};
+    /// use taotie_engine::scene::{Material, Scene};
+    /// use taotie_engine::surface::SurfaceMethod;
     /// use taotie_shader::VariantOptions;
     ///
     /// let settings = RenderSettings::default();
@@ -22,7 +22,7 @@ impl VariantOptions {
     /// let prepared = Prepared::new(scene, &settings.surface)?;
     /// let options = VariantOptions::of_surface(&prepared.surfaces()[0], &settings, false);
     /// assert_eq!(options.method, SurfaceMethod::Smooth);
-    /// # Ok::<(), taotie::Error>(())
+    /// # Ok::<(), taotie_engine::Error>(())
     /// ```
     pub fn of_surface(surface: &Surface<'_>, settings: &RenderSettings, environment: bool) -> Self {
         Self {
@@ -62,11 +62,11 @@ impl<'s> SurfaceFactors<'s> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
-    use taotie::mesh::Mesh;
-    use taotie::render::{Prepared, SurfaceSettings};
-    use taotie::scene::{HeightMap, Material, TextureRef, UvTransform};
-    use taotie::surface::SurfaceMethod;
+    use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+    use taotie_engine::mesh::Mesh;
+    use taotie_engine::render::{Prepared, SurfaceSettings};
+    use taotie_engine::scene::{HeightMap, Material, TextureRef, UvTransform};
+    use taotie_engine::surface::SurfaceMethod;
 
     /// A sphere with a height map of 8 by 8 texels.
     fn raised() -> Scene {

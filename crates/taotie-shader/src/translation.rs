@@ -34,7 +34,7 @@ pub enum TranslationError {
 /// Translates a WGSL shader. SPIR-V is returned as words in little-endian order.
 ///
 /// ```
-/// use taotie::scene::Material;
+/// use taotie_engine::scene::Material;
 /// use taotie_shader::{Language, Translation, Variant, VariantOptions, pixel_shader, translate};
 ///
 /// let variant = Variant::new(&Material::default(), &VariantOptions::default());

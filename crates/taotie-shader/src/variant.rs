@@ -1,10 +1,10 @@
 //! The facts known about a surface before any pixel: which parts of the pixel program it needs.
 
 use std::collections::BTreeMap;
-use taotie::pixel::{Model, takes_compensation, takes_roughness};
-use taotie::scene::{AlphaMode, Material, TextureRef, TextureRole, UvTransform};
-use taotie::shade::Shading;
-use taotie::surface::SurfaceMethod;
+use taotie_engine::pixel::{Model, takes_compensation, takes_roughness};
+use taotie_engine::scene::{AlphaMode, Material, TextureRef, TextureRole, UvTransform};
+use taotie_engine::shade::Shading;
+use taotie_engine::surface::SurfaceMethod;
 
 /// The facts known about a surface before any pixel.
 ///

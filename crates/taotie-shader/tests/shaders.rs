@@ -8,8 +8,8 @@ use naga::back::{hlsl, msl, spv};
 use naga::front::{glsl, wgsl};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Module, ShaderStage};
-use taotie::names::Named;
-use taotie::shade::Shading;
+use taotie_engine::names::Named;
+use taotie_engine::shade::Shading;
 use taotie_shader::{Language, functions, library, shader};
 
 const WGSL_HOST: &str = "

@@ -1,8 +1,8 @@
 //! Shaders translate to other languages, with the documented bindings.
 #![cfg(feature = "translate")]
 
-use taotie::image::Sampler;
-use taotie::scene::{Material, TextureRef, UvTransform};
+use taotie_engine::image::Sampler;
+use taotie_engine::scene::{Material, TextureRef, UvTransform};
 use taotie_shader::{
     Language, PixelShader, Translation, TranslationError, Variant, VariantOptions, pixel_shader, translate,
 };

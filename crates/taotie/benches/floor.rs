@@ -8,7 +8,7 @@
 
 #![allow(missing_docs, clippy::print_stdout, reason = "a program that prints")]
 
-#[path = "../tests/common/scenes.rs"]
+#[path = "../../../tests/common/scenes.rs"]
 #[allow(dead_code, reason = "the golden images use the rest")]
 mod scenes;
 
@@ -17,18 +17,18 @@ use std::cell::Cell;
 use std::hint::black_box;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::time::Instant;
-use taotie::Progress;
-use taotie::film::{Development, ToneCurve};
-use taotie::math::{Lane, Vec3, poly};
-use taotie::mesh::Mesh;
-use taotie::raster::PerspectiveTriangle;
-use taotie::render::{Lighting, RenderSettings, Renderer, Shot};
-use taotie::scene::{Camera, Falloff, Light, LightKind, NormalSpace, Scene};
-use taotie::shade::dfg::Dfg;
-use taotie::shade::{
+use taotie_engine::Progress;
+use taotie_engine::film::{Development, ToneCurve};
+use taotie_engine::math::{Lane, Vec3, poly};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::raster::PerspectiveTriangle;
+use taotie_engine::render::{Lighting, RenderSettings, Renderer, Shot};
+use taotie_engine::scene::{Camera, Falloff, Light, LightKind, NormalSpace, Scene};
+use taotie_engine::shade::dfg::Dfg;
+use taotie_engine::shade::{
     Angles, MaterialSample, Shading, SubPixelVariance, compensation, curvature_variance, lights, reflect,
 };
-use taotie::surface::tangent_normal;
+use taotie_engine::surface::tangent_normal;
 
 /// Side length of each map, in texels.
 const TEXTURE_SIZE: usize = 2048;

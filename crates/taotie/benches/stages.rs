@@ -5,7 +5,7 @@
 
 #![allow(missing_docs, reason = "criterion's macros generate public functions")]
 
-#[path = "../tests/common/scenes.rs"]
+#[path = "../../../tests/common/scenes.rs"]
 #[allow(dead_code, reason = "the golden images use the rest")]
 mod scenes;
 
@@ -14,12 +14,12 @@ use criterion::{
 };
 use std::hint::black_box;
 use std::time::{Duration, Instant};
-use taotie::Progress;
-use taotie::film::{Development, develop8};
-use taotie::math::Vec3;
-use taotie::raster::{Tile, TilePlane, TileSample};
-use taotie::render::{Lighting, Pass, Prepared, RenderSettings, Shot, Stages, VisibleSpan, batches};
-use taotie::scene::{Camera, NormalSpace};
+use taotie_engine::Progress;
+use taotie_engine::film::{Development, develop8};
+use taotie_engine::math::Vec3;
+use taotie_engine::raster::{Tile, TilePlane, TileSample};
+use taotie_engine::render::{Lighting, Pass, Prepared, RenderSettings, Shot, Stages, VisibleSpan, batches};
+use taotie_engine::scene::{Camera, NormalSpace};
 
 /// Side length of each of the four textures, in texels.
 const TEXTURE_SIZE: u32 = 2048;
@@ -79,7 +79,7 @@ fn lighting() -> Lighting {
 /// Measures every stage for a sphere of about `2 · columns · rows` triangles.
 fn sphere(criterion: &mut Criterion, name: &str, columns: usize, rows: usize) {
     let mut scene = scenes::embossed_sphere_with(NormalSpace::Tangent, TEXTURE_SIZE, TEXTURE_SIZE);
-    let mesh = taotie::mesh::Mesh::sphere(1.0, columns, rows);
+    let mesh = taotie_engine::mesh::Mesh::sphere(1.0, columns, rows);
     scene.edit(|scene| scene.meshes = vec![mesh]).expect("the sphere is valid");
     let settings = RenderSettings { samples: 1, ..RenderSettings::default() };
     let prepared = Prepared::new(scene, &settings.surface).expect("the scene is valid");

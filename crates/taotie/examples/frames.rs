@@ -16,17 +16,17 @@ use std::io::BufRead;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
-use taotie::Progress;
-use taotie::film::{Development, ToneCurve};
-use taotie::image::Encoding;
-use taotie::io::{self, PngColor, PngImage, PngSamples};
-use taotie::math::{Mat4, SimdLevel, Vec3};
-use taotie::names::Named;
-use taotie::render::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Renderer, Shot};
-use taotie::scene::{Camera, LightKind, Scene};
-use taotie::shade::environment::Environment;
-use taotie::shade::{Energy, Shading};
-use taotie::{Error, Result};
+use taotie_engine::Progress;
+use taotie_engine::film::{Development, ToneCurve};
+use taotie_engine::image::Encoding;
+use taotie_engine::math::{Mat4, SimdLevel, Vec3};
+use taotie_engine::names::Named;
+use taotie_engine::render::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Renderer, Shot};
+use taotie_engine::scene::{Camera, LightKind, Scene};
+use taotie_engine::shade::environment::Environment;
+use taotie_engine::shade::{Energy, Shading};
+use taotie_engine::{Error, Result};
+use taotie_io::{PngColor, PngImage, PngSamples};
 
 /// Radians between frames, counter-clockwise as seen from above.
 const STEP: f64 = 0.01;
@@ -119,7 +119,7 @@ fn number<T: std::str::FromStr>(text: &str) -> Result<T> {
 }
 
 fn run(options: &Options) -> Result<()> {
-    let scene = io::load_model(&options.model)?.scene;
+    let scene = taotie_io::load_model(&options.model)?.scene;
     let camera =
         scene.cameras().first().cloned().ok_or_else(|| Error::invalid("model", "it has no camera"))?;
     let lighting = lighting(options, &scene)?;
@@ -162,10 +162,10 @@ fn lighting(options: &Options, scene: &Scene) -> Result<Lighting> {
 }
 
 fn environment(path: &Path) -> Result<Environment> {
-    let bytes = io::read_bytes(path)?;
+    let bytes = taotie_io::read_bytes(path)?;
     match Environment::from_bytes(&bytes) {
         Ok(kept) => Ok(kept),
-        Err(_) => Environment::new(io::decode_environment(&bytes, path)?),
+        Err(_) => Environment::new(taotie_io::decode_environment(&bytes, path)?),
     }
 }
 
@@ -251,7 +251,10 @@ fn write(path: &Path, pixels: &[[u8; 4]], request: &Request) -> Result<()> {
     let samples: Vec<u8> = pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
     let samples = PngSamples::U8(&samples);
     let (width, height) = (request.width, request.height);
-    io::write_png(path, &PngImage { width, height, color: PngColor::Rgb, samples, encoding: Encoding::Srgb })
+    taotie_io::write_png(
+        path,
+        &PngImage { width, height, color: PngColor::Rgb, samples, encoding: Encoding::Srgb },
+    )
 }
 
 /// One line of JSON; `times` in milliseconds, one or more.

@@ -7,7 +7,7 @@
 
 use std::path::Path;
 use taotie::asset::{BakeOptions, Baker, Limits, Packing, Requirement, Scan, VerifyOptions};
-use taotie::{Error, Progress, Result};
+use taotie_engine::{Error, Progress, Result};
 
 /// Bakes `scan` to `asset`; returns the figures in words.
 pub fn run(scan: &Path, asset: &Path, options: BakeOptions) -> Result<String> {

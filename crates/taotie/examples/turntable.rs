@@ -3,13 +3,13 @@
 //! Without a model, a sphere rotates. The images are `turn.000.png`, `turn.001.png` and so on.
 
 use std::path::{Path, PathBuf};
-use taotie::film::Development;
-use taotie::io::{self, ImageFormat};
-use taotie::mesh::Mesh;
-use taotie::render::{RenderSettings, Renderer, Shot};
-use taotie::scene::{Material, Scene};
 use taotie::studio::{CameraOptions, Framing, LightOptions, Viewpoint};
-use taotie::{Progress, Result};
+use taotie_engine::film::Development;
+use taotie_engine::mesh::Mesh;
+use taotie_engine::render::{RenderSettings, Renderer, Shot};
+use taotie_engine::scene::{Material, Scene};
+use taotie_engine::{Progress, Result};
+use taotie_io::ImageFormat;
 
 /// Renders `count` images, `size` pixels wide and high; returns their files.
 pub fn turntable(scene: &Scene, count: u32, size: u32, output: &Path) -> Result<Vec<PathBuf>> {
@@ -22,7 +22,7 @@ pub fn turntable(scene: &Scene, count: u32, size: u32, output: &Path) -> Result<
         let shot = Shot { camera: &view.camera(), lighting: &lighting, settings: &settings };
         let frame = renderer.render(&shot, Progress::SILENT)?;
         let path = output.with_extension(format!("{index:03}.png"));
-        io::write_image(&path, &frame.color, &Development::default(), ImageFormat::Png8)?;
+        taotie_io::write_image(&path, &frame.color, &Development::default(), ImageFormat::Png8)?;
         Ok(path)
     });
     pictures.collect()
@@ -32,7 +32,7 @@ pub fn turntable(scene: &Scene, count: u32, size: u32, output: &Path) -> Result<
 pub fn main() -> Result<()> {
     let [model, output, count] = [1, 2, 3].map(|place| std::env::args().nth(place));
     let scene = match model {
-        Some(model) => io::load_model(model.as_ref())?.scene,
+        Some(model) => taotie_io::load_model(model.as_ref())?.scene,
         None => Scene::of_mesh(Mesh::sphere(1.0, 96, 48), Material::default())?,
     };
     let count = count.and_then(|count| count.parse().ok()).unwrap_or(12);

@@ -18,11 +18,11 @@
 //! gives the same bits at every SIMD level and with any number of threads.
 //!
 //! ```no_run
-//! use taotie::render::{RenderSettings, Shot, render};
+//! use taotie_engine::render::{RenderSettings, Shot, render};
 //! use taotie::studio::{CameraOptions, Framing, LightOptions, Viewpoint};
 //!
-//! # fn main() -> taotie::Result<()> {
-//! let scene = taotie::io::load_model("model.glb".as_ref())?.scene;
+//! # fn main() -> taotie_engine::Result<()> {
+//! let scene = taotie_io::load_model("model.glb".as_ref())?.scene;
 //! let framing = Framing { size: [1024, 1024], all_around: false };
 //! let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, &scene)?;
 //! let lighting = LightOptions::default().lighting(None, &scene, viewpoint.at(0.0));
@@ -34,31 +34,8 @@
 //! ```
 
 pub mod asset;
-pub mod bake;
-pub mod compare;
 pub mod comparison;
-pub mod error;
-pub mod film;
-mod groups;
-pub mod image;
 pub mod inspection;
-pub mod io;
-pub mod length;
-pub mod math;
-pub mod mesh;
-pub mod names;
-pub mod normal_map;
-mod parallel;
-pub mod pixel;
-pub mod progress;
-pub mod proof;
-pub mod raster;
-pub mod render;
-pub mod scene;
-pub mod shade;
 pub mod studio;
-pub mod surface;
-pub mod trace;
 
-pub use error::{Error, Result, Warnings};
-pub use progress::Progress;
+pub use taotie_engine::{Error, Progress, Result, Warnings};

@@ -5,14 +5,14 @@ mod example;
 
 use std::sync::Mutex;
 use taotie::comparison::{Comparison, ComparisonOptions, Method, SamplePoints, Subject};
-use taotie::film::Development;
-use taotie::math::Mat4;
-use taotie::mesh::Mesh;
-use taotie::render::RenderSettings;
-use taotie::scene::{Material, Scene};
-use taotie::shade::Shading;
-use taotie::surface::SurfaceMethod;
-use taotie::{Error, Progress};
+use taotie_engine::film::Development;
+use taotie_engine::math::Mat4;
+use taotie_engine::mesh::Mesh;
+use taotie_engine::render::RenderSettings;
+use taotie_engine::scene::{Material, Scene};
+use taotie_engine::shade::Shading;
+use taotie_engine::surface::SurfaceMethod;
+use taotie_engine::{Error, Progress};
 
 fn ball() -> Scene {
     Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default()).unwrap()
@@ -59,7 +59,7 @@ fn models_are_measured_against_the_baseline_of_the_same_surface() {
         let models: Vec<Shading> = surface.model_differences.iter().map(|model| model.shading).collect();
         assert_eq!(models, [Shading::Lambert, Shading::Phong]);
         for model in &surface.model_differences {
-            let rmse = taotie::compare::rmse(picture(Shading::Ggx), picture(model.shading)).unwrap();
+            let rmse = taotie_engine::compare::rmse(picture(Shading::Ggx), picture(model.shading)).unwrap();
             assert!(model.picture.rmse == rmse && rmse > 0.0, "{rmse}");
         }
     }
@@ -102,7 +102,7 @@ fn what_cannot_be_compared_is_refused() {
 #[test]
 fn a_reference_elsewhere_is_warned_about() {
     let (scene, mut elsewhere) = (ball(), ball());
-    let moved = Mat4::translation(taotie::math::Vec3::new(3.0, 0.0, 0.0));
+    let moved = Mat4::translation(taotie_engine::math::Vec3::new(3.0, 0.0, 0.0));
     elsewhere.edit(|scene| scene.instances[0].world_from_object = moved).unwrap();
     let subject = Subject::new("ball", &scene).with_reference("other.ply", &elsewhere);
     let comparison = Comparison::of(&subject, &options(), Progress::SILENT).unwrap();

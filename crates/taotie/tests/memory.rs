@@ -2,12 +2,12 @@
 //! has
 //! one test.
 
-use taotie::Progress;
 use taotie::asset::{BakeOptions, Baker, Bytes, ScanFile};
-use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
-use taotie::math::Mat4;
-use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{
+use taotie_engine::Progress;
+use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+use taotie_engine::math::Mat4;
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::scene::{
     GreenChannel, Instance, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef, UvTransform,
 };
 

@@ -1,5 +1,4 @@
 //! Options as JSON: files of them state what a program sets.
-#![cfg(feature = "serde")]
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -7,28 +6,28 @@ use serde_json::{from_str, json, to_string, to_value};
 use std::fmt::Debug;
 use std::sync::Arc;
 use taotie::asset::{AUTO_SIZE, BakeOptions, Limits, Packing, ScanOptions, VerifyOptions};
-use taotie::bake::MapKind;
-use taotie::compare::NormalEncoding;
 use taotie::comparison::diff::{self, DiffOptions, Metric};
 use taotie::comparison::{ComparisonOptions, Matching, Method, SamplePoints};
-use taotie::film::{Development, ToneCurve};
-use taotie::image::{Image, Wrap};
 use taotie::inspection::{Check, CheckStatus};
-use taotie::length::Unit;
-use taotie::math::{Mat4, SimdLevel, Vec3};
-use taotie::names::Named;
-use taotie::normal_map::{ConversionOptions, MapContent, Storage};
-use taotie::render::{
-    EnvironmentLight, GrazingNormals, Lighting, NormalMapping, ReferenceSettings, RenderSettings,
-    SurfaceSettings,
-};
-use taotie::scene::{Camera, Falloff, Light, LightKind, NormalSpace, Projection};
-use taotie::shade::environment::Environment;
-use taotie::shade::{Energy, Shading};
 use taotie::studio::{
     CameraOptions, EnvironmentOptions, LightOptions, MapOptions, MaterialFactors, MaterialOptions,
 };
-use taotie::surface::{SurfaceMethod, TangentMethod};
+use taotie_engine::bake::MapKind;
+use taotie_engine::compare::NormalEncoding;
+use taotie_engine::film::{Development, ToneCurve};
+use taotie_engine::image::{Image, Wrap};
+use taotie_engine::length::Unit;
+use taotie_engine::math::{Mat4, SimdLevel, Vec3};
+use taotie_engine::names::Named;
+use taotie_engine::normal_map::{ConversionOptions, MapContent, Storage};
+use taotie_engine::render::{
+    EnvironmentLight, GrazingNormals, Lighting, NormalMapping, ReferenceSettings, RenderSettings,
+    SurfaceSettings,
+};
+use taotie_engine::scene::{Camera, Falloff, Light, LightKind, NormalSpace, Projection};
+use taotie_engine::shade::environment::Environment;
+use taotie_engine::shade::{Energy, Shading};
+use taotie_engine::surface::{SurfaceMethod, TangentMethod};
 
 /// Asserts that a value is read back as written. Numbers are printed in full, so that equal text means an equal
 /// value.

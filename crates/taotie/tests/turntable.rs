@@ -3,13 +3,13 @@
 #[path = "../examples/turntable.rs"]
 mod turntable;
 
-use taotie::image::{Bitmap, Texels};
-use taotie::math::Vec3;
-use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{Material, Scene};
+use taotie_engine::image::{Bitmap, Texels};
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::scene::{Material, Scene};
 
 /// Its `main` reads arguments, which a test does not have.
-const _: fn() -> taotie::Result<()> = turntable::main;
+const _: fn() -> taotie_engine::Result<()> = turntable::main;
 
 /// Returns a square in the plane z = 0.
 fn square() -> Scene {
@@ -36,7 +36,7 @@ fn a_square_is_seen_narrow_and_wide_and_never_touches_the_frame() {
     let names: Vec<_> = files.iter().filter_map(|file| file.file_name()?.to_str()).collect();
     assert_eq!((names.len(), names[7]), (8, "turn.007.png"));
     let pictures: Vec<Bitmap> =
-        files.iter().map(|file| taotie::io::read_bitmap(file).expect("it is a PNG")).collect();
+        files.iter().map(|file| taotie_io::read_bitmap(file).expect("it is a PNG")).collect();
     let counts: Vec<usize> = pictures.iter().map(covered).collect();
     let (most, least) = (counts.iter().max().expect("eight"), counts.iter().min().expect("eight"));
     assert!(*least > 0 && most > &(2 * least), "{counts:?}");

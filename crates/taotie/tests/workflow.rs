@@ -9,20 +9,21 @@ use taotie::asset::{
     Asset, BakeOptions, Baker, Bytes, FLOOR_8_BIT, Figure, Limits, Lod, MeshSource, Packing, Proof,
     RayDistance, Report, Requirement, Scan, ScanFile, VerifyOptions, WrittenAsset,
 };
-use taotie::bake::MapKind;
-use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
-use taotie::io::{
-    FileSet, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, load_model, write_gltf,
-};
-use taotie::math::{Mat4, Vec3, scalar};
-use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{
+use taotie_engine::bake::MapKind;
+use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+use taotie_engine::math::{Mat4, Vec3, scalar};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::scene::{
     GreenChannel, Instance, Material, NormalSpace, Scene, SceneData, TextureRef, UvTransform,
 };
-use taotie::{Error, Progress, Result};
+use taotie_engine::{Error, Progress, Result};
+use taotie_io::{
+    FileSet, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, load_model, write_gltf,
+};
 
+#[path = "../../../tests/common/mod.rs"]
 mod common;
-#[path = "common/files.rs"]
+#[path = "../../../tests/common/files.rs"]
 mod files;
 #[allow(dead_code, reason = "its `main` is for the command line")]
 #[path = "../examples/scan_to_asset.rs"]
@@ -265,11 +266,11 @@ fn the_example_runs_on_a_file() {
     let text = scan_to_asset::run(&high, &low, options()).unwrap();
     assert!(text.contains("1000 triangles") || text.contains("99"), "{text}");
     assert!(text.ends_with("required: met"), "{text}");
-    let read = taotie::io::load_model(&low).unwrap();
+    let read = taotie_io::load_model(&low).unwrap();
     assert_eq!(read.copyright.as_deref(), Some("nobody"));
     let packet: serde_json::Value = serde_json::from_str(&read.xmp[0].to_string()).unwrap();
     let source = packet["dc:source"].to_string();
-    let hash = taotie::io::sha256(&high).unwrap();
+    let hash = taotie_io::sha256(&high).unwrap();
     assert!(source.contains(&format!("scan.glb (sha256:{hash})")), "{source}");
 }
 
@@ -559,7 +560,7 @@ fn a_search_may_have_levels_of_detail_without_a_map() {
     let folder = tempfile::tempdir().unwrap();
     let written = found.write(folder.path().join("out.glb"), &Packing::default(), Progress::SILENT).unwrap();
     assert!(written.warnings().is_empty(), "{:?}", written.warnings());
-    assert_eq!(taotie::io::load_levels(written.path()).unwrap().len(), 3);
+    assert_eq!(taotie_io::load_levels(written.path()).unwrap().len(), 3);
     let asked = Packing { images: ImageCodec::Ktx2(0).into(), ..Packing::default() };
     let written = found.write(folder.path().join("ktx2.glb"), &asked, Progress::SILENT).unwrap();
     let said: Vec<&str> = written.warnings().iter().map(|(what, _)| what).collect();

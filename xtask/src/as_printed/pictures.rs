@@ -2,11 +2,11 @@
 
 use crate::generated::Picture;
 use anyhow::Result;
-use taotie::film::{Development, develop8};
-use taotie::math::Vec3;
-use taotie::render::{Lighting, RenderSettings, Shot, render};
-use taotie::scene::{Camera, Orbit, Scene, fitting_distance, three_point_rig};
-use taotie::shade::Shading;
+use taotie_engine::film::{Development, develop8};
+use taotie_engine::math::Vec3;
+use taotie_engine::render::{Lighting, RenderSettings, Shot, render};
+use taotie_engine::scene::{Camera, Orbit, Scene, fitting_distance, three_point_rig};
+use taotie_engine::shade::Shading;
 
 /// The pictures by name.
 pub const PICTURES: [(&str, Shading); 6] = [

@@ -1,10 +1,10 @@
 //! The light that each model reflects in a white furnace, as Markdown tables.
 
-use taotie::math::Vec3;
-use taotie::names::Named;
-use taotie::scene::preset;
-use taotie::shade::furnace::Furnace;
-use taotie::shade::{MaterialSample, Shading};
+use taotie_engine::math::Vec3;
+use taotie_engine::names::Named;
+use taotie_engine::scene::preset;
+use taotie_engine::shade::furnace::Furnace;
+use taotie_engine::shade::{MaterialSample, Shading};
 
 /// Computes the lines of a table.
 type Lines = fn() -> String;

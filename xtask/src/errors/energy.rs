@@ -1,10 +1,10 @@
 //! The share of incoming light that white surfaces reflect, by quadrature.
 
 use crate::computed::row;
-use taotie::math::Vec3;
-use taotie::shade::dfg::{self, Dfg};
-use taotie::shade::furnace::Furnace;
-use taotie::shade::{MaterialSample, Shading, compensation};
+use taotie_engine::math::Vec3;
+use taotie_engine::shade::dfg::{self, Dfg};
+use taotie_engine::shade::furnace::Furnace;
+use taotie_engine::shade::{MaterialSample, Shading, compensation};
 
 const ROUGHNESS: [f64; 6] = [0.1, 0.2, 0.4, 0.6, 0.8, 1.0];
 const N_DOT_V: [f64; 4] = [0.1, 0.3, 0.6, 1.0];

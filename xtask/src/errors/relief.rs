@@ -2,11 +2,11 @@
 
 use crate::computed::row;
 use anyhow::Result;
-use taotie::Progress;
-use taotie::image::Image;
-use taotie::math::{Lane, Vec3};
-use taotie::render::{Lighting, Pass, Prepared, ReferenceSettings, RenderSettings, Shot, reference};
-use taotie::scene::{Camera, Falloff, Light, LightKind, Orbit, Scene, from_view};
+use taotie_engine::Progress;
+use taotie_engine::image::Image;
+use taotie_engine::math::{Lane, Vec3};
+use taotie_engine::render::{Lighting, Pass, Prepared, ReferenceSettings, RenderSettings, Shot, reference};
+use taotie_engine::scene::{Camera, Falloff, Light, LightKind, Orbit, Scene, from_view};
 use taotie_study::jue;
 
 const ROUGHNESS: [f32; 5] = [0.15, 0.25, 0.4, 0.6, 0.9];

@@ -3,17 +3,17 @@
 use crate::computed::row;
 use anyhow::{Context, Result};
 use std::path::Path;
-use taotie::Progress;
-use taotie::film::{Development, develop16};
-use taotie::image::Image;
-use taotie::io::{decode_environment, read_bytes};
-use taotie::math::{Lane, Mat4, Vec3};
-use taotie::mesh::Mesh;
-use taotie::render::{
+use taotie_engine::Progress;
+use taotie_engine::film::{Development, develop16};
+use taotie_engine::image::Image;
+use taotie_engine::math::{Lane, Mat4, Vec3};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::render::{
     EnvironmentLight, Lighting, Pass, Prepared, ReferenceSettings, RenderSettings, Shot, reference,
 };
-use taotie::scene::{Instance, Orbit, Scene, SceneData, preset};
-use taotie::shade::environment::{Environment, studio};
+use taotie_engine::scene::{Instance, Orbit, Scene, SceneData, preset};
+use taotie_engine::shade::environment::{Environment, studio};
+use taotie_io::{decode_environment, read_bytes};
 
 const ROUGHNESS: [f32; 7] = [0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0];
 
@@ -92,7 +92,7 @@ fn errors(sky: &Sky, roughness: f32) -> Result<(f64, f64)> {
 
 fn bronze_sphere(roughness: f32) -> Scene {
     let bronze = preset("bronze").expect("bronze is a preset");
-    let material = taotie::scene::Material { roughness, ..bronze };
+    let material = taotie_engine::scene::Material { roughness, ..bronze };
     let data = SceneData {
         meshes: vec![Mesh::sphere(1.0, 128, 64)],
         materials: vec![material],

@@ -1,14 +1,14 @@
 //! The measured surfaces: models, surface methods and layers, with random factors.
 
 use super::random::Random;
-use taotie::image::Sampler;
-use taotie::names::Named;
-use taotie::scene::{
+use taotie_engine::image::Sampler;
+use taotie_engine::names::Named;
+use taotie_engine::scene::{
     Anisotropy, Classic, Clearcoat, GreenChannel, HeightMap, Material, NormalMap, NormalSpace, Sheen,
     Specular, TextureRef, UvTransform,
 };
-use taotie::shade::Shading;
-use taotie::surface::SurfaceMethod;
+use taotie_engine::shade::Shading;
+use taotie_engine::surface::SurfaceMethod;
 use taotie_shader::{SurfaceFactors, Variant, VariantOptions};
 
 /// The layers of a surface, and other values in addition to those of glTF.
@@ -159,7 +159,7 @@ impl Case {
             SurfaceMethod::BumpPrinted => (IDENTITY, 1.0),
             _ => (NORMAL_MATRIX, 0.03),
         };
-        let normal_matrix = matrix.map(taotie::math::Vec3::from_array);
+        let normal_matrix = matrix.map(taotie_engine::math::Vec3::from_array);
         SurfaceFactors { material, normal_matrix, bump, height_levels: 1 }
     }
 }

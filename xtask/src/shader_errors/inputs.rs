@@ -4,10 +4,10 @@ use super::cases::Case;
 use super::lighting::{self, Lighting};
 use super::points::{OBJECT_NORMALS, Points, WIDTH};
 use super::random::Random;
-use taotie::scene::{Material, TextureRole};
-use taotie::shade::dfg;
-use taotie::shade::environment::Environment;
-use taotie::surface::SurfaceMethod;
+use taotie_engine::scene::{Material, TextureRole};
+use taotie_engine::shade::dfg;
+use taotie_engine::shade::environment::Environment;
+use taotie_engine::surface::SurfaceMethod;
 use taotie_shader::{EnvironmentAtlas, MOST_LIGHTS, light_numbers, opaque};
 
 /// A picture of floats.

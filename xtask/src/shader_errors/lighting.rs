@@ -1,9 +1,9 @@
 //! The kinds of light under which points are measured, and the sky.
 
-use taotie::image::Image;
-use taotie::math::Vec3;
-use taotie::pixel::{Cone, Falloff, LightSource, Place, Turn};
-use taotie::shade::environment::Environment;
+use taotie_engine::image::Image;
+use taotie_engine::math::Vec3;
+use taotie_engine::pixel::{Cone, Falloff, LightSource, Place, Turn};
+use taotie_engine::shade::environment::Environment;
 use taotie_shader::FrameFactors;
 
 /// A kind of light.

@@ -21,8 +21,8 @@ use rayon::prelude::*;
 use reference::Scene;
 use std::path::Path;
 use tally::Tally;
-use taotie::math::Number;
-use taotie::names::Named;
+use taotie_engine::math::Number;
+use taotie_engine::names::Named;
 use vulkan::Vulkan;
 use webgl::WebGl;
 

@@ -9,9 +9,9 @@ use super::lighting::Lighting;
 use super::random::Random;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
-use taotie::math::{Vec3, scalar};
-use taotie::pixel::Place;
-use taotie::scene::TextureRole;
+use taotie_engine::math::{Vec3, scalar};
+use taotie_engine::pixel::Place;
+use taotie_engine::scene::TextureRole;
 
 /// Points per row.
 pub const WIDTH: usize = 256;

@@ -1,6 +1,6 @@
 //! Random numbers that are the same on every run.
 
-use taotie::math::Vec3;
+use taotie_engine::math::Vec3;
 
 /// A linear congruential generator.
 pub struct Random(u64);

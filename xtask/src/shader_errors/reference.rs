@@ -3,16 +3,16 @@
 use super::cases::Case;
 use super::lighting::{Lighting, TURN};
 use super::points::{OBJECT_NORMALS, Point, Points, WIDTH};
-use taotie::math::{Number, Vec3, scalar};
-use taotie::pixel::{
+use taotie_engine::math::{Number, Vec3, scalar};
+use taotie_engine::pixel::{
     AnisotropyInputs, CoatInputs, EnvironmentSource, Geometry, IncidentLight, LayerInputs, MappedNormal,
     MaterialUniforms, MaterialValues, NormalValues, PixelInputs, SheenInputs, anisotropy_turn,
     height_derivative, height_step, occluded,
 };
-use taotie::scene::{Material, NormalMap, TextureRole};
-use taotie::shade::environment::Environment;
-use taotie::shade::{SubPixelVariance, curvature_variance};
-use taotie::surface::SurfaceMethod;
+use taotie_engine::scene::{Material, NormalMap, TextureRole};
+use taotie_engine::shade::environment::Environment;
+use taotie_engine::shade::{SubPixelVariance, curvature_variance};
+use taotie_engine::surface::SurfaceMethod;
 
 /// Points of a surface under a kind of light.
 #[derive(Clone, Copy)]

@@ -2,8 +2,8 @@
 #![allow(clippy::print_stderr, reason = "tests report their findings and why they are skipped")]
 
 use super::*;
-use taotie::shade::Shading;
-use taotie::surface::SurfaceMethod;
+use taotie_engine::shade::Shading;
+use taotie_engine::surface::SurfaceMethod;
 
 /// The largest allowed relative difference of radiance for shaders, or 1.5 times that of `f32` if this is larger.
 const LARGEST: f64 = 1e-3;

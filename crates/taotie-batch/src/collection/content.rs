@@ -6,8 +6,8 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
-use taotie::Result;
 use taotie::asset::Bytes;
+use taotie_engine::Result;
 use toml::{Spanned, Table, Value};
 
 /// The whole file.
@@ -154,7 +154,7 @@ impl Content {
     /// Checks everything that deserialising cannot.
     ///
     /// # Errors
-    /// [`taotie::Error::Parse`] with the line.
+    /// [`taotie_engine::Error::Parse`] with the line.
     pub fn check(&self, lines: Lines<'_>) -> Result<()> {
         if self.source.is_empty() {
             return Err(lines.parse(0..0, "name at least one [[source]]: a folder, a glob or a list"));
@@ -193,7 +193,7 @@ impl Override {
     /// Returns the id pattern.
     ///
     /// # Errors
-    /// [`taotie::Error::Parse`] with the line.
+    /// [`taotie_engine::Error::Parse`] with the line.
     pub fn pattern(&self, lines: Lines<'_>) -> Result<Pattern> {
         Pattern::new(self.id.get_ref()).map_err(|error| lines.parse(self.id.span(), &format!("id: {error}")))
     }

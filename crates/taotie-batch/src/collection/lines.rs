@@ -3,7 +3,7 @@
 use serde::de::DeserializeOwned;
 use std::ops::Range;
 use std::path::Path;
-use taotie::{Error, Result};
+use taotie_engine::{Error, Result};
 
 /// The text of a file, for converting positions to lines.
 #[derive(Debug, Clone, Copy)]

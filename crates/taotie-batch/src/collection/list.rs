@@ -4,8 +4,8 @@ use super::scan::Scan;
 use crate::input::slashed;
 use serde::Deserialize;
 use std::path::Path;
-use taotie::io::read_bytes;
-use taotie::{Error, Result, Warnings};
+use taotie_engine::{Error, Result, Warnings};
+use taotie_io::read_bytes;
 
 /// The columns that are read; all others are ignored.
 const COLUMNS: [&str; 3] = ["path", "id", "title"];

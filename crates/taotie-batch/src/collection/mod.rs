@@ -13,8 +13,8 @@ use glob::Pattern;
 use lines::Lines;
 use std::path::{Path, PathBuf};
 use tables::Choices;
-use taotie::io::read_bytes;
-use taotie::{Error, Result};
+use taotie_engine::{Error, Result};
+use taotie_io::read_bytes;
 
 pub use content::{RunSettings, duration};
 pub use scan::{Found, Scan};

@@ -1,7 +1,7 @@
 //! A scan of a collection, and all that were found.
 
 use std::path::PathBuf;
-use taotie::Warnings;
+use taotie_engine::Warnings;
 
 /// A scan of a collection.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use super::scan::{Found, Scan};
 use crate::input::slashed;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use taotie::{Error, Result, Warnings};
+use taotie_engine::{Error, Result, Warnings};
 use toml::Spanned;
 use walkdir::WalkDir;
 

@@ -7,7 +7,7 @@ use crate::settings::{AssetSettings, Settings, Thumbnail, Turntable, ViewerPage}
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use taotie::asset::{BakeOptions, Packing, Requirement, ScanOptions, VerifyOptions};
-use taotie::{Error, Result};
+use taotie_engine::{Error, Result};
 use toml::{Spanned, Table, Value};
 
 /// The options that one part of a collection's file sets.

@@ -9,7 +9,7 @@ use crate::store::Store;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
-use taotie::{Result, Warnings};
+use taotie_engine::{Result, Warnings};
 
 /// The known state of a collection, and where it is recorded.
 pub struct Books {

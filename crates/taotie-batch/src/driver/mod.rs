@@ -24,8 +24,8 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::time::{Duration, Instant};
 use taotie::asset::{Bytes, Limits};
-use taotie::io::free_memory;
-use taotie::{Error, Result, Warnings};
+use taotie_engine::{Error, Result, Warnings};
+use taotie_io::free_memory;
 use todo::Todo;
 
 pub use options::DriveOptions;

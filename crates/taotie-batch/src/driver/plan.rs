@@ -10,7 +10,7 @@ use crate::objects::AssetObject;
 use crate::record::{Record, SCHEMA, State};
 use crate::settings::Settings;
 use std::path::Path;
-use taotie::Result;
+use taotie_engine::Result;
 
 /// The outstanding work, and the assets that need none.
 pub struct Plan {

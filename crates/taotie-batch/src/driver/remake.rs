@@ -7,7 +7,7 @@ use crate::job::{Job, Message, Outcome};
 use crate::record::Record;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use taotie::asset::Limits;
-use taotie::{Error, Result};
+use taotie_engine::{Error, Result};
 
 /// Makes an asset again in a temporary folder. `hear` returns true to go on.
 ///

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use taotie::asset::Limits;
-use taotie::{Error, Result};
+use taotie_engine::{Error, Result};
 
 /// A collection whose processes are started by others. It has exclusive write access to its manifest.
 pub struct Remote {

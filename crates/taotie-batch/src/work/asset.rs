@@ -5,9 +5,9 @@ use crate::address::VERSION;
 use crate::objects::{AssetObject, entries};
 use crate::record::SCHEMA;
 use std::path::PathBuf;
-use taotie::Result;
 use taotie::asset::{Baker, Certificate, Proof, Report, ScanFile, Signature, Warning, WrittenAsset};
-use taotie::io::FileSet;
+use taotie_engine::Result;
+use taotie_io::FileSet;
 use taotie_report::bake_page;
 
 /// Bakes a scan, proves it, and writes all files to an address.

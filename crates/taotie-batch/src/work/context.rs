@@ -3,9 +3,9 @@
 use crate::job::{Go, Job, Message};
 use crate::store::Store;
 use std::path::Path;
-use taotie::Progress;
 use taotie::asset::Bytes;
-use taotie::io::FileSet;
+use taotie_engine::Progress;
+use taotie_io::FileSet;
 
 /// The callbacks of a process: to its driver, and to signal handling.
 #[derive(Clone, Copy)]

@@ -18,8 +18,8 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 use std::path::Path;
 use taotie::asset::{Baker, Bytes, Requirement, RequirementOutcome, ScanFile, Warning};
-use taotie::io::FileSet;
-use taotie::{Error, Progress, Result};
+use taotie_engine::{Error, Progress, Result};
+use taotie_io::FileSet;
 
 pub use context::Host;
 

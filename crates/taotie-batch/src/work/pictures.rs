@@ -3,13 +3,13 @@
 use super::context::{Target, Work};
 use crate::settings::{Thumbnail, Turntable};
 use taotie::asset::Limits;
-use taotie::film::Development;
-use taotie::image::{Bitmap, Texels};
-use taotie::io::{self, AnimatedImage, AnimationFormat, AnimationSpec};
-use taotie::render::{RenderSettings, Renderer, Shot};
-use taotie::scene::Scene;
 use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, View, Viewpoint};
-use taotie::{Progress, Result};
+use taotie_engine::film::Development;
+use taotie_engine::image::{Bitmap, Texels};
+use taotie_engine::render::{RenderSettings, Renderer, Shot};
+use taotie_engine::scene::Scene;
+use taotie_engine::{Progress, Result};
+use taotie_io::{AnimatedImage, AnimationFormat, AnimationSpec};
 
 /// A model to be rendered.
 struct Sitter {
@@ -31,7 +31,7 @@ pub fn thumbnail(
     let viewpoint = framed(&scene, size, false)?;
     let pixels = Sitter::new(scene, size)?.picture(viewpoint.at(0.0))?;
     let bitmap = Bitmap::new(size, size, 4, Texels::U8(pixels))?;
-    files.write_bytes(path, &io::encode_webp_bitmap(&bitmap)?)
+    files.write_bytes(path, &taotie_io::encode_webp_bitmap(&bitmap)?)
 }
 
 /// Writes one turn of a model as an animated PNG.

@@ -2,8 +2,8 @@
 
 use super::context::{Target, Work};
 use std::path::Path;
-use taotie::Result;
 use taotie::asset::Limits;
+use taotie_engine::Result;
 use taotie_report::viewer::AssetSubject;
 
 /// Writes the page of a model.

@@ -10,13 +10,13 @@ use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
-use taotie::Error;
 use taotie::asset::{
     BakeOptions, Baker, Figure, Limits, Lod, MeshSource, Packing, Preset, RayDistance, Requirement,
 };
-use taotie::bake::MapKind;
-use taotie::io::{CodecKind, CodecSet, FileSet, TextureCodecs};
-use taotie::names::Named;
+use taotie_engine::Error;
+use taotie_engine::bake::MapKind;
+use taotie_engine::names::Named;
+use taotie_io::{CodecKind, CodecSet, FileSet, TextureCodecs};
 
 /// Options that fix what a search would choose.
 const BY_HAND: [&str; 5] = ["low", "triangles", "size", "bits", "meshopt"];

@@ -1,9 +1,9 @@
 //! `--images`: the formats of textures.
 
 use crate::options;
-use taotie::Error;
-use taotie::io::{CodecKind, TextureCodecs};
-use taotie::names::Named;
+use taotie_engine::Error;
+use taotie_engine::names::Named;
+use taotie_io::{CodecKind, TextureCodecs};
 
 /// The formats of textures: candidates for a search, or fixed ones.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -68,7 +68,7 @@ pub fn images(text: &str) -> Result<Images, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::io::ImageCodec;
+    use taotie_io::ImageCodec;
 
     #[test]
     fn sets_and_formats_are_told_apart() {

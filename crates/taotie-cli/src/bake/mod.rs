@@ -20,8 +20,8 @@ use schedule::Schedule;
 use taotie::asset::{
     Baker, Certificate, Limits, MemoryEstimate, Proof, Report, Requirement, ScanFile, Warning, WrittenAsset,
 };
-use taotie::io::FileSet;
-use taotie::{Progress, Warnings};
+use taotie_engine::{Progress, Warnings};
+use taotie_io::FileSet;
 use taotie_report::bake_page;
 
 /// Runs the subcommand.

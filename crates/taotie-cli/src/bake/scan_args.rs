@@ -3,8 +3,8 @@
 use crate::options::named;
 use clap::{Args, ValueEnum};
 use taotie::asset::ScanOptions;
-use taotie::length::Unit;
-use taotie::scene::GreenChannel;
+use taotie_engine::length::Unit;
+use taotie_engine::scene::GreenChannel;
 
 /// How to read a scan whose file is ambiguous.
 #[derive(Args)]

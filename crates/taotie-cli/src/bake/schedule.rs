@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 use taotie::asset::{BakeOptions, Lod, ScanSize};
-use taotie::bake::MapKind;
+use taotie_engine::bake::MapKind;
 
 /// Fraction of the work to finish before estimating the remaining time.
 const LEAST: f64 = 0.02;

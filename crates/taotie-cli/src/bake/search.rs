@@ -5,9 +5,9 @@ use super::images::Images;
 use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use taotie::asset::{Figure, Looking, Requirement, VerifyOptions};
-use taotie::bake::MapKind;
-use taotie::io::CodecSet;
-use taotie::names::Named;
+use taotie_engine::bake::MapKind;
+use taotie_engine::names::Named;
+use taotie_io::CodecSet;
 
 impl BakeArgs {
     /// Returns the requirements of a search for the smallest asset; `None` without one, or with only a number of

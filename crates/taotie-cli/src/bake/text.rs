@@ -5,8 +5,8 @@ use std::fmt::Write;
 use taotie::asset::{
     BakeFigures, Figures, LevelFigures, MaterialFigures, PartFigures, Report, RequirementOutcome, ViewFigures,
 };
-use taotie::compare::Summary;
-use taotie::length::{ShownLength, place_text, texel_text};
+use taotie_engine::compare::Summary;
+use taotie_engine::length::{ShownLength, place_text, texel_text};
 use taotie_report::summary;
 use taotie_report::table::Table;
 

@@ -1,8 +1,8 @@
 //! The worst parts of an asset, and its share beyond limits, as text.
 
 use taotie::asset::{Beyond, Figures, WorstParts};
-use taotie::length::place_text;
-use taotie::proof::{Region, WorstRegions};
+use taotie_engine::length::place_text;
+use taotie_engine::proof::{Region, WorstRegions};
 use taotie_report::table::Table;
 
 /// Adds the shares of the surface beyond the usual limits.

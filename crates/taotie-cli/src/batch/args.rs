@@ -60,7 +60,7 @@ pub struct BatchArgs {
 }
 
 fn shard(text: &str) -> Result<Shard, String> {
-    text.parse().map_err(|error: taotie::Error| error.to_string())
+    text.parse().map_err(|error: taotie_engine::Error| error.to_string())
 }
 
 impl BatchArgs {

@@ -9,10 +9,10 @@ use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use taotie::comparison::{Matching, Method, SamplePoints};
-use taotie::io::FileSet;
-use taotie::names::Named;
-use taotie::shade::Shading;
-use taotie::surface::SurfaceMethod;
+use taotie_engine::names::Named;
+use taotie_engine::shade::Shading;
+use taotie_engine::surface::SurfaceMethod;
+use taotie_io::FileSet;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -15,11 +15,11 @@ use crate::studio::{self, Viewpoint};
 use anyhow::{Context, Result};
 use reference::Reference;
 use std::path::Path;
-use taotie::Progress;
 use taotie::asset::Bytes;
 use taotie::comparison::{Comparison, ComparisonOptions, Subject};
-use taotie::io::FileSet;
-use taotie::render::{HeldPixels, RenderSettings, SurfaceSettings, image_bytes};
+use taotie_engine::Progress;
+use taotie_engine::render::{HeldPixels, RenderSettings, SurfaceSettings, image_bytes};
+use taotie_io::FileSet;
 use taotie_report::comparison::{self, Written};
 
 /// Runs the subcommand.

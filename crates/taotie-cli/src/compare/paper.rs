@@ -3,7 +3,7 @@
 use crate::console;
 use anyhow::Result;
 use std::path::Path;
-use taotie::io::FileSet;
+use taotie_io::FileSet;
 use taotie_study::paper::Study;
 
 /// Prints the study as text or JSON; with `out`, writes it to that folder, as files of a set.

@@ -5,8 +5,8 @@ use crate::studio;
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 use taotie::comparison::dress_reference;
-use taotie::scene::Scene;
-use taotie::{Warnings, io};
+use taotie_engine::Warnings;
+use taotie_engine::scene::Scene;
 
 /// A reference, and the other files that it was read from.
 pub struct Reference {
@@ -22,7 +22,7 @@ pub struct Reference {
 /// # Errors
 /// Those of the reader and of the material.
 pub fn load(path: &Path, args: &CompareArgs, model: &Scene, warnings: &mut Warnings) -> Result<Reference> {
-    let mut loaded = io::load_model_within(path, &args.running.limits.limits())?;
+    let mut loaded = taotie_io::load_model_within(path, &args.running.limits.limits())?;
     let args = &args.material;
     warnings.absorb(std::mem::take(&mut loaded.warnings));
     let mut scene = loaded.scene;

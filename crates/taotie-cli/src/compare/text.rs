@@ -1,7 +1,7 @@
 //! The text that a comparison prints.
 
-use taotie::compare::Summary;
 use taotie::comparison::{MethodReport, PictureFigures};
+use taotie_engine::compare::Summary;
 use taotie_report::comparison::Document;
 use taotie_report::summary::figures;
 use taotie_report::table::Table;

@@ -5,13 +5,13 @@ use crate::running::RunArgs;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use taotie::Warnings;
 use taotie::asset::{Bytes, Limits};
-use taotie::compare::{NormalEncoding, PIXELS_PER_DEGREE};
 use taotie::comparison::diff::{self, DiffOptions, ImageContent, Metric};
-use taotie::io::FileSet;
-use taotie::math::Vec3;
-use taotie::names::Named;
+use taotie_engine::Warnings;
+use taotie_engine::compare::{NormalEncoding, PIXELS_PER_DEGREE};
+use taotie_engine::math::Vec3;
+use taotie_engine::names::Named;
+use taotie_io::FileSet;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -4,7 +4,7 @@ use super::args::DiffArgs;
 use anyhow::Result;
 use std::path::Path;
 use taotie::comparison::diff::ImagePair;
-use taotie::io::FileSet;
+use taotie_io::FileSet;
 use taotie_report::heat_map::HeatMap;
 
 /// Writes the heat map of the requested metric, otherwise of FLIP or the angle, as a file of a set.

@@ -14,9 +14,9 @@ use anyhow::{Result, bail};
 use report::{Files, Report};
 use taotie::asset::Bytes;
 use taotie::comparison::diff::{DiffOptions, Encoding, ImagePair, Metric, NamedBitmap, guessed_encoding};
-use taotie::image::Bitmap;
-use taotie::io::FileSet;
-use taotie::{Progress, io};
+use taotie_engine::Progress;
+use taotie_engine::image::Bitmap;
+use taotie_io::FileSet;
 
 /// Runs the subcommand.
 pub fn run(args: &DiffArgs) -> Result<Outcome> {
@@ -49,10 +49,10 @@ fn compare(args: &DiffArgs, set: &FileSet) -> Result<Report> {
     const PROGRAM: u64 = 32 << 20;
     let limits = args.limits();
     let names = [&args.a, &args.b].map(|path| path.display().to_string());
-    let first = io::read_bitmap_within(&args.a, &limits)?;
+    let first = taotie_io::read_bitmap_within(&args.a, &limits)?;
     let title = format!("{}: a comparison of {}x{} pixels", names[0], first.width(), first.height());
     limits.check(title.as_str(), Bytes(ImagePair::least_bytes(&first)))?;
-    let files = Files { names, bitmaps: [first, io::read_bitmap_within(&args.b, &limits)?] };
+    let files = Files { names, bitmaps: [first, taotie_io::read_bitmap_within(&args.b, &limits)?] };
     let options = args.options();
     let images = [0, 1].map(|i| NamedBitmap { name: &files.names[i], bitmap: &files.bitmaps[i] });
     check_normals(images, &options)?;

@@ -4,11 +4,11 @@ use super::args::DiffArgs;
 use crate::console;
 use serde::{Serialize, Serializer};
 use std::fmt::Write;
-use taotie::Warnings;
-use taotie::compare::NormalEncoding;
 use taotie::comparison::diff::{DiffFigures, ImageContent, ImagePair};
-use taotie::image::Bitmap;
-use taotie::names::Named;
+use taotie_engine::Warnings;
+use taotie_engine::compare::NormalEncoding;
+use taotie_engine::image::Bitmap;
+use taotie_engine::names::Named;
 use taotie_report::summary;
 
 /// Version of the JSON that `--json` prints.

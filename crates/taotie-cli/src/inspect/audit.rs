@@ -9,9 +9,9 @@ use serde::Serialize;
 use std::path::Path;
 use taotie::asset::{Bytes, Limits};
 use taotie::inspection::{Audit, AuditSchema, CheckStatus, ProductInfo, audit_bytes};
-use taotie::io::{self, Loaded};
-use taotie::names::Named;
-use taotie::render::scene_bytes;
+use taotie_engine::names::Named;
+use taotie_engine::render::scene_bytes;
+use taotie_io::Loaded;
 use taotie_report::table::Table;
 
 /// Version of the JSON that `--audit --json` prints.
@@ -35,11 +35,13 @@ struct Report {
 /// Audits a model against the schema in a file.
 pub fn run(args: &InspectArgs, schema_path: &Path) -> Result<Outcome> {
     let limits = args.limits.limits();
-    let schema = AuditSchema::parse(&io::read_bytes(schema_path)?, schema_path.display())?;
-    let product =
-        args.product_info.as_ref().map(|path| ProductInfo::parse(&io::read_bytes(path)?, path.display()));
+    let schema = AuditSchema::parse(&taotie_io::read_bytes(schema_path)?, schema_path.display())?;
+    let product = args
+        .product_info
+        .as_ref()
+        .map(|path| ProductInfo::parse(&taotie_io::read_bytes(path)?, path.display()));
     let product = product.transpose()?;
-    let loaded = io::load_model_within(&args.model, &limits)?;
+    let loaded = taotie_io::load_model_within(&args.model, &limits)?;
     check_memory(args, &loaded, (&schema, &limits))?;
     let report = Report {
         schema: SCHEMA,

@@ -17,9 +17,9 @@ use anyhow::Result;
 use report::Report;
 use taotie::asset::Bytes;
 use taotie::inspection::Inspection;
-use taotie::io::{GltfSizes, GltfSource};
-use taotie::render::{framing_bytes, scene_bytes};
-use taotie::scene::Scene;
+use taotie_engine::render::{framing_bytes, scene_bytes};
+use taotie_engine::scene::Scene;
+use taotie_io::{GltfSizes, GltfSource};
 
 /// Runs the subcommand.
 pub fn run(args: &InspectArgs) -> Result<Outcome> {
@@ -31,7 +31,7 @@ pub fn run(args: &InspectArgs) -> Result<Outcome> {
 
 fn inspect(args: &InspectArgs) -> Result<()> {
     let limits = args.limits.limits();
-    let loaded = taotie::io::load_model_within(&args.model, &limits)?;
+    let loaded = taotie_io::load_model_within(&args.model, &limits)?;
     limits.check(args.model.display().to_string(), Bytes(need(&loaded.scene)))?;
     let mut inspection = Inspection::of(&loaded);
     if loaded.structure.is_some() {

@@ -1,7 +1,7 @@
 //! The section on bytes by content.
 
 use super::values::{short, thousands};
-use taotie::io::GltfSizes;
+use taotie_io::GltfSizes;
 use taotie_report::table::Table;
 
 /// Returns the table of bytes in the file and on the graphics card.

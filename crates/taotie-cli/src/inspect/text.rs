@@ -8,9 +8,9 @@ use taotie::inspection::{
     AnimationReport, Counted, Counts, Extent, Inspection, Listed, MaterialReport, MeshReport,
     NormalMapReport, Normals, TangentHealth, TextureReport,
 };
-use taotie::io::XmpEvent;
-use taotie::names::Named;
-use taotie::surface::GreenVerdict;
+use taotie_engine::names::Named;
+use taotie_engine::surface::GreenVerdict;
+use taotie_io::XmpEvent;
 use taotie_report::table::Table;
 
 /// Returns the whole report.

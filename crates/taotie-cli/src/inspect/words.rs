@@ -1,9 +1,9 @@
 //! Layers of materials and hints in words.
 
 use taotie::inspection::{AnisotropyReport, ClearcoatReport, Hint, LayersReport};
-use taotie::names::Named;
-use taotie::scene::NormalSpace;
-use taotie::surface::{GreenVerdict, NormalMapKind};
+use taotie_engine::names::Named;
+use taotie_engine::scene::NormalSpace;
+use taotie_engine::surface::{GreenVerdict, NormalMapKind};
 
 /// Returns a suggestion, or `None` if this program has no option for it.
 pub fn hint(hint: &Hint) -> Option<String> {

@@ -7,9 +7,9 @@ use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use taotie::image::Wrap;
-use taotie::io::FileSet;
-use taotie::surface::TangentMethod;
+use taotie_engine::image::Wrap;
+use taotie_engine::surface::TangentMethod;
+use taotie_io::FileSet;
 
 const EXAMPLES: &str = "\
 Examples:

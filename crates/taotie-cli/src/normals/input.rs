@@ -3,15 +3,14 @@
 use super::args::{From, NormalsArgs};
 use crate::console;
 use anyhow::{Result, bail};
-use taotie::image::Bitmap;
-use taotie::io;
-use taotie::normal_map::{MapContent, MapSource, guessed_content};
-use taotie::scene::{GreenChannel, NormalSpace};
-use taotie::surface::{GreenVerdict, green_direction};
+use taotie_engine::image::Bitmap;
+use taotie_engine::normal_map::{MapContent, MapSource, guessed_content};
+use taotie_engine::scene::{GreenChannel, NormalSpace};
+use taotie_engine::surface::{GreenVerdict, green_direction};
 
 /// Reads the map and determines its content; prints what was guessed.
 pub fn read(args: &NormalsArgs) -> Result<MapSource> {
-    let bitmap = io::read_bitmap_within(&args.input, &args.limits.limits())?;
+    let bitmap = taotie_io::read_bitmap_within(&args.input, &args.limits.limits())?;
     let content = match args.from {
         From::Height => MapContent::Heights,
         From::Tangent => MapContent::Normals(NormalSpace::Tangent),

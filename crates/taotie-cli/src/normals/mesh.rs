@@ -4,10 +4,10 @@ use super::args::NormalsArgs;
 use crate::choice;
 use anyhow::{Context, Result, anyhow, bail};
 use std::path::Path;
-use taotie::Warnings;
-use taotie::bake::{TexelGrid, TexelSurface};
-use taotie::io::{self, FileSet, Loaded};
-use taotie::normal_map::lay_out;
+use taotie_engine::Warnings;
+use taotie_engine::bake::{TexelGrid, TexelSurface};
+use taotie_engine::normal_map::lay_out;
+use taotie_io::{FileSet, Loaded};
 
 /// Lays out the requested mesh on a map of `size`, with the tangent frames of the renderer; `None` without a model.
 /// Protects its files from being overwritten.
@@ -18,7 +18,7 @@ pub fn laid_out(
     warnings: &mut Warnings,
 ) -> Result<Option<TexelSurface>> {
     let Some(path) = &args.mesh else { return Ok(None) };
-    let mut loaded = io::load_model_within(path, &args.limits.limits())?;
+    let mut loaded = taotie_io::load_model_within(path, &args.limits.limits())?;
     files.protect(&loaded.files)?;
     warnings.absorb(std::mem::take(&mut loaded.warnings));
     let mesh = &loaded.scene.meshes()[part(args, path, &loaded)?];

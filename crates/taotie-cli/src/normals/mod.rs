@@ -13,12 +13,12 @@ use crate::{console, stop};
 use anyhow::{Result, bail};
 use args::Border;
 use report::Report;
-use taotie::Warnings;
-use taotie::bake::TexelSurface;
-use taotie::image::Encoding;
-use taotie::io::FileSet;
-use taotie::normal_map::{ConversionOptions, MapContent, MapSource, convert_map};
-use taotie::scene::NormalSpace;
+use taotie_engine::Warnings;
+use taotie_engine::bake::TexelSurface;
+use taotie_engine::image::Encoding;
+use taotie_engine::normal_map::{ConversionOptions, MapContent, MapSource, convert_map};
+use taotie_engine::scene::NormalSpace;
+use taotie_io::FileSet;
 
 /// Runs the subcommand.
 pub fn run(args: &NormalsArgs) -> Result<()> {

@@ -6,11 +6,11 @@ use crate::console;
 use crate::studio::Green;
 use serde::Serialize;
 use std::fmt::Write;
-use taotie::Warnings;
-use taotie::compare::{Field, Summary};
-use taotie::names::Named;
-use taotie::normal_map::{Conversion, MapSource};
-use taotie::scene::GreenChannel;
+use taotie_engine::Warnings;
+use taotie_engine::compare::{Field, Summary};
+use taotie_engine::names::Named;
+use taotie_engine::normal_map::{Conversion, MapSource};
+use taotie_engine::scene::GreenChannel;
 use taotie_report::summary;
 
 /// Version of the JSON that `--json` prints.

@@ -1,9 +1,9 @@
 //! Options without effect on this input: each is a warning.
 
 use super::args::NormalsArgs;
-use taotie::Warnings;
-use taotie::normal_map::{MapContent, MapSource};
-use taotie::scene::NormalSpace;
+use taotie_engine::Warnings;
+use taotie_engine::normal_map::{MapContent, MapSource};
+use taotie_engine::scene::NormalSpace;
 
 /// Adds a warning for each option that has no effect on this conversion.
 pub fn note(args: &NormalsArgs, source: &MapSource, warnings: &mut Warnings) {

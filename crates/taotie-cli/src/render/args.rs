@@ -11,11 +11,11 @@ use crate::studio::{
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
-use taotie::Warnings;
-use taotie::io::{FileSet, ImageFormat};
-use taotie::render::{Aovs, RenderSettings, SurfaceSettings};
-use taotie::scene::Scene;
-use taotie::surface::SurfaceMethod;
+use taotie_engine::Warnings;
+use taotie_engine::render::{Aovs, RenderSettings, SurfaceSettings};
+use taotie_engine::scene::Scene;
+use taotie_engine::surface::SurfaceMethod;
+use taotie_io::{FileSet, ImageFormat};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 use std::path::Path;
-use taotie::io::{AnimationFormat, ImageFormat};
+use taotie_io::{AnimationFormat, ImageFormat};
 
 /// The file formats of the pictures of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,8 +5,8 @@ use crate::studio::{FilmArgs, ReflectionArgs};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use serde_json::json;
-use taotie::names::Named;
-use taotie::render::{NormalMapping, ReferenceSettings};
+use taotie_engine::names::Named;
+use taotie_engine::render::{NormalMapping, ReferenceSettings};
 
 /// The choice of renderer, and its options.
 #[derive(Args)]

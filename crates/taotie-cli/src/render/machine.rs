@@ -7,9 +7,9 @@ use anyhow::Result;
 #[cfg(not(feature = "gpu"))]
 use anyhow::bail;
 use serde_json::json;
-use taotie::Progress;
-use taotie::film::Development;
-use taotie::render::{Frame, Prepared, Renderer, Shot};
+use taotie_engine::Progress;
+use taotie_engine::film::Development;
+use taotie_engine::render::{Frame, Prepared, Renderer, Shot};
 #[cfg(feature = "gpu")]
 use taotie_gpu::{AdapterChoice, AdapterDescription, Gpu, GpuRenderer};
 

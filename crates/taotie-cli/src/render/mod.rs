@@ -19,11 +19,11 @@ use machine::Machine;
 use sequence::{Setting, Shooting};
 use serde_json::json;
 use std::path::PathBuf;
-use taotie::Warnings;
 use taotie::asset::Bytes;
-use taotie::io::FileSet;
-use taotie::names::Named;
-use taotie::render::{image_bytes, pixel_bytes};
+use taotie_engine::Warnings;
+use taotie_engine::names::Named;
+use taotie_engine::render::{image_bytes, pixel_bytes};
+use taotie_io::FileSet;
 use watch::Watch;
 
 /// Version of the JSON that `--json` prints.

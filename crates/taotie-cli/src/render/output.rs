@@ -3,10 +3,10 @@
 use super::RenderArgs;
 use anyhow::Result;
 use std::path::{Path, PathBuf};
-use taotie::film::{Development, ToneCurve};
-use taotie::image::Image;
-use taotie::io::{AnimationFormat, FileSet, ImageFormat};
-use taotie::render::{Frame, HeldPixels};
+use taotie_engine::film::{Development, ToneCurve};
+use taotie_engine::image::Image;
+use taotie_engine::render::{Frame, HeldPixels};
+use taotie_io::{AnimationFormat, FileSet, ImageFormat};
 
 /// Returns how pixels are held until they are written.
 pub fn held(args: &RenderArgs) -> Result<HeldPixels> {
@@ -85,7 +85,7 @@ fn to_look_at(name: &str, image: &Image) -> Image {
             _ => continue,
         };
         // Undo the sRGB curve that is applied when writing, so that these numbers are stored unchanged.
-        let [r, g, b] = encoded.map(|v| taotie::math::srgb::linear_from_srgb(f64::from(v)) as f32);
+        let [r, g, b] = encoded.map(|v| taotie_engine::math::srgb::linear_from_srgb(f64::from(v)) as f32);
         *pixel = [r, g, b, a];
     }
     picture

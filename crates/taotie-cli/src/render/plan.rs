@@ -4,8 +4,8 @@ use crate::options;
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::Path;
-use taotie::scene::animation::Rig;
 use taotie::studio::{Motion, Sequence};
+use taotie_engine::scene::animation::Rig;
 
 /// The motion of the object or camera, and the number of pictures.
 #[derive(Args)]

@@ -8,13 +8,13 @@ use crate::console::Bar;
 use crate::studio::{self, Motion, Viewpoint};
 use anyhow::{Context, Result};
 use std::path::PathBuf;
-use taotie::film::{self, Development};
-use taotie::image::{Image, Texels};
-use taotie::io::{AnimatedImage, AnimationSpec, FileSet, ImageFormat};
-use taotie::render::{EnvironmentLight, Frame, Lighting, RenderSettings, Renderer, Shot, reference};
-use taotie::scene::{Camera, Scene};
 use taotie::studio::{CameraParameters, LightParameters, Sequence, SequenceFrame};
-use taotie::{Progress, Warnings};
+use taotie_engine::film::{self, Development};
+use taotie_engine::image::{Image, Texels};
+use taotie_engine::render::{EnvironmentLight, Frame, Lighting, RenderSettings, Renderer, Shot, reference};
+use taotie_engine::scene::{Camera, Scene};
+use taotie_engine::{Progress, Warnings};
+use taotie_io::{AnimatedImage, AnimationSpec, FileSet, ImageFormat};
 
 /// The camera and the light of a picture, for the report.
 pub struct Setting {

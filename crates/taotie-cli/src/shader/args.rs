@@ -6,8 +6,8 @@ use crate::studio::{ReflectionArgs, SurfaceArgs};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
-use taotie::render::RenderSettings;
 use taotie::studio::{EnvironmentOptions, EnvironmentSource, MaterialOptions};
+use taotie_engine::render::RenderSettings;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -7,7 +7,7 @@ use super::tables::{self, BinaryTexture, EnvironmentDescription};
 use super::values::{SurfaceValues, plain, values};
 use anyhow::Result;
 use serde::Serialize;
-use taotie::names::Named;
+use taotie_engine::names::Named;
 use taotie_shader::{Interface, buffer_size};
 
 /// Version of the JSON of a shader.

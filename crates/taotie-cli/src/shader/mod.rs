@@ -19,8 +19,8 @@ use file::NamedFile;
 use names::Names;
 use serde_json::json;
 use subject::{Drawn, Model, plain};
-use taotie::Warnings;
-use taotie::io::FileSet;
+use taotie_engine::Warnings;
+use taotie_io::FileSet;
 use target::Target;
 
 /// Version of the JSON that `--json` prints.

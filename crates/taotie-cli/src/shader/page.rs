@@ -4,7 +4,7 @@ use super::ShaderArgs;
 use super::description::Description;
 use super::target::Target;
 use super::values::SurfaceValues;
-use taotie::names::Named;
+use taotie_engine::names::Named;
 use taotie_report::{Cell, Column, Fact, Page, Section};
 use taotie_shader::{BufferSlot, TextureSlot, UniformField, ValueKind};
 

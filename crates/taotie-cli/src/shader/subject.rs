@@ -4,15 +4,15 @@ use super::ShaderArgs;
 use crate::choice;
 use anyhow::{Context, Result, anyhow, bail};
 use std::path::Path;
-use taotie::Warnings;
-use taotie::image::Sampler;
-use taotie::io::FileSet;
-use taotie::names::Named;
-use taotie::render::{PRINTED_BUMP, Prepared, Surface};
-use taotie::scene::{
+use taotie_engine::Warnings;
+use taotie_engine::image::Sampler;
+use taotie_engine::names::Named;
+use taotie_engine::render::{PRINTED_BUMP, Prepared, Surface};
+use taotie_engine::scene::{
     GreenChannel, HeightMap, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform,
 };
-use taotie::surface::SurfaceMethod;
+use taotie_engine::surface::SurfaceMethod;
+use taotie_io::FileSet;
 use taotie_shader::{Variant, VariantOptions};
 
 /// A variant, and the instances that it draws.

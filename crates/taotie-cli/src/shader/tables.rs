@@ -2,9 +2,9 @@
 
 use super::file::NamedFile;
 use serde::Serialize;
-use taotie::render::EnvironmentLight;
-use taotie::shade::dfg::{COLUMNS, ROWS, tables};
-use taotie::shade::environment::HalfPicture;
+use taotie_engine::render::EnvironmentLight;
+use taotie_engine::shade::dfg::{COLUMNS, ROWS, tables};
+use taotie_engine::shade::environment::HalfPicture;
 use taotie_shader::{EnvironmentAtlas, opaque};
 
 /// The file name of the tables.

@@ -3,9 +3,9 @@
 use super::subject::Model;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use taotie::image::{Encoding, MipFilter, TexelFilter, Wrap};
-use taotie::math::Vec3;
-use taotie::scene::{AlphaMode, Material, TextureRef, TextureRole};
+use taotie_engine::image::{Encoding, MipFilter, TexelFilter, Wrap};
+use taotie_engine::math::Vec3;
+use taotie_engine::scene::{AlphaMode, Material, TextureRef, TextureRole};
 use taotie_shader::{Interface, SurfaceFactors, UniformField};
 
 /// Values shared by some surfaces.

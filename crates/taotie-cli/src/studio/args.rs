@@ -7,13 +7,13 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use taotie::Warnings;
 use taotie::asset::Limits;
-use taotie::film::{Development, ToneCurve};
-use taotie::math::{SimdLevel, Vec3};
-use taotie::render::EnvironmentLight;
-use taotie::scene::Scene;
 use taotie::studio::{CameraOptions, EnvironmentOptions, EnvironmentSource, LightOptions, LightSpec};
+use taotie_engine::Warnings;
+use taotie_engine::film::{Development, ToneCurve};
+use taotie_engine::math::{SimdLevel, Vec3};
+use taotie_engine::render::EnvironmentLight;
+use taotie_engine::scene::Scene;
 
 /// The light.
 #[derive(Args)]
@@ -212,7 +212,7 @@ pub struct FilmArgs {
 impl FilmArgs {
     /// Rejects invalid values, before any work is done, and a background if the environment `is_shown`.
     pub fn check(&self, is_shown: bool) -> Result<()> {
-        taotie::raster::SamplePattern::new(self.samples())?;
+        taotie_engine::raster::SamplePattern::new(self.samples())?;
         self.background()?;
         if is_shown && self.background.is_some() {
             bail!("--background: --show-env shows the environment there; leave one of them out");

@@ -14,10 +14,10 @@ pub use viewpoint::Viewpoint;
 use anyhow::{Result, anyhow};
 use std::path::{Path, PathBuf};
 use taotie::asset::Limits;
-use taotie::io::Loaded;
-use taotie::render::{EnvironmentLight, Lighting};
-use taotie::scene::Scene;
 use taotie::studio::{MaterialFile, View};
+use taotie_engine::render::{EnvironmentLight, Lighting};
+use taotie_engine::scene::Scene;
+use taotie_io::Loaded;
 
 /// Reads a model, selects the requested variant, and applies the options to its materials. `height_scale` is the
 /// height of white in model units, if given.
@@ -41,9 +41,11 @@ pub fn apply_choice(choice: &str, scene: &mut Scene) -> Result<()> {
 }
 
 /// Returns the error of an unknown material, naming the option.
-fn of_material(choice: Option<&str>, error: taotie::Error) -> anyhow::Error {
+fn of_material(choice: Option<&str>, error: taotie_engine::Error) -> anyhow::Error {
     match (choice, error) {
-        (Some(choice), taotie::Error::Invalid { what, why }) if what == format!("material {choice}") => {
+        (Some(choice), taotie_engine::Error::Invalid { what, why })
+            if what == format!("material {choice}") =>
+        {
             anyhow!("--material {choice}: {why}")
         }
         (_, error) => error.into(),

@@ -5,14 +5,14 @@ use anyhow::{Result, bail};
 use clap::{ArgAction, Args, ValueEnum};
 use serde_json::json;
 use std::path::PathBuf;
-use taotie::Warnings;
-use taotie::math::Vec3;
-use taotie::names::Named;
-use taotie::render::{GrazingNormals, RenderSettings, SurfaceSettings};
-use taotie::scene::{GreenChannel, Material, NormalSpace, Scene};
-use taotie::shade::{Energy, Shading};
 use taotie::studio::{MapOptions, MaterialFactors, MaterialOptions};
-use taotie::surface::{SurfaceMethod, TangentMethod};
+use taotie_engine::Warnings;
+use taotie_engine::math::Vec3;
+use taotie_engine::names::Named;
+use taotie_engine::render::{GrazingNormals, RenderSettings, SurfaceSettings};
+use taotie_engine::scene::{GreenChannel, Material, NormalSpace, Scene};
+use taotie_engine::shade::{Energy, Shading};
+use taotie_engine::surface::{SurfaceMethod, TangentMethod};
 
 /// How the surface is shaded.
 #[derive(Args)]

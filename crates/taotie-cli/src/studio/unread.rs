@@ -1,8 +1,8 @@
 //! Surface options that have no effect on the model: each is a warning.
 
 use super::MaterialArgs;
-use taotie::Warnings;
-use taotie::scene::{Material, Scene};
+use taotie_engine::Warnings;
+use taotie_engine::scene::{Material, Scene};
 
 /// Adds a warning for each option that has no effect on the scene. `height_scale` is the height of white, if given.
 pub fn note(args: &MaterialArgs, height_scale: Option<f64>, scene: &Scene, warnings: &mut Warnings) {

@@ -3,8 +3,8 @@
 use super::CameraArgs;
 use crate::options;
 use anyhow::{Error, Result, bail};
-use taotie::scene::{Camera, Scene};
 use taotie::studio::{self, Framing, Motion, View};
+use taotie_engine::scene::{Camera, Scene};
 
 /// A camera that can be turned about the vertical through its target.
 pub struct Viewpoint(studio::Viewpoint);
@@ -57,7 +57,7 @@ fn check(args: &CameraArgs, scene: &Scene) -> Result<()> {
     }
 }
 
-fn of_option(args: &CameraArgs, error: taotie::Error) -> Error {
+fn of_option(args: &CameraArgs, error: taotie_engine::Error) -> Error {
     match &args.camera {
         Some(name) => options::under(format_args!("--camera {name}"), error),
         None => error.into(),

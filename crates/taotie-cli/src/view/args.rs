@@ -8,9 +8,9 @@ use crate::studio::{
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::PathBuf;
-use taotie::io::{FileSet, read_bytes};
-use taotie::render::{RenderSettings, SurfaceSettings};
-use taotie::shade::Shading;
+use taotie_engine::render::{RenderSettings, SurfaceSettings};
+use taotie_engine::shade::Shading;
+use taotie_io::{FileSet, read_bytes};
 use taotie_report::viewer::Bookmark;
 
 const EXAMPLES: &str = "\
@@ -91,7 +91,8 @@ pub const FRAMING: Framing = Framing { size: [1024, 1024], all_around: false };
 impl ViewArgs {
     /// Rejects options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
-        let every: Vec<Shading> = <Shading as taotie::names::Named>::NAMES.iter().map(|(_, s)| *s).collect();
+        let every: Vec<Shading> =
+            <Shading as taotie_engine::names::Named>::NAMES.iter().map(|(_, s)| *s).collect();
         self.material.check(&every)?;
         self.reflection.check(&every)?;
         self.light.check()?;

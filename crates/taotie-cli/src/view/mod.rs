@@ -11,11 +11,11 @@ use args::FRAMING;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use taotie::asset::{Bytes, Scan, ScanFile, ScanOptions, into_metres, model_unit};
-use taotie::io::{FileSet, load_model_within};
-use taotie::length::Unit;
-use taotie::math::SimdLevel;
-use taotie::render::{Prepared, SurfaceSettings, scene_bytes};
-use taotie::{Progress, Warnings};
+use taotie_engine::length::Unit;
+use taotie_engine::math::SimdLevel;
+use taotie_engine::render::{Prepared, SurfaceSettings, scene_bytes};
+use taotie_engine::{Progress, Warnings};
+use taotie_io::{FileSet, load_model_within};
 use taotie_report::viewer::{self, ScanSubject, Subject, Viewer};
 
 /// Version of the JSON that `--json` prints.

@@ -35,12 +35,12 @@ fn a_proof_anew_finds_an_asset_that_is_another() {
     let models = files_below(&collection.path("out/objects"), &["glb"]);
     // As if another program had written it, and its hash.
     let path = collection.path("out/manifest.jsonl");
-    let hash = taotie::io::sha256(&models[0]).unwrap();
+    let hash = taotie_io::sha256(&models[0]).unwrap();
     let mut bytes = std::fs::read(&models[0]).unwrap();
     *bytes.last_mut().unwrap() ^= 1;
     std::fs::write(&models[0], bytes).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
-    std::fs::write(&path, text.replace(&hash, &taotie::io::sha256(&models[0]).unwrap())).unwrap();
+    std::fs::write(&path, text.replace(&hash, &taotie_io::sha256(&models[0]).unwrap())).unwrap();
     assert_eq!(collection.report("--check --proofs 0").0, Some(0), "hashes do not reveal it");
     let (code, report) = collection.report("--check");
     assert!(

@@ -107,7 +107,7 @@ fn scans_are_read_as_their_table_says() {
     #[cfg(unix)]
     for (id, path, unit) in [("a.obj", "a.obj/a.glb", 0.001), ("b.obj", "b.obj/b.glb", 0.0254)] {
         let path = collection.path("out/assets").join(path);
-        let asset = taotie::io::load_model(&path).expect("the asset can be read").scene;
+        let asset = taotie_io::load_model(&path).expect("the asset can be read").scene;
         let top = asset.bounds().expect("it has triangles").max.y;
         assert!((top / unit - 1.0).abs() < 0.05, "{id} is in metres: {top}");
     }

@@ -4,10 +4,10 @@
 #[allow(dead_code)]
 #[path = "../cli/balls.rs"]
 mod balls;
-#[path = "../../../taotie/tests/common/mod.rs"]
+#[path = "../../../../tests/common/mod.rs"]
 mod common;
 #[allow(dead_code)]
-#[path = "../../../taotie/tests/common/files.rs"]
+#[path = "../../../../tests/common/files.rs"]
 mod files;
 
 mod audited;

@@ -1,8 +1,8 @@
 //! The page of a collection that `collection.test.mjs` tests.
 
 use std::path::Path;
-use taotie::image::{Bitmap, Texels};
-use taotie::io::encode_webp_bitmap;
+use taotie_engine::image::{Bitmap, Texels};
+use taotie_io::encode_webp_bitmap;
 use taotie_report::collection_page::{Entry, Gallery, html};
 
 /// Number of assets on the page.

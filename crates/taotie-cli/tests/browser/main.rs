@@ -6,10 +6,10 @@
 
 mod collection;
 #[allow(dead_code)]
-#[path = "../../../taotie/tests/common/mod.rs"]
+#[path = "../../../../tests/common/mod.rs"]
 mod common;
 #[allow(dead_code)]
-#[path = "../../../taotie/tests/common/files.rs"]
+#[path = "../../../../tests/common/files.rs"]
 mod files;
 mod node;
 mod pages;

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 use std::process::Command;
-use taotie::image::Encoding;
-use taotie::io::{PngColor, PngImage, PngSamples, encode_png};
+use taotie_engine::image::Encoding;
+use taotie_io::{PngColor, PngImage, PngSamples, encode_png};
 use taotie_report::{
     Cell, Column, Fact, Legend, Notice, Page, Picture, PlainTable, Section, Series, Statement, Tone, View,
     html,

@@ -7,18 +7,18 @@ use crate::threejs::{View, by_model_viewer, ours, three};
 use crate::{common, empty_folder};
 use std::path::Path;
 use std::process::Command;
-use taotie::compare::{DisplayImage, PIXELS_PER_DEGREE, flip};
-use taotie::film::{Development, develop8};
-use taotie::image::Encoding;
-use taotie::io::{
+use taotie_engine::compare::{DisplayImage, PIXELS_PER_DEGREE, flip};
+use taotie_engine::film::{Development, develop8};
+use taotie_engine::image::Encoding;
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::Mesh;
+use taotie_engine::render::{Lighting, RenderSettings, Shot, render};
+use taotie_engine::scene::{Orbit, Scene, fitting_distance};
+use taotie_engine::surface::{TangentMethod, with_tangents};
+use taotie_io::{
     CodecSet, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, ImageCodec, PngColor, PngImage, PngSamples,
     load_model, write_gltf, write_png,
 };
-use taotie::math::Vec3;
-use taotie::mesh::Mesh;
-use taotie::render::{Lighting, RenderSettings, Shot, render};
-use taotie::scene::{Orbit, Scene, fitting_distance};
-use taotie::surface::{TangentMethod, with_tangents};
 use taotie_study::jue;
 
 /// How far a FLIP may exceed the measured one, as a factor: other Chromium versions round colours differently.

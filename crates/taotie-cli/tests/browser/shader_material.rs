@@ -7,13 +7,13 @@ use crate::threejs::{View, by_shader, rendered};
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
-use taotie::image::{Bitmap, Image, Texels};
-use taotie::io::{ExrLayer, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, write_exr, write_gltf};
-use taotie::names::Named;
-use taotie::render::{EnvironmentLight, RenderSettings};
-use taotie::shade::Shading;
-use taotie::shade::environment::Environment;
-use taotie::surface::{TangentMethod, with_tangents};
+use taotie_engine::image::{Bitmap, Image, Texels};
+use taotie_engine::names::Named;
+use taotie_engine::render::{EnvironmentLight, RenderSettings};
+use taotie_engine::shade::Shading;
+use taotie_engine::shade::environment::Environment;
+use taotie_engine::surface::{TangentMethod, with_tangents};
+use taotie_io::{ExrLayer, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, write_exr, write_gltf};
 use taotie_study::jue;
 
 /// The largest mean difference of a channel, codes of 255. Measured: 0.026 to 0.044.

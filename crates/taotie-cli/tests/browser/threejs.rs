@@ -4,14 +4,14 @@
 use crate::node::Node;
 use serde_json::{Value, json};
 use std::path::Path;
-use taotie::compare::DisplayImage;
-use taotie::film::{Development, ToneCurve, develop8};
-use taotie::image::Texels;
-use taotie::io::{decode_bitmap, load_model, read_bytes};
-use taotie::math::Vec3;
-use taotie::render::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Shot, render};
-use taotie::scene::{Camera, Falloff, Light, LightKind, Orbit, Projection};
-use taotie::shade::Energy;
+use taotie_engine::compare::DisplayImage;
+use taotie_engine::film::{Development, ToneCurve, develop8};
+use taotie_engine::image::Texels;
+use taotie_engine::math::Vec3;
+use taotie_engine::render::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Shot, render};
+use taotie_engine::scene::{Camera, Falloff, Light, LightKind, Orbit, Projection};
+use taotie_engine::shade::Energy;
+use taotie_io::{decode_bitmap, load_model, read_bytes};
 
 /// Factor by which three.js draws finer, with pixels averaged: as many samples as ours, each with texels of a
 /// sample's size.

@@ -9,17 +9,17 @@ use crate::{common, empty_folder};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use taotie::image::{Encoding, Texels};
-use taotie::io::{
+use taotie_engine::image::{Encoding, Texels};
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::Mesh;
+use taotie_engine::names::Named;
+use taotie_engine::scene::AlphaMode;
+use taotie_engine::shade::Shading;
+use taotie_engine::surface::{SurfaceMethod, TangentMethod, with_tangents};
+use taotie_io::{
     GltfAsset, GltfFormat, GltfLevel, GltfMaterial, decode_bitmap, load_model, read_bytes, write_gltf,
     write_png_bitmap,
 };
-use taotie::math::Vec3;
-use taotie::mesh::Mesh;
-use taotie::names::Named;
-use taotie::scene::AlphaMode;
-use taotie::shade::Shading;
-use taotie::surface::{SurfaceMethod, TangentMethod, with_tangents};
 use taotie_study::jue;
 
 /// The largest mean difference of a channel of the object, codes of 255.

@@ -5,8 +5,8 @@ use super::models::TRIANGLE;
 use super::place::Place;
 use serde_json::{Value, json};
 use snapbox::str;
-use taotie::image::Texels;
-use taotie::io::{GltfAsset, GltfFormat, GltfLevel, Json, load_model, read_bitmap, write_gltf};
+use taotie_engine::image::Texels;
+use taotie_io::{GltfAsset, GltfFormat, GltfLevel, Json, load_model, read_bitmap, write_gltf};
 
 /// A folder with a scan and a low-poly mesh.
 fn pair() -> Place {

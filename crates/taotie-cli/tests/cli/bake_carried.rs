@@ -3,11 +3,13 @@
 use super::balls::{Ball, LOW, SCAN};
 use super::place::Place;
 use serde_json::{Value, json};
-use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
-use taotie::io::{GltfFormat, encode_png_bitmap, load_model, write_scene};
-use taotie::math::{Mat4, Vec3};
-use taotie::mesh::Mesh;
-use taotie::scene::{AlphaMode, Clearcoat, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
+use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+use taotie_engine::math::{Mat4, Vec3};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::scene::{
+    AlphaMode, Clearcoat, Instance, Material, Scene, SceneData, TextureRef, UvTransform,
+};
+use taotie_io::{GltfFormat, encode_png_bitmap, load_model, write_scene};
 
 /// Returns a ball with vertex colours, red on one side and green on the other.
 pub fn colored(ball: Ball) -> String {

@@ -6,10 +6,10 @@ use super::glb::{Glb, assert_same};
 use super::place::Place;
 use super::validator::assert_valid;
 use serde_json::{Value, json};
-use taotie::io::{GltfAsset, GltfDraft, GltfFormat, GltfLevel, Json, load_model, read_bitmap};
-use taotie::math::Vec3;
-use taotie::mesh::{Mesh, MeshData};
-use taotie::surface::with_frames;
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::surface::with_frames;
+use taotie_io::{GltfAsset, GltfDraft, GltfFormat, GltfLevel, Json, load_model, read_bitmap};
 
 /// Returns a folder with the scan, and the low-poly mesh that fits it.
 pub fn start() -> (Place, Mesh) {
@@ -213,7 +213,7 @@ fn images_of_the_file_that_stay_go_along() {
     );
     let own = load_model(&place.path("first.gltf")).unwrap().scene;
     for (a, b) in own.materials().iter().zip(kept.scene.materials()) {
-        let map = |scene: &taotie::scene::Scene, material: &taotie::scene::Material| {
+        let map = |scene: &taotie_engine::scene::Scene, material: &taotie_engine::scene::Material| {
             scene.textures()[material.normal.unwrap().texture.texture].bitmap().clone()
         };
         assert_eq!(map(&own, a), map(&kept.scene, b), "{}", a.name);

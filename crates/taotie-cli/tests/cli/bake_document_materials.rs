@@ -6,11 +6,11 @@ use super::glb::Glb;
 use super::place::Place;
 use super::validator::assert_valid;
 use serde_json::{Value, json};
-use taotie::io::{GltfFormat, load_model, write_scene};
-use taotie::scene::{Clearcoat, Material};
+use taotie_engine::scene::{Clearcoat, Material};
+use taotie_io::{GltfFormat, load_model, write_scene};
 
 /// Writes a ship whose three materials have this extension.
-fn write_ship(place: &Place, low: &taotie::mesh::Mesh, name: &str, extension: &Value) {
+fn write_ship(place: &Place, low: &taotie_engine::mesh::Mesh, name: &str, extension: &Value) {
     let mut draft = ship_draft(low);
     let material = |number: usize| json!({ "name": format!("m{number}"), "extensions": { name: extension } });
     put(&mut draft, "materials", &json!([0, 1, 2].map(material)));

@@ -1,7 +1,7 @@
 //! Balls to bake: scans with waves on them, and low-poly meshes for them.
 
 use std::fmt::Write;
-use taotie::math::scalar::{cos, sin};
+use taotie_engine::math::scalar::{cos, sin};
 
 /// A corner of a triangle: the indices of its position and of its UV.
 type Corner = [usize; 2];

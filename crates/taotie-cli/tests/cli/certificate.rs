@@ -5,12 +5,12 @@ use super::glb::Glb;
 use super::place::Place;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use taotie::Warnings;
-use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
-use taotie::io::{GltfFormat, ImageCodec, encode_scene_as};
-use taotie::math::sequence;
-use taotie::mesh::Mesh;
-use taotie::scene::{Material, Scene, TextureRef, UvTransform};
+use taotie_engine::Warnings;
+use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+use taotie_engine::math::sequence;
+use taotie_engine::mesh::Mesh;
+use taotie_engine::scene::{Material, Scene, TextureRef, UvTransform};
+use taotie_io::{GltfFormat, ImageCodec, encode_scene_as};
 
 /// A folder with a scan whose vertices have colours, and a low-poly mesh.
 fn pair() -> Place {
@@ -94,7 +94,7 @@ fn it_holds_what_was_required_the_hashes_and_who_signed() {
     assert_eq!(certificate["required"].as_array().expect("a list").len(), 8);
     assert_eq!((&certificate["date"], &certificate["operator"]), (&"2026-05-01".into(), &"Curator".into()));
     assert_eq!(certificate["options"]["scan"]["crease_angle_deg"], 40.0);
-    let hash = |name: &str| Value::from(taotie::io::sha256(&place.path(name)).expect("it is there"));
+    let hash = |name: &str| Value::from(taotie_io::sha256(&place.path(name)).expect("it is there"));
     assert_eq!(certificate["scan"][0]["sha256"], hash("scan.obj"));
     assert_eq!(
         (&certificate["asset"][0]["name"], &certificate["asset"][0]["sha256"]),
@@ -115,7 +115,7 @@ fn it_holds_what_was_required_the_hashes_and_who_signed() {
         let view = &glb.json["bufferViews"][image["bufferView"].as_u64().expect("it is embedded") as usize];
         let [start, length] =
             ["byteOffset", "byteLength"].map(|name| view[name].as_u64().unwrap_or(0) as usize);
-        assert_eq!(map["sha256"], taotie::io::sha256_of(&glb.bytes[start..start + length]));
+        assert_eq!(map["sha256"], taotie_io::sha256_of(&glb.bytes[start..start + length]));
         assert!(map["file"].is_null() && map["uses"] != "");
     }
 }
@@ -150,7 +150,7 @@ fn without_a_model_there_is_no_command() {
     assert!(certificate["command"].is_null());
     assert_eq!(
         certificate["maps"][0]["sha256"],
-        taotie::io::sha256(&place.path("normal.png")).expect("it is there")
+        taotie_io::sha256(&place.path("normal.png")).expect("it is there")
     );
 }
 

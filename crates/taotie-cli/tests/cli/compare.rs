@@ -3,9 +3,9 @@
 use super::pictures::write_square;
 use super::place::Place;
 use serde_json::Value;
-use taotie::image::Encoding;
-use taotie::io::PngSamples;
-use taotie::math::scalar;
+use taotie_engine::image::Encoding;
+use taotie_engine::math::scalar;
+use taotie_io::PngSamples;
 
 /// A square of side 2 that faces +z, with upright UVs and the maps of `square.mtl`.
 const SQUARE: &str = "mtllib square.mtl\nusemtl square\n\
@@ -225,8 +225,8 @@ fn a_baseline_that_no_one_named_is_added() {
 
 /// The texels of an OpenEXR file.
 fn exact(place: &Place, name: &str) -> Vec<[f32; 4]> {
-    let bitmap = taotie::io::read_bitmap(&place.path(name)).expect("it is a picture");
-    let taotie::image::Texels::F32(texels) = bitmap.texels() else { panic!("{name}: floats") };
+    let bitmap = taotie_io::read_bitmap(&place.path(name)).expect("it is a picture");
+    let taotie_engine::image::Texels::F32(texels) = bitmap.texels() else { panic!("{name}: floats") };
     texels.clone()
 }
 

@@ -5,8 +5,8 @@ use super::pictures::write_square;
 use super::place::Place;
 use serde_json::{Value, json};
 use snapbox::str;
-use taotie::image::{Encoding, Texels};
-use taotie::io::{ExrLayer, PngSamples, read_bitmap, write_exr};
+use taotie_engine::image::{Encoding, Texels};
+use taotie_io::{ExrLayer, PngSamples, read_bitmap, write_exr};
 
 /// Writes a picture of `side`² pixels with a gradient, moved `shift` pixels to the right.
 fn write_gradient(place: &Place, name: &str, side: u32, shift: u32) {
@@ -27,8 +27,10 @@ fn gradients() -> Place {
 
 /// Writes the flat normal tilted by `degrees` towards x, as it is, with a transparent first texel.
 fn write_signed(place: &Place, name: &str, degrees: f64) {
-    let (sin, cos) =
-        (taotie::math::scalar::sin(degrees.to_radians()), taotie::math::scalar::cos(degrees.to_radians()));
+    let (sin, cos) = (
+        taotie_engine::math::scalar::sin(degrees.to_radians()),
+        taotie_engine::math::scalar::cos(degrees.to_radians()),
+    );
     let mut samples = [sin as f32, 0.0, cos as f32, 1.0].repeat(16);
     samples[..4].fill(0.0);
     let layer = ExrLayer { name: "", channels: &["R", "G", "B", "A"], samples: &samples };

@@ -4,8 +4,8 @@ use super::models::{TRIANGLE, square_json};
 use super::place::Place;
 use snapbox::cmd::Command;
 use std::path::PathBuf;
-use taotie::image::Texels;
-use taotie::io::{ExrLayer, read_bitmap, write_exr};
+use taotie_engine::image::Texels;
+use taotie_io::{ExrLayer, read_bitmap, write_exr};
 
 /// A square and an environment of one radiance, with its own cache.
 struct Room(Place);

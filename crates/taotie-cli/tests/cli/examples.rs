@@ -6,12 +6,12 @@ use super::pictures::write_square;
 use super::place::Place;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use taotie::image::{Encoding, Texels};
-use taotie::io::{
+use taotie_engine::image::{Encoding, Texels};
+use taotie_engine::mesh::Mesh;
+use taotie_io::{
     ExrLayer, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, PngSamples, load_model, read_bitmap, write_exr,
     write_gltf,
 };
-use taotie::mesh::Mesh;
 
 /// A square with UVs.
 const STATUE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\

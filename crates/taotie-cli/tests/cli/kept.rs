@@ -5,8 +5,8 @@ use super::models::{Green, write_relief};
 use super::pictures::write_square;
 use super::place::Place;
 use std::collections::BTreeMap;
-use taotie::image::Encoding;
-use taotie::io::{GltfAsset, GltfFormat, GltfLevel, PngSamples, load_model, write_gltf};
+use taotie_engine::image::Encoding;
+use taotie_io::{GltfAsset, GltfFormat, GltfLevel, PngSamples, load_model, write_gltf};
 
 /// A scan with a colour texture.
 const TEXTURED: Ball = Ball { uv: Some(|u, v| [u, v]), ..SCAN };

@@ -6,8 +6,8 @@ use super::pictures::write_square;
 use super::place::Place;
 use std::fmt::Write;
 use std::time::Duration;
-use taotie::image::Encoding;
-use taotie::io::PngSamples;
+use taotie_engine::image::Encoding;
+use taotie_io::PngSamples;
 
 /// Returns the stderr of a run that must be refused.
 #[track_caller]

@@ -20,7 +20,7 @@ mod device;
 mod diff;
 mod environment;
 mod examples;
-#[path = "../../../taotie/tests/common/glb.rs"]
+#[path = "../../../../tests/common/glb.rs"]
 mod glb;
 mod help;
 mod inspect;
@@ -46,7 +46,7 @@ mod shader;
 mod sizes;
 mod units;
 mod unread;
-#[path = "../../../taotie/tests/common/validator.rs"]
+#[path = "../../../../tests/common/validator.rs"]
 mod validator;
 mod variants;
 mod verify;

@@ -4,10 +4,10 @@ use super::bake_carried::{colored, write_scan};
 use super::balls::{Ball, LOW, SCAN};
 use super::place::Place;
 use serde_json::{Value, json};
-use taotie::image::Texels;
-use taotie::io::{GltfFormat, read_bitmap, write_scene};
-use taotie::mesh::Mesh;
-use taotie::scene::{Material, Scene};
+use taotie_engine::image::Texels;
+use taotie_engine::mesh::Mesh;
+use taotie_engine::scene::{Material, Scene};
+use taotie_io::{GltfFormat, read_bitmap, write_scene};
 
 fn scan_and_low() -> Place {
     let place = Place::with("scan.obj", SCAN.obj());

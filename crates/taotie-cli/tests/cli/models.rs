@@ -5,9 +5,9 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
 use std::path::Path;
-use taotie::image::Encoding;
-use taotie::io::PngSamples;
-use taotie::math::{Vec3, scalar};
+use taotie_engine::image::Encoding;
+use taotie_engine::math::{Vec3, scalar};
+use taotie_io::PngSamples;
 
 /// One triangle.
 pub const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";

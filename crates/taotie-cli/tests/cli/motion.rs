@@ -4,8 +4,8 @@ use super::models::{Green, TRIANGLE, moving_square, write_relief};
 use super::place::Place;
 use serde_json::json;
 use snapbox::str;
-use taotie::image::{Bitmap, Texels};
-use taotie::io::read_bitmap;
+use taotie_engine::image::{Bitmap, Texels};
+use taotie_io::read_bitmap;
 
 fn moving() -> Place {
     let place = Place::with("a.gltf", moving_square());

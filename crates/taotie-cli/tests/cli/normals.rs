@@ -5,8 +5,8 @@ use super::pictures::write_square;
 use super::place::Place;
 use serde_json::json;
 use snapbox::str;
-use taotie::image::{Bitmap, Encoding, Texels};
-use taotie::io::{PngSamples, read_bitmap};
+use taotie_engine::image::{Bitmap, Encoding, Texels};
+use taotie_io::{PngSamples, read_bitmap};
 
 /// A square with UVs at its corners, whose positions are (0, 0), (1, 0), (1, 1) and (0, 1).
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\

@@ -7,7 +7,7 @@ use snapbox::str;
 use std::path::Path;
 
 fn fixture(name: &str) -> Vec<u8> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../taotie/tests/data/meshes");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/meshes");
     std::fs::read(folder.join(name)).expect("it is in the repository")
 }
 

@@ -1,8 +1,8 @@
 //! Square PNG files for the tests.
 
 use std::path::Path;
-use taotie::image::Encoding;
-use taotie::io::{PngColor, PngImage, PngSamples, write_png};
+use taotie_engine::image::Encoding;
+use taotie_io::{PngColor, PngImage, PngSamples, write_png};
 
 /// Writes a square of these samples: grey, or RGB if there are three for each pixel.
 pub fn write_square(path: &Path, samples: PngSamples<'_>, encoding: Encoding) {

@@ -3,10 +3,10 @@
 use super::models::{Green, TRIANGLE, square, write_relief};
 use super::place::Place;
 use snapbox::str;
-use taotie::image::{Bitmap, Texels};
-use taotie::io::read_bitmap;
-use taotie::math::SimdLevel;
-use taotie::names::Named;
+use taotie_engine::image::{Bitmap, Texels};
+use taotie_engine::math::SimdLevel;
+use taotie_engine::names::Named;
+use taotie_io::read_bitmap;
 
 fn picture(place: &Place, name: &str) -> Bitmap {
     read_bitmap(&place.path(name)).expect("it is a picture")

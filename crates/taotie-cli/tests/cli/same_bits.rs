@@ -6,10 +6,10 @@ use super::glb::Glb;
 use super::pictures::write_square;
 use super::place::Place;
 use std::collections::BTreeMap;
-use taotie::image::Encoding;
-use taotie::io::PngSamples;
-use taotie::math::SimdLevel;
-use taotie::names::Named;
+use taotie_engine::image::Encoding;
+use taotie_engine::math::SimdLevel;
+use taotie_engine::names::Named;
+use taotie_io::PngSamples;
 
 /// Numbers of threads: one, fewer than parts of the work, one not a power of two, more than most machines have.
 const THREADS: [usize; 4] = [1, 2, 3, 7];

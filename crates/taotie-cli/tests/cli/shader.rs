@@ -4,7 +4,7 @@ use super::models::{TRIANGLE, square_json};
 use super::place::Place;
 use serde_json::{Value, json};
 use snapbox::str;
-use taotie::io::{ExrLayer, write_exr};
+use taotie_io::{ExrLayer, write_exr};
 
 /// Returns two squares with a material each, `stone` and one that `change` makes from it.
 fn two_stones(change: impl FnOnce(&mut Value)) -> Place {

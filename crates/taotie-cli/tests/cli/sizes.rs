@@ -4,7 +4,7 @@ use super::balls::{LOW, SCAN};
 use super::models::TRIANGLE;
 use super::place::Place;
 use serde_json::{Value, json};
-use taotie::io::read_bitmap;
+use taotie_io::read_bitmap;
 
 /// Bakes with maps of this size; returns the report.
 fn bake(place: &Place, size: &str) -> Value {

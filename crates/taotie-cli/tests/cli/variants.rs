@@ -4,8 +4,8 @@ use super::models::square_json;
 use super::place::Place;
 use serde_json::json;
 use snapbox::str;
-use taotie::image::Texels;
-use taotie::io::read_bitmap;
+use taotie_engine::image::Texels;
+use taotie_io::read_bitmap;
 
 /// Returns the square, black as authored and glowing in the variants `amber` and `jade`.
 fn variants() -> String {

@@ -1,16 +1,16 @@
 //! The bronze jue at a million triangles, simplified and baked: its relief is recovered.
 
-use taotie::Progress;
-use taotie::bake::{
+use taotie_engine::Progress;
+use taotie_engine::bake::{
     BakeInput, BakeSettings, Cage, Scan, SimplifyOptions, TexturedMesh, UnwrapOptions, Verifier, bake,
     simplify, unwrap,
 };
-use taotie::image::{Encoding, Texture};
-use taotie::io::gltf_sampler;
-use taotie::mesh::Mesh;
-use taotie::normal_map::{Storage, store_unit_vectors};
-use taotie::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
-use taotie::surface::with_frames;
+use taotie_engine::image::{Encoding, Texture};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::normal_map::{Storage, store_unit_vectors};
+use taotie_engine::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
+use taotie_engine::surface::with_frames;
+use taotie_io::gltf_sampler;
 use taotie_study::jue;
 
 fn scan(mesh: Mesh) -> Scan {

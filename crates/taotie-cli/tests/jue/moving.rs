@@ -1,9 +1,9 @@
 //! Why relief of a moving surface is stored in tangent space: the demo's vessel pours, and its normals are compared
 //! with those of its relief as geometry.
 
-use taotie::compare::Summary;
-use taotie::image::{Encoding, Texture};
-use taotie::scene::{NormalSpace, Orbit, Scene};
+use taotie_engine::compare::Summary;
+use taotie_engine::image::{Encoding, Texture};
+use taotie_engine::scene::{NormalSpace, Orbit, Scene};
 use taotie_study::jue::pour::{Eye, POURED, Pouring, Truth, angular_errors};
 use taotie_study::jue::{displaced_mesh, object_normal_map, scene};
 

@@ -1,12 +1,12 @@
 //! Relief finer than a pixel does not sparkle: a turntable of the demo's vessel, polished, compared with 64 samples a
 //! pixel.
 
-use taotie::film::{Development, develop8, develop16};
-use taotie::image::{Bitmap, Encoding, Image, Texels, Texture};
-use taotie::math::{Mat4, Vec3};
-use taotie::mesh::Mesh;
-use taotie::render::{Lighting, RenderSettings, Shot, render};
-use taotie::scene::{Camera, Falloff, Light, LightKind, Material, Orbit, Scene};
+use taotie_engine::film::{Development, develop8, develop16};
+use taotie_engine::image::{Bitmap, Encoding, Image, Texels, Texture};
+use taotie_engine::math::{Mat4, Vec3};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::render::{Lighting, RenderSettings, Shot, render};
+use taotie_engine::scene::{Camera, Falloff, Light, LightKind, Material, Orbit, Scene};
 use taotie_study::jue;
 
 /// Number of pictures of the turntable, and the angle between two, degrees.

@@ -4,10 +4,10 @@ use crate::command::{json, number};
 use crate::files::data_files;
 use crate::validator;
 use std::path::Path;
-use taotie::bake::{LookupPoint, TexturedMesh};
-use taotie::io::load_model;
-use taotie::mesh::Point;
-use taotie::scene::AlphaMode;
+use taotie_engine::bake::{LookupPoint, TexturedMesh};
+use taotie_engine::mesh::Point;
+use taotie_engine::scene::AlphaMode;
+use taotie_io::load_model;
 
 /// Points of a triangle along each side of the square that is folded onto it.
 const SIDE: u32 = 400;

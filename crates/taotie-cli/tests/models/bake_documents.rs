@@ -6,8 +6,8 @@ use crate::glb::{Glb, assert_same};
 use serde_json::{Value, json as value};
 use std::path::Path;
 use std::process::Command;
-use taotie::io::load_model;
-use taotie::mesh::Mesh;
+use taotie_engine::mesh::Mesh;
+use taotie_io::load_model;
 
 /// Adds the missing UVs to the first mesh's first primitive: projected from the side, front and back apart.
 fn with_uvs(glb: &mut Glb) {

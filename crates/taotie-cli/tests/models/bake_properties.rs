@@ -6,8 +6,8 @@ use crate::material_looks::{Look, PROPERTIES, is_double_sided};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use taotie::io::{Loaded, load_model};
-use taotie::scene::Scene;
+use taotie_engine::scene::Scene;
+use taotie_io::{Loaded, load_model};
 
 const FOLDERS: [&str; 4] =
     ["khronos-gltf-sample-assets", "polyhaven-models", "materialx", "gltf-asset-generator"];

@@ -70,8 +70,8 @@ fn pairs_are_baked_within_a_degree_and_nearly_without_a_miss() {
             [&report, &packed].map(|report| number(report, "/proof/levels/0/surface_angles/mean"));
         // Measured: 0.0011°.
         assert!((packed - plain).abs() < 0.01, "{high}: {packed}° packed, {plain}° plain");
-        let low = taotie::io::load_model(low.as_ref()).unwrap().scene;
-        let out = taotie::io::load_model(&folder.path().join("out.glb")).unwrap().scene;
+        let low = taotie_io::load_model(low.as_ref()).unwrap().scene;
+        let out = taotie_io::load_model(&folder.path().join("out.glb")).unwrap().scene;
         assert!(same_triangles(&low.meshes()[0], &out.meshes()[0]), "the low-poly mesh stays as it is");
     }
 }
@@ -96,7 +96,7 @@ fn scans_alone_are_simplified_unwrapped_and_baked() {
 }
 
 /// Returns true if the triangles agree corner by corner, regardless of split vertices.
-fn same_triangles(a: &taotie::mesh::Mesh, b: &taotie::mesh::Mesh) -> bool {
+fn same_triangles(a: &taotie_engine::mesh::Mesh, b: &taotie_engine::mesh::Mesh) -> bool {
     a.triangles().len() == b.triangles().len()
         && (0..a.triangles().len()).all(|t| a.corners(t) == b.corners(t))
 }

@@ -1,13 +1,13 @@
 //! The command on third-party scans and models, on broken files, and its demo.
 #![allow(clippy::print_stdout, reason = "tests print their findings")]
 
-#[path = "../../../taotie/tests/common/mod.rs"]
+#[path = "../../../../tests/common/mod.rs"]
 mod common;
-#[path = "../../../taotie/tests/common/files.rs"]
+#[path = "../../../../tests/common/files.rs"]
 mod files;
-#[path = "../../../taotie/tests/common/glb.rs"]
+#[path = "../../../../tests/common/glb.rs"]
 mod glb;
-#[path = "../../../taotie/tests/common/validator.rs"]
+#[path = "../../../../tests/common/validator.rs"]
 mod validator;
 
 mod bake_alpha;

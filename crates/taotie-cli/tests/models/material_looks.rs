@@ -1,6 +1,6 @@
 //! The properties of materials as glTF has them, read from a scene without any of the library's own baking rules.
 
-use taotie::scene::{AlphaMode, Instance, Material, Scene, Specular};
+use taotie_engine::scene::{AlphaMode, Instance, Material, Scene, Specular};
 
 /// A property over a surface.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,8 +4,8 @@ use crate::common::data_folder;
 use crate::files::{all_files_below, data_files};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use taotie::image::Texels;
-use taotie::io::read_bitmap;
+use taotie_engine::image::Texels;
+use taotie_io::read_bitmap;
 use tempfile::TempDir;
 
 /// How a run ended: the exit code, `None` if it crashed, and stderr.

@@ -3,8 +3,8 @@
 use super::seed::Seed;
 use base64::Engine;
 use serde_json::{Value, json};
-use taotie::math::Vec2;
-use taotie::mesh::Mesh;
+use taotie_engine::math::Vec2;
+use taotie_engine::mesh::Mesh;
 
 /// Returns all models.
 pub fn seeds() -> Vec<Seed> {
@@ -12,26 +12,26 @@ pub fn seeds() -> Vec<Seed> {
     vec![
         Seed::single("whole.glb", glb(&document, &bytes)),
         Seed::single("whole.gltf", text(document, &bytes)),
-        Seed::single("plain.glb", &include_bytes!("../../../taotie/tests/data/meshes/patch.glb")[..]),
+        Seed::single("plain.glb", &include_bytes!("../../../../tests/data/meshes/patch.glb")[..]),
         Seed::single(
             "draco.glb",
-            &include_bytes!("../../../taotie/tests/data/meshes/hill-draco-valence.glb")[..],
+            &include_bytes!("../../../../tests/data/meshes/hill-draco-valence.glb")[..],
         ),
         Seed::single(
             "draco-edgebreaker.glb",
-            &include_bytes!("../../../taotie/tests/data/meshes/patch-draco-edgebreaker.glb")[..],
+            &include_bytes!("../../../../tests/data/meshes/patch-draco-edgebreaker.glb")[..],
         ),
         Seed::single(
             "draco-sequential.glb",
-            &include_bytes!("../../../taotie/tests/data/meshes/patch-draco-sequential.glb")[..],
+            &include_bytes!("../../../../tests/data/meshes/patch-draco-sequential.glb")[..],
         ),
         Seed::single(
             "meshopt-ext.glb",
-            &include_bytes!("../../../taotie/tests/data/meshes/patch-meshopt-ext.glb")[..],
+            &include_bytes!("../../../../tests/data/meshes/patch-meshopt-ext.glb")[..],
         ),
         Seed::single(
             "meshopt-khr.glb",
-            &include_bytes!("../../../taotie/tests/data/meshes/patch-meshopt-khr.glb")[..],
+            &include_bytes!("../../../../tests/data/meshes/patch-meshopt-khr.glb")[..],
         ),
     ]
 }
@@ -85,8 +85,9 @@ impl Maker {
     /// Returns the primitive of a ball with every attribute, a morph target, and a skin of two joints.
     fn primitive(&mut self, ball: &Mesh) -> Value {
         let count = ball.positions().len();
-        let vectors =
-            |values: &[taotie::math::Vec3]| values.iter().flat_map(|v| v.to_array()).collect::<Vec<f32>>();
+        let vectors = |values: &[taotie_engine::math::Vec3]| {
+            values.iter().flat_map(|v| v.to_array()).collect::<Vec<f32>>()
+        };
         let uvs: Vec<f32> = ball.uvs()[0].iter().flat_map(|Vec2 { x, y }| [*x, *y]).collect();
         let indices: Vec<u8> =
             ball.triangles().as_flattened().iter().flat_map(|i| (*i as u16).to_le_bytes()).collect();

@@ -33,9 +33,9 @@ mod tests {
     use crate::target::Target;
     use clap::ValueEnum;
     use taotie::asset::Packing;
-    use taotie::io::{decode_bitmap, load_model};
-    use taotie::shade::environment::Environment;
     use taotie::studio::{LightSpec, MaterialFile};
+    use taotie_engine::shade::environment::Environment;
+    use taotie_io::{decode_bitmap, load_model};
 
     /// If a file were refused from the start, nothing after its reader's first check would be tested.
     #[test]

@@ -5,13 +5,13 @@ use crate::mutation::{self, Mutation};
 use anyhow::Result;
 use image::{DynamicImage, ImageFormat};
 use std::io::Cursor;
-use taotie::image::{Bitmap, Encoding, Texels};
-use taotie::io::{ExrLayer, encode_png_bitmap, write_exr};
-use taotie::math::scalar::pow;
-use taotie::shade::environment::ENVIRONMENT_VERSION;
+use taotie_engine::image::{Bitmap, Encoding, Texels};
+use taotie_engine::math::scalar::pow;
+use taotie_engine::shade::environment::ENVIRONMENT_VERSION;
+use taotie_io::{ExrLayer, encode_png_bitmap, write_exr};
 
 /// A PNG of 8 bits.
-pub const WAVES: &[u8] = include_bytes!("../../../taotie/tests/data/pictures/waves.png");
+pub const WAVES: &[u8] = include_bytes!("../../../../tests/data/pictures/waves.png");
 
 /// Returns all pictures.
 ///
@@ -23,25 +23,13 @@ pub fn seeds() -> Result<Vec<Seed>> {
         Seed::single("deep.png", deep_png()?),
         Seed::single("open.exr", exr(9, 7, &["R", "G", "B"])?),
         Seed::single("sky.exr", exr(8, 4, &["R", "G", "B", "A"])?),
-        Seed::single("etc1s.ktx2", &include_bytes!("../../../taotie/tests/data/pictures/etc1s.ktx2")[..]),
-        Seed::single(
-            "alpha.ktx2",
-            &include_bytes!("../../../taotie/tests/data/pictures/etc1s-alpha.ktx2")[..],
-        ),
-        Seed::single(
-            "uastc.ktx2",
-            &include_bytes!("../../../taotie/tests/data/pictures/uastc-zstd.ktx2")[..],
-        ),
-        Seed::single("lossy.webp", &include_bytes!("../../../taotie/tests/data/pictures/lossy.webp")[..]),
-        Seed::single(
-            "lossless.webp",
-            &include_bytes!("../../../taotie/tests/data/pictures/lossless.webp")[..],
-        ),
-        Seed::single("chroma.avif", &include_bytes!("../../../taotie/tests/data/pictures/avif-420.avif")[..]),
-        Seed::single(
-            "alpha.avif",
-            &include_bytes!("../../../taotie/tests/data/pictures/avif-alpha.avif")[..],
-        ),
+        Seed::single("etc1s.ktx2", &include_bytes!("../../../../tests/data/pictures/etc1s.ktx2")[..]),
+        Seed::single("alpha.ktx2", &include_bytes!("../../../../tests/data/pictures/etc1s-alpha.ktx2")[..]),
+        Seed::single("uastc.ktx2", &include_bytes!("../../../../tests/data/pictures/uastc-zstd.ktx2")[..]),
+        Seed::single("lossy.webp", &include_bytes!("../../../../tests/data/pictures/lossy.webp")[..]),
+        Seed::single("lossless.webp", &include_bytes!("../../../../tests/data/pictures/lossless.webp")[..]),
+        Seed::single("chroma.avif", &include_bytes!("../../../../tests/data/pictures/avif-420.avif")[..]),
+        Seed::single("alpha.avif", &include_bytes!("../../../../tests/data/pictures/avif-alpha.avif")[..]),
         Seed::single("light.environment", cached()),
     ];
     let grey = image::GrayImage::from_fn(16, 8, |x, y| image::Luma([(x * y) as u8]));

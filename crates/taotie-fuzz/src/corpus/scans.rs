@@ -2,7 +2,7 @@
 
 use super::seed::{File, Seed};
 use std::fmt::Write;
-use taotie::mesh::Mesh;
+use taotie_engine::mesh::Mesh;
 
 /// Every MTL statement that the reader supports.
 const MTL: &str = "newmtl m\nKa .1 .1 .1\nKd .5 .5 .5\nKs 1\nNs 20\nKe 0 0 0\nd .9\nTr .1\nPr .3\nPm .4\n\

@@ -5,12 +5,12 @@ use super::subject::Subject;
 use fastrand::Rng;
 use std::path::Path;
 use taotie::asset::{BakeOptions, Baker, Lod, MeshSource, Packing, RayDistance, Scan, VerifyOptions};
-use taotie::bake::MapKind;
-use taotie::io::{CodecSet, ImageCodec, load_levels};
-use taotie::mesh::Mesh;
-use taotie::names::Named;
-use taotie::scene::NormalSpace;
-use taotie::{Progress, Result};
+use taotie_engine::bake::MapKind;
+use taotie_engine::mesh::Mesh;
+use taotie_engine::names::Named;
+use taotie_engine::scene::NormalSpace;
+use taotie_engine::{Progress, Result};
+use taotie_io::{CodecSet, ImageCodec, load_levels};
 
 /// Bakes the file with options chosen by its variant. Everything that is written must be readable again.
 pub fn bake(subject: &Subject<'_>) -> Held {

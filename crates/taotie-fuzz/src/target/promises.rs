@@ -1,7 +1,7 @@
 //! The promises of every reader, for any file content.
 
 use std::path::Path;
-use taotie::io::{Bytes, Limits, Loaded, load_model_within};
+use taotie_io::{Bytes, Limits, Loaded, load_model_within};
 
 /// `Ok` if all promises were kept; otherwise the broken one.
 pub type Held = std::result::Result<(), String>;
@@ -20,7 +20,7 @@ pub fn limits() -> Limits {
 }
 
 /// Checks that an error is a single line.
-pub fn error_is_told_well(error: &taotie::Error) -> Held {
+pub fn error_is_told_well(error: &taotie_engine::Error) -> Held {
     let text = error.to_string();
     if text.contains('\n') { Err(format!("an error with several lines: {text:?}")) } else { Ok(()) }
 }
@@ -39,7 +39,7 @@ pub fn is_consistent(loaded: &Loaded) -> Held {
     promises.iter().find(|(kept, _)| !kept).map_or(Ok(()), |(_, what)| Err((*what).to_owned()))
 }
 
-fn has_finite_places(mesh: &taotie::mesh::Mesh) -> bool {
+fn has_finite_places(mesh: &taotie_engine::mesh::Mesh) -> bool {
     mesh.positions().iter().all(|p| p.to_array().iter().all(|v| v.is_finite()))
 }
 
@@ -55,6 +55,6 @@ pub fn load(path: &Path) -> Result<Option<Loaded>, String> {
 }
 
 /// Drops a successful result; checks the form of an error.
-pub fn either<T>(result: taotie::Result<T>) -> Held {
+pub fn either<T>(result: taotie_engine::Result<T>) -> Held {
     result.map_or_else(|error| error_is_told_well(&error), |_| Ok(()))
 }

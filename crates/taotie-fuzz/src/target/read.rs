@@ -5,11 +5,11 @@ use super::subject::Subject;
 use std::path::Path;
 use taotie::asset::{BakeOptions, Packing};
 use taotie::inspection::Inspection;
-use taotie::io::{Loaded, decode_environment_within, read_bitmap_within};
-use taotie::mesh::Mesh;
-use taotie::scene::{Material, Scene};
-use taotie::shade::environment::Environment;
 use taotie::studio::{LightSpec, MaterialFile};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::scene::{Material, Scene};
+use taotie_engine::shade::environment::Environment;
+use taotie_io::{Loaded, decode_environment_within, read_bitmap_within};
 
 /// A triangle with the material `m` of the file whose name is inserted.
 const TRIANGLE: &str = "mtllib {}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";

@@ -3,12 +3,12 @@
 use super::promises::{Held, either, error_is_told_well, limits};
 use super::subject::Subject;
 use fastrand::Rng;
-use taotie::Result;
-use taotie::names::Named;
-use taotie::render::{Frame, RenderSettings, Shot};
-use taotie::scene::Scene;
-use taotie::shade::Shading;
 use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, Viewpoint};
+use taotie_engine::Result;
+use taotie_engine::names::Named;
+use taotie_engine::render::{Frame, RenderSettings, Shot};
+use taotie_engine::scene::Scene;
+use taotie_engine::shade::Shading;
 
 /// Pixels along each side.
 const SIDE: u32 = 16;
@@ -33,7 +33,7 @@ fn frame(scene: &Scene, settings: &RenderSettings) -> Result<Frame> {
     let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, scene)?;
     let view = viewpoint.at(0.0);
     let lighting = LightOptions::default().lighting(None, scene, view);
-    taotie::render::render(scene, &Shot { camera: &view.camera(), lighting: &lighting, settings })
+    taotie_engine::render::render(scene, &Shot { camera: &view.camera(), lighting: &lighting, settings })
 }
 
 /// Chooses settings.

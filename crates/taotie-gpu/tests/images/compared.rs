@@ -2,12 +2,12 @@
 
 use crate::common::absent;
 use std::sync::{Arc, LazyLock};
-use taotie::Progress;
-use taotie::film::{Development, develop8};
-use taotie::math::Vec3;
-use taotie::render::{EnvironmentLight, Lighting, Pass, Prepared, RenderSettings, Shot};
-use taotie::scene::{Camera, Light, Scene};
-use taotie::shade::environment::Environment;
+use taotie_engine::Progress;
+use taotie_engine::film::{Development, develop8};
+use taotie_engine::math::Vec3;
+use taotie_engine::render::{EnvironmentLight, Lighting, Pass, Prepared, RenderSettings, Shot};
+use taotie_engine::scene::{Camera, Light, Scene};
+use taotie_engine::shade::environment::Environment;
 use taotie_gpu::{AdapterChoice, Gpu, GpuRenderer};
 
 /// The maximum mean difference, in 8-bit codes.
@@ -88,7 +88,8 @@ impl View {
     /// Renders it with both and measures the difference.
     pub fn difference(&self, gpu: &Gpu) -> Difference {
         let (prepared, shot) = (self.prepared(), self.shot());
-        let codes = |frame: &taotie::render::Frame| develop8(&frame.color, &Development::default()).unwrap();
+        let codes =
+            |frame: &taotie_engine::render::Frame| develop8(&frame.color, &Development::default()).unwrap();
         let expected = Pass::new(&prepared, &shot).unwrap().render(Progress::SILENT).unwrap();
         let seen = expected.color.pixels().iter().filter(|pixel| pixel[3] > 0.0).count();
         assert!(seen > expected.color.pixels().len() / 20, "{}: only {seen} pixels are visible", self.name);

@@ -2,11 +2,11 @@
 
 use crate::compared::{View, gpu};
 use crate::scenes::{camera, instance, panes, plain, rectangle, texture};
-use taotie::image::{Encoding, Sampler, TexelFilter, Wrap};
-use taotie::math::{Mat4, Vec3};
-use taotie::mesh::Mesh;
-use taotie::render::RenderSettings;
-use taotie::scene::{AlphaMode, Material, Scene, SceneData, TextureRef, UvTransform};
+use taotie_engine::image::{Encoding, Sampler, TexelFilter, Wrap};
+use taotie_engine::math::{Mat4, Vec3};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::render::RenderSettings;
+use taotie_engine::scene::{AlphaMode, Material, Scene, SceneData, TextureRef, UvTransform};
 
 /// A floor under a lattice whose vertices also have opacities, with the texture of its holes mapped by `holed`.
 fn lattice_over_floor(holed: TextureRef) -> Scene {

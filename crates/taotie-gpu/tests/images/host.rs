@@ -5,11 +5,11 @@
 mod wgpu_host;
 
 use crate::compared::gpu;
-use taotie::math::{Mat4, Vec3};
-use taotie::mesh::Mesh;
-use taotie::pixel::LightSource;
-use taotie::render::{Lighting, RenderSettings, Shot, render};
-use taotie::scene::{Camera, Falloff, Light, LightKind, Projection, Scene, preset};
+use taotie_engine::math::{Mat4, Vec3};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::pixel::LightSource;
+use taotie_engine::render::{Lighting, RenderSettings, Shot, render};
+use taotie_engine::scene::{Camera, Falloff, Light, LightKind, Projection, Scene, preset};
 
 const SIZE: u32 = 128;
 

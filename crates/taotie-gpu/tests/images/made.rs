@@ -2,11 +2,11 @@
 
 use crate::compared::{View, gpu};
 use crate::{finishes, scenes};
-use taotie::names::Named;
-use taotie::render::{GrazingNormals, RenderSettings, SurfaceSettings};
-use taotie::scene::{Material, NormalSpace, Projection, Scene, preset};
-use taotie::shade::{Energy, Shading};
-use taotie::surface::SurfaceMethod;
+use taotie_engine::names::Named;
+use taotie_engine::render::{GrazingNormals, RenderSettings, SurfaceSettings};
+use taotie_engine::scene::{Material, NormalSpace, Projection, Scene, preset};
+use taotie_engine::shade::{Energy, Shading};
+use taotie_engine::surface::SurfaceMethod;
 
 fn near(name: &str, scene: Scene) -> View {
     View::new(name, scene, scenes::camera(20.0, 15.0, 3.4))

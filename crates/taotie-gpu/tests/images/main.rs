@@ -1,21 +1,21 @@
 //! Compares whole images by a GPU with those by the CPU.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "tests report what they found")]
 
-#[path = "../../../taotie/tests/common/mod.rs"]
+#[path = "../../../../tests/common/mod.rs"]
 mod common;
-#[path = "../../../taotie/tests/common/files.rs"]
+#[path = "../../../../tests/common/files.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod files;
-#[path = "../../../taotie/tests/common/finishes.rs"]
+#[path = "../../../../tests/common/finishes.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod finishes;
-#[path = "../../../taotie/tests/common/random.rs"]
+#[path = "../../../../tests/common/random.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod random;
-#[path = "../../../taotie/tests/common/scenes.rs"]
+#[path = "../../../../tests/common/scenes.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod scenes;
-#[path = "../../../taotie/tests/common/skies.rs"]
+#[path = "../../../../tests/common/skies.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod skies;
 

@@ -4,9 +4,9 @@ use crate::common::absent;
 use crate::compared::{View, gpu};
 use crate::files::data_files;
 use std::path::{Path, PathBuf};
-use taotie::image::{Encoding, Texture};
-use taotie::io::{load_model, read_bitmap};
-use taotie::scene::{GreenChannel, NormalMap, NormalSpace, Orbit, Scene};
+use taotie_engine::image::{Encoding, Texture};
+use taotie_engine::scene::{GreenChannel, NormalMap, NormalSpace, Orbit, Scene};
+use taotie_io::{load_model, read_bitmap};
 
 /// A scene that fills the image.
 fn view(path: &Path, scene: Scene) -> View {
@@ -16,7 +16,7 @@ fn view(path: &Path, scene: Scene) -> View {
     let orbit =
         Orbit { azimuth: 0.4, elevation: 0.25, distance: radius * 3.2, target: bounds.center(), fov_y };
     let camera = orbit.camera(radius);
-    let far = crate::scenes::directional(taotie::math::Vec3::new(0.6, -1.0, -0.7), 2.5);
+    let far = crate::scenes::directional(taotie_engine::math::Vec3::new(0.6, -1.0, -0.7), 2.5);
     let mut view = View::new(name, scene, camera);
     view.lighting = crate::compared::lit(vec![far]);
     view

@@ -2,10 +2,10 @@
 
 use crate::compared::{Difference, View, gpu, lit};
 use crate::{finishes, scenes};
-use taotie::Progress;
-use taotie::film::{Development, ToneCurve, develop8};
-use taotie::math::Vec3;
-use taotie::scene::NormalSpace;
+use taotie_engine::Progress;
+use taotie_engine::film::{Development, ToneCurve, develop8};
+use taotie_engine::math::Vec3;
+use taotie_engine::scene::NormalSpace;
 use taotie_gpu::{Gpu, GpuError, GpuRenderer};
 
 fn bosses() -> View {
@@ -24,7 +24,7 @@ fn what_was_rendered_before_changes_no_bit() {
     let Some(gpu) = gpu() else { return };
     let scene = scenes::panes();
     let one = lit(vec![scenes::directional(Vec3::new(0.5, -1.0, -0.4), 2.0)]);
-    let view = |azimuth, change: fn(&mut taotie::render::RenderSettings)| {
+    let view = |azimuth, change: fn(&mut taotie_engine::render::RenderSettings)| {
         View::new("panes", scene.clone(), scenes::camera(azimuth, 10.0, 4.0)).with(change)
     };
     let mut dim = view(70.0, |settings| settings.width = 131);
@@ -75,7 +75,7 @@ fn who_cancels_gets_no_image_and_may_ask_again() {
     let mut renderer = GpuRenderer::new(&gpu, &prepared).unwrap();
     let stop = |_: &'static str, _: f64| false;
     let cancelled = renderer.render(&view.shot(), Progress::new(&stop)).unwrap_err();
-    assert!(matches!(cancelled, GpuError::Scene(taotie::Error::Cancelled)), "{cancelled}");
+    assert!(matches!(cancelled, GpuError::Scene(taotie_engine::Error::Cancelled)), "{cancelled}");
     let again = renderer.render(&view.shot(), Progress::SILENT).unwrap();
     assert!(again.color.pixels() == fresh(&gpu, &view));
 }
@@ -88,7 +88,7 @@ fn silhouettes_are_those_of_the_processor() {
         let floor = scenes::floor_and_mirrored_spheres();
         let view = View::new("floor", floor, scenes::camera(30.0, 8.0, 4.0))
             .with(|settings| settings.samples = samples);
-        let expected = taotie::render::render(&view.scene, &view.shot()).unwrap();
+        let expected = taotie_engine::render::render(&view.scene, &view.shot()).unwrap();
         let found = fresh(&gpu, &view);
         let pairs = expected.color.pixels().iter().zip(&found);
         let apart = pairs.filter(|(a, b)| (a[3] - b[3]).abs() > 1e-3).count();
@@ -103,7 +103,7 @@ fn the_measure_finds_what_is_wrong() {
     let image = |roughness: f32| {
         let view =
             View::new("metal", finishes::polished_bosses(1.0, roughness), scenes::camera(20.0, 15.0, 3.4));
-        let frame = taotie::render::render(&view.scene, &view.shot()).unwrap();
+        let frame = taotie_engine::render::render(&view.scene, &view.shot()).unwrap();
         develop8(&frame.color, &Development::default()).unwrap()
     };
     let Difference { mean, outliers, .. } = Difference::of(&image(0.3), &image(0.33));

@@ -5,8 +5,8 @@ use taotie::asset::{
     Certificate, Figure, FigureUnit, HashedFile, HashedMap, KeyFigure, RequirementOutcome, ScanOptions,
     Verdict,
 };
-use taotie::names::Named;
-use taotie::scene::GreenChannel;
+use taotie_engine::names::Named;
+use taotie_engine::scene::GreenChannel;
 
 /// The maximum number of table rows, so that the statement fits one sheet; other files go in a table below it.
 const MOST_ROWS: usize = 22;

@@ -3,8 +3,8 @@
 use super::normal_errors::{cells, columns};
 use super::views::{GREY, side};
 use crate::{Cell, Column, Section, View};
-use taotie::Result;
 use taotie::asset::{LevelFigures, Proof, ViewFigures, Views};
+use taotie_engine::Result;
 
 /// Builds the table of all levels; `None` if there is only one.
 pub fn table(levels: &[LevelFigures]) -> Option<Section> {
@@ -29,7 +29,8 @@ pub fn table(levels: &[LevelFigures]) -> Option<Section> {
 }
 
 fn row((level, figures): (usize, &LevelFigures)) -> Vec<Cell> {
-    let mean_of = |estimate: &Option<taotie::proof::Estimate>| estimate.as_ref().map(|of| of.summary.mean);
+    let mean_of =
+        |estimate: &Option<taotie_engine::proof::Estimate>| estimate.as_ref().map(|of| of.summary.mean);
     let further = [
         Cell::number(f64::from(figures.overview.across), 0),
         Cell::Number { value: mean_of(&figures.overview.angles), digits: 3 },
@@ -50,7 +51,7 @@ fn mean(views: &[ViewFigures], of: fn(&ViewFigures) -> f64) -> Cell {
 /// Builds a view of each coarser level, from the direction with the largest FLIP.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] if a picture has no pixels.
+/// [`taotie_engine::Error::Invalid`] if a picture has no pixels.
 pub fn worst_views(proof: &Proof) -> Result<Vec<View>> {
     let worst = proof.coarser_views.iter().enumerate().map(|(i, shots)| worst_view(i + 1, shots));
     worst.filter_map(Result::transpose).collect()

@@ -3,9 +3,9 @@
 use crate::heat_map::HeatMap;
 use crate::summary::figures;
 use crate::{Cell, Column, Legend, Picture, Section, View};
-use taotie::Result;
 use taotie::asset::MaterialFigures;
-use taotie::compare::{ColorMap, Field, Summary};
+use taotie_engine::Result;
+use taotie_engine::compare::{ColorMap, Field, Summary};
 
 /// The colour difference at the end of the colour scale.
 const TOP: f32 = 10.0;
@@ -49,7 +49,7 @@ fn note(material: &MaterialFigures) -> String {
 /// Builds the view of the colour error map.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] if the picture has no pixels.
+/// [`taotie_engine::Error::Invalid`] if the picture has no pixels.
 pub fn view(field: &Field) -> Result<View> {
     let heat = HeatMap { field, title: "colour error", unit: "", map: ColorMap::Viridis, top: TOP };
     Ok(View {

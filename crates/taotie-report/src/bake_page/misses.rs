@@ -2,7 +2,7 @@
 
 use crate::sheet::{GROUND, Sheet};
 use taotie::asset::Misses;
-use taotie::bake::TexelStatus;
+use taotie_engine::bake::TexelStatus;
 
 /// Draws texels whose rays missed the scan: amber if the closest point was used, red if there was no hit.
 pub fn misses(misses: &Misses) -> Sheet {

@@ -3,7 +3,7 @@
 //! ```no_run
 //! use std::path::Path;
 //! use taotie::asset::{BakeOptions, Baker, Certificate, Limits, Packing, Report, Scan, Signature, VerifyOptions};
-//! use taotie::{Progress, io};
+//! use taotie::Progress;
 //!
 //! let quiet = Progress::SILENT;
 //! let scan = Scan::read("scan.ply", &Limits::default(), quiet)?;
@@ -15,8 +15,8 @@
 //! let certificate = Certificate::of_written(&written, &proof.figures, &options, &Signature::default())?;
 //! (report.proof, report.certificate) = (Some(proof.figures.clone()), Some(certificate));
 //! let page = taotie_report::bake_page::page(&report, &proof, Some(written.asset()))?;
-//! io::write_text(Path::new("scan.report.html"), &taotie_report::html(&page))?;
-//! # Ok::<(), taotie::Error>(())
+//! taotie_io::write_text(Path::new("scan.report.html"), &taotie_report::html(&page))?;
+//! # Ok::<(), taotie_engine::Error>(())
 //! ```
 
 mod certificate;
@@ -39,7 +39,7 @@ use crate::viewer::{AssetSubject, MeasuredErrors};
 use certificate::Judge;
 use std::path::Path;
 use taotie::asset::{Asset, Limits, Proof, Report, VerifyOptions};
-use taotie::{Result, Warnings};
+use taotie_engine::{Result, Warnings};
 
 /// The side of the pictures of the worst patches, pixels.
 const PATCH_VIEW: u32 = 384;
@@ -57,7 +57,7 @@ pub fn options(options: VerifyOptions, is_wanted: bool) -> VerifyOptions {
 /// `asset` is `None` if it was not baked here.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] if a picture has no pixels.
+/// [`taotie_engine::Error::Invalid`] if a picture has no pixels.
 pub fn page(report: &Report, proof: &Proof, asset: Option<&Asset>) -> Result<Page> {
     of(report, proof, (asset, Judge::Here))
 }

@@ -2,7 +2,7 @@
 
 use crate::{Cell, Column};
 use taotie::asset::{LevelFigures, PartFigures};
-use taotie::compare::Summary;
+use taotie_engine::compare::Summary;
 
 /// The figures for a row.
 pub struct NormalErrors<'a> {

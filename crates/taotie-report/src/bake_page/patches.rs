@@ -3,11 +3,11 @@
 use crate::heat_map::HeatMap;
 use crate::sheet::Sheet;
 use crate::{Legend, Picture, View};
-use taotie::Result;
 use taotie::asset::{Figures, PatchPictures, Proof};
-use taotie::compare::ColorMap;
-use taotie::length::place_text;
-use taotie::proof::PatchQuantity;
+use taotie_engine::Result;
+use taotie_engine::compare::ColorMap;
+use taotie_engine::length::place_text;
+use taotie_engine::proof::PatchQuantity;
 
 /// Possible values at the end of a colour scale: degrees or CIEDE2000.
 const TOPS: [f32; 6] = [1.0, 2.0, 5.0, 10.0, 20.0, 45.0];
@@ -17,7 +17,7 @@ const OVER_MEAN: f64 = 3.0;
 /// Builds the pictures of all worst patches.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] if a picture has no pixels.
+/// [`taotie_engine::Error::Invalid`] if a picture has no pixels.
 pub fn features(proof: &Proof) -> Result<Vec<View>> {
     proof.patches.iter().map(|pictures| feature(&proof.figures, pictures)).collect()
 }

@@ -7,9 +7,9 @@ use taotie::asset::{
     BIN_WIDTH, BakeFigures, FigureUnit, Figures, LevelFigures, PartFlip, Report, RequirementOutcome,
     StageTime, ViewFigures,
 };
-use taotie::compare::Summary;
-use taotie::length::{ShownLength, Unit, dpi};
-use taotie::proof::Estimate;
+use taotie_engine::compare::Summary;
+use taotie_engine::length::{ShownLength, Unit, dpi};
+use taotie_engine::proof::Estimate;
 
 /// Builds all sections in order.
 pub fn sections(report: &Report, (proof, flips): (&Figures, &[PartFlip])) -> Vec<Section> {

@@ -3,7 +3,7 @@
 use crate::csv::{Csv, number};
 use crate::{Axis, PlotPoint, PointSeries, Section};
 use taotie::asset::{Report, Trial};
-use taotie::io::VertexBits;
+use taotie_io::VertexBits;
 
 /// Smaller angles are drawn at this value, degrees, since a logarithmic axis has no zero.
 const LEAST_ANGLE: f64 = 0.001;

@@ -5,10 +5,10 @@ use super::misses::misses;
 use crate::heat_map::HeatMap;
 use crate::sheet::Sheet;
 use crate::{Legend, Picture, View};
-use taotie::Result;
 use taotie::asset::{Asset, Proof, Textures, Views};
-use taotie::compare::{ColorMap, Field};
-use taotie::names::Named;
+use taotie_engine::Result;
+use taotie_engine::compare::{ColorMap, Field};
+use taotie_engine::names::Named;
 
 /// The side of the pictures of maps, pixels; for several materials, of all of them together.
 const MAP: usize = 512;
@@ -22,7 +22,7 @@ const MOST_COARSE: f32 = 8.0;
 /// Builds all views, one tab each.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] if a picture has no pixels.
+/// [`taotie_engine::Error::Invalid`] if a picture has no pixels.
 pub fn views(proof: &Proof, asset: Option<&Asset>) -> Result<Vec<View>> {
     let mut views = sides(&proof.views, &GREY)?;
     if let Some(full) = &proof.full_views {
@@ -93,7 +93,7 @@ const FULL: Look = Look {
 /// Builds a view of scan and asset from each direction.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] if a picture has no pixels.
+/// [`taotie_engine::Error::Invalid`] if a picture has no pixels.
 fn sides(shots: &Views, look: &Look) -> Result<Vec<View>> {
     (0..shots.figures.len()).map(|i| side(shots, i, look)).collect()
 }
@@ -101,7 +101,7 @@ fn sides(shots: &Views, look: &Look) -> Result<Vec<View>> {
 /// Builds the view of scan and asset from direction number `i`.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] if a picture has no pixels.
+/// [`taotie_engine::Error::Invalid`] if a picture has no pixels.
 pub fn side(shots: &Views, i: usize, look: &Look) -> Result<View> {
     let figures = &shots.figures[i];
     let visual_difference = format!("FLIP {:.4}, SSIM {:.4}", figures.flip, figures.ssim);

@@ -2,8 +2,8 @@
 
 use crate::{Cell, Column, Section};
 use taotie::asset::{Beyond, Figures, PartFlip, PartKind, WorstParts};
-use taotie::length::place_text;
-use taotie::proof::{Exceedance, PatchQuantity, Region, WorstRegions};
+use taotie_engine::length::place_text;
+use taotie_engine::proof::{Exceedance, PatchQuantity, Region, WorstRegions};
 
 /// The limits to report: degrees, CIEDE2000 and per cent of the diagonal.
 const ANGLES: &[f64] = &[1.0, 2.0, 5.0, 10.0, 20.0];

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use taotie::comparison::{
     Comparison, CountedWarning, MethodReport, MethodTime, PointReport, Rules, SkippedMethod, SubjectReport,
 };
-use taotie::{Error, Result};
+use taotie_engine::{Error, Result};
 
 /// Version of `report.json`.
 pub const SCHEMA: u32 = 3;

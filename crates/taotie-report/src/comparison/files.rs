@@ -3,14 +3,14 @@
 use crate::heat_map::HeatMap;
 use crate::sheet::{Cell, Sheet};
 use std::path::{Path, PathBuf};
-use taotie::Result;
-use taotie::compare::Field;
 use taotie::comparison::{Comparison, ComparisonOptions, RenderedSurface};
-use taotie::film::Development;
-use taotie::image::Image;
-use taotie::io::{FileSet, ImageFormat};
-use taotie::names::Named;
-use taotie::shade::Shading;
+use taotie_engine::Result;
+use taotie_engine::compare::Field;
+use taotie_engine::film::Development;
+use taotie_engine::image::Image;
+use taotie_engine::names::Named;
+use taotie_engine::shade::Shading;
+use taotie_io::{FileSet, ImageFormat};
 
 /// The longest side of a picture on the contact sheet, pixels.
 const CELL: usize = 320;
@@ -53,7 +53,7 @@ impl<'a> Files<'a> {
     /// Creates the folder if necessary.
     ///
     /// # Errors
-    /// [`taotie::Error::Io`] if it cannot be created.
+    /// [`taotie_engine::Error::Io`] if it cannot be created.
     pub fn new(set: &'a FileSet, folder: &Path, heat_top: f32) -> Result<Self> {
         set.claim_folder(folder)?;
         Ok(Self { set, folder: folder.to_path_buf(), heat_top, written: Vec::new() })
@@ -62,7 +62,7 @@ impl<'a> Files<'a> {
     /// Writes every picture and the contact sheet.
     ///
     /// # Errors
-    /// [`taotie::Error::Io`] if a file cannot be written.
+    /// [`taotie_engine::Error::Io`] if a file cannot be written.
     pub fn write(&mut self, comparison: &Comparison) -> Result<()> {
         for surface in &comparison.surfaces {
             for (shading, picture) in &surface.pictures {
@@ -87,7 +87,7 @@ impl<'a> Files<'a> {
     /// Writes the normals and angular errors of all surfaces as numbers.
     ///
     /// # Errors
-    /// [`taotie::Error::Io`] if a file cannot be written.
+    /// [`taotie_engine::Error::Io`] if a file cannot be written.
     pub fn write_exact(&mut self, comparison: &Comparison) -> Result<()> {
         for surface in &comparison.surfaces {
             self.write_exr(&surface.exact_name("normals"), &surface.normals)?;
@@ -108,7 +108,7 @@ impl<'a> Files<'a> {
     /// Writes text into the folder.
     ///
     /// # Errors
-    /// [`taotie::Error::Io`] if it cannot be written.
+    /// [`taotie_engine::Error::Io`] if it cannot be written.
     pub fn write_text(&mut self, name: &str, text: &str) -> Result<()> {
         let path = self.folder.join(name);
         self.set.write_text(&path, text)?;

@@ -3,17 +3,17 @@
 //!
 //! ```no_run
 //! use std::path::Path;
-//! use taotie::Progress;
+//! use taotie_engine::Progress;
 //! use taotie::comparison::{Comparison, ComparisonOptions, Subject};
 //! use taotie_report::comparison::{Options, write};
 //!
-//! let scene = taotie::io::load_model("low.glb".as_ref())?.scene;
-//! let reference = taotie::io::load_model("scan.ply".as_ref())?.scene;
+//! let scene = taotie_io::load_model("low.glb".as_ref())?.scene;
+//! let reference = taotie_io::load_model("scan.ply".as_ref())?.scene;
 //! let subject = Subject::new("low.glb", &scene).with_reference("scan.ply", &reference);
 //! let comparison = Comparison::of(&subject, &ComparisonOptions::default(), Progress::SILENT)?;
 //! let written = write(&comparison, &Options::default(), Path::new("comparison"))?;
 //! println!("{} files", written.files.len());
-//! # Ok::<(), taotie::Error>(())
+//! # Ok::<(), taotie_engine::Error>(())
 //! ```
 
 mod document;
@@ -31,9 +31,9 @@ pub use options::Options;
 use crate::Page;
 use files::Files;
 use std::path::{Path, PathBuf};
-use taotie::Result;
 use taotie::comparison::Comparison;
-use taotie::io::FileSet;
+use taotie_engine::Result;
+use taotie_io::FileSet;
 
 /// The files of a comparison.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +48,7 @@ pub struct Written {
 /// Builds the page for a comparison.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] if a picture has no pixels.
+/// [`taotie_engine::Error::Invalid`] if a picture has no pixels.
 pub fn page(comparison: &Comparison, options: &Options) -> Result<Page> {
     page::page(comparison, &Document::new(comparison, options)?, options)
 }
@@ -57,7 +57,7 @@ pub fn page(comparison: &Comparison, options: &Options) -> Result<Page> {
 /// necessary. Either all files appear or none.
 ///
 /// # Errors
-/// [`taotie::Error::Io`] if a file cannot be written.
+/// [`taotie_engine::Error::Io`] if a file cannot be written.
 pub fn write(comparison: &Comparison, options: &Options, folder: &Path) -> Result<Written> {
     FileSet::one(|set| write_in(set, comparison, options, folder))
 }
@@ -65,7 +65,7 @@ pub fn write(comparison: &Comparison, options: &Options, folder: &Path) -> Resul
 /// Writes the files of [`write()`] to a file set, which the caller commits.
 ///
 /// # Errors
-/// As for [`write()`], and [`taotie::Error::Invalid`] if an input file would be overwritten.
+/// As for [`write()`], and [`taotie_engine::Error::Invalid`] if an input file would be overwritten.
 pub fn write_in(set: &FileSet, comparison: &Comparison, options: &Options, folder: &Path) -> Result<Written> {
     let mut files = Files::new(set, folder, options.heat_top_deg as f32)?;
     files.write(comparison)?;

@@ -3,15 +3,15 @@
 use crate::heat_map::HeatMap;
 use crate::sheet::Sheet;
 use crate::{Legend, Picture, View};
-use taotie::Result;
-use taotie::compare::ColorMap;
 use taotie::comparison::RenderedSurface;
-use taotie::names::Named;
+use taotie_engine::Result;
+use taotie_engine::compare::ColorMap;
+use taotie_engine::names::Named;
 
 /// Builds the views of its pictures, and of their differences from the baseline picture.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] if a picture has no pixels.
+/// [`taotie_engine::Error::Invalid`] if a picture has no pixels.
 pub(super) fn views(surface: &RenderedSurface) -> Result<Vec<View>> {
     let pictures = surface
         .pictures

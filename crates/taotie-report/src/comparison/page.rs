@@ -5,14 +5,14 @@ use crate::heat_map::HeatMap;
 use crate::sheet::Sheet;
 use crate::summary;
 use crate::{Cell, Column, Fact, Legend, Notice, Page, Picture, Section, Series, Tone, View};
-use taotie::Result;
-use taotie::compare::{ColorMap, Summary};
 use taotie::comparison::{Comparison, MethodReport, ModelReport, RenderedSurface};
+use taotie_engine::Result;
+use taotie_engine::compare::{ColorMap, Summary};
 
 /// Builds the page for a comparison with the figures in `report`.
 ///
 /// # Errors
-/// [`taotie::Error::Invalid`] if a picture has no pixels.
+/// [`taotie_engine::Error::Invalid`] if a picture has no pixels.
 pub(super) fn page(comparison: &Comparison, report: &Document, options: &Options) -> Result<Page> {
     let subtitle = match &report.subject.reference {
         Some(reference) => format!("Surface methods measured against {reference}"),

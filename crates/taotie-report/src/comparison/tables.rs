@@ -2,8 +2,8 @@
 
 use super::Document;
 use crate::csv::{Csv, number};
-use taotie::compare::Summary;
 use taotie::comparison::{MethodReport, PictureFigures, PointNormal};
+use taotie_engine::compare::Summary;
 
 /// Returns the tables with their file names.
 pub(super) fn files(report: &Document) -> [(&'static str, String); 3] {

@@ -1,7 +1,7 @@
 //! The metadata in a model file.
 
 use crate::Fact;
-use taotie::io::{Loaded, xmp_rights, xmp_sources};
+use taotie_io::{Loaded, xmp_rights, xmp_sources};
 
 /// Returns the source, rights and size of a model, as far as its file states them.
 pub fn facts(loaded: &Loaded, file: &str) -> Vec<Fact> {

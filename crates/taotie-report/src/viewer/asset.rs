@@ -1,11 +1,13 @@
 //! The model that the page loads: a world-space GLB with one mesh per surface and the renderer's tangent frames.
 
-use taotie::io::{GltfFormat, ImageCodec, encode_scene_as};
-use taotie::math::Mat4;
-use taotie::mesh::{Mesh, MeshData};
-use taotie::render::{Prepared, Surface};
-use taotie::scene::{Classic, GreenChannel, Instance, Material, NormalMap, NormalSpace, Scene, SceneData};
-use taotie::{Result, Warnings};
+use taotie_engine::math::Mat4;
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::render::{Prepared, Surface};
+use taotie_engine::scene::{
+    Classic, GreenChannel, Instance, Material, NormalMap, NormalSpace, Scene, SceneData,
+};
+use taotie_engine::{Result, Warnings};
+use taotie_io::{GltfFormat, ImageCodec, encode_scene_as};
 
 /// Returns the GLB of all surfaces; each mesh is named by the index of its surface.
 pub(super) fn glb(prepared: &Prepared, warnings: &mut Warnings) -> Result<Vec<u8>> {

@@ -4,14 +4,13 @@ use super::{MeasuredErrors, Subject, Viewer, facts};
 use crate::Fact;
 use std::path::Path;
 use taotie::asset::{Limits, model_unit};
-use taotie::film::Development;
-use taotie::image::Texture;
-use taotie::io;
-use taotie::length::Unit;
-use taotie::render::{Prepared, RenderSettings};
-use taotie::scene::Scene;
 use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, Viewpoint};
-use taotie::{Result, Warnings};
+use taotie_engine::film::Development;
+use taotie_engine::image::Texture;
+use taotie_engine::length::Unit;
+use taotie_engine::render::{Prepared, RenderSettings};
+use taotie_engine::scene::Scene;
+use taotie_engine::{Result, Warnings};
 
 /// The maximum side of textures on the page, texels.
 pub const MOST_TEXTURE_SIDE: u32 = 2048;
@@ -103,7 +102,7 @@ fn texture_bytes(scene: &Scene, side: u32) -> u64 {
         let mut sizes = (0..texture.levels()).map(|level| texture.level_size(level));
         let (width, height) = sizes.find(|(width, height)| *width.max(height) <= side).unwrap_or_default();
         // Three bytes per texel if its format cannot be encoded.
-        let encoded = io::encode_webp_bitmap(bitmap).map_or(f64::INFINITY, |bytes| bytes.len() as f64);
+        let encoded = taotie_io::encode_webp_bitmap(bitmap).map_or(f64::INFINITY, |bytes| bytes.len() as f64);
         let each = (encoded / count(bitmap.width(), bitmap.height())).min(3.0);
         (each * count(width, height) * 4.0 / 3.0) as u64
     };
@@ -135,9 +134,9 @@ fn shrunk(texture: &Texture, side: u32) -> Texture {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::image::{Bitmap, Encoding, Texels};
-    use taotie::mesh::Mesh;
-    use taotie::scene::Material;
+    use taotie_engine::image::{Bitmap, Encoding, Texels};
+    use taotie_engine::mesh::Mesh;
+    use taotie_engine::scene::Material;
 
     fn texture(width: u32, height: u32) -> Texture {
         let texels = Texels::U8(vec![[7, 8, 9, 255]; (width * height) as usize]);
@@ -167,7 +166,7 @@ mod tests {
     fn textures_are_as_large_as_their_bytes_allow() {
         let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
         assert_eq!(fitting_side(&scene, 0), MOST_TEXTURE_SIDE, "there are no textures");
-        let noise = (0..512u32 * 512).map(|i| taotie::math::sequence::hash(7, i).to_le_bytes());
+        let noise = (0..512u32 * 512).map(|i| taotie_engine::math::sequence::hash(7, i).to_le_bytes());
         let bitmap = Bitmap::new(512, 512, 3, Texels::U8(noise.collect())).unwrap();
         scene.add_texture(Texture::new(bitmap, Encoding::Linear));
         let sides = [2_000_000, 400_000, 90_000, 0].map(|most| fitting_side(&scene, most));

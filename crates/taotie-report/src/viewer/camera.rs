@@ -1,9 +1,9 @@
 //! The initial camera as an orbit around a point.
 
 use serde::Serialize;
-use taotie::Warnings;
-use taotie::math::{Vec3, scalar};
-use taotie::scene::{Bounds, Camera, Projection};
+use taotie_engine::Warnings;
+use taotie_engine::math::{Vec3, scalar};
+use taotie_engine::scene::{Bounds, Camera, Projection};
 
 /// A position on a sphere around a target, and the field of view from there.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -80,7 +80,7 @@ impl Lens {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::scene;
+    use taotie_engine::scene;
 
     #[test]
     fn an_orbit_is_restored() {

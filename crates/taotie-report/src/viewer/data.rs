@@ -11,13 +11,13 @@ use super::textures::{TextureData, textures};
 use super::{Bookmark, Subject, asset};
 use crate::Fact;
 use serde::Serialize;
-use taotie::length::Unit;
-use taotie::names::Named;
-use taotie::raster::SamplePattern;
-use taotie::render::{Prepared, RenderSettings};
-use taotie::shade::Shading;
-use taotie::shade::dfg::{COLUMNS, tables};
-use taotie::{Result, Warnings};
+use taotie_engine::length::Unit;
+use taotie_engine::names::Named;
+use taotie_engine::raster::SamplePattern;
+use taotie_engine::render::{Prepared, RenderSettings};
+use taotie_engine::shade::Shading;
+use taotie_engine::shade::dfg::{COLUMNS, tables};
+use taotie_engine::{Result, Warnings};
 
 /// The data of a page, as declared in `viewer/src/data.ts`.
 #[derive(Serialize)]

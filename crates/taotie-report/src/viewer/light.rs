@@ -3,9 +3,9 @@
 use super::blob::Blob;
 use super::halves::coded;
 use serde::Serialize;
-use taotie::Warnings;
-use taotie::pixel::LightSource;
-use taotie::render::{EnvironmentLight, Lighting};
+use taotie_engine::Warnings;
+use taotie_engine::pixel::LightSource;
+use taotie_engine::render::{EnvironmentLight, Lighting};
 use taotie_shader::{EnvironmentAtlas, MOST_LIGHTS, light_numbers};
 
 /// The lighting of the page.

@@ -32,7 +32,7 @@ pub use subject::Subject;
 use crate::Page;
 use blob::Blob;
 use iiif::Outline;
-use taotie::{Result, Warnings};
+use taotie_engine::{Result, Warnings};
 
 /// A page that shows a model in the browser.
 pub struct Viewer {
@@ -46,7 +46,7 @@ impl Viewer {
     /// Creates the page for a model.
     ///
     /// # Errors
-    /// [`taotie::Error`] if the model cannot be written as glTF or is too large for it.
+    /// [`taotie_engine::Error`] if the model cannot be written as glTF or is too large for it.
     pub fn new(subject: &Subject<'_>) -> Result<Self> {
         let mut warnings = Warnings::default();
         let (data, blobs) = data::data(subject, &mut warnings)?;

@@ -3,15 +3,15 @@
 use super::blob::{Blob, bytes_of_words};
 use serde::Serialize;
 use taotie::asset::{Figures, Proof, Scan, VerifyOptions, measure};
-use taotie::bake::{
+use taotie_engine::bake::{
     self, Cage, SimplifyOptions, TexelChecks, TexturedMesh, Verifier, leading_texture, simplify,
 };
-use taotie::compare::{ColorMap, Field};
-use taotie::length::Unit;
-use taotie::math::Mat4;
-use taotie::render::{Prepared, Surface};
-use taotie::scene::{Instance, Material, Scene, SceneData};
-use taotie::{Progress, Result, Warnings};
+use taotie_engine::compare::{ColorMap, Field};
+use taotie_engine::length::Unit;
+use taotie_engine::math::Mat4;
+use taotie_engine::render::{Prepared, Surface};
+use taotie_engine::scene::{Instance, Material, Scene, SceneData};
+use taotie_engine::{Progress, Result, Warnings};
 
 /// The maximum number of triangles of a scan that a page shows.
 pub const MOST_TRIANGLES: usize = 1_000_000;
@@ -215,9 +215,9 @@ fn is_measurable(surface: &Surface<'_>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::math::Vec3;
-    use taotie::mesh::Mesh;
-    use taotie::render::SurfaceSettings;
+    use taotie_engine::math::Vec3;
+    use taotie_engine::mesh::Mesh;
+    use taotie_engine::render::SurfaceSettings;
 
     /// A flattened sphere, with either its own normals or those of the sphere.
     fn pressed([columns, rows]: [usize; 2], own: bool) -> Scene {

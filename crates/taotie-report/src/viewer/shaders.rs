@@ -107,9 +107,9 @@ impl Shaders {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::names::Named;
-    use taotie::scene::Material;
-    use taotie::shade::Shading;
+    use taotie_engine::names::Named;
+    use taotie_engine::scene::Material;
+    use taotie_engine::shade::Shading;
     use taotie_shader::VariantOptions;
 
     fn variant(shading: Shading) -> Variant {

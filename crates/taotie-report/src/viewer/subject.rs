@@ -2,10 +2,10 @@
 
 use super::{Bookmark, MeasuredErrors, ScanSubject};
 use crate::Fact;
-use taotie::film::Development;
-use taotie::length::Unit;
-use taotie::render::{Lighting, Prepared, RenderSettings};
-use taotie::scene::Camera;
+use taotie_engine::film::Development;
+use taotie_engine::length::Unit;
+use taotie_engine::render::{Lighting, Prepared, RenderSettings};
+use taotie_engine::scene::Camera;
 
 /// A model and its initial view.
 #[derive(Clone, Copy)]

@@ -4,11 +4,11 @@ use super::asset::with_green_up;
 use super::shaders::Shaders;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use taotie::names::Named;
-use taotie::render::{PRINTED_BUMP, Prepared, RenderSettings, Surface};
-use taotie::scene::{AlphaMode, Material, NormalSpace, Scene, TextureRef, TextureRole};
-use taotie::shade::Shading;
-use taotie::surface::SurfaceMethod;
+use taotie_engine::names::Named;
+use taotie_engine::render::{PRINTED_BUMP, Prepared, RenderSettings, Surface};
+use taotie_engine::scene::{AlphaMode, Material, NormalSpace, Scene, TextureRef, TextureRole};
+use taotie_engine::shade::Shading;
+use taotie_engine::surface::SurfaceMethod;
 use taotie_shader::{Interface, SurfaceFactors, Variant, VariantOptions};
 
 /// A surface in the form that the page draws.

@@ -2,8 +2,8 @@
 
 use super::blob::{Blob, bytes_of_words};
 use serde::Serialize;
-use taotie::image::{Encoding, MipFilter, Sampler, TexelFilter, Texels, Texture, Wrap};
-use taotie::scene::{Material, NormalSpace, Scene};
+use taotie_engine::image::{Encoding, MipFilter, Sampler, TexelFilter, Texels, Texture, Wrap};
+use taotie_engine::scene::{Material, NormalSpace, Scene};
 
 /// A texture of the model.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -104,9 +104,9 @@ pub(super) fn sampler(sampler: &Sampler) -> [u32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::image::Bitmap;
-    use taotie::mesh::Mesh;
-    use taotie::scene::{HeightMap, TextureRef, UvTransform};
+    use taotie_engine::image::Bitmap;
+    use taotie_engine::mesh::Mesh;
+    use taotie_engine::scene::{HeightMap, TextureRef, UvTransform};
 
     #[test]
     fn heights_are_numbers_and_colours_are_in_the_model() {

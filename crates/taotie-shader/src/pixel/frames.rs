@@ -2,11 +2,11 @@
 
 use super::inputs::Inputs;
 use crate::recorder::Recorded;
-use taotie::math::Vec3;
-use taotie::pixel::{
+use taotie_engine::math::Vec3;
+use taotie_engine::pixel::{
     Frame, Geometry, MappedNormal, NormalInputs, anisotropy_direction, anisotropy_turn, coat_normal,
 };
-use taotie::scene::TextureRole;
+use taotie_engine::scene::TextureRole;
 
 type Number<'g> = Recorded<'g>;
 type Vector<'g> = Vec3<Recorded<'g>>;

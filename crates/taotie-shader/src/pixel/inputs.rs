@@ -2,12 +2,12 @@
 
 use crate::recorder::{Recorded, Scope};
 use crate::variant::Variant;
-use taotie::math::Vec3;
-use taotie::pixel::{
+use taotie_engine::math::Vec3;
+use taotie_engine::pixel::{
     Anisotropic, Coat, Frame, Geometry, MaterialPoint, MaterialUniforms, MaterialValues, PointLayers, Sheen,
     SurfacePoint, is_cook_torrance,
 };
-use taotie::shade::{AnisotropicLobe, Compensation, MaterialSample};
+use taotie_engine::shade::{AnisotropicLobe, Compensation, MaterialSample};
 
 /// The parameters of a stage.
 #[derive(Clone, Copy)]

@@ -2,17 +2,17 @@
 
 use crate::program::{Formula, part};
 use crate::recorder::{Recorded, Scope, record};
-use taotie::math::Vec3;
-use taotie::pixel::{
+use taotie_engine::math::Vec3;
+use taotie_engine::pixel::{
     Cone, Falloff, Frame, Incidence, LightSource, Place, Turn, coat_normal, height_derivative, height_step,
     log2_texels, turned_uv,
 };
-use taotie::shade::dfg::between_entries;
-use taotie::shade::environment::{
+use taotie_engine::shade::dfg::between_entries;
+use taotie_engine::shade::environment::{
     LevelPosition, PicturePosition, bilinear, linear, octahedral_place, octahedral_taps, picture_uv,
     share_of_smoothest,
 };
-use taotie::shade::fresnel::f_f82;
+use taotie_engine::shade::fresnel::f_f82;
 
 /// The formulas called by stages.
 pub(super) fn parts() -> [Formula; 3] {

@@ -1,4 +1,4 @@
-//! The pixel program of `taotie::pixel`, recorded for a variant.
+//! The pixel program of `taotie_engine::pixel`, recorded for a variant.
 
 mod frames;
 mod inputs;

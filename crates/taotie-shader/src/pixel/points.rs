@@ -3,13 +3,13 @@
 use super::inputs::Inputs;
 use crate::recorder::{Callee, Recorded};
 use crate::variant::Variant;
-use taotie::math::Vec3;
-use taotie::pixel::{
+use taotie_engine::math::Vec3;
+use taotie_engine::pixel::{
     EnvironmentTexels, Highlight, MaterialPoint, coat_albedo, coat_highlight, highlight, is_cook_torrance,
     lobe_roughness, lobe_slope, sheen_albedo,
 };
-use taotie::shade::dfg::{Dfg, TablePosition};
-use taotie::shade::{Angles, AnisotropicLobe};
+use taotie_engine::shade::dfg::{Dfg, TablePosition};
+use taotie_engine::shade::{Angles, AnisotropicLobe};
 
 type Number<'g> = Recorded<'g>;
 type Vector<'g> = Vec3<Recorded<'g>>;

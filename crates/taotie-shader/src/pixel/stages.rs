@@ -6,7 +6,7 @@ use crate::graph::Graph;
 use crate::program::{Formula, part};
 use crate::recorder::{Callee, Recorded, record};
 use crate::variant::{Alpha, Variant};
-use taotie::pixel::takes_albedos;
+use taotie_engine::pixel::takes_albedos;
 
 /// A recorded stage, and what it feeds.
 pub(super) struct Stage {

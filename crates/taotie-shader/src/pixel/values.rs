@@ -2,10 +2,10 @@
 
 use super::inputs::Inputs;
 use crate::recorder::Recorded;
-use taotie::math::Vec3;
-use taotie::pixel::occluded;
-use taotie::scene::TextureRole;
-use taotie::shade::{SubPixelVariance, curvature_variance};
+use taotie_engine::math::Vec3;
+use taotie_engine::pixel::occluded;
+use taotie_engine::scene::TextureRole;
+use taotie_engine::shade::{SubPixelVariance, curvature_variance};
 
 type Number<'g> = Recorded<'g>;
 type Vector<'g> = Vec3<Recorded<'g>>;

@@ -1,7 +1,7 @@
 //! Tables of directional albedos, and environment lighting.
 
 use crate::pixel::{PixelProgram, reads};
-use taotie::shade::dfg::{COLUMNS, ROWS};
+use taotie_engine::shade::dfg::{COLUMNS, ROWS};
 
 /// The functions that read the tables of directional albedos.
 pub(crate) fn tables(pixel: &PixelProgram) -> String {

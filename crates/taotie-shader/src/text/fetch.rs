@@ -4,7 +4,7 @@ use crate::factors::transform_names;
 use crate::pixel::PixelProgram;
 use crate::variant::{Placement, Variant};
 use std::collections::BTreeSet;
-use taotie::scene::TextureRole;
+use taotie_engine::scene::TextureRole;
 
 const COORDINATES: &str = "// The uv in a texture, and its changes to the next samples.
 Coordinates coordinates(vec2 uv) {

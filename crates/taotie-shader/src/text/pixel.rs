@@ -2,7 +2,7 @@
 
 use crate::pixel::{PixelProgram, reads};
 use crate::variant::{Alpha, Variant};
-use taotie::pixel::is_cook_torrance;
+use taotie_engine::pixel::is_cook_torrance;
 
 const INCIDENCE: &str = "// The incident light at a position.
 Incidence incidence(Light light, vec3 position) {

@@ -1,18 +1,20 @@
-//! The stages as computed by `taotie::pixel` itself, as the renderer runs them.
+//! The stages as computed by `taotie_engine::pixel` itself, as the renderer runs them.
 
 use crate::variants::Case;
 use std::collections::BTreeMap;
-use taotie::math::{Lane, Vec3};
-use taotie::pixel::{
+use taotie_engine::math::{Lane, Vec3};
+use taotie_engine::pixel::{
     Anisotropic, Coat, EnvironmentTexels, Frame, Geometry, Highlight, MappedNormal, MaterialPoint,
     MaterialUniforms, MaterialValues, Model, PointLayers, Sheen, SurfacePoint, anisotropy_direction,
     anisotropy_turn, coat_albedo, coat_highlight, coat_normal, highlight, is_cook_torrance, lobe_roughness,
     lobe_slope, occluded, sheen_albedo, takes_compensation, takes_roughness,
 };
-use taotie::scene::Material;
-use taotie::shade::dfg::{Dfg, TablePosition};
-use taotie::shade::{AnisotropicLobe, Compensation, MaterialSample, SubPixelVariance, curvature_variance};
-use taotie::surface::SurfaceMethod;
+use taotie_engine::scene::Material;
+use taotie_engine::shade::dfg::{Dfg, TablePosition};
+use taotie_engine::shade::{
+    AnisotropicLobe, Compensation, MaterialSample, SubPixelVariance, curvature_variance,
+};
+use taotie_engine::surface::SurfaceMethod;
 
 /// The outputs of a stage by the names of fields; `result` if it returns no structure.
 pub type Results<L> = BTreeMap<&'static str, Vec<L>>;

@@ -1,9 +1,9 @@
 //! The values of buffers, and the interface as JSON.
 
 use crate::variants::{all, rich};
-use taotie::math::Vec3;
-use taotie::pixel::{LightSource, Turn};
-use taotie::scene::{Falloff, Light, LightKind, Material, TextureRole};
+use taotie_engine::math::Vec3;
+use taotie_engine::pixel::{LightSource, Turn};
+use taotie_engine::scene::{Falloff, Light, LightKind, Material, TextureRole};
 use taotie_shader::{
     FrameFactors, Language, SurfaceFactors, UniformField, Variant, VariantOptions, light_numbers,
     pixel_shader,

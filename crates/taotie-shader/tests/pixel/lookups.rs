@@ -1,18 +1,18 @@
 //! The formulas of fetched values match the library bit for bit.
 
 use crate::random::Random;
-use taotie::math::{Lane, Vec3};
-use taotie::pixel::{
+use taotie_engine::math::{Lane, Vec3};
+use taotie_engine::pixel::{
     Cone, Falloff, Frame, LightSource, Place, Turn, coat_normal, height_derivative, height_step, log2_texels,
     turned_uv,
 };
-use taotie::scene::Material;
-use taotie::shade::dfg::between_entries;
-use taotie::shade::environment::{
+use taotie_engine::scene::Material;
+use taotie_engine::shade::dfg::between_entries;
+use taotie_engine::shade::environment::{
     LevelPosition, PicturePosition, bilinear, linear, octahedral_place, octahedral_taps, picture_uv,
     share_of_smoothest,
 };
-use taotie::shade::fresnel::f_schlick_f90;
+use taotie_engine::shade::fresnel::f_schlick_f90;
 use taotie_shader::{Kind, PixelProgram, Variant, VariantOptions, evaluate};
 
 const NAMES: [&str; 17] = [

@@ -1,7 +1,7 @@
 //! Whole pixel shaders: valid, translatable, bound as their interface specifies; and their stages, which match the
 //! pixel program bit for bit.
 
-#[path = "../../../taotie/tests/common/random.rs"]
+#[path = "../../../../tests/common/random.rs"]
 mod random;
 
 #[path = "../shared/bodies.rs"]

@@ -4,7 +4,7 @@ use crate::direct::Direct;
 use crate::random::Random;
 use crate::variants::{Case, all};
 use std::collections::BTreeMap;
-use taotie::math::Lane;
+use taotie_engine::math::Lane;
 use taotie_shader::{Formula, Kind, PixelProgram, evaluate};
 
 /// The numbers of parameters by their paths.

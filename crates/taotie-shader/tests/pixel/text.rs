@@ -2,9 +2,9 @@
 
 use crate::bodies::bodies;
 use crate::variants::{all, everything, layered, mapped, texture};
-use taotie::scene::Material;
-use taotie::shade::Shading;
-use taotie::surface::SurfaceMethod;
+use taotie_engine::scene::Material;
+use taotie_engine::shade::Shading;
+use taotie_engine::surface::SurfaceMethod;
 use taotie_shader::{Language, Variant, VariantOptions, pixel_shader};
 
 #[test]

@@ -1,12 +1,12 @@
 //! Materials and variants of all kinds.
 
-use taotie::names::Named;
-use taotie::scene::{
+use taotie_engine::names::Named;
+use taotie_engine::scene::{
     AlphaMode, Anisotropy, Classic, Clearcoat, GreenChannel, HeightMap, Material, NormalMap, NormalSpace,
     Sheen, Specular, TextureRef, UvTransform,
 };
-use taotie::shade::Shading;
-use taotie::surface::SurfaceMethod;
+use taotie_engine::shade::Shading;
+use taotie_engine::surface::SurfaceMethod;
 use taotie_shader::{Variant, VariantOptions};
 
 /// A variant with a descriptive name.
@@ -26,7 +26,7 @@ pub fn texture(uv_set: usize) -> TextureRef {
     TextureRef {
         texture: 0,
         uv_set,
-        sampler: taotie::image::Sampler::default(),
+        sampler: taotie_engine::image::Sampler::default(),
         transform: UvTransform::default(),
     }
 }

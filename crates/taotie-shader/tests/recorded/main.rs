@@ -1,6 +1,6 @@
 //! Recorded formulas match the formulas themselves bit for bit.
 
-#[path = "../../../taotie/tests/common/random.rs"]
+#[path = "../../../../tests/common/random.rs"]
 mod random;
 
 mod models;

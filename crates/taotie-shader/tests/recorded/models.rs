@@ -4,9 +4,9 @@ use crate::numbers::{Inputs, bits, cosines};
 use crate::random::Random;
 use std::fmt::Debug;
 use std::path::{Path, PathBuf};
-use taotie::math::Lane;
-use taotie::names::Named;
-use taotie::shade::{Angles, Shading, reflect};
+use taotie_engine::math::Lane;
+use taotie_engine::names::Named;
+use taotie_engine::shade::{Angles, Shading, reflect};
 use taotie_shader::{Graph, Node, Program, evaluate, library, model_name};
 
 /// The number of scalars in a material sample.

@@ -1,8 +1,8 @@
 //! The inputs and outputs of formulas as sequences of numbers, and their bits.
 
-use taotie::math::{Lane, Vec3};
-use taotie::shade::dfg::Dfg;
-use taotie::shade::{Angles, AnisotropicLobe, MaterialSample};
+use taotie_engine::math::{Lane, Vec3};
+use taotie_engine::shade::dfg::Dfg;
+use taotie_engine::shade::{Angles, AnisotropicLobe, MaterialSample};
 
 /// Numbers that are taken one after the other.
 pub struct Inputs<'x, L>(std::slice::Iter<'x, L>);

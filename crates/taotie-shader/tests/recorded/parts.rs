@@ -3,10 +3,10 @@
 use crate::numbers::{Inputs, bits, cosines};
 use crate::random::Random;
 use std::fmt::Debug;
-use taotie::math::{Lane, Vec3};
-use taotie::names::Named;
-use taotie::shade::sampling::mirrored;
-use taotie::shade::{
+use taotie_engine::math::{Lane, Vec3};
+use taotie_engine::names::Named;
+use taotie_engine::shade::sampling::mirrored;
+use taotie_engine::shade::{
     Angles, Compensation, Shading, SubPixelVariance, coat_fresnel, coat_lobe, compensation,
     curvature_variance, environment_weights, fresnel, lights, masking, ndf, reflect, sheen,
     specular_occlusion,

@@ -5,15 +5,15 @@ use crate::studio::{SIDE, camera, clip_from_world, eye, lighting, patch, texture
 use crate::variants::{Case, everything, mapped, rich, shadings};
 use serde_json::{Map, Value, json};
 use std::path::Path;
-use taotie::image::Texture;
-use taotie::math::{Mat4, Vec3, scalar};
-use taotie::mesh::Mesh;
-use taotie::pixel::{LightSource, Turn};
-use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, SurfaceSettings, render};
-use taotie::scene::{Instance, Material, Scene, SceneData};
-use taotie::shade::environment::{EnvironmentMaps, HalfPicture};
-use taotie::shade::{Shading, dfg};
-use taotie::surface::SurfaceMethod;
+use taotie_engine::image::Texture;
+use taotie_engine::math::{Mat4, Vec3, scalar};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::pixel::{LightSource, Turn};
+use taotie_engine::render::{EnvironmentLight, Lighting, RenderSettings, Shot, SurfaceSettings, render};
+use taotie_engine::scene::{Instance, Material, Scene, SceneData};
+use taotie_engine::shade::environment::{EnvironmentMaps, HalfPicture};
+use taotie_engine::shade::{Shading, dfg};
+use taotie_engine::surface::SurfaceMethod;
 use taotie_shader::{
     FrameFactors, Language, MOST_LEVELS, MOST_LIGHTS, SurfaceFactors, VariantOptions, light_numbers,
     pixel_shader,

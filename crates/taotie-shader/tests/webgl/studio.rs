@@ -2,13 +2,13 @@
 
 use std::f64::consts::PI;
 use std::sync::Arc;
-use taotie::image::{Bitmap, Encoding, Image, Texels, Texture};
-use taotie::math::scalar::{cos, sin};
-use taotie::math::{Mat4, Vec2, Vec3};
-use taotie::mesh::{Mesh, MeshData};
-use taotie::render::{EnvironmentLight, Lighting};
-use taotie::scene::{Camera, Falloff, Light, LightKind, Projection};
-use taotie::shade::environment::Environment;
+use taotie_engine::image::{Bitmap, Encoding, Image, Texels, Texture};
+use taotie_engine::math::scalar::{cos, sin};
+use taotie_engine::math::{Mat4, Vec2, Vec3};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::render::{EnvironmentLight, Lighting};
+use taotie_engine::scene::{Camera, Falloff, Light, LightKind, Projection};
+use taotie_engine::shade::environment::Environment;
 
 /// Pixels across and down.
 pub const SIDE: u32 = 96;

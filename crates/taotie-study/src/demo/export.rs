@@ -4,10 +4,10 @@ use super::output::Output;
 use super::vessel::Vessel;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use taotie::image::{Texels, Texture};
-use taotie::io::{FileSet, PngColor, PngImage, PngSamples};
-use taotie::mesh::Mesh;
-use taotie::{Error, Result};
+use taotie_engine::image::{Texels, Texture};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::{Error, Result};
+use taotie_io::{FileSet, PngColor, PngImage, PngSamples};
 
 /// The names of the jue's textures in the order of its scene, without extensions.
 const MAPS: [&str; 4] = ["color", "orm", "normal", "height"];

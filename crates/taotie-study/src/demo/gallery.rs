@@ -6,11 +6,11 @@ use super::vessel::Vessel;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
-use taotie::Result;
-use taotie::names::Named;
-use taotie::render::{RenderSettings, SurfaceSettings};
-use taotie::shade::Shading;
-use taotie::surface::SurfaceMethod;
+use taotie_engine::Result;
+use taotie_engine::names::Named;
+use taotie_engine::render::{RenderSettings, SurfaceSettings};
+use taotie_engine::shade::Shading;
+use taotie_engine::surface::SurfaceMethod;
 use taotie_report::sheet::{Cell, Sheet};
 
 /// The side of the large picture, pixels.

@@ -3,7 +3,7 @@
 //!
 //! ```no_run
 //! use std::path::Path;
-//! use taotie::io::FileSet;
+//! use taotie_io::FileSet;
 //! use taotie_study::demo::{Output, Vessel, export, gallery};
 //!
 //! let (vessel, files) = (Vessel::new(2048), FileSet::new());
@@ -12,7 +12,7 @@
 //! let (sheet, pictures) = gallery::write_sheet(&vessel, &output, &|_done| ())?;
 //! assert_eq!(pictures.len(), 16);
 //! files.commit()?;
-//! # Ok::<(), taotie::Error>(())
+//! # Ok::<(), taotie_engine::Error>(())
 //! ```
 
 pub mod export;

@@ -8,10 +8,10 @@ use crate::jue::pour::{Eye, POURED, Pouring, RULE, TIP_DEG, Truth, angular_error
 use crate::jue::with_relief;
 use serde::Serialize;
 use std::path::PathBuf;
-use taotie::Result;
-use taotie::compare::Summary;
-use taotie::mesh::Mesh;
-use taotie::scene::Scene;
+use taotie_engine::Result;
+use taotie_engine::compare::Summary;
+use taotie_engine::mesh::Mesh;
+use taotie_engine::scene::Scene;
 use taotie_report::sheet::{Cell, Sheet};
 
 /// The side of the pictures in which errors are measured, pixels.

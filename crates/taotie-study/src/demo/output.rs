@@ -1,7 +1,7 @@
 //! The location and size of pictures.
 
 use std::path::Path;
-use taotie::io::FileSet;
+use taotie_io::FileSet;
 
 /// The location and size of pictures.
 #[derive(Debug, Clone, Copy)]

@@ -1,13 +1,13 @@
 //! Camera, lights and film for the demo's pictures.
 
 use std::path::Path;
-use taotie::film::{Development, develop8};
-use taotie::image::{Bitmap, Encoding, Image, Texels};
-use taotie::io::FileSet;
-use taotie::math::Vec3;
-use taotie::render::{Lighting, RenderSettings, Shot, render};
-use taotie::scene::{Camera, Falloff, Light, LightKind, Orbit, Scene, fitting_distance, from_view};
-use taotie::{Error, Result};
+use taotie_engine::film::{Development, develop8};
+use taotie_engine::image::{Bitmap, Encoding, Image, Texels};
+use taotie_engine::math::Vec3;
+use taotie_engine::render::{Lighting, RenderSettings, Shot, render};
+use taotie_engine::scene::{Camera, Falloff, Light, LightKind, Orbit, Scene, fitting_distance, from_view};
+use taotie_engine::{Error, Result};
+use taotie_io::FileSet;
 
 /// The background.
 const GROUND: f32 = 0.055;

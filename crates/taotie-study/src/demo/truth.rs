@@ -3,8 +3,8 @@
 use super::output::Output;
 use super::stage::{self, Stage};
 use taotie::comparison::{Comparison, ComparisonOptions, Matching, Subject};
-use taotie::scene::Scene;
-use taotie::{Progress, Result};
+use taotie_engine::scene::Scene;
+use taotie_engine::{Progress, Result};
 use taotie_report::comparison::{self, Document, Written};
 
 /// The side of the comparison's pictures, pixels.
@@ -14,7 +14,7 @@ const SIDE: u32 = 560;
 /// `comparison`.
 ///
 /// # Errors
-/// Those of rendering and writing, and [`taotie::Error::Cancelled`].
+/// Those of rendering and writing, and [`taotie_engine::Error::Cancelled`].
 pub fn write(
     output: &Output<'_>,
     scene: &Scene,

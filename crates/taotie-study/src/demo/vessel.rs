@@ -1,8 +1,8 @@
 //! The vessel shown in all files of the demo.
 
 use crate::jue;
-use taotie::mesh::Mesh;
-use taotie::scene::Scene;
+use taotie_engine::mesh::Mesh;
+use taotie_engine::scene::Scene;
 
 /// The jue with its relief as a tangent-space map, and the same with an object-space map.
 pub struct Vessel {

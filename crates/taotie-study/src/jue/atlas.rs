@@ -15,7 +15,7 @@
 //! The belly takes up the most space: 5 uv units per metre, 0.1 mm per texel at 2048.
 
 use super::rings;
-use taotie::math::Vec2;
+use taotie_engine::math::Vec2;
 
 /// uv units per metre on the belly strip; patterns there are drawn in millimetres at this nominal scale.
 pub(super) const STRIP_SCALE: f64 = STRIP_WIDTH / 0.1936;

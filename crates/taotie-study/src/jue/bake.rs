@@ -5,13 +5,13 @@ use super::rounded::Rounded;
 use super::welds::Welds;
 use super::{atlas, patina};
 use rayon::prelude::*;
-use taotie::bake::{TexelGrid, TexelSurface};
-use taotie::image::{Bitmap, Image, Texels as Stored};
-use taotie::math::{Vec2, Vec3};
-use taotie::mesh::Mesh;
-use taotie::normal_map::{Storage, store_normals};
-use taotie::scene::{GreenChannel, NormalSpace};
-use taotie::surface::{
+use taotie_engine::bake::{TexelGrid, TexelSurface};
+use taotie_engine::image::{Bitmap, Image, Texels as Stored};
+use taotie_engine::math::{Vec2, Vec3};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::normal_map::{Storage, store_normals};
+use taotie_engine::scene::{GreenChannel, NormalSpace};
+use taotie_engine::surface::{
     Relief, ReliefBase, TangentMethod, relief_normal, tangent_space_normal, with_tangents,
 };
 

@@ -1,8 +1,8 @@
 //! Collects vertices and triangles and builds a mesh with smooth normals from them.
 
 use super::normals::vertex_normals;
-use taotie::math::{Vec2, Vec3};
-use taotie::mesh::{Mesh, MeshData};
+use taotie_engine::math::{Vec2, Vec3};
+use taotie_engine::mesh::{Mesh, MeshData};
 
 /// A smoothing group: vertices at the same position share their normal if they are in the same group.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 
 use super::welds::Welds;
 use std::collections::HashMap;
-use taotie::math::Vec3;
-use taotie::mesh::Mesh;
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::Mesh;
 
 /// The control points of an edge's curve, from the end with the smaller index to the other.
 pub(super) type Curve = [Vec3<f64>; 4];

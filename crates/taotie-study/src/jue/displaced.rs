@@ -11,8 +11,8 @@ use super::split::{Piece, Split};
 use super::welds::Welds;
 use rayon::prelude::*;
 use std::collections::HashMap;
-use taotie::math::Vec3;
-use taotie::mesh::{Mesh, MeshData};
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::{Mesh, MeshData};
 
 /// Returns the low-poly mesh with every triangle split and displaced by `height`, and the normals of the displaced
 /// surface; see [`Split`].

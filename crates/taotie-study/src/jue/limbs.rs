@@ -2,7 +2,7 @@
 
 use super::atlas;
 use super::builder::{Builder, Smooth};
-use taotie::math::{Vec2, Vec3, scalar};
+use taotie_engine::math::{Vec2, Vec3, scalar};
 
 /// The angles of the legs about the axis from +x towards +z, in twelfths of a turn: under the handle, then in front.
 const LEG_TWELFTHS: [f64; 3] = [9.0, 1.0, 5.0];

@@ -25,10 +25,10 @@ mod welds;
 pub use relief::{DEPTH, height};
 
 use bake::Bake;
-use taotie::image::{Bitmap, Encoding, Sampler, Texture, Wrap};
-use taotie::math::Mat4;
-use taotie::mesh::Mesh;
-use taotie::scene::{
+use taotie_engine::image::{Bitmap, Encoding, Sampler, Texture, Wrap};
+use taotie_engine::math::Mat4;
+use taotie_engine::mesh::Mesh;
+use taotie_engine::scene::{
     GreenChannel, HeightMap, Instance, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef,
     UvTransform,
 };

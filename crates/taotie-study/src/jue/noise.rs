@@ -1,6 +1,6 @@
 //! Smooth random variation in space, identical on every machine.
 
-use taotie::math::Vec3;
+use taotie_engine::math::Vec3;
 
 /// Hashes three integers.
 fn hash(x: i32, y: i32, z: i32) -> u32 {

@@ -1,6 +1,6 @@
 //! Vertex normals that make a coarse mesh shade like the round surface it represents.
 
-use taotie::math::{Vec3, scalar};
+use taotie_engine::math::{Vec3, scalar};
 
 /// The weight of the mean face normal relative to one edge.
 const HOLD: f64 = 0.8;

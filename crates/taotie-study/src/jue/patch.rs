@@ -3,8 +3,8 @@
 use super::curves::{Curve, bezier};
 use super::relief::DEPTH;
 use super::welds::Welds;
-use taotie::math::{Vec2, Vec3};
-use taotie::mesh::Mesh;
+use taotie_engine::math::{Vec2, Vec3};
+use taotie_engine::mesh::Mesh;
 
 /// The weights of a patch's corners in units of 1/[`WHOLE`], which makes halving exact. They sum to [`WHOLE`].
 pub(super) type Weights = [u32; 3];

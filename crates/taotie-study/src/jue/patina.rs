@@ -4,7 +4,7 @@
 use super::noise::fractal;
 use super::profile::smooth;
 use std::sync::LazyLock;
-use taotie::math::{Vec3, srgb};
+use taotie_engine::math::{Vec3, srgb};
 
 /// The sRGB encoding of the 16-bit linear values.
 static SRGB: LazyLock<Vec<u8>> = LazyLock::new(|| {

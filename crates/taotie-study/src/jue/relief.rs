@@ -5,7 +5,7 @@ use super::ground::{belly_thunder, blade, leaf_distance, ringlets, thunder};
 use super::mask::{HALF_WIDTH, HEIGHT, Mask};
 use super::profile::{bump, plateau, smooth};
 use std::sync::LazyLock;
-use taotie::math::{Vec2, scalar};
+use taotie_engine::math::{Vec2, scalar};
 
 /// The displacement from the low mesh for a [`height`] of 1, metres.
 pub const DEPTH: f64 = 0.0012;

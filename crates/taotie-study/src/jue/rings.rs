@@ -1,6 +1,6 @@
 //! The ovals of the belly, divided into columns. Metres; +x points to the spout, y up.
 
-use taotie::math::{Vec3, scalar};
+use taotie_engine::math::{Vec3, scalar};
 
 /// The number of columns around the vessel.
 pub(super) const COLUMNS: usize = 16;

@@ -3,8 +3,8 @@
 use super::curves::curves;
 use super::patch::Patch;
 use super::welds::Welds;
-use taotie::math::{Vec2, Vec3};
-use taotie::mesh::Mesh;
+use taotie_engine::math::{Vec2, Vec3};
+use taotie_engine::mesh::Mesh;
 
 /// The low mesh rounded, without relief.
 pub(super) struct Rounded<'a> {

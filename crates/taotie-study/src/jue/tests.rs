@@ -2,9 +2,9 @@
 
 use super::*;
 use std::collections::HashMap;
-use taotie::compare::angle_deg;
-use taotie::math::Vec3;
-use taotie::surface::{decode_normal, tangent_normal};
+use taotie_engine::compare::angle_deg;
+use taotie_engine::math::Vec3;
+use taotie_engine::surface::{decode_normal, tangent_normal};
 
 /// Returns the index of the first vertex at the position of each vertex.
 fn welded(mesh: &Mesh) -> Vec<usize> {
@@ -236,7 +236,7 @@ fn normal_map_agrees_with_the_displaced_surface() {
     let low = low_mesh();
     let surface = bake::laid_out(&low, SIZE);
     let map = normal_map(SIZE);
-    let taotie::image::Texels::U16(map) = map.texels() else { panic!("expected 16 bits") };
+    let taotie_engine::image::Texels::U16(map) = map.texels() else { panic!("expected 16 bits") };
     let fine = displaced::mesh(&front_of_the_belly(), 0.00006, height);
     let (mut sum, mut count) = (0.0, 0.0);
     for (uv, n) in fine.uvs()[0].iter().zip(fine.normals()) {
@@ -266,7 +266,7 @@ fn no_island_is_mirrored() {
 #[test]
 fn normal_map_is_unit_and_flat_away_from_relief() {
     let map = normal_map(256);
-    let taotie::image::Texels::U16(texels) = map.texels() else { panic!("expected 16 bits") };
+    let taotie_engine::image::Texels::U16(texels) = map.texels() else { panic!("expected 16 bits") };
     let decode = |t: &[u16; 4]| Vec3::new(t[0], t[1], t[2]).map(|c| f32::from(c) / 65535.0 * 2.0 - 1.0);
     assert!(texels.iter().all(|t| (decode(t).length() - 1.0).abs() < 1e-3 && decode(t).z > 0.0));
     assert!(decode(&texels[0]).z > 0.9999);
@@ -306,11 +306,12 @@ fn maps_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn patina_is_green_and_dull_in_recesses_and_metal_on_edges() {
     let (color, orm, height) = (base_color_map(1024), orm_map(1024), height_map(1024));
-    let (taotie::image::Texels::U8(color), taotie::image::Texels::U8(orm)) = (color.texels(), orm.texels())
+    let (taotie_engine::image::Texels::U8(color), taotie_engine::image::Texels::U8(orm)) =
+        (color.texels(), orm.texels())
     else {
         panic!("expected 8 bits")
     };
-    let taotie::image::Texels::U16(height) = height.texels() else { panic!("expected 16 bits") };
+    let taotie_engine::image::Texels::U16(height) = height.texels() else { panic!("expected 16 bits") };
     // Rows of the mask's panel.
     let rows = 1024 * 750..1024 * 900;
     let mean = |of: &dyn Fn(usize) -> f64, high: bool| {

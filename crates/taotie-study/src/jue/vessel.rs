@@ -7,7 +7,7 @@
 use super::atlas;
 use super::builder::{Builder, ROUND, Smooth};
 use super::rings::{COLUMNS, ellipse, ring_point};
-use taotie::math::{Vec2, Vec3};
+use taotie_engine::math::{Vec2, Vec3};
 
 /// Outside and bottom.
 const OUTSIDE: Smooth = ROUND;

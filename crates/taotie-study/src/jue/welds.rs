@@ -1,8 +1,8 @@
 //! Coincident vertices of a mesh.
 
 use std::collections::HashMap;
-use taotie::math::Vec3;
-use taotie::mesh::Mesh;
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::Mesh;
 
 /// The coincident vertices of a mesh.
 pub(super) struct Welds {

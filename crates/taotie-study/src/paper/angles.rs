@@ -3,8 +3,8 @@
 use super::printed::{Normal, Printed};
 use super::range::Range;
 use serde::Serialize;
-use taotie::compare::angle_deg;
-use taotie::math::Vec3;
+use taotie_engine::compare::angle_deg;
+use taotie_engine::math::Vec3;
 
 /// A printed angle, and the range of angles that the printed normals allow.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -4,8 +4,8 @@ use super::study::Study;
 use super::words;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use taotie::Result;
-use taotie::io::FileSet;
+use taotie_engine::Result;
+use taotie_io::FileSet;
 
 /// Version of the JSON.
 const SCHEMA: u32 = 1;
@@ -34,7 +34,7 @@ impl Study {
     /// the files.
     ///
     /// # Errors
-    /// [`taotie::Error::Io`] if the folder cannot be created or written to.
+    /// [`taotie_engine::Error::Io`] if the folder cannot be created or written to.
     pub fn write(&self, set: &FileSet, folder: &Path) -> Result<Vec<PathBuf>> {
         set.claim_folder(folder)?;
         let files = ["paper.html", "paper.json"].map(|name| folder.join(name));

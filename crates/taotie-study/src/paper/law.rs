@@ -1,6 +1,6 @@
 //! The law that N1, N2 and N3 follow, derived only from the printed numbers.
 //!
-//! N2 and N3 are n + s · (g/255) · (1, 1, 0) with s = 5 and 50: [`taotie::surface::bump_printed`]. Each row has one
+//! N2 and N3 are n + s · (g/255) · (1, 1, 0) with s = 5 and 50: [`taotie_engine::surface::bump_printed`]. Each row has one
 //! g, which is half the difference of two grey levels and so a multiple of one half. We take the g that agrees with
 //! most of the row's nine numbers; numbers that do not agree are misprints.
 
@@ -102,8 +102,8 @@ fn largest_agreement([a, b, c]: [Range; 3]) -> Range {
 mod tests {
     use super::super::printed::ROWS;
     use super::*;
-    use taotie::math::Vec3;
-    use taotie::surface::bump_printed;
+    use taotie_engine::math::Vec3;
+    use taotie_engine::surface::bump_printed;
 
     fn row([n1, n2, n3, _]: [Normal; 4]) -> [Normal; 3] {
         [n1, n2, n3]

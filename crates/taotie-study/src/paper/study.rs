@@ -5,8 +5,8 @@ use super::law::Fit;
 use super::misprints::Misprint;
 use super::printed::{Normal, Printed, ROWS};
 use serde::Serialize;
-use taotie::compare::angle_deg;
-use taotie::math::Vec3;
+use taotie_engine::compare::angle_deg;
+use taotie_engine::math::Vec3;
 
 /// The study of both tables.
 #[derive(Debug, Clone, PartialEq, Serialize)]

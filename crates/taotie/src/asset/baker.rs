@@ -1,40 +1,30 @@
 //! From a scan to an asset.
 
-use super::document::Document;
-use super::given::GivenMesh;
-use super::inputs::Inputs;
-use super::judgement::{self, Pair};
-use super::low::{self, LowPoly, Relief};
-use super::made::{Asset, Made, Part};
-use super::map_side::{self, AUTO_SIZE};
-use super::maps::{Recipe, StoredMaps, bake_maps};
-use super::memory::MemoryEstimate;
-use super::notes;
-use super::options::BakeOptions;
-use super::packing::Packing;
-use super::plan::BakePlan;
-use super::scan::Scan;
-use super::scan_size::ScanSize;
-use super::search::{
-    Coarser, Finest, Level, LevelLook, MadeAsset, PackedAsset, Rounding, Smallest, Trial, make_levels,
-    smallest,
+use super::ask::{AUTO_SIZE, BakeOptions, Packing, note_unread_options};
+use super::bake::{
+    Asset, BakePlan, Coarser, LevelLook, Made, MadeAsset, MemoryEstimate, Part, Recipe, Rounding, StoredMaps,
+    Trial, bake_maps, judgement, side_shortfall,
+};
+use super::search::{Finest, Level, PackedAsset, Smallest, make_levels, smallest};
+use super::source::{
+    Document, GivenMesh, Inputs, LowPoly, Pair, Relief, Scan, ScanSize, low_poly, warnings_of_packed_scan,
 };
 use super::write::possible_files;
-use crate::bake::{self, MapKind};
-use crate::error::{Result, Warnings};
-use crate::io::{self, Bytes, FileSet, Limits};
-use crate::progress::Progress;
-use crate::scene::AlphaMode;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use taotie_engine::bake::{self, MapKind};
+use taotie_engine::error::{Result, Warnings};
+use taotie_engine::progress::Progress;
+use taotie_engine::scene::AlphaMode;
+use taotie_io::{Bytes, FileSet, Limits};
 
 /// Bakes scans with fixed options.
 ///
 /// ```
 /// use std::sync::Arc;
-/// use taotie::Progress;
+/// use taotie_engine::Progress;
 /// use taotie::asset::{BakeOptions, Baker, MeshSource, Scan};
-/// use taotie::mesh::Mesh;
+/// use taotie_engine::mesh::Mesh;
 ///
 /// let scan = Scan::from_mesh(Mesh::sphere(1.0, 128, 64), Progress::SILENT)?;
 /// let low = Some(MeshSource::Mesh(Arc::new(Mesh::sphere(1.0, 24, 12))));
@@ -42,7 +32,7 @@ use std::sync::Arc;
 /// let asset = baker.bake(scan, Progress::SILENT)?;
 /// assert_eq!((asset.size(), asset.levels().count()), ([64, 64], 1));
 /// assert!(asset.textures().normal.is_some());
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct Baker {
@@ -66,9 +56,9 @@ impl Baker {
     /// mesh or the cage was read from. Without it, [`Asset::write`] refuses them afterwards.
     ///
     /// ```
-    /// use taotie::Progress;
+    /// use taotie_engine::Progress;
     /// use taotie::asset::{Baker, Scan};
-    /// use taotie::io::FileSet;
+    /// use taotie_io::FileSet;
     ///
     /// let folder = tempfile::tempdir().unwrap();
     /// let path = folder.path().join("ball.obj");
@@ -79,7 +69,7 @@ impl Baker {
     /// files.claim(&path)?;
     /// let error = Baker::default().with_files(&files).bake(&scan, Progress::SILENT).unwrap_err();
     /// assert!(error.to_string().contains("overwrite the input"));
-    /// # Ok::<(), taotie::Error>(())
+    /// # Ok::<(), taotie_engine::Error>(())
     /// ```
     pub fn with_files(self, files: &FileSet) -> Self {
         Self { files: Some(files.clone()), ..self }
@@ -117,9 +107,9 @@ impl Baker {
     /// detail`, and is asked about every 20 ms whether to continue.
     ///
     /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`BakeOptions::check`] and of reading the files named
-    /// in the options; [`Error::Limit`](crate::Error::Limit) if memory is insufficient;
-    /// [`Error::Invalid`](crate::Error::Invalid) if simplification lost the scan's shape, no ray met the scan, or a
+    /// [`Error::Cancelled`](taotie_engine::Error::Cancelled); those of [`BakeOptions::check`] and of reading the files named
+    /// in the options; [`Error::Limit`](taotie_engine::Error::Limit) if memory is insufficient;
+    /// [`Error::Invalid`](taotie_engine::Error::Invalid) if simplification lost the scan's shape, no ray met the scan, or a
     /// search produced nothing at all. If a search finds no asset within the requirements, the result is the nearest
     /// one, with a warning.
     pub fn bake(&self, scan: impl Into<Scan>, progress: Progress<'_>) -> Result<Asset> {
@@ -144,7 +134,7 @@ impl Baker {
     /// Returns the limits of a bake; memory held by the scan already counts as free.
     fn limits_beside(&self, scan: &Scan) -> Limits {
         let held = scan.held();
-        let free = || io::free_memory().map(|free| Bytes(free + held));
+        let free = || taotie_io::free_memory().map(|free| Bytes(free + held));
         Limits { memory: self.limits.memory.or_else(free), ..self.limits }
     }
 }
@@ -190,11 +180,11 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     MemoryEstimate { materials, ..need_of(asked, scan) }.check(limits)?;
     let looks = given.as_ref().map_or_else(Vec::new, GivenMesh::looks);
     if asked.size == AUTO_SIZE {
-        map_side::shortfall(about.size.detail_side).into_iter().for_each(|what| warnings.note(what, 1));
+        side_shortfall(about.size.detail_side).into_iter().for_each(|what| warnings.note(what, 1));
     }
     let asked = &asked.sized(about.size);
     let plan = BakePlan::of(asked, &about.carried, &looks);
-    notes::unread_options(&plan.options, &mut warnings);
+    note_unread_options(&plan.options, &mut warnings);
     let materials = given.iter_mut().flat_map(GivenMesh::materials_mut);
     materials.for_each(|material| plan.fill(&about.carried, material));
     let mut document = given.as_mut().and_then(GivenMesh::take_document);
@@ -228,7 +218,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let (carried, left) = match packed {
         Some(asset) => {
             options.maps.clear();
-            warnings = notes::of_packed_scan(&warnings);
+            warnings = warnings_of_packed_scan(&warnings);
             document = Some(Document::of_packed(asset.glb, limits));
             (about.carried.found.iter().map(|found| found.property).collect(), Vec::new())
         }
@@ -240,7 +230,7 @@ fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result
     let alpha_modes = match options.bakes(&[MapKind::Alpha]) && has_several_modes(scan) {
         true if document.is_some() => {
             let is_blended = |part: &&Part| part.low.material.alpha == AlphaMode::Blend;
-            notes::blended(parts.iter().filter(is_blended).count(), &mut warnings);
+            note_blended(parts.iter().filter(is_blended).count(), &mut warnings);
             Vec::new()
         }
         true => alpha_modes(scan, &parts[0], &coarser),
@@ -323,11 +313,11 @@ fn lightened(
         }
         None => {
             progress.begin("simplify")?;
-            let seen = low::seen(scan, warnings)?;
-            let simplified = low::simplified(&seen, (options.triangles, Relief::Map), progress)?;
+            let seen = low_poly::seen(scan, warnings)?;
+            let simplified = low_poly::simplified(&seen, (options.triangles, Relief::Map), progress)?;
             drop(seen);
-            low::note_simplified(&simplified, options.triangles, warnings);
-            let simplified = low::fitted(scan, simplified, progress)?;
+            low_poly::note_simplified(&simplified, options.triangles, warnings);
+            let simplified = low_poly::fitted(scan, simplified, progress)?;
             let low = LowPoly::made(scan, &simplified, options.size, progress)?;
             judgement::refuse_astray(Pair { scan, low: &low })?;
             vec![low]
@@ -353,7 +343,7 @@ fn found_asset(scan: &Scan, found: Smallest, trials: Vec<Trial>) -> Result<Light
             Ok(Lightened { parts, size: [size; 2], trials, rounding: Some(rounding), packed: None })
         }
         Smallest::Packed(asset) => {
-            let scene = io::load_glb(asset.glb.clone(), &Limits::of_own_files())?.scene;
+            let scene = taotie_io::load_glb(asset.glb.clone(), &Limits::of_own_files())?.scene;
             let low = LowPoly::packed(bake::Scan::surface_of(scene)?.mesh().clone());
             let maps = StoredMaps::none(Pair { scan, low: &low });
             let parts = vec![Part { low, maps }];
@@ -361,4 +351,13 @@ fn found_asset(scan: &Scan, found: Smallest, trials: Vec<Trial>) -> Result<Light
             Ok(Lightened { parts, size: [0; 2], trials, rounding, packed: Some(asset) })
         }
     }
+}
+
+/// Notes materials of a kept file that are blended as a whole because parts of the scan are.
+fn note_blended(materials: usize, warnings: &mut Warnings) {
+    warnings.note(
+        "materials of the low-poly mesh blended as a whole because parts of the scan are: viewers may draw \
+         their triangles in the wrong order",
+        materials,
+    );
 }

@@ -6,12 +6,12 @@
 //!
 //! ```no_run
 //! use taotie::comparison::{Comparison, ComparisonOptions, Method, Subject};
-//! use taotie::surface::SurfaceMethod;
-//! use taotie::{Progress, io};
+//! use taotie_engine::surface::SurfaceMethod;
+//! use taotie::Progress;
 //!
-//! # fn main() -> taotie::Result<()> {
-//! let low = io::load_model("low.glb".as_ref())?.scene;
-//! let high = io::load_model("scan.ply".as_ref())?.scene;
+//! # fn main() -> taotie_engine::Result<()> {
+//! let low = taotie_io::load_model("low.glb".as_ref())?.scene;
+//! let high = taotie_io::load_model("scan.ply".as_ref())?.scene;
 //! let subject = Subject::new("low.glb", &low).with_reference("scan.ply", &high);
 //! let methods = [SurfaceMethod::Smooth, SurfaceMethod::TangentNormal].map(Method::from).to_vec();
 //! let options = ComparisonOptions { methods, ..ComparisonOptions::default() };
@@ -21,33 +21,154 @@
 //! # }
 //! ```
 
-mod compared;
-mod convert;
 pub mod diff;
 mod look;
-mod matching;
-mod memory;
-mod method;
 mod options;
 mod parameters;
-mod photographer;
 mod relief;
 mod report;
-mod rules;
-mod sample_points;
 mod subject;
 mod surfaces;
 
-pub use compared::Comparison;
-pub use matching::Matching;
-pub use method::Method;
-pub use options::ComparisonOptions;
-pub use parameters::Parameters;
+pub use look::Matching;
+pub use options::{ComparisonOptions, Method, SamplePoints};
+pub use parameters::{Parameters, Rules};
 pub use report::{
     CountedWarning, ErrorReport, MethodReport, MethodTime, ModelReport, PictureFigures, PictureReport,
     PointNormal, PointReport, Report,
 };
-pub use rules::Rules;
-pub use sample_points::SamplePoints;
 pub use subject::{NamedScene, Subject, SubjectReport, dress_reference};
 pub use surfaces::{Difference, ModelDifference, PictureDifference, RenderedSurface, SkippedMethod};
+
+use look::Look;
+use relief::Relief;
+use surfaces::{Expected, Photographer};
+use taotie_engine::error::{Result, Warnings};
+use taotie_engine::image::Image;
+use taotie_engine::progress::Progress;
+use taotie_engine::scene::Scene;
+use taotie_engine::surface::SurfaceMethod;
+
+/// A model rendered by several surface methods, with images and angles: see [`Comparison::of`].
+///
+/// ```
+/// use taotie_engine::Progress;
+/// use taotie::comparison::{Comparison, ComparisonOptions, Method, Subject};
+/// use taotie_engine::mesh::Mesh;
+/// use taotie_engine::render::RenderSettings;
+/// use taotie_engine::scene::{Material, Scene};
+/// use taotie_engine::surface::SurfaceMethod;
+///
+/// let ball = Scene::of_mesh(Mesh::sphere(1.0, 24, 12), Material::default())?;
+/// let options = ComparisonOptions {
+///     methods: [SurfaceMethod::Facet, SurfaceMethod::Smooth].map(Method::from).to_vec(),
+///     settings: RenderSettings { width: 64, height: 64, ..RenderSettings::default() },
+///     ..ComparisonOptions::default()
+/// };
+/// let comparison = Comparison::of(&Subject::new("ball", &ball), &options, Progress::SILENT)?;
+/// assert_eq!(comparison.against(), "facet");
+/// let degrees = comparison.report().method("smooth").and_then(|method| method.inner_mean());
+/// assert!(degrees.is_some_and(|degrees| (1.0..11.0).contains(&degrees)), "{degrees:?}");
+/// # Ok::<(), taotie_engine::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Comparison {
+    /// Names and sizes of model and reference.
+    pub subject: SubjectReport,
+    /// All parameters of the images.
+    pub parameters: Parameters,
+    /// The rules behind the figures.
+    pub rules: Rules,
+    /// The methods that could be rendered, in their order, then the reference.
+    pub surfaces: Vec<RenderedSurface>,
+    /// The methods that could not be rendered.
+    pub skipped: Vec<SkippedMethod>,
+    /// The index in `surfaces` of the one with which the others are compared: the reference, else the first method.
+    pub against: usize,
+    /// The true normal at the point of the model seen in each pixel; the fourth channel is 1 where there is one.
+    pub truth: Image,
+    /// The fraction of covered samples without a corresponding point on the reference, [0, 1].
+    pub unmatched: f64,
+    /// `true` for each pixel away from silhouettes, row by row.
+    pub inner: Vec<bool>,
+    /// The pixels whose normals are listed.
+    pub points: Vec<[u32; 2]>,
+    /// Counts of what could not be rendered as requested.
+    pub warnings: Warnings,
+    /// Notes on maps that were derived from others.
+    pub notes: Vec<String>,
+}
+
+impl Comparison {
+    /// Renders the model by every method and the reference, and measures them. `progress` has one stage, `compare`.
+    ///
+    /// A method that the model's materials do not support is skipped; see [`Comparison::skipped`].
+    ///
+    /// # Errors
+    /// [`taotie_engine::Error::Invalid`] for options that cannot be satisfied and if no method can be rendered, those of
+    /// rendering, and [`taotie_engine::Error::Cancelled`].
+    pub fn of(subject: &Subject<'_>, options: &ComparisonOptions, progress: Progress<'_>) -> Result<Self> {
+        options.check()?;
+        let mut photographer = Photographer::new(subject, options, progress.stage("compare"))?;
+        subject.check_place(&mut photographer.warnings);
+        let mut scene = subject.model.scene.clone();
+        let mut relief = Relief::new(&mut scene, options.settings.surface.tangents)?;
+        let (mut surfaces, skipped) = photographer.by_all_methods(&mut scene, &mut relief)?;
+        let smooth = photographer.look(&scene, Some(SurfaceMethod::Smooth))?;
+        let truth = match subject.reference {
+            Some(reference) => {
+                surfaces.push(photographer.surface(reference.scene, None)?);
+                Truth::on(reference.scene, &photographer, &smooth)?
+            }
+            None => Truth { matched: smooth.normals.clone(), normals: surfaces[0].normals.clone() },
+        };
+        let against = if subject.reference.is_some() { surfaces.len() - 1 } else { 0 };
+        let inner = smooth.inner(&truth.matched);
+        photographer.measure(&mut surfaces, against, &Expected { normals: &truth.normals, inner: &inner })?;
+        let seen = covered(&smooth.normals);
+        Ok(Self {
+            subject: subject.report(),
+            parameters: photographer.parameters(),
+            rules: Rules::new(options.matching, &options.points),
+            points: options.points.choose(&inner, options.settings.width as usize),
+            unmatched: (seen - covered(&truth.matched)) / seen.max(1.0),
+            surfaces,
+            skipped,
+            against,
+            truth: truth.normals,
+            inner,
+            warnings: photographer.warnings,
+            notes: relief.notes().to_vec(),
+        })
+    }
+
+    /// Returns the name of the surface with which the others are compared.
+    pub fn against(&self) -> String {
+        self.surfaces[self.against].id()
+    }
+}
+
+/// Returns the number of samples that saw something.
+fn covered(image: &Image) -> f64 {
+    image.pixels().iter().filter(|pixel| pixel[3] == 1.0).count() as f64
+}
+
+/// The true normals.
+struct Truth {
+    /// At the points that samples show.
+    matched: Image,
+    /// At the points that pixels show: the means of their samples.
+    normals: Image,
+}
+
+impl Truth {
+    /// Returns the reference's normals at the points of the model that `smooth` shows.
+    fn on(reference: &Scene, photographer: &Photographer<'_>, smooth: &Look) -> Result<Self> {
+        let matched = match photographer.options.matching {
+            Matching::Pixel => photographer.look(reference, None)?.normals,
+            matching => matching.normals(smooth, reference, photographer.diagonal)?,
+        };
+        Ok(Self { normals: smooth.mean_normals(&matched)?, matched })
+    }
+}

@@ -1,12 +1,13 @@
-//! All parameters of the images of a comparison, as data.
+//! The parameters of the images of a comparison, as data, and the rules behind its figures, in words.
 
-use super::options::ComparisonOptions;
-use crate::compare::PIXELS_PER_DEGREE;
-use crate::math::Vec3;
-use crate::names::Named;
-use crate::render::Lighting;
-use crate::scene::Camera;
+use super::look::{self, Matching};
+use super::options::{ComparisonOptions, SPREAD_RULE, SamplePoints};
 use crate::studio::{CameraParameters, LightParameters};
+use taotie_engine::compare::PIXELS_PER_DEGREE;
+use taotie_engine::math::Vec3;
+use taotie_engine::names::Named;
+use taotie_engine::render::Lighting;
+use taotie_engine::scene::Camera;
 
 /// Camera, light, film and all other parameters of the images of a comparison, as plain data. Choices are named as on
 /// the command line.
@@ -20,8 +21,7 @@ use crate::studio::{CameraParameters, LightParameters};
 ///     format!("{width}×{height} pixels, {} samples, {} lights", parameters.samples, parameters.lights.len())
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct Parameters {
     /// Pixels across and down.
@@ -89,5 +89,63 @@ impl Parameters {
             background: development.background.map(Vec3::to_array),
             pixels_per_degree: PIXELS_PER_DEGREE,
         }
+    }
+}
+
+/// The rules behind the figures, in words.
+///
+/// ```
+/// use taotie::comparison::Report;
+///
+/// /// Returns the rules as a footnote.
+/// fn footnote(report: &Report) -> String {
+///     report.rules.in_words().join("\n")
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
+pub struct Rules {
+    /// The normals between which angles are measured.
+    pub angles: String,
+    /// The rule by which corresponding points are found.
+    pub places: String,
+    /// The rule for pixels away from silhouettes.
+    pub silhouettes: String,
+    /// The rule by which sample points are chosen.
+    pub points: String,
+    /// The rule by which images are compared.
+    pub pictures: String,
+}
+
+impl Rules {
+    pub(super) fn new(matching: Matching, points: &SamplePoints) -> Self {
+        Self {
+            angles: "degrees between a method's shading normal and the true one at the corresponding point, each the mean \
+                     over the pixel's samples"
+                .into(),
+            places: matching.rule().into(),
+            silhouettes: look::INNER_RULE.into(),
+            points: match points {
+                SamplePoints::Spread(_) => SPREAD_RULE.into(),
+                SamplePoints::Pixels(_) => "the requested pixels, from the top left".into(),
+            },
+            pictures: format!(
+                "developed sRGB pictures of 8 bits with their background; SSIM with Gaussian windows of 11×11 pixels \
+                 (Wang et al. 2004), FLIP at {PIXELS_PER_DEGREE:.0} pixels per degree (Andersson et al. 2020). They \
+                 are compared pixel by pixel, so they include the deviation of the low-poly mesh from the high-poly \
+                 one as well as errors of its normals"
+            ),
+        }
+    }
+
+    /// Returns the rules, one sentence each.
+    pub fn in_words(&self) -> Vec<String> {
+        vec![
+            format!("Angles: {}.", self.angles),
+            format!("Matching: {}.", self.places),
+            format!("Silhouettes: {}.", self.silhouettes),
+            format!("Sample points: {}.", self.points),
+            format!("Pictures: {}.", self.pictures),
+        ]
     }
 }

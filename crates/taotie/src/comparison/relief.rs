@@ -1,13 +1,20 @@
-//! A model's relief in the form that each method uses: heights, and normals in either space.
+//! A model's relief in the form that each method uses: heights, and normals in either space, converted from the other
+//! if the file lacks them.
 
-use super::convert;
-use super::method::Method;
-use crate::error::Result;
-use crate::image::{Bitmap, Encoding, Texels, Texture};
-use crate::math::{Vec3, srgb};
-use crate::scene::{GreenChannel, HeightMap, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef};
-use crate::surface::{SurfaceMethod, TangentMethod};
+use super::options::Method;
 use std::collections::HashMap;
+use taotie_engine::bake::{TexelGrid, TexelSurface};
+use taotie_engine::error::Result;
+use taotie_engine::image::{Bitmap, Encoding, Image, Texels, Texture};
+use taotie_engine::math::{Vec3, srgb};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::normal_map::{
+    Storage, decoded_normals, object_from_tangent, store_normals, tangent_from_object,
+};
+use taotie_engine::scene::{
+    GreenChannel, HeightMap, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef,
+};
+use taotie_engine::surface::{SurfaceMethod, TangentMethod, with_frames};
 
 /// Provides the scene's materials with what each method needs, deriving it from other forms in the file.
 pub(super) struct Relief {
@@ -121,7 +128,7 @@ impl Relief {
             return Ok(None);
         }
         let source = scene.textures()[map.texture.texture].bitmap();
-        let converted = convert::other_space(mesh, source, map, self.tangents)?;
+        let converted = other_space(mesh, source, map, self.tangents)?;
         if converted.shared > 0 {
             self.notes.push(format!(
                 "normals: {} texels are covered by several triangles; the converted map has the normal of the first",
@@ -199,4 +206,67 @@ fn texel_size(scene: &Scene, material: usize, texture: &TextureRef) -> f64 {
         }
     }
     if in_map > 0.0 { (area / in_map).sqrt() } else { 0.0 }
+}
+
+/// Texels around UV islands that are also filled, as a fraction of the map's side: enough for visible mip levels.
+const PADDING: u32 = 128;
+
+/// A converted map.
+struct Converted {
+    /// 16 bits, green up.
+    bitmap: Bitmap,
+    /// Its space, in words.
+    space: &'static str,
+    /// Texels covered by more than one triangle, which cannot be right for all of them in object space.
+    shared: usize,
+}
+
+/// Returns `source`, a map used as in `map`, converted to the other space for `mesh`.
+fn other_space(
+    mesh: &Mesh,
+    source: &Bitmap,
+    map: &NormalMap,
+    tangents: Option<TangentMethod>,
+) -> Result<Converted> {
+    let surface = laid_out(mesh, [source.width(), source.height()], map, tangents)?;
+    let mut normals = decoded_normals(source, map.space, map.green)?;
+    scale(&mut normals, map);
+    let (other, space, made) = match map.space {
+        NormalSpace::Tangent => {
+            (NormalSpace::Object, "object space", object_from_tangent(&surface, &normals)?)
+        }
+        NormalSpace::Object => {
+            (NormalSpace::Tangent, "tangent space", tangent_from_object(&surface, &normals)?)
+        }
+    };
+    let storage = Storage { bits: 16, dither: false };
+    let bitmap = store_normals(&made, other, GreenChannel::Up, storage)?.bitmap;
+    Ok(Converted { bitmap, space, shared: surface.coverage().shared() })
+}
+
+/// Returns the mesh laid out on the map, by the uvs used to look up the map and with the frames that the renderer
+/// gives it.
+fn laid_out(
+    mesh: &Mesh,
+    [width, height]: [u32; 2],
+    map: &NormalMap,
+    tangents: Option<TangentMethod>,
+) -> Result<TexelSurface> {
+    let uv_set = map.texture.uv_set;
+    let (mesh, _) = with_frames(mesh, uv_set, tangents)?;
+    let mut data = mesh.into_owned().into_data();
+    for uv in &mut data.uvs[uv_set] {
+        *uv = map.texture.transform.apply(*uv);
+    }
+    let padding = (width.max(height) / PADDING).max(2);
+    TexelSurface::new(Mesh::new(data)?, &TexelGrid { width, height, uv_set, padding })
+}
+
+/// Returns glTF's `scale` on x and y of tangent-space normals.
+fn scale(normals: &mut Image, map: &NormalMap) {
+    if map.space == NormalSpace::Tangent && map.scale != 1.0 {
+        for [x, y, ..] in normals.pixels_mut() {
+            (*x, *y) = (*x * map.scale, *y * map.scale);
+        }
+    }
 }

@@ -1,15 +1,14 @@
 //! The figures of a comparison as plain data.
 
-use super::compared::Comparison;
-use super::parameters::Parameters;
-use super::rules::Rules;
+use super::Comparison;
+use super::parameters::{Parameters, Rules};
 use super::subject::SubjectReport;
 use super::surfaces::{Difference, ModelDifference, PictureDifference, RenderedSurface, SkippedMethod};
-use crate::compare::{self, Summary};
-use crate::image::Image;
-use crate::math::Vec3;
-use crate::names::Named;
-use crate::shade::Shading;
+use taotie_engine::compare::{self, Summary};
+use taotie_engine::image::Image;
+use taotie_engine::math::Vec3;
+use taotie_engine::names::Named;
+use taotie_engine::shade::Shading;
 
 /// Number of bins of the angular error histogram, one per degree; the last one is open.
 const HISTOGRAM_BINS: usize = 60;
@@ -25,8 +24,7 @@ const HISTOGRAM_BINS: usize = 60;
 ///     measured.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(method, _)| method)
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct Report {
     /// Names and sizes of model and reference.
@@ -64,8 +62,7 @@ pub struct Report {
 ///     slowest.map(|time: &MethodTime| time.method.as_str())
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct MethodTime {
     /// Its name with the factor, or `reference`.
@@ -85,8 +82,7 @@ pub struct MethodTime {
 ///     warnings.map(|warning| format!("{} × {}", warning.count, warning.what)).collect()
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct CountedWarning {
     /// The number of times it was seen.
@@ -106,8 +102,7 @@ pub struct CountedWarning {
 ///     format!("{} {mean}", method.method)
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct MethodReport {
     /// Its name with the factor, or `reference`.
@@ -122,7 +117,7 @@ pub struct MethodReport {
     pub pictures: Vec<PictureReport>,
     /// The differences of its images from its own under the baseline, for each other reflectance model; empty without
     /// a baseline.
-    #[cfg_attr(feature = "serde", serde(default))]
+    #[serde(default)]
     pub models: Vec<ModelReport>,
 }
 
@@ -137,8 +132,7 @@ pub struct MethodReport {
 ///     models.map(|model: &ModelReport| (model.shading.as_str(), model.difference.ssim)).collect()
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct ModelReport {
     /// The reflectance model.
@@ -160,8 +154,7 @@ pub struct ModelReport {
 ///     below as f64 / error.histogram.iter().sum::<u64>().max(1) as f64
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct ErrorReport {
     /// The name of the file for its heat map.
@@ -184,8 +177,7 @@ pub struct ErrorReport {
 ///     method.pictures.iter().find(|picture| picture.shading == shading)
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct PictureReport {
     /// The reflectance model.
@@ -206,8 +198,7 @@ pub struct PictureReport {
 ///     picture.difference.as_ref().is_some_and(|figures: &PictureFigures| figures.psnr.is_none())
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct PictureFigures {
     /// In [0, 1] of encoded values.
@@ -232,8 +223,7 @@ pub struct PictureFigures {
 ///     point.normals.iter().find(|normal| normal.method == method)
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct PointReport {
     /// From the top left.
@@ -252,8 +242,7 @@ pub struct PointReport {
 ///     normal.error.is_some_and(|degrees| degrees < 1.0)
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct PointNormal {
     /// Its name with the factor, or `reference`.

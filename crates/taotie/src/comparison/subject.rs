@@ -1,7 +1,7 @@
 //! The model to compare, and its ground truth.
 
-use crate::scene::{Material, Scene};
 use crate::{Result, Warnings};
+use taotie_engine::scene::{Material, Scene};
 
 /// The maximum difference in position or size of model and reference, as a fraction of the diagonal.
 const TOLERANCE: f64 = 0.05;
@@ -9,14 +9,14 @@ const TOLERANCE: f64 = 0.05;
 /// A scene with the name used for it in reports and warnings, such as its file's.
 ///
 /// ```
-/// # use taotie::mesh::Mesh;
-/// # use taotie::scene::{Material, Scene};
+/// # use taotie_engine::mesh::Mesh;
+/// # use taotie_engine::scene::{Material, Scene};
 /// use taotie::comparison::{NamedScene, Subject};
 ///
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let model = NamedScene { name: "low.glb", scene: &ball };
 /// assert_eq!(Subject { model, reference: None }.report().model, "low.glb");
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct NamedScene<'a> {
@@ -29,15 +29,15 @@ pub struct NamedScene<'a> {
 /// A model, and optionally a high-poly reference: the same object with its relief as geometry.
 ///
 /// ```
-/// # use taotie::mesh::Mesh;
-/// # use taotie::scene::{Material, Scene};
+/// # use taotie_engine::mesh::Mesh;
+/// # use taotie_engine::scene::{Material, Scene};
 /// use taotie::comparison::Subject;
 ///
 /// let low = Scene::of_mesh(Mesh::sphere(1.0, 24, 12), Material::default())?;
 /// let high = Scene::of_mesh(Mesh::sphere(1.0, 256, 128), Material::default())?;
 /// let subject = Subject::new("low.glb", &low).with_reference("scan.ply", &high);
 /// assert_eq!(subject.reference.map(|reference| reference.name), Some("scan.ply"));
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Subject<'a> {
@@ -50,18 +50,17 @@ pub struct Subject<'a> {
 /// The names and sizes of the compared models.
 ///
 /// ```
-/// # use taotie::mesh::Mesh;
-/// # use taotie::scene::{Material, Scene};
+/// # use taotie_engine::mesh::Mesh;
+/// # use taotie_engine::scene::{Material, Scene};
 /// use taotie::comparison::Subject;
 ///
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let report = Subject::new("ball", &ball).report();
 /// assert_eq!((report.model.as_str(), report.triangles), ("ball", 960));
 /// assert!(report.reference.is_none());
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct SubjectReport {
     /// The model's file or name.
@@ -112,8 +111,8 @@ impl<'a> Subject<'a> {
 /// Gives materials of a reference that are all defaults the factors of the model's first, so that both match.
 ///
 /// ```
-/// # use taotie::mesh::Mesh;
-/// # use taotie::scene::{Material, Scene};
+/// # use taotie_engine::mesh::Mesh;
+/// # use taotie_engine::scene::{Material, Scene};
 /// use taotie::comparison::dress_reference;
 ///
 /// let metal = Material { metallic: 1.0, ..Material::default() };
@@ -121,7 +120,7 @@ impl<'a> Subject<'a> {
 /// let mut reference = Scene::of_mesh(Mesh::sphere(1.0, 256, 128), Material::default())?;
 /// dress_reference(&mut reference, &model)?;
 /// assert_eq!(reference.materials()[0].metallic, 1.0);
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
 ///
 /// # Errors

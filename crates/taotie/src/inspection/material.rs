@@ -1,11 +1,13 @@
-//! The factors and textures of a material.
+//! A material: its factors, the layers that glTF's extensions add, its textures, and the kind of its normal map, as
+//! drawn and as guessed from its pixels.
 
-use super::layers::LayersReport;
-use super::normal_map::{NormalMapReport, Pixels};
-use crate::image::Encoding;
-use crate::io::Loaded;
-use crate::scene::{AlphaMode, Classic, Material, TextureRef, TextureRole};
 use std::collections::HashMap;
+use taotie_engine::image::{Bitmap, Encoding};
+use taotie_engine::scene::{
+    AlphaMode, Classic, GreenChannel, Material, NormalMap, NormalSpace, TextureRef, TextureRole,
+};
+use taotie_engine::surface::{GreenVerdict, NormalMapKind, green_direction, invalid_texels, is_normal_map};
+use taotie_io::Loaded;
 
 /// A material: its factors, its textures, and information about its normal map.
 ///
@@ -17,8 +19,7 @@ use std::collections::HashMap;
 ///     inspection.materials.iter().filter(|material| material.alpha_mode == "blend")
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct MaterialReport {
     /// As in the file; may be empty.
@@ -32,7 +33,7 @@ pub struct MaterialReport {
     /// Reflectance at normal incidence, linear RGB, if specified in the file.
     pub f0: Option<[f32; 3]>,
     /// The layers that extensions of glTF add.
-    #[cfg_attr(feature = "serde", serde(flatten))]
+    #[serde(flatten)]
     pub layers: LayersReport,
     /// Emitted radiance, linear RGB.
     pub emissive: [f32; 3],
@@ -66,8 +67,7 @@ pub struct MaterialReport {
 ///     classic.specular.is_some() && classic.shininess.is_some()
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct ClassicReport {
     /// k_a, linear RGB.
@@ -92,8 +92,7 @@ pub struct ClassicReport {
 ///     material.textures.iter().max_by_key(|texture| texture.width * texture.height)
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct TextureReport {
     /// `base-color`, `metallic-roughness`, `normal`, `height`, `occlusion`, `emissive`, `specular`, `specular-color`,
@@ -193,5 +192,207 @@ impl ClassicReport {
     fn new(classic: &Classic) -> Self {
         let Classic { ambient, diffuse, specular, shininess, slope } = *classic;
         Self { ambient, diffuse, specular, shininess, slope }
+    }
+}
+
+/// The layers that glTF's extensions add to a material.
+///
+/// ```
+/// use taotie::inspection::LayersReport;
+///
+/// /// Returns `true` if a viewer without extensions shows the same.
+/// fn is_plain(layers: &LayersReport) -> bool {
+///     layers.ior == 1.5
+///         && layers.specular.factor == 1.0
+///         && layers.specular.color == [1.0; 3]
+///         && layers.clearcoat.is_none()
+///         && layers.anisotropy.is_none()
+///         && layers.sheen.is_none()
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
+pub struct LayersReport {
+    /// Index of refraction of the dielectric part.
+    pub ior: f32,
+    /// The strength of the dielectric part's reflection.
+    pub specular: SpecularReport,
+    /// A clearcoat.
+    pub clearcoat: Option<ClearcoatReport>,
+    /// Anisotropic highlights.
+    pub anisotropy: Option<AnisotropyReport>,
+    /// The sheen layer.
+    pub sheen: Option<SheenReport>,
+}
+
+/// The strength of the dielectric part's reflection.
+///
+/// ```
+/// use taotie::inspection::SpecularReport;
+///
+/// /// Returns `true` if the dielectric part reflects nothing.
+/// fn is_dull(specular: &SpecularReport) -> bool {
+///     specular.factor == 0.0 || specular.color == [0.0; 3]
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
+pub struct SpecularReport {
+    /// [0, 1].
+    pub factor: f32,
+    /// Linear RGB.
+    pub color: [f32; 3],
+}
+
+/// A clearcoat.
+///
+/// ```
+/// use taotie::inspection::ClearcoatReport;
+///
+/// /// Returns `true` if the clearcoat is flat and mirrors.
+/// fn is_mirror(coat: &ClearcoatReport) -> bool {
+///     coat.normal_scale.is_none() && coat.roughness == 0.0
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
+pub struct ClearcoatReport {
+    /// [0, 1].
+    pub factor: f32,
+    /// [0, 1].
+    pub roughness: f32,
+    /// The scale of its normal map, if it has one.
+    pub normal_scale: Option<f32>,
+}
+
+/// Anisotropic highlights.
+///
+/// ```
+/// use taotie::inspection::AnisotropyReport;
+///
+/// /// Returns `true` if highlights run along the tangent.
+/// fn runs_along_tangent(anisotropy: &AnisotropyReport) -> bool {
+///     anisotropy.strength > 0.0 && anisotropy.rotation_deg == 0.0
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
+pub struct AnisotropyReport {
+    /// [0, 1].
+    pub strength: f32,
+    /// Degrees counter-clockwise from the tangent.
+    pub rotation_deg: f64,
+}
+
+/// A sheen layer.
+///
+/// ```
+/// use taotie::inspection::SheenReport;
+///
+/// /// Returns the brightest channel of the sheen.
+/// fn brightest(sheen: &SheenReport) -> f32 {
+///     sheen.color.into_iter().fold(0.0, f32::max)
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
+pub struct SheenReport {
+    /// Linear RGB.
+    pub color: [f32; 3],
+    /// [0, 1].
+    pub roughness: f32,
+}
+
+impl LayersReport {
+    fn new(material: &Material) -> Self {
+        let specular = &material.specular;
+        Self {
+            ior: material.ior,
+            specular: SpecularReport { factor: specular.factor, color: specular.color },
+            clearcoat: material.clearcoat.map(|coat| ClearcoatReport {
+                factor: coat.factor,
+                roughness: coat.roughness,
+                normal_scale: coat.normal.map(|map| map.scale),
+            }),
+            anisotropy: material.anisotropy.map(|anisotropy| AnisotropyReport {
+                strength: anisotropy.strength,
+                rotation_deg: anisotropy.rotation.to_degrees(),
+            }),
+            sheen: material.sheen.map(|sheen| SheenReport { color: sheen.color, roughness: sheen.roughness }),
+        }
+    }
+}
+
+/// A normal map: how it is drawn, and the guess from its pixels.
+///
+/// ```
+/// use taotie::inspection::{MaterialReport, NormalMapReport};
+/// use taotie_engine::scene::GreenChannel;
+///
+/// /// Returns `true` if green points down, as in DirectX.
+/// fn is_directx(material: &MaterialReport) -> bool {
+///     let is_down = |map: &NormalMapReport| map.green == GreenChannel::Down;
+///     material.normal_map.as_ref().is_some_and(is_down)
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
+pub struct NormalMapReport {
+    /// Multiplies x and y.
+    pub scale: f32,
+    /// The space in which it is drawn.
+    pub space: NormalSpace,
+    /// The green direction with which it is drawn.
+    pub green: GreenChannel,
+    /// The guess from its pixels.
+    #[serde(flatten)]
+    pub pixels: Pixels,
+}
+
+/// The guess about a normal map from its pixels.
+///
+/// ```
+/// use taotie::inspection::Pixels;
+/// use taotie_engine::surface::NormalMapKind;
+///
+/// /// Returns `true` if the pixels leave no doubt that this is a tangent-space map.
+/// fn is_surely_tangent(pixels: &Pixels) -> bool {
+///     pixels.kind_by_pixels == NormalMapKind::Tangent && pixels.invalid_texels == Some(0)
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
+pub struct Pixels {
+    /// Its kind.
+    pub kind_by_pixels: NormalMapKind,
+    /// Its green direction; `None` unless it is a tangent-space map.
+    pub green_by_pixels: Option<GreenVerdict>,
+    /// The confidence in the green direction, [0, 1]; 0 if unclear.
+    pub green_confidence: Option<f32>,
+    /// Texels that cannot be tangent-space normals; `None` unless it is such a map.
+    pub invalid_texels: Option<usize>,
+    /// The number of texels.
+    pub texels: usize,
+}
+
+impl NormalMapReport {
+    /// Makes the report on `map`, given the analysis of its `pixels`.
+    fn new(map: &NormalMap, pixels: Pixels) -> Self {
+        Self { scale: map.scale, space: map.space, green: map.green, pixels }
+    }
+}
+
+impl Pixels {
+    /// Reports on a texture that is used as a normal map.
+    pub(crate) fn of(bitmap: &Bitmap) -> Self {
+        let kind = is_normal_map(bitmap);
+        let guess = (kind == NormalMapKind::Tangent).then(|| green_direction(bitmap));
+        Self {
+            kind_by_pixels: kind,
+            green_by_pixels: guess.map(|guess| guess.verdict),
+            green_confidence: guess.map(|guess| guess.confidence),
+            invalid_texels: guess.map(|_| invalid_texels(bitmap)),
+            texels: bitmap.texels().len(),
+        }
     }
 }

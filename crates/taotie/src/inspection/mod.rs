@@ -3,31 +3,24 @@
 //! ```no_run
 //! use taotie::inspection::{Hint, Inspection};
 //!
-//! let inspection = Inspection::of(&taotie::io::load_model("statue.glb".as_ref())?);
+//! let inspection = Inspection::of(&taotie_io::load_model("statue.glb".as_ref())?);
 //! for hint in inspection.hints() {
 //!     if let Hint::OtherGreen { material, by_pixels, .. } = hint {
 //!         println!("{material}: green points {by_pixels:?}");
 //!     }
 //! }
-//! # Ok::<(), taotie::Error>(())
+//! # Ok::<(), taotie_engine::Error>(())
 //! ```
 
 mod audit;
-mod hints;
-mod layers;
 mod material;
 mod mesh;
-mod normal_map;
 mod report;
-mod tangents;
-mod uvs;
 
 pub use audit::{Audit, AuditSchema, Check, CheckResult, CheckStatus, ProductInfo, audit_bytes};
-pub use hints::Hint;
-pub use layers::{AnisotropyReport, ClearcoatReport, LayersReport, SheenReport, SpecularReport};
-pub use material::{ClassicReport, MaterialReport, TextureReport};
-pub use mesh::{MeshReport, Normals};
-pub use normal_map::{NormalMapReport, Pixels};
-pub use report::{AnimationReport, Counted, Counts, Extent, Inspection, Listed};
-pub use tangents::{Agreement, TangentHealth};
-pub use uvs::UvHealth;
+pub use material::{
+    AnisotropyReport, ClassicReport, ClearcoatReport, LayersReport, MaterialReport, NormalMapReport, Pixels,
+    SheenReport, SpecularReport, TextureReport,
+};
+pub use mesh::{Agreement, MeshReport, Normals, TangentHealth, UvHealth};
+pub use report::{AnimationReport, Counted, Counts, Extent, Hint, Inspection, Listed};

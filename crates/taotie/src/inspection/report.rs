@@ -1,26 +1,26 @@
-//! The inspection of a model: counts, extent, meshes, materials and warnings.
+//! The inspection of a model: counts, extent, meshes, materials and warnings, and hints about content that will not
+//! look as intended.
 
-use super::hints::{self, Hint};
 use super::material::{MaterialReport, Materials};
 use super::mesh::{self, MeshReport};
-use crate::error::Warnings;
-use crate::io::{GltfSizes, Loaded, XmpEvent, xmp_history, xmp_rights, xmp_sources};
-use crate::render::{SurfaceSettings, foreseen_warnings};
-use crate::scene::animation::Animation;
-use crate::scene::{Camera, Light, LightKind, Projection, Scene};
+use taotie_engine::error::Warnings;
+pub use taotie_engine::render::{SurfaceSettings, foreseen_warnings};
+use taotie_engine::scene::animation::Animation;
+use taotie_engine::scene::{Camera, GreenChannel, Light, LightKind, NormalSpace, Projection, Scene};
+use taotie_engine::surface::{GreenVerdict, NormalMapKind};
+pub use taotie_io::{GltfSizes, Loaded, XmpEvent, xmp_history, xmp_rights, xmp_sources};
 
 /// The content and faults of a model.
 ///
 /// ```no_run
 /// use taotie::inspection::Inspection;
 ///
-/// let inspection = Inspection::of(&taotie::io::load_model("statue.glb".as_ref())?);
+/// let inspection = Inspection::of(&taotie_io::load_model("statue.glb".as_ref())?);
 /// let broken = inspection.meshes.iter().filter(|mesh| mesh.zero_area_triangles > 0);
 /// println!("{} of {} meshes have triangles without area", broken.count(), inspection.counts.meshes);
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct Inspection {
     /// `glTF`, `GLB`, `OBJ`, `PLY` or `STL`.
@@ -67,18 +67,17 @@ pub struct Inspection {
 /// The number of objects of each kind.
 ///
 /// ```
-/// # use taotie::Warnings;
+/// # use taotie_engine::Warnings;
 /// # use taotie::inspection::Inspection;
-/// # use taotie::io::Loaded;
-/// # use taotie::mesh::Mesh;
-/// # use taotie::scene::{Material, Scene};
+/// # use taotie_io::Loaded;
+/// # use taotie_engine::mesh::Mesh;
+/// # use taotie_engine::scene::{Material, Scene};
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let counts = Inspection::of(&Loaded::new(ball, Warnings::default(), "glTF")).counts;
 /// assert_eq!((counts.meshes, counts.triangles, counts.textures), (1, 960, 0));
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct Counts {
     /// Meshes; each primitive of glTF and each material of an OBJ file counts as one.
@@ -106,18 +105,17 @@ pub struct Counts {
 /// An axis-aligned box in world space, model units.
 ///
 /// ```
-/// # use taotie::Warnings;
+/// # use taotie_engine::Warnings;
 /// # use taotie::inspection::Inspection;
-/// # use taotie::io::Loaded;
-/// # use taotie::mesh::Mesh;
-/// # use taotie::scene::{Material, Scene};
+/// # use taotie_io::Loaded;
+/// # use taotie_engine::mesh::Mesh;
+/// # use taotie_engine::scene::{Material, Scene};
 /// let ball = Scene::of_mesh(Mesh::sphere(2.0, 32, 16), Material::default())?;
 /// let bounds = Inspection::of(&Loaded::new(ball, Warnings::default(), "glTF")).bounds;
 /// assert_eq!(bounds.map(|bounds| bounds.size), Some([4.0; 3]));
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct Extent {
     /// The corner of minimum coordinates.
@@ -138,8 +136,7 @@ pub struct Extent {
 ///     inspection.cameras.iter().filter(|camera| camera.kind == "perspective")
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct Listed {
     /// As in the file; may be empty.
@@ -158,8 +155,7 @@ pub struct Listed {
 ///     inspection.animations.iter().max_by(|a, b| a.seconds.total_cmp(&b.seconds))
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct AnimationReport {
     /// As in the file; may be empty.
@@ -175,20 +171,19 @@ pub struct AnimationReport {
 /// A warning.
 ///
 /// ```
-/// # use taotie::Warnings;
+/// # use taotie_engine::Warnings;
 /// # use taotie::inspection::Inspection;
-/// # use taotie::io::Loaded;
-/// # use taotie::mesh::Mesh;
-/// # use taotie::scene::{Material, Scene};
+/// # use taotie_io::Loaded;
+/// # use taotie_engine::mesh::Mesh;
+/// # use taotie_engine::scene::{Material, Scene};
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let mut read = Warnings::default();
 /// read.note("unknown extensions", 2);
 /// let inspection = Inspection::of(&Loaded::new(ball, read, "glTF"));
 /// assert!(inspection.warnings.iter().any(|w| w.what == "unknown extensions" && w.count == 2));
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct Counted {
     /// A description of the fault.
@@ -226,7 +221,7 @@ impl Inspection {
 
     /// Returns hints about content that will not look as intended.
     pub fn hints(&self) -> Vec<Hint> {
-        hints::of(&self.materials, &self.meshes)
+        hints(&self.materials, &self.meshes)
     }
 }
 
@@ -297,4 +292,87 @@ fn warnings(loaded: &Loaded) -> Vec<Counted> {
         Err(error) => all.note(format!("it cannot be rendered: {error}"), 1),
     }
     all.iter().map(|(what, count)| Counted { what: what.to_owned(), count }).collect()
+}
+
+/// The mean angle from MikkTSpace's tangents that is worth a hint, in degrees.
+const FAR_FROM_MIKKTSPACE: f64 = 5.0;
+
+/// Content that will not look as intended.
+///
+/// ```
+/// use taotie::inspection::Hint;
+///
+/// /// Returns a short explanation.
+/// fn advice(hint: &Hint) -> String {
+///     match hint {
+///         Hint::OtherGreen { material, by_pixels, .. } => format!("{material}: green points {by_pixels:?}"),
+///         Hint::OtherSpace { material, by_pixels, .. } => format!("{material}: a map in {by_pixels:?} space"),
+///         other => format!("{other:?}"),
+///     }
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum Hint {
+    /// The normal map of a material does not look like one.
+    NoNormalMap {
+        /// The material's name.
+        material: String,
+    },
+    /// A normal map is drawn in a different space from the one that its pixels suggest.
+    OtherSpace {
+        /// The material's name.
+        material: String,
+        /// The space in which it is drawn.
+        drawn: NormalSpace,
+        /// The space that its pixels suggest.
+        by_pixels: NormalSpace,
+    },
+    /// A normal map is drawn with a different green direction from the one that its pixels suggest.
+    OtherGreen {
+        /// The material's name.
+        material: String,
+        /// The direction with which it is drawn.
+        drawn: GreenChannel,
+        /// The direction that its pixels suggest.
+        by_pixels: GreenChannel,
+    },
+    /// The tangents of a mesh are far from MikkTSpace's.
+    FarFromMikkTSpace {
+        /// The mesh's name.
+        mesh: String,
+        /// Mean angle, degrees.
+        mean_degrees: f64,
+    },
+}
+
+/// Returns hints about normal maps and tangents.
+fn hints(materials: &[MaterialReport], meshes: &[MeshReport]) -> Vec<Hint> {
+    materials.iter().filter_map(about_map).chain(meshes.iter().filter_map(about_tangents)).collect()
+}
+
+fn about_map(material: &MaterialReport) -> Option<Hint> {
+    let map = material.normal_map.as_ref()?;
+    let material = material.name.clone();
+    let by_pixels = match map.pixels.kind_by_pixels {
+        NormalMapKind::No => return Some(Hint::NoNormalMap { material }),
+        NormalMapKind::Tangent => NormalSpace::Tangent,
+        NormalMapKind::Object => NormalSpace::Object,
+    };
+    if by_pixels != map.space {
+        return Some(Hint::OtherSpace { material, drawn: map.space, by_pixels });
+    }
+    let by_pixels = match map.pixels.green_by_pixels? {
+        GreenVerdict::Up => GreenChannel::Up,
+        GreenVerdict::Down => GreenChannel::Down,
+        GreenVerdict::Unclear => return None,
+    };
+    (by_pixels != map.green).then_some(Hint::OtherGreen { material, drawn: map.green, by_pixels })
+}
+
+fn about_tangents(mesh: &MeshReport) -> Option<Hint> {
+    let mean_degrees = mesh.tangents.as_ref()?.mikktspace.as_ref()?.mean_degrees;
+    let mesh = mesh.name.clone();
+    (mean_degrees > FAR_FROM_MIKKTSPACE).then_some(Hint::FarFromMikkTSpace { mesh, mean_degrees })
 }

@@ -1,15 +1,15 @@
 //! Environment light: the built-in studio or a file, rotated, scaled, and cached after filtering.
 
 use super::parse::MOST;
-use crate::error::{Error, Result, Warnings};
-use crate::image::Image;
-use crate::io::{Limits, cache, decode_environment_within, read_bytes};
-use crate::render::EnvironmentLight;
-use crate::scene::Light;
-use crate::shade::environment::{ENVIRONMENT_VERSION, Environment, STUDIO_VERSION, studio};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use taotie_engine::error::{Error, Result, Warnings};
+use taotie_engine::image::Image;
+use taotie_engine::render::EnvironmentLight;
+use taotie_engine::scene::Light;
+use taotie_engine::shade::environment::{ENVIRONMENT_VERSION, Environment, STUDIO_VERSION, studio};
+use taotie_io::{Limits, cache, decode_environment_within, read_bytes};
 
 /// The names of the built-in studio and of the absence of an environment.
 const STUDIO: &str = "studio";
@@ -18,16 +18,16 @@ const NONE: &str = "none";
 /// The source of the environment light.
 ///
 /// ```no_run
-/// use taotie::Warnings;
+/// use taotie_engine::Warnings;
 /// use taotie::studio::{EnvironmentOptions, EnvironmentSource};
 ///
 /// let source = Some(EnvironmentSource::Studio);
 /// let options = EnvironmentOptions { source, rotation: 0.5, ..EnvironmentOptions::default() };
 /// let light = options.load(&mut Warnings::default())?;
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum EnvironmentSource {
     /// The built-in studio.
     Studio,
@@ -71,15 +71,15 @@ impl EnvironmentSource {
 /// Requested environment light.
 ///
 /// ```
-/// use taotie::Warnings;
+/// use taotie_engine::Warnings;
 /// use taotie::studio::EnvironmentOptions;
 ///
 /// let light = EnvironmentOptions::default().load(&mut Warnings::default())?;
 /// assert!(light.is_none());
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
 pub struct EnvironmentOptions {
     /// Its image; `None` for no environment light.
     pub source: Option<EnvironmentSource>,

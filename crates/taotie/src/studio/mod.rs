@@ -3,10 +3,10 @@
 //! Options are plain structs: `Default` with fields set by hand. Angles are radians and lengths model units.
 //!
 //! ```no_run
-//! use taotie::render::{RenderSettings, Shot, render};
+//! use taotie_engine::render::{RenderSettings, Shot, render};
 //! use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, Viewpoint};
 //!
-//! # fn main() -> taotie::Result<()> {
+//! # fn main() -> taotie_engine::Result<()> {
 //! let bronze = MaterialOptions { material: Some("bronze".into()), ..MaterialOptions::default() };
 //! let scene = studio::load("vessel.glb".as_ref(), &bronze)?.scene;
 //! let framing = Framing { size: [800, 600], all_around: false };
@@ -19,32 +19,80 @@
 //! # }
 //! ```
 
-mod change;
 mod environment;
-mod factors;
-mod light_spec;
 mod lights;
-mod maps;
 mod material;
-mod material_file;
-mod model;
 mod motion;
+mod overrides;
 mod parameters;
 pub mod parse;
-mod sequence;
 mod viewpoint;
 
 pub use environment::{EnvironmentOptions, EnvironmentSource};
-pub use factors::MaterialFactors;
-pub use light_spec::{LightForm, LightSpec};
-pub use lights::LightOptions;
-pub use maps::MapOptions;
-pub use material::MaterialOptions;
-pub use material_file::MaterialFile;
-pub use model::{load, load_within};
-pub use motion::Motion;
+pub use lights::{LightForm, LightOptions, LightSpec};
+pub use material::{MaterialFile, MaterialOptions};
+pub use motion::{Motion, Sequence, SequenceFrame};
+pub use overrides::{MapOptions, MaterialFactors};
 pub use parameters::{
     CameraParameters, FalloffParameters, LightKindParameters, LightParameters, ProjectionParameters,
 };
-pub use sequence::{Sequence, SequenceFrame};
 pub use viewpoint::{CameraOptions, Framing, View, Viewpoint};
+
+use std::path::Path;
+use taotie_engine::error::{Error, Result};
+use taotie_io::{Limits, Loaded};
+
+/// Reads a model, chooses the requested variant, and applies the material options.
+///
+/// ```no_run
+/// use taotie::studio::{self, MaterialOptions};
+///
+/// let clay = MaterialOptions { material: Some("clay".into()), ..MaterialOptions::default() };
+/// let scene = studio::load("vessel.glb".as_ref(), &clay)?.scene;
+/// # Ok::<(), taotie_engine::Error>(())
+/// ```
+///
+/// # Errors
+/// The reader's, those of the maps and the material, and [`Error::Invalid`] if all triangles are at one point or the
+/// size is not between 1e-18 and 1e18 model units.
+pub fn load(path: &Path, options: &MaterialOptions) -> Result<Loaded> {
+    load_within(path, options, &Limits::default())
+}
+
+/// Reads a model like [`load`], within limits.
+///
+/// ```no_run
+/// use taotie::asset::Limits;
+/// use taotie::studio::{self, MaterialOptions};
+///
+/// let limits = Limits { memory: Some("2G".parse()?), ..Limits::default() };
+/// let scene = studio::load_within("vessel.glb".as_ref(), &MaterialOptions::default(), &limits)?.scene;
+/// # Ok::<(), taotie_engine::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`load`] and [`taotie_io::load_model_within`].
+pub fn load_within(path: &Path, options: &MaterialOptions, limits: &Limits) -> Result<Loaded> {
+    let mut loaded = taotie_io::load_model_within(path, limits)?;
+    if let Some(bounds) = loaded.scene.bounds() {
+        check_size(path, bounds.diagonal())?;
+    }
+    if let Some(variant) = &options.variant {
+        let chosen = loaded.variants.apply(variant, &mut loaded.scene);
+        chosen.map_err(|error| error.within(path.display()))?;
+    }
+    options.apply_within(&mut loaded.scene, limits)?;
+    Ok(loaded)
+}
+
+/// Rejects a size, in model units, that cannot be rendered.
+fn check_size(path: &Path, diagonal: f64) -> Result<()> {
+    let wrong = |why: String| Err(Error::invalid(path.display().to_string(), why));
+    if diagonal == 0.0 {
+        return wrong("all its triangles are at one point; there is nothing to see".into());
+    }
+    if !(1.0 / parse::MOST..=parse::MOST).contains(&diagonal) {
+        return wrong(format!("its size is {diagonal:.1e} model units; scale it to between 1e-18 and 1e18"));
+    }
+    Ok(())
+}

@@ -1,6 +1,6 @@
 //! Camera and lights as plain data, for reports.
 
-use crate::scene::{Camera, Falloff, Light, LightKind, Projection};
+use taotie_engine::scene::{Camera, Falloff, Light, LightKind, Projection};
 
 /// A camera as data.
 ///
@@ -13,8 +13,7 @@ use crate::scene::{Camera, Falloff, Light, LightKind, Projection};
 ///     [x, y, z]
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct CameraParameters {
     /// The columns of the matrix from view space to world space.
@@ -36,9 +35,8 @@ pub struct CameraParameters {
 ///     }
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(tag = "kind", rename_all = "lowercase"))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum ProjectionParameters {
     /// Central projection.
@@ -75,12 +73,11 @@ pub enum ProjectionParameters {
 ///     light.color.into_iter().fold(0.0, f32::max)
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct LightParameters {
     /// Kind, position and direction.
-    #[cfg_attr(feature = "serde", serde(flatten))]
+    #[serde(flatten)]
     pub kind: LightKindParameters,
     /// Its strength, linear RGB.
     pub color: [f32; 3],
@@ -103,9 +100,8 @@ pub struct LightParameters {
 ///     }
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(tag = "kind", rename_all = "lowercase"))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum LightKindParameters {
     /// Shines in all directions.
@@ -144,18 +140,17 @@ pub enum LightKindParameters {
 ///     }
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub enum FalloffParameters {
     /// None.
-    #[cfg_attr(feature = "serde", serde(rename = "none"))]
+    #[serde(rename = "none")]
     None,
     /// With the square of the distance.
-    #[cfg_attr(feature = "serde", serde(rename = "inverse-square"))]
+    #[serde(rename = "inverse-square")]
     InverseSquare,
     /// With the square of the distance, fading to zero at this distance, model units.
-    #[cfg_attr(feature = "serde", serde(rename = "inverse-square within"))]
+    #[serde(rename = "inverse-square within")]
     Windowed(f32),
 }
 

@@ -1,7 +1,7 @@
 //! Parses numbers, vectors and colours as people write them.
 //!
 //! ```
-//! use taotie::math::Vec3;
+//! use taotie_engine::math::Vec3;
 //! use taotie::studio::parse;
 //!
 //! assert_eq!(parse::number(" 2.5 ")?, 2.5);
@@ -9,12 +9,12 @@
 //! assert_eq!(parse::vector("0,1,0")?, Vec3::new(0.0, 1.0, 0.0));
 //! assert_eq!(parse::color("0.25")?, Vec3::splat(0.25));
 //! assert!(parse::color("#d0c8b0").is_ok() && parse::color("mauve-ish").is_err());
-//! # Ok::<(), taotie::Error>(())
+//! # Ok::<(), taotie_engine::Error>(())
 //! ```
 
-use crate::error::{Error, Result};
-use crate::math::{Vec3, srgb};
-use crate::scene::Light;
+use taotie_engine::error::{Error, Result};
+use taotie_engine::math::{Vec3, srgb};
+use taotie_engine::scene::Light;
 
 /// The maximum magnitude of a parsed number. Sums and products of a few such numbers still fit single precision.
 pub const MOST: f64 = 1e18;
@@ -25,7 +25,7 @@ pub const MOST: f64 = 1e18;
 /// assert_eq!(taotie::studio::parse::number(" 2.5 ")?, 2.5);
 /// assert!(taotie::studio::parse::number("inf").is_err());
 /// assert!(taotie::studio::parse::number("1e39").is_err());
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
 ///
 /// # Errors
@@ -43,7 +43,7 @@ pub fn number(text: &str) -> Result<f64> {
 ///
 /// ```
 /// assert_eq!(taotie::studio::parse::numbers("1,-2")?, [1.0, -2.0]);
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
 ///
 /// # Errors
@@ -55,12 +55,12 @@ pub fn numbers(text: &str) -> Result<Vec<f64>> {
 /// Parses exactly three numbers separated by commas.
 ///
 /// ```
-/// use taotie::math::Vec3;
+/// use taotie_engine::math::Vec3;
 /// use taotie::studio::parse::vector;
 ///
 /// assert_eq!(vector("0,1,0")?, Vec3::new(0.0, 1.0, 0.0));
 /// assert!(vector("0,1").is_err());
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
 ///
 /// # Errors
@@ -78,12 +78,12 @@ pub fn vector(text: &str) -> Result<Vec3<f64>> {
 /// Parses a CSS colour, or one linear number for grey. Returns linear RGB, each from 0 to [`Light::MOST`].
 ///
 /// ```
-/// use taotie::math::Vec3;
+/// use taotie_engine::math::Vec3;
 /// use taotie::studio::parse::color;
 ///
 /// assert_eq!(color("0.25")?, Vec3::splat(0.25));
 /// assert_eq!(color("#000000")?, Vec3::splat(0.0));
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
 ///
 /// # Errors

@@ -1,11 +1,11 @@
 //! The viewpoint of an image.
 
-use super::motion::Motion;
+use super::motion::{Motion, part_of_turn};
 use super::parse::MOST;
-use crate::error::{Error, Result};
-use crate::math::{Mat4, Vec3};
-use crate::scene::{Bounds, Camera, Orbit, Outline, Scene};
 use std::f64::consts::{PI, TAU};
+use taotie_engine::error::{Error, Result};
+use taotie_engine::math::{Mat4, Vec3};
+use taotie_engine::scene::{Bounds, Camera, Orbit, Outline, Scene};
 
 /// Number of directions from which a turning object must fit.
 const TURNS: u32 = 24;
@@ -24,8 +24,8 @@ const DEFAULT_DEGREES: [f64; 3] = [25.0, 15.0, 30.0];
 /// let from_the_left = CameraOptions { azimuth: -0.8, ..CameraOptions::default() };
 /// assert_eq!(from_the_left.distance, None);
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
 pub struct CameraOptions {
     /// A camera of the file by name, or one without a name by its index from 0; the orbit is then ignored.
     pub name: Option<String>,
@@ -82,21 +82,20 @@ impl CameraOptions {
 /// The frame into which an object must fit.
 ///
 /// ```
-/// use taotie::mesh::Mesh;
-/// use taotie::scene::{Material, Scene};
+/// use taotie_engine::mesh::Mesh;
+/// use taotie_engine::scene::{Material, Scene};
 /// use taotie::studio::{CameraOptions, Framing, Viewpoint};
 ///
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
-/// let distance = |size| -> taotie::Result<f64> {
+/// let distance = |size| -> taotie_engine::Result<f64> {
 ///     let framing = Framing { size, all_around: false };
 ///     let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, &ball)?;
 ///     Ok(viewpoint.at(0.0).camera().world_from_view.axis(3).length())
 /// };
 /// assert!(distance([400, 800])? > 1.5 * distance([800, 800])?, "a narrow image is taken from afar");
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Framing {
     /// Width and height of the image, pixels, above 0.
     pub size: [u32; 2],
@@ -120,8 +119,8 @@ impl Framing {
 /// A camera that can be rotated about the vertical through its target.
 ///
 /// ```
-/// use taotie::mesh::Mesh;
-/// use taotie::scene::{Material, Scene};
+/// use taotie_engine::mesh::Mesh;
+/// use taotie_engine::scene::{Material, Scene};
 /// use taotie::studio::{CameraOptions, Framing, Viewpoint};
 ///
 /// let scene = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
@@ -129,7 +128,7 @@ impl Framing {
 /// let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, &scene)?;
 /// let cameras: Vec<_> = viewpoint.turn(12).map(|view| view.camera()).collect();
 /// assert_eq!(cameras.len(), 12);
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Viewpoint {
@@ -195,16 +194,11 @@ impl Viewpoint {
     }
 }
 
-/// Returns the rotation of a turntable at image `i` of `count`, in radians.
-pub(super) fn part_of_turn(i: u32, count: u32) -> f64 {
-    TAU * f64::from(i) / f64::from(count)
-}
-
 /// A viewpoint while a turntable turns the object; see [`Viewpoint::at`].
 ///
 /// ```
-/// use taotie::mesh::Mesh;
-/// use taotie::scene::{Material, Scene};
+/// use taotie_engine::mesh::Mesh;
+/// use taotie_engine::scene::{Material, Scene};
 /// use taotie::studio::{CameraOptions, Framing, Viewpoint};
 ///
 /// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
@@ -213,7 +207,7 @@ pub(super) fn part_of_turn(i: u32, count: u32) -> f64 {
 /// let from = |turn: f64| viewpoint.at(turn).camera().world_from_view.axis(3);
 /// let (front, back) = (from(0.0), from(180f64.to_radians()));
 /// assert!((front.x + back.x).abs() < 1e-6 && (front.y - back.y).abs() < 1e-6);
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View<'a> {
@@ -301,8 +295,8 @@ fn named(scene: &Scene, name: &str) -> Result<Camera> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Mesh;
-    use crate::scene::Material;
+    use taotie_engine::mesh::Mesh;
+    use taotie_engine::scene::Material;
 
     const SQUARE: Framing = Framing { size: [64, 64], all_around: false };
 

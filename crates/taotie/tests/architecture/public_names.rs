@@ -2,7 +2,7 @@
 
 use super::cycles::{Path, from_root, leaves};
 use std::collections::{BTreeMap, BTreeSet};
-use syn::{Item, Visibility};
+use syn::{Item, ItemMod, Visibility};
 
 /// The items of a crate by module.
 #[derive(Default)]
@@ -34,6 +34,9 @@ impl Exports {
                 leaves(&item.tree, &mut Vec::new(), &mut doors);
             }
             let Some((name, visibility)) = declared(item) else { continue };
+            if let Item::Mod(ItemMod { content: Some((_, items)), .. }) = item {
+                self.read(&child(module, &name), items);
+            }
             if !is_public(visibility) {
                 continue;
             }

@@ -3,15 +3,15 @@
 use crate::files::data_files;
 use crate::random::Random;
 use std::path::Path;
-use taotie::bake::*;
-use taotie::compare::{Field, Summary, angle_deg, angular_error};
-use taotie::image::{Bitmap, Image, Texels, Wrap};
-use taotie::io::{load_model, read_bitmap};
-use taotie::math::{Vec2, Vec3, scalar};
-use taotie::mesh::{Mesh, MeshData};
-use taotie::normal_map::*;
-use taotie::scene::{GreenChannel, NormalSpace};
-use taotie::surface::{TangentMethod, with_tangents};
+use taotie_engine::bake::*;
+use taotie_engine::compare::{Field, Summary, angle_deg, angular_error};
+use taotie_engine::image::{Bitmap, Image, Texels, Wrap};
+use taotie_engine::math::{Vec2, Vec3, scalar};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::normal_map::*;
+use taotie_engine::scene::{GreenChannel, NormalSpace};
+use taotie_engine::surface::{TangentMethod, with_tangents};
+use taotie_io::{load_model, read_bitmap};
 
 const PLAIN: [Storage; 2] = [Storage { bits: 8, dither: false }, Storage { bits: 16, dither: false }];
 

@@ -3,14 +3,14 @@
 
 use crate::bake_material::{baked_onto_itself, bytes, places, scene, scene_of, square, strip, texture_0};
 use std::path::Path;
-use taotie::Progress;
 use taotie::asset::{Asset, BakeOptions, Baker, Lod, Packing, Scan, VerifyOptions};
-use taotie::bake::{self, Cage, MapKind, TexturedMesh, low_poly_mesh};
-use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
-use taotie::io::{load_levels, load_model};
-use taotie::math::Mat4;
-use taotie::mesh::Mesh;
-use taotie::scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
+use taotie_engine::Progress;
+use taotie_engine::bake::{self, Cage, MapKind, TexturedMesh, low_poly_mesh};
+use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+use taotie_engine::math::Mat4;
+use taotie_engine::mesh::Mesh;
+use taotie_engine::scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
+use taotie_io::{load_levels, load_model};
 
 const GREEN: [u8; 4] = [20, 200, 40, 255];
 
@@ -86,7 +86,7 @@ fn each_triangle_has_the_mode_of_what_it_stands_for() {
         assert_eq!(found(&square(), scene_of(parts.into(), Vec::new())), wanted);
     }
     // Far from the scan nothing is see-through.
-    let beyond = Mat4::translation(taotie::math::Vec3::new(50.0, 0.0, 0.0));
+    let beyond = Mat4::translation(taotie_engine::math::Vec3::new(50.0, 0.0, 0.0));
     let parts = [(strip(0.0..0.5), of_mode(blend)), (strip(0.5..1.0), of_mode(opaque))];
     let mut data = scene_of(parts.into(), Vec::new()).into_data();
     data.instances.iter_mut().for_each(|instance| instance.world_from_object = beyond);
@@ -119,7 +119,7 @@ fn balls(modes: [AlphaMode; 3]) -> Scan {
         }
         AlphaMode::Blend => Material { base_color: [0.9, 0.9, 0.9, 0.5], ..of_mode(alpha) },
     };
-    let place = |x: f64| Mat4::translation(taotie::math::Vec3::new(x, 0.0, 0.0));
+    let place = |x: f64| Mat4::translation(taotie_engine::math::Vec3::new(x, 0.0, 0.0));
     let instance = |i: usize| Instance { mesh: 0, material: i, world_from_object: place(PLACES[i]) };
     let scene = SceneData {
         meshes: vec![Mesh::sphere(1.0, 64, 32)],

@@ -2,16 +2,16 @@
 //! grey whatever the colours.
 
 use std::sync::Arc;
-use taotie::Progress;
 use taotie::asset::{
     BakeOptions, Baker, LevelFigures, MeshSource, Packing, Proof, Requirement, Scan, VerifyOptions, verify,
 };
-use taotie::bake::{self, Cage, MapKind, MaterialError, TexelChecks, TexturedMesh, Verifier};
-use taotie::compare::{Field, color_difference};
-use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
-use taotie::math::{Mat4, Vec2, Vec3};
-use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
+use taotie_engine::Progress;
+use taotie_engine::bake::{self, Cage, MapKind, MaterialError, TexelChecks, TexturedMesh, Verifier};
+use taotie_engine::compare::{Field, color_difference};
+use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+use taotie_engine::math::{Mat4, Vec2, Vec3};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
 
 /// The numbers of points measured by a proof in these tests.
 const POINTS: VerifyOptions =
@@ -249,7 +249,7 @@ fn gold_clay_and_a_lamp_look_alike_on_one_map() {
     let low = Some(MeshSource::Mesh(Arc::new(row())));
     let proof = proof_of(&scan, BakeOptions { low, carry: true, size: 256, ..BakeOptions::default() });
     let material = &finest(&proof).material;
-    let mean = |summary: Option<taotie::compare::Summary>| summary.unwrap().mean;
+    let mean = |summary: Option<taotie_engine::compare::Summary>| summary.unwrap().mean;
     println!("gold, clay and a lamp: {material:?}");
     assert!(mean(material.color) < 1.5, "{material:?}");
     assert!(mean(material.metallic) < 0.02 && mean(material.roughness) < 0.02, "{material:?}");

@@ -3,23 +3,23 @@
 
 use crate::bake_scan::shown;
 use std::ops::Range;
-use taotie::Progress;
-use taotie::bake::{
+use taotie_engine::Progress;
+use taotie_engine::bake::{
     BakeInput, BakeSettings, BakedMaps, Cage, LookupPoint, MapKind, Scan, TexturedMesh, UvLookup, Verifier,
     bake, low_poly_mesh,
 };
-use taotie::compare::angle_deg;
-use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture, Wrap};
-use taotie::io::gltf_sampler;
-use taotie::math::{Mat4, Vec2, Vec3};
-use taotie::mesh::{Mesh, MeshData, Point};
-use taotie::names::Named;
-use taotie::normal_map::{Storage, store_unit_vectors};
-use taotie::scene::{
+use taotie_engine::compare::angle_deg;
+use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture, Wrap};
+use taotie_engine::math::{Mat4, Vec2, Vec3};
+use taotie_engine::mesh::{Mesh, MeshData, Point};
+use taotie_engine::names::Named;
+use taotie_engine::normal_map::{Storage, store_unit_vectors};
+use taotie_engine::scene::{
     AlphaMode, GreenChannel, HeightMap, Instance, Material, NormalMap, NormalSpace, Scene, SceneData,
     TextureRef, UvTransform,
 };
-use taotie::surface::with_frames;
+use taotie_engine::surface::with_frames;
+use taotie_io::gltf_sampler;
 
 /// Part of the square of side 2 in the plane z = 0, facing up, with matching uvs: the columns of these u.
 pub fn strip(columns: Range<f32>) -> Mesh {

@@ -1,17 +1,17 @@
 //! Laws of baking any scan: shapes whose normals, heights and openness are known in closed form.
 
-use taotie::Progress;
-use taotie::bake::{
+use taotie_engine::Progress;
+use taotie_engine::bake::{
     BakeInput, BakeSettings, Baked, BakedMaps, Cage, MapKind, Maps, Scan, TexelStatus, TexturedMesh,
     UnwrapOptions, Verifier, bake, unwrap,
 };
-use taotie::image::{Encoding, Sampler, Texture};
-use taotie::math::Vec3;
-use taotie::mesh::{Mesh, MeshData};
-use taotie::names::Named;
-use taotie::normal_map::{Storage, store_unit_vectors};
-use taotie::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
-use taotie::surface::{vertex_normals, with_frames};
+use taotie_engine::image::{Encoding, Sampler, Texture};
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::names::Named;
+use taotie_engine::normal_map::{Storage, store_unit_vectors};
+use taotie_engine::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
+use taotie_engine::surface::{vertex_normals, with_frames};
 
 fn scene(mesh: Mesh) -> Scene {
     Scene::of_mesh(mesh, Material::default()).unwrap()
@@ -183,7 +183,7 @@ fn square(height: f32, side: f32) -> Mesh {
         normals: vec![Vec3::new(0.0, 0.0, 1.0); 4],
         uvs: vec![
             [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]
-                .map(|[u, v]| taotie::math::Vec2::new(u, v))
+                .map(|[u, v]| taotie_engine::math::Vec2::new(u, v))
                 .to_vec(),
         ],
         triangles: vec![[0, 1, 2], [0, 2, 3]],

@@ -2,8 +2,8 @@
 
 use crate::cart::cart;
 use crate::files::data_files;
-use taotie::Progress;
 use taotie::asset::{BakeOptions, Baker, Limits, Scan};
+use taotie_engine::Progress;
 
 fn bake(name: &str, scan: &Scan, triangles: u32) {
     let options = BakeOptions { triangles, size: 256, ..BakeOptions::default() };

@@ -1,11 +1,11 @@
 //! Figures of a proof that show where an asset differs from its scan, and on how much of its surface.
 
 use std::fmt::Write;
-use taotie::Progress;
 use taotie::asset::{Limits, PartKind, Proof, Requirement, Scan, VerifyOptions, verify};
-use taotie::math::Vec3;
-use taotie::mesh::{Mesh, MeshData};
-use taotie::proof::PatchQuantity;
+use taotie_engine::Progress;
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::proof::PatchQuantity;
 
 /// A unit plate of cells², with waves on its left half.
 fn wavy(cells: usize) -> MeshData {

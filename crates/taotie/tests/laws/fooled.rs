@@ -8,16 +8,16 @@ use crate::pairs::{
     scan_of, simple, turned, with_fates,
 };
 use std::sync::Arc;
-use taotie::Progress;
 use taotie::asset::{
     AUTO_SIZE, BakeOptions, Baker, MeshSource, Packing, Requirement, Scan, ScanFile, ScanOptions,
     VerifyOptions, verify,
 };
-use taotie::bake::MapKind;
-use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
-use taotie::math::{Vec2, Vec3};
-use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
+use taotie_engine::Progress;
+use taotie_engine::bake::MapKind;
+use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+use taotie_engine::math::{Vec2, Vec3};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
 
 #[test]
 fn a_hidden_wall_below_the_surface() {

@@ -1,11 +1,11 @@
 //! Pairs whose largest distance is known exactly: the bounds of a proof contain it, and are as close as promised.
 
 use crate::pairs::{grid, joined, mesh, moved, proof, scan_of, turned};
-use taotie::bake;
-use taotie::math::Vec3;
-use taotie::mesh::MeshData;
-use taotie::proof::{Side, Source, distance_bounds};
-use taotie::scene::{Material, Scene};
+use taotie_engine::bake;
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::MeshData;
+use taotie_engine::proof::{Side, Source, distance_bounds};
+use taotie_engine::scene::{Material, Scene};
 
 /// The maximum distance between bounds, in model units.
 const WIDTH: f32 = 1e-3;

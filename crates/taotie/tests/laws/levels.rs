@@ -1,16 +1,16 @@
 //! Coarser levels of detail look the same as the scan at the size they are shown, and share what they can.
 
 use std::path::Path;
-use taotie::Progress;
 use taotie::asset::{
     Asset, BakeOptions, Baker, LevelFigures, Limits, Lod, Packing, Requirement, Scan, VerifyOptions,
 };
-use taotie::image::{Bitmap, Texels};
-use taotie::io::{
+use taotie_engine::Progress;
+use taotie_engine::image::{Bitmap, Texels};
+use taotie_engine::math::{Vec3, scalar::sin};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_io::{
     GltfAsset, GltfFormat, GltfLevel, GltfMaterial, GltfSizes, GltfSource, load_levels, write_gltf,
 };
-use taotie::math::{Vec3, scalar::sin};
-use taotie::mesh::{Mesh, MeshData};
 
 /// A closed ball with waves.
 fn wavy() -> Scan {

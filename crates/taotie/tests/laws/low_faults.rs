@@ -2,10 +2,10 @@
 //! twin is not.
 
 use std::sync::Arc;
-use taotie::Progress;
 use taotie::asset::{BakeOptions, Baker, MeshSource, Scan};
-use taotie::math::{Vec2, Vec3};
-use taotie::mesh::{Mesh, MeshData};
+use taotie_engine::Progress;
+use taotie_engine::math::{Vec2, Vec3};
+use taotie_engine::mesh::{Mesh, MeshData};
 
 /// Returns the warnings of a bake of `scan` onto `low`.
 fn warned(scan: Mesh, low: Mesh) -> String {

@@ -5,15 +5,15 @@ use crate::distance::{Surface, deviation};
 use crate::files::data_files;
 use crate::hostile::{book, embossed_ball, moebius, sheet, unwelded};
 use std::collections::BTreeMap;
-use taotie::Progress;
 use taotie::asset::{BakeOptions, Baker, Scan};
-use taotie::bake::{
+use taotie_engine::Progress;
+use taotie_engine::bake::{
     Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions, levels, low_poly_mesh, simplify, unwrap,
 };
-use taotie::io::load_model;
-use taotie::math::{Vec3, scalar};
-use taotie::mesh::Mesh;
-use taotie::surface::{facet_normal, vertex_normals};
+use taotie_engine::math::{Vec3, scalar};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::surface::{facet_normal, vertex_normals};
+use taotie_io::load_model;
 
 fn to(mesh: &Mesh, triangles: usize) -> Simplified {
     let options = SimplifyOptions { triangles, ..SimplifyOptions::default() };

@@ -2,11 +2,11 @@
 //! if only parts or detail are missing.
 
 use std::fmt::Write;
-use taotie::Progress;
 use taotie::asset::{Proof, Scan, VerifyOptions, measure, verify};
-use taotie::math::Vec3;
-use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{Material, Scene};
+use taotie_engine::Progress;
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::scene::{Material, Scene};
 
 /// The beginning of the warning.
 const LOOKS: &str = "the asset looks ";

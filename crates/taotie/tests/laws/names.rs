@@ -1,13 +1,13 @@
 //! Every set of named values maps names to values and back.
 
-use taotie::compare::ColorMap;
-use taotie::film::ToneCurve;
 use taotie::inspection::{Check, CheckStatus};
-use taotie::length::Unit;
-use taotie::math::SimdLevel;
-use taotie::names::Named;
-use taotie::shade::Shading;
-use taotie::surface::{SurfaceMethod, TangentMethod};
+use taotie_engine::compare::ColorMap;
+use taotie_engine::film::ToneCurve;
+use taotie_engine::length::Unit;
+use taotie_engine::math::SimdLevel;
+use taotie_engine::names::Named;
+use taotie_engine::shade::Shading;
+use taotie_engine::surface::{SurfaceMethod, TangentMethod};
 
 fn names_lead_back<T: Named + std::fmt::Debug>() {
     for (name, value) in T::NAMES {

@@ -2,17 +2,17 @@
 
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
-use taotie::Progress;
 use taotie::asset::{
     Asset, BakeOptions, Baker, MeshSource, Packing, Proof, Requirement, RequirementOutcome, Scan,
     VerifyOptions, verify,
 };
-use taotie::bake::{SimplifyOptions, simplify};
-use taotie::image::{Bitmap, Texels, Texture};
-use taotie::io::{GltfFormat, load_model, write_scene};
-use taotie::math::{Mat4, Vec3};
-use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{Instance, Material, Scene, SceneData};
+use taotie_engine::Progress;
+use taotie_engine::bake::{SimplifyOptions, simplify};
+use taotie_engine::image::{Bitmap, Texels, Texture};
+use taotie_engine::math::{Mat4, Vec3};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::scene::{Instance, Material, Scene, SceneData};
+use taotie_io::{GltfFormat, load_model, write_scene};
 
 /// A grid of quadrilaterals, `closed` around if its last column is its first: positions of (u, v) in [0, 1]².
 pub fn grid([columns, rows]: [usize; 2], closed: bool, at: impl Fn(f64, f64) -> Vec3<f64>) -> MeshData {

@@ -4,14 +4,14 @@ use crate::bake_scan::shown;
 use crate::files::data_files;
 use crate::modelled::{Facet, askew, chamfered_box, cylinder, gear, gridded_cube, loose, nut, welded};
 use crate::random::Random;
-use taotie::Progress;
 use taotie::asset::{BakeOptions, Baker, Scan, ScanFile, ScanOptions};
-use taotie::bake::{self, Cage, Verifier};
-use taotie::image::{Encoding, Sampler, Texture};
-use taotie::math::{Vec3, scalar};
-use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{Material, NormalSpace, Scene};
-use taotie::surface::vertex_normals;
+use taotie_engine::Progress;
+use taotie_engine::bake::{self, Cage, Verifier};
+use taotie_engine::image::{Encoding, Sampler, Texture};
+use taotie_engine::math::{Vec3, scalar};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::scene::{Material, NormalSpace, Scene};
+use taotie_engine::surface::vertex_normals;
 
 fn read(mesh: Mesh, crease_angle_deg: Option<f64>) -> Scan {
     let scene = Scene::of_mesh(mesh, Material::default()).unwrap();
@@ -184,7 +184,7 @@ fn noise_stays_smooth_to_the_bit() {
 #[test]
 fn shared_scans_stay_smooth_to_the_bit() {
     for path in ["odedstein-meshes", "threedscans-keijiro"].iter().flat_map(|sub| data_files(sub, &["obj"])) {
-        let scene = taotie::io::load_model(&path).unwrap().scene;
+        let scene = taotie_io::load_model(&path).unwrap().scene;
         for mesh in scene.meshes() {
             let data = mesh.clone().into_data();
             let bare =

@@ -2,12 +2,12 @@
 
 use crate::files::data_files;
 use crate::modelled::{askew, loose, nut, welded};
-use taotie::Progress;
 use taotie::asset::{Scan, ScanFile, ScanOptions};
-use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
-use taotie::math::{Mat4, Vec3, scalar};
-use taotie::mesh::Mesh;
-use taotie::scene::{
+use taotie_engine::Progress;
+use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+use taotie_engine::math::{Mat4, Vec3, scalar};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::scene::{
     GreenChannel, Instance, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef, UvTransform,
 };
 
@@ -155,8 +155,8 @@ fn mapped_ball(pixels: GreenChannel) -> Scene {
 fn shown_normals(scan: &Scan) -> Vec<Vec3> {
     let mesh = scan.mesh();
     let at = |t: usize| {
-        let point = taotie::mesh::Point { triangle: t as u32, weights: [0.2, 0.3, 0.5] };
-        let lookup = taotie::bake::LookupPoint::finest(point);
+        let point = taotie_engine::mesh::Point { triangle: t as u32, weights: [0.2, 0.3, 0.5] };
+        let lookup = taotie_engine::bake::LookupPoint::finest(point);
         scan.sorted().surface().normal(lookup, point.normal(mesh)).normal
     };
     (0..mesh.triangles().len()).map(at).collect()
@@ -192,7 +192,7 @@ fn a_direction_of_green_without_a_map_is_noted() {
 fn shared_scans_have_none_of_these_faults() {
     let files = [("odedstein-meshes", "obj"), ("threedscans-keijiro", "obj"), ("polyhaven-models", "gltf")];
     for path in files.iter().flat_map(|(sub, extension)| data_files(sub, &[*extension])) {
-        let scan = read(taotie::io::load_model(&path).unwrap().scene, ScanOptions::default());
+        let scan = read(taotie_io::load_model(&path).unwrap().scene, ScanOptions::default());
         let text = warned(&scan);
         println!("{}: {text}", path.display());
         let faults = ["green pointing down", "contradict", "opposite ways"];

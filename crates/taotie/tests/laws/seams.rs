@@ -5,10 +5,10 @@ use crate::distance::{Surface, deviation};
 use crate::hostile::{bare, embossed_ball, unwelded};
 use crate::random::Random;
 use std::collections::HashMap;
-use taotie::Progress;
-use taotie::bake::{Simplified, SimplifyMethod, SimplifyOptions, simplify};
-use taotie::math::Vec3;
-use taotie::mesh::Mesh;
+use taotie_engine::Progress;
+use taotie_engine::bake::{Simplified, SimplifyMethod, SimplifyOptions, simplify};
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::Mesh;
 
 fn to(mesh: &Mesh, triangles: usize) -> Simplified {
     let options = SimplifyOptions { triangles, ..SimplifyOptions::default() };

@@ -3,11 +3,11 @@
 use crate::distance::deviation;
 use crate::files::data_files;
 use crate::hostile;
-use taotie::bake::{Simplified, SimplifyMethod, SimplifyOptions, simplify};
-use taotie::io::load_model;
-use taotie::math::{Vec3, scalar};
-use taotie::mesh::{Mesh, MeshData};
-use taotie::{Error, Progress};
+use taotie_engine::bake::{Simplified, SimplifyMethod, SimplifyOptions, simplify};
+use taotie_engine::math::{Vec3, scalar};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::{Error, Progress};
+use taotie_io::load_model;
 
 fn to(mesh: &Mesh, triangles: usize) -> Simplified {
     let options = SimplifyOptions { triangles, ..SimplifyOptions::default() };

@@ -4,10 +4,10 @@ use crate::pairs::{
     Fate, ball, copy_of, direction, grid, is_bad, is_sound, joined, lettered_pair, lettering, made, mesh,
     moved, onto, remade, scan_of, turned, with_fates, with_part,
 };
-use taotie::Progress;
 use taotie::asset::Scan;
-use taotie::math::{Mat4, Vec3};
-use taotie::scene::{Instance, Material, Scene, SceneData};
+use taotie_engine::Progress;
+use taotie_engine::math::{Mat4, Vec3};
+use taotie_engine::scene::{Instance, Material, Scene, SceneData};
 
 #[test]
 fn an_open_vessel_a_sheet_and_a_thin_wall() {
@@ -85,7 +85,7 @@ fn hidden_walls_take_no_triangles() {
 }
 
 /// A room with an opening through which it is seen.
-fn cave(size: [usize; 2], height: impl Fn(f64, f64) -> f64) -> taotie::mesh::MeshData {
+fn cave(size: [usize; 2], height: impl Fn(f64, f64) -> f64) -> taotie_engine::mesh::MeshData {
     let mut room = turned(ball(size, height), |_| true);
     let positions = room.positions.clone();
     room.triangles.retain(|t| !t.iter().all(|v| positions[*v as usize].z > 0.85));

@@ -5,11 +5,11 @@ use crate::pairs::{
     Fate, ball, changed, copy_of, direction, grid, is_bad, is_sound, joined, lettered_pair, lettering, moved,
     proof, remade, repainted, reshaped, scan_of, turned, with_fates, with_part,
 };
-use taotie::Progress;
 use taotie::asset::{BakeOptions, Baker, Lod, Scan};
-use taotie::math::{Vec3, sequence};
-use taotie::mesh::MeshData;
-use taotie::scene::{Material, Scene, SceneData};
+use taotie_engine::Progress;
+use taotie_engine::math::{Vec3, sequence};
+use taotie_engine::mesh::MeshData;
+use taotie_engine::scene::{Material, Scene, SceneData};
 
 /// A texel of a map of `side`² texels.
 fn at(texels: &[[u8; 4]], side: u32, [x, y]: [u32; 2]) -> [u8; 4] {
@@ -206,10 +206,10 @@ fn colored() -> (Scan, Scene) {
         materials: vec![paint([0.6, 0.2, 0.15, 1.0]), paint([0.2, 0.3, 0.5, 1.0])],
         ..SceneData::default()
     };
-    let instance = |part: usize| taotie::scene::Instance {
+    let instance = |part: usize| taotie_engine::scene::Instance {
         mesh: part,
         material: part,
-        world_from_object: taotie::math::Mat4::IDENTITY,
+        world_from_object: taotie_engine::math::Mat4::IDENTITY,
     };
     let scene = Scene::new(SceneData { instances: vec![instance(0), instance(1)], ..scene }).unwrap();
     (Scan::from_scene(scene.clone(), Progress::SILENT).unwrap(), scene)

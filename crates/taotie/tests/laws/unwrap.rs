@@ -3,15 +3,15 @@
 
 use crate::files::data_files;
 use crate::hostile;
-use taotie::bake::{
+use taotie_engine::bake::{
     Coverage, SimplifyOptions, TexelGrid, UnwrapOptions, Unwrapped, UvLookup, levels, simplify, unwrap,
 };
-use taotie::io::load_model;
-use taotie::math::{Mat4, Vec2, Vec3};
-use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{Instance, Material, Scene, SceneData};
-use taotie::surface::vertex_normals;
-use taotie::{Error, Progress};
+use taotie_engine::math::{Mat4, Vec2, Vec3};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::scene::{Instance, Material, Scene, SceneData};
+use taotie_engine::surface::vertex_normals;
+use taotie_engine::{Error, Progress};
+use taotie_io::load_model;
 
 fn unwrapped(mesh: &Mesh, size: u32, padding: u32) -> Unwrapped {
     unwrap(mesh, &UnwrapOptions { size, padding }, Progress::SILENT).unwrap()
@@ -129,7 +129,7 @@ fn what_lies_over_itself_is_cut() {
     // Three turns of a ramp: seen from above every turn overlaps the one below.
     let ramp = hostile::sheet(240, 6, |u, v| {
         let (angle, out) = (u * 3.0 * std::f64::consts::TAU, 0.5 + 0.5 * v);
-        let [s, c] = [taotie::math::scalar::sin(angle), taotie::math::scalar::cos(angle)];
+        let [s, c] = [taotie_engine::math::scalar::sin(angle), taotie_engine::math::scalar::cos(angle)];
         Vec3::new(out * s, u, out * c)
     });
     let options = UnwrapOptions { size: 512, padding: 2 };
@@ -232,7 +232,7 @@ fn unwrap_scans(counts: &[usize]) {
 #[test]
 fn levels_share_the_map_and_have_no_crack() {
     let ball = hostile::embossed_ball(20_000);
-    let ball = taotie::surface::with_normals(&ball).unwrap().into_owned();
+    let ball = taotie_engine::surface::with_normals(&ball).unwrap().into_owned();
     let options = UnwrapOptions { size: 1024, padding: 4 };
     let base = unwrapped(&ball, options.size, options.padding).mesh;
     let made = levels(&base, &[30_000, 5_000, 1_000], Progress::SILENT).unwrap();

@@ -13,13 +13,13 @@ use crate::pictures::{Picture, Row};
 use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;
-use taotie::film::{Development, develop8};
-use taotie::image::Image;
-use taotie::io::load_model;
-use taotie::math::Vec3;
-use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
-use taotie::scene::{Orbit, Scene};
-use taotie::shade::environment::Environment;
+use taotie_engine::film::{Development, develop8};
+use taotie_engine::image::Image;
+use taotie_engine::math::Vec3;
+use taotie_engine::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
+use taotie_engine::scene::{Orbit, Scene};
+use taotie_engine::shade::environment::Environment;
+use taotie_io::load_model;
 
 /// The vertical angle of view of the images, radians: Babylon's default, consistent with the size of the planes.
 const FOV: f64 = 0.8;
@@ -148,8 +148,8 @@ fn draw(
     let eye = Vec3::new(x, y, z);
     let flat = (eye.x * eye.x + eye.z * eye.z).sqrt();
     let orbit = Orbit {
-        azimuth: taotie::math::scalar::atan2(eye.x, eye.z),
-        elevation: taotie::math::scalar::atan2(eye.y, flat),
+        azimuth: taotie_engine::math::scalar::atan2(eye.x, eye.z),
+        elevation: taotie_engine::math::scalar::atan2(eye.y, flat),
         distance: eye.length(),
         target: Vec3::default(),
         fov_y: FOV,

@@ -9,15 +9,15 @@ use crate::skies;
 use crate::skies::Texels;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
-use taotie::image::Image;
-use taotie::math::{Vec3, scalar};
-use taotie::shade::environment::Environment;
+use taotie_engine::image::Image;
+use taotie_engine::math::{Vec3, scalar};
+use taotie_engine::shade::environment::Environment;
 
 /// Roughnesses of levels and between them.
 const ROUGHNESSES: [f64; 9] = [0.2, 0.204, 0.21, 0.25, 0.303, 0.4, 0.56, 0.78, 1.0];
 
 fn read(path: &Path) -> Image {
-    let bitmap = taotie::io::read_bitmap(path).expect("it is readable");
+    let bitmap = taotie_io::read_bitmap(path).expect("it is readable");
     let mut image = Image::new(bitmap.width(), bitmap.height(), [0.0; 4]).expect("a size");
     image.pixels_mut().iter_mut().enumerate().for_each(|(i, pixel)| *pixel = bitmap.stored(i));
     image

@@ -10,13 +10,13 @@ use crate::pictures::{Picture, Row};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use taotie::film::{Development, ToneCurve, develop8};
-use taotie::image::Image;
-use taotie::io::load_model;
-use taotie::math::Vec3;
-use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
-use taotie::scene::{Camera, Orbit, Scene};
-use taotie::shade::environment::Environment;
+use taotie_engine::film::{Development, ToneCurve, develop8};
+use taotie_engine::image::Image;
+use taotie_engine::math::Vec3;
+use taotie_engine::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
+use taotie_engine::scene::{Camera, Orbit, Scene};
+use taotie_engine::shade::environment::Environment;
+use taotie_io::load_model;
 
 /// The renderer whose pictures the others are compared with.
 const JUDGE: &str = "model-viewer";
@@ -152,8 +152,8 @@ fn developed(image: &Image) -> Vec<[u8; 4]> {
 
 /// A triangle outside every view, for pictures that show only an environment.
 fn speck() -> Scene {
-    use taotie::mesh::{Mesh, MeshData};
-    use taotie::scene::Material;
+    use taotie_engine::mesh::{Mesh, MeshData};
+    use taotie_engine::scene::Material;
     let far = Vec3::new(0.0, 1e5, 0.0);
     let positions = vec![far, far + Vec3::new(1.0, 0.0, 0.0), far + Vec3::new(0.0, 1.0, 0.0)];
     let mesh = Mesh::new(MeshData { positions, triangles: vec![[0, 1, 2]], ..MeshData::default() }).unwrap();

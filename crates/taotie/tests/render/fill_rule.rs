@@ -1,8 +1,8 @@
 //! Laws of coverage: every sample of a shared edge belongs to exactly one triangle, at every SIMD level.
 
 use crate::random::Random;
-use taotie::math::SimdLevel;
-use taotie::raster::{
+use taotie_engine::math::SimdLevel;
+use taotie_engine::raster::{
     Bins, Faces, Geometry, SamplePattern, TILE_PIXELS, Tile, TilePlane, TileSample, Viewport, bin,
     rasterize_layers, rasterize_opaque,
 };
@@ -83,7 +83,10 @@ fn a_fan_about_a_sample_point_covers_it_once() {
         let mut random = Random(spokes);
         for i in 0..spokes {
             let angle = (i as f64 + random.next() * 0.5) / spokes as f64 * std::f64::consts::TAU;
-            let (x, y) = (taotie::math::scalar::cos(angle) as f32, taotie::math::scalar::sin(angle) as f32);
+            let (x, y) = (
+                taotie_engine::math::scalar::cos(angle) as f32,
+                taotie_engine::math::scalar::sin(angle) as f32,
+            );
             clip.push([hub[0] + 0.5 * x, hub[1] + 0.5 * y, 0.5, 1.0]);
         }
         let triangles: Vec<[u32; 3]> =

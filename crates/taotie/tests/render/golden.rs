@@ -8,18 +8,18 @@ use crate::finishes;
 use crate::scenes;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
-use taotie::film::{Development, develop8};
-use taotie::image::{Encoding, Image, Texels};
-use taotie::io::{PngColor, PngImage, PngSamples, read_bitmap, write_png, write_text};
-use taotie::math::{SimdLevel, Vec3};
-use taotie::names::Named;
-use taotie::render::{
+use taotie_engine::film::{Development, develop8};
+use taotie_engine::image::{Encoding, Image, Texels};
+use taotie_engine::math::{SimdLevel, Vec3};
+use taotie_engine::names::Named;
+use taotie_engine::render::{
     EnvironmentLight, Frame, GrazingNormals, Lighting, RenderSettings, Shot, SurfaceSettings, render,
 };
-use taotie::scene::{Camera, Light, NormalSpace, Scene};
-use taotie::shade::environment::Environment;
-use taotie::shade::{Energy, Shading};
-use taotie::surface::{SurfaceMethod, TangentMethod};
+use taotie_engine::scene::{Camera, Light, NormalSpace, Scene};
+use taotie_engine::shade::environment::Environment;
+use taotie_engine::shade::{Energy, Shading};
+use taotie_engine::surface::{SurfaceMethod, TangentMethod};
+use taotie_io::{PngColor, PngImage, PngSamples, read_bitmap, write_png, write_text};
 
 static SKY: LazyLock<Arc<Environment>> = LazyLock::new(|| Environment::new(finishes::sky()).unwrap().into());
 

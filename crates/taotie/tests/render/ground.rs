@@ -1,11 +1,11 @@
 //! The shadow catcher compared with closed forms.
 
-use taotie::image::Image;
-use taotie::math::{Vec3, scalar};
-use taotie::mesh::{Mesh, MeshData};
-use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
-use taotie::scene::{Camera, Falloff, Light, LightKind, Material, Orbit, Scene};
-use taotie::shade::environment::Environment;
+use taotie_engine::image::Image;
+use taotie_engine::math::{Vec3, scalar};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
+use taotie_engine::scene::{Camera, Falloff, Light, LightKind, Material, Orbit, Scene};
+use taotie_engine::shade::environment::Environment;
 
 /// Returns a horizontal disc of radius 1 at this height, and a speck at height 0 that puts the ground below it.
 fn disc(height: f32) -> Scene {

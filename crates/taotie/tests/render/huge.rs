@@ -2,10 +2,10 @@
 //! missing nodes, and nothing panics.
 
 use crate::scenes;
-use taotie::math::Vec3;
-use taotie::mesh::{Mesh, MeshData};
-use taotie::render::{Lighting, RenderSettings, Shot, render};
-use taotie::scene::{Camera, Material, Orbit, Scene};
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::render::{Lighting, RenderSettings, Shot, render};
+use taotie_engine::scene::{Camera, Material, Orbit, Scene};
 
 /// Returns a ball of this radius, whose tree has missing children.
 fn ball(radius: f32) -> Scene {

@@ -2,28 +2,28 @@
 //! others.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "tests print their findings")]
 
-#[path = "../common/mod.rs"]
+#[path = "../../../../tests/common/mod.rs"]
 mod common;
-#[path = "../common/files.rs"]
+#[path = "../../../../tests/common/files.rs"]
 mod files;
-#[path = "../common/finishes.rs"]
+#[path = "../../../../tests/common/finishes.rs"]
 mod finishes;
 #[allow(dead_code, reason = "each test uses a part")]
-#[path = "../common/hostile.rs"]
+#[path = "../../../../tests/common/hostile.rs"]
 mod hostile;
-#[path = "../common/ktx.rs"]
+#[path = "../../../../tests/common/ktx.rs"]
 mod ktx;
-#[path = "../common/pictures.rs"]
+#[path = "../../../../tests/common/pictures.rs"]
 mod pictures;
-#[path = "../common/random.rs"]
+#[path = "../../../../tests/common/random.rs"]
 mod random;
-#[path = "../common/scenes.rs"]
+#[path = "../../../../tests/common/scenes.rs"]
 mod scenes;
-#[path = "../common/skies.rs"]
+#[path = "../../../../tests/common/skies.rs"]
 mod skies;
-#[path = "../common/views.rs"]
+#[path = "../../../../tests/common/views.rs"]
 mod views;
-#[path = "../common/walls.rs"]
+#[path = "../../../../tests/common/walls.rs"]
 mod walls;
 
 mod asset_generator;

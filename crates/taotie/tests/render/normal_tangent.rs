@@ -3,16 +3,16 @@
 
 use crate::common::absent;
 use crate::files::data_files;
-use taotie::image::Image;
-use taotie::math::{Vec3, scalar};
-use taotie::render::{Lighting, RenderSettings, Shot, render};
-use taotie::scene::Orbit;
+use taotie_engine::image::Image;
+use taotie_engine::math::{Vec3, scalar};
+use taotie_engine::render::{Lighting, RenderSettings, Shot, render};
+use taotie_engine::scene::Orbit;
 
 const SIDE: u32 = 768;
 
 /// Returns normals seen head-on, from far enough away that perspective does not separate relief from map.
 fn normals(model: &std::path::Path) -> Image {
-    let scene = taotie::io::load_model(model).unwrap().scene;
+    let scene = taotie_io::load_model(model).unwrap().scene;
     let bounds = scene.bounds().unwrap();
     let fov_y = 0.02;
     let size = (bounds.max - bounds.min).y.max((bounds.max - bounds.min).x);

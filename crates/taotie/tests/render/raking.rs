@@ -6,14 +6,14 @@ use crate::scenes;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::Path;
 use std::sync::LazyLock;
-use taotie::Progress;
 use taotie::asset::{BakeOptions, Baker, MeshSource, Packing, Scan, VerifyOptions, WrittenAsset};
-use taotie::io::load_model;
-use taotie::math::{Vec2, Vec3, scalar};
-use taotie::mesh::{Mesh, MeshData};
-use taotie::render::{Frame, GrazingNormals, Lighting, RenderSettings, Renderer, Shot};
-use taotie::scene::{Camera, Material, Orbit, Outline, Scene};
-use taotie::surface::vertex_normals;
+use taotie_engine::Progress;
+use taotie_engine::math::{Vec2, Vec3, scalar};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::render::{Frame, GrazingNormals, Lighting, RenderSettings, Renderer, Shot};
+use taotie_engine::scene::{Camera, Material, Orbit, Outline, Scene};
+use taotie_engine::surface::vertex_normals;
+use taotie_io::load_model;
 
 type V = Vec3<f64>;
 

@@ -3,13 +3,13 @@
 use crate::scenes;
 use crate::skies;
 use crate::views::{View, difference, environment_of, keep_to_look_at};
-use taotie::image::Image;
-use taotie::math::{SimdLevel, Vec3, scalar};
-use taotie::names::Named;
-use taotie::render::{ReferenceSettings, render};
-use taotie::scene::{AlphaMode, NormalSpace};
-use taotie::shade::Shading;
-use taotie::surface::SurfaceMethod;
+use taotie_engine::image::Image;
+use taotie_engine::math::{SimdLevel, Vec3, scalar};
+use taotie_engine::names::Named;
+use taotie_engine::render::{ReferenceSettings, render};
+use taotie_engine::scene::{AlphaMode, NormalSpace};
+use taotie_engine::shade::Shading;
+use taotie_engine::surface::SurfaceMethod;
 
 /// Under direct light both renderers give the same picture, except for how they average over pixels.
 fn direct_light_agrees(name: &str, view: &View, spp: u32) {

@@ -9,14 +9,14 @@ use crate::walls::{
     wall_view, white_sky,
 };
 use std::f64::consts::PI;
-use taotie::image::Image;
-use taotie::math::{Vec3, scalar};
-use taotie::mesh::Mesh;
-use taotie::names::Named;
-use taotie::render::{EnvironmentSampling, NormalMapping, ReferenceSettings};
-use taotie::scene::{AlphaMode, Anisotropy, Clearcoat, Material, Orbit, Sheen};
-use taotie::shade::furnace::Furnace;
-use taotie::shade::{Energy, MaterialSample, Shading};
+use taotie_engine::image::Image;
+use taotie_engine::math::{Vec3, scalar};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::names::Named;
+use taotie_engine::render::{EnvironmentSampling, NormalMapping, ReferenceSettings};
+use taotie_engine::scene::{AlphaMode, Anisotropy, Clearcoat, Material, Orbit, Sheen};
+use taotie_engine::shade::furnace::Furnace;
+use taotie_engine::shade::{Energy, MaterialSample, Shading};
 
 /// Sixteen paths of direct light.
 const DIRECT: ReferenceSettings = ReferenceSettings {
@@ -29,7 +29,7 @@ const DIRECT: ReferenceSettings = ReferenceSettings {
 
 #[test]
 fn a_white_sphere_is_not_seen_in_a_white_furnace() {
-    let scene = scene_of(vec![(taotie::mesh::Mesh::sphere(1.0, 48, 24), matt(1.0))]);
+    let scene = scene_of(vec![(taotie_engine::mesh::Mesh::sphere(1.0, 48, 24), matt(1.0))]);
     let mut view = View::under(white_sky(), scene, scenes::camera(20.0, 15.0, 3.4));
     (view.settings.width, view.settings.height) = (80, 60);
     view.settings.shading = Shading::Lambert;

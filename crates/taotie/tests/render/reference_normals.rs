@@ -4,14 +4,14 @@ use crate::scenes;
 use crate::skies;
 use crate::views::{View, environment_of};
 use crate::walls::{assert_mean, assert_ways_agree, matt, metal, statistics, wall_view, white_sky};
-use taotie::image::Encoding;
-use taotie::math::{Vec3, scalar};
-use taotie::names::Named;
-use taotie::render::{
+use taotie_engine::image::Encoding;
+use taotie_engine::math::{Vec3, scalar};
+use taotie_engine::names::Named;
+use taotie_engine::render::{
     EnvironmentLight, EnvironmentSampling, GrazingNormals, NormalMapping, ReferenceSettings, render,
 };
-use taotie::scene::{Clearcoat, GreenChannel, Material, NormalMap, NormalSpace};
-use taotie::shade::Shading;
+use taotie_engine::scene::{Clearcoat, GreenChannel, Material, NormalMap, NormalSpace};
+use taotie_engine::shade::Shading;
 
 const GROOVED: ReferenceSettings = ReferenceSettings {
     spp: 64,

@@ -4,12 +4,12 @@ use crate::finishes::{metal, polished_bosses, sphere};
 use crate::scenes;
 use crate::skies::equirect;
 use std::sync::{Arc, LazyLock};
-use taotie::image::{Encoding, Image};
-use taotie::math::Vec3;
-use taotie::render::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Shot, render};
-use taotie::scene::{Material, Scene};
-use taotie::shade::environment::Environment;
-use taotie::shade::specular_occlusion;
+use taotie_engine::image::{Encoding, Image};
+use taotie_engine::math::Vec3;
+use taotie_engine::render::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Shot, render};
+use taotie_engine::scene::{Material, Scene};
+use taotie_engine::shade::environment::Environment;
+use taotie_engine::shade::specular_occlusion;
 
 static WHITE: LazyLock<Arc<Environment>> =
     LazyLock::new(|| Environment::new(Image::new(32, 16, [1.0; 4]).unwrap()).unwrap().into());
@@ -72,7 +72,7 @@ fn occlusion_takes_all_of_its_share_of_diffuse_light() {
             width: 32,
             height: 32,
             samples: 1,
-            shading: taotie::shade::Shading::Lambert,
+            shading: taotie_engine::shade::Shading::Lambert,
             ..RenderSettings::default()
         };
         let scene = occluded(&metal([0.8, 0.5, 0.3], 0.6), o);

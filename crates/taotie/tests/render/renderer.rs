@@ -2,10 +2,10 @@
 
 use crate::scenes;
 use std::sync::Arc;
-use taotie::Progress;
-use taotie::film::{Development, develop8};
-use taotie::math::Vec3;
-use taotie::render::{Lighting, RenderSettings, Renderer, Shot, render};
+use taotie_engine::Progress;
+use taotie_engine::film::{Development, develop8};
+use taotie_engine::math::Vec3;
+use taotie_engine::render::{Lighting, RenderSettings, Renderer, Shot, render};
 
 fn settings(width: u32, height: u32, samples: u32, aovs: bool) -> RenderSettings {
     RenderSettings { width, height, samples, aovs, ..RenderSettings::default() }

@@ -3,11 +3,11 @@
 use crate::finishes;
 use crate::scenes;
 use std::sync::{Arc, LazyLock};
-use taotie::image::Image;
-use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
-use taotie::scene::{Clearcoat, Material, Sheen};
-use taotie::shade::environment::Environment;
-use taotie::shade::{Energy, Shading};
+use taotie_engine::image::Image;
+use taotie_engine::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
+use taotie_engine::scene::{Clearcoat, Material, Sheen};
+use taotie_engine::shade::environment::Environment;
+use taotie_engine::shade::{Energy, Shading};
 
 const WHITE: [f32; 3] = [1.0; 3];
 

@@ -5,8 +5,8 @@ use super::outline::{Outline, comment, label};
 use super::view::{Directional, View, six_digits};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
-use taotie::film::srgb_from_linear;
-use taotie::math::Vec3;
+use taotie_engine::film::srgb_from_linear;
+use taotie_engine::math::Vec3;
 
 const CONTEXT: &str = "http://iiif.io/api/presentation/4/context.json";
 

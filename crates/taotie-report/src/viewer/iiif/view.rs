@@ -1,7 +1,7 @@
 //! Reads the camera and the lights of a view from its link.
 
 use super::outline::Outline;
-use taotie::math::{Vec3, scalar};
+use taotie_engine::math::{Vec3, scalar};
 
 /// A view in a scene.
 #[derive(Debug, Clone, PartialEq)]

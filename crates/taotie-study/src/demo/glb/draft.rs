@@ -1,8 +1,8 @@
 //! The part common to both files: the mesh with its material.
 
-use taotie::Result;
-use taotie::io::{GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfLevel, GltfMaterial};
-use taotie::mesh::Mesh;
+use taotie_engine::Result;
+use taotie_engine::mesh::Mesh;
+use taotie_io::{GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfLevel, GltfMaterial};
 
 /// Starts a file for the vessel with the texture files of its scene; `normals` is the one for its relief.
 pub(super) fn draft(mesh: &Mesh, normals: Option<&str>) -> Result<GltfDraft> {

@@ -3,8 +3,8 @@
 use super::draft::draft;
 use crate::demo::output::Output;
 use std::path::PathBuf;
-use taotie::Result;
-use taotie::mesh::Mesh;
+use taotie_engine::Result;
+use taotie_engine::mesh::Mesh;
 
 /// Writes `mesh`, the vessel with its relief as geometry, to `jue-high.glb`; returns the file.
 ///
@@ -22,18 +22,17 @@ mod tests {
     use crate::demo::Vessel;
     use crate::demo::export;
     use crate::jue;
-    use taotie::io;
 
     #[test]
     fn the_file_contains_the_mesh() {
         let folder = tempfile::tempdir().unwrap();
         let ours = &jue::displaced_mesh(0.004);
-        let written = io::FileSet::one(|files| {
+        let written = taotie_io::FileSet::one(|files| {
             let output = Output { files, folder: folder.path(), side: 64 };
             export::write(&output, &Vessel::new(64))?;
             write(&output, ours)
         });
-        let loaded = io::load_model(&written.unwrap()).unwrap();
+        let loaded = taotie_io::load_model(&written.unwrap()).unwrap();
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
         let read = &loaded.scene.meshes()[0];
         assert_eq!(read.positions(), ours.positions());

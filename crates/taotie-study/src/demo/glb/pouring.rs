@@ -6,11 +6,11 @@ use crate::demo::vessel::Vessel;
 use crate::jue::pour;
 use serde_json::{Value, json};
 use std::path::PathBuf;
-use taotie::Result;
-use taotie::io::{GltfDraft, Json};
-use taotie::math::Mat4;
-use taotie::mesh::deform::Binding;
-use taotie::scene::animation::{Node, RigData, Sampler, Transform};
+use taotie_engine::Result;
+use taotie_engine::math::Mat4;
+use taotie_engine::mesh::deform::Binding;
+use taotie_engine::scene::animation::{Node, RigData, Sampler, Transform};
+use taotie_io::{GltfDraft, Json};
 
 /// The index of the rig's first node in the file.
 const FIRST: usize = 1;
@@ -107,20 +107,19 @@ fn animation(draft: &mut GltfDraft, data: &RigData) -> Value {
 mod tests {
     use super::*;
     use crate::demo::export;
-    use taotie::io;
-    use taotie::scene::Material;
+    use taotie_engine::scene::Material;
 
     #[test]
     fn the_file_moves_as_the_vessel_does() {
         let folder = tempfile::tempdir().unwrap();
         let vessel = Vessel::new(64);
         let scene = vessel.scene();
-        let written = io::FileSet::one(|files| {
+        let written = taotie_io::FileSet::one(|files| {
             let output = Output { files, folder: folder.path(), side: 64 };
             export::write(&output, &vessel)?;
             write(&output, &vessel)
         });
-        let mut loaded = io::load_model(&written.unwrap()).unwrap();
+        let mut loaded = taotie_io::load_model(&written.unwrap()).unwrap();
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
         let (read, ours) = (&loaded.scene.materials()[0], &scene.materials()[0]);
         let look = |m: &Material| (m.base_color, m.metallic, m.roughness, m.occlusion_strength);

@@ -4,12 +4,12 @@ use super::pouring::Pouring;
 use super::rig::POURED;
 use super::truth::Truth;
 use rayon::prelude::*;
-use taotie::compare::{Summary, angular_error};
-use taotie::image::Image;
-use taotie::math::Vec2;
-use taotie::render::{Aovs, Lighting, RenderSettings, Shot, render};
-use taotie::scene::{Camera, Scene};
-use taotie::{Error, Result};
+use taotie_engine::compare::{Summary, angular_error};
+use taotie_engine::image::Image;
+use taotie_engine::math::Vec2;
+use taotie_engine::render::{Aovs, Lighting, RenderSettings, Shot, render};
+use taotie_engine::scene::{Camera, Scene};
+use taotie_engine::{Error, Result};
 
 /// The measurement rule in words.
 pub const RULE: &str = "angle between the rendered normal and that of the displaced mesh under the same skin at the \

@@ -1,11 +1,11 @@
 //! A vessel at different moments of pouring.
 
 use super::rig::{CUP, PIVOT, rig};
-use taotie::math::Mat4;
-use taotie::render::{SurfaceSettings, bind_tangents};
-use taotie::scene::Scene;
-use taotie::scene::animation::Rig;
-use taotie::{Error, Result, Warnings};
+use taotie_engine::math::Mat4;
+use taotie_engine::render::{SurfaceSettings, bind_tangents};
+use taotie_engine::scene::Scene;
+use taotie_engine::scene::animation::Rig;
+use taotie_engine::{Error, Result, Warnings};
 
 /// A vessel that can be posed at any moment of pouring.
 pub struct Pouring {
@@ -47,7 +47,7 @@ mod tests {
     use super::super::rig::{POURED, TIP_DEG, follows};
     use super::*;
     use crate::jue::{low_mesh, scene};
-    use taotie::math::scalar;
+    use taotie_engine::math::scalar;
 
     #[test]
     fn feet_are_fixed_and_the_cup_turns_as_a_whole() {

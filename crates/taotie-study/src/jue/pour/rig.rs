@@ -1,9 +1,9 @@
 //! The skin with two joints, and the rotation of the cup's joint over time.
 
-use taotie::math::{Mat4, Vec3, scalar};
-use taotie::mesh::Mesh;
-use taotie::mesh::deform::{Binding, Deformable};
-use taotie::scene::animation::{
+use taotie_engine::math::{Mat4, Vec3, scalar};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::mesh::deform::{Binding, Deformable};
+use taotie_engine::scene::animation::{
     Animation, Channel, Deformed, Interpolation, Node, Path, Rig, RigData, Sampler, Skin, Transform,
 };
 

@@ -2,12 +2,12 @@
 
 use super::rig::{binding, rig};
 use rayon::prelude::*;
-use taotie::Result;
-use taotie::bake::UvLookup;
-use taotie::math::{Mat4, Vec2, Vec3};
-use taotie::mesh::deform::skin;
-use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{Instance, Material, Scene, SceneData};
+use taotie_engine::Result;
+use taotie_engine::bake::UvLookup;
+use taotie_engine::math::{Mat4, Vec2, Vec3};
+use taotie_engine::mesh::deform::skin;
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::scene::{Instance, Material, Scene, SceneData};
 
 /// The distance at which the surface around a point is probed, metres: small compared with the bend, large compared
 /// with rounding errors.
@@ -88,7 +88,7 @@ mod tests {
     use super::super::rig::{POURED, follows};
     use super::*;
     use crate::jue::{displaced_mesh, scene};
-    use taotie::compare::angle_deg;
+    use taotie_engine::compare::angle_deg;
 
     /// Coarse, since every vertex is checked.
     fn vessel() -> Mesh {

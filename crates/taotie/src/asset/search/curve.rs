@@ -1,6 +1,6 @@
 //! A measured curve between positive numbers, such as the error over the number of triangles.
 
-use crate::math::scalar::{exp, ln};
+use taotie_engine::math::scalar::{exp, ln};
 
 /// Points of a curve, interpolated linearly in logarithms. Beyond the first and the last point it is extrapolated
 /// from the nearest segment.

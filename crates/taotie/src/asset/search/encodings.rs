@@ -1,14 +1,13 @@
 //! The smallest encodings of a texture within a permitted loss.
 
-use super::codecs::Codecs;
-use super::goal::Goal;
-use crate::error::Result;
-use crate::image::{Bitmap, Encoding, Texture};
-use crate::io::{ImageCodec, LossyTexture, decode_bitmap};
-use crate::proof::ImageLook;
+use super::goal::{Codecs, Goal};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
+use taotie_engine::error::Result;
+use taotie_engine::image::{Bitmap, Encoding, Texture};
+use taotie_engine::proof::ImageLook;
+use taotie_io::{ImageCodec, LossyTexture, decode_bitmap};
 
 /// The smallest candidate side, texels.
 const LEAST_SIDE: u32 = 32;
@@ -187,13 +186,14 @@ fn sides(own: u32) -> impl Iterator<Item = u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bake::Scan;
-    use crate::image::{Sampler, Texels};
-    use crate::io::CodecSet;
-    use crate::math::{Mat4, scalar::sin};
-    use crate::mesh::Mesh;
-    use crate::proof::{Picture, Relook, Side};
-    use crate::scene::{Instance, Material, Scene, SceneData, TextureRef, UvTransform};
+    use taotie_engine::bake::Scan;
+    use taotie_engine::image::{Sampler, Texels};
+    use taotie_engine::math::Mat4;
+    use taotie_engine::math::scalar::sin;
+    use taotie_engine::mesh::Mesh;
+    use taotie_engine::proof::{Picture, Relook, Side};
+    use taotie_engine::scene::{Instance, Material, Scene, SceneData, TextureRef, UvTransform};
+    use taotie_io::CodecSet;
 
     const SIDE: u32 = 256;
 

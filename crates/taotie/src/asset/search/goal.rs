@@ -1,13 +1,11 @@
-//! The goal that a candidate must reach.
+//! The goal that a candidate must reach: limits of differences, ceilings of device resources, and the permitted image
+//! formats, at a level of detail.
 
-use super::trial::Trial;
-use crate::asset::figure::Figure;
-use crate::asset::requirement::Requirement;
-use crate::image::Encoding;
-use crate::proof::PixelDifferences;
+use crate::asset::ask::{Figure, Lod, Requirement};
+use taotie_engine::image::Encoding;
+use taotie_engine::proof::{Picture, PixelDifferences};
+use taotie_io::{CodecKind, CodecSet, ImageCodec};
 
-/// The ratio of a candidate's angles to their limits from which it is close enough to the goal from below.
-const CLOSE: f64 = 0.97;
 /// The worst fraction of the surface used in patch figures.
 const PATCH: f64 = 0.01;
 /// The approximate ratios of p95, and of the mean of the worst patch, to the mean angle.
@@ -133,19 +131,6 @@ impl Goal {
     }
 }
 
-/// Returns `true` if a trial reaches the goal and another one would hardly be smaller.
-pub(super) fn is_hit(trial: &Trial) -> bool {
-    trial.is_near && trial.angle_ratio >= CLOSE
-}
-
-/// The target ratio of angles, in the middle of those that hit the goal.
-pub(super) const AIM: f64 = 0.5 * (1.0 + CLOSE);
-
-/// Returns an error without one of its sources; they add up in squares.
-pub(super) fn remaining(error: f64, source: f64) -> f64 {
-    (error * error - source * source).max(0.0).sqrt()
-}
-
 impl Limit {
     /// Returns the limit that a requirement sets; `None` if pixels do not decide it.
     fn of(required: &Requirement) -> Option<Self> {
@@ -192,6 +177,170 @@ impl Statistic {
     }
 }
 
+/// The fraction of graphics memory that textures may take; the rest is for vertices.
+const FOR_TEXTURES: f64 = 0.8;
+/// Bytes per triangle on a graphics card: half a vertex of 28 bytes, more at seams, and three indices.
+const TRIANGLE: f64 = 40.0;
+/// The factor on the finest level's texels for all mip levels.
+const WITH_MIPS: f64 = 4.0 / 3.0;
+
+/// The maximum triangles and bytes of a candidate; infinite without a ceiling.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ceilings {
+    pub triangles: f64,
+    pub gpu_bytes: f64,
+    /// Of the file.
+    pub bytes: f64,
+}
+
+impl Ceilings {
+    /// Collects the ceilings among requirements of the finest level of detail.
+    pub fn of(requirements: &[Requirement]) -> Self {
+        let least = |figure: Figure| {
+            let finest = requirements.iter().filter(|required| required.level.is_none_or(|level| level == 0));
+            let those = finest.filter(|required| required.figure == figure);
+            those.map(|required| required.most).fold(f64::INFINITY, f64::min)
+        };
+        Self {
+            triangles: least(Figure::Triangles),
+            gpu_bytes: least(Figure::GpuMemory),
+            bytes: least(Figure::Bytes),
+        }
+    }
+
+    /// Returns the ceilings of one of several levels of detail. Three quarters of the memory are for the finest, and
+    /// each coarser one gets the same in proportion to its pixels: a quarter for all of them if each has half as many
+    /// across as the one before.
+    pub fn of_level(self, level: Level) -> Self {
+        const FINEST: f64 = 0.75;
+        Self { gpu_bytes: self.gpu_bytes * FINEST * level.part(), bytes: f64::INFINITY, ..self }
+    }
+
+    /// Returns the largest ratio of a candidate to a ceiling of the device; 0 without ceilings.
+    pub fn ratio(&self, triangles: usize, gpu_bytes: u64) -> f64 {
+        (triangles as f64 / self.triangles).max(gpu_bytes as f64 / self.gpu_bytes)
+    }
+
+    /// Returns the maximum number of triangles of a candidate, at least 4.
+    pub fn most_triangles(&self, has_textures: bool) -> f64 {
+        let share = if has_textures { 1.0 - FOR_TEXTURES } else { 1.0 };
+        self.triangles.min(self.gpu_bytes * share / TRIANGLE).floor().max(4.0)
+    }
+
+    /// Returns the maximum number of texels of all textures together.
+    pub fn most_texels(&self, codecs: &Codecs) -> f64 {
+        self.gpu_bytes * FOR_TEXTURES / (codecs.bytes_per_texel() * WITH_MIPS)
+    }
+}
+
+/// A level of detail of an asset: its number, 0 the finest, and the size of the object on the screen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::asset) struct Level {
+    pub number: usize,
+    /// Pixels across the object.
+    pub across: u32,
+}
+
+/// The minimum number of triangles of any candidate.
+const LEAST_TRIANGLES: u32 = 16;
+
+impl Level {
+    pub const FINEST: Self = Self { number: 0, across: Lod::FINEST };
+
+    /// Returns `true` for the finest.
+    pub fn is_finest(self) -> bool {
+        self.number == 0
+    }
+
+    /// Returns its number of pixels as a fraction of the finest level's, for the whole object.
+    pub fn part(self) -> f64 {
+        let part = f64::from(self.across) / f64::from(Lod::FINEST);
+        part * part
+    }
+
+    /// Returns a number of triangles of the finest level in proportion to the pixels of this one.
+    pub fn triangles(self, of_finest: u32) -> u32 {
+        ((f64::from(of_finest) * self.part()) as u32).max(LEAST_TRIANGLES)
+    }
+
+    /// Returns the map side of the finest level, texels, in proportion to the pixels of this one, a multiple of 4.
+    pub fn side(self, of_finest: u32) -> u32 {
+        (of_finest * self.across / Lod::FINEST).next_multiple_of(4).max(16)
+    }
+
+    /// Returns the picture at which it is measured, with `count` pixels if it is the finest.
+    pub fn picture(self, count: usize) -> Picture {
+        Picture::of(self.across as f32, count)
+    }
+}
+
+/// Candidate qualities, in ascending order.
+const WEBP: [u8; 9] = [20, 35, 50, 65, 75, 82, 88, 93, 97];
+const JPEG: [u8; 9] = [40, 55, 70, 80, 86, 90, 94, 96, 98];
+const AVIF: [u8; 9] = [30, 42, 54, 65, 75, 82, 88, 93, 97];
+/// Candidate λ of KTX2, from the most lossy down.
+const KTX2: [u8; 5] = [12, 6, 3, 1, 0];
+
+/// The image formats available to a search.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Codecs {
+    kinds: Vec<CodecKind>,
+    /// The codec set, which determines the extension for packed geometry.
+    pub set: CodecSet,
+}
+
+impl Codecs {
+    /// Takes the allowed kinds, without those that this build cannot write; those of the set if none are given.
+    pub fn new(kinds: &[CodecKind], set: CodecSet) -> Self {
+        let kinds = if kinds.is_empty() { set.images() } else { kinds };
+        let can_write = |kind: &CodecKind| match kind {
+            CodecKind::WebP => cfg!(feature = "webp"),
+            CodecKind::Avif => cfg!(feature = "avif"),
+            CodecKind::Png | CodecKind::Jpeg | CodecKind::Ktx2 => true,
+        };
+        let mut kinds: Vec<CodecKind> = kinds.iter().copied().filter(can_write).collect();
+        if kinds.is_empty() {
+            kinds.push(CodecKind::Png);
+        }
+        Self { kinds, set }
+    }
+
+    /// Returns `true` if images of a kind may be kept as is.
+    pub fn allows(&self, kind: CodecKind) -> bool {
+        self.kinds.contains(&kind)
+    }
+
+    /// Returns the maximum bytes of a texel on a graphics card.
+    pub fn bytes_per_texel(&self) -> f64 {
+        if self.kinds == [CodecKind::Ktx2] { 1.0 } else { 4.0 }
+    }
+
+    /// Returns the smallest lossless format; `None` if all are lossy.
+    pub fn lossless(&self) -> Option<ImageCodec> {
+        let both = [(CodecKind::WebP, ImageCodec::WebP), (CodecKind::Png, ImageCodec::Png)];
+        both.into_iter().find(|(kind, _)| self.kinds.contains(kind)).map(|(_, codec)| codec)
+    }
+
+    /// Returns the format with the least loss.
+    pub fn least_lossy(&self) -> ImageCodec {
+        self.lossless()
+            .or_else(|| self.ladders().find_map(|ladder| ladder.last().copied()))
+            .unwrap_or_default()
+    }
+
+    /// Returns the lossy formats of each kind, starting with the most lossy.
+    pub fn ladders(&self) -> impl Iterator<Item = Vec<ImageCodec>> {
+        let ladder = |kind: &CodecKind| match kind {
+            CodecKind::Png => Vec::new(),
+            CodecKind::Jpeg => JPEG.map(ImageCodec::Jpeg).into(),
+            CodecKind::WebP => WEBP.map(ImageCodec::LossyWebP).into(),
+            CodecKind::Avif => AVIF.map(ImageCodec::Avif).into(),
+            CodecKind::Ktx2 => KTX2.map(ImageCodec::Ktx2).into(),
+        };
+        self.kinds.iter().map(ladder).filter(|ladder| !ladder.is_empty())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -229,5 +378,37 @@ mod tests {
     #[test]
     fn nothing_to_compare_is_not_near() {
         assert_eq!(Goal::of(&[], 0).ratios(&PixelDifferences::default()), (f64::INFINITY, None));
+    }
+
+    #[test]
+    fn ceilings_are_those_of_the_finest_level() {
+        let required = Requirement::read("triangles@1=10,triangles=200,gpu-memory=1MB,mean-angle=1").unwrap();
+        let ceilings = Ceilings::of(&required);
+        assert_eq!(ceilings, Ceilings { triangles: 200.0, gpu_bytes: 1e6, bytes: f64::INFINITY });
+        assert_eq!((ceilings.ratio(100, 2_000_000), ceilings.most_triangles(true)), (2.0, 200.0));
+        let coarser = ceilings.of_level(Level { number: 1, across: 256 });
+        assert_eq!([ceilings.of_level(Level::FINEST), coarser].map(|own| own.gpu_bytes), [750e3, 187_500.0]);
+        assert_eq!(Ceilings::of(&[]).ratio(100, 100), 0.0);
+        assert_eq!(Ceilings::of(&[]).most_texels(&Codecs::new(&[], CodecSet::Portable)), f64::INFINITY);
+    }
+
+    #[test]
+    fn small_objects_have_fewer_triangles_and_texels() {
+        let quarter = Level { number: 1, across: 256 };
+        assert_eq!((quarter.triangles(8000), quarter.side(512), quarter.side(20)), (2000, 256, 16));
+        assert_eq!((Level::FINEST.triangles(8000), Level::FINEST.side(512)), (8000, 512));
+        let smallest = Level { number: 1, across: 32 };
+        assert_eq!((smallest.triangles(100), smallest.side(256)), (LEAST_TRIANGLES, 16));
+        assert_eq!(quarter.picture(1000), Picture { across: 256.0, count: 500 });
+    }
+
+    #[test]
+    fn each_set_has_a_format_that_loses_least() {
+        let least = |kinds: &[CodecKind]| Codecs::new(kinds, CodecSet::Portable).least_lossy();
+        assert_eq!(least(&[CodecKind::Ktx2]), ImageCodec::Ktx2(0));
+        assert_eq!(least(&[CodecKind::Jpeg]), ImageCodec::Jpeg(98));
+        assert_eq!(least(&[CodecKind::Jpeg, CodecKind::Png]), ImageCodec::Png);
+        #[cfg(feature = "webp")]
+        assert_eq!(least(&[]), ImageCodec::WebP);
     }
 }

@@ -4,32 +4,15 @@
 //! separately, and together they give an estimate of the smallest candidate; that is made, read back and measured.
 
 mod bare;
-#[cfg(test)]
-mod brute;
-mod budget;
-mod ceilings;
-mod coarser;
-mod codecs;
 mod curve;
 mod encodings;
-mod forecast;
 mod goal;
-mod level;
-mod level_maker;
 mod levels;
-mod map_size;
 mod mapped;
-mod other_maps;
 mod packed;
-mod round;
 mod smallest;
-mod trial;
-mod winner;
 mod workshop;
 
-pub(super) use coarser::{Coarser, Finest, LevelLook};
-pub(super) use level::Level;
-pub(super) use levels::make_levels;
-pub(super) use smallest::{MadeAsset, PackedAsset, Smallest, smallest};
-pub use trial::Trial;
-pub(super) use workshop::Rounding;
+pub(super) use goal::Level;
+pub(super) use levels::{Finest, make_levels};
+pub(super) use smallest::{PackedAsset, Smallest, smallest};

@@ -3,19 +3,17 @@
 
 use super::curve::Curve;
 use super::encodings::{EncodedTexture, Encodings, NORMAL_RATIOS};
-use super::goal::{AIM, is_hit};
-use super::trial::Trial;
-use super::winner::{Best, Candidate};
-use super::workshop::{Workshop, angle_of, uv_bits};
-use crate::asset::scan::Scan;
-use crate::error::{Error, Result, Warnings};
-use crate::image::Encoding;
-use crate::io::{
-    self, CodecSet, GltfPacker, GltfSource, ImageCodec, LossyTexture, PackedGeometry, PackedImage, VertexBits,
+use super::workshop::{AIM, Best, Candidate, Workshop, angle_of, is_hit, uv_bits};
+use crate::asset::bake::Trial;
+use crate::asset::source::Scan;
+use taotie_engine::error::{Error, Result, Warnings};
+use taotie_engine::image::Encoding;
+use taotie_engine::parallel;
+use taotie_engine::progress::Progress;
+use taotie_engine::proof::{Relook, Shown};
+use taotie_io::{
+    CodecSet, GltfPacker, GltfSource, ImageCodec, LossyTexture, PackedGeometry, PackedImage, VertexBits,
 };
-use crate::parallel;
-use crate::progress::Progress;
-use crate::proof::{Relook, Shown};
 
 /// The fractions of their limits that colours may use up; the rest is for fewer triangles. Triangles are measured
 /// with the first.
@@ -78,28 +76,6 @@ fn with(
     })
 }
 
-/// Tries every combination of some fractions of the triangles, bits, normal maps and losses of colours.
-#[cfg(test)]
-pub(super) fn all(
-    workshop: &mut Workshop<'_>,
-    (kept, colors): (&[f64], &[f64]),
-    progress: Progress<'_>,
-) -> Result<()> {
-    let best = &mut Best::default();
-    with(workshop, progress, &mut |mut search| {
-        for most in colors {
-            search.images = search.chosen(Encoding::Linear, 1.0)?.images;
-            search.images.extend(search.chosen(Encoding::Srgb, *most)?.images);
-            for maps in search.normal_maps()? {
-                for (kept, bits) in kept.iter().flat_map(|kept| BITS.map(|bits| (*kept, vertex_bits(bits)))) {
-                    search.trial(PackedGeometry { kept, bits, ..WHOLE }, &maps.of, best)?;
-                }
-            }
-        }
-        Ok(())
-    })
-}
-
 /// Limits images to the texels that fit the graphics memory ceiling, all by the same factor.
 fn within_ceiling<'a>(
     encodings: Vec<(usize, Encodings<'a>)>,
@@ -125,11 +101,11 @@ fn shown(scan: &Scan, image: &LossyTexture) -> Option<Shown> {
 /// angles or colours are measured with the candidate, and all others also occur in candidates made from the scan.
 pub(super) fn packer(scan: &Scan) -> Result<(GltfPacker, Warnings)> {
     let (path, mut lost) = (scan.path(), Warnings::default());
-    if io::is_gltf(path).unwrap_or(false) {
+    if taotie_io::is_gltf(path).unwrap_or(false) {
         return Ok((GltfPacker::open(GltfSource::File(path), &scan.limits)?, lost));
     }
     let scene = scan.surface().clone().into_scene()?;
-    let bytes = io::encode_scene(&scene, &[], &mut lost)?;
+    let bytes = taotie_io::encode_scene(&scene, &[], &mut lost)?;
     drop(scene);
     Ok((GltfPacker::open(GltfSource::Glb(&bytes), &scan.limits)?, lost))
 }
@@ -477,4 +453,26 @@ impl Forecast {
         self.errors.add(kept, squared.max(self.floor).sqrt());
         self.colors.add(kept, trial.color_ratio.unwrap_or_default());
     }
+}
+
+/// Tries every combination of some fractions of the triangles, bits, normal maps and losses of colours.
+#[cfg(test)]
+pub(super) fn all(
+    workshop: &mut Workshop<'_>,
+    (kept, colors): (&[f64], &[f64]),
+    progress: Progress<'_>,
+) -> Result<()> {
+    let best = &mut Best::default();
+    with(workshop, progress, &mut |mut search| {
+        for most in colors {
+            search.images = search.chosen(Encoding::Linear, 1.0)?.images;
+            search.images.extend(search.chosen(Encoding::Srgb, *most)?.images);
+            for maps in search.normal_maps()? {
+                for (kept, bits) in kept.iter().flat_map(|kept| BITS.map(|bits| (*kept, vertex_bits(bits)))) {
+                    search.trial(PackedGeometry { kept, bits, ..WHOLE }, &maps.of, best)?;
+                }
+            }
+        }
+        Ok(())
+    })
 }

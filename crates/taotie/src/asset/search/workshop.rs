@@ -1,30 +1,21 @@
-//! Candidates of a search, made as they would be written, read back and measured.
+//! Candidates of a search, made as they would be written, read back and measured; and the best of them.
 
-use super::ceilings::Ceilings;
-use super::codecs::Codecs;
-use super::goal::{Goal, Statistic};
-use super::level::Level;
-use super::trial::Trial;
-use crate::asset::figure_words::Looking;
-use crate::asset::judgement::{Pair, refuse_astray};
-use crate::asset::low::{self, LowPoly, Relief};
-use crate::asset::map_side;
-use crate::asset::maps::{Recipe, StoredMaps, bake_maps};
-use crate::asset::options::BakeOptions;
-use crate::asset::requirement::Requirement;
-use crate::asset::scan::Scan;
-use crate::bake::{self, MapKind, Simplified};
-use crate::error::{Error, Result, Warnings};
-use crate::io::{
-    self, CodecSet, GltfAsset, GltfFormat, GltfLevel, GltfSizes, GltfSource, ImageCodec, Limits,
-    TextureCodecs, VertexBits,
-};
-use crate::mesh::Mesh;
-use crate::progress::Progress;
-use crate::proof::{self, Picture, PixelDifferences, Side};
+use super::goal::{Ceilings, Codecs, Goal, Level, Statistic};
+use crate::asset::ask::{BakeOptions, Looking, Requirement};
+use crate::asset::bake::{Recipe, Rounding, StoredMaps, Trial, bake_maps, chosen_side, refuse_astray};
+use crate::asset::source::{LowPoly, Pair, Relief, Scan, low_poly};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use taotie_engine::bake::{self, MapKind, Simplified};
+use taotie_engine::error::{Error, Result, Warnings};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::progress::Progress;
+use taotie_engine::proof::{self, Picture, PixelDifferences, Side};
+use taotie_io::{
+    CodecSet, GltfAsset, GltfFormat, GltfLevel, GltfSizes, GltfSource, ImageCodec, Limits, PackedGeometry,
+    PackedImage, TextureCodecs, VertexBits,
+};
 
 /// The number of pixels at which a trial is measured if the object fills the picture of the finest level.
 const PIXELS: usize = 20_000;
@@ -60,14 +51,6 @@ pub(super) struct Shape {
     /// Texels along a side of its maps; 0 if it has none.
     pub size: u32,
     pub has_normal_map: bool,
-}
-
-/// The loss of a file's formats.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(in crate::asset) struct Rounding {
-    pub bits: VertexBits,
-    pub images: TextureCodecs,
-    pub codecs: CodecSet,
 }
 
 /// A candidate that was made but not yet written.
@@ -121,14 +104,6 @@ pub(super) struct Workshop<'a> {
     pub not_packed: Option<Error>,
 }
 
-impl Rounding {
-    /// Returns the format of its file.
-    pub fn format(self) -> GltfFormat {
-        let Self { bits, images, codecs } = self;
-        GltfFormat { images, quick_webp: false, meshopt: true, codecs, bits }
-    }
-}
-
 impl Draft {
     /// Returns the bytes of the candidate as a GLB of one level of detail without metadata.
     fn encoded(&self, rounding: Rounding) -> Result<Vec<u8>> {
@@ -138,7 +113,7 @@ impl Draft {
     fn encoded_as(&self, format: &GltfFormat) -> Result<Vec<u8>> {
         let material = self.maps.textures.material(&self.low.material, &self.low.kept);
         let levels = [GltfLevel { mesh: &self.low.mesh, coverage: None }];
-        io::encode_glb(&GltfAsset { levels: &levels, material, ..GltfAsset::default() }, format)
+        taotie_io::encode_glb(&GltfAsset { levels: &levels, material, ..GltfAsset::default() }, format)
     }
 
     /// Returns the number of bytes of only its mesh.
@@ -187,7 +162,7 @@ impl<'a> Workshop<'a> {
         let ceiling =
             ((self.ceilings.most_texels(&self.codecs) / self.textures() as f64).sqrt() as u32 & !3).max(16);
         match self.has_other_maps() {
-            true => ceiling.min(MARGIN * map_side::chosen(self.subject.scan.about.size.detail_side)),
+            true => ceiling.min(MARGIN * chosen_side(self.subject.scan.about.size.detail_side)),
             false => ceiling,
         }
     }
@@ -243,8 +218,8 @@ impl<'a> Workshop<'a> {
     pub fn simplified(&mut self, shape: Shape, progress: Progress<'_>) -> Result<&Simplified> {
         let mesh = (shape.triangles, if shape.has_normal_map { Relief::Map } else { Relief::Vertices });
         if !self.known.contains_key(&mesh) {
-            let own = low::simplified(self.subject.seen, mesh, progress)?;
-            let fitted = low::fitted(self.subject.scan, own.clone(), progress)?;
+            let own = low_poly::simplified(self.subject.seen, mesh, progress)?;
+            let fitted = low_poly::fitted(self.subject.scan, own.clone(), progress)?;
             let is_better = shape.has_normal_map || self.angle(&fitted)? <= self.angle(&own)?;
             self.known.insert(mesh, if is_better { fitted } else { own });
         }
@@ -356,7 +331,7 @@ impl<'a> Workshop<'a> {
     fn read_back(&self, encoded: Vec<u8>) -> Result<Read> {
         let limits = Limits::of_own_files();
         let gpu_bytes = GltfSizes::read(GltfSource::Glb(&encoded), &limits)?.gpu_bytes;
-        let scene = io::load_glb(encoded, &limits)?.scene;
+        let scene = taotie_io::load_glb(encoded, &limits)?.scene;
         Ok(Read {
             triangles: scene.triangle_count(),
             gpu_bytes,
@@ -396,5 +371,126 @@ impl<'a> Workshop<'a> {
 /// Returns the bytes of a mesh without material as a GLB.
 pub(super) fn encoded_mesh(mesh: &Mesh, format: &GltfFormat) -> Result<Vec<u8>> {
     let levels = [GltfLevel { mesh, coverage: None }];
-    io::encode_glb(&GltfAsset { levels: &levels, ..GltfAsset::default() }, format)
+    taotie_io::encode_glb(&GltfAsset { levels: &levels, ..GltfAsset::default() }, format)
+}
+
+/// The ratio of a candidate's angles to their limits from which it is close enough to the goal from below.
+const CLOSE: f64 = 0.97;
+
+/// The target ratio of angles, in the middle of those that hit the goal.
+pub(super) const AIM: f64 = 0.5 * (1.0 + CLOSE);
+
+/// Returns `true` if a trial reaches the goal and another one would hardly be smaller.
+pub(super) fn is_hit(trial: &Trial) -> bool {
+    trial.is_near && trial.angle_ratio >= CLOSE
+}
+
+/// A candidate and its measurements.
+pub(super) struct Winner {
+    pub candidate: Candidate,
+    pub trial: Trial,
+}
+
+/// The contents of the asset.
+pub(super) enum Candidate {
+    /// A mesh and maps generated from the scan.
+    Made(Box<Draft>, Rounding),
+    /// The packed scan.
+    Packed {
+        glb: Vec<u8>,
+        geometry: PackedGeometry,
+        /// Those that were re-encoded.
+        images: Vec<PackedImage>,
+    },
+}
+
+/// The smallest candidate that reaches the goal; until there is one, the nearest one, within the ceilings if
+/// possible.
+#[derive(Default)]
+pub(super) struct Best {
+    so_far: Option<Winner>,
+    /// The smallest ratio of any candidate within the ceilings.
+    least_ratio: Option<f64>,
+}
+
+/// Ratios up to this factor above the smallest one count as equal; then bytes decide.
+const EQUAL: f64 = 1.05;
+
+impl Best {
+    /// Replaces the best candidate if this one is better.
+    pub fn offer(&mut self, candidate: Candidate, trial: Trial) {
+        let known = self.least_ratio.unwrap_or(f64::INFINITY);
+        let least_ratio = if trial.is_within() { known.min(trial.ratio()) } else { known };
+        self.least_ratio = Some(least_ratio);
+        let is_better = |than: &Trial| match (trial.is_near, than.is_near) {
+            (true, true) => trial.bytes < than.bytes,
+            (false, false) => match (trial.is_within(), than.is_within()) {
+                (true, true) => {
+                    let is_equal = |ratio: f64| ratio <= EQUAL * least_ratio;
+                    match (is_equal(trial.ratio()), is_equal(than.ratio())) {
+                        (true, true) => trial.bytes < than.bytes,
+                        (false, false) => trial.ratio() < than.ratio(),
+                        (is_equal, _) => is_equal,
+                    }
+                }
+                (false, false) => trial.ceiling_ratio < than.ceiling_ratio,
+                (is_within, _) => is_within,
+            },
+            (is_near, _) => is_near,
+        };
+        if self.so_far.as_ref().is_none_or(|winner| is_better(&winner.trial)) {
+            self.so_far = Some(Winner { candidate, trial });
+        }
+    }
+
+    /// Returns `true` if the best candidate is within all ceilings.
+    pub fn is_within(&self) -> bool {
+        self.so_far.as_ref().is_some_and(|winner| winner.trial.is_within())
+    }
+
+    /// Returns the fewest bytes with which the goal is reached; infinite if it has not been reached.
+    pub fn bytes(&self) -> f64 {
+        self.near().map_or(f64::INFINITY, |winner| winner.trial.bytes as f64)
+    }
+
+    /// Applies [`Trial::scale`].
+    pub fn scale(&mut self, factor: f64) {
+        self.least_ratio = self.least_ratio.map(|ratio| ratio * factor);
+        if let Some(winner) = &mut self.so_far {
+            winner.trial.scale(factor);
+        }
+    }
+
+    /// Returns the bytes of the best candidate; infinite if there is none.
+    pub fn least_bytes(&self) -> f64 {
+        self.so_far.as_ref().map_or(f64::INFINITY, |winner| winner.trial.bytes as f64)
+    }
+
+    /// Returns `true` if most of its bytes are textures of the scan: candidates made from the scan need them too, and
+    /// have more vertices at their own UV islands.
+    pub fn is_mostly_textures(&self) -> bool {
+        self.near().is_some_and(|winner| match &winner.candidate {
+            Candidate::Packed { images, .. } => {
+                let of_images: usize = images.iter().map(|image| image.bytes.len()).sum();
+                2 * of_images as u64 > winner.trial.bytes
+            }
+            Candidate::Made(..) => false,
+        })
+    }
+
+    /// Returns the best candidate.
+    pub fn into_winner(self) -> Option<Winner> {
+        self.so_far
+    }
+
+    fn near(&self) -> Option<&Winner> {
+        self.so_far.as_ref().filter(|winner| winner.trial.is_near)
+    }
+}
+
+impl Candidate {
+    /// Returns a candidate generated from the scan.
+    pub fn made(draft: Draft, rounding: Rounding) -> Self {
+        Self::Made(Box::new(draft), rounding)
+    }
 }

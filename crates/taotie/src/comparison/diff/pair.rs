@@ -1,19 +1,21 @@
 //! The content of two images: colours, or normals.
 
-use super::options::{DiffOptions, Encoding, Metric};
-use crate::compare::{DisplayImage, NormalEncoding, StoredNormals, stored_normals, stored_picture};
-use crate::error::{Error, Result, Warnings};
-use crate::image::{Bitmap, Texels};
-use crate::surface::{NormalMapKind, is_normal_map};
+use super::{DiffOptions, Encoding, Metric};
+pub use taotie_engine::compare::{
+    DisplayImage, NormalEncoding, StoredNormals, stored_normals, stored_picture,
+};
+use taotie_engine::error::{Error, Result, Warnings};
+use taotie_engine::image::{Bitmap, Texels};
+use taotie_engine::surface::{NormalMapKind, is_normal_map};
 
 /// An image with the name used for it in errors and warnings, such as its file's.
 ///
 /// ```no_run
 /// use taotie::comparison::diff::NamedBitmap;
 ///
-/// let bitmap = taotie::io::read_bitmap("render.png".as_ref())?;
+/// let bitmap = taotie_io::read_bitmap("render.png".as_ref())?;
 /// let image = NamedBitmap { name: "render.png", bitmap: &bitmap };
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct NamedBitmap<'a> {
@@ -28,7 +30,7 @@ pub struct NamedBitmap<'a> {
 /// ```
 /// use taotie::comparison::diff::{DiffOptions, ImagePair, NamedBitmap};
 ///
-/// # use taotie::image::{Bitmap, Texels};
+/// # use taotie_engine::image::{Bitmap, Texels};
 /// # let grey = |code: u8| Bitmap::new(16, 16, 1, Texels::U8(vec![[code, code, code, 255]; 256]));
 /// # let (black, white) = (grey(0)?, grey(255)?);
 /// # let a = NamedBitmap { name: "black.png", bitmap: &black };
@@ -36,7 +38,7 @@ pub struct NamedBitmap<'a> {
 /// // `a` is black and `b` is white: colours, not normals.
 /// let pair = ImagePair::new([a, b], &DiffOptions::default())?;
 /// assert_eq!((pair.shared_normals(), pair.warnings.is_empty()), (None, true));
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
@@ -95,12 +97,12 @@ impl ImagePair {
     /// ```
     /// use taotie::comparison::diff::{DiffOptions, ImagePair, NamedBitmap};
     ///
-    /// # use taotie::image::{Bitmap, Texels};
+    /// # use taotie_engine::image::{Bitmap, Texels};
     /// # let bitmap = Bitmap::new(16, 16, 1, Texels::U8(vec![[0, 0, 0, 255]; 256]))?;
     /// let image = NamedBitmap { name: "black.png", bitmap: &bitmap };
     /// let need = ImagePair::bytes([image, image], &DiffOptions::default())?;
     /// assert!(need > 256 * 100);
-    /// # Ok::<(), taotie::Error>(())
+    /// # Ok::<(), taotie_engine::Error>(())
     /// ```
     ///
     /// # Errors
@@ -122,10 +124,10 @@ impl ImagePair {
     /// ```
     /// use taotie::comparison::diff::ImagePair;
     ///
-    /// # use taotie::image::{Bitmap, Texels};
+    /// # use taotie_engine::image::{Bitmap, Texels};
     /// let bitmap = Bitmap::new(16, 16, 1, Texels::U8(vec![[0, 0, 0, 255]; 256]))?;
     /// assert_eq!(ImagePair::least_bytes(&bitmap), 256 * (4 + 4 + 40));
-    /// # Ok::<(), taotie::Error>(())
+    /// # Ok::<(), taotie_engine::Error>(())
     /// ```
     pub fn least_bytes(image: &Bitmap) -> u64 {
         2 * image.texels().bytes() + image.texels().len() as u64 * NORMALS
@@ -187,19 +189,19 @@ fn normal_encodings(
 /// Guesses how an image stores normals, by their length; `None` if it does not look like a normal map.
 ///
 /// ```
-/// use taotie::compare::NormalEncoding;
+/// use taotie_engine::compare::NormalEncoding;
 /// use taotie::comparison::diff::guessed_encoding;
-/// use taotie::image::{Bitmap, Texels};
+/// use taotie_engine::image::{Bitmap, Texels};
 ///
 /// let codes = Bitmap::new(2, 2, 3, Texels::U8(vec![[128, 128, 255, 255]; 4]))?;
 /// let vectors = Bitmap::new(2, 2, 3, Texels::F32(vec![[0.0, 0.0, 1.0, 1.0]; 4]))?;
 /// assert_eq!(guessed_encoding(&codes)?, Some(NormalEncoding::Unit));
 /// assert_eq!(guessed_encoding(&vectors)?, Some(NormalEncoding::Signed));
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
 ///
 /// # Errors
-/// [`Error::Limit`] if a side is above [`Image::MAX_SIDE`](crate::image::Image::MAX_SIDE).
+/// [`Error::Limit`] if a side is above [`Image::MAX_SIDE`](taotie_engine::image::Image::MAX_SIDE).
 pub fn guessed_encoding(bitmap: &Bitmap) -> Result<Option<NormalEncoding>> {
     if matches!(bitmap.texels(), Texels::F32(_)) {
         let signed = stored_normals(bitmap, NormalEncoding::Signed)?;

@@ -1,12 +1,11 @@
-//! The checks of an audit and their results.
+//! The checks of an audit: their names, the ranges that they allow, their results, and the words of their messages.
 
-use super::range::AuditRange;
-use super::words::number;
-use crate::names::Named;
+use serde::de::{Deserialize, Deserializer, Error};
+use taotie_engine::names::Named;
 
 /// A check of an audit, under the name that the Khronos glTF Asset Auditor gives it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Check {
     /// The file follows the glTF specification, as the Khronos validator sees it.
@@ -96,8 +95,8 @@ impl Named for Check {
 }
 
 /// The outcome of a check.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum CheckStatus {
     /// The model meets the schema.
     Pass,
@@ -114,8 +113,7 @@ impl Named for CheckStatus {
 }
 
 /// The result of a check.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct CheckResult {
     /// The check.
@@ -160,5 +158,130 @@ impl CheckResult {
     pub(super) fn of_faults(name: Check, faults: usize, what: impl Into<String>) -> Self {
         let (value, maximum) = (Some(faults as f64), Some(0.0));
         Self { value, maximum, ..Self::tested(name, faults == 0, what) }
+    }
+}
+
+/// The minimum and maximum value allowed; `None` for no limit.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Deserialize)]
+#[serde(try_from = "Limits")]
+pub(super) struct AuditRange {
+    pub minimum: Option<f64>,
+    pub maximum: Option<f64>,
+}
+
+/// The limits as in the schema.
+#[derive(Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct Limits {
+    #[serde(deserialize_with = "limit")]
+    minimum: Option<f64>,
+    #[serde(deserialize_with = "limit")]
+    maximum: Option<f64>,
+}
+
+/// Reads a limit, which is at least 0; −1 means none.
+pub(super) fn limit<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
+    match Option::<f64>::deserialize(from)? {
+        Some(-1.0) | None => Ok(None),
+        Some(limit) if limit >= 0.0 => Ok(Some(limit)),
+        Some(limit) => {
+            Err(D::Error::custom(format!("invalid limit {limit}: use 0 or more, or -1 for no limit")))
+        }
+    }
+}
+
+impl TryFrom<Limits> for AuditRange {
+    type Error = String;
+
+    fn try_from(Limits { minimum, maximum }: Limits) -> Result<Self, String> {
+        match (minimum, maximum) {
+            (Some(low), Some(high)) if low > high => {
+                Err(format!("the minimum {low} is above the maximum {high}: no model can pass"))
+            }
+            _ => Ok(Self { minimum, maximum }),
+        }
+    }
+}
+
+impl AuditRange {
+    /// Returns the range with an upper limit only.
+    pub fn at_most(maximum: Option<f64>) -> Self {
+        Self { minimum: None, maximum }
+    }
+
+    /// Returns the range with a lower limit only.
+    pub fn at_least(minimum: Option<f64>) -> Self {
+        Self { minimum, maximum: None }
+    }
+
+    /// Returns true if there is a limit.
+    pub fn is_limited(&self) -> bool {
+        self.minimum.is_some() || self.maximum.is_some()
+    }
+
+    /// Returns true if a value is within the limits.
+    pub fn allows(&self, value: f64) -> bool {
+        self.minimum.is_none_or(|least| value >= least) && self.maximum.is_none_or(|most| value <= most)
+    }
+
+    /// Returns the limits in words, such as `at least 1 and at most 5`; empty if there are none.
+    pub fn words(&self) -> String {
+        let least = self.minimum.map(|least| format!("at least {}", number(least)));
+        let most = self.maximum.map(|most| format!("at most {}", number(most)));
+        least.into_iter().chain(most).collect::<Vec<_>>().join(" and ")
+    }
+}
+
+/// Formats a number with at most six decimals, grouping digits in threes.
+pub(super) fn number(value: f64) -> String {
+    let text = format!("{value:.6}");
+    let (whole, decimals) = text.split_once('.').unwrap_or((&text, ""));
+    let (sign, digits) = whole.strip_prefix('-').map_or(("", whole), |digits| ("-", digits));
+    let (first, rest) = digits.split_at((digits.len() - 1) % 3 + 1);
+    let groups: String =
+        rest.as_bytes().chunks(3).map(|group| format!(",{}", String::from_utf8_lossy(group))).collect();
+    match decimals.trim_end_matches('0') {
+        "" => format!("{sign}{first}{groups}"),
+        decimals => format!("{sign}{first}{groups}.{decimals}"),
+    }
+}
+
+/// Formats a count with the word for what it counts, adding an `s` unless the count is one.
+pub(super) fn counted(count: usize, what: &str) -> String {
+    format!("{} {what}{}", number(count as f64), if count == 1 { "" } else { "s" })
+}
+
+/// Returns the first names of a list, and how many more there are.
+pub(super) fn listed(names: &[String]) -> String {
+    /// The maximum number of names in a message.
+    const MOST: usize = 4;
+    let shown = names.iter().take(MOST).cloned().collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(MOST) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
+}
+
+/// Returns a value rounded to a multiple of 1 / `steps`.
+pub(super) fn rounded(value: f64, steps: f64) -> f64 {
+    (value * steps).round() / steps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_grouped_and_short() {
+        let texts = [0.0, 7.0, 1234.0, 999_999.5, -1_234_567.25, 0.1 + 0.2].map(number);
+        assert_eq!(texts, ["0", "7", "1,234", "999,999.5", "-1,234,567.25", "0.3"]);
+        assert_eq!((counted(1, "edge"), counted(0, "edge")), ("1 edge".into(), "0 edges".into()));
+    }
+
+    #[test]
+    fn long_lists_are_cut() {
+        let names: Vec<String> = ('a'..='f').map(String::from).collect();
+        assert_eq!(listed(&names[..2]), "a, b");
+        assert_eq!(listed(&names), "a, b, c, d and 2 more");
     }
 }

@@ -1,11 +1,12 @@
-//! The schema of the Khronos glTF Asset Auditor: which checks an audit runs, and their limits.
+//! The input files of the Khronos glTF Asset Auditor: the schema, with the checks that an audit runs and their
+//! limits, and the product info, with whose dimensions the model is compared.
 
-use super::range::AuditRange;
-use crate::error::{Error, Result};
+use super::check::AuditRange;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::error::Category;
 use std::fmt::Display;
+use taotie_engine::error::{Error, Result};
 
 /// A requirements schema of the Khronos glTF Asset Auditor, version 1.
 ///
@@ -17,7 +18,7 @@ use std::fmt::Display;
 /// let text = r#"{ "version": "1.0.4", "model": { "triangles": { "maximum": 100000 } } }"#;
 /// let schema = AuditSchema::parse(text.as_bytes(), "schema.json")?;
 /// assert_eq!(schema.version(), "1.0.4");
-/// # Ok::<(), taotie::Error>(())
+/// # Ok::<(), taotie_engine::Error>(())
 /// ```
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "camelCase")]
@@ -77,12 +78,12 @@ pub(super) struct DimensionsSchema {
 #[derive(Debug, Clone, Copy, Default, Deserialize)]
 #[serde(deny_unknown_fields, default, rename_all = "camelCase")]
 pub(super) struct DimensionSchema {
-    #[serde(deserialize_with = "super::range::limit")]
+    #[serde(deserialize_with = "super::check::limit")]
     pub maximum: Option<f64>,
-    #[serde(deserialize_with = "super::range::limit")]
+    #[serde(deserialize_with = "super::check::limit")]
     pub minimum: Option<f64>,
     /// Per cent of the product's dimension; without it the match must be exact.
-    #[serde(deserialize_with = "super::range::limit")]
+    #[serde(deserialize_with = "super::check::limit")]
     pub percent_tolerance: Option<f64>,
 }
 
@@ -112,15 +113,15 @@ pub(super) struct UvSchema {
 #[derive(Debug, Clone, Copy, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct GutterWidth {
-    #[serde(deserialize_with = "super::range::limit")]
+    #[serde(deserialize_with = "super::check::limit")]
     resolution256: Option<f64>,
-    #[serde(deserialize_with = "super::range::limit")]
+    #[serde(deserialize_with = "super::check::limit")]
     resolution512: Option<f64>,
-    #[serde(deserialize_with = "super::range::limit")]
+    #[serde(deserialize_with = "super::check::limit")]
     resolution1024: Option<f64>,
-    #[serde(deserialize_with = "super::range::limit")]
+    #[serde(deserialize_with = "super::check::limit")]
     resolution2048: Option<f64>,
-    #[serde(deserialize_with = "super::range::limit")]
+    #[serde(deserialize_with = "super::check::limit")]
     resolution4096: Option<f64>,
 }
 
@@ -173,7 +174,7 @@ impl AuditSchema {
 }
 
 /// Reads a value from the bytes of a JSON file; errors name the file, the line and the column.
-pub(super) fn parse_json<T: DeserializeOwned>(bytes: &[u8], file: impl Display) -> Result<T> {
+fn parse_json<T: DeserializeOwned>(bytes: &[u8], file: impl Display) -> Result<T> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     serde_json::from_slice(bytes).map_err(|error| {
         let text = error.to_string();
@@ -185,6 +186,53 @@ pub(super) fn parse_json<T: DeserializeOwned>(bytes: &[u8], file: impl Display) 
         };
         Error::invalid(format!("{file}: line {}, column {}", error.line(), error.column()), why)
     })
+}
+
+/// The product info of the Khronos glTF Asset Auditor: the dimensions of the product that a model shows.
+///
+/// ```
+/// use taotie::inspection::ProductInfo;
+///
+/// let text = r#"{ "dimensions": { "length": 0.4, "width": 0.4, "height": 1.1 } }"#;
+/// assert!(ProductInfo::parse(text.as_bytes(), "vase.json").is_ok());
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProductInfo {
+    pub(super) dimensions: ProductDimensions,
+}
+
+/// The dimensions of a product, in metres; missing ones are not compared.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ProductDimensions {
+    pub length: Option<f64>,
+    pub width: Option<f64>,
+    pub height: Option<f64>,
+}
+
+impl ProductInfo {
+    /// Reads product info from the bytes of a JSON file; `file` names it in errors.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with line and column as for [`AuditSchema::parse`], or naming a dimension that is
+    /// not above 0, or if there are none.
+    pub fn parse(bytes: &[u8], file: impl Display) -> Result<Self> {
+        let info: Self = parse_json(bytes, &file)?;
+        let ProductDimensions { length, width, height } = info.dimensions;
+        let given = || [length, width, height].into_iter().flatten();
+        if given().next().is_none() {
+            let why = "missing: specify length, width or height in metres";
+            return Err(Error::invalid(format!("{file}: dimensions"), why));
+        }
+        match given().find(|dimension| *dimension <= 0.0) {
+            Some(wrong) => {
+                let why = "invalid: dimensions must be above 0, in metres; omit unknown ones";
+                Err(Error::invalid(format!("{file}: dimension {wrong}"), why))
+            }
+            None => Ok(info),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -253,5 +301,18 @@ mod tests {
         assert_eq!(both, Some(Gutter { pixels: 4.0, resolution: 256.0 }));
         let one = gutter(r#"{ "resolution4096": 8 }"#);
         assert_eq!(one, Some(Gutter { pixels: 8.0, resolution: 4096.0 }));
+    }
+
+    #[test]
+    fn dimensions_are_above_zero() {
+        let parse = |text: &str| ProductInfo::parse(text.as_bytes(), "p.json");
+        let error = |text: &str| parse(text).unwrap_err().to_string();
+        let info = parse(r#"{ "dimensions": { "length": 1, "height": 2.5 } }"#).unwrap();
+        let expected = ProductDimensions { length: Some(1.0), width: None, height: Some(2.5) };
+        assert_eq!(info.dimensions, expected);
+        assert!(error(r#"{ "dimensions": { "length": 0 } }"#).contains("dimension 0"));
+        assert!(error(r#"{ "dimensions": {} }"#).contains("missing"));
+        assert!(error(r#"{ "dimension": {} }"#).contains("unknown field `dimension`"));
+        assert!(error("{}").contains("missing field `dimensions`"));
     }
 }

@@ -1,12 +1,12 @@
 //! Every check passes on a model that meets it and fails on one that does not.
 
 use super::*;
-use crate::Warnings;
-use crate::image::{Bitmap, Encoding, Sampler, Texels, Texture};
-use crate::io::{GltfStructure, Loaded, RootNode, load_model};
-use crate::math::{Mat4, Vec2, Vec3};
-use crate::mesh::{Mesh, MeshData};
-use crate::scene::{Instance, Material, Scene, SceneData, TextureRef, UvTransform};
+use taotie_engine::Warnings;
+use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+use taotie_engine::math::{Mat4, Vec2, Vec3};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::scene::{Instance, Material, Scene, SceneData, TextureRef, UvTransform};
+use taotie_io::{GltfStructure, Loaded, RootNode, load_model};
 
 /// A rectangle in uv: left, top, right and bottom.
 type UvRectangle = [f32; 4];
@@ -104,7 +104,7 @@ fn assert_limits(loaded: &Loaded, text: &str, check: Check, Limited(value, limit
 
 #[test]
 fn every_check_has_one_result_in_the_order_of_its_names() {
-    use crate::names::Named;
+    use taotie_engine::names::Named;
     let audit = Audit::of(&plain(row(&[[0.0, 0.0, 1.0, 1.0]])), &schema(r#""uvs": {}"#), None).unwrap();
     let names: Vec<&str> = audit.checks.iter().map(|result| result.name.name()).collect();
     let all: Vec<&str> = Check::NAMES.iter().map(|(name, _)| *name).collect();
@@ -362,7 +362,7 @@ fn models_packed_by_draco_are_audited() {
         "uvs": { "requireRangeZeroToOne": true, "requireNotInverted": true, "requireNotOverlapping": true,
                  "gutterWidth": { "resolution256": 2 } }"#;
     let audit = |name: &str| {
-        let path = format!("{}/tests/data/meshes/{name}", env!("CARGO_MANIFEST_DIR"));
+        let path = format!("{}/../../tests/data/meshes/{name}", env!("CARGO_MANIFEST_DIR"));
         Audit::of(&load_model(path.as_ref()).unwrap(), &schema(text), None).unwrap()
     };
     let plain = audit("patch.glb");

@@ -1,14 +1,14 @@
-//! The range and the orientation of uvs.
+//! Checks of uvs: their range, their orientation, triangles that overlap, and the gutter between UV islands.
 
-use super::check::{Check, CheckResult};
-use super::gutter;
-use super::overlap;
-use super::schema::UvSchema;
-use super::words::counted;
-use crate::error::Result;
-use crate::mesh::Mesh;
-use crate::parallel;
-use crate::scene::Scene;
+use super::check::{Check, CheckResult, counted, number, rounded};
+use super::schema::{Gutter, UvSchema};
+use super::uv_raster::{MOST_SIDE, NONE, UvRaster, narrowest_gap};
+use taotie_engine::bake::Coverage;
+use taotie_engine::error::Result;
+use taotie_engine::mesh::Mesh;
+use taotie_engine::parallel;
+use taotie_engine::scene::Scene;
+use taotie_engine::surface::uv_islands;
 
 /// The extent of uvs and the triangles that are mirrored.
 struct Uvs {
@@ -26,7 +26,7 @@ impl Default for Uvs {
 /// Checks uv set 0 of all meshes.
 ///
 /// # Errors
-/// As [`overlap::result`] and [`gutter::result`].
+/// As [`overlap`] and [`gutter`].
 pub(super) fn results(scene: &Scene, schema: &UvSchema) -> Result<Vec<CheckResult>> {
     let is_mapped = |mesh: &&Mesh| !mesh.uvs().is_empty() && !mesh.triangles().is_empty();
     let meshes: Vec<&Mesh> = scene.meshes().iter().filter(is_mapped).collect();
@@ -39,8 +39,8 @@ pub(super) fn results(scene: &Scene, schema: &UvSchema) -> Result<Vec<CheckResul
     Ok(vec![
         uvs.range(schema.require_range_zero_to_one),
         uvs.inverted(schema.require_not_inverted),
-        overlap::result(&meshes, schema.require_not_overlapping)?,
-        gutter::result(&meshes, schema.gutter_width.widest())?,
+        overlap(&meshes, schema.require_not_overlapping)?,
+        gutter(&meshes, schema.gutter_width.widest())?,
     ])
 }
 
@@ -90,4 +90,117 @@ impl Uvs {
             false => CheckResult::not_tested(Check::InvertedUvs, message),
         }
     }
+}
+
+/// Raster texels per triangle, on average over the uvs' box.
+const TEXELS_PER_TRIANGLE: f64 = 9.0;
+
+/// The minimum length of a raster's longer side.
+const LEAST_SIDE: f64 = 1024.0;
+
+/// Checks that no two triangles of a mesh overlap in uv: no two cover the centre of the same texel. Edges are exact,
+/// so that neighbours never overlap. Different meshes may overlap.
+///
+/// # Errors
+/// [`taotie_engine::Error::Limit`] for a mesh of 2³¹ triangles.
+fn overlap(meshes: &[&Mesh], required: bool) -> Result<CheckResult> {
+    if !required {
+        return Ok(CheckResult::not_tested(Check::OverlappingUvs, "not required"));
+    }
+    let (mut shared, mut covered) = (0, 0);
+    for mesh in meshes {
+        let count = mesh.triangles().len();
+        let side = (count as f64 * TEXELS_PER_TRIANGLE).sqrt().clamp(LEAST_SIDE, f64::from(MOST_SIDE));
+        let Some(raster) = UvRaster::across(mesh, side) else { continue };
+        let coverage = raster.coverage(0..count as u32)?;
+        shared += coverage.shared();
+        covered += coverage.covered();
+    }
+    let covered = number(covered as f64);
+    let message =
+        format!("{} of {covered} covered by more than one triangle (at most 0)", counted(shared, "texel"));
+    Ok(CheckResult::of_faults(Check::OverlappingUvs, shared, message))
+}
+
+/// Texels of the raster per required gutter.
+const TEXELS_PER_GUTTER: f64 = 16.0;
+
+/// The minimum number of raster texels per unit of uv, for small islands.
+const LEAST_TEXELS: f64 = 1024.0;
+
+/// Checks that UV islands of a mesh are at least the required distance apart, along the longer of the two axes.
+/// Islands are triangles joined by corners with equal uvs.
+///
+/// The width is measured on a raster with 16 texels per required gutter, at least 1024 per unit of uv and at most
+/// 4096 across, and rounded up to the next texel, so that no island fails by rounding. Overlapping islands have a
+/// gutter of 0; those too small to cover the centre of a texel are ignored. If uvs span so much that the gutter is
+/// narrower than a texel, the check is not tested, unless another mesh fails it.
+///
+/// # Errors
+/// [`taotie_engine::Error::Limit`] for a mesh of 2³¹ triangles.
+fn gutter(meshes: &[&Mesh], gutter: Option<Gutter>) -> Result<CheckResult> {
+    let check = Check::GutterWidth;
+    let Some(gutter) = gutter else { return Ok(CheckResult::not_tested(check, "not required")) };
+    let texels_per_uv = (TEXELS_PER_GUTTER / gutter.width()).max(LEAST_TEXELS);
+    let (mut narrowest, mut coarse) = (f64::INFINITY, None);
+    for mesh in meshes {
+        let Some(raster) = UvRaster::per_uv(mesh, texels_per_uv) else { continue };
+        if raster.texel > gutter.width() * 1.0001 {
+            coarse = Some(raster.texel);
+        } else if let Some(width) = width(&raster, &uv_islands(mesh))? {
+            narrowest = narrowest.min(width);
+        }
+    }
+    Ok(match coarse {
+        Some(texel) if is_wide_enough(narrowest, gutter) => {
+            let (width, texel) = (number(gutter.width()), number(texel));
+            let why = format!(
+                "uvs span too much: the gutter of {width} is narrower than a raster texel of {texel}"
+            );
+            CheckResult::not_tested(check, why)
+        }
+        _ if narrowest == f64::INFINITY => CheckResult::tested(check, true, "no two UV islands"),
+        _ => measured(narrowest, gutter),
+    })
+}
+
+/// Compares the narrowest gutter, in uv, with the required one.
+fn measured(width: f64, gutter: Gutter) -> CheckResult {
+    let pixels = rounded(width * gutter.resolution, 1e3);
+    let (least, resolution) = (number(gutter.pixels), number(gutter.resolution));
+    let message = format!("{} px at {resolution} (at least {least})", number(pixels));
+    let result = CheckResult::tested(Check::GutterWidth, is_wide_enough(width, gutter), message);
+    CheckResult { value: Some(pixels), minimum: Some(gutter.pixels), ..result }
+}
+
+/// Returns true if a width, which is rounded up and so above the true one, is sufficient.
+fn is_wide_enough(width: f64, gutter: Gutter) -> bool {
+    width > gutter.width() * (1.0 + 1e-9)
+}
+
+/// Returns the narrowest gutter in uv, rounded up to the next texel; `None` if there are no two islands.
+fn width(raster: &UvRaster<'_>, islands: &[u32]) -> Result<Option<f64>> {
+    let mut order: Vec<u32> = (0..islands.len() as u32).collect();
+    order.sort_by_key(|triangle| islands[*triangle as usize]);
+    let lowest = raster.coverage(order.iter().copied())?;
+    let (is_shared, width) = (lowest.shared() > 0, lowest.width() as usize);
+    let labels = labels(lowest, |rank| islands[order[rank as usize] as usize]);
+    if is_shared {
+        // The lowest island won each texel; now the highest wins.
+        order.reverse();
+        let highest = raster.coverage(order.iter().copied())?;
+        if self::labels(highest, |rank| islands[order[rank as usize] as usize]) != labels {
+            return Ok(Some(0.0));
+        }
+    }
+    let gap = narrowest_gap(labels, width);
+    Ok(gap.map(|texels| f64::from(texels + 1) * raster.texel))
+}
+
+/// Returns the island of each texel, row by row; [`NONE`] if there is none.
+fn labels(coverage: Coverage, island: impl Fn(u32) -> u32 + Sync) -> Vec<u32> {
+    let (width, height) = (coverage.width() as usize, coverage.height() as usize);
+    parallel::collect(width * height, |i| {
+        coverage.triangle((i % width) as u32, (i / width) as u32).map_or(NONE, &island)
+    })
 }

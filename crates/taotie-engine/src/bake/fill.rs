@@ -1,0 +1,245 @@
+//! Fills the space between UV islands, so that no filter or mip level shows a seam, and the colours of invisible
+//! texels.
+
+use super::maps::{BakedMaps, TexelStatus};
+use crate::parallel;
+
+/// Texels around each UV island that take the value of the nearest covered one before the rest is filled: more than
+/// any bilinear or anisotropic lookup at the finest level reaches across a border.
+const PADDING: u32 = 4;
+
+/// The minimum alpha of a visible texel: one of 255 codes.
+const SEEN: f32 = 1.0 / 255.0;
+
+/// Gives free texels values: `steps` of dilation of the UV islands, each texel copied from a neighbour; or with
+/// `None` first a narrow padding and then, for the rest, the mean of the smallest non-empty square of 2ⁿ texels
+/// around them, aligned like mip levels. Each texel of any mip level is thus the mean of the covered texels below it,
+/// and of nothing else. Texels with alpha 0 take the colours around them.
+pub(super) fn fill(maps: &mut BakedMaps, steps: Option<u32>) {
+    let size = [maps.width as usize, maps.height as usize];
+    let mut known: Vec<bool> = maps.texels.iter().map(|texel| *texel != TexelStatus::Free).collect();
+    if !known.contains(&true) {
+        return;
+    }
+    fill_hidden(maps, &known, size);
+    for _ in 0..steps.unwrap_or(PADDING) {
+        let grown = neighbours(&known, size);
+        if grown.is_empty() {
+            break;
+        }
+        each(maps, |plane| copy(plane, &grown), |plane| copy(plane, &grown));
+        grown.iter().for_each(|(to, _)| known[*to] = true);
+    }
+    if steps.is_none() {
+        each(maps, |plane| pull_push(plane, &known, size), |plane| pull_push(plane, &known, size));
+    }
+}
+
+/// Gives baked texels with alpha 0, which are invisible, the colours of visible texels around them.
+fn fill_hidden(maps: &mut BakedMaps, baked: &[bool], size: [usize; 2]) {
+    let BakedMaps { albedo, alpha, .. } = maps;
+    if albedo.is_empty() || alpha.is_empty() {
+        return;
+    }
+    let seen: Vec<bool> = baked.iter().zip(alpha.iter()).map(|(is, alpha)| *is && *alpha >= SEEN).collect();
+    if seen == baked || !seen.contains(&true) {
+        return;
+    }
+    let mut known = seen;
+    for _ in 0..PADDING {
+        let grown = neighbours(&known, size);
+        copy(albedo, &grown);
+        grown.iter().for_each(|(to, _)| known[*to] = true);
+    }
+    pull_push(albedo, &known, size);
+    // Free texels have no colour yet.
+    albedo.iter_mut().zip(baked).filter(|(_, is)| !**is).for_each(|(color, _)| *color = [0.0; 3]);
+}
+
+/// Applies a function to every plane present.
+fn each(maps: &mut BakedMaps, one: impl Fn(&mut [[f32; 1]]), three: impl Fn(&mut [[f32; 3]])) {
+    let BakedMaps { occlusion, heights, curvature, roughness, metallic, alpha, .. } = maps;
+    for plane in [occlusion, heights, curvature, roughness, metallic, alpha] {
+        one(plane.as_chunks_mut::<1>().0);
+    }
+    for plane in [&mut maps.normal, &mut maps.albedo, &mut maps.bent, &mut maps.emission] {
+        three(plane);
+    }
+}
+
+/// Returns the free texels next to known ones, each with its first known neighbour: left, right, above, below.
+fn neighbours(known: &[bool], [width, height]: [usize; 2]) -> Vec<(usize, usize)> {
+    let row = |y: usize| {
+        let is_free = move |x: &usize| !known[y * width + x];
+        (0..width).filter(is_free).filter_map(move |x| {
+            let i = y * width + x;
+            let sides = [
+                (x > 0).then(|| i - 1),
+                (x + 1 < width).then(|| i + 1),
+                (y > 0).then(|| i - width),
+                (y + 1 < height).then(|| i + width),
+            ];
+            sides.into_iter().flatten().find(|k| known[*k]).map(|k| (i, k))
+        })
+    };
+    parallel::fold(height, |found: &mut Vec<(usize, usize)>, y| found.extend(row(y))).concat()
+}
+
+fn copy<T: Copy>(plane: &mut [T], from: &[(usize, usize)]) {
+    if !plane.is_empty() {
+        from.iter().for_each(|(to, from)| plane[*to] = plane[*from]);
+    }
+}
+
+/// A level of the gap-filling pyramid; `None` if a texel covers no known texel.
+struct PyramidLevel<const N: usize> {
+    size: [usize; 2],
+    texels: Vec<Option<[f32; N]>>,
+}
+
+/// Fills unknown texels from the means of ever larger squares.
+///
+/// Source: Gortler et al. 1996, "The lumigraph", §3.4, with boxes as filters.
+fn pull_push<const N: usize>(plane: &mut [[f32; N]], known: &[bool], size: [usize; 2]) {
+    if plane.is_empty() {
+        return;
+    }
+    let mut levels = vec![coarser(size, |i| known[i].then(|| plane[i]))];
+    while let Some(last) = levels.last().filter(|level| level.texels.contains(&None)) {
+        levels.push(coarser(last.size, |i| last.texels[i]));
+    }
+    for k in (1..levels.len()).rev() {
+        let (fine, coarse) = levels.split_at_mut(k);
+        let (fine, coarse) = (&mut fine[k - 1], &coarse[0]);
+        let width = fine.size[0];
+        parallel::pieces(&mut fine.texels, width, &|y, row| {
+            for (x, texel) in row.iter_mut().enumerate() {
+                *texel = texel.or(coarse.texels[y / 2 * coarse.size[0] + x / 2]);
+            }
+        });
+    }
+    let coarse = &levels[0];
+    parallel::pieces(plane, size[0], &|y, row| {
+        for (x, texel) in row.iter_mut().enumerate().filter(|(x, _)| !known[y * size[0] + x]) {
+            *texel = coarse.texels[y / 2 * coarse.size[0] + x / 2].unwrap_or(*texel);
+        }
+    });
+}
+
+/// Returns the means of the known texels in squares of two by two.
+fn coarser<const N: usize>(
+    [width, height]: [usize; 2],
+    at: impl Fn(usize) -> Option<[f32; N]> + Sync,
+) -> PyramidLevel<N> {
+    let size = [width.div_ceil(2), height.div_ceil(2)];
+    let mean = |i: usize| {
+        let (x, y) = (i % size[0] * 2, i / size[0] * 2);
+        let (mut sum, mut count) = ([0.0; N], 0);
+        for (x, y) in [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)] {
+            if let Some(texel) = (x < width && y < height).then(|| at(y * width + x)).flatten() {
+                (0..N).for_each(|k| sum[k] += texel[k]);
+                count += 1;
+            }
+        }
+        (count > 0).then(|| sum.map(|v| v / count as f32))
+    };
+    PyramidLevel { size, texels: parallel::collect(size[0] * size[1], mean) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bake::{MapKind, Maps};
+
+    /// Returns two UV islands of different heights on a map of 64 × 64.
+    fn islands() -> BakedMaps {
+        let mut maps = BakedMaps::new([64, 64], Maps::default().with(MapKind::Height).with(MapKind::Albedo));
+        for y in 0..64 {
+            for x in 0..64 {
+                let height = match (x, y) {
+                    (3..=20, 5..=30) => 1.0,
+                    (40..=60, 9..=44) => 3.0,
+                    _ => continue,
+                };
+                maps.texels[y * 64 + x] = TexelStatus::Met;
+                maps.heights[y * 64 + x] = height;
+                maps.albedo[y * 64 + x] = [height; 3];
+            }
+        }
+        maps
+    }
+
+    #[test]
+    fn every_mip_texel_is_made_of_islands_alone() {
+        let mut maps = islands();
+        // The initial values of free texels must not show up anywhere.
+        for i in 0..maps.heights.len() {
+            if maps.texels[i] == TexelStatus::Free {
+                maps.heights[i] = -1000.0;
+            }
+        }
+        let before = maps.clone();
+        fill(&mut maps, None);
+        let rounding = 1e-5;
+        let is_of_islands = |v: &f32| (1.0 - rounding..=3.0 + rounding).contains(v);
+        for (i, texel) in before.texels.iter().enumerate() {
+            assert!(*texel == TexelStatus::Free || maps.heights[i] == before.heights[i]);
+            assert!(is_of_islands(&maps.heights[i]), "{}", maps.heights[i]);
+        }
+        let mut level = maps.heights;
+        let mut width = 64;
+        while width > 2 {
+            let at = |x: usize, y: usize| level[y * width + x];
+            let half = width / 2;
+            let next: Vec<f32> = (0..half * half)
+                .map(|i| (i % half * 2, i / half * 2))
+                .map(|(x, y)| (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1)) / 4.0)
+                .collect();
+            (level, width) = (next, half);
+            // A texel that covers only one UV island and its surroundings belongs to that island: none is darker than
+            // every island.
+            assert!(level.iter().all(is_of_islands));
+        }
+        assert!(level[0] < 1.5 && level[1] > 2.5, "both UV islands are still distinct: {level:?}");
+    }
+
+    #[test]
+    fn what_is_not_there_has_the_colour_of_what_is_around_it() {
+        let green = [0.1, 0.9, 0.2];
+        for steps in [None, Some(3)] {
+            let kinds = Maps::default().with(MapKind::Albedo).with(MapKind::Alpha);
+            let mut maps = BakedMaps::new([64, 64], kinds);
+            for (i, (x, y)) in (0..64 * 64).map(|i| (i, (i % 64, i / 64))) {
+                if (8..56).contains(&x) && (8..56).contains(&y) {
+                    let is_leaf = (20..30).contains(&x);
+                    maps.texels[i] = TexelStatus::Met;
+                    maps.albedo[i] = if is_leaf { green } else { [0.0; 3] };
+                    maps.alpha[i] = if is_leaf { 1.0 } else { 0.0 };
+                }
+            }
+            let before = maps.clone();
+            fill(&mut maps, steps);
+            let near = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5);
+            for i in (0..64 * 64).filter(|i| before.texels[*i] == TexelStatus::Met) {
+                assert!(near(maps.albedo[i], green), "{i}: {:?}", maps.albedo[i]);
+                assert_eq!(maps.alpha[i], before.alpha[i]);
+            }
+            // Texels that no step reaches are unchanged.
+            let corner = if steps.is_none() { green } else { [0.0; 3] };
+            assert!(near(maps.albedo[0], corner), "{:?}", maps.albedo[0]);
+        }
+    }
+
+    #[test]
+    fn padding_is_as_wide_as_asked() {
+        let mut maps = islands();
+        fill(&mut maps, Some(3));
+        let at = |x: usize, y: usize| (maps.heights[y * 64 + x], maps.albedo[y * 64 + x]);
+        assert_eq!(at(23, 10), (1.0, [1.0; 3]));
+        assert_eq!(at(24, 10), (0.0, [0.0; 3]));
+        assert_eq!(at(0, 10), (1.0, [1.0; 3]));
+        let mut empty = BakedMaps::new([8, 8], Maps::default().with(MapKind::Height));
+        fill(&mut empty, None);
+        assert!(empty.heights.iter().all(|v| *v == 0.0));
+    }
+}

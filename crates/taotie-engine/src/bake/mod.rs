@@ -1,0 +1,55 @@
+//! Baking: simplifies and unwraps high-poly surfaces, finds the correspondence of the points of a low-poly surface
+//! and the point of a mesh that each texel of a map shows.
+//!
+//! [`Coverage`] holds the triangle of each texel, [`TexelSurface`] the surface point there. The formulas are in
+//! [`crate::surface`]; here they are evaluated for all texels, in parallel and with the same bits for any number of
+//! threads.
+
+mod appearance;
+mod area_samples;
+mod cage;
+mod coverage;
+mod faults;
+mod fill;
+mod fit;
+mod fit_normals;
+mod layout;
+mod maps;
+mod projection;
+mod scan;
+mod sights;
+mod simplify;
+mod sky;
+mod texel_material;
+mod texel_surface;
+mod texels;
+mod texture_lookup;
+mod textured_mesh;
+mod unwrap;
+mod verify;
+
+pub use appearance::{MaterialSample, leading_texture};
+pub(crate) use area_samples::{Triangles, sample_area, sample_triangles};
+pub use cage::Cage;
+pub use coverage::{Coverage, TexelGrid};
+pub use faults::Faults;
+pub use faults::Shells;
+pub use fit::Fit;
+pub use fit::{Astray, uncovered};
+pub use fit_normals::fit_normals;
+pub use maps::{BakeCounts, Baked, BakedMaps, MapKind, Maps, TexelStatus};
+pub use projection::{Correspondence, ProjectionRay};
+pub(crate) use scan::Retextured;
+pub use scan::{Scan, Visibility};
+pub use sights::SightLine;
+pub(crate) use sights::sphere_directions;
+pub use simplify::{DetailLevel, Simplified, SimplifyMethod, SimplifyOptions, levels, simplify};
+pub use texel_surface::{SurfacePoint, TexelSurface, UvLookup};
+pub use texels::bytes_of_bands;
+pub use texels::{BakeInput, BakeSettings, bake};
+pub use texture_lookup::texel_width;
+pub use texture_lookup::{LookupPoint, MappedNormal};
+pub use textured_mesh::{TexturedMesh, low_poly_mesh};
+pub use textured_mesh::{framed_low_poly_mesh, lacks_tangents};
+pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};
+pub use verify::{ErrorMaps, MaterialError, NormalError, TexelChecks, Verifier};

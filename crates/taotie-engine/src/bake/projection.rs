@@ -1,0 +1,307 @@
+//! The projection of a low-poly mesh onto the high-poly surface: point by point, or for all samples of a triangle in
+//! a tile in one pass.
+
+use super::layout::{Sample, TriangleSamples};
+use super::scan::Scan;
+use super::texture_lookup::{LookupPoint, MappedNormal};
+use crate::math::Vec3;
+use crate::mesh::{Point, blend};
+use crate::trace::{Hit, Nearest, PacketView, Ray, RayInterval, RayPacket};
+
+/// A correspondence: the point of the high-poly surface onto which a point of the low-poly mesh is projected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Correspondence {
+    /// The height along the projection ray: above 0 outside the low-poly surface, in model units.
+    pub height: f32,
+    /// The interpolated normal there, without maps: unit, world space.
+    pub normal: Vec3,
+    /// The point itself, on the scan's mesh.
+    pub point: Point,
+}
+
+/// A ray through a point of the low-poly mesh along which its correspondence is searched.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProjectionRay {
+    /// A point of the low-poly surface, world space.
+    pub point: Vec3,
+    /// Outward, unit.
+    pub direction: Vec3,
+    /// The ray distance, both into and out of the low-poly surface, in model units.
+    pub distance: f32,
+}
+
+impl ProjectionRay {
+    /// Returns the ray from its inner end, and its relevant interval.
+    #[inline]
+    fn ray(&self) -> (Ray, RayInterval) {
+        let ray = Ray::new(self.point - self.direction * self.distance, self.direction);
+        (ray, RayInterval { from: 0.0, center: self.distance, to: self.distance + self.distance })
+    }
+
+    /// Returns the correspondence of a hit of [`ProjectionRay::ray`] on a surface with this normal.
+    #[inline]
+    fn found(&self, hit: &Hit, normal: Vec3) -> Correspondence {
+        Correspondence { height: hit.distance - self.distance, normal, point: hit.point() }
+    }
+}
+
+impl Scan {
+    /// Returns the nearest point on the ray at which the scan's normal points along the ray and that can be seen: a
+    /// surface facing the other way is the far side of something else, and hidden walls and ghost layers do not count.
+    /// If none of the points can be seen, the nearest one is used.
+    pub fn project(&self, projection: &ProjectionRay) -> Option<Correspondence> {
+        let (ray, interval) = projection.ray();
+        let nearest = self.bvh().nearest_to(&ray, interval, |hit| self.facing(hit, projection));
+        self.visible_of(projection, nearest)
+    }
+
+    /// Returns the correspondence among the nearest hits to a position on its ray. Visibility is checked only if
+    /// there are several.
+    fn visible_of(&self, projection: &ProjectionRay, nearest: Nearest<Vec3>) -> Option<Correspondence> {
+        let (hit, normal) = nearest.best()?;
+        let is_visible = |hit: &Hit| self.is_visible(hit.point(), projection.direction);
+        let found = match nearest.second() {
+            None => (hit, normal),
+            Some(_) if is_visible(&hit) => (hit, normal),
+            Some((second, normal)) if is_visible(&second) => (second, normal),
+            Some(_) => {
+                let (ray, interval) = projection.ray();
+                let facing = |hit: &Hit| self.facing(hit, projection).filter(|_| is_visible(hit));
+                self.bvh().nearest_to(&ray, interval, facing).best().unwrap_or((hit, normal))
+            }
+        };
+        Some(projection.found(&found.0, found.1))
+    }
+
+    /// Returns the normal of a correspondence with the relief of the scan's normal and height maps, sampled at the
+    /// lookup width `width`, in model units; at their finest level if it is 0. Without a map it is the normal itself.
+    pub fn mapped_normal(&self, found: &Correspondence, width: f32) -> MappedNormal {
+        self.surface().normal(LookupPoint { point: found.point, width }, found.normal)
+    }
+
+    /// Returns the scan's normal at a hit, if it points along the ray.
+    #[inline]
+    fn facing(&self, hit: &Hit, projection: &ProjectionRay) -> Option<Vec3> {
+        let normal = hit.point().normal(self.mesh());
+        (normal.dot(projection.direction) > 0.0).then_some(normal)
+    }
+
+    /// Returns the closest point of the scan within `most`, if its normal points along `direction`.
+    pub fn closest(&self, point: Vec3, direction: Vec3, most: f32) -> Option<Correspondence> {
+        let closest = self.bvh().closest(point, most)?;
+        let there = closest.point();
+        let normal = there.normal(self.mesh());
+        let side = if (there.position(self.mesh()) - point).dot(direction) < 0.0 { -1.0 } else { 1.0 };
+        let found = Correspondence { height: closest.distance * side, normal, point: there };
+        (normal.dot(direction) > 0.0).then_some(found)
+    }
+}
+
+/// Up to this number, samples are faster to find one by one.
+const FEW: usize = 6;
+
+/// Directions that diverge more than this from the triangle's own do not form a packet: each ray would pass many
+/// others.
+const LEAST_COSINE: f32 = 0.9;
+
+/// Returns the correspondence of each projection ray of a triangle in a tile, as [`Scan::project`] finds it.
+///
+/// Neighbouring samples look in nearly the same direction, so their projections form a packet: columns and rows are
+/// those of the tile, and depths run along the mean direction.
+pub(super) fn search(
+    scan: &Scan,
+    group: &TriangleSamples,
+    corners: [Vec3; 3],
+    projections: &[ProjectionRay],
+) -> Vec<Option<Correspondence>> {
+    let one_by_one = || projections.iter().map(|projection| scan.project(projection)).collect();
+    if projections.len() <= FEW {
+        return one_by_one();
+    }
+    let Some(view) = view(group, corners, projections) else { return one_by_one() };
+    let (rays, mut nearest): (Vec<Ray>, Vec<Nearest<Vec3>>) = projections
+        .iter()
+        .map(|projection| {
+            let (ray, interval) = projection.ray();
+            (ray, Nearest::on(interval))
+        })
+        .unzip();
+    let middle = middle(group).at.map(f32::from);
+    let place = |sample: &Sample| [0, 1].map(|axis| f32::from(sample.at[axis]) - middle[axis]);
+    let places: Vec<[f32; 2]> = group.samples.iter().map(place).collect();
+    let Some(mut packet) = RayPacket::new(&rays, &places, view) else { return one_by_one() };
+    scan.bvh().meet_all(&mut packet, |i, hit| {
+        nearest[i].offer(hit, |hit| scan.facing(hit, &projections[i]));
+        true
+    });
+    let found = |(projection, nearest): (&ProjectionRay, Nearest<Vec3>)| scan.visible_of(projection, nearest);
+    projections.iter().zip(nearest).map(found).collect()
+}
+
+/// Returns the sample at which columns and rows are zero: near all others, so that coordinates have small rounding
+/// errors.
+fn middle(group: &TriangleSamples) -> &Sample {
+    &group.samples[group.samples.len() / 2]
+}
+
+/// Returns the view of a ray packet along the projection rays of a triangle; `None` if it is seen edge-on.
+///
+/// A sample at column x and row y looks along origin + x · across + y · down + depth · direction.
+fn view(group: &TriangleSamples, corners: [Vec3; 3], projections: &[ProjectionRay]) -> Option<PacketView> {
+    let [corner, across, down] = group.weights.map(|weights| blend(corners, weights));
+    let (across, down) = (across - corner, down - corner);
+    let origin = blend(corners, middle(group).weights);
+    let sum = projections.iter().fold(Vec3::default(), |sum, projection| sum + projection.direction);
+    let mean = sum.normalize_or(projections[0].direction);
+    let scale = 1.0 / across.cross(down).dot(mean);
+    let axes = [down.cross(mean) * scale, mean.cross(across) * scale, across.cross(down) * scale];
+    let parts =
+        |projection: &ProjectionRay| projection.direction.dot(axes[2].normalize_or(mean)) < LEAST_COSINE;
+    if !axes.iter().all(|axis| axis.is_finite()) || projections.iter().any(parts) {
+        return None;
+    }
+    let mut slack = [0.0f32; 2];
+    let mut depths = [f32::INFINITY, f32::NEG_INFINITY];
+    let mut farthest = 0.0f32;
+    for projection in projections {
+        for way in [-projection.distance, projection.distance] {
+            let end = projection.point + projection.direction * way;
+            farthest = farthest.max((end - origin).length()).max(end.length());
+            for k in 0..2 {
+                slack[k] = slack[k].max((axes[k].dot(projection.direction) * way).abs());
+            }
+            let depth = axes[2].dot(end - origin);
+            depths = [depths[0].min(depth), depths[1].max(depth)];
+        }
+    }
+    // A generous bound on the rounding of positions and of their projections.
+    let rounding = axes.map(|axis| axis.length() * farthest * 2e-6);
+    Some(PacketView {
+        origin,
+        axes,
+        slack: [slack[0] + rounding[0] + 1e-3, slack[1] + rounding[1] + 1e-3],
+        depths: [depths[0] - rounding[2], depths[1] + rounding[2]],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bake::Cage;
+    use crate::bake::layout::Layout;
+    use crate::math::Mat4;
+    use crate::mesh::{Mesh, MeshData};
+    use crate::scene::{Instance, Material, Scene, SceneData};
+
+    /// Returns two squares, one above the other, the lower facing up, the upper down.
+    fn sheets() -> Scan {
+        let square = |z: f32, order: [u32; 6]| {
+            let corner = |x: f32, y: f32| Vec3::new(x, y, z);
+            let positions = vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
+            let triangles = vec![[order[0], order[1], order[2]], [order[3], order[4], order[5]]];
+            Mesh::new(MeshData { positions, triangles, ..MeshData::default() }).unwrap()
+        };
+        let meshes = vec![square(0.0, [0, 1, 2, 0, 2, 3]), square(1.0, [0, 2, 1, 0, 3, 2])];
+        let instances =
+            (0..2).map(|mesh| Instance { mesh, material: 0, world_from_object: Mat4::IDENTITY }).collect();
+        let materials = vec![Material::default()];
+        let data = SceneData { meshes, instances, materials, ..SceneData::default() };
+        Scan::new(Scene::new(data).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn finds_the_nearest_sheet_that_faces_the_same_way() {
+        let scan = sheets();
+        let up = Vec3::new(0.0, 0.0, 1.0);
+        let projection = |z: f32, direction: Vec3, distance: f32| ProjectionRay {
+            point: Vec3::new(0.3, 0.4, z),
+            direction,
+            distance,
+        };
+        let at = |z: f32, distance: f32| scan.project(&projection(z, up, distance));
+        let below = at(0.2, 0.5).unwrap();
+        assert!((below.height + 0.2).abs() < 1e-6 && (below.normal - up).length() < 1e-6);
+        assert!((at(-0.1, 0.5).unwrap().height - 0.1).abs() < 1e-6);
+        let on = at(0.0, 0.5).unwrap();
+        assert!(on.height.abs() < 1e-6 && (on.normal - up).length() < 1e-6);
+        assert!(at(0.3, 0.2).is_none(), "beyond the ray distance");
+        assert!(
+            at(0.9, 0.5).is_none(),
+            "the nearer sheet faces the other way, the other is beyond the ray distance"
+        );
+        assert!(
+            (at(0.9, 1.0).unwrap().height + 0.9).abs() < 1e-6,
+            "surfaces facing the other way are passed through"
+        );
+        let down = scan.project(&projection(0.9, -up, 0.5)).unwrap();
+        assert!((down.height + 0.1).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_closest_point_counts_where_it_faces_the_same_way() {
+        let scan = sheets();
+        let up = Vec3::new(0.0, 0.0, 1.0);
+        let outside = Vec3::new(-0.3, 0.5, 0.1);
+        let found = scan.closest(outside, up, 1.0).unwrap();
+        assert!((found.height + 0.1f32.hypot(0.3)).abs() < 1e-6 && (found.normal - up).length() < 1e-6);
+        assert!(scan.closest(outside, -up, 1.0).is_none());
+        assert!(scan.closest(outside, up, 0.1).is_none());
+    }
+
+    /// Returns a sphere with bumps as fine as its triangles, and a smaller one inside that also faces outward.
+    fn rough() -> Scan {
+        let mut data = MeshData::default();
+        for (radius, bumps) in [(1.0, 0.02), (0.9, 0.0)] {
+            let sphere = Mesh::sphere(radius, 90, 60).into_data();
+            let first = data.positions.len() as u32;
+            let bump = |i: usize| 1.0 + bumps * ((i * 7919 % 13) as f32 / 13.0 - 0.5);
+            data.positions.extend(sphere.positions.iter().enumerate().map(|(i, p)| *p * bump(i)));
+            data.triangles.extend(sphere.triangles.iter().map(|t| t.map(|v| v + first)));
+        }
+        let data = SceneData {
+            meshes: vec![Mesh::new(data).unwrap()],
+            materials: vec![Material::default()],
+            instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
+            ..SceneData::default()
+        };
+        Scan::new(Scene::new(data).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn triangles_find_what_samples_would_have_found() {
+        let scan = rough();
+        for (columns, rows, size) in [(6, 4, 64), (24, 12, 128), (60, 40, 64)] {
+            let low = Mesh::sphere(1.0, columns, rows);
+            for distance in [0.02, 0.15] {
+                let cage = Cage::uniform(&low, distance).unwrap();
+                let layout = Layout::new(&low, &low.uvs()[0], [size; 2], 2).unwrap();
+                let (mut met, mut missed) = (0, 0);
+                for band in 0..layout.band_count() {
+                    layout.triangle_samples(band, |group| {
+                        let corners = low.corners(group.triangle as usize);
+                        let projection =
+                            |weights| cage.projection_ray(&low, Point { triangle: group.triangle, weights });
+                        let projections: Vec<ProjectionRay> =
+                            group.samples.iter().map(|s| projection(s.weights)).collect();
+                        let all = search(&scan, group, corners, &projections);
+                        for (projection, found) in projections.iter().zip(all) {
+                            let single = scan.project(projection);
+                            // Rays of a packet are intersected in the packet's coordinates, which round differently.
+                            let apart = match (single, found) {
+                                (Some(a), Some(b)) => (a.height - b.height).abs(),
+                                (None, None) => 0.0,
+                                _ => f32::INFINITY,
+                            };
+                            let at_end = |m: Option<Correspondence>| {
+                                m.is_some_and(|m| m.height.abs() > distance * 0.9999)
+                            };
+                            assert!(apart < 1e-5 || at_end(single) || at_end(found), "{single:?} {found:?}");
+                            *(if found.is_some() { &mut met } else { &mut missed }) += 1;
+                        }
+                    });
+                }
+                assert!(met > 1000, "{met} met, {missed} missed");
+            }
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! The high-poly surface to bake from, what a viewer sees of it, and which of its points can be seen.
+
+use super::appearance::{Appearance, MaterialSample};
+use super::sights::{Ground, SeenCells, SightLine, Sights};
+use super::texture_lookup::LookupPoint;
+use super::textured_mesh::TexturedMesh;
+use crate::error::Result;
+use crate::image::Texture;
+use crate::math::Vec3;
+use crate::mesh::{Mesh, Point};
+use crate::scene::Scene;
+use crate::surface::facet_normal;
+use crate::trace::{Bvh, Hit, Ray};
+use std::sync::{Arc, OnceLock};
+
+/// The triangles of a high-poly scene with their materials, indexed for queries from points of a low-poly mesh.
+///
+/// Its shape is defined by its triangles: rays, heights, occlusion and curvature ignore maps. Its normals include its
+/// normal and height maps.
+pub struct Scan {
+    surface: Arc<TexturedMesh>,
+    bvh: Bvh,
+    sights: Sights,
+    /// Which sides of its triangles can be seen, as far as queried so far.
+    seen: OnceLock<SeenCells>,
+}
+
+impl Scan {
+    /// Takes over a scene as one mesh in world space, with smooth normals if it had none.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] if the scene has more than 2^32 − 1 vertices.
+    pub fn new(scene: Scene) -> Result<Self> {
+        Ok(Self::of(Arc::new(Self::surface_of(scene)?)))
+    }
+
+    /// Takes over an asset made from a scan: it is seen from the same viewpoints, and backfaces that no renderer
+    /// draws hide nothing.
+    ///
+    /// As [`Scan::new`].
+    /// As those of [`Scan::new`].
+    pub fn of_asset(scene: Scene, scan: &Scan) -> Result<Self> {
+        let surface = Arc::new(Self::surface_of(scene)?);
+        Ok(Self::with_sights(surface, |_| scan.sights.of_asset()))
+    }
+
+    /// Makes the surface that [`Scan::of`] indexes.
+    ///
+    /// # Errors
+    /// As [`Scan::new`].
+    pub fn surface_of(scene: Scene) -> Result<TexturedMesh> {
+        TexturedMesh::new(scene)?.with_visible_means()
+    }
+
+    /// Builds the spatial index of a surface, which may be shared.
+    pub fn of(surface: Arc<TexturedMesh>) -> Self {
+        Self::with_sights(surface, Sights::of)
+    }
+
+    fn with_sights(surface: Arc<TexturedMesh>, sights: impl Fn(Ground<'_>) -> Sights) -> Self {
+        let mesh = surface.mesh();
+        let bvh = Bvh::of(mesh.triangles().len(), |t| mesh.corners(t));
+        let sights = sights(Ground { surface: &surface, bvh: &bvh });
+        Self { surface, bvh, sights, seen: OnceLock::new() }
+    }
+
+    /// Returns the surface for visibility rays.
+    fn ground(&self) -> Ground<'_> {
+        Ground { surface: &self.surface, bvh: &self.bvh }
+    }
+
+    /// Returns the viewpoints from which the surface is seen.
+    pub(super) fn sights(&self) -> &Sights {
+        &self.sights
+    }
+
+    /// Returns `true` if a point can be seen: its front, or either side of a double-sided material. Small triangles
+    /// are visible or hidden as a whole.
+    ///
+    /// # Panics
+    /// If the mesh has no such triangle.
+    pub fn is_seen(&self, point: Point) -> bool {
+        let Some(normal) = facet_normal(self.mesh().corners(point.triangle as usize)) else { return false };
+        let is_double = self.surface.material(point.triangle).double_sided;
+        self.is_visible(point, normal) || is_double && self.is_visible(point, -normal)
+    }
+
+    /// Returns `true` if a point can be seen from either side, as [`Scan::is_seen`] does for double-sided materials.
+    ///
+    /// # Panics
+    /// If the mesh has no such triangle.
+    pub(crate) fn is_seen_from_anywhere(&self, point: Point) -> bool {
+        let normal = facet_normal(self.mesh().corners(point.triangle as usize));
+        normal.is_some_and(|normal| self.is_visible(point, normal) || self.is_visible(point, -normal))
+    }
+
+    /// Returns `true` if the side of the surface that faces `direction` can be seen at a point.
+    ///
+    /// # Panics
+    /// If the mesh has no such triangle.
+    pub(super) fn is_visible(&self, point: Point, direction: Vec3) -> bool {
+        let seen = self.seen.get_or_init(|| SeenCells::new(self.mesh(), self.sights.reach()));
+        let is_front = self.mesh().faces(point.triangle, direction);
+        let look = |point: Point| self.sights.is_side_visible(self.ground(), point, direction);
+        seen.is_seen(self.mesh(), (point, is_front), look)
+    }
+
+    /// Returns the triangles, world space, with normals.
+    pub fn mesh(&self) -> &Mesh {
+        self.surface.mesh()
+    }
+
+    /// Returns the triangles with their materials.
+    pub fn surface(&self) -> &TexturedMesh {
+        &self.surface
+    }
+
+    /// Returns the triangles' acceleration structure for rays.
+    pub fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+
+    /// Returns the material values at a point.
+    ///
+    /// # Panics
+    /// If the mesh has no such triangle.
+    pub fn sample(&self, at: LookupPoint) -> MaterialSample {
+        self.surface.sample(at)
+    }
+}
+
+/// The surface that a viewer sees along a ray: the first one drawn, and its shading normal.
+impl Scan {
+    /// Returns the first hit below the distance `limit` that a renderer draws: front faces, back faces of
+    /// double-sided materials, and nothing that alpha makes transparent.
+    pub fn first_seen(&self, ray: &Ray, limit: f32) -> Option<Hit> {
+        let toward = -ray.direction();
+        self.bvh().nearest_of(ray, limit, |hit| self.is_drawn(hit.point(), toward))
+    }
+
+    /// Returns the unit normal with which a renderer shades a point, sampled at the lookup width `at.width`, for a
+    /// viewer in the direction `toward`: the back of a double-sided material shows it reversed.
+    ///
+    /// # Panics
+    /// If the mesh has no such triangle.
+    pub fn seen_normal(&self, at: LookupPoint, toward: Vec3) -> Vec3 {
+        let smooth = at.point.normal(self.mesh());
+        let normal = self.surface().normal(at, smooth).normal;
+        if self.mesh().faces(at.point.triangle, toward) { normal } else { -normal }
+    }
+
+    /// Returns the material at a point, sampled at the lookup width `at.width`.
+    ///
+    /// # Panics
+    /// If the mesh has no such triangle.
+    pub fn seen_material(&self, at: LookupPoint) -> MaterialSample {
+        self.surface().sample(at)
+    }
+
+    /// Returns `true` if a renderer draws this point for a viewer in the direction `toward`.
+    ///
+    /// # Panics
+    /// If the mesh has no such triangle.
+    pub fn is_drawn(&self, point: Point, toward: Vec3) -> bool {
+        let material = self.surface().material(point.triangle);
+        if !material.double_sided && !self.mesh().faces(point.triangle, toward) {
+            return false;
+        }
+        self.surface().is_opaque_at(point)
+    }
+}
+
+/// The triangles of a surface, some of whose textures are replaced.
+pub(crate) struct Retextured<'a> {
+    surface: &'a Scan,
+    appearance: Appearance,
+}
+
+impl<'a> Retextured<'a> {
+    /// Replaces textures by their index.
+    ///
+    /// # Errors
+    /// As [`crate::image::Bitmap::new`].
+    pub fn new(surface: &'a Scan, textures: &[usize], with: &Texture) -> Result<Self> {
+        Ok(Self { surface, appearance: surface.surface().retextured(textures, with)? })
+    }
+
+    /// Returns the normal with which a renderer shades a point, as [`Scan::seen_normal`] does.
+    pub fn seen_normal(&self, at: LookupPoint, toward: Vec3) -> Vec3 {
+        let mesh = self.surface.mesh();
+        let normal = self.appearance.normal(mesh, at, at.point.normal(mesh)).normal;
+        if mesh.faces(at.point.triangle, toward) { normal } else { -normal }
+    }
+
+    /// Returns the material at a point, as [`Scan::seen_material`] does.
+    pub fn seen_material(&self, at: LookupPoint) -> MaterialSample {
+        self.appearance.sample(self.surface.mesh(), at)
+    }
+}
+
+/// Determines which points of a surface a viewer can see.
+///
+/// A point is visible from outside if nothing hides it in the direction of its facet normal or in one of 256 fixed
+/// directions on its front; for double-sided materials, on either side. If less than half of the area is visible in
+/// this way, and more of it from the largest free space within, the surface is an interior (a room, a tomb, a cave),
+/// and its points are seen from there.
+#[derive(Clone, Copy)]
+pub struct Visibility<'a> {
+    surface: &'a Scan,
+    sights: &'a Sights,
+}
+
+impl<'a> Visibility<'a> {
+    /// Analyses a surface.
+    pub fn of(surface: &'a Scan) -> Self {
+        Self { surface, sights: surface.sights() }
+    }
+
+    /// Returns the viewpoints in the free space of an interior; none if it is seen from outside.
+    pub fn places(&self) -> &'a [Vec3] {
+        self.sights.places()
+    }
+
+    /// Returns `true` if the surface is seen from within: a room, a tomb or a cave.
+    pub fn is_interior(&self) -> bool {
+        !self.sights.places().is_empty()
+    }
+
+    /// Returns the line of sight closest to the normal at a point. `None` if it is hidden.
+    pub fn sight_line(&self, point: Point) -> Option<SightLine> {
+        self.sights.sight_line(self.surface.ground(), point)
+    }
+}

@@ -1,0 +1,453 @@
+//! Baking: each sample of each texel finds its point on the scan, and the texel averages the values there.
+
+use super::appearance::{MaterialSample, under_mode};
+use super::cage::Cage;
+use super::fill::fill;
+use super::layout::{BAND, Layout, TriangleSamples};
+use super::maps::{BakeCounts, Baked, BakedMaps, BandMaps, MapKind, Maps, TexelStatus};
+use super::projection::{Correspondence, ProjectionRay, search};
+use super::scan::Scan;
+use super::sky::{AoSample, Sky};
+use super::texel_material::MaterialSums;
+use super::texture_lookup::LookupPoint;
+use crate::error::{Error, Result};
+use crate::math::Vec3;
+use crate::mesh::{Mesh, Point};
+use crate::parallel;
+use crate::progress::Progress;
+use crate::scene::{AlphaMode, NormalSpace};
+use crate::shade::SubPixelVariance;
+use crate::surface::tangent_space_normal;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// The settings of a bake.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BakeSettings {
+    /// Texels across and down, 1 to 32768.
+    pub size: [u32; 2],
+    /// Samples per texel along each side, 1 to 8: 2 gives four per texel.
+    pub side: u32,
+    /// The maps to bake.
+    pub maps: Maps,
+    /// The space of normals and bent normals.
+    pub space: NormalSpace,
+    /// Rays over the hemisphere per texel, for occlusion and bent normals.
+    pub sky_rays: u32,
+    /// The distance within which surfaces block these rays, in model units; `None` for any distance.
+    pub sky_distance: Option<f32>,
+    /// The perceptual roughness that replaces that of the scan's materials; `None` uses theirs.
+    pub roughness: Option<f32>,
+    /// The number of texels around each UV island that take the value of the nearest one; `None` fills the whole map.
+    pub dilation: Option<u32>,
+}
+
+impl Default for BakeSettings {
+    /// A tangent-space normal map of 2048² texels, four samples each.
+    fn default() -> Self {
+        Self {
+            size: [2048; 2],
+            side: 2,
+            maps: Maps::default().with(MapKind::Normal),
+            space: NormalSpace::Tangent,
+            sky_rays: 64,
+            sky_distance: None,
+            roughness: None,
+            dilation: None,
+        }
+    }
+}
+
+/// The surfaces of a bake: the low-poly mesh, its cage and the scan.
+#[derive(Clone, Copy)]
+pub struct BakeInput<'a> {
+    /// The low-poly mesh, with uvs, normals and tangents, as in [`crate::surface::with_frames`].
+    pub low: &'a Mesh,
+    /// The cage from which each of its points is projected onto the scan.
+    pub cage: &'a Cage,
+    /// The high-poly surface.
+    pub scan: &'a Scan,
+}
+
+/// Returns the memory in bytes that threads need for bands of maps of this size, with `side` · `side` samples per
+/// texel.
+pub fn bytes_of_bands(size: [u32; 2], side: u32, maps: Maps) -> u64 {
+    let at_once = rayon::current_num_threads().min(size[1].div_ceil(BAND) as usize) as u64;
+    let owners = u64::from(side).pow(2) * size_of::<u32>() as u64;
+    let materials = if maps.has_any(&OF_MATERIALS) { size_of::<MaterialSums>() as u64 } else { 0 };
+    let texel = size_of::<Cell>() as u64 + owners + materials;
+    (at_once * u64::from(BAND)).saturating_mul(u64::from(size[0]) * texel)
+}
+
+/// Bakes the maps of a scan for a low-poly mesh.
+///
+/// # Errors
+/// [`Error::Cancelled`]; [`Error::Invalid`] if the mesh lacks uvs, normals or tangents, or a setting is out of range;
+/// [`Error::Limit`] if uvs span too many copies of the map.
+pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_>) -> Result<Baked> {
+    let BakeInput { low, cage, scan } = input;
+    check(low, settings)?;
+    let layout = Layout::new(low, &low.uvs()[0], settings.size, settings.side)?;
+    let wants = |kind| settings.maps.has(kind);
+    let reads_materials = settings.maps.has_any(&OF_MATERIALS);
+    let job = Job {
+        sky: (wants(MapKind::Occlusion) || wants(MapKind::Bent)).then(|| sky(low, settings)),
+        curvatures: if wants(MapKind::Curvature) { mean_curvatures(scan.mesh()) } else { Vec::new() },
+        alpha_modes: if reads_materials { scan.alpha_modes(low, cage) } else { Vec::new() },
+        reads_materials,
+        without_hit: scan.surface().first_factors(),
+        layout,
+        cage,
+        scan,
+        settings,
+    };
+    let mut maps = BakedMaps::new(settings.size, settings.maps);
+    let counts = job.bands(maps.bands(BAND), progress)?;
+    let counts = BakeCounts { flat: job.layout.flat, ..counts };
+    fill(&mut maps, settings.dilation);
+    Ok(Baked { maps, counts })
+}
+
+fn check(low: &Mesh, settings: &BakeSettings) -> Result<()> {
+    let error = |what: &str, why: &str| Err(Error::invalid(what, why));
+    match () {
+        () if low.uvs().is_empty() => error("the low-poly mesh", "it has no uvs; unwrap it first"),
+        () if low.normals().is_empty() || low.tangents().is_empty() => {
+            error("the low-poly mesh", "it has no normals or no tangents; compute them first")
+        }
+        () if !settings.size.iter().all(|s| (1..=32_768).contains(s)) => {
+            error("the size of the maps", "expected 1 to 32768 texels")
+        }
+        () if !(1..=8).contains(&settings.side) => error("samples per texel", "use 1 to 8 along each side"),
+        () => Ok(()),
+    }
+}
+
+fn sky(low: &Mesh, settings: &BakeSettings) -> Sky {
+    let distance = settings.sky_distance.unwrap_or(f32::INFINITY);
+    Sky::new(settings.sky_rays, settings.side * settings.side, distance, low.diagonal())
+}
+
+/// The maps read from the scan's materials.
+const OF_MATERIALS: [MapKind; 6] = [
+    MapKind::Albedo,
+    MapKind::Roughness,
+    MapKind::MetallicRoughness,
+    MapKind::Emission,
+    MapKind::Alpha,
+    MapKind::OcclusionMap,
+];
+
+/// Everything needed to bake a band.
+struct Job<'a> {
+    layout: Layout<'a>,
+    cage: &'a Cage,
+    scan: &'a Scan,
+    settings: &'a BakeSettings,
+    sky: Option<Sky>,
+    /// The curvature at the scan's vertices.
+    curvatures: Vec<f32>,
+    /// The alpha mode with which each triangle of the low-poly mesh is shown; empty if no materials are read.
+    alpha_modes: Vec<AlphaMode>,
+    /// `true` if a map of the scan's materials is baked.
+    reads_materials: bool,
+    /// The material of texels whose samples have no correspondence.
+    without_hit: MaterialSample,
+}
+
+/// Sums over a texel's samples.
+#[derive(Clone, Copy, Default)]
+struct Cell {
+    samples: u32,
+    missed: u32,
+    lost: u32,
+    /// Sum of the scan's normals.
+    normal: Vec3,
+    /// Sums of the low-poly mesh's frame.
+    n: Vec3,
+    t: Vec3,
+    handedness: f32,
+    heights: f32,
+    /// Sums over directions of the hemisphere: all, and open ones.
+    looked: f32,
+    open: f32,
+    bent: Vec3,
+    curvature: f32,
+    /// Sum of the variances of the scan's normals within the lookup width.
+    variance: f32,
+}
+
+/// The sums of all texels of a band.
+struct Cells {
+    surfaces: Vec<Cell>,
+    /// Sums of the scan's materials; empty if no map of them is baked.
+    materials: Vec<MaterialSums>,
+}
+
+impl Cells {
+    fn new(texels: usize, reads_materials: bool) -> Self {
+        let materials = if reads_materials { texels } else { 0 };
+        Self { surfaces: vec![Cell::default(); texels], materials: vec![MaterialSums::default(); materials] }
+    }
+}
+
+impl Job<'_> {
+    /// Bakes all bands.
+    fn bands(&self, bands: Vec<BandMaps<'_>>, progress: Progress<'_>) -> Result<BakeCounts> {
+        let done = AtomicUsize::new(0);
+        let bands: Vec<Mutex<BandMaps<'_>>> = bands.into_iter().map(Mutex::new).collect();
+        let counts = parallel::try_tasks(bands.len(), &|band| {
+            // Each is locked only once.
+            let counts = self.band(band, &mut bands[band].lock().unwrap_or_else(PoisonError::into_inner));
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            progress.at(done as f64 / bands.len() as f64).map(|()| counts)
+        })?;
+        Ok(counts.into_iter().fold(BakeCounts::default(), BakeCounts::and))
+    }
+
+    fn band(&self, band: usize, maps: &mut BandMaps<'_>) -> BakeCounts {
+        let mut cells = Cells::new(maps.texels.len(), self.reads_materials);
+        let shared = self.layout.triangle_samples(band, |group| self.add_samples(group, &mut cells));
+        let mut counts = BakeCounts { shared, ..BakeCounts::default() };
+        for (i, cell) in cells.surfaces.iter().enumerate().filter(|(_, cell)| cell.samples > 0) {
+            self.store(i, &cells, maps);
+            counts.samples += cell.samples as usize;
+            counts.missed += cell.missed as usize;
+            counts.lost += cell.lost as usize;
+            counts.texels += 1;
+            counts.missed_texels += usize::from(cell.missed > 0);
+        }
+        counts
+    }
+
+    /// Adds the scan's values at the samples of a triangle in a tile.
+    fn add_samples(&self, group: &TriangleSamples, cells: &mut Cells) {
+        let corners = self.layout.mesh.corners(group.triangle as usize);
+        let projections: Vec<ProjectionRay> = group
+            .samples
+            .iter()
+            .map(|sample| self.cage.projection_ray(self.layout.mesh, group.point(sample)))
+            .collect();
+        let found = search(self.scan, group, corners, &projections);
+        let width = group.spacing(corners);
+        let mut ao_samples = Vec::new();
+        for ((sample, projection), found) in group.samples.iter().zip(&projections).zip(found) {
+            let cell = &mut cells.surfaces[sample.texel as usize];
+            self.add_frame(group.point(sample), cell);
+            let Some(found) = self.found(projection, found, cell) else { continue };
+            self.add(&found, width, cell);
+            if let Some(sums) = cells.materials.get_mut(sample.texel as usize) {
+                let mode = self.alpha_modes[group.triangle as usize];
+                sums.add(self.material(LookupPoint { point: found.point, width }, mode));
+            }
+            if let Some(sky) = &self.sky {
+                let [x, y] = sample.at.map(|v| u32::from(v) % self.layout.side);
+                let class = y * self.layout.side + x;
+                ao_samples.push((sample.texel, sky.ao_sample(self.scan, &found, class)));
+            }
+        }
+        self.add_sky(ao_samples, &mut cells.surfaces);
+    }
+
+    fn add_sky(&self, ao_samples: Vec<(u32, AoSample)>, cells: &mut [Cell]) {
+        let Some(sky) = &self.sky else { return };
+        let (texels, ao_samples): (Vec<u32>, Vec<AoSample>) = ao_samples.into_iter().unzip();
+        for (texel, open) in texels.into_iter().zip(sky.open(self.scan, &ao_samples)) {
+            let cell = &mut cells[texel as usize];
+            cell.looked += open.looked;
+            cell.open += open.seen;
+            cell.bent += open.direction;
+        }
+    }
+
+    /// Adds the low-poly mesh's frame at a sample.
+    fn add_frame(&self, point: Point, cell: &mut Cell) {
+        let frame = point.frame(self.layout.mesh);
+        cell.samples += 1;
+        cell.n += frame.normal;
+        cell.t += frame.tangent;
+        cell.handedness = frame.handedness;
+    }
+
+    /// Returns the correspondence of a sample: the intersection of its projection ray, else the closest point of the
+    /// scan.
+    fn found(
+        &self,
+        projection: &ProjectionRay,
+        met: Option<Correspondence>,
+        cell: &mut Cell,
+    ) -> Option<Correspondence> {
+        let found = met.or_else(|| {
+            cell.missed += 1;
+            self.cage.fallback(self.scan, projection)
+        });
+        if found.is_none() {
+            cell.lost += 1;
+            cell.normal += projection.direction;
+            cell.bent += projection.direction;
+        }
+        found
+    }
+
+    /// Adds the shape of the scan at a correspondence, its relief maps sampled with this lookup width.
+    fn add(&self, found: &Correspondence, width: f32, cell: &mut Cell) {
+        let mapped = self.scan.mapped_normal(found, width);
+        cell.normal += mapped.normal;
+        cell.variance += mapped.variance;
+        cell.heights += found.height;
+        if !self.curvatures.is_empty() {
+            let vertices = found.point.vertices(self.scan.mesh());
+            for (v, weight) in vertices.into_iter().zip(found.point.weights) {
+                cell.curvature += self.curvatures[v] * weight;
+            }
+        }
+    }
+
+    /// Returns the scan's material at a point, its alpha converted to the mode that it is shown with.
+    fn material(&self, at: LookupPoint, shown: AlphaMode) -> MaterialSample {
+        let sample = self.scan.sample(at);
+        let own = self.scan.surface().material(at.point.triangle).alpha;
+        MaterialSample { alpha: under_mode(sample.alpha, own, shown), ..sample }
+    }
+
+    /// Writes the means.
+    fn store(&self, i: usize, cells: &Cells, maps: &mut BandMaps<'_>) {
+        let cell = &cells.surfaces[i];
+        let share = 1.0 / cell.samples as f32;
+        let wanted = self.settings.maps;
+        maps.texels[i] = match cell {
+            cell if cell.lost > 0 => TexelStatus::Lost,
+            cell if cell.missed > 0 => TexelStatus::Closest,
+            _ => TexelStatus::Met,
+        };
+        if wanted.has(MapKind::Normal) {
+            maps.normal[i] = self.turned(cell, cell.normal).to_array();
+        }
+        if wanted.has(MapKind::Bent) {
+            maps.bent[i] = self.turned(cell, cell.bent).to_array();
+        }
+        // Only samples with a correspondence have heights and curvatures.
+        let of_found = 1.0 / (cell.samples - cell.lost).max(1) as f32;
+        if wanted.has(MapKind::Height) {
+            maps.heights[i] = cell.heights * of_found;
+        }
+        if wanted.has(MapKind::Occlusion) {
+            maps.occlusion[i] = if cell.looked > 0.0 { cell.open / cell.looked } else { 1.0 };
+        }
+        if wanted.has(MapKind::Curvature) {
+            maps.curvature[i] = cell.curvature * of_found;
+        }
+        if let Some(sums) = cells.materials.get(i) {
+            self.store_material(i, &sums.mean().unwrap_or(self.without_hit), maps);
+        }
+        if wanted.has(MapKind::Roughness) {
+            let mean = cell.normal * share;
+            let normal_variance = (1.0 - mean.dot(mean) * (1.0 - cell.variance * share)).clamp(0.0, 1.0);
+            let own = self.settings.roughness.unwrap_or(maps.roughness[i]);
+            maps.roughness[i] = SubPixelVariance { curvature: 0.0f32, normal_variance }.widened(own);
+        }
+    }
+
+    /// Writes the material of a texel.
+    fn store_material(&self, i: usize, mean: &MaterialSample, maps: &mut BandMaps<'_>) {
+        let wanted = self.settings.maps;
+        if wanted.has(MapKind::Albedo) {
+            maps.albedo[i] = mean.color.to_array();
+        }
+        if wanted.has_any(&[MapKind::Roughness, MapKind::MetallicRoughness]) {
+            maps.roughness[i] = mean.roughness;
+        }
+        if wanted.has(MapKind::MetallicRoughness) {
+            maps.metallic[i] = mean.metallic;
+        }
+        if wanted.has(MapKind::Emission) {
+            maps.emission[i] = mean.emission.to_array();
+        }
+        if wanted.has(MapKind::Alpha) {
+            maps.alpha[i] = mean.alpha;
+        }
+        // Occlusion found by rays overrides the texture's.
+        if wanted.has(MapKind::OcclusionMap) && !wanted.has(MapKind::Occlusion) {
+            maps.occlusion[i] = mean.occlusion;
+        }
+    }
+
+    /// Returns a unit direction in the requested space.
+    fn turned(&self, cell: &Cell, v: Vec3) -> Vec3 {
+        let n = cell.n.normalize_or(Vec3::new(0.0, 0.0, 1.0));
+        let v = v.normalize_or(n);
+        match self.settings.space {
+            NormalSpace::Object => v,
+            NormalSpace::Tangent => {
+                let share = 1.0 / cell.samples as f32;
+                tangent_space_normal(cell.n * share, cell.t * share, cell.handedness, v)
+            }
+        }
+    }
+}
+
+/// Returns the mean curvature at each vertex, in 1 / model units: above 0 if the surface bulges, 1/r on a sphere of
+/// radius r.
+///
+/// Each edge measures how its ends' normals diverge over its length, (n_j − n_i)·(p_j − p_i) / |p_j − p_i|²; a vertex
+/// gets the mean over the edges of its triangles.
+/// Source: Rusinkiewicz 2004, "Estimating curvatures and their derivatives on triangle meshes", eq. 4, along edges.
+fn mean_curvatures(mesh: &Mesh) -> Vec<f32> {
+    let mut sums = vec![(0.0f32, 0u32); mesh.positions().len()];
+    let bend = |i: u32, k: u32| {
+        let [a, b] = [i, k].map(|v| mesh.positions()[v as usize]);
+        let [m, n] = [i, k].map(|v| mesh.normals()[v as usize]);
+        let edge: Vec3 = b - a;
+        let squared = edge.dot(edge);
+        (squared > 0.0).then(|| (n - m).dot(edge) / squared)
+    };
+    for [a, b, c] in mesh.triangles() {
+        for [i, k] in [[*a, *b], [*b, *c], [*c, *a]] {
+            for (v, bend) in [i, k].into_iter().zip(bend(i, k).into_iter().cycle()) {
+                let (sum, count) = &mut sums[v as usize];
+                *sum += bend;
+                *count += 1;
+            }
+        }
+    }
+    sums.into_iter().map(|(sum, count)| if count == 0 { 0.0 } else { sum / count as f32 }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::MeshData;
+
+    #[test]
+    fn only_maps_of_the_scans_materials_pay_for_their_sums() {
+        let [bare, full] = [false, true].map(|reads_materials| Cells::new(64, reads_materials));
+        assert_eq!((bare.surfaces.len(), bare.materials.capacity()), (64, 0));
+        assert_eq!((full.surfaces.len(), full.materials.len()), (64, 64));
+        // 12 numbers of vectors, 3 counts, 6 numbers.
+        assert_eq!(size_of::<Cell>(), 4 * (12 + 3 + 6));
+    }
+
+    #[test]
+    fn a_sphere_bends_by_one_over_its_radius_and_inside_out_by_as_much_less() {
+        let sphere = Mesh::sphere(1.0, 64, 32);
+        let radius = 2.5;
+        let scaled = |sign: f32| {
+            let data = sphere.clone().into_data();
+            Mesh::new(MeshData {
+                positions: data.positions.iter().map(|p| *p * radius).collect(),
+                normals: data.normals.iter().map(|n| *n * sign).collect(),
+                tangents: Vec::new(),
+                ..data
+            })
+            .unwrap()
+        };
+        for sign in [1.0, -1.0] {
+            let sphere = scaled(sign);
+            let curvatures = mean_curvatures(&sphere);
+            for v in sphere.triangles().as_flattened() {
+                let curvature = curvatures[*v as usize];
+                assert!((curvature * radius * sign - 1.0).abs() < 1e-3, "{curvature}");
+            }
+        }
+    }
+}

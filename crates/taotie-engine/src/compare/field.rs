@@ -1,0 +1,237 @@
+//! One number per pixel: its summary statistics, and its image as a heat map.
+
+use super::one_per_pixel;
+use crate::error::{Error, Result};
+use crate::names::Named;
+
+/// One number for each pixel, row by row from the top; NaN where there is none.
+#[derive(Debug, Clone)]
+pub struct Field {
+    width: u32,
+    height: u32,
+    values: Vec<f32>,
+}
+
+/// The numbers of a [`Field`], in its unit.
+///
+/// Quantiles are interpolated linearly between the two nearest of the n sorted values, with the quantile q at (n − 1)
+/// · q counted from 0: type 7 of Hyndman and Fan 1996, NumPy's default.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Summary {
+    /// The number of pixels that have a number, at least 1.
+    pub count: usize,
+    /// The arithmetic mean, summed in double precision in the order of pixels.
+    pub mean: f64,
+    /// The quantile 0.5.
+    pub median: f64,
+    /// The quantiles 0.25 and 0.75.
+    pub quartiles: [f64; 2],
+    /// The quantile 0.95.
+    pub p95: f64,
+    /// The largest.
+    pub max: f64,
+}
+
+impl Field {
+    /// Makes a field from its numbers, row by row from the top.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if a side is zero or the count is not `width · height`.
+    pub fn new(width: u32, height: u32, values: Vec<f32>) -> Result<Self> {
+        one_per_pixel("a field", width, height, values.len())?;
+        Ok(Self { width, height, values })
+    }
+
+    /// Returns the width in pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Returns the height in pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Returns all numbers, row by row from the top; NaN where there is none.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// Returns the mean and quantiles; `None` if no pixel has a number.
+    pub fn summary(&self) -> Option<Summary> {
+        let mut numbers: Vec<f32> = self.numbers().collect();
+        let sum = numbers.iter().fold(0.0, |sum, v| sum + f64::from(*v));
+        numbers.sort_unstable_by(f32::total_cmp);
+        let max = f64::from(*numbers.last()?);
+        Some(Summary {
+            count: numbers.len(),
+            mean: sum / numbers.len() as f64,
+            median: quantile(&numbers, 0.5),
+            quartiles: [quantile(&numbers, 0.25), quantile(&numbers, 0.75)],
+            p95: quantile(&numbers, 0.95),
+            max,
+        })
+    }
+
+    /// Counts the numbers in each of `bins` equal parts of [0, `top`); those at or above `top` fall into the last
+    /// part, those below 0 into the first.
+    pub fn histogram(&self, bins: usize, top: f32) -> Vec<u64> {
+        let mut counts = vec![0; bins];
+        let Some(last) = bins.checked_sub(1) else { return counts };
+        for value in self.numbers() {
+            let bin = f64::from(value) / f64::from(top) * bins as f64;
+            counts[(bin as usize).min(last)] += 1;
+        }
+        counts
+    }
+
+    /// Returns the field with only the numbers for which `keep`, one flag per pixel, is `true`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if `keep` has a different length.
+    pub fn within(&self, keep: &[bool]) -> Result<Field> {
+        if keep.len() != self.values.len() {
+            return Err(Error::invalid(
+                format!("a mask of {} pixels", keep.len()),
+                format!(
+                    "the field is {}x{}; a mask must have one element for each pixel",
+                    self.width, self.height
+                ),
+            ));
+        }
+        let kept = |(value, keep): (&f32, &bool)| if *keep { *value } else { f32::NAN };
+        Ok(Self { values: self.values.iter().zip(keep).map(kept).collect(), ..*self })
+    }
+
+    fn numbers(&self) -> impl Iterator<Item = f32> {
+        self.values.iter().copied().filter(|v| !v.is_nan())
+    }
+}
+
+/// Returns the quantile `q` of `sorted`, which is not empty.
+fn quantile(sorted: &[f32], q: f64) -> f64 {
+    let at = (sorted.len() - 1) as f64 * q;
+    let below = at.floor() as usize;
+    let above = (below + 1).min(sorted.len() - 1);
+    let (low, high) = (f64::from(sorted[below]), f64::from(sorted[above]));
+    if low == high { low } else { low + (high - low) * (at - below as f64) }
+}
+
+/// The map from numbers to colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ColorMap {
+    /// Dark blue over green to yellow; van der Walt and Smith 2015.
+    #[default]
+    Viridis,
+    /// Black over purple to a light yellow; by the same authors, and used in FLIP's own images.
+    Magma,
+    /// Black to white.
+    Gray,
+}
+
+impl Named for ColorMap {
+    const WHAT: &'static str = "color map";
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("viridis", Self::Viridis), ("magma", Self::Magma), ("gray", Self::Gray)];
+}
+
+impl ColorMap {
+    /// Returns the 8-bit sRGB colour of a number, clamped to [0, 1].
+    pub fn color(self, value: f64) -> [u8; 3] {
+        let gradient = match self {
+            Self::Viridis => colorous::VIRIDIS,
+            Self::Magma => colorous::MAGMA,
+            Self::Gray => return [(value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8; 3],
+        };
+        gradient.eval_continuous(value).as_array()
+    }
+}
+
+/// Returns the field as 8-bit sRGB colours, row by row from the top: 0 and below get the map's first colour, `top`
+/// and above its last, and pixels without a number the colour `nothing`.
+pub fn heat(field: &Field, top: f32, map: ColorMap, nothing: [u8; 3]) -> Vec<[u8; 3]> {
+    let color = |value: &f32| match value {
+        v if v.is_nan() => nothing,
+        v if *v <= 0.0 => map.color(0.0),
+        v => map.color(f64::from(*v) / f64::from(top.max(0.0))),
+    };
+    field.values().iter().map(color).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 0 to 100 in mixed order, with a hole.
+    fn ladder() -> Field {
+        let rung = |i: u32| if i == 50 { f32::NAN } else { ((i * 37) % 101) as f32 };
+        let mut values: Vec<f32> = (0..101).map(rung).collect();
+        values.push((50 * 37 % 101) as f32);
+        Field::new(51, 2, values).unwrap()
+    }
+
+    #[test]
+    fn the_ladder_has_its_quantiles() {
+        let summary = ladder().summary().unwrap();
+        let expected =
+            Summary { count: 101, mean: 50.0, median: 50.0, quartiles: [25.0, 75.0], p95: 95.0, max: 100.0 };
+        assert_eq!(summary, expected);
+    }
+
+    #[test]
+    fn quantiles_are_interpolated() {
+        let summary = Field::new(2, 1, vec![3.0, 1.0]).unwrap().summary().unwrap();
+        assert_eq!((summary.median, summary.quartiles), (2.0, [1.5, 2.5]));
+        assert!((summary.p95 - 2.9).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_field_without_numbers_has_no_summary() {
+        let nothing = Field::new(2, 2, vec![f32::NAN; 4]).unwrap();
+        assert_eq!(nothing.summary(), None);
+        assert_eq!(nothing.histogram(3, 1.0), [0, 0, 0]);
+    }
+
+    #[test]
+    fn every_number_falls_into_one_bin() {
+        let field = Field::new(4, 2, vec![0.0, 0.5, 1.0, 1.9, 2.0, 1e9, -1.0, f32::NAN]).unwrap();
+        assert_eq!(field.histogram(4, 2.0), [2, 1, 1, 3]);
+        assert_eq!(ladder().histogram(10, 100.0), [10, 10, 10, 10, 10, 10, 10, 10, 10, 11]);
+        assert_eq!(field.histogram(0, 2.0), Vec::<u64>::new());
+    }
+
+    #[test]
+    fn a_mask_leaves_its_pixels() {
+        let field = Field::new(3, 1, vec![1.0, 2.0, 4.0]).unwrap();
+        assert_eq!(field.within(&[true, false, true]).unwrap().summary().unwrap().mean, 2.5);
+        assert!(field.within(&[true]).unwrap_err().to_string().contains("3x1"));
+    }
+
+    #[test]
+    fn a_wrong_count_is_refused() {
+        assert!(Field::new(3, 2, vec![0.0; 5]).is_err());
+        assert!(Field::new(0, 2, vec![]).is_err());
+    }
+
+    #[test]
+    fn the_ends_of_the_maps_are_theirs() {
+        let near = |a: [u8; 3], b: [u8; 3]| (0..3).all(|c| a[c].abs_diff(b[c]) <= 2);
+        assert!(
+            near(ColorMap::Viridis.color(0.0), [68, 1, 84])
+                && near(ColorMap::Viridis.color(1.0), [253, 231, 37])
+        );
+        assert!(
+            near(ColorMap::Magma.color(0.0), [0, 0, 4]) && near(ColorMap::Magma.color(1.0), [252, 253, 191])
+        );
+        assert!(near(ColorMap::Magma.color(0.5), [183, 55, 121]), "{:?}", ColorMap::Magma.color(0.5));
+        assert_eq!((ColorMap::Gray.color(0.2), ColorMap::Gray.color(9.0)), ([51; 3], [255; 3]));
+    }
+
+    #[test]
+    fn numbers_beyond_the_scale_take_its_ends() {
+        let field = Field::new(6, 1, vec![-1.0, 0.0, 1.0, 2.0, f32::INFINITY, f32::NAN]).unwrap();
+        let colors = heat(&field, 2.0, ColorMap::Gray, [9, 8, 7]);
+        assert_eq!(colors, [[0; 3], [0; 3], [128; 3], [255; 3], [255; 3], [9, 8, 7]]);
+        assert_eq!(heat(&field, 0.0, ColorMap::Gray, [9; 3])[1..3], [[0; 3], [255; 3]]);
+    }
+}

@@ -1,0 +1,198 @@
+//! Metrics of the difference of two images: the root mean square error, the peak signal-to-noise ratio, the
+//! difference of each pixel, and the structural similarity.
+
+use super::plane::Plane;
+use super::{DisplayImage, Field};
+use crate::error::{Error, Result};
+use crate::math::scalar;
+
+/// Returns the root of the mean squared difference over all channels of all pixels, [0, 1].
+///
+/// # Errors
+/// [`Error::Invalid`] if the sizes differ.
+pub fn rmse(a: &DisplayImage, b: &DisplayImage) -> Result<f64> {
+    Ok(mean_squared(a, b)?.sqrt())
+}
+
+/// Returns the peak signal-to-noise ratio in decibels, −10 log₁₀ of the mean squared difference, with a peak of 1;
+/// infinite for equal images.
+///
+/// # Errors
+/// As [`rmse`].
+pub fn psnr(a: &DisplayImage, b: &DisplayImage) -> Result<f64> {
+    let squared = mean_squared(a, b)?;
+    Ok(if squared == 0.0 { f64::INFINITY } else { -10.0 * scalar::log10(squared) })
+}
+
+/// Returns the mean absolute difference of the three channels, per pixel, [0, 1].
+///
+/// # Errors
+/// As [`rmse`].
+pub fn difference(a: &DisplayImage, b: &DisplayImage) -> Result<Field> {
+    a.check_same_size(b)?;
+    let mean = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).map(|c| (a[c] - b[c]).abs()).sum::<f32>() / 3.0;
+    Field::new(a.width(), a.height(), a.pixels().iter().zip(b.pixels()).map(mean).collect())
+}
+
+fn mean_squared(a: &DisplayImage, b: &DisplayImage) -> Result<f64> {
+    a.check_same_size(b)?;
+    let channels = a.pixels().as_flattened().iter().zip(b.pixels().as_flattened());
+    let squared = |(a, b): (&f32, &f32)| (f64::from(*a) - f64::from(*b)) * (f64::from(*a) - f64::from(*b));
+    let sum = channels.map(squared).fold(0.0, |sum, v| sum + v);
+    Ok(sum / (a.pixels().len() * 3) as f64)
+}
+
+/// The side of SSIM's window, in pixels: images must be at least that large.
+pub const SSIM_WINDOW: u32 = 11;
+
+/// The standard deviation of the window's Gaussian weights, in pixels.
+const SIGMA: f64 = 1.5;
+/// (K₁ L)² and (K₂ L)², the range L being 1.
+const C1: f64 = 0.01 * 0.01;
+const C2: f64 = 0.03 * 0.03;
+
+/// Returns the mean structural similarity, (−1, 1]; 1 for equal images.
+///
+/// It is the mean over every window inside the images and over the channels red, green and blue.
+///
+/// Source: Wang, Bovik, Sheikh and Simoncelli 2004, equations 13 to 17: 11×11 Gaussian weights of standard deviation
+/// 1.5, K₁ = 0.01, K₂ = 0.03.
+///
+/// # Errors
+/// [`Error::Invalid`] if the sizes differ or a side is below 11 pixels.
+pub fn ssim(a: &DisplayImage, b: &DisplayImage) -> Result<f64> {
+    let inside: Vec<f64> = similarity(a, b)?.into_iter().filter(|v| !v.is_nan()).collect();
+    Ok(inside.iter().sum::<f64>() / inside.len() as f64)
+}
+
+/// Returns the structural similarity around each pixel, the mean of its channels; NaN if the window leaves the image.
+///
+/// # Errors
+/// As [`ssim`].
+pub fn ssim_map(a: &DisplayImage, b: &DisplayImage) -> Result<Field> {
+    Field::new(a.width(), a.height(), similarity(a, b)?.into_iter().map(|v| v as f32).collect())
+}
+
+fn similarity(a: &DisplayImage, b: &DisplayImage) -> Result<Vec<f64>> {
+    a.check_same_size(b)?;
+    let (width, height) = (a.width(), a.height());
+    if width.min(height) < SSIM_WINDOW {
+        return Err(Error::invalid(
+            format!("pictures of {width}x{height}"),
+            format!(
+                "SSIM uses windows of {SSIM_WINDOW}x{SSIM_WINDOW} pixels; both sides must be at least that large"
+            ),
+        ));
+    }
+    let is_grey = |picture: &DisplayImage| picture.pixels().iter().all(|[r, g, b]| r == g && g == b);
+    let red = channel_similarity(a, b, 0);
+    let (green, blue) = match is_grey(a) && is_grey(b) {
+        true => (red.clone(), red.clone()),
+        false => (channel_similarity(a, b, 1), channel_similarity(a, b, 2)),
+    };
+    let inside = |i: usize| {
+        let (x, y, radius) = (i as u32 % width, i as u32 / width, SSIM_WINDOW / 2);
+        (radius..width - radius).contains(&x) && (radius..height - radius).contains(&y)
+    };
+    let mean = |i: usize| if inside(i) { (red[i] + green[i] + blue[i]) / 3.0 } else { f64::NAN };
+    Ok((0..red.len()).map(mean).collect())
+}
+
+fn channel_similarity(a: &DisplayImage, b: &DisplayImage, channel: usize) -> Vec<f64> {
+    let kernel = window();
+    let pairs: Vec<[f64; 2]> =
+        a.pixels().iter().zip(b.pixels()).map(|(a, b)| [a[channel].into(), b[channel].into()]).collect();
+    let weighted = |product: fn(&[f64; 2]) -> f64| {
+        Plane::new(a.width(), &pairs, product).filtered(&kernel, &kernel).values
+    };
+    let (mean_a, mean_b) = (weighted(|[a, _]| *a), weighted(|[_, b]| *b));
+    let (aa, bb, ab) = (weighted(|[a, _]| a * a), weighted(|[_, b]| b * b), weighted(|[a, b]| a * b));
+    (0..pairs.len()).map(|i| ssim_of_moments(mean_a[i], mean_b[i], [aa[i], bb[i], ab[i]])).collect()
+}
+
+/// Equation 13 of Wang et al. 2004 from the weighted means of a, b, a², b² and a·b.
+fn ssim_of_moments(a: f64, b: f64, [aa, bb, ab]: [f64; 3]) -> f64 {
+    let (variance_a, variance_b, covariance) = (aa - a * a, bb - b * b, ab - a * b);
+    let numerator = (2.0 * a * b + C1) * (2.0 * covariance + C2);
+    numerator / ((a * a + b * b + C1) * (variance_a + variance_b + C2))
+}
+
+/// The window's weights along one axis; they sum to 1.
+fn window() -> [f64; SSIM_WINDOW as usize] {
+    let weights = std::array::from_fn(|i| {
+        let x = i as f64 - f64::from(SSIM_WINDOW / 2);
+        scalar::exp(-x * x / (2.0 * SIGMA * SIGMA))
+    });
+    let sum: f64 = weights.iter().sum();
+    weights.map(|w| w / sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flat(value: f32) -> DisplayImage {
+        DisplayImage::new(4, 3, vec![[value; 3]; 12]).unwrap()
+    }
+
+    #[test]
+    fn a_tenth_everywhere_is_twenty_decibels() {
+        assert!((rmse(&flat(0.5), &flat(0.6)).unwrap() - 0.1).abs() < 1e-7);
+        assert!((psnr(&flat(0.5), &flat(0.6)).unwrap() - 20.0).abs() < 1e-5);
+        assert_eq!(rmse(&flat(0.0), &flat(1.0)).unwrap(), 1.0);
+        assert_eq!(psnr(&flat(1.0), &flat(0.0)).unwrap(), 0.0);
+    }
+
+    #[test]
+    fn equal_pictures_differ_in_nothing() {
+        assert_eq!(rmse(&flat(0.3), &flat(0.3)).unwrap(), 0.0);
+        assert_eq!(psnr(&flat(0.3), &flat(0.3)).unwrap(), f64::INFINITY);
+    }
+
+    #[test]
+    fn pixels_differ_by_the_mean_of_their_channels() {
+        let red = DisplayImage::new(2, 1, vec![[0.75, 0.0, 0.0], [0.0; 3]]).unwrap();
+        let black = DisplayImage::new(2, 1, vec![[0.0; 3]; 2]).unwrap();
+        assert_eq!(difference(&black, &red).unwrap().values(), [0.25, 0.0]);
+    }
+
+    #[test]
+    fn other_sizes_are_named() {
+        let why =
+            rmse(&flat(0.0), &DisplayImage::new(1, 1, vec![[0.0; 3]]).unwrap()).unwrap_err().to_string();
+        assert!(why.contains("4x3") && why.contains("1x1"), "{why}");
+    }
+
+    fn picture(side: u32, value: impl Fn(u32, u32) -> f32) -> DisplayImage {
+        let pixels = (0..side * side).map(|i| [value(i % side, i / side); 3]).collect();
+        DisplayImage::new(side, side, pixels).unwrap()
+    }
+
+    #[test]
+    fn equal_pictures_are_one_and_opposite_ones_below_zero() {
+        let checks = picture(16, |x, y| ((x + y) % 2) as f32);
+        let opposite = picture(16, |x, y| ((x + y + 1) % 2) as f32);
+        assert!((ssim(&checks, &checks).unwrap() - 1.0).abs() < 1e-12);
+        assert!(ssim(&checks, &opposite).unwrap() < -0.9);
+    }
+
+    #[test]
+    fn flat_pictures_differ_in_luminance_alone() {
+        let value = ssim(&picture(11, |_, _| 0.25), &picture(11, |_, _| 0.75)).unwrap();
+        let expected = (2.0 * 0.25 * 0.75 + C1) / (0.25 * 0.25 + 0.75 * 0.75 + C1);
+        assert!((value - expected).abs() < 1e-9, "{value} is not {expected}");
+    }
+
+    #[test]
+    fn the_map_has_numbers_where_the_window_fits() {
+        let map =
+            ssim_map(&picture(12, |x, _| x as f32 / 12.0), &picture(12, |_, y| y as f32 / 12.0)).unwrap();
+        assert_eq!(map.summary().unwrap().count, 4);
+        assert!(
+            ssim(&picture(10, |_, _| 0.0), &picture(10, |_, _| 0.0))
+                .unwrap_err()
+                .to_string()
+                .contains("10x10")
+        );
+    }
+}

@@ -1,0 +1,338 @@
+//! The material at a point: the meaning of its texels, its sample in the terms of every model, and the parts of a
+//! surface that each reflectance model supports.
+
+use crate::math::{Lane, Vec3};
+use crate::scene::Material;
+use crate::shade::dfg::Dfg;
+use crate::shade::{self, MaterialSample, Shading, fresnel, ndf};
+
+/// The smallest α from which shininess and slope are derived.
+const LEAST_ALPHA: f64 = 0.02;
+
+/// The factors of a material, the same at all points. A factor that is `None` is not authored and follows from the
+/// metallic-roughness values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MaterialUniforms<L> {
+    /// Multiplies [`MaterialValues::tint`], linear RGB.
+    pub base_color: Vec3<L>,
+    /// Reflectance at normal incidence, linear RGB.
+    pub f0: Option<Vec3<L>>,
+    /// Reflectance at 82°, linear RGB.
+    pub f82: Option<Vec3<L>>,
+    /// F0 of the dielectric part, ((η − 1)/(η + 1))²; 1 for the index 0, which means total reflection.
+    pub dielectric_f0: L,
+    /// k_a, linear RGB; multiplies the tint.
+    pub ambient: Option<Vec3<L>>,
+    /// k_d, linear RGB; multiplies the tint.
+    pub diffuse: Option<Vec3<L>>,
+    /// k_s, linear RGB.
+    pub specular: Option<Vec3<L>>,
+    /// Beckmann's rms slope, above 0.
+    pub slope: Option<L>,
+    /// Phong and Blinn-Phong exponent, at least 0.
+    pub shininess: Option<L>,
+}
+
+impl MaterialUniforms<f32> {
+    /// Returns the factors of a scene's material.
+    pub fn new(material: &Material) -> Self {
+        let [r, g, b, _] = material.base_color;
+        let ratio = (material.ior - 1.0) / (material.ior + 1.0);
+        let classic = &material.classic;
+        Self {
+            base_color: Vec3::new(r, g, b),
+            f0: material.f0.map(Vec3::from_array),
+            f82: material.f82.map(Vec3::from_array),
+            dielectric_f0: ratio * ratio,
+            ambient: classic.ambient.map(Vec3::from_array),
+            diffuse: classic.diffuse.map(Vec3::from_array),
+            specular: classic.specular.map(Vec3::from_array),
+            slope: classic.slope,
+            shininess: classic.shininess,
+        }
+    }
+}
+
+impl<N: Copy> MaterialUniforms<N> {
+    /// Converts the numbers.
+    #[inline(always)]
+    pub fn map<L>(&self, f: impl Fn(N) -> L) -> MaterialUniforms<L> {
+        let vector = |vector: Vec3<N>| vector.map(&f);
+        MaterialUniforms {
+            base_color: vector(self.base_color),
+            f0: self.f0.map(vector),
+            f82: self.f82.map(vector),
+            dielectric_f0: f(self.dielectric_f0),
+            ambient: self.ambient.map(vector),
+            diffuse: self.diffuse.map(vector),
+            specular: self.specular.map(vector),
+            slope: self.slope.map(&f),
+            shininess: self.shininess.map(&f),
+        }
+    }
+}
+
+/// The values of a material at a point: textures and vertex colours with their factors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MaterialValues<L> {
+    /// Base colour texture times vertex colour, linear RGB.
+    pub tint: Vec3<L>,
+    /// [0, 1].
+    pub metallic: L,
+    /// The roughness as artists set it, widened by detail within the pixel, [0, 1].
+    pub roughness: L,
+    /// The strength of a dielectric's reflection, [0, 1].
+    pub specular: L,
+    /// Multiplies the dielectric's F0, linear RGB, at least 0.
+    pub specular_color: Vec3<L>,
+    /// The unoccluded share of the hemisphere, [0, 1].
+    pub occlusion: L,
+    /// Emitted radiance, linear RGB.
+    pub emissive: Vec3<L>,
+    /// The variance of normals within the pixel: [`shade::SubPixelVariance::variance`].
+    pub variance: L,
+}
+
+impl<N: Copy> MaterialValues<N> {
+    /// Converts the numbers.
+    #[inline(always)]
+    pub fn map<L>(&self, f: impl Fn(N) -> L) -> MaterialValues<L> {
+        MaterialValues {
+            tint: self.tint.map(&f),
+            metallic: f(self.metallic),
+            roughness: f(self.roughness),
+            specular: f(self.specular),
+            specular_color: self.specular_color.map(&f),
+            occlusion: f(self.occlusion),
+            emissive: self.emissive.map(&f),
+            variance: f(self.variance),
+        }
+    }
+}
+
+/// The material at a point, in the terms of every model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MaterialPoint<L> {
+    /// The parameters of reflectance.
+    pub sample: MaterialSample<L>,
+    /// k_a, linear RGB.
+    pub ambient: Vec3<L>,
+    /// Emitted radiance, linear RGB.
+    pub emissive: Vec3<L>,
+    /// The unoccluded share of the hemisphere, [0, 1].
+    pub occlusion: L,
+}
+
+impl<L: Lane> MaterialPoint<L> {
+    /// Combines factors and values. `dfg`, the directional albedos of the lobe, adds multiple scattering, if the model
+    /// supports it.
+    #[inline(always)]
+    pub fn new(
+        shading: Shading,
+        uniforms: &MaterialUniforms<L>,
+        values: &MaterialValues<L>,
+        dfg: Option<Dfg<L>>,
+    ) -> Self {
+        let MaterialValues { tint, metallic, roughness, .. } = *values;
+        let one = metallic.lit(1.0);
+        let base_color = tint.mul_elements(uniforms.base_color);
+        let (f0, f90) = match uniforms.f0 {
+            Some(f0) => (f0, one),
+            None => normal_and_grazing(uniforms, values, base_color),
+        };
+        let f82_drop = match uniforms.f82 {
+            Some(f82) => fresnel::f82_drop(f0, f82),
+            None => Vec3::splat(one.lit(0.0)),
+        };
+        let diffuse = match uniforms.diffuse {
+            Some(diffuse) => diffuse.mul_elements(tint),
+            None => base_color * (one - metallic),
+        };
+        let specular = match uniforms.specular {
+            Some(specular) => specular,
+            None if takes_fresnel(shading) => Vec3::splat(one),
+            None => f0,
+        };
+        let (slope, shininess) = classic_widths(uniforms, values);
+        let ambient = match uniforms.ambient {
+            Some(ambient) => ambient.mul_elements(tint),
+            None => diffuse + f0,
+        };
+        let dfg = dfg.filter(|_| takes_compensation(shading));
+        let compensation = dfg.map(|dfg| shade::compensation(&dfg, f0, f90, f82_drop));
+        let sample = MaterialSample {
+            base_color,
+            metallic,
+            roughness,
+            f0,
+            f90,
+            f82_drop,
+            diffuse,
+            specular,
+            shininess,
+            slope,
+            compensation,
+        };
+        Self { sample, ambient, emissive: values.emissive, occlusion: values.occlusion }
+    }
+}
+
+/// Returns F0 and F90: of a dielectric from its index of refraction, specular strength and colour, of a metal from its
+/// base colour.
+///
+/// Source: glTF 2.0, appendix B; KHR_materials_ior; KHR_materials_specular.
+#[inline(always)]
+fn normal_and_grazing<L: Lane>(
+    uniforms: &MaterialUniforms<L>,
+    values: &MaterialValues<L>,
+    base_color: Vec3<L>,
+) -> (Vec3<L>, L) {
+    let MaterialValues { metallic, specular: strength, specular_color, .. } = *values;
+    let one = metallic.lit(1.0);
+    let tinted = specular_color * uniforms.dielectric_f0;
+    let dielectric = Vec3::new(tinted.x.min(one), tinted.y.min(one), tinted.z.min(one)) * strength;
+    let f0 = dielectric * (one - metallic) + base_color * metallic;
+    (f0, strength * (one - metallic) + metallic)
+}
+
+/// Beckmann's slope and the exponent of the Phong family: as authored, widened by detail within the pixel, or from
+/// the roughness, which is widened already.
+#[inline(always)]
+fn classic_widths<L: Lane>(uniforms: &MaterialUniforms<L>, values: &MaterialValues<L>) -> (L, L) {
+    let MaterialValues { roughness, variance, .. } = *values;
+    let alpha = (roughness * roughness).max(roughness.lit(LEAST_ALPHA));
+    let widened = |alpha: L| (alpha * alpha + variance).sqrt();
+    let slope = uniforms.slope.map_or(alpha, widened);
+    let shininess = match uniforms.shininess {
+        Some(authored) => {
+            let wide = ndf::shininess_from_alpha(widened(ndf::alpha_from_shininess(authored)));
+            L::select(variance.lit(0.0).lt(variance), wide, authored)
+        }
+        None => ndf::shininess_from_alpha(alpha),
+    };
+    (slope, shininess)
+}
+
+/// Returns Beckmann's slope for the tables of `cook-torrance`, at least 0.
+#[inline(always)]
+pub fn lobe_slope<L: Lane>(uniforms: &MaterialUniforms<L>, values: &MaterialValues<L>) -> L {
+    match uniforms.slope {
+        Some(slope) => (slope * slope + values.variance).sqrt(),
+        None => values.roughness.squared(),
+    }
+}
+
+/// Returns the roughness of the GGX lobe closest to the model's highlight, [0, 1].
+#[inline(always)]
+pub fn lobe_roughness<L: Lane>(
+    shading: Shading,
+    uniforms: &MaterialUniforms<L>,
+    values: &MaterialValues<L>,
+) -> L {
+    match (shading, uniforms.shininess) {
+        _ if is_cook_torrance(shading) => {
+            let slope = lobe_slope(uniforms, values);
+            slope.sqrt().min(slope.lit(1.0))
+        }
+        (Shading::Ggx | Shading::GgxPrinted | Shading::Lambert, _) | (_, None) => values.roughness,
+        (_, Some(shininess)) => ndf::alpha_from_shininess(shininess).sqrt(),
+    }
+}
+
+/// The facts about a model that are known before any point. If it is a constant, code for other models is not compiled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Model {
+    /// The reflectance model.
+    pub shading: Shading,
+    /// `true` if there may be clearcoat, sheen or anisotropy.
+    pub layered: bool,
+}
+
+impl Model {
+    /// Returns the model of a material.
+    pub fn new(shading: Shading, material: &Material) -> Self {
+        let layers =
+            material.clearcoat.is_some() || material.sheen.is_some() || material.anisotropy.is_some();
+        Self { shading, layered: takes_layers(shading) && layers }
+    }
+}
+
+/// Returns true if the model has clearcoat, sheen and anisotropy.
+pub fn takes_layers(shading: Shading) -> bool {
+    shading == Shading::Ggx
+}
+
+/// Returns true if the model multiplies k_s by a Fresnel term made from F0, so that k_s is 1 unless authored.
+fn takes_fresnel(shading: Shading) -> bool {
+    is_cook_torrance(shading)
+}
+
+/// Returns true if the model can add multiple scattering.
+pub fn takes_compensation(shading: Shading) -> bool {
+    matches!(shading, Shading::Ggx | Shading::CookTorrance)
+}
+
+/// Returns true if the model has a microfacet lobe, whose directional albedos are in tables.
+pub fn takes_albedos(shading: Shading) -> bool {
+    takes_compensation(shading) || matches!(shading, Shading::GgxPrinted | Shading::CookTorrancePrinted)
+}
+
+/// Returns true if reflected light depends on the roughness: slopes and exponents may be authored instead.
+pub fn takes_roughness(shading: Shading, material: &Material) -> bool {
+    match shading {
+        Shading::CookTorrance | Shading::CookTorrancePrinted => material.classic.slope.is_none(),
+        Shading::Phong | Shading::BlinnPhong => material.classic.shininess.is_none(),
+        _ => true,
+    }
+}
+
+/// Returns true if the lobe is Beckmann's.
+pub fn is_cook_torrance(shading: Shading) -> bool {
+    matches!(shading, Shading::CookTorrance | Shading::CookTorrancePrinted)
+}
+
+/// Applies the linear part of a texture's transform, given by rows, to texture coordinates or their derivatives.
+#[inline(always)]
+pub fn turned_uv<L: Lane>([[a, b], [c, d]]: [[L; 2]; 2], [u, v]: [L; 2]) -> [L; 2] {
+    [a * u + b * v, c * u + d * v]
+}
+
+/// Returns log2 of the finest level's texels that a pixel covers along the longer of its two steps: the changes of the
+/// texture coordinates one pixel to the right and down, in a texture of `size` texels.
+#[inline(always)]
+pub fn log2_texels<L: Lane>(d_x: [L; 2], d_y: [L; 2], size: [L; 2]) -> L {
+    let squared = |[du, dv]: [L; 2]| (du * size[0]).squared() + (dv * size[1]).squared();
+    let texels = squared(d_x).max(squared(d_y)).clamp(1e-30, 1e30);
+    texels.log2() * texels.lit(0.5)
+}
+
+/// Returns the step in u or v to the neighbouring texel of the level in use, whose texels are `texels` texels of the
+/// finest level wide; `size` is the finest level's size.
+#[inline(always)]
+pub fn height_step<L: Lane>(texels: L, size: L) -> L {
+    texels / size
+}
+
+/// Returns the derivative of a height with respect to u or v, from the heights one [`height_step`] to each side.
+#[inline(always)]
+pub fn height_derivative<L: Lane>(after: L, before: L, step: L) -> L {
+    (after - before) / (step * step.lit(2.0))
+}
+
+/// Returns the occlusion weighted by its strength: 1 + strength (o − 1); both in [0, 1].
+#[inline(always)]
+pub fn occluded<L: Lane>(occlusion: L, strength: L) -> L {
+    let one = occlusion.lit(1.0);
+    one + strength * (occlusion - one)
+}
+
+/// Returns the cosine and sine of the anisotropy's angle from the tangent: the material's angle, rotated by a texel's red
+/// and green, each in [0, 1].
+///
+/// Source: KHR_materials_anisotropy.
+#[inline(always)]
+pub fn anisotropy_turn<L: Lane>([cos, sin]: [L; 2], [red, green]: [L; 2]) -> [L; 2] {
+    let (one, two) = (red.lit(1.0), red.lit(2.0));
+    let (x, y) = (two * red - one, two * green - one);
+    [cos * x - sin * y, sin * x + cos * y]
+}

@@ -1,0 +1,242 @@
+//! Points spread over the visible part of a surface, each compared with the other surface in its place.
+
+use super::{Look, Pair, Sample, Side, view_ray};
+use crate::bake::{LookupPoint, Scan, SightLine, sample_area};
+use crate::error::Result;
+use crate::math::{Vec3, scalar};
+use crate::mesh::{Mesh, Point};
+use crate::parallel;
+use crate::surface::facet_normal;
+
+/// A surface farther along the line of sight than this fraction of the diagonal is another part of the object.
+const SAME_PART: f32 = 0.02;
+/// A surface within this fraction of the diagonal of a line of sight that misses it belongs to an outline.
+const OUTLINE: f32 = 0.005;
+/// The cosine to the viewer below which that surface is turned away, as with reversed winding.
+const AWAY: f32 = -0.5;
+/// Minimum number of pixels across the object: edges of modelled shapes may be as long as the object, and carry no
+/// information about its detail.
+const LEAST_PIXELS: f32 = 256.0;
+/// The angle used if the other surface shows nothing, in degrees.
+const NOTHING_DEG: f32 = 90.0;
+
+/// A visible point and its counterpart on the other surface.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SurfaceSample {
+    /// The position, world space.
+    pub position: Vec3,
+    /// The direction of the viewer, unit.
+    pub toward: Vec3,
+    /// The triangle on the sampled surface.
+    pub triangle: u32,
+    /// Degrees between the shown normals; 90 if the other surface shows nothing.
+    pub angle_deg: f32,
+    /// CIEDE2000 between the base colours; NaN if colours are not compared, or if nothing is shown.
+    pub color: f32,
+    /// `true` if the other surface shows nothing there, or another part of the object.
+    pub is_missing: bool,
+    /// The distance to the closest point of the other surface, in model units.
+    pub distance: f32,
+    /// The width of the asset's finest texel there, in model units; NaN without a texture.
+    pub texel: f32,
+    /// The same relative to the width of the close-up's pixels, which are as fine as the scan's detail.
+    pub coarser: f32,
+}
+
+/// Samples of the visible part of one surface.
+#[derive(Debug, Clone, Default)]
+pub struct CloseUp {
+    /// Visible points, spread evenly.
+    pub samples: Vec<SurfaceSample>,
+    /// The share of the area that is hidden, [0, 1].
+    pub hidden: f64,
+    /// Number of points sampled, including hidden ones.
+    pub points: usize,
+    /// `true` if the points are those of the scan, `false` if they are the asset's.
+    pub is_of_scan: bool,
+}
+
+/// The two surfaces in the roles of a close-up.
+#[derive(Clone, Copy)]
+pub(super) struct Viewer<'a> {
+    pair: &'a Pair<'a>,
+    own: &'a Side<'a>,
+    other: &'a Side<'a>,
+    footprint: Footprint,
+    is_of_scan: bool,
+}
+
+impl<'a> Viewer<'a> {
+    /// Views points of the scan, and the asset in their place.
+    pub fn of_scan(pair: &'a Pair<'a>) -> Self {
+        let footprint = Footprint::of(pair.scan.surface);
+        Self { pair, own: pair.scan, other: pair.asset, footprint, is_of_scan: true }
+    }
+
+    /// Views points of the asset, and the scan in their place.
+    pub fn of_asset(pair: &'a Pair<'a>) -> Self {
+        Self { own: pair.asset, other: pair.scan, is_of_scan: false, ..Self::of_scan(pair) }
+    }
+
+    /// Returns the sample at a point of the sampled surface; `None` if it is hidden.
+    pub fn sample(&self, point: Point) -> Option<SurfaceSample> {
+        let (own, other) = (self.own.surface, self.other.surface);
+        if !own.surface().is_opaque_at(point) {
+            return None;
+        }
+        let line = self.own.visibility.sight_line(point)?;
+        let (position, reach) = (point.position(own.mesh()), self.pair.diagonal * SAME_PART);
+        let ray = view_ray(position, line.toward, line.distance);
+        let hit = other.first_seen(&ray, line.distance + reach);
+        let hit = hit.filter(|hit| hit.distance > line.distance - reach);
+        let on_scan = if self.is_of_scan { Some(point) } else { hit.map(|hit| hit.point()) };
+        let on_asset = if self.is_of_scan { hit.map(|hit| hit.point()) } else { Some(point) };
+        let width = on_scan.map_or(self.footprint.least, |at| self.footprint.at(self.pair.scan.surface, at));
+        let pixel = width.min(self.pair.diagonal / LEAST_PIXELS);
+        let look = |surface: &Scan, point: Point| {
+            let mut look = Look::default();
+            let sample = Sample { at: LookupPoint { point, width: pixel }, toward: line.toward };
+            look.add(surface, sample, self.pair.has_material);
+            look
+        };
+        let texel =
+            on_asset.and_then(|at| self.pair.asset.surface.surface().texel_size(at)).unwrap_or(f32::NAN);
+        let closest = other.bvh().closest(position, f32::INFINITY);
+        // Next to an outline the line of sight passes an existing surface that is not turned away from the viewer. It
+        // need not be the closest: at the edge of a blade that may well be its other side.
+        let is_not_away = |triangle: u32| {
+            let facet = facet_normal(other.mesh().corners(triangle as usize));
+            facet.is_none_or(|facet| facet.dot(line.toward) > AWAY)
+        };
+        let outline = self.pair.diagonal * OUTLINE;
+        let is_near = || other.bvh().closest_of(position, outline, is_not_away).is_some();
+        let is_beside = hit.is_none() && is_near() && self.is_at_outline((position, line));
+        let mut sample = SurfaceSample {
+            position,
+            toward: line.toward,
+            triangle: point.triangle,
+            angle_deg: if is_beside { f32::NAN } else { NOTHING_DEG },
+            color: f32::NAN,
+            is_missing: !is_beside,
+            distance: closest.map_or(f32::INFINITY, |closest| closest.distance),
+            texel,
+            coarser: texel / width,
+        };
+        if let Some(hit) = hit {
+            let (seen, shown) = (look(own, point), look(other, hit.point()));
+            sample.angle_deg = seen.angle_deg(&shown);
+            sample.color = if self.pair.has_material { seen.color_difference(&shown) } else { f32::NAN };
+            sample.is_missing = false;
+        }
+        Some(sample)
+    }
+
+    /// Returns `true` if its own surface ends or steps back next to a line of sight to one of its points: otherwise
+    /// the other surface has a hole there.
+    fn is_at_outline(&self, (position, line): (Vec3, SightLine)) -> bool {
+        /// Neighbouring lines of sight on each of several rings, every ring half as wide as the previous one.
+        const AROUND: usize = 8;
+        const RINGS: usize = 3;
+        let reach = self.pair.diagonal * SAME_PART;
+        let right = line.toward.any_perpendicular();
+        let up = line.toward.cross(right);
+        let is_there = |i: usize| {
+            let aside = self.pair.diagonal * OUTLINE / (1 << (i / AROUND)) as f32;
+            let angle = std::f64::consts::TAU * (i % AROUND) as f64 / AROUND as f64;
+            let [across, along] = [scalar::cos(angle), scalar::sin(angle)].map(|part| part as f32 * aside);
+            let ray = view_ray(position + right * across + up * along, line.toward, line.distance);
+            let hit = self.own.surface.first_seen(&ray, line.distance + reach);
+            hit.is_some_and(|hit| hit.distance > line.distance - reach)
+        };
+        !(0..AROUND * RINGS).all(is_there)
+    }
+
+    /// Returns the surface whose points are sampled.
+    pub fn own(&self) -> &'a Side<'a> {
+        self.own
+    }
+}
+
+impl CloseUp {
+    /// Samples `count` points spread evenly over the scan.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] if it has no area.
+    pub fn of_scan(pair: &Pair<'_>, count: usize) -> Result<Self> {
+        Self::by(Viewer::of_scan(pair), count)
+    }
+
+    /// Samples `count` points spread evenly over the asset.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] if it has no area.
+    pub fn of_asset(pair: &Pair<'_>, count: usize) -> Result<Self> {
+        Self::by(Viewer::of_asset(pair), count)
+    }
+
+    fn by(viewer: Viewer<'_>, count: usize) -> Result<Self> {
+        let point = sample_area(viewer.own.surface.mesh(), count)?;
+        let found: Vec<Option<SurfaceSample>> = parallel::collect(count, |i| viewer.sample(point(i)));
+        let hidden = found.iter().filter(|sample| sample.is_none()).count() as f64 / count as f64;
+        let samples = found.into_iter().flatten().collect();
+        Ok(Self { samples, hidden, points: count, is_of_scan: viewer.is_of_scan })
+    }
+
+    /// Returns the share of the visible area at which the other surface shows nothing, or another part, [0, 1].
+    pub fn missing(&self) -> f64 {
+        let missing = self.samples.iter().filter(|sample| sample.is_missing).count();
+        missing as f64 / self.samples.len().max(1) as f64
+    }
+}
+
+/// Maximum number of pixels across the object.
+const MOST_PIXELS: f64 = 4096.0;
+/// Number of triangles whose edges are measured.
+const TRIANGLES: usize = 20_000;
+
+/// The size of a close-up's pixels on a scan, which are as fine as its detail: a texel of its finest texture, or half
+/// its median edge, whichever is finer, but no more than 4096 pixels across the object.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Footprint {
+    /// Half the median edge, in model units.
+    pub half_edge: f32,
+    /// The smallest pixel, in model units.
+    pub least: f32,
+}
+
+impl Footprint {
+    /// Measures the edges of a scan.
+    pub fn of(scan: &Scan) -> Self {
+        let mesh = scan.mesh();
+        let lengths = Self::looked_at(mesh.triangles().len()).flat_map(|t| edges(mesh, t));
+        Self::of_edges(lengths.collect(), mesh.diagonal())
+    }
+
+    /// Returns an evenly spread subset of this number of triangles, whose edges are measured.
+    pub fn looked_at(triangles: usize) -> impl Iterator<Item = usize> {
+        (0..triangles).step_by(triangles.div_ceil(TRIANGLES).max(1))
+    }
+
+    /// Makes a footprint from the edge lengths of a scan with this diagonal, in model units.
+    pub fn of_edges(mut lengths: Vec<f32>, diagonal: f64) -> Self {
+        lengths.sort_unstable_by(f32::total_cmp);
+        let median = lengths.get(lengths.len() / 2).copied().unwrap_or(0.0);
+        Self { half_edge: median * 0.5, least: (diagonal / MOST_PIXELS) as f32 }
+    }
+
+    /// Returns the size of a pixel at a point of the scan, in model units.
+    pub fn at(&self, scan: &Scan, point: Point) -> f32 {
+        self.of_texel(scan.surface().texel_size(point))
+    }
+
+    /// Returns the size of a pixel if the finest texel has this width, in model units.
+    pub fn of_texel(&self, texel: Option<f32>) -> f32 {
+        self.half_edge.min(texel.unwrap_or(f32::INFINITY)).max(self.least)
+    }
+}
+
+/// Returns the lengths of a triangle's edges.
+pub fn edges(mesh: &Mesh, triangle: usize) -> [f32; 3] {
+    let [a, b, c] = mesh.corners(triangle);
+    [b - a, c - b, a - c].map(Vec3::length)
+}

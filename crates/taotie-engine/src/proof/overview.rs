@@ -1,0 +1,286 @@
+//! Compares scan and asset as seen: the same pixels of both, from all sides.
+
+use super::statistics::Estimate;
+use super::{Look, Pair, Sample, Side};
+use crate::bake::{LookupPoint, sphere_directions};
+use crate::error::Result;
+use crate::math::{Vec3, scalar, sequence::Sequence};
+use crate::parallel;
+use crate::trace::Ray;
+
+/// Number of fixed directions from which the object is seen.
+pub(super) const VIEWS: usize = 32;
+/// Pixels across an object that is seen as a whole.
+pub(super) const SIDE: usize = 512;
+/// Samples along each side of a pixel of an object seen as a whole. Larger pixels have more of them, equally spaced,
+/// up to a maximum.
+const SAMPLES: f32 = 4.0;
+const MOST_SAMPLES: f32 = 16.0;
+/// Depths within a pixel that differ by more than this many pixels belong to an outline, or to a surface that slants
+/// by more than 76°.
+const STEEPEST: f32 = 4.0;
+
+/// Differences at the same pixels, the object seen as a whole.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
+pub struct Overview {
+    /// Degrees between the mean normals of a pixel, excluding outlines.
+    pub angles: Option<Estimate>,
+    /// CIEDE2000 between the mean base colours of a pixel; `None` if colours are not compared.
+    pub color: Option<Estimate>,
+    /// Number of pixels compared.
+    pub pixels: usize,
+    /// Pixels across the object: 512, or fewer for a level of detail that is only shown at that size.
+    pub across: f32,
+}
+
+impl Default for Overview {
+    /// No pixels of a whole object.
+    fn default() -> Self {
+        Self { angles: None, color: None, pixels: 0, across: SIDE as f32 }
+    }
+}
+
+/// The pixels to compare in an overview.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Picture {
+    /// Pixels across the object.
+    pub across: f32,
+    /// The number of random pixels.
+    pub count: usize,
+}
+
+impl Picture {
+    /// Returns the picture of an object that fills 512² pixels.
+    pub fn whole(count: usize) -> Self {
+        Self::of(SIDE as f32, count)
+    }
+
+    /// Returns the picture of an object that is fewer pixels across, with about as many samples as `whole` pixels of
+    /// the whole have.
+    pub fn of(across: f32, whole: usize) -> Self {
+        Self { across, count: (whole as f32 * across / SIDE as f32).ceil() as usize }
+    }
+
+    /// Returns the number of samples along each side of a pixel.
+    fn samples(self) -> u32 {
+        (SAMPLES * SIDE as f32 / self.across).round().clamp(SAMPLES, MOST_SAMPLES) as u32
+    }
+}
+
+/// Compares random pixels, with 16 samples each, up to 256 for smaller pictures: of 32 fixed views in which the
+/// object just fills the picture; of an interior, of views in all directions from viewpoints in its free space, with
+/// as many pixels per right angle. Textures are read at the sample spacing.
+///
+/// # Errors
+/// As [`Estimate::of`].
+pub fn overview(pair: &Pair<'_>, picture: Picture) -> Result<Overview> {
+    let PixelDifferences { angles, colors } = pixel_differences(pair, picture);
+    let (pixels, across) = (angles.len(), picture.across);
+    Ok(Overview { angles: Estimate::of(&angles)?, color: Estimate::of(&colors)?, pixels, across })
+}
+
+/// Differences at the same pixels.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PixelDifferences {
+    /// Degrees between the mean normals.
+    pub angles: Vec<f32>,
+    /// CIEDE2000 between the mean base colours, of the pixels that have any; empty if colours are not compared.
+    pub colors: Vec<f32>,
+}
+
+impl PixelDifferences {
+    /// Returns the same in ascending order.
+    pub fn sorted(mut self) -> Self {
+        for differences in [&mut self.angles, &mut self.colors] {
+            differences.sort_unstable_by(f32::total_cmp);
+        }
+        self
+    }
+}
+
+/// Compares random pixels as [`overview`] does.
+pub fn pixel_differences(pair: &Pair<'_>, picture: Picture) -> PixelDifferences {
+    let pixels = Pixels::of(pair, picture);
+    let probe = |i: usize| difference(pair, &pixels.number(i));
+    let found: Vec<Option<(f32, f32)>> = parallel::collect(picture.count, probe);
+    let (angles, mut colors): (Vec<f32>, Vec<f32>) = found.into_iter().flatten().unzip();
+    colors.retain(|difference| !difference.is_nan());
+    PixelDifferences { angles, colors }
+}
+
+/// Returns the samples of those random pixels that see a surface throughout, away from outlines.
+pub(super) fn overview_samples(side: &Side<'_>, picture: Picture) -> Vec<Vec<Sample>> {
+    let diagonal = side.surface.mesh().diagonal() as f32;
+    let pair = Pair { scan: side, asset: side, diagonal, has_material: false };
+    let pixels = Pixels::of(&pair, picture);
+    parallel::collect(picture.count, |i| pixels.number(i).samples(side)).into_iter().flatten().collect()
+}
+
+/// The random pixels of an overview.
+struct Pixels {
+    eyes: Vec<Eye>,
+    numbers: Sequence,
+    /// The distance up to which surfaces are seen.
+    far: f32,
+    picture: Picture,
+}
+
+impl Pixels {
+    fn of(pair: &Pair<'_>, picture: Picture) -> Self {
+        let directions = sphere_directions(VIEWS);
+        let eyes = match pair.scan.visibility.places() {
+            [] => parallel::tasks(VIEWS, &|i| {
+                Eye::Outside(View::fitting(pair, (directions[i], picture.across)))
+            }),
+            places => places.iter().map(|place| Eye::Within(*place)).collect(),
+        };
+        Self { eyes, numbers: Sequence::new(11), far: pair.diagonal * 4.0, picture }
+    }
+
+    fn number(&self, i: usize) -> Pixel {
+        let eyes = self.eyes.len();
+        let round = (i / eyes) as u32;
+        let set = 1 + (i % eyes) as u32 + round / Sequence::MOST * eyes as u32;
+        let [x, y, ..] = self.numbers.four(round % Sequence::MOST, set);
+        self.eyes[i % eyes].pixel([x, y], (self.picture, self.far))
+    }
+}
+
+/// Returns the differences of angle and colour at a pixel; `None` unless all of its samples see both surfaces, away
+/// from outlines.
+fn difference(pair: &Pair<'_>, pixel: &Pixel) -> Option<(f32, f32)> {
+    let scan = pixel.look(pair.scan, pair.has_material)?;
+    let asset = pixel.look(pair.asset, pair.has_material)?;
+    let color = if pair.has_material { scan.color_difference(&asset) } else { f32::NAN };
+    Some((scan.angle_deg(&asset), color))
+}
+
+/// The position of a viewer.
+enum Eye {
+    /// Far away, so that all lines of sight are parallel.
+    Outside(View),
+    /// At a point within, looking around.
+    Within(Vec3),
+}
+
+impl Eye {
+    /// Returns the pixel at a position of the picture, [0, 1)², or of the sphere around the viewer. Surfaces are seen
+    /// as far as `far`.
+    fn pixel(&self, [x, y]: [f32; 2], (picture, far): (Picture, f32)) -> Pixel {
+        let (across, samples) = (picture.across, picture.samples());
+        match self {
+            Self::Outside(view) => {
+                let [column, row] = [x, y].map(|v| (v * across).floor() * view.pixel);
+                let corner = view.corner + view.axes[0] * column + view.axes[1] * row;
+                Pixel {
+                    origin: corner + view.toward * view.away,
+                    direction: -view.toward,
+                    steps: view.axes.map(|axis| axis * view.pixel),
+                    size: view.pixel,
+                    samples,
+                    is_central: false,
+                    limit: view.away * 2.0 + view.pixel,
+                }
+            }
+            Self::Within(place) => {
+                let direction = on_sphere([x, y]);
+                let right = direction.any_perpendicular();
+                let size = std::f32::consts::FRAC_PI_2 / across;
+                let steps = [right * size, direction.cross(right) * size];
+                Pixel { origin: *place, direction, steps, size, samples, is_central: true, limit: far }
+            }
+        }
+    }
+}
+
+/// Returns a direction, uniform over the sphere for positions uniform over [0, 1)².
+fn on_sphere([x, y]: [f32; 2]) -> Vec3 {
+    let z = 1.0 - 2.0 * f64::from(x);
+    let (r, angle) = ((1.0 - z * z).max(0.0).sqrt(), 2.0 * std::f64::consts::PI * f64::from(y));
+    Vec3::new(scalar::cos(angle) * r, scalar::sin(angle) * r, z).to_f32()
+}
+
+/// A pixel of a parallel or central view.
+struct Pixel {
+    /// The viewer, or the pixel's corner at the viewer's depth.
+    origin: Vec3,
+    direction: Vec3,
+    /// Along the pixel's sides: for a parallel view added to the origin, for a central one to the direction.
+    steps: [Vec3; 2],
+    /// The side of the pixel, in model units; for a central view at the distance 1.
+    size: f32,
+    /// Samples along each side.
+    samples: u32,
+    is_central: bool,
+    limit: f32,
+}
+
+impl Pixel {
+    /// Returns the pixel's look at a surface; `None` if a sample sees nothing, or if it shows an outline.
+    fn look(&self, side: &Side<'_>, reads_material: bool) -> Option<Look> {
+        let mut look = Look::default();
+        self.samples(side)?.into_iter().for_each(|sample| look.add(side.surface, sample, reads_material));
+        Some(look)
+    }
+
+    /// Returns the points that its samples see; `None` if one sees nothing, or if the pixel shows an outline.
+    fn samples(&self, side: &Side<'_>) -> Option<Vec<Sample>> {
+        let count = self.samples;
+        let mut samples = Vec::with_capacity((count * count) as usize);
+        let [mut nearest, mut farthest] = [f32::INFINITY, f32::NEG_INFINITY];
+        for i in 0..count * count {
+            let [x, y] = [i % count, i / count].map(|k| (k as f32 + 0.5) / count as f32);
+            let step = self.steps[0] * x + self.steps[1] * y;
+            let ray = match self.is_central {
+                true => Ray::new(self.origin, (self.direction + step).normalize()),
+                false => Ray::new(self.origin + step, self.direction),
+            };
+            let hit = side.surface.first_seen(&ray, self.limit)?;
+            (nearest, farthest) = (nearest.min(hit.distance), farthest.max(hit.distance));
+            let at = LookupPoint { point: hit.point(), width: self.size_at(hit.distance) / count as f32 };
+            samples.push(Sample { at, toward: -ray.direction() });
+        }
+        (farthest - nearest <= STEEPEST * self.size_at(nearest)).then_some(samples)
+    }
+
+    fn size_at(&self, distance: f32) -> f32 {
+        if self.is_central { self.size * distance } else { self.size }
+    }
+}
+
+/// A parallel view of an object that fills the picture.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct View {
+    /// From the object to the viewer, unit.
+    pub toward: Vec3,
+    /// Across and down the picture, unit.
+    pub axes: [Vec3; 2],
+    /// The point at the picture's corner, at the depth of the object's centre.
+    pub corner: Vec3,
+    /// The side of a pixel, in model units.
+    pub pixel: f32,
+    /// From the object's centre to the viewer, in model units.
+    away: f32,
+}
+
+impl View {
+    /// Returns the view along a direction into which both surfaces of a pair just fit, with this number of pixels
+    /// across.
+    pub fn fitting(pair: &Pair<'_>, (toward, pixels): (Vec3, f32)) -> Self {
+        let across = toward.any_perpendicular();
+        let axes = [across, toward.cross(across)];
+        let extent = |direction: Vec3| {
+            let of = |side: &Side<'_>| side.surface.bvh().extent_along(direction);
+            of(pair.scan).max(of(pair.asset))
+        };
+        let [low, high] =
+            [-1.0, 1.0].map(|sign| [axes[0], axes[1], toward].map(|axis| sign * extent(axis * sign)));
+        let middle: [f32; 3] = std::array::from_fn(|k| (low[k] + high[k]) * 0.5);
+        let width = (high[0] - low[0]).max(high[1] - low[1]).max(f32::MIN_POSITIVE);
+        let center = axes[0] * middle[0] + axes[1] * middle[1] + toward * middle[2];
+        let corner = center - axes[0] * (width * 0.5) - axes[1] * (width * 0.5);
+        let pixel = width / pixels;
+        Self { toward, axes, corner, pixel, away: (high[2] - low[2]) * 0.5 + pixel }
+    }
+}

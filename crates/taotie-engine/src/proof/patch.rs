@@ -1,0 +1,338 @@
+//! The worst patch of a surface: a window that covers one per cent of it, and the view of it from the direction in
+//! which it is seen.
+
+use super::close_up::{CloseUp, Footprint, SurfaceSample, Viewer};
+use super::statistics::Estimate;
+use super::{Look, Pair, Sample};
+use crate::bake::{LookupPoint, Scan, Triangles, sample_triangles};
+use crate::compare::Field;
+use crate::error::Result;
+use crate::math::{Mat4, Vec3};
+use crate::mesh::{Mesh, Point};
+use crate::parallel;
+use crate::scene::{Camera, Projection};
+use crate::trace::Ray;
+
+/// The share of a surface's samples that a window contains.
+pub(super) const SHARE: f64 = 0.01;
+/// Number of windows to try, their centres spread over the surface.
+const WINDOWS: usize = 512;
+/// Maximum number of samples among which a window is searched.
+const MOST_SAMPLES: usize = 20_000;
+/// Minimum number of new points at which the worst window is measured, and as a fraction of those of the whole
+/// surface.
+const POINTS: usize = 2_048;
+const PART: usize = 8;
+
+/// Maximum number of points spread over the surrounding triangles for each of these.
+const MOST_TRIED: usize = 128;
+
+/// The window of one per cent of the visible surface in which an asset differs most from its scan.
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Patch {
+    /// The mean difference within it, in degrees or CIEDE2000.
+    pub mean: f64,
+    /// Its 99 % interval.
+    pub interval: [f64; 2],
+    /// Its centre, in model units.
+    pub center: [f64; 3],
+    /// Its radius, in model units.
+    pub radius: f64,
+    /// The direction from which it is seen, unit.
+    pub toward: [f64; 3],
+    /// `true` if its points are those of the scan, `false` if they are the asset's.
+    pub is_of_scan: bool,
+}
+
+/// Finds the window of one per cent of the samples with the largest mean of `difference`, and measures it at new
+/// points, so that it is not the worst by chance: the more `points` the whole surface has, the more are used. `None`
+/// if there is nothing to compare.
+///
+/// # Errors
+/// As [`Estimate::of`].
+pub fn worst_patch(
+    pair: &Pair<'_>,
+    (close_up, points): (&CloseUp, usize),
+    difference: fn(&SurfaceSample) -> f32,
+) -> Result<Option<Patch>> {
+    let viewer = if close_up.is_of_scan { Viewer::of_scan(pair) } else { Viewer::of_asset(pair) };
+    let Some(window) = worst_window(&close_up.samples, SHARE, difference) else { return Ok(None) };
+    let samples = fresh_samples(viewer, &window, (points / PART).max(POINTS))?;
+    let values: Vec<f32> = samples.iter().map(difference).collect();
+    let Some(estimate) = Estimate::of(&values)? else { return Ok(None) };
+    let Window { center, radius, toward } = window.shown();
+    Ok(Some(Patch {
+        mean: estimate.summary.mean,
+        interval: estimate.mean_interval,
+        center,
+        radius,
+        toward,
+        is_of_scan: close_up.is_of_scan,
+    }))
+}
+
+/// Returns the centre of the window of one per cent of the samples in which most of them are missing, in model units;
+/// `None` if none is.
+pub fn most_missing(close_up: &CloseUp) -> Option<[f64; 3]> {
+    let window = worst_window(&close_up.samples, SHARE, |sample| f32::from(u8::from(sample.is_missing)))?;
+    (window.mean > 0.0).then(|| window.center.to_f64().to_array())
+}
+
+/// A ball that contains a share of the samples.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Ball {
+    center: Vec3,
+    radius: f32,
+    toward: Vec3,
+    mean: f64,
+}
+
+impl Patch {
+    /// Returns the window without its measurements.
+    pub fn window(&self) -> Window {
+        let Self { center, radius, toward, .. } = *self;
+        Window { center, radius, toward }
+    }
+}
+
+impl Ball {
+    /// Returns it with values of the types used in figures.
+    pub fn shown(&self) -> Window {
+        Window {
+            center: self.center.to_f64().to_array(),
+            radius: f64::from(self.radius),
+            toward: self.toward.to_f64().to_array(),
+        }
+    }
+}
+
+/// Finds the ball around a sample that contains a `share` of them and has the largest mean of `difference`; `None` if
+/// there is nothing to compare.
+pub(super) fn worst_window(
+    samples: &[SurfaceSample],
+    share: f64,
+    difference: fn(&SurfaceSample) -> f32,
+) -> Option<Ball> {
+    let known: Vec<(Vec3, Vec3, f32)> = samples
+        .iter()
+        .step_by(samples.len().div_ceil(MOST_SAMPLES).max(1))
+        .map(|sample| (sample.position, sample.toward, difference(sample)))
+        .filter(|(.., value)| !value.is_nan())
+        .collect();
+    if known.is_empty() {
+        return None;
+    }
+    let (windows, held) = (WINDOWS.min(known.len()), ((known.len() as f64 * share) as usize).max(1));
+    let window = |i: usize| {
+        // Half of the windows are around the worst samples of as many equal parts, half around their first.
+        let part = i / 2 * known.len() / windows.div_ceil(2);
+        let end = ((i / 2 + 1) * known.len() / windows.div_ceil(2)).max(part + 1).min(known.len());
+        let worst = (part..end).fold(part, |best, k| if known[k].2 > known[best].2 { k } else { best });
+        let (center, toward, _) = known[if i.is_multiple_of(2) { worst } else { part }];
+        let mut squared: Vec<(f32, f32)> = known
+            .iter()
+            .map(|(position, _, value)| {
+                let away = *position - center;
+                (away.dot(away), *value)
+            })
+            .collect();
+        squared.select_nth_unstable_by(held - 1, |a, b| a.0.total_cmp(&b.0));
+        let radius = squared[held - 1].0.sqrt();
+        let mean = squared[..held].iter().map(|(_, value)| f64::from(*value)).sum::<f64>() / held as f64;
+        Ball { center, radius, toward, mean }
+    };
+    let all = parallel::tasks(windows, &window);
+    all.into_iter().reduce(|worst, next| if next.mean > worst.mean { next } else { worst })
+}
+
+/// Returns the samples at points spread evenly over the part of a surface inside a window.
+fn fresh_samples(viewer: Viewer<'_>, window: &Ball, points: usize) -> Result<Vec<SurfaceSample>> {
+    let mesh = viewer.own().surface.mesh();
+    let near: Vec<u32> = parallel::filter(mesh.triangles().len(), |t| touches(mesh, t, window))
+        .into_iter()
+        .map(|t| t as u32)
+        .collect();
+    if near.is_empty() {
+        return Ok(Vec::new());
+    }
+    let is_inside =
+        |position: Vec3| (position - window.center).length() <= window.radius.max(f32::MIN_POSITIVE);
+    // Large triangles reach far beyond the window: add points until enough of them are inside.
+    let mut count = points * 2;
+    let inside = loop {
+        let point = sample_triangles(mesh, Triangles::These(&near), count)?;
+        let inside = parallel::filter(count, |i| is_inside(point(i).position(mesh)));
+        if inside.len() >= points || count >= points * MOST_TRIED {
+            break inside.into_iter().map(point).collect::<Vec<Point>>();
+        }
+        count *= 4;
+    };
+    let found: Vec<Option<SurfaceSample>> = parallel::collect(inside.len(), |i| viewer.sample(inside[i]));
+    Ok(found.into_iter().flatten().collect())
+}
+
+/// Returns `true` if the ball around a triangle intersects a window.
+fn touches(mesh: &Mesh, triangle: usize, window: &Ball) -> bool {
+    let [a, b, c] = mesh.corners(triangle);
+    let middle = (a + b + c) * (1.0 / 3.0);
+    let radius = [a, b, c].into_iter().map(|corner| (corner - middle).length()).fold(0.0, f32::max);
+    (middle - window.center).length() <= window.radius + radius
+}
+
+/// A ball that contains a part of a surface, and the direction from which it is seen.
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Window {
+    /// Its centre, in model units.
+    pub center: [f64; 3],
+    /// Its radius, in model units.
+    pub radius: f64,
+    /// The direction from which it is seen, unit.
+    pub toward: [f64; 3],
+}
+
+/// Half the width of the picture in radii of the patch.
+const MARGIN: f64 = 1.5;
+/// The distance of the viewer in radii of the patch: closer parts of the object are cut away.
+const AWAY: f64 = 4.0;
+/// The angle used if one of the surfaces shows nothing, in degrees.
+const NOTHING_DEG: f32 = 90.0;
+
+/// The quantity by which a patch is the worst.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PatchQuantity {
+    /// The angle between normals, degrees.
+    Angle,
+    /// The difference of base colours, CIEDE2000.
+    Color,
+}
+
+/// A parallel view of a patch, from the direction in which it is seen, with some margin.
+#[derive(Debug, Clone, Copy)]
+pub struct PatchView {
+    center: Vec3<f64>,
+    right: Vec3<f64>,
+    up: Vec3<f64>,
+    toward: Vec3<f64>,
+    /// Half the width and height, in model units.
+    half: f64,
+    /// The distance of the viewer, in model units.
+    away: f64,
+    /// The distance of the farthest surface from the viewer, in model units.
+    far: f64,
+}
+
+impl PatchView {
+    /// Makes the view of a window on an object with this diagonal, in model units.
+    pub fn of(window: Window, diagonal: f64) -> Self {
+        let toward = Vec3::from_array(window.toward);
+        // Up is that of the world, unless the view is along it.
+        let world_up =
+            if toward.y.abs() < 0.95 { Vec3::new(0.0, 1.0, 0.0) } else { Vec3::new(0.0, 0.0, -1.0) };
+        let right = world_up.cross(toward).normalize();
+        let radius = window.radius.max(diagonal * 1e-6);
+        let away = radius * AWAY;
+        Self {
+            center: Vec3::from_array(window.center),
+            right,
+            up: toward.cross(right),
+            toward,
+            half: radius * MARGIN,
+            away,
+            far: away + diagonal,
+        }
+    }
+
+    /// Returns the camera for a renderer.
+    pub fn camera(&self) -> Camera {
+        let eye = self.center + self.toward * self.away;
+        Camera {
+            name: String::new(),
+            world_from_view: Mat4::from_axes(self.right, self.up, self.toward, eye),
+            projection: Projection::Orthographic {
+                half_width: self.half,
+                half_height: self.half,
+                near: self.away * 1e-3,
+                far: self.far,
+            },
+        }
+    }
+
+    /// Compares the two surfaces at each pixel, sampled as finely as the scan has detail, as in a close-up; NaN where
+    /// there is nothing to compare. An angle counts as 90° where only one of them shows anything.
+    ///
+    /// # Errors
+    /// As [`Field::new`].
+    pub fn differences(&self, [scan, asset]: [&Scan; 2], of: PatchQuantity, side: u32) -> Result<Field> {
+        let footprint = Footprint::of(scan);
+        let toward = self.toward.to_f32();
+        let difference = |i: usize| {
+            let ray = self.ray(i as u32, side);
+            let hits = [scan, asset].map(|surface| surface.first_seen(&ray, self.far as f32));
+            let [Some(on_scan), Some(on_asset)] = hits.map(|hit| hit.map(|hit| hit.point())) else {
+                let is_lost = of == PatchQuantity::Angle && hits.iter().any(Option::is_some);
+                return if is_lost { NOTHING_DEG } else { f32::NAN };
+            };
+            let width = footprint.at(scan, on_scan);
+            let [seen, shown] = [(scan, on_scan), (asset, on_asset)].map(|(surface, point)| {
+                let mut look = Look::default();
+                let sample = Sample { at: LookupPoint { point, width }, toward };
+                look.add(surface, sample, of == PatchQuantity::Color);
+                look
+            });
+            match of {
+                PatchQuantity::Angle => seen.angle_deg(&shown),
+                PatchQuantity::Color => seen.color_difference(&shown),
+            }
+        };
+        Field::new(side, side, parallel::collect((side * side) as usize, difference))
+    }
+
+    /// Returns the ray through the centre of a pixel.
+    fn ray(&self, pixel: u32, side: u32) -> Ray {
+        let from_middle = |k: u32| ((f64::from(k) + 0.5) / f64::from(side) * 2.0 - 1.0) * self.half;
+        let [x, y] = [from_middle(pixel % side), -from_middle(pixel / side)];
+        let origin = self.center + self.right * x + self.up * y + self.toward * self.away;
+        Ray::new(origin.to_f32(), -self.toward.to_f32())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::scalar;
+    use crate::mesh::MeshData;
+    use crate::scene::{Material, Scene};
+
+    /// A square in the plane z = 0 whose right half is tilted by this angle. The halves share no vertices.
+    fn bent(degrees: f64) -> Scan {
+        let (sin, cos) = (scalar::sin(degrees.to_radians()), scalar::cos(degrees.to_radians()));
+        let at = |x: f64, y: f64| Vec3::new(x, y, -sin / cos * x.max(0.0)).to_f32();
+        let positions =
+            [[-1.0, 0.0], [0.0, 1.0]].as_flattened().iter().flat_map(|x| [at(*x, -1.0), at(*x, 1.0)]);
+        let (flat, leaning) = (Vec3::new(0.0, 0.0, 1.0), Vec3::new(sin, 0.0, cos).to_f32());
+        let mesh = Mesh::new(MeshData {
+            positions: positions.collect(),
+            normals: [[flat; 4], [leaning; 4]].concat(),
+            triangles: vec![[0, 2, 3], [0, 3, 1], [4, 6, 7], [4, 7, 5]],
+            ..MeshData::default()
+        });
+        Scan::new(Scene::of_mesh(mesh.unwrap(), Material::default()).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn the_picture_shows_where_the_difference_is() {
+        let window = Window { radius: 0.5, toward: [0.0, 0.0, 1.0], ..Window::default() };
+        let view = PatchView::of(window, 2.0);
+        let field = view.differences([&bent(0.0), &bent(20.0)], PatchQuantity::Angle, 16).unwrap();
+        let row = &field.values()[8 * 16..9 * 16];
+        assert!(row[..7].iter().all(|angle| *angle < 1e-3), "the left half is the same: {row:?}");
+        assert!(
+            row[9..].iter().all(|angle| (angle - 20.0).abs() < 0.01),
+            "the right half is tilted: {row:?}"
+        );
+        let Projection::Orthographic { half_width, .. } = view.camera().projection else {
+            panic!("parallel")
+        };
+        assert_eq!(half_width, 0.75);
+    }
+}

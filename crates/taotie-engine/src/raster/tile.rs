@@ -1,0 +1,154 @@
+//! Tiles of the image, what is visible in them, and the receivers of covered pixels.
+
+use super::viewport::{TILE_PIXELS, TILE_SIZE, Viewport};
+use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
+
+/// The id that means "nothing here".
+pub const NO_TRIANGLE: u32 = u32::MAX;
+
+/// A tile by its position in the image.
+#[derive(Debug, Clone, Copy)]
+pub struct Tile {
+    /// Index, row by row.
+    pub index: usize,
+    /// The left column of pixels.
+    pub x: u32,
+    /// The top row of pixels.
+    pub y: u32,
+    /// Columns inside the image, 1 to 64.
+    pub width: u32,
+    /// Rows inside the image.
+    pub height: u32,
+}
+
+impl Tile {
+    /// The tile of `viewport` with this index.
+    pub fn new(viewport: &Viewport, index: usize) -> Self {
+        let (across, _) = viewport.tiles();
+        let x = (index as u32 % across) * TILE_SIZE;
+        let y = (index as u32 / across) * TILE_SIZE;
+        let width = TILE_SIZE.min(viewport.width - x);
+        let height = TILE_SIZE.min(viewport.height - y);
+        Self { index, x, y, width, height }
+    }
+}
+
+/// One sample of each pixel of a tile.
+#[derive(Debug, Clone, Copy)]
+pub struct TileSample<'t> {
+    /// The tile.
+    pub tile: &'t Tile,
+    /// The position in the pixel, in 1/256 pixel right and down from its corner.
+    pub offset: [i32; 2],
+}
+
+/// The nearest triangle at one sample of each pixel of a tile. Pixel (x, y) is at `y · 64 + x`.
+#[derive(Debug, Clone)]
+pub struct TilePlane {
+    /// Triangle ids, or `u32::MAX` where there is no triangle.
+    pub ids: Vec<u32>,
+    /// Reversed depth: 1 near, 0 far or nothing.
+    pub depths: Vec<f32>,
+}
+
+impl Default for TilePlane {
+    fn default() -> Self {
+        Self { ids: vec![NO_TRIANGLE; TILE_PIXELS], depths: vec![0.0; TILE_PIXELS] }
+    }
+}
+
+impl TilePlane {
+    pub(super) fn clear(&mut self) {
+        self.ids.resize(TILE_PIXELS, NO_TRIANGLE);
+        self.ids.fill(NO_TRIANGLE);
+        self.depths.resize(TILE_PIXELS, 0.0);
+        self.depths.fill(0.0);
+    }
+}
+
+/// A triangle visible at a sample, in front of the opaque surfaces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Layer {
+    /// `y · 64 + x` in the tile.
+    pub pixel: u32,
+    /// Triangle id.
+    pub id: u32,
+    /// Reversed depth.
+    pub depth: f32,
+}
+
+const PACK: usize = 8;
+
+/// Receives the coverage of triangles, in drawing order.
+pub(super) trait Sink {
+    /// Receives eight pixels starting at `pixel`; `covered` marks the covered ones, `depth` is their depth.
+    fn pack<S: Simd>(&mut self, pixel: usize, covered: mask32x8<S>, depth: f32x8<S>, id: u32);
+
+    /// Receives one pixel.
+    fn one(&mut self, pixel: usize, depth: f32, id: u32);
+}
+
+/// Keeps the nearest triangle of each pixel.
+pub(super) struct Nearest<'a> {
+    pub ids: &'a mut [u32; TILE_PIXELS],
+    pub depths: &'a mut [f32; TILE_PIXELS],
+}
+
+impl Sink for Nearest<'_> {
+    #[inline(always)]
+    fn pack<S: Simd>(&mut self, pixel: usize, covered: mask32x8<S>, depth: f32x8<S>, id: u32) {
+        let simd = depth.token();
+        let depths = &mut self.depths[pixel..pixel + PACK];
+        let before = f32x8::from_slice(simd, depths);
+        let wins = covered & before.simd_lt(depth);
+        if wins.any_true() {
+            wins.select(depth, before).store_slice(depths);
+            let ids = &mut self.ids[pixel..pixel + PACK];
+            let old = u32x8::from_slice(simd, ids);
+            wins.select(u32x8::splat(simd, id), old).store_slice(ids);
+        }
+    }
+
+    #[inline(always)]
+    fn one(&mut self, pixel: usize, depth: f32, id: u32) {
+        if self.depths[pixel] < depth {
+            self.depths[pixel] = depth;
+            self.ids[pixel] = id;
+        }
+    }
+}
+
+/// Lists everything in front of the opaque surfaces.
+pub(super) struct InFront<'a> {
+    /// Their depths.
+    pub opaque: &'a [f32],
+    pub layers: &'a mut Vec<Layer>,
+}
+
+impl Sink for InFront<'_> {
+    #[inline(always)]
+    fn pack<S: Simd>(&mut self, pixel: usize, covered: mask32x8<S>, depth: f32x8<S>, id: u32) {
+        let simd = depth.token();
+        let before = f32x8::from_slice(simd, &self.opaque[pixel..pixel + PACK]);
+        let seen = covered & before.simd_lt(depth);
+        if !seen.any_true() {
+            return;
+        }
+        let mut depths = [0.0; 8];
+        depth.store_slice(&mut depths);
+        let mut flags = [0.0; 8];
+        seen.select(f32x8::splat(simd, 1.0), f32x8::splat(simd, 0.0)).store_slice(&mut flags);
+        for i in 0..8 {
+            if flags[i] != 0.0 {
+                self.layers.push(Layer { pixel: (pixel + i) as u32, id, depth: depths[i] });
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn one(&mut self, pixel: usize, depth: f32, id: u32) {
+        if self.opaque[pixel] < depth {
+            self.layers.push(Layer { pixel: pixel as u32, id, depth });
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! The layers that extensions of glTF add to a material: one table for reading, writing and checking.
+//!
+//! The check covers a whole material: it can be shaded if its textures exist, and its factors are in range.
+
+use super::{AlphaMode, Anisotropy, Clearcoat, Light, Material, Sheen, Specular, TextureRole, UvTransform};
+
+/// The value of a factor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FactorValue {
+    /// A number.
+    Number(f32),
+    /// Linear RGB.
+    Color([f32; 3]),
+    /// Radians.
+    Angle(f64),
+}
+
+/// A factor of a layer.
+pub struct Factor {
+    /// The name in messages.
+    pub name: &'static str,
+    /// The member of the extension's JSON.
+    pub member: &'static str,
+    /// The largest value that glTF allows; the smallest is 0. Angles have no bounds.
+    pub most: f32,
+    /// Returns the value; `None` if the material lacks the layer.
+    pub get: fn(&Material) -> Option<FactorValue>,
+    /// Sets the value, if the material has the layer.
+    pub set: fn(&mut Material, FactorValue),
+}
+
+/// A layer of a material.
+pub struct Layer {
+    /// The extension of glTF.
+    pub extension: &'static str,
+    /// Adds the layer with the values that apply if the JSON lacks their members, without textures.
+    pub add: fn(&mut Material),
+    /// Removes the layer.
+    pub remove: fn(&mut Material),
+    /// Returns true if the material has the layer.
+    pub is_present: fn(&Material) -> bool,
+    /// Returns true if the layer changes how the surface looks; otherwise readers omit it.
+    pub is_visible: fn(&Material) -> bool,
+    /// Its factors; if the first makes the layer invisible, readers omit it.
+    pub factors: &'static [Factor],
+    /// Its textures.
+    pub textures: &'static [TextureRole],
+}
+
+/// The layers, in the order in which they are written.
+pub const LAYERS: [Layer; 4] = [SPECULAR, CLEARCOAT, ANISOTROPY, SHEEN];
+
+/// A factor: its field, the name in messages, the member of the JSON, its kind and the largest value of glTF.
+macro_rules! factor {
+    (specular.$field:ident, $name:literal, $member:literal, $kind:ident, $most:expr) => {
+        Factor {
+            name: $name,
+            member: $member,
+            most: $most,
+            get: |material| Some(FactorValue::$kind(material.specular.$field)),
+            set: |material, value| {
+                if let FactorValue::$kind(value) = value {
+                    material.specular.$field = value;
+                }
+            },
+        }
+    };
+    ($layer:ident.$field:ident, $name:literal, $member:literal, $kind:ident, $most:expr) => {
+        Factor {
+            name: $name,
+            member: $member,
+            most: $most,
+            get: |material| material.$layer.as_ref().map(|layer| FactorValue::$kind(layer.$field)),
+            set: |material, value| {
+                if let (Some(layer), FactorValue::$kind(value)) = (&mut material.$layer, value) {
+                    layer.$field = value;
+                }
+            },
+        }
+    };
+}
+
+const SPECULAR: Layer = Layer {
+    extension: "KHR_materials_specular",
+    add: |_| {},
+    remove: |m| m.specular = Specular::default(),
+    is_present: |m| m.specular != Specular::default(),
+    is_visible: |_| true,
+    factors: &[
+        factor!(specular.factor, "specular factor", "specularFactor", Number, 1.0),
+        factor!(specular.color, "specular colour", "specularColorFactor", Color, Light::MOST),
+    ],
+    textures: &[TextureRole::Specular, TextureRole::SpecularColor],
+};
+
+const CLEARCOAT: Layer = Layer {
+    extension: "KHR_materials_clearcoat",
+    add: |m| m.clearcoat = Some(Clearcoat::default()),
+    remove: |m| m.clearcoat = None,
+    is_present: |m| m.clearcoat.is_some(),
+    is_visible: |m| m.clearcoat.is_some_and(|coat| coat.factor > 0.0),
+    factors: &[
+        factor!(clearcoat.factor, "clearcoat factor", "clearcoatFactor", Number, 1.0),
+        factor!(clearcoat.roughness, "clearcoat roughness", "clearcoatRoughnessFactor", Number, 1.0),
+    ],
+    textures: &[TextureRole::Clearcoat, TextureRole::ClearcoatRoughness, TextureRole::ClearcoatNormal],
+};
+
+const ANISOTROPY: Layer = Layer {
+    extension: "KHR_materials_anisotropy",
+    add: |m| m.anisotropy = Some(Anisotropy::default()),
+    remove: |m| m.anisotropy = None,
+    is_present: |m| m.anisotropy.is_some(),
+    is_visible: |m| m.anisotropy.is_some_and(|anisotropy| anisotropy.strength > 0.0),
+    factors: &[
+        factor!(anisotropy.strength, "anisotropy strength", "anisotropyStrength", Number, 1.0),
+        factor!(anisotropy.rotation, "anisotropy rotation", "anisotropyRotation", Angle, f32::MAX),
+    ],
+    textures: &[TextureRole::Anisotropy],
+};
+
+const SHEEN: Layer = Layer {
+    extension: "KHR_materials_sheen",
+    add: |m| m.sheen = Some(Sheen::default()),
+    remove: |m| m.sheen = None,
+    is_present: |m| m.sheen.is_some(),
+    is_visible: |m| m.sheen.is_some_and(|sheen| sheen.color != [0.0; 3]),
+    factors: &[
+        factor!(sheen.color, "sheen colour", "sheenColorFactor", Color, 1.0),
+        factor!(sheen.roughness, "sheen roughness", "sheenRoughnessFactor", Number, 1.0),
+    ],
+    textures: &[TextureRole::SheenColor, TextureRole::SheenRoughness],
+};
+
+/// A number with its name.
+type NamedNumber = (&'static str, f32);
+
+impl Material {
+    /// Checks the material for a scene with this number of `textures`.
+    ///
+    /// # Errors
+    /// The first texture that does not exist, or factor outside the range documented at [`Material`].
+    pub(super) fn check(&self, textures: usize) -> Result<(), String> {
+        if let Some(lost) = self.textures().into_iter().find(|used| used.texture >= textures) {
+            return Err(format!("it refers to texture {}, but there are {textures}", lost.texture));
+        }
+        if self.textures().iter().any(|used| !used.transform.is_bounded()) {
+            return Err(format!(
+                "a texture transform has a number beyond the limit of ±{:e}",
+                UvTransform::MOST
+            ));
+        }
+        within(&self.fractions(), "between 0 and 1", |v| (0.0..=1.0).contains(&v))?;
+        within(&self.amounts(), "between 0 and 1e12", |v| (0.0..=Light::MOST).contains(&v))?;
+        within(&self.numbers(), "finite", f32::is_finite)?;
+        within(&[("ior", self.ior)], "0, or at least 1", |v| v == 0.0 || (1.0..=f32::MAX).contains(&v))?;
+        let slope = self.classic.slope.unwrap_or(1.0);
+        within(&[("slope", slope)], "above 0", |v| v > 0.0 && v.is_finite())
+    }
+
+    fn fractions(&self) -> Vec<NamedNumber> {
+        let mut factors = vec![
+            ("metallic", self.metallic),
+            ("roughness", self.roughness),
+            ("occlusion strength", self.occlusion_strength),
+        ];
+        factors.extend(self.layer_factors().filter_map(|(name, value)| match value {
+            FactorValue::Number(number) => Some((name, number)),
+            _ => None,
+        }));
+        factors
+    }
+
+    /// Returns the factors of all layers of the material.
+    fn layer_factors(&self) -> impl Iterator<Item = (&'static str, FactorValue)> {
+        let factors = LAYERS.iter().flat_map(|layer| layer.factors);
+        factors.filter_map(|factor| Some((factor.name, (factor.get)(self)?)))
+    }
+
+    fn amounts(&self) -> Vec<NamedNumber> {
+        let classic = &self.classic;
+        let colors = [
+            ("f0", self.f0),
+            ("f82", self.f82),
+            ("emissive", Some(self.emissive)),
+            ("ambient", classic.ambient),
+            ("diffuse", classic.diffuse),
+            ("specular", classic.specular),
+        ];
+        let of_layers = self.layer_factors().filter_map(|(name, value)| match value {
+            FactorValue::Color(color) => Some((name, Some(color))),
+            _ => None,
+        });
+        let channels =
+            |(name, color): (_, Option<[f32; 3]>)| color.into_iter().flatten().map(move |v| (name, v));
+        let mut factors: Vec<NamedNumber> = colors.into_iter().chain(of_layers).flat_map(channels).collect();
+        factors.extend(self.base_color.map(|v| ("base colour", v)));
+        factors.extend(classic.shininess.map(|v| ("shininess", v)));
+        if let AlphaMode::Mask(cutoff) = self.alpha {
+            factors.push(("alpha cutoff", cutoff));
+        }
+        factors
+    }
+
+    fn numbers(&self) -> Vec<NamedNumber> {
+        let coat = self.clearcoat.iter().filter_map(|coat| coat.normal.as_ref());
+        let maps = self.normal.iter().chain(coat).map(|map| ("normal scale", map.scale));
+        let heights = self.height.iter().map(|map| ("height scale", map.scale));
+        maps.chain(heights).collect()
+    }
+}
+
+fn within(factors: &[NamedNumber], range: &str, holds: impl Fn(f32) -> bool) -> Result<(), String> {
+    match factors.iter().find(|(_, value)| !holds(*value)) {
+        None => Ok(()),
+        Some((name, value)) => Err(format!("its {name} is {value}; it must be {range}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_layer_can_be_read_and_written() {
+        let mut members = BTreeSet::new();
+        for layer in &LAYERS {
+            let mut material = Material::default();
+            (layer.add)(&mut material);
+            for factor in layer.factors {
+                assert!(members.insert(factor.member), "{}", factor.member);
+                let is_zero = |value| match value {
+                    FactorValue::Number(number) => number == 0.0,
+                    FactorValue::Color(color) => color == [0.0; 3],
+                    FactorValue::Angle(angle) => angle == 0.0,
+                };
+                let default = (factor.get)(&material).expect("the layer was added");
+                assert_eq!(is_zero(default), layer.extension != SPECULAR.extension, "{}", factor.member);
+            }
+            for role in layer.textures {
+                assert!(members.insert(role.gltf_member()), "{role:?}");
+                let is_plain = role.place(&mut material).is_some();
+                assert!(is_plain != (*role == TextureRole::ClearcoatNormal), "{role:?}");
+            }
+            (layer.remove)(&mut material);
+            assert_eq!(material, Material::default(), "{}", layer.extension);
+        }
+    }
+}

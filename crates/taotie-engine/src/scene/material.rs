@@ -1,0 +1,291 @@
+//! Materials: factors and textures.
+
+use crate::image::Sampler;
+use crate::math::Vec2;
+use crate::names::Named;
+
+/// A texture as a material uses it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TextureRef {
+    /// Index into [`super::SceneData::textures`].
+    pub texture: usize,
+    /// The uv set of the mesh.
+    pub uv_set: usize,
+    /// The wrapping and filtering of texels.
+    pub sampler: Sampler,
+    /// The transform applied to the uv before the lookup.
+    pub transform: UvTransform,
+}
+
+/// KHR_texture_transform: uv' = offset + R(rotation) · (scale · uv), as a 2×3 matrix.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UvTransform {
+    /// Rows of the linear part.
+    pub linear: [[f32; 2]; 2],
+    /// The offset, added last.
+    pub offset: [f32; 2],
+}
+
+impl Default for UvTransform {
+    fn default() -> Self {
+        Self { linear: [[1.0, 0.0], [0.0, 1.0]], offset: [0.0, 0.0] }
+    }
+}
+
+impl UvTransform {
+    /// The maximum magnitude of its numbers.
+    pub const MOST: f32 = 1e12;
+
+    /// Returns `true` if all numbers are within ±[`Self::MOST`], so that uvs of that range stay finite.
+    pub fn is_bounded(&self) -> bool {
+        self.linear.iter().chain([&self.offset]).flatten().all(|v| v.abs() <= Self::MOST)
+    }
+
+    /// Returns the transformed uv.
+    #[inline]
+    pub fn apply(&self, uv: Vec2) -> Vec2 {
+        let d = self.apply_linear(uv);
+        Vec2::new(d.x + self.offset[0], d.y + self.offset[1])
+    }
+
+    /// Returns the transformed difference of two uvs.
+    #[inline]
+    pub fn apply_linear(&self, uv: Vec2) -> Vec2 {
+        let [[a, b], [c, d]] = self.linear;
+        Vec2::new(a * uv.x + b * uv.y, c * uv.x + d * uv.y)
+    }
+}
+
+/// The direction of the green channel of a normal map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum GreenChannel {
+    /// +Y, towards decreasing v (up in the image): OpenGL and glTF.
+    #[default]
+    Up,
+    /// −Y: DirectX.
+    Down,
+}
+
+impl GreenChannel {
+    /// Returns 1 for up and −1 for down.
+    #[inline(always)]
+    pub fn sign(self) -> f32 {
+        match self {
+            Self::Up => 1.0,
+            Self::Down => -1.0,
+        }
+    }
+}
+
+impl Named for GreenChannel {
+    const WHAT: &'static str = "direction of green";
+    const NAMES: &'static [(&'static str, Self)] = &[("up", Self::Up), ("down", Self::Down)];
+}
+
+/// The space of a normal map's vectors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum NormalSpace {
+    /// Relative to tangent, bitangent and normal.
+    #[default]
+    Tangent,
+    /// Object space.
+    Object,
+}
+
+/// A normal map in use.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NormalMap {
+    /// The texture, linear.
+    pub texture: TextureRef,
+    /// Multiplies x and y before normalising.
+    pub scale: f32,
+    /// The space of its vectors.
+    pub space: NormalSpace,
+    /// The direction of its green channel.
+    pub green: GreenChannel,
+}
+
+/// A height map in use.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeightMap {
+    /// The texture, linear; the first channel is the height in [0, 1].
+    pub texture: TextureRef,
+    /// The height of 1, in model units.
+    pub scale: f32,
+}
+
+/// The treatment of alpha on a surface that is not fully opaque.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum AlphaMode {
+    /// Alpha is ignored.
+    #[default]
+    Opaque,
+    /// Drawn if alpha is at least the cutoff.
+    Mask(f32),
+    /// Composited over the background.
+    Blend,
+}
+
+/// The authored parameters of the classic models. Those that are `None` follow from the metallic-roughness values.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Classic {
+    /// k_a, linear RGB.
+    pub ambient: Option<[f32; 3]>,
+    /// k_d, linear RGB; multiplies the base colour texture.
+    pub diffuse: Option<[f32; 3]>,
+    /// k_s, linear RGB.
+    pub specular: Option<[f32; 3]>,
+    /// Phong and Blinn-Phong exponent, at least 0.
+    pub shininess: Option<f32>,
+    /// Beckmann rms slope, above 0.
+    pub slope: Option<f32>,
+}
+
+/// The strength of a dielectric's reflection: KHR_materials_specular. Metals ignore it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Specular {
+    /// [0, 1]; multiplies the reflectance at every angle.
+    pub factor: f32,
+    /// Alpha multiplies `factor`; linear.
+    pub factor_texture: Option<TextureRef>,
+    /// Multiplies the reflectance at normal incidence, linear RGB, at least 0; the product is at most 1.
+    pub color: [f32; 3],
+    /// Multiplies `color`; sRGB-encoded colour.
+    pub color_texture: Option<TextureRef>,
+}
+
+impl Default for Specular {
+    fn default() -> Self {
+        Self { factor: 1.0, factor_texture: None, color: [1.0; 3], color_texture: None }
+    }
+}
+
+/// A clearcoat over the surface: KHR_materials_clearcoat.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Clearcoat {
+    /// The share of the surface that it covers, [0, 1].
+    pub factor: f32,
+    /// Red multiplies `factor`; linear.
+    pub factor_texture: Option<TextureRef>,
+    /// The perceptual roughness, as artists set it, [0, 1].
+    pub roughness: f32,
+    /// Green multiplies `roughness`; linear.
+    pub roughness_texture: Option<TextureRef>,
+    /// The clearcoat's normal map; without one it follows the smooth surface.
+    pub normal: Option<NormalMap>,
+}
+
+/// Anisotropic highlights, wider along one direction: KHR_materials_anisotropy.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Anisotropy {
+    /// [0, 1].
+    pub strength: f32,
+    /// The direction of the anisotropy, radians counter-clockwise from the tangent.
+    pub rotation: f64,
+    /// Red and green rotate the direction further, blue multiplies `strength`; linear.
+    pub texture: Option<TextureRef>,
+}
+
+/// Sheen, the reflection of upright fibres on the surface: KHR_materials_sheen.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sheen {
+    /// Linear RGB, [0, 1].
+    pub color: [f32; 3],
+    /// Multiplies `color`; sRGB-encoded colour.
+    pub color_texture: Option<TextureRef>,
+    /// The perceptual roughness, as artists set it, [0, 1].
+    pub roughness: f32,
+    /// Alpha multiplies `roughness`; linear.
+    pub roughness_texture: Option<TextureRef>,
+}
+
+/// A surface: metallic-roughness as in glTF 2.0, along with the parameters of other models.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Its name; may be empty.
+    pub name: String,
+    /// Linear RGB and alpha; multiplies texture and vertex colour.
+    pub base_color: [f32; 4],
+    /// RGBA, sRGB-encoded colour.
+    pub base_color_texture: Option<TextureRef>,
+    /// [0, 1].
+    pub metallic: f32,
+    /// The perceptual roughness, as artists set it, [0, 1]; α is its square.
+    pub roughness: f32,
+    /// Green is roughness, blue is metallic; linear.
+    pub metallic_roughness_texture: Option<TextureRef>,
+    /// Reflectance at normal incidence, linear RGB, if authored; else mixed from 0.04 and the base colour.
+    pub f0: Option<[f32; 3]>,
+    /// Reflectance at 82° (cos θ = 1/7), linear RGB, if authored; else Schlick's.
+    pub f82: Option<[f32; 3]>,
+    /// Index of refraction of the dielectric part, at least 1, or 0 for total reflection: KHR_materials_ior.
+    pub ior: f32,
+    /// The strength of the dielectric part's reflection.
+    pub specular: Specular,
+    /// The clearcoat over the surface.
+    pub clearcoat: Option<Clearcoat>,
+    /// The anisotropy of highlights.
+    pub anisotropy: Option<Anisotropy>,
+    /// The sheen.
+    pub sheen: Option<Sheen>,
+    /// The normal map.
+    pub normal: Option<NormalMap>,
+    /// The height map, for bump mapping.
+    pub height: Option<HeightMap>,
+    /// Red is occlusion; darkens ambient light only.
+    pub occlusion_texture: Option<TextureRef>,
+    /// [0, 1]: the weight of the occlusion.
+    pub occlusion_strength: f32,
+    /// Emitted radiance, linear RGB.
+    pub emissive: [f32; 3],
+    /// Multiplies `emissive`; sRGB-encoded colour.
+    pub emissive_texture: Option<TextureRef>,
+    /// The treatment of alpha.
+    pub alpha: AlphaMode,
+    /// `true` if back faces are drawn, with the normal reversed.
+    pub double_sided: bool,
+    /// `true` for KHR_materials_unlit: the base colour is shown without lighting.
+    pub unlit: bool,
+    /// The parameters of the classic models.
+    pub classic: Classic,
+}
+
+impl Material {
+    /// Returns the default material of a glTF file: white metal, as in the specification.
+    pub fn default_of_gltf() -> Self {
+        Self { base_color: [1.0; 4], metallic: 1.0, roughness: 1.0, ..Self::default() }
+    }
+}
+
+impl Default for Material {
+    /// Returns a neutral grey dielectric, for files without materials.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_color: [0.6, 0.6, 0.6, 1.0],
+            base_color_texture: None,
+            metallic: 0.0,
+            roughness: 0.6,
+            metallic_roughness_texture: None,
+            f0: None,
+            f82: None,
+            ior: 1.5,
+            specular: Specular::default(),
+            clearcoat: None,
+            anisotropy: None,
+            sheen: None,
+            normal: None,
+            height: None,
+            occlusion_texture: None,
+            occlusion_strength: 1.0,
+            emissive: [0.0; 3],
+            emissive_texture: None,
+            alpha: AlphaMode::Opaque,
+            double_sided: false,
+            unlit: false,
+            classic: Classic::default(),
+        }
+    }
+}

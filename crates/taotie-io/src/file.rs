@@ -1,0 +1,107 @@
+//! Reading bytes, from regular files only, since a model may refer to any path.
+
+use sha2::{Digest, Sha256};
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use taotie_engine::error::{Error, Result};
+use taotie_engine::parallel;
+
+/// Size of the largest file read, in bytes.
+const MAX_BYTES: u64 = 1 << 34;
+
+/// File size in bytes from which several threads read. Allocations of this size come zeroed from the system.
+const LARGE: usize = 1 << 25;
+
+/// Reads a whole regular file.
+///
+/// # Errors
+/// [`Error::Io`] if it cannot be read or is a device or a pipe, [`Error::Limit`] above 16 GiB.
+pub fn read(path: &Path) -> Result<Vec<u8>> {
+    let (file, length) = open(path)?;
+    if length as usize > LARGE
+        && let Some(bytes) = read_pieces(&file, length as usize)
+    {
+        return Ok(bytes);
+    }
+    let mut bytes = Vec::with_capacity(length as usize);
+    file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
+    Ok(bytes)
+}
+
+/// Reads a file of `length` bytes in parallel; returns `None` if that fails, leaving the read position unchanged.
+#[cfg(unix)]
+fn read_pieces(file: &File, length: usize) -> Option<Vec<u8>> {
+    use std::os::unix::fs::FileExt;
+    const PIECE: usize = 1 << 22;
+    let mut bytes = vec![0; length];
+    let failed = AtomicBool::new(false);
+    parallel::pieces(&mut bytes, PIECE, &|i, piece| {
+        if !failed.load(Ordering::Relaxed) && file.read_exact_at(piece, (i * PIECE) as u64).is_err() {
+            failed.store(true, Ordering::Relaxed);
+        }
+    });
+    (!failed.into_inner()).then_some(bytes)
+}
+
+#[cfg(not(unix))]
+fn read_pieces(_file: &File, _length: usize) -> Option<Vec<u8>> {
+    None
+}
+
+/// Returns the first bytes of the file, at most `count`.
+pub(super) fn read_start(path: &Path, count: u64) -> Result<Vec<u8>> {
+    let (file, _) = open(path)?;
+    let mut bytes = Vec::new();
+    file.take(count).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
+    Ok(bytes)
+}
+
+/// Returns the length of a regular file in bytes.
+///
+/// # Errors
+/// [`Error::Io`] if there is no such file.
+pub fn file_size(path: &Path) -> Result<u64> {
+    std::fs::metadata(path).map(|about| about.len()).map_err(|e| Error::io(path, e))
+}
+
+/// Returns the SHA-256 of a file's bytes, in hexadecimal.
+///
+/// # Errors
+/// As [`read`].
+pub fn sha256(path: &Path) -> Result<String> {
+    let (mut file, _) = open(path)?;
+    let (mut hash, mut block) = (Sha256::new(), vec![0; 1 << 20]);
+    loop {
+        match file.read(&mut block).map_err(|e| Error::io(path, e))? {
+            0 => break,
+            read => hash.update(&block[..read]),
+        }
+    }
+    Ok(hexadecimal(hash))
+}
+
+/// Returns the SHA-256 of bytes, in hexadecimal.
+pub fn sha256_of(bytes: &[u8]) -> String {
+    hexadecimal(Sha256::new().chain_update(bytes))
+}
+
+fn hexadecimal(hash: Sha256) -> String {
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Opens a regular file and returns it with its length. Devices and pipes are rejected first: opening them can block.
+pub(super) fn open(path: &Path) -> Result<(File, u64)> {
+    let about = std::fs::metadata(path).map_err(|e| Error::io(path, e))?;
+    if !about.is_file() {
+        return Err(Error::io(path, io::Error::new(io::ErrorKind::InvalidInput, "not a regular file")));
+    }
+    if about.len() > MAX_BYTES {
+        return Err(Error::limit(
+            path.display().to_string(),
+            format!("the maximum is {} GiB", MAX_BYTES >> 30),
+        ));
+    }
+    Ok((File::open(path).map_err(|e| Error::io(path, e))?, about.len()))
+}

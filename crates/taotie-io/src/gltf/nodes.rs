@@ -1,0 +1,312 @@
+//! The node hierarchy: world matrices, levels of detail (MSFT_lod), the nodes that the scene shows, and the cameras
+//! and lights (KHR_lights_punctual) that these place in the world.
+
+use super::document::Document;
+use crate::reading::{Reason, no_such};
+use gltf::json::extensions::scene::khr_lights_punctual::{Light as JsonLight, Type as LightType};
+use gltf::json::validation::Checked;
+use gltf::json::{self, Value};
+use taotie_engine::error::{Error, Result, Warnings};
+use taotie_engine::math::{Mat4, Vec3};
+use taotie_engine::scene::animation::{Node, Transform, world_matrices};
+use taotie_engine::scene::{Camera, Falloff, Light, LightKind, Projection, rigid};
+
+/// Bytes per node in addition to those for parsing its text: transforms, and what shows its mesh.
+const NODE: u64 = 512;
+
+/// The extension of levels of detail.
+const LEVELS: &str = "MSFT_lod";
+
+/// The hierarchy, resolved.
+pub(super) struct Nodes {
+    /// Every node of the file, without morph weights.
+    pub nodes: Vec<Node>,
+    /// World matrix of every node in the file.
+    pub world: Vec<Mat4>,
+    /// The nodes of the shown scene, parents before children.
+    pub shown: Vec<usize>,
+    /// The number of levels of detail, at least 1.
+    pub levels: usize,
+    /// The screen coverage at which this level is first shown; `None` for the finest.
+    pub coverage: Option<f32>,
+}
+
+impl Nodes {
+    /// Resolves the hierarchy of `document` at a level of detail; 0 is the finest.
+    ///
+    /// # Errors
+    /// Fails if a node is its own ancestor, a referenced node does not exist, or a transform is not finite.
+    pub fn resolve(document: &Document, level: usize, warnings: &mut Warnings) -> Result<Self> {
+        if !document.reading.take(document.root.nodes.len() as u64 * NODE) {
+            document.reading.check()?;
+        }
+        let mut parents = parents(document, warnings)?;
+        let levels = Levels::read(document, level, warnings);
+        levels.hang(&mut parents);
+        let nodes = (0..parents.len())
+            .map(|n| {
+                let local = local_transform(document, n, warnings)?;
+                Ok(Node { parent: parents[n], local, weights: Vec::new() })
+            })
+            .collect::<Result<Vec<_>>>()?;
+        let world = world_matrices(&nodes).map_err(|error| match error {
+            Error::Invalid { what, why } => document.error(what, why),
+            other => other,
+        })?;
+        let shown = shown(document, &parents, &levels)?;
+        Ok(Self { nodes, world, shown, levels: levels.count, coverage: levels.coverage })
+    }
+}
+
+type Parents = Vec<Option<usize>>;
+
+fn at(node: usize) -> String {
+    format!("node {node}")
+}
+
+fn children(document: &Document, node: usize) -> impl Iterator<Item = usize> {
+    document.root.nodes[node].children.iter().flatten().map(|c| c.value())
+}
+
+/// Returns the parent of each node; the first if there are several.
+fn parents(document: &Document, warnings: &mut Warnings) -> Result<Parents> {
+    let count = document.root.nodes.len();
+    let mut parents = vec![None; count];
+    for node in 0..count {
+        for child in children(document, node) {
+            match parents.get_mut(child) {
+                None => return Err(document.error(at(node), no_such("child", child))),
+                Some(parent @ None) => *parent = Some(node),
+                Some(Some(_)) => warnings.note("nodes with two parents; using the first", 1),
+            }
+        }
+    }
+    Ok(parents)
+}
+
+fn local_transform(document: &Document, index: usize, warnings: &mut Warnings) -> Result<Transform> {
+    let node = &document.root.nodes[index];
+    let local = match &node.matrix {
+        Some(m) => Transform::Matrix(from_columns(m, warnings)),
+        None => from_parts(node, warnings),
+    };
+    let finite = local.matrix().is_finite();
+    if finite { Ok(local) } else { Err(document.error(at(index), "the transform is not finite")) }
+}
+
+/// Converts a column-major matrix; projective parts are dropped.
+pub(super) fn from_columns(m: &[f32; 16], warnings: &mut Warnings) -> Mat4 {
+    let mut columns = [[0.0; 4]; 4];
+    for (i, v) in m.iter().enumerate() {
+        columns[i / 4][i % 4] = f64::from(*v);
+    }
+    let last_row = columns.map(|c| c[3]);
+    if last_row != [0.0, 0.0, 0.0, 1.0] {
+        warnings.note("matrices with a last row other than 0 0 0 1; row ignored", 1);
+        columns.iter_mut().zip([0.0, 0.0, 0.0, 1.0]).for_each(|(c, v)| c[3] = v);
+    }
+    Mat4 { columns }
+}
+
+fn from_parts(node: &json::Node, warnings: &mut Warnings) -> Transform {
+    let vector = |v: [f32; 3]| Vec3::from_array(v).to_f64();
+    let translation = vector(node.translation.unwrap_or_default());
+    let scale = vector(node.scale.unwrap_or([1.0; 3]));
+    let rotation = node.rotation.unwrap_or_default().0.map(f64::from);
+    let zero = rotation == [0.0; 4];
+    warnings.note("zero-length rotations; treated as identity", usize::from(zero));
+    Transform::parts(translation, rotation, scale)
+}
+
+/// Returns the nodes of the default scene, else of the first, else all trees, replaced according to the level of
+/// detail.
+fn shown(document: &Document, parents: &Parents, levels: &Levels) -> Result<Vec<usize>> {
+    let root = &document.root;
+    let scene = root.scene.map_or(0, |s| s.value());
+    let mut waiting: Vec<usize> = match root.scenes.get(scene) {
+        Some(scene) => scene.nodes.iter().map(|n| n.value()).collect(),
+        None if root.scene.is_some() => return Err(document.error("scene", no_such("scene", scene))),
+        None => (0..parents.len()).filter(|n| parents[*n].is_none()).collect(),
+    };
+    if let Some(node) = waiting.iter().find(|n| **n >= parents.len()) {
+        return Err(document.error(format!("scene {scene}"), no_such("node", *node)));
+    }
+    waiting.reverse();
+    let mut seen = vec![false; parents.len()];
+    let mut shown = Vec::new();
+    while let Some(node) = waiting.pop() {
+        let node = levels.stand_in(node);
+        if std::mem::replace(&mut seen[node], true) {
+            continue;
+        }
+        shown.push(node);
+        let below: Vec<usize> = children(document, node).filter(|c| parents[*c] == Some(node)).collect();
+        waiting.extend(below.into_iter().rev());
+    }
+    Ok(shown)
+}
+
+/// The nodes shown at one level of detail.
+struct Levels {
+    /// The number of levels of the file, at least 1.
+    count: usize,
+    /// The largest screen coverage of the object at which this level is shown; `None` for the finest.
+    coverage: Option<f32>,
+    /// The node shown instead of each node.
+    stand_ins: Vec<usize>,
+}
+
+impl Levels {
+    /// Selects a level; 0 is the finest. A node with fewer levels shows its coarsest; invalid node indices are
+    /// skipped with a warning.
+    fn read(document: &Document, level: usize, warnings: &mut Warnings) -> Self {
+        let lists: Vec<Vec<usize>> =
+            (0..document.root.nodes.len()).map(|node| coarser(document, node, warnings)).collect();
+        let count = 1 + lists.iter().map(Vec::len).max().unwrap_or(0);
+        let stand_in = |(node, coarser): (usize, &Vec<usize>)| match level.min(coarser.len()) {
+            0 => node,
+            level => coarser[level - 1],
+        };
+        let stand_ins = lists.iter().enumerate().map(stand_in).collect();
+        let above = level.checked_sub(1);
+        let of_node = |node: usize| document.coverages.get(&node)?.get(above?).copied();
+        let has_levels = (0..lists.len()).filter(|node| !lists[*node].is_empty());
+        Self { count, coverage: has_levels.filter_map(of_node).reduce(f32::max), stand_ins }
+    }
+
+    /// Returns the node shown instead of `node`.
+    fn stand_in(&self, node: usize) -> usize {
+        self.stand_ins[node]
+    }
+
+    /// Gives each replacement the parent of the node that it replaces.
+    fn hang(&self, parents: &mut [Option<usize>]) {
+        for (node, stand_in) in self.stand_ins.iter().enumerate() {
+            if *stand_in != node {
+                parents[*stand_in] = parents[node];
+            }
+        }
+    }
+}
+
+/// Returns the coarser replacements of a node that exist, the finest first.
+fn coarser(document: &Document, node: usize, warnings: &mut Warnings) -> Vec<usize> {
+    let nodes = &document.root.nodes;
+    let extension = nodes[node].extensions.as_ref().and_then(|extensions| extensions.others.get(LEVELS));
+    let ids = extension.and_then(|extension| extension.get("ids")).and_then(Value::as_array);
+    let ids = ids.map_or(&[][..], Vec::as_slice);
+    let named = |id: &Value| Some(id.as_u64()? as usize).filter(|id| *id < nodes.len());
+    let found: Vec<usize> = ids.iter().filter_map(named).collect();
+    warnings.note("skipped levels of detail that are not nodes", ids.len() - found.len());
+    found
+}
+
+/// Returns the cameras of the shown nodes, with the nodes. One that cannot be used is skipped with a warning.
+pub(super) fn cameras(document: &Document, nodes: &Nodes, warnings: &mut Warnings) -> Vec<(usize, Camera)> {
+    let mut cameras = Vec::new();
+    for node in &nodes.shown {
+        let json = &document.root.nodes[*node];
+        let Some(index) = json.camera.map(|c| c.value()) else { continue };
+        let camera = document.root.cameras.get(index).ok_or_else(|| no_such("camera", index));
+        match camera.and_then(|c| projection(c).map(|p| (c, p))) {
+            Ok((camera, projection)) => {
+                let name = camera.name.clone().or(json.name.clone()).unwrap_or_default();
+                let world_from_view = rigid(&nodes.world[*node]);
+                cameras.push((*node, Camera { name, world_from_view, projection }));
+            }
+            Err(why) => warnings.note(format!("skipped camera of node {node}: {why}"), 1),
+        }
+    }
+    cameras
+}
+
+fn projection(camera: &json::Camera) -> Reason<Projection> {
+    if let Some(p) = &camera.perspective {
+        let (fov_y, near) = (f64::from(p.yfov), f64::from(p.znear));
+        let far = p.zfar.map(f64::from);
+        let aspect = p.aspect_ratio.map(f64::from).filter(|a| *a > 0.0 && a.is_finite());
+        let usable = fov_y > 0.0 && fov_y < std::f64::consts::PI && near > 0.0 && near.is_finite();
+        if !usable || far.is_some_and(|f| f.is_nan() || f <= near) {
+            return Err(format!("invalid yfov {fov_y}, znear {near} and zfar {far:?}"));
+        }
+        return Ok(Projection::Perspective { fov_y, aspect, near, far });
+    }
+    let Some(o) = &camera.orthographic else { return Err("no projection".into()) };
+    let (half_width, half_height) = (f64::from(o.xmag).abs(), f64::from(o.ymag).abs());
+    let (near, far) = (f64::from(o.znear), f64::from(o.zfar));
+    if half_width > 0.0 && half_height > 0.0 && far > near && (half_width + half_height + far).is_finite() {
+        Ok(Projection::Orthographic { half_width, half_height, near, far })
+    } else {
+        Err(format!("invalid xmag {half_width}, ymag {half_height}, znear {near} and zfar {far}"))
+    }
+}
+
+/// Returns the lights of the shown nodes, with the nodes. One that cannot be used is skipped with a warning.
+pub(super) fn lights(document: &Document, nodes: &Nodes, warnings: &mut Warnings) -> Vec<(usize, Light)> {
+    let extension = document.root.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
+    let all = extension.map_or(&[][..], |e| &e.lights);
+    let mut lights = Vec::new();
+    for node in &nodes.shown {
+        let json = &document.root.nodes[*node];
+        let used = json.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
+        let Some(index) = used.map(|u| u.light.value()) else { continue };
+        let light = all.get(index).ok_or_else(|| no_such("light", index));
+        match light.and_then(unplaced_light) {
+            Ok(mut light) => {
+                light.name = all[index].name.clone().or(json.name.clone()).unwrap_or_default();
+                light.place(&nodes.world[*node]);
+                lights.push((*node, light));
+            }
+            Err(why) => warnings.note(format!("skipped light of node {node}: {why}"), 1),
+        }
+    }
+    lights
+}
+
+/// Makes a light, in candela for points and spots and lux for directional lights, not yet placed by its node.
+fn unplaced_light(light: &JsonLight) -> Reason<Light> {
+    let color = Vec3::from_array(light.color) * light.intensity;
+    if !Light::is_strength(color) {
+        return Err(format!("invalid colour {:?} with intensity {}", light.color, light.intensity));
+    }
+    let (position, direction) = (Vec3::splat(0.0), Vec3::new(0.0, 0.0, -1.0));
+    let kind = match light.type_ {
+        Checked::Valid(LightType::Directional) => LightKind::Directional { direction },
+        Checked::Valid(LightType::Point) => LightKind::Point { position },
+        Checked::Valid(LightType::Spot) => {
+            let spot = light.spot.clone().unwrap_or(json::extensions::scene::khr_lights_punctual::Spot {
+                inner_cone_angle: 0.0,
+                outer_cone_angle: std::f32::consts::FRAC_PI_4,
+            });
+            let (inner, outer) = cone(spot.inner_cone_angle, spot.outer_cone_angle)?;
+            LightKind::Spot { position, direction, inner: f64::from(inner), outer: f64::from(outer) }
+        }
+        Checked::Invalid => return Err("unknown type".into()),
+    };
+    let falloff = match light.range {
+        Some(range) if range > 0.0 && range.is_finite() => Falloff::Windowed(range),
+        _ => Falloff::InverseSquare,
+    };
+    Ok(Light { name: String::new(), kind, color, falloff })
+}
+
+/// Returns cone angles with 0 ≤ inner < outer ≤ π/2.
+fn cone(inner: f32, outer: f32) -> Reason<(f32, f32)> {
+    let outer = outer.min(std::f32::consts::FRAC_PI_2);
+    if inner >= 0.0 && inner < outer {
+        Ok((inner, outer))
+    } else {
+        Err(format!("empty cone from {inner} to {outer} radians"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cones() {
+        assert_eq!(cone(0.0, 9.0), Ok((0.0, std::f32::consts::FRAC_PI_2)));
+        assert!(cone(0.5, 0.5).is_err() && cone(f32::NAN, 1.0).is_err() && cone(-0.1, 1.0).is_err());
+    }
+}

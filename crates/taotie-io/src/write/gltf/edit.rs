@@ -1,0 +1,205 @@
+//! Edits of a document's JSON: infallible changes that create missing parts, and removal of unused items from lists
+//! whose other items are renumbered.
+
+use crate::gltf::is_known;
+use serde_json::{Map, Value, json};
+use std::collections::BTreeSet;
+use taotie_engine::error::{Error, Result};
+
+/// Returns a member of an object, null if absent. A value that is not an object becomes one.
+pub(super) fn member<'a>(of: &'a mut Value, name: &str) -> &'a mut Value {
+    if !of.is_object() {
+        *of = json!({});
+    }
+    &mut of[name]
+}
+
+/// Appends to a list; returns the item's index.
+pub(super) fn push(of: &mut Value, name: &str, item: Value) -> usize {
+    let list = member(of, name);
+    let mut items = list.as_array_mut().map(std::mem::take).unwrap_or_default();
+    items.push(item);
+    let last = items.len() - 1;
+    *list = Value::Array(items);
+    last
+}
+
+/// Adds a name to a list of names, unless it is already there.
+pub(super) fn name(of: &mut Value, list: &str, name: &str) {
+    if !items(of, list).iter().any(|known| known == name) {
+        push(of, list, name.into());
+    }
+}
+
+/// Marks an extension as required: no program without it can read the document.
+pub(super) fn require(of: &mut Value, extension: &str) {
+    ["extensionsUsed", "extensionsRequired"].iter().for_each(|list| name(of, list, extension));
+}
+
+/// Returns the text of a document.
+///
+/// # Errors
+/// [`Error::Invalid`] for values that JSON cannot express.
+pub(super) fn text(json: &Value) -> Result<Vec<u8>> {
+    serde_json::to_vec(json).map_err(|e| Error::invalid("glTF document", e.to_string()))
+}
+
+/// Removes a member.
+pub(super) fn remove(of: &mut Value, name: &str) {
+    of.as_object_mut().and_then(|members| members.remove(name));
+}
+
+/// Removes a list and returns its items.
+pub(super) fn taken(of: &mut Value, name: &str) -> Vec<Value> {
+    match of.as_object_mut().and_then(|members| members.remove(name)) {
+        Some(Value::Array(items)) => items,
+        _ => Vec::new(),
+    }
+}
+
+/// Returns the items of a list, or none if the list does not exist.
+pub(super) fn items<'a>(of: &'a Value, name: &str) -> &'a [Value] {
+    of.get(name).and_then(Value::as_array).map_or(&[], Vec::as_slice)
+}
+
+/// Returns the items of a list for editing.
+pub(super) fn items_mut<'a>(of: &'a mut Value, name: &str) -> impl Iterator<Item = &'a mut Value> {
+    of.get_mut(name).and_then(Value::as_array_mut).into_iter().flatten()
+}
+
+/// Returns the index in a member.
+pub(super) fn number(of: &Value, name: &str) -> Option<usize> {
+    usize::try_from(of.get(name)?.as_u64()?).ok()
+}
+
+/// Visits the members of every object below a value, except for those in application data. The depth is bounded by
+/// the JSON parser's own limit of 128.
+pub(super) fn each_object(value: &mut Value, visit: &mut impl FnMut(&mut Map<String, Value>)) {
+    match value {
+        Value::Object(members) => {
+            visit(members);
+            let below = members.iter_mut().filter(|(name, _)| *name != "extras");
+            below.for_each(|(_, value)| each_object(value, visit));
+        }
+        Value::Array(items) => items.iter_mut().for_each(|item| each_object(item, visit)),
+        _ => {}
+    }
+}
+
+/// Returns the number that prints like the float: 0.7 rather than 0.699999988.
+pub(super) fn short(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
+}
+
+/// Drops the name of an extension that is no longer used by any item of the lists `holders`, such as `textures`.
+pub(super) fn drop_unused(json: &mut Value, holders: &[&str], name: &str) {
+    let has_it = |holder: &Value| holder.pointer(&format!("/extensions/{name}")).is_some();
+    if holders.iter().flat_map(|list| items(json, list)).any(has_it) {
+        return;
+    }
+    for list in ["extensionsUsed", "extensionsRequired"] {
+        let names: Vec<Value> = taken(json, list).into_iter().filter(|known| known != name).collect();
+        if !names.is_empty() {
+            json[list] = Value::Array(names);
+        }
+    }
+}
+
+/// Visits all references to items of one kind in a document.
+pub(super) type Visit = fn(&mut Value, &mut dyn FnMut(&mut Value));
+
+/// Drops the unreferenced items of a list, and renumbers the others; returns the old indices of those kept.
+pub(super) fn drop_unnamed(json: &mut Value, list: &str, each: Visit) -> Vec<u64> {
+    let mut named = BTreeSet::new();
+    each(json, &mut |number| named.extend(number.as_u64()));
+    let items = taken(json, list);
+    let kept: Vec<u64> = (0..items.len() as u64).filter(|i| named.contains(i)).collect();
+    each(json, &mut |number| {
+        if let Some(old) = number.as_u64() {
+            // An invalid index stays invalid.
+            *number = kept.binary_search(&old).unwrap_or(kept.len()).into();
+        }
+    });
+    let is_kept = |(i, _): &(usize, Value)| kept.binary_search(&(*i as u64)).is_ok();
+    let items: Vec<Value> = items.into_iter().enumerate().filter(is_kept).map(|(_, item)| item).collect();
+    if !items.is_empty() {
+        json[list] = Value::Array(items);
+    }
+    kept
+}
+
+/// Visits the textures of materials: `index` of members such as `normalTexture`.
+pub(super) fn each_texture(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+    let mut of = |members: &mut Map<String, Value>| {
+        let slots = members.iter_mut().filter(|(name, _)| name.ends_with("Texture"));
+        slots.filter_map(|(_, slot)| slot.get_mut("index")).for_each(&mut *visit);
+    };
+    items_mut(json, "materials").for_each(|material| each_object(material, &mut of));
+}
+
+/// Visits the images of textures.
+pub(super) fn each_image(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+    let mut of = |members: &mut Map<String, Value>| {
+        members.get_mut("source").into_iter().for_each(&mut *visit);
+    };
+    items_mut(json, "textures").for_each(|texture| each_object(texture, &mut of));
+}
+
+/// Visits the views of accessors, images and everything else.
+pub(super) fn each_view(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+    let mut of = |members: &mut Map<String, Value>| {
+        members.get_mut("bufferView").into_iter().for_each(&mut *visit);
+    };
+    each_object(json, &mut of);
+}
+
+/// Visits the accessors of primitives, skins and animations.
+pub(super) fn each_accessor(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+    for mesh in items_mut(json, "meshes") {
+        for primitive in items_mut(mesh, "primitives") {
+            primitive.get_mut("indices").into_iter().for_each(&mut *visit);
+            for attributes in items_mut(primitive, "targets") {
+                attributes.as_object_mut().into_iter().flatten().for_each(|(_, accessor)| visit(accessor));
+            }
+            let attributes = primitive.get_mut("attributes").and_then(Value::as_object_mut);
+            attributes.into_iter().flatten().for_each(|(_, accessor)| visit(accessor));
+        }
+    }
+    items_mut(json, "skins").filter_map(|skin| skin.get_mut("inverseBindMatrices")).for_each(&mut *visit);
+    for animation in items_mut(json, "animations") {
+        for sampler in items_mut(animation, "samplers") {
+            ["input", "output"].iter().for_each(|name| {
+                sampler.get_mut(*name).into_iter().for_each(&mut *visit);
+            });
+        }
+    }
+}
+
+/// Returns `true` if an extension is known, or is about materials, textures or lights.
+pub(super) fn names_no_geometry(name: &Value) -> bool {
+    let looks = ["KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "EXT_lights_"];
+    name.as_str().is_some_and(|name| is_known(name) || looks.iter().any(|prefix| name.starts_with(prefix)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_and_members_are_made() {
+        let mut json = json!({ "a": 1 });
+        assert_eq!([push(&mut json, "list", json!(5)), push(&mut json, "list", json!(6))], [0, 1]);
+        *member(member(&mut json, "a"), "b") = json!(2);
+        ["x", "y", "x"].iter().for_each(|text| name(&mut json, "names", text));
+        remove(&mut json, "nobody");
+        assert_eq!(json, json!({ "a": { "b": 2 }, "list": [5, 6], "names": ["x", "y"] }));
+    }
+
+    #[test]
+    fn application_data_is_not_visited() {
+        let mut json = json!({ "a": [{ "bufferView": 1 }], "extras": { "bufferView": 2 } });
+        let mut seen = Vec::new();
+        each_object(&mut json, &mut |members| seen.extend(members.get("bufferView").cloned()));
+        assert_eq!(seen, [json!(1)]);
+    }
+}

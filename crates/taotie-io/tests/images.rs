@@ -1,0 +1,323 @@
+//! Images by others: PngSuite decodes to the right numbers, damaged files end in a one-line error, nothing panics.
+//! This is a separate program, since its peak memory is checked.
+
+#[path = "../../../tests/common/mod.rs"]
+mod common;
+#[path = "../../../tests/common/files.rs"]
+mod files;
+
+#[cfg(feature = "exr")]
+use common::absent;
+use common::data_folder;
+#[cfg(feature = "exr")]
+use files::all_files_below;
+use files::{data_files, files_below};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::path::{Path, PathBuf};
+use taotie_engine::image::{Bitmap, Texels};
+use taotie_io::{decode_bitmap, read_bitmap};
+
+const EXTENSIONS: [&str; 9] = ["png", "jpg", "jpeg", "webp", "avif", "ktx2", "tga", "hdr", "exr"];
+
+/// Returns the path of a picture in this repository.
+#[cfg(any(feature = "avif", feature = "webp", feature = "basis"))]
+fn own(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/pictures").join(name)
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap().to_string_lossy().into_owned()
+}
+
+fn pngsuite() -> Vec<PathBuf> {
+    data_files("pngsuite", &["png"]).into_iter().filter(|p| stem(p).len() == 8).collect()
+}
+
+fn one_line(error: &taotie_engine::Error, path: &Path) {
+    let text = error.to_string();
+    assert!(!text.contains('\n'), "{text}");
+    assert!(text.contains(&*path.file_name().unwrap().to_string_lossy()), "{text}");
+}
+
+/// Returns width and height from the file's header.
+fn header_size(bytes: &[u8]) -> [u32; 2] {
+    [16, 20].map(|at| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap()))
+}
+
+/// PngSuite's names end in colour type, its letter and the bits per sample, such as `2c16`; names with `x` are
+/// damaged.
+#[test]
+fn pngsuite_by_its_naming_rule() {
+    for path in pngsuite() {
+        let name = stem(&path);
+        let read = read_bitmap(&path);
+        if name.starts_with('x') {
+            one_line(&read.expect_err(&name), &path);
+            continue;
+        }
+        let bitmap = read.unwrap_or_else(|e| panic!("{e}"));
+        let bytes = std::fs::read(&path).unwrap();
+        assert_eq!([bitmap.width(), bitmap.height()], header_size(&bytes), "{name}");
+        assert_eq!(bitmap.bits(), if name.ends_with("16") { 16 } else { 8 }, "{name}");
+        let transparent = bytes.windows(4).any(|w| w == b"tRNS");
+        let stored = match &name[4..5] {
+            "0" => 1,
+            "4" => 2,
+            "2" | "3" => 3,
+            _ => 4,
+        };
+        assert_eq!(bitmap.channels(), stored + u8::from(transparent), "{name}");
+    }
+}
+
+/// Returns texels of 8 bits, as an 8-bit program would show them.
+fn as_u8(bitmap: &Bitmap) -> Vec<u8> {
+    match bitmap.texels() {
+        Texels::U8(t) => t.as_flattened().to_vec(),
+        Texels::U16(t) => t.as_flattened().iter().map(|v| (v >> 8) as u8).collect(),
+        Texels::F32(_) => panic!("a PNG has no floats"),
+    }
+}
+
+/// The dumps next to PngSuite were made by another program.
+#[test]
+fn pngsuite_texels_equal_the_dumps() {
+    let Some(folder) = data_folder("pngsuite") else { return };
+    let dumps = files_below(&folder, &["json"]);
+    for dump in &dumps {
+        let expected: Vec<u8> = serde_json::from_slice(&std::fs::read(dump).unwrap()).unwrap();
+        let path = folder.join("png").join(dump.file_stem().unwrap()).with_extension("png");
+        assert_eq!(as_u8(&read_bitmap(&path).unwrap()), expected, "{}", path.display());
+    }
+    assert!(!dumps.is_empty());
+}
+
+/// Returns a name without the letter for how the picture is stored: interlaced or not (`basi`, `basn`, `s05i`,
+/// `s05n`), in how many chunks (`oi1` …), at which compression level (`z00` …).
+fn picture_of(name: &str) -> String {
+    let letter = match &name[..2] {
+        "ba" | "s0" | "s3" | "s4" => 3,
+        "oi" | "z0" => 2,
+        _ => return name.to_owned(),
+    };
+    format!("{}{}", &name[..letter], &name[letter + 1..])
+}
+
+#[test]
+fn pngsuite_variants_of_a_picture_are_equal() {
+    let mut seen = BTreeMap::new();
+    let mut compared = 0;
+    for path in pngsuite().iter().filter(|p| !stem(p).starts_with('x')) {
+        let bitmap = read_bitmap(path).unwrap();
+        match seen.entry(picture_of(&stem(path))) {
+            Entry::Occupied(first) => {
+                assert_eq!(first.get(), &bitmap, "{}", path.display());
+                compared += 1;
+            }
+            Entry::Vacant(place) => drop(place.insert(bitmap)),
+        }
+    }
+    assert!(seen.is_empty() || compared > 0, "{compared}");
+}
+
+#[cfg(feature = "webp")]
+#[test]
+fn lossless_webp_is_the_picture_it_was_made_from() {
+    let [webp, png] = ["lossless.webp", "waves.png"].map(|name| read_bitmap(&own(name)).unwrap());
+    assert_eq!(webp, png);
+}
+
+/// Compares with libwebp's own decoder.
+#[cfg(feature = "webp")]
+#[test]
+fn lossy_webp_is_what_libwebp_makes_of_it() {
+    let [webp, png] = ["lossy.webp", "lossy.png"].map(|name| read_bitmap(&own(name)).unwrap());
+    assert_eq!((webp.width(), webp.height(), webp.channels()), (40, 24, 3));
+    assert_eq!(as_u8(&webp), as_u8(&png));
+}
+
+/// Compares with libavif, which computes colours in integers, and takes the upper 8 of 10 bits.
+#[cfg(feature = "avif")]
+#[test]
+fn avif_is_what_libavif_makes_of_it() {
+    let cases = [
+        ("rgb", 3, 0),
+        ("deep", 3, 3),
+        ("444", 3, 1),
+        ("limited", 3, 2),
+        ("alpha", 4, 1),
+        ("grey", 1, 1),
+        ("422", 3, 2),
+        ("420", 3, 2),
+    ];
+    for (name, channels, most) in cases {
+        let [avif, png] =
+            ["avif", "png"].map(|kind| read_bitmap(&own(&format!("avif-{name}.{kind}"))).unwrap());
+        assert_eq!((avif.width(), avif.height(), avif.channels()), (40, 24, channels), "{name}");
+        let worst = as_u8(&avif).into_iter().zip(as_u8(&png)).map(|(a, b)| a.abs_diff(b)).max().unwrap();
+        assert!(worst <= most, "{name}: {worst}");
+    }
+}
+
+/// Damaged files end in an error or in an image.
+#[cfg(feature = "avif")]
+#[test]
+fn damaged_avif_does_not_panic() {
+    let seed = std::fs::read(own("avif-alpha.avif")).unwrap();
+    let read = |bytes: &[u8]| decode_bitmap(bytes, "a.avif", Path::new("a.avif"));
+    assert!((0..seed.len()).all(|length| read(&seed[..length]).is_err()));
+    let refused = (0..seed.len()).filter(|at| {
+        let mut changed = seed.clone();
+        changed[*at] ^= 0x5a;
+        read(&changed).is_err()
+    });
+    assert!(refused.count() > seed.len() / 8);
+}
+
+/// Compares with Basis Universal's own transcoder: ETC1S with and without alpha, UASTC plain and with Zstandard.
+#[cfg(feature = "basis")]
+#[test]
+fn ktx2_is_what_basis_universal_makes_of_it() {
+    for (name, channels) in [("etc1s", 3), ("etc1s-alpha", 4), ("uastc-alpha", 4), ("uastc-zstd", 3)] {
+        let [ktx2, png] = ["ktx2", "png"].map(|kind| read_bitmap(&own(&format!("{name}.{kind}"))).unwrap());
+        assert_eq!((ktx2.width(), ktx2.height(), ktx2.channels()), (40, 24, channels), "{name}");
+        assert!(as_u8(&ktx2) == as_u8(&png), "{name}");
+        // It is the compressed picture, up to the compression loss.
+        let waves = as_u8(&read_bitmap(&own("waves.png")).unwrap());
+        let colors = as_u8(&ktx2).into_iter().zip(waves).enumerate().filter(|(i, _)| i % 4 < channels.into());
+        let squares: Vec<f64> =
+            colors.map(|(_, (a, b))| f64::from(a.abs_diff(b)) * f64::from(a.abs_diff(b))).collect();
+        let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+        assert!(rms < if name.starts_with("uastc") { 5.0 } else { 20.0 }, "{name}: {rms}");
+    }
+}
+
+/// A header may claim anything; nothing is allocated before the claim can be true.
+#[cfg(feature = "basis")]
+#[test]
+fn ktx2_headers_that_cannot_be_true() {
+    let seed = std::fs::read(own("uastc-zstd.ktx2")).unwrap();
+    let error = |at: usize, bytes: &[u8]| {
+        let mut changed = seed.clone();
+        changed[at..at + bytes.len()].copy_from_slice(bytes);
+        decode_bitmap(&changed, "a.ktx2", Path::new("a.ktx2")).unwrap_err().to_string()
+    };
+    assert!(error(96, &u64::MAX.to_le_bytes()).contains("bytes for 60 blocks"));
+    assert!(error(20, &60_000u32.to_le_bytes()).contains("at most"));
+    assert!(error(20, &16_384u32.to_le_bytes().repeat(2)).contains("cannot hold"));
+    assert!(error(12, &37u32.to_le_bytes()).contains("Basis Universal"));
+    assert!(error(36, &6u32.to_le_bytes()).contains("several layers"));
+    assert!(!error(48, &u32::MAX.to_le_bytes()).is_empty());
+    assert!(!error(80, &u64::MAX.to_le_bytes()).is_empty());
+    for length in 0..seed.len() {
+        assert!(decode_bitmap(&seed[..length], "a.ktx2", Path::new("a.ktx2")).is_err(), "{length}");
+    }
+}
+
+/// A picture of a single colour takes few bytes at any size: it is read up to 4096 × 4096 and refused beyond.
+#[cfg(feature = "webp")]
+#[test]
+fn plain_webp_is_read_and_a_bomb_is_not() {
+    let plain = |side: u32| {
+        // RIFF, VP8L, its signature, width and height minus one in 14 bits each, no transform, no cache, no groups,
+        // and five codes of a single symbol, so that texels take no bits.
+        let size = (side - 1) | (side - 1) << 14;
+        let mut data = vec![0x2f];
+        data.extend(size.to_le_bytes());
+        data.extend([0x88, 0x88, 0x08, 0x00]);
+        data.resize(data.len() + 6, 0);
+        let length = data.len() as u32 + data.len() as u32 % 2;
+        data.resize(length as usize, 0);
+        let mut file = b"RIFF".to_vec();
+        file.extend((length + 12).to_le_bytes());
+        file.extend(b"WEBPVP8L");
+        file.extend(length.to_le_bytes());
+        file.extend(data);
+        decode_bitmap(&file, "plain.webp", Path::new("plain.webp"))
+    };
+    let picture = plain(4096).unwrap();
+    assert_eq!((picture.width(), picture.height()), (4096, 4096));
+    let error = plain(4097).unwrap_err().to_string();
+    assert!(error.contains("cannot hold 4097×4097"), "{error}");
+}
+
+#[test]
+fn images_of_every_folder_load_or_say_why() {
+    for sub in ["malformed-and-odd-inputs", "environments", "smithsonian-bronze-gong-textures"] {
+        for path in data_files(sub, &EXTENSIONS) {
+            if let Err(error) = read_bitmap(&path) {
+                one_line(&error, &path);
+            }
+        }
+    }
+    memory_stayed_small();
+}
+
+/// Damaged OpenEXR files have no extension; they are recognised by their first bytes.
+#[cfg(feature = "exr")]
+#[test]
+fn damaged_exr_files_end_in_one_line() {
+    let Some(folder) = data_folder("malformed-and-odd-inputs") else { return };
+    let mut seen = 0;
+    for path in all_files_below(&folder) {
+        let bytes = std::fs::read(&path).unwrap();
+        if !bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+            continue;
+        }
+        seen += 1;
+        if let Err(error) = read_bitmap(&path) {
+            one_line(&error, &path);
+        }
+    }
+    if seen == 0 {
+        absent("no damaged file is OpenEXR");
+    }
+    memory_stayed_small();
+}
+
+/// Truncated or with bytes changed, small images load or fail; they never panic.
+#[test]
+fn damaged_variants_never_panic() {
+    let folders = ["malformed-and-odd-inputs", "pngsuite"];
+    for path in folders.iter().flat_map(|sub| data_files(sub, &EXTENSIONS)) {
+        let bytes = std::fs::read(&path).unwrap();
+        if bytes.len() > 20_000 {
+            continue;
+        }
+        let name = path.file_name().unwrap().to_string_lossy();
+        for cut in [0, 1, 7, 18, 33, bytes.len() / 2, bytes.len().saturating_sub(1)] {
+            let _ = decode_bitmap(&bytes[..cut.min(bytes.len())], &name, &path);
+        }
+        let mut random = Random(bytes.len() as u64);
+        for _ in 0..60 {
+            let mut changed = bytes.clone();
+            for _ in 0..3 {
+                if let Some(byte) = changed.get_mut(random.below(bytes.len())) {
+                    *byte = random.below(256) as u8;
+                }
+            }
+            let _ = decode_bitmap(&changed, &name, &path);
+        }
+    }
+    memory_stayed_small();
+}
+
+/// A linear congruential generator (Knuth): the same numbers on every machine.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as usize % bound.max(1)
+    }
+}
+
+/// Checks that this process's peak memory stayed under 3 GiB, if the system reports it.
+fn memory_stayed_small() {
+    let Ok(status) = std::fs::read_to_string("/proc/self/status") else { return };
+    let peak =
+        status.lines().find_map(|l| l.strip_prefix("VmHWM:")).and_then(|l| l.split_whitespace().next());
+    let kib: u64 = peak.and_then(|p| p.parse().ok()).unwrap_or(0);
+    assert!(kib < 3 << 20, "{kib} KiB");
+}

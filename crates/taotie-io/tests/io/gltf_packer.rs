@@ -1,0 +1,235 @@
+//! Files that are packed as a whole keep all their contents.
+
+use crate::{common, files};
+#[cfg(feature = "webp")]
+use std::sync::Arc;
+#[cfg(feature = "avif")]
+use taotie_engine::Warnings;
+#[cfg(feature = "webp")]
+use taotie_engine::image::Bitmap;
+use taotie_engine::image::{Encoding, Sampler, Texels, Texture};
+use taotie_engine::math::Mat4;
+use taotie_engine::math::Vec3;
+use taotie_engine::mesh::Mesh;
+use taotie_engine::scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
+use taotie_io::{CodecSet, GltfPacker, GltfSource, Limits, Loaded, PackedGeometry, PackedImage, load_model};
+use taotie_io::{GltfAsset, GltfFormat, GltfLevel, GltfMaterial, encode_glb, encode_scene_as};
+#[cfg(feature = "webp")]
+use taotie_io::{ImageCodec, decode_bitmap};
+
+/// Folders of test data with third-party glTF files.
+const FOLDERS: [&str; 3] = ["khronos-gltf-sample-assets", "gltf-asset-generator", "polyhaven-models"];
+
+/// Every corner shown by a file, in world space.
+fn corners(loaded: &Loaded) -> Vec<Vec3<f64>> {
+    let scene = &loaded.scene;
+    let of_instance = |instance: &taotie_engine::scene::Instance| {
+        let mesh = &scene.meshes()[instance.mesh];
+        let corner =
+            |v: &u32| instance.world_from_object.transform_point(mesh.positions()[*v as usize].to_f64());
+        mesh.triangles().as_flattened().iter().map(corner).collect::<Vec<_>>()
+    };
+    scene.instances().iter().flat_map(of_instance).collect()
+}
+
+/// The mean of points, and their mean distance from it.
+fn moments(points: &[Vec3<f64>]) -> (Vec3<f64>, f64) {
+    let count = points.len().max(1) as f64;
+    let mean = points.iter().fold(Vec3::splat(0.0), |sum, p| sum + *p) / count;
+    (mean, points.iter().map(|p| (*p - mean).length()).sum::<f64>() / count)
+}
+
+fn packed(packer: &GltfPacker, geometry: PackedGeometry, images: &[PackedImage]) -> (Vec<u8>, Loaded) {
+    let (bytes, folder) = (packer.encode(geometry, images).unwrap(), tempfile::tempdir().unwrap());
+    let path = folder.path().join("m.glb");
+    std::fs::write(&path, &bytes).unwrap();
+    (bytes, load_model(&path).unwrap())
+}
+
+fn every_file() -> impl Iterator<Item = (std::path::PathBuf, Loaded)> {
+    let all = FOLDERS.into_iter().flat_map(|folder| files::data_files(folder, &["gltf", "glb"]));
+    // Some are designed to be rejected.
+    all.filter_map(|path| load_model(&path).ok().map(|loaded| (path, loaded)))
+}
+
+#[test]
+fn all_stays_but_rounding() {
+    let mut count = 0;
+    for (path, own) in every_file() {
+        let packer = GltfPacker::open(GltfSource::File(&path), &Limits::default()).unwrap();
+        let (_, loaded) = packed(&packer, PackedGeometry::default(), &[]);
+        let latest = PackedGeometry { codecs: CodecSet::WebLatest, ..PackedGeometry::default() };
+        let (_, by_latest) = packed(&packer, latest, &[]);
+        let name = path.display();
+        assert!(corners(&loaded) == corners(&by_latest), "{name}");
+        let is_packed = loaded.extensions_required.iter().any(|name| name == "EXT_meshopt_compression");
+        let is_latest = by_latest.extensions_required.iter().any(|name| name == "KHR_meshopt_compression");
+        assert_eq!(is_packed, is_latest, "{name}");
+        assert_eq!(own.scene.materials(), loaded.scene.materials(), "{name}");
+        assert_eq!(own.scene.instances().len(), loaded.scene.instances().len(), "{name}");
+        assert_eq!(own.scene.textures().len(), loaded.scene.textures().len(), "{name}");
+        let shape = |loaded: &Loaded| loaded.structure.as_ref().map(|s| (s.nodes, s.meshes, s.materials));
+        assert_eq!(shape(&own), shape(&loaded), "{name}");
+        assert_eq!((own.rig.is_some(), own.moving), (loaded.rig.is_some(), loaded.moving), "{name}");
+        let (points, others) = (corners(&own), corners(&loaded));
+        let ((mean, size), (other, other_size)) = (moments(&points), moments(&others));
+        assert_eq!(points.len(), others.len(), "{name}");
+        assert!((mean - other).length() <= 1e-4 * size, "{name}: {mean:?} {other:?} {size}");
+        assert!((size - other_size).abs() <= 1e-4 * size, "{name}: {size} {other_size}");
+        count += 1;
+    }
+    assert!(count > 60 || common::data_folder(FOLDERS[0]).is_none(), "{count}");
+}
+
+#[test]
+fn fewer_triangles_stay_on_the_surface() {
+    let mut count = 0;
+    for (path, own) in every_file().filter(|(_, own)| own.scene.triangle_count() > 1000) {
+        let packer = GltfPacker::open(GltfSource::File(&path), &Limits::default()).unwrap();
+        let (_, loaded) = packed(&packer, PackedGeometry { kept: 0.5, ..PackedGeometry::default() }, &[]);
+        let (triangles, all) = (loaded.scene.triangle_count(), own.scene.triangle_count());
+        let name = path.display();
+        assert!(triangles <= all && 2 * triangles + 100 >= all, "{name}: {triangles} of {all}");
+        let [bounds, other] = [&own, &loaded].map(|loaded| loaded.scene.bounds().unwrap().diagonal());
+        assert!((bounds / other - 1.0).abs() < 0.01, "{name}: {bounds} {other}");
+        count += usize::from(10 * triangles <= 6 * all);
+    }
+    assert!(count > 3 || common::data_folder(FOLDERS[0]).is_none(), "{count}");
+}
+
+/// A ball with a texture whose texels are half transparent, in a material of this mode, as GLB.
+#[cfg(feature = "avif")]
+fn half_clear(alpha: AlphaMode, images: ImageCodec) -> Vec<u8> {
+    let texels = (0..64 * 64).map(|i| [i as u8, (i / 64) as u8 * 4, 90, 128]).collect();
+    let bitmap = Bitmap::new(64, 64, 4, Texels::U8(texels)).unwrap();
+    let (sampler, transform) = (Sampler::default(), UvTransform::default());
+    let shown = TextureRef { texture: 0, uv_set: 0, sampler, transform };
+    let material = Material { alpha, base_color_texture: Some(shown), ..Material::default() };
+    let scene = SceneData {
+        meshes: vec![Mesh::sphere(1.0, 16, 8)],
+        materials: vec![material],
+        textures: vec![Texture::new(bitmap, Encoding::Srgb)],
+        instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
+        ..SceneData::default()
+    };
+    let format = GltfFormat { images: images.into(), ..GltfFormat::default() };
+    encode_scene_as(&Scene::new(scene).unwrap(), &[], &format, &mut Warnings::default()).unwrap()
+}
+
+#[cfg(feature = "avif")]
+#[test]
+fn alpha_that_no_material_reads_is_left_out() {
+    for (mode, fits) in [(AlphaMode::Opaque, true), (AlphaMode::Blend, false)] {
+        let file = half_clear(mode, ImageCodec::Png);
+        let packer = GltfPacker::open(GltfSource::Glb(&file), &Limits::default()).unwrap();
+        assert_eq!(packer.image(0).unwrap().fits(ImageCodec::Jpeg(90), 64), fits, "{mode:?}");
+    }
+}
+
+#[cfg(feature = "avif")]
+#[test]
+fn an_extension_that_nothing_needs_any_more_is_not_required() {
+    let opaque = Bitmap::new(64, 64, 3, Texels::U8(vec![[9, 90, 200, 255]; 64 * 64])).unwrap();
+    let material = GltfMaterial { base_color_map: Some((&opaque).into()), ..GltfMaterial::default() };
+    let (mesh, images) = (Mesh::sphere(1.0, 16, 8), ImageCodec::Avif(90).into());
+    let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+    let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
+    let file = encode_glb(&asset, &GltfFormat { images, ..GltfFormat::default() }).unwrap();
+    let packer = GltfPacker::open(GltfSource::Glb(&file), &Limits::default()).unwrap();
+    let required =
+        |images: &[PackedImage]| packed(&packer, PackedGeometry::default(), images).1.extensions_required;
+    let has = |required: &[String], name: &str| required.iter().any(|known| known == name);
+    assert!(has(&required(&[]), "EXT_texture_avif"));
+    let png = encode(&packer, 0, (64, ImageCodec::Png));
+    assert!(!has(&required(&[png]), "EXT_texture_avif"));
+}
+
+#[cfg(feature = "webp")]
+#[test]
+fn smaller_images_are_near_the_own_ones() {
+    let mut count = 0;
+    for (path, _) in every_file() {
+        let packer = GltfPacker::open(GltfSource::File(&path), &Limits::default()).unwrap();
+        for number in 0..packer.image_count() {
+            let Some(image) = packer.image(number).filter(|image| image.side() <= 512) else { continue };
+            let encoded = |side: u32, codec| encode(&packer, number, (side, codec));
+            let side = image.side();
+            let own = image.bitmap();
+            let losses = [
+                (ImageCodec::WebP, 0.002),
+                (ImageCodec::LossyWebP(97), 0.25),
+                (ImageCodec::Jpeg(97), 0.25),
+                (ImageCodec::Ktx2(0), 0.25),
+            ];
+            for (codec, most) in losses.into_iter().filter(|(codec, _)| image.fits(*codec, side)) {
+                let error = difference(own, &encoded(side, codec));
+                // 16 bits per channel are rounded to 8.
+                assert!(error < most, "{}, image {number}, {codec}: {error}", path.display());
+            }
+            let of_half = [ImageCodec::Ktx2(2), ImageCodec::Jpeg(97), ImageCodec::WebP];
+            let fitting = of_half.into_iter().find(|codec| image.fits(*codec, side.div_ceil(2))).unwrap();
+            let half = encoded(side.div_ceil(2), fitting);
+            assert_eq!(half.side, side.div_ceil(2));
+            let (bytes, loaded) = packed(&packer, PackedGeometry::default(), &[half]);
+            assert!(loaded.scene.textures().len() == packer_textures(&path) && !bytes.is_empty());
+            count += 1;
+        }
+    }
+    assert!(count > 10 || common::data_folder(FOLDERS[0]).is_none(), "{count}");
+}
+
+/// Encodes an image with `side` texels along its longer side.
+#[cfg(feature = "webp")]
+fn encode(packer: &GltfPacker, number: usize, (side, codec): (u32, ImageCodec)) -> PackedImage {
+    let bytes = packer.image(number).unwrap().encoded(side, codec).unwrap();
+    PackedImage { number, side, bytes: Arc::new(bytes) }
+}
+
+/// Returns the root mean square difference of texels, [0, 1].
+#[cfg(feature = "webp")]
+fn difference(own: &Bitmap, packed: &PackedImage) -> f32 {
+    let other = decode_bitmap(&packed.bytes, "a packed image", std::path::Path::new("")).unwrap();
+    let count = own.texels().len();
+    let squared = |i: usize| {
+        let [a, b] = [own.stored(i), other.stored(i)];
+        (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum::<f32>() / 3.0
+    };
+    ((0..count).map(squared).sum::<f32>() / count as f32).sqrt()
+}
+
+#[cfg(feature = "webp")]
+fn packer_textures(path: &std::path::Path) -> usize {
+    load_model(path).unwrap().scene.textures().len()
+}
+
+/// Valid files stay valid.
+#[cfg(feature = "webp")]
+#[test]
+fn packed_files_are_valid() {
+    use crate::validator::assert_valid;
+    let folder = tempfile::tempdir().unwrap();
+    for path in files::data_files(FOLDERS[0], &["gltf", "glb"]) {
+        let sound = std::panic::catch_unwind(|| assert_valid(&path));
+        let Ok(Some(known)) = sound else { continue };
+        let packer = GltfPacker::open(GltfSource::File(&path), &Limits::default()).unwrap();
+        let codecs = [ImageCodec::Jpeg(75), ImageCodec::LossyWebP(75), ImageCodec::Ktx2(2)];
+        let of = |number: usize| {
+            let image = packer.image(number)?;
+            let mut by_turns = codecs.into_iter().cycle().skip(number % codecs.len());
+            let codec = by_turns.find(|codec| image.fits(*codec, 256)).unwrap();
+            Some(encode(&packer, number, (256, codec)))
+        };
+        let images: Vec<PackedImage> = (0..packer.image_count()).filter_map(of).collect();
+        let out = folder.path().join("m.glb");
+        std::fs::write(&out, packer.encode(PackedGeometry::default(), &images).unwrap()).unwrap();
+        let infos = assert_valid(&out).unwrap_or_default();
+        let code = |info: &String| info.split(' ').next().unwrap_or_default().to_owned();
+        let known: Vec<String> = known.iter().map(code).collect();
+        let of_packing = ["UNSUPPORTED_EXTENSION", "UNUSED_OBJECT"];
+        let new = infos
+            .iter()
+            .filter(|info| !known.contains(&code(info)) && !of_packing.contains(&code(info).as_str()));
+        let new: Vec<&String> = new.collect();
+        assert!(new.is_empty(), "{}: {new:#?}", path.display());
+    }
+}

@@ -1,0 +1,16 @@
+//! The bake itself: its plan, the memory that it needs, the faults that it finds, and the asset with its maps.
+
+mod asset;
+pub(super) mod judgement;
+mod maps;
+mod memory;
+mod plan;
+
+pub use asset::{Asset, Trial};
+pub(super) use asset::{Coarser, LevelLook, Made, MadeAsset, Part, Rounding};
+pub(super) use judgement::{INSIDE_OUT, refuse_astray, useless_map};
+pub use maps::{MapPresence, Misses, Range, SeparateMap, Textures};
+pub(super) use maps::{Recipe, StoredMaps, assign_object_map, bake_maps, labeled};
+pub use memory::MemoryEstimate;
+pub use plan::DroppedProperty;
+pub(super) use plan::{BakePlan, chosen_side, side_shortfall};

@@ -1,0 +1,266 @@
+//! Every parameter and every figure of a bake, as data.
+
+use super::certificate::Certificate;
+use super::figures::Figures;
+use super::findings::unproved_maps;
+use super::outcome::RequirementOutcome;
+use super::verification::{FLOOR_8_BIT, Proof};
+use crate::asset::ask::MeshSource;
+use crate::asset::bake::{DroppedProperty, Trial};
+use crate::asset::source::{Origin, Scan};
+use crate::asset::write::{MapNote, Parameters, WrittenAsset, maps_alone, name_of};
+use std::path::{Path, PathBuf};
+use taotie_engine::bake::MapKind;
+use taotie_engine::error::{Result, Warnings};
+use taotie_io::CodecKind;
+
+/// The version of the report's layout.
+const SCHEMA: u32 = 6;
+
+/// The complete report of a bake. The caller fills in what it knows, such as figures and times.
+///
+/// ```
+/// use taotie_engine::Result;
+/// use taotie::asset::{Certificate, Proof, Report, Signature, VerifyOptions, WrittenAsset};
+///
+/// /// Collects all that is known about an asset.
+/// fn report(written: &WrittenAsset, proof: &Proof, wanted: &VerifyOptions) -> Result<Report> {
+///     let mut report = Report::of(written)?;
+///     report.proof = Some(proof.figures.clone());
+///     report.certificate = Some(Certificate::of_written(written, &proof.figures, wanted, &Signature::default())?);
+///     Ok(report)
+/// }
+/// ```
+#[derive(Debug, Clone, serde::Serialize)]
+#[non_exhaustive]
+pub struct Report {
+    /// The version of this layout.
+    pub schema: u32,
+    /// The kind of this report.
+    pub kind: &'static str,
+    /// The version of the program.
+    pub version: &'static str,
+    /// The statement that opens the page; `None` if nothing was measured.
+    pub certificate: Option<Certificate>,
+    /// The name of the scan's file, without folders.
+    pub high: String,
+    /// The SHA-256 of its bytes.
+    pub high_sha256: String,
+    /// Its triangles.
+    pub high_triangles: usize,
+    /// The name of the low-poly mesh's file; `None` if the mesh was generated.
+    pub low: Option<String>,
+    /// The origin of the low-poly mesh.
+    pub origin: Origin,
+    /// Triangles of each level of detail, the finest first.
+    pub triangles: Vec<usize>,
+    /// Texels across and down; 0 if the asset was not baked here.
+    pub size: [u32; 2],
+    /// All other options; `None` if the asset was not baked here.
+    pub parameters: Option<Parameters>,
+    /// The written files; JSON has their names without folders.
+    #[serde(serialize_with = "crate::asset::write::without_folders::list")]
+    pub files: Vec<PathBuf>,
+    /// The kind and location of each map.
+    pub maps: Vec<MapNote>,
+    /// The properties of the scan's material that the asset has, in words.
+    pub carried: Vec<String>,
+    /// The properties that it does not have.
+    pub left: Vec<DroppedProperty>,
+    /// The measured figures, which a proof of the same files reproduces; `None` if nothing was measured.
+    pub proof: Option<Figures>,
+    /// The outcomes of the bake's rays, which only the bake knows; `None` if the asset was not baked here.
+    pub bake: Option<BakeFigures>,
+    /// The candidates of a search, if an error was requested.
+    pub trials: Vec<Trial>,
+    /// The duration of each stage.
+    pub stages: Vec<StageTime>,
+    /// Problems and corrections.
+    pub warnings: Vec<Warning>,
+}
+
+/// Facts about an asset that only the bake knows, and no proof can recompute.
+///
+/// ```
+/// use taotie::asset::Report;
+///
+/// /// Returns the fraction of the map that is wasted.
+/// fn wasted(report: &Report) -> f64 {
+///     report.bake.as_ref().map_or(0.0, |bake| 1.0 - bake.uv_use)
+/// }
+/// ```
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
+pub struct BakeFigures {
+    /// The share of the texels with a projection ray that missed the scan, [0, 1].
+    pub missed_texels: f64,
+    /// The share of the samples that missed and used the closest point.
+    pub missed_samples: f64,
+    /// The share of the samples for which that failed too.
+    pub lost_samples: f64,
+    /// The share of the map that UV islands cover.
+    pub uv_use: f64,
+    /// The mean and maximum angle lost to 8 bits, degrees; `None` if no normals are stored that way.
+    pub floor_8_bit: Option<[f64; 2]>,
+    /// Maps next to the asset that are not compared with anything.
+    pub unproved_maps: Vec<String>,
+}
+
+impl BakeFigures {
+    fn of(written: &WrittenAsset) -> Self {
+        let asset = written.asset();
+        let (counts, made) = (asset.counts(), &asset.made);
+        let share = |of: usize, all: usize| of as f64 / all.max(1) as f64;
+        let texels = made.size.map(|side| side as usize).iter().product::<usize>() * made.parts.len();
+        let maps: Vec<MapKind> = written.maps().iter().map(|note| note.map).collect();
+        Self {
+            missed_texels: share(counts.missed_texels, counts.texels),
+            missed_samples: share(counts.missed, counts.samples),
+            lost_samples: share(counts.lost, counts.samples),
+            uv_use: share(counts.texels, texels),
+            floor_8_bit: stores_8_bits(written).then_some(FLOOR_8_BIT),
+            unproved_maps: unproved_maps(&maps),
+        }
+    }
+}
+
+/// Returns `true` if the file stores normals in 8 bits. KTX2 packs them smaller still, and WebP has no more.
+fn stores_8_bits(written: &WrittenAsset) -> bool {
+    let Some(note) = written.maps().into_iter().find(|note| note.map == MapKind::Normal) else {
+        return false;
+    };
+    match (note.file.is_some(), written.packing.images.normals.kind()) {
+        (false, CodecKind::Ktx2) => false,
+        (false, CodecKind::WebP | CodecKind::Jpeg | CodecKind::Avif) => true,
+        _ => note.bits == 8,
+    }
+}
+
+/// A completed stage and its duration.
+///
+/// ```
+/// use taotie::asset::StageTime;
+///
+/// let stages = [("bake", 1500.0), ("store", 250.0)];
+/// let stages = stages.map(|(stage, milliseconds)| StageTime { stage, milliseconds });
+/// assert_eq!(stages.iter().map(|stage| stage.milliseconds).sum::<f64>(), 1750.0);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct StageTime {
+    /// The stage's name.
+    pub stage: &'static str,
+    /// Its duration.
+    pub milliseconds: f64,
+}
+
+/// A kind of warning and its count.
+///
+/// ```
+/// use taotie_engine::Warnings;
+/// use taotie::asset::Warning;
+///
+/// let mut warnings = Warnings::default();
+/// warnings.note("open edges", 3);
+/// let listed = Warning::list(&warnings);
+/// assert_eq!((listed[0].count, listed[0].what.as_str()), (3, "open edges"));
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
+pub struct Warning {
+    /// The number of occurrences.
+    pub count: usize,
+    /// The warning.
+    pub what: String,
+}
+
+impl Warning {
+    /// Lists warnings in order of first occurrence.
+    pub fn list(warnings: &Warnings) -> Vec<Self> {
+        warnings.iter().map(|(what, count)| Self { count, what: what.to_owned() }).collect()
+    }
+}
+
+impl Report {
+    /// Describes a written asset before its proof.
+    ///
+    /// # Errors
+    /// [`Error::Io`](taotie_engine::Error::Io) if the scan's file can no longer be read for its hash.
+    pub fn of(written: &WrittenAsset) -> Result<Self> {
+        let asset = written.asset();
+        let made = &asset.made;
+        let warnings = [&made.warnings, &written.warnings].map(Warning::list).concat();
+        Ok(Self {
+            schema: SCHEMA,
+            kind: "taotie bake",
+            version: env!("CARGO_PKG_VERSION"),
+            certificate: None,
+            high: name_of(&made.about.path),
+            high_sha256: made.about.sha256()?,
+            high_triangles: made.about.size.triangles as usize,
+            low: made.options.low.as_ref().and_then(MeshSource::name),
+            origin: asset.origin().clone(),
+            triangles: asset.levels().map(|mesh| mesh.triangles().len()).collect(),
+            size: made.size,
+            parameters: Some(Parameters::new(&made.options, &made.about.options, &written.packing)),
+            files: written.files.clone(),
+            maps: written.maps(),
+            carried: carried(written),
+            left: made.left.clone(),
+            proof: None,
+            bake: Some(BakeFigures::of(written)),
+            trials: made.trials.clone(),
+            stages: Vec::new(),
+            warnings,
+        })
+    }
+
+    /// Describes the proof of an asset made by any program.
+    ///
+    /// # Errors
+    /// [`Error::Io`](taotie_engine::Error::Io) if the scan's file cannot be read for its hash.
+    pub fn of_proof(asset: &Path, scan: &Scan, proof: &Proof) -> Result<Self> {
+        Ok(Self {
+            schema: SCHEMA,
+            kind: "taotie verify",
+            version: env!("CARGO_PKG_VERSION"),
+            certificate: None,
+            high: name_of(scan.path()),
+            high_sha256: scan.sha256()?,
+            high_triangles: scan.about.size.triangles as usize,
+            low: Some(name_of(asset)),
+            origin: Origin::default(),
+            triangles: proof.figures.levels.iter().map(|level| level.triangles).collect(),
+            size: [0; 2],
+            parameters: None,
+            files: Vec::new(),
+            maps: Vec::new(),
+            carried: Vec::new(),
+            left: Vec::new(),
+            proof: Some(proof.figures.clone()),
+            bake: None,
+            trials: Vec::new(),
+            stages: Vec::new(),
+            warnings: Warning::list(&proof.warnings),
+        })
+    }
+
+    /// Returns the requirements and their outcomes.
+    pub fn required(&self) -> &[RequirementOutcome] {
+        self.certificate.as_ref().map_or(&[], |certificate| &certificate.required)
+    }
+
+    /// Returns `true` if all requirements are met.
+    pub fn is_met(&self) -> bool {
+        self.required().iter().all(|met| met.met)
+    }
+}
+
+/// Returns the properties of the scan's material that the files store.
+fn carried(written: &WrittenAsset) -> Vec<String> {
+    let made = &written.asset().made;
+    let all: Vec<_> = match written.is_alone() {
+        true => maps_alone::carried(made).collect(),
+        false => made.carried.clone(),
+    };
+    all.iter().map(|property| property.name().to_owned()).collect()
+}

@@ -1,0 +1,403 @@
+//! How a scan is read where its file is ambiguous or faulty: the options, and the corrections of winding, normals and
+//! green.
+
+use super::extent::{Extent, Spot, Whole};
+use crate::inspection::Pixels;
+use std::collections::BTreeMap;
+use taotie_engine::error::{Error, Result, Warnings};
+use taotie_engine::length::Unit;
+use taotie_engine::math::{Mat4, Vec3, scalar};
+use taotie_engine::mesh::{Mesh, MeshData, with_flat_normals};
+use taotie_engine::names::Named;
+use taotie_engine::parallel;
+use taotie_engine::scene::{GreenChannel, NormalMap, NormalSpace, Scene, SceneData};
+use taotie_engine::surface::{
+    Bends, GreenVerdict, MODELLED_CREASE_DEG, Opposed, facet_normal, looks_scanned,
+};
+
+/// How a scan is read if its file is ambiguous. Built by `Default` and struct update.
+///
+/// ```no_run
+/// use taotie_engine::Progress;
+/// use taotie::asset::{Limits, ScanFile, ScanOptions};
+///
+/// let options = ScanOptions { crease_angle_deg: Some(40.0), ..ScanOptions::default() };
+/// let file = ScanFile::read("bracket.stl", &Limits::default(), Progress::SILENT)?;
+/// let scan = file.with_options(options).into_scan(Progress::SILENT)?;
+/// # Ok::<(), taotie_engine::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct ScanOptions {
+    /// The angle between facets above which an edge is hard, degrees, [0, 180]: 0 keeps all facets flat, 180 smooths
+    /// everything. It applies to meshes without normals, or with one per facet. `None` smooths scans and keeps the
+    /// hard edges of modelled shapes.
+    pub crease_angle_deg: Option<f64>,
+    /// The direction of green in the scan's tangent-space normal maps; `None` trusts the file unless the pixels
+    /// contradict it.
+    pub green: Option<GreenChannel>,
+    /// The unit of the scan's coordinates; `None` is the metre for glTF, as its specification requires, and an
+    /// unknown unit for other formats.
+    pub unit: Option<Unit>,
+}
+
+impl ScanOptions {
+    /// Returns these options, with unset ones taken from `others`.
+    ///
+    /// ```
+    /// use taotie::asset::ScanOptions;
+    /// use taotie_engine::length::Unit;
+    ///
+    /// let recorded = ScanOptions { crease_angle_deg: Some(40.0), unit: Some(Unit::Inch), ..ScanOptions::default() };
+    /// let given = ScanOptions { unit: Some(Unit::Millimetre), ..ScanOptions::default() };
+    /// let both = given.or(recorded);
+    /// assert_eq!((both.crease_angle_deg, both.unit), (Some(40.0), Some(Unit::Millimetre)));
+    /// ```
+    #[must_use]
+    pub fn or(self, others: Self) -> Self {
+        Self {
+            crease_angle_deg: self.crease_angle_deg.or(others.crease_angle_deg),
+            green: self.green.or(others.green),
+            unit: self.unit.or(others.unit),
+        }
+    }
+
+    /// Checks the options.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a crease angle outside [0, 180].
+    pub fn check(&self) -> Result<()> {
+        match self.crease_angle_deg {
+            Some(angle) if !(0.0..=180.0).contains(&angle) => {
+                let why = "it must be between 0 and 180 degrees: 0 keeps all facets, 180 smooths everything";
+                Err(Error::invalid(format!("crease angle {angle}"), why))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns the command-line arguments for all options that differ from the defaults.
+    pub(in crate::asset) fn arguments(&self) -> Vec<String> {
+        let crease_angle = self.crease_angle_deg.map(|angle| ("--crease-angle", angle.to_string()));
+        let green = self.green.map(|green| ("--scan-green", green.name().to_owned()));
+        let unit = self.unit.map(|unit| ("--unit", unit.name().to_owned()));
+        let all = [crease_angle, green, unit].into_iter().flatten();
+        all.flat_map(|(name, value)| [name.to_owned(), value]).collect()
+    }
+}
+
+/// The share of the surface above which normals contradicting the geometry cause a warning.
+const CONTRADICTED: f64 = 0.005;
+
+/// Triangles in several meshes, as spots.
+#[derive(Default)]
+struct Found {
+    triangles: usize,
+    spots: Vec<Spot>,
+    /// The unit of their coordinates.
+    unit: Option<Unit>,
+}
+
+/// Flips triangles that are wound opposite to the surface around them, and notes where. Triangles whose correct
+/// orientation is unclear are noted and left unchanged.
+///
+/// # Errors
+/// None for meshes that were checked.
+pub(super) fn turn_triangles(
+    parts: &mut SceneData,
+    unit: Option<Unit>,
+    warnings: &mut Warnings,
+) -> Result<()> {
+    let (mut turned, mut doubtful) = (Found::with(unit), Found::with(unit));
+    for i in 0..parts.meshes.len() {
+        let opposed = Opposed::of(&parts.meshes[i]);
+        turned.add(parts, i, &opposed.reversed);
+        doubtful.add(parts, i, &opposed.doubtful);
+        if !opposed.reversed.is_empty() {
+            parts.meshes[i] = with_turned(std::mem::take(&mut parts.meshes[i]), &opposed.reversed)?;
+        }
+    }
+    let text = |count, extent| {
+        format!(
+            "reversed winding of some triangles of the scan, flipped to match neighbours: {count} triangles, {extent}"
+        )
+    };
+    turned.note(parts, text, warnings);
+    let text = |count, extent| {
+        format!(
+            "parts of the scan face opposite ways, and it is unclear which is right: {count} triangles, {extent}; make \
+             their winding consistent in a modelling program"
+        )
+    };
+    doubtful.note(parts, text, warnings);
+    Ok(())
+}
+
+/// Notes normals of the scan that point to the opposite side of their triangles.
+pub(super) fn note_contradicting_normals(parts: &SceneData, unit: Option<Unit>, warnings: &mut Warnings) {
+    let mut found = Found::with(unit);
+    for (i, mesh) in parts.meshes.iter().enumerate().filter(|(_, mesh)| !mesh.normals().is_empty()) {
+        let turned: Vec<u32> = turned(mesh).into_iter().map(|t| t as u32).collect();
+        found.add(parts, i, &turned);
+    }
+    let Some(extent) = found.extent(parts).filter(|extent| extent.share > CONTRADICTED) else { return };
+    let advice = match extent.share > 0.5 {
+        true => "the scan is inside out, or its normals are: reverse one of them",
+        false => "recompute its normals in a modelling program, or export it without",
+    };
+    let text = format!("normals of the scan contradict its triangles, by more than 90°: {extent}; {advice}");
+    warnings.note(text, 1);
+}
+
+/// Returns the triangles that face away from the mean of their corners' normals.
+pub(in crate::asset) fn turned(mesh: &Mesh) -> Vec<usize> {
+    parallel::filter(mesh.triangles().len(), |t| {
+        let [a, b, c] = mesh.triangles()[t].map(|v| mesh.normals()[v as usize]);
+        let [p, q, r] = mesh.corners(t).map(Vec3::to_f64);
+        (q - p).cross(r - p).dot((a + b + c).to_f64()) < 0.0
+    })
+}
+
+impl Found {
+    fn with(unit: Option<Unit>) -> Self {
+        Self { unit, ..Self::default() }
+    }
+
+    fn add(&mut self, parts: &SceneData, mesh: usize, triangles: &[u32]) {
+        for m in if triangles.is_empty() { Vec::new() } else { placements(parts, mesh) } {
+            self.triangles += triangles.len();
+            let spot = |t: &u32| Spot::of_triangle(&parts.meshes[mesh], *t as usize, &m);
+            self.spots.extend(triangles.iter().map(spot));
+        }
+    }
+
+    fn extent(&self, parts: &SceneData) -> Option<Extent> {
+        if self.spots.is_empty() { None } else { Extent::of(&self.spots, Whole::of(parts, self.unit)) }
+    }
+
+    fn note(&self, parts: &SceneData, text: impl Fn(usize, Extent) -> String, warnings: &mut Warnings) {
+        if let Some(extent) = self.extent(parts) {
+            warnings.note(text(self.triangles, extent), 1);
+        }
+    }
+}
+
+/// Returns a mesh with some of its triangles flipped. Normals that only they use and that would then contradict them
+/// are negated too, along with the handedness of their tangents.
+fn with_turned(mesh: Mesh, triangles: &[u32]) -> Result<Mesh> {
+    let mut is_shared = vec![true; mesh.positions().len()];
+    let mut data = mesh.into_data();
+    for t in triangles {
+        data.triangles[*t as usize].iter().for_each(|v| is_shared[*v as usize] = false);
+        data.triangles[*t as usize].swap(1, 2);
+    }
+    let mut is_turned = vec![false; data.triangles.len()];
+    triangles.iter().for_each(|t| is_turned[*t as usize] = true);
+    let staying = data.triangles.iter().zip(&is_turned).filter(|(_, is_turned)| !**is_turned);
+    staying.flat_map(|(triangle, _)| triangle).for_each(|v| is_shared[*v as usize] = true);
+    for t in triangles {
+        let corners = data.triangles[*t as usize];
+        let facet = facet_normal(corners.map(|v| data.positions[v as usize]));
+        for v in corners.map(|v| v as usize).into_iter().filter(|v| !is_shared[*v]) {
+            let Some(normal) = data.normals.get_mut(v) else { break };
+            if facet.is_some_and(|facet| facet.dot(*normal) < 0.0) {
+                *normal = -*normal;
+                if let Some(tangent) = data.tangents.get_mut(v) {
+                    tangent[3] = -tangent[3];
+                }
+            }
+        }
+    }
+    Mesh::new(data)
+}
+
+/// The changes made to the meshes of a scan.
+#[derive(Default)]
+struct Outcome {
+    /// Meshes that had one normal per facet and are now smooth everywhere.
+    smoothed: usize,
+    /// Meshes to which the crease angle applied.
+    affected: usize,
+    /// The number of hard edges.
+    hard: usize,
+    /// The midpoints of the hard edges, by length.
+    spots: Vec<Spot>,
+    /// The length of all edges of the meshes that have hard ones.
+    length: f64,
+}
+
+/// Computes normals of meshes that have none or one per facet, wherever they split at hard edges; elsewhere they are
+/// removed, so that smooth ones are computed. Meshes with a tangent-space normal map keep theirs: the map is relative
+/// to them. All changes are noted.
+///
+/// # Errors
+/// Those of [`ScanOptions::check`].
+pub(super) fn compute_normals(
+    parts: &mut SceneData,
+    options: &ScanOptions,
+    warnings: &mut Warnings,
+) -> Result<()> {
+    options.check()?;
+    let is_mapped = mapped(parts);
+    let mut outcome = Outcome::default();
+    for (i, is_mapped) in is_mapped.into_iter().enumerate() {
+        let mesh = &parts.meshes[i];
+        let has_facets = is_faceted(mesh);
+        if mesh.triangles().is_empty() || is_mapped || !(mesh.normals().is_empty() || has_facets) {
+            continue;
+        }
+        outcome.affected += 1;
+        let placed = placements(parts, i);
+        let mesh = std::mem::take(&mut parts.meshes[i]);
+        parts.meshes[i] = match options.crease_angle_deg {
+            Some(angle) if angle <= 0.0 && has_facets => mesh,
+            Some(angle) if angle <= 0.0 => Mesh::new(with_flat_normals(&mesh.into_data()))?,
+            _ => outcome.with_normals(mesh, &placed, options)?,
+        };
+        outcome.smoothed += usize::from(has_facets && parts.meshes[i].normals().is_empty());
+    }
+    outcome.note(options, parts, warnings);
+    Ok(())
+}
+
+/// Returns the transform of each instance of a mesh.
+fn placements(parts: &SceneData, mesh: usize) -> Vec<Mat4> {
+    let shown = parts.instances.iter().filter(|instance| instance.mesh == mesh);
+    shown.map(|instance| instance.world_from_object).collect()
+}
+
+/// Returns for each mesh whether it has a tangent-space normal map.
+fn mapped(parts: &SceneData) -> Vec<bool> {
+    let mut is_mapped = vec![false; parts.meshes.len()];
+    for instance in &parts.instances {
+        let normal = parts.materials[instance.material].normal;
+        is_mapped[instance.mesh] |= normal.is_some_and(|map| map.space == NormalSpace::Tangent);
+    }
+    is_mapped
+}
+
+impl Outcome {
+    /// Returns a mesh with normals split at its hard edges; without normals if it has none.
+    fn with_normals(&mut self, mesh: Mesh, placed: &[Mat4], options: &ScanOptions) -> Result<Mesh> {
+        let smooth = |mesh: Mesh| {
+            Mesh::new(MeshData { normals: Vec::new(), tangents: Vec::new(), ..mesh.into_data() })
+        };
+        if options.crease_angle_deg.is_none() && looks_scanned(&mesh)? {
+            return smooth(mesh);
+        }
+        let bends = Bends::of(&mesh);
+        let crease = options.crease_angle_deg.unwrap_or(MODELLED_CREASE_DEG).to_radians();
+        let hard = match options.crease_angle_deg {
+            Some(_) => bends.sharper_than(crease),
+            None => bends.modelled(),
+        };
+        if hard.is_empty() {
+            return smooth(mesh);
+        }
+        let total = bends.total_length();
+        for m in placed {
+            let scale = scalar::cbrt(m.determinant3().abs());
+            self.length += scale * total;
+            self.hard += hard.len();
+            self.spots.extend(hard.iter().map(|edge| {
+                let [a, b] = bends.ends(*edge);
+                Spot { at: m.transform_point((a + b) * 0.5), amount: scale * bends.length(*edge) }
+            }));
+        }
+        bends.split_at(&hard, crease)
+    }
+
+    fn note(&self, options: &ScanOptions, parts: &SceneData, warnings: &mut Warnings) {
+        if options.crease_angle_deg.is_some() && self.affected == 0 {
+            warnings.note("the crease angle has no effect: the scan has its own normals, which are kept", 1);
+        }
+        let smoothed =
+            "flat-shaded scan: smooth normals computed; a crease angle keeps edges hard, 0 all facets";
+        warnings.note(smoothed, self.smoothed);
+        if self.spots.is_empty() {
+            return;
+        }
+        let whole = Whole { amount: self.length, ..Whole::of(parts, options.unit) };
+        let Some(extent) = Extent::of(&self.spots, whole) else { return };
+        let crease = options.crease_angle_deg.unwrap_or(MODELLED_CREASE_DEG);
+        let advice = match options.crease_angle_deg {
+            Some(_) => "",
+            None => "; set a crease angle of 180 to smooth all of them, or 0 to keep all facets",
+        };
+        let text = format!(
+            "scan without smooth normals: smoothed below {crease}°, {} hard edges kept ({} of the length of its edges, most \
+             of it around {}){advice}",
+            self.hard,
+            extent.percent(),
+            extent.place()
+        );
+        warnings.note(text, 1);
+    }
+}
+
+/// Returns the maximum number of vertices that computing normals may add to a scene as read, over all instances.
+pub(super) fn added_vertices(scene: &Scene, options: &ScanOptions) -> u64 {
+    /// The crease angle below which most vertices of a scan are split, degrees.
+    const SPLITTING: f64 = 20.0;
+    if options.crease_angle_deg.is_none_or(|angle| angle > SPLITTING) {
+        return 0;
+    }
+    let added = |mesh: &Mesh| (3 * mesh.triangles().len()).saturating_sub(mesh.positions().len()) as u64;
+    let meshes = scene.instances().iter().map(|instance| &scene.meshes()[instance.mesh]);
+    meshes.filter(|mesh| mesh.normals().is_empty()).map(added).sum()
+}
+
+/// Returns `true` if the triangles of a mesh share nothing and each has one normal.
+fn is_faceted(mesh: &Mesh) -> bool {
+    let is_alone = |(t, triangle): (usize, &[u32; 3])| *triangle == [0, 1, 2].map(|i| 3 * t as u32 + i);
+    let is_flat = |normals: &[Vec3]| normals[0] == normals[1] && normals[1] == normals[2];
+    !mesh.normals().is_empty()
+        && mesh.triangles().iter().enumerate().all(is_alone)
+        && mesh.normals().chunks_exact(3).all(is_flat)
+}
+
+/// Sets the direction of green of all tangent-space normal maps that the scan uses. Without a choice by the caller,
+/// maps whose pixels show that green points down are read as such, and noted.
+pub(super) fn set_green(parts: &mut SceneData, options: &ScanOptions, warnings: &mut Warnings) {
+    let mut is_used = vec![false; parts.materials.len()];
+    parts.instances.iter().for_each(|instance| is_used[instance.material] = true);
+    let mut down: BTreeMap<usize, Option<f32>> = BTreeMap::new();
+    let mut has_maps = false;
+    let textures = &parts.textures;
+    for (material, _) in parts.materials.iter_mut().zip(is_used).filter(|(_, is_used)| *is_used) {
+        let is_tangent = |map: &&mut NormalMap| map.space == NormalSpace::Tangent;
+        let Some(map) = material.normal.as_mut().filter(is_tangent) else { continue };
+        has_maps = true;
+        if let Some(green) = options.green {
+            map.green = green;
+            continue;
+        }
+        if map.green == GreenChannel::Down {
+            continue;
+        }
+        let texture = map.texture.texture;
+        let confidence = *down.entry(texture).or_insert_with(|| {
+            let pixels = Pixels::of(textures[texture].bitmap());
+            let is_down = pixels.green_by_pixels == Some(GreenVerdict::Down);
+            pixels.green_confidence.filter(|_| is_down)
+        });
+        if let Some(confidence) = confidence {
+            map.green = GreenChannel::Down;
+            let name = if material.name.is_empty() { "a material without a name" } else { &material.name };
+            let text = format!(
+                "normal map of the scan with green pointing down (DirectX), {}; read as such: {name}; set the direction of \
+                 green to up if it bakes inverted relief",
+                surely(confidence)
+            );
+            warnings.note(text, 1);
+        }
+    }
+    if options.green.is_some() && !has_maps {
+        warnings.note("the direction of green has no effect: the scan has no tangent-space normal map", 1);
+    }
+}
+
+/// Returns a confidence in words; it is never certain.
+fn surely(confidence: f32) -> String {
+    format!("{:.1} % sure from its pixels", (100.0 * f64::from(confidence)).min(99.9))
+}

@@ -1,0 +1,343 @@
+//! The inputs of a bake besides the scan, read before the work begins: the given low-poly mesh, with the kept parts
+//! of its material, and the cage.
+
+use super::low_file::{self, Document, Read, shown_materials};
+use super::low_material::{LowLook, Stripped, note_samplers};
+use super::low_poly::{CageMesh, KeptMaterial, KeptTextures, LowPoly, Origin, Rays, framed, unwrapped};
+use super::scan::Scan;
+use crate::asset::ask::{BakeOptions, MeshSource, NEEDS_UVS, RayDistance, SQUARE};
+use std::path::PathBuf;
+use taotie_engine::bake::{self, MapKind};
+use taotie_engine::error::{Error, Result, Warnings};
+use taotie_engine::mesh::{Mesh, MeshData};
+use taotie_engine::progress::Progress;
+use taotie_engine::scene::{AlphaMode, Instance, Material, Scene};
+
+/// The inputs of a bake besides the scan.
+pub(in crate::asset) struct Inputs {
+    /// The given low-poly mesh; `None` if it is generated.
+    pub given: Option<GivenMesh>,
+    pub rays: Rays,
+    /// The files that they were read from.
+    pub files: Vec<PathBuf>,
+    /// The warnings about these files.
+    pub warnings: Warnings,
+}
+
+/// Reads meshes for a scan and collects their files and warnings.
+struct Reader<'a> {
+    scan: &'a Scan,
+    files: Vec<PathBuf>,
+    warnings: Warnings,
+}
+
+impl Inputs {
+    /// Reads the inputs that the options name, for a scan.
+    ///
+    /// # Errors
+    /// Those of [`GivenMesh::of`], and of reading.
+    pub fn read(options: &BakeOptions, scan: &Scan, progress: Progress<'_>) -> Result<Self> {
+        let mut reader = Reader { scan, files: Vec::new(), warnings: Warnings::default() };
+        let given = match &options.low {
+            Some(source) => {
+                let reading = progress.begin("read the low-poly mesh")?;
+                let read = reader.read(source)?;
+                let given = GivenMesh::of(options, source, read, &mut reader.warnings)?;
+                reading.at(1.0)?;
+                Some(given)
+            }
+            None => None,
+        };
+        let rays = reader.rays(&options.ray_distance)?;
+        if let (Some(given), Rays::Cage(cage)) = (&given, &rays) {
+            cage.check(given.triangle_count())?;
+        }
+        let Reader { files, warnings, .. } = reader;
+        Ok(Self { given, rays, files, warnings })
+    }
+}
+
+impl Reader<'_> {
+    fn read(&mut self, source: &MeshSource) -> Result<Read> {
+        let mut read = low_file::read(source, self.scan, &mut self.warnings)?;
+        self.files.append(&mut read.files);
+        Ok(read)
+    }
+
+    fn rays(&mut self, distance: &RayDistance) -> Result<Rays> {
+        Ok(match distance {
+            RayDistance::Auto => Rays::Auto,
+            RayDistance::Uniform(distance) => Rays::Uniform(*distance),
+            RayDistance::Cage(source) => {
+                let mesh = bake::low_poly_mesh(self.read(source)?.scene)?;
+                Rays::Cage(CageMesh { mesh, source: source.clone() })
+            }
+        })
+    }
+}
+
+/// A low-poly mesh as stored in its file.
+pub(in crate::asset) struct GivenMesh {
+    scene: Scene,
+    /// One for each material that is kept, at least one.
+    parts: Vec<GivenPart>,
+    document: Option<Document>,
+}
+
+/// The triangles of a low-poly mesh with one material.
+struct GivenPart {
+    /// The material, without what cannot be kept.
+    material: Material,
+    stripped: Stripped,
+    /// The material of the kept file; `None` if all triangles use the first.
+    own: Option<KeptMaterial>,
+}
+
+/// The parts of a given mesh that go into the asset.
+pub(in crate::asset) struct Taken {
+    pub mesh: Mesh,
+    pub material: Material,
+    pub kept: KeptTextures,
+    pub own: Option<KeptMaterial>,
+}
+
+impl GivenMesh {
+    /// Takes a mesh that was read, in its rest pose.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for parts of it that the asset could not keep; those of
+    /// rewriting it.
+    fn of(
+        options: &BakeOptions,
+        source: &MeshSource,
+        mut read: Read,
+        warnings: &mut Warnings,
+    ) -> Result<Self> {
+        let document = low_file::kept(source, &mut read, options, warnings)?;
+        match document {
+            Some(document) => Self::of_document(document, read.scene),
+            None => Ok(Self::of_one(read.scene, warnings)),
+        }
+    }
+
+    /// Merges all of a scene into one mesh with its first material.
+    fn of_one(scene: Scene, warnings: &mut Warnings) -> Self {
+        let used: Vec<usize> = scene.instances().iter().map(|instance| instance.material).collect();
+        if used.iter().any(|material| *material != used[0]) {
+            warnings.note("merged the materials of the low-poly mesh into the first", 1);
+        }
+        let mut material = used.first().and_then(|m| scene.materials().get(*m)).cloned().unwrap_or_default();
+        let stripped = Stripped::off(&mut material, &scene);
+        Self { scene, parts: vec![GivenPart { material, stripped, own: None }], document: None }
+    }
+
+    /// Takes the materials of a kept file.
+    fn of_document(document: Document, scene: Scene) -> Result<Self> {
+        let numbers = shown_materials(&scene);
+        let labels = low_file::labels(&scene, &numbers);
+        let mut triangles = low_file::triangles_by_material(&scene);
+        let part = |(number, label): (usize, String)| {
+            let material = scene.materials()[number].clone();
+            let triangles = triangles.remove(&number).unwrap_or_default();
+            let own = KeptMaterial { number, label, said: material.clone(), drops_colors: false, triangles };
+            GivenPart { material, stripped: Stripped::default(), own: Some(own) }
+        };
+        let parts: Vec<GivenPart> = labels.into_iter().map(part).collect();
+        let whole = match parts.len() {
+            1 => None,
+            _ => Some(bake::framed_low_poly_mesh(scene.clone())?),
+        };
+        Ok(Self { scene, parts, document: Some(Document { whole, ..document }) })
+    }
+
+    /// Returns the appearance of each material.
+    pub fn looks(&self) -> Vec<LowLook<'_>> {
+        let meshes = self.scene.meshes();
+        let shows = |part: &GivenPart, instance: &Instance| {
+            part.own.as_ref().is_none_or(|own| own.number == instance.material)
+        };
+        let has_colors = |part: &GivenPart| {
+            let mut own = self.scene.instances().iter().filter(|instance| shows(part, instance));
+            own.any(|instance| !meshes[instance.mesh].colors().is_empty())
+        };
+        let parts = self.parts.iter();
+        parts.map(|part| LowLook { material: &part.material, has_colors: has_colors(part) }).collect()
+    }
+
+    /// Returns the number of materials that get their own maps, at least 1.
+    pub fn material_count(&self) -> u64 {
+        self.parts.len() as u64
+    }
+
+    /// Returns the total number of triangles.
+    pub fn triangle_count(&self) -> usize {
+        let meshes = self.scene.meshes();
+        self.scene.instances().iter().map(|instance| meshes[instance.mesh].triangles().len()).sum()
+    }
+
+    /// Returns its materials, to be filled in.
+    pub fn materials_mut(&mut self) -> impl Iterator<Item = &mut Material> {
+        self.parts.iter_mut().map(|part| &mut part.material)
+    }
+
+    /// Takes the kept file.
+    pub fn take_document(&mut self) -> Option<Document> {
+        self.document.take()
+    }
+
+    /// Takes the kept contents of each part: one mesh in world space, and the material without what is replaced by
+    /// baked maps. That and what cannot be kept is noted.
+    ///
+    /// # Errors
+    /// Those of [`bake::low_poly_mesh`].
+    pub fn taken(self, options: &BakeOptions, warnings: &mut Warnings) -> Result<Vec<Taken>> {
+        let Self { scene, parts, .. } = self;
+        let mut scenes: Vec<Scene> = Vec::with_capacity(parts.len());
+        for part in &parts {
+            let mut own = scene.clone();
+            if let Some(kept) = &part.own {
+                own.edit(|scene| scene.instances.retain(|instance| instance.material == kept.number))?;
+            }
+            scenes.push(own);
+        }
+        // Lets a single mesh be taken without a copy.
+        drop(scene);
+        let taken = parts.into_iter().zip(scenes).map(|(part, scene)| part.taken(scene, options, warnings));
+        taken.collect()
+    }
+}
+
+impl GivenPart {
+    fn taken(self, scene: Scene, options: &BakeOptions, warnings: &mut Warnings) -> Result<Taken> {
+        let Self { mut material, stripped, own } = self;
+        if let Some(own) = own {
+            let kept = KeptTextures::beside_roughness(&mut material, &scene, options, warnings);
+            leave_alpha(&mut material, options, warnings);
+            let mesh = bake::framed_low_poly_mesh(scene)?;
+            let drops_colors = !mesh.colors().is_empty() && options.bakes(&[MapKind::Albedo]);
+            let mesh = uncolored(mesh, options, warnings)?;
+            return Ok(Taken { mesh, material, kept, own: Some(KeptMaterial { drops_colors, ..own }) });
+        }
+        let kept = KeptTextures::of(&material, &scene);
+        stripped.note(options, warnings);
+        note_samplers(&material, &scene, options, warnings);
+        leave_relief(&material, options, warnings);
+        leave_alpha(&mut material, options, warnings);
+        let mesh = uncolored(joined(scene, options)?, options, warnings)?;
+        Ok(Taken { mesh, material, kept, own: None })
+    }
+}
+
+/// Returns a whole scene as one mesh. Standalone maps are for the original file, so its meshes get the tangents that
+/// viewers compute for it; otherwise the mesh is rewritten with its own tangents.
+fn joined(scene: Scene, options: &BakeOptions) -> Result<Mesh> {
+    let has_uvs = |instance: &Instance| !scene.meshes()[instance.mesh].uvs().is_empty();
+    let is_for_file = options.keep_uvs && scene.instances().iter().all(has_uvs);
+    if is_for_file { bake::framed_low_poly_mesh(scene) } else { bake::low_poly_mesh(scene) }
+}
+
+/// Notes that the normal map, which is relative to other tangents, is dropped.
+fn leave_relief(material: &Material, options: &BakeOptions, warnings: &mut Warnings) {
+    let has_relief = material.normal.is_some() && !options.bakes(&[MapKind::Normal]);
+    warnings.note(
+        "the low-poly mesh's normal map is left out; bake normal to replace it",
+        usize::from(has_relief),
+    );
+}
+
+/// Drops alpha that is in a texture replaced by baked colours without alpha.
+fn leave_alpha(material: &mut Material, options: &BakeOptions, warnings: &mut Warnings) {
+    let is_textured = material.alpha != AlphaMode::Opaque && material.base_color_texture.is_some();
+    if is_textured && options.bakes(&[MapKind::Albedo]) && !options.bakes(&[MapKind::Alpha]) {
+        warnings.note("the low-poly mesh's alpha is left out: albedo is baked without it", 1);
+        material.alpha = AlphaMode::Opaque;
+    }
+}
+
+/// Drops vertex colours that would be multiplied with the baked ones.
+fn uncolored(mesh: Mesh, options: &BakeOptions, warnings: &mut Warnings) -> Result<Mesh> {
+    if mesh.colors().is_empty() || !options.bakes(&[MapKind::Albedo]) {
+        return Ok(mesh);
+    }
+    warnings.note("the low-poly mesh's vertex colours are left out: baked albedo replaces them", 1);
+    Mesh::new(MeshData { colors: Vec::new(), ..mesh.into_data() })
+}
+
+impl LowPoly {
+    /// Takes the given mesh, adding uvs if it has none.
+    pub fn given(
+        taken: Taken,
+        options: &BakeOptions,
+        warnings: &mut Warnings,
+        progress: Progress<'_>,
+    ) -> Result<Self> {
+        let Taken { mesh, material, kept, own } = taken;
+        let mut origin = Origin::default();
+        let mesh = match mesh.uvs().is_empty() {
+            false => mesh,
+            true if options.keep_uvs => return Err(Error::invalid("standalone maps", NEEDS_UVS)),
+            true if !options.is_square() => {
+                return Err(Error::invalid(options.maps_in_words(), SQUARE));
+            }
+            true => unwrapped(&mesh, options.size, &mut origin, progress)?,
+        };
+        note_uvs(&mesh, warnings);
+        Ok(Self { mesh: framed(&mesh, progress)?, origin, material, kept, own })
+    }
+}
+
+fn note_uvs(mesh: &Mesh, warnings: &mut Warnings) {
+    let inside = |v: f32| (0.0..=1.0).contains(&v);
+    let outside = mesh.uvs()[0].iter().filter(|uv| !(inside(uv.x) && inside(uv.y))).count();
+    warnings.note("vertices of the low-poly mesh with uvs outside the map, which is repeated there", outside);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie_engine::math::{Mat4, Vec3};
+    use taotie_io::{GltfAsset, GltfFormat, GltfLevel, write_gltf};
+
+    /// Returns the mesh read from a ball that is stretched by its file.
+    fn taken(keep_uvs: bool, ball: &MeshData) -> (Scene, Mesh) {
+        let mut scene = Scene::of_mesh(Mesh::new(ball.clone()).unwrap(), Material::default()).unwrap();
+        let stretched = Mat4::scale(Vec3::new(1.0, 3.0, 1.0));
+        scene.edit(|scene| scene.instances[0].world_from_object = stretched).unwrap();
+        let mut warnings = Warnings::default();
+        let given = GivenMesh::of_one(scene.clone(), &mut warnings);
+        let options = BakeOptions { keep_uvs, ..BakeOptions::default() };
+        (scene, given.taken(&options, &mut warnings).unwrap().remove(0).mesh)
+    }
+
+    #[test]
+    fn maps_alone_have_the_frames_of_the_file() {
+        let ball = MeshData { tangents: Vec::new(), ..Mesh::sphere(1.0, 8, 4).into_data() };
+        let (scene, mesh) = taken(true, &ball);
+        let own = bake::framed_low_poly_mesh(scene).unwrap();
+        assert!(!own.tangents().is_empty() && mesh.tangents() == own.tangents());
+        assert!(taken(false, &ball).1.tangents().is_empty(), "a rewritten mesh gets its own");
+        let bare = MeshData { uvs: Vec::new(), ..ball };
+        assert!(taken(true, &bare).1.uvs().is_empty(), "missing uvs are reported only if maps need them");
+    }
+
+    #[test]
+    fn every_file_of_low_poly_mesh_and_cage_is_known() {
+        let folder = tempfile::tempdir().unwrap();
+        let levels = [GltfLevel { mesh: &Mesh::sphere(1.0, 8, 4), coverage: None }];
+        let asset = GltfAsset { levels: &levels, ..GltfAsset::default() };
+        let [low, cage] = ["low.gltf", "cage.gltf"].map(|name| {
+            let path = folder.path().join(name);
+            write_gltf(&path, &asset, &GltfFormat::default()).unwrap();
+            MeshSource::File(path)
+        });
+        let options =
+            BakeOptions { low: Some(low), ray_distance: RayDistance::Cage(cage), ..BakeOptions::default() };
+        let scan = Scan::from_mesh(Mesh::sphere(1.0, 16, 8), Progress::SILENT).unwrap();
+        let inputs = Inputs::read(&options, &scan, Progress::SILENT).unwrap();
+        let names: Vec<_> = inputs.files.iter().filter_map(|file| file.file_name()?.to_str()).collect();
+        assert_eq!(names, ["low.gltf", "low.bin", "cage.gltf", "cage.bin"]);
+        assert!(inputs.given.is_some() && matches!(inputs.rays, Rays::Cage(_)));
+        let none = Inputs::read(&BakeOptions::default(), &scan, Progress::SILENT).unwrap();
+        assert!(none.given.is_none() && none.files.is_empty());
+    }
+}

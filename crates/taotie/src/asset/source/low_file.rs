@@ -1,0 +1,516 @@
+//! Model files given for a scan: read into its space, and kept as they are except for what is baked into their
+//! materials.
+//!
+//! glTF is in metres. If the scan is in another unit, it is converted to the scan's space on reading, and back in
+//! assets.
+
+use super::scan::{Scan, all_files, check_extent, is_gltf};
+use crate::asset::ask::{BakeOptions, MeshSource};
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use taotie_engine::bake::MapKind;
+use taotie_engine::error::{Error, Result, Warnings};
+use taotie_engine::length::Unit;
+use taotie_engine::math::{Mat4, Vec3};
+use taotie_engine::mesh::Mesh;
+use taotie_engine::names::Named;
+use taotie_engine::scene::{Material, NormalSpace, Scene};
+use taotie_engine::surface::with_normals;
+pub use taotie_io::{GltfFormat, GltfGraft, GltfSource, Limits};
+
+/// The contents of a mesh file.
+pub(super) struct Read {
+    pub scene: Scene,
+    /// How it moves, if it does.
+    pub moving: Option<&'static str>,
+    /// `true` for glTF, which an asset can keep.
+    pub is_gltf: bool,
+    /// `true` if it is in metres, and was converted to the space of a scan in another unit.
+    pub is_in_metres: bool,
+    /// `true` if it has XMP metadata.
+    pub has_xmp: bool,
+    /// The names of its meshes; possibly fewer than meshes.
+    pub names: Vec<String>,
+    /// The limits within which it was read.
+    pub limits: Limits,
+    /// All files that it was read from, the mesh file first; empty in memory.
+    pub files: Vec<PathBuf>,
+}
+
+/// Reads a given mesh into the scan's space. glTF is in metres unless its size shows that it is in the scan's unit,
+/// which is noted.
+pub(super) fn read(source: &MeshSource, scan: &Scan, warnings: &mut Warnings) -> Result<Read> {
+    let mut read = as_it_is(source, scan.limits, warnings)?;
+    if !read.is_gltf {
+        return Ok(read);
+    }
+    match is_in_scan_unit(&read.scene, scan) {
+        Some(unit) => {
+            let name = source.name().unwrap_or_default();
+            let what = format!(
+                "{name}: glTF is in metres, but its size shows that it is in {unit} like the scan; read as such"
+            );
+            warnings.note(what, 1);
+        }
+        None => {
+            from_metres(&mut read.scene, scan.unit())?;
+            read.is_in_metres = root_scale(scan.unit()).is_some();
+        }
+    }
+    Ok(read)
+}
+
+fn as_it_is(source: &MeshSource, limits: Limits, warnings: &mut Warnings) -> Result<Read> {
+    match source {
+        MeshSource::Mesh(mesh) => {
+            let scene = Scene::of_mesh(Mesh::clone(mesh), Material::default())?;
+            check_extent(&scene, "the low-poly mesh")?;
+            let (names, files) = (Vec::new(), Vec::new());
+            let (is_gltf, is_in_metres, has_xmp) = (false, false, false);
+            Ok(Read { scene, moving: None, is_gltf, is_in_metres, has_xmp, names, limits, files })
+        }
+        MeshSource::File(path) => {
+            let mut loaded = taotie_io::load_model_within(path, &limits)?;
+            warnings.absorb(loaded.warnings);
+            check_extent(&loaded.scene, &path.display().to_string())?;
+            let is_gltf = is_gltf(loaded.format);
+            let (moving, has_xmp) = (loaded.moving, !loaded.xmp.is_empty());
+            let (names, files) = (loaded.mesh_names, all_files(path, &mut loaded.files));
+            Ok(Read {
+                scene: loaded.scene,
+                moving,
+                is_gltf,
+                is_in_metres: false,
+                has_xmp,
+                names,
+                limits,
+                files,
+            })
+        }
+    }
+}
+
+/// Returns the metres of a unit other than the metre, by which an asset's root node is scaled; `None` if there is
+/// nothing to scale.
+pub(in crate::asset) fn root_scale(unit: Option<Unit>) -> Option<f32> {
+    unit.filter(|unit| *unit != Unit::Metre).map(|unit| unit.metres() as f32)
+}
+
+/// Converts a scan's scene, with coordinates in `unit`, to the space of its assets, which are in metres.
+///
+/// ```
+/// use taotie::asset::into_metres;
+/// use taotie_engine::length::Unit;
+/// use taotie_engine::mesh::Mesh;
+/// use taotie_engine::scene::{Material, Scene};
+///
+/// let mut scan = Scene::of_mesh(Mesh::sphere(40.0, 16, 8), Material::default())?;
+/// into_metres(&mut scan, Some(Unit::Millimetre))?;
+/// assert!(scan.bounds().unwrap().max.y < 0.041);
+/// # Ok::<(), taotie_engine::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Invalid`] if its transforms are no longer finite.
+pub fn into_metres(scene: &mut Scene, unit: Option<Unit>) -> Result<()> {
+    match root_scale(unit) {
+        Some(scale) => scaled(scene, |v| v * f64::from(scale)),
+        None => Ok(()),
+    }
+}
+
+/// Converts a glTF scene to the space of a scan in this unit. An asset written for that scan gets its transforms back
+/// bit for bit: they are divided by the scale of its root node.
+pub(in crate::asset) fn from_metres(scene: &mut Scene, unit: Option<Unit>) -> Result<()> {
+    match root_scale(unit) {
+        Some(scale) => scaled(scene, |v| v / f64::from(scale)),
+        None => Ok(()),
+    }
+}
+
+/// Applies a function to the scales and translations of all instances.
+fn scaled(scene: &mut Scene, change: impl Fn(f64) -> f64) -> Result<()> {
+    let mut data = std::mem::take(scene).into_data();
+    for instance in &mut data.instances {
+        for column in &mut instance.world_from_object.columns {
+            column[..3].iter_mut().for_each(|v| *v = change(*v));
+        }
+    }
+    *scene = Scene::new(data)?;
+    Ok(())
+}
+
+/// Returns the name of the scan's unit if a glTF scene, which should be in metres, has the size of the scan in that
+/// unit: its unconverted diagonal is closer to the scan's than in metres.
+pub(in crate::asset) fn is_in_scan_unit(scene: &Scene, scan: &Scan) -> Option<&'static str> {
+    let (unit, scale) = (scan.unit()?, f64::from(root_scale(scan.unit())?));
+    // The ratio of the sizes, closest to 1 up to √scale.
+    let ratio = scene.bounds()?.diagonal() / scan.mesh().diagonal();
+    (ratio > scale.sqrt()).then(|| unit.name())
+}
+
+/// The file of a low-poly mesh that an asset keeps: its nodes, meshes, skins, morph targets and animations.
+#[derive(Debug, Clone)]
+pub(in crate::asset) struct Document {
+    /// The file.
+    pub source: Source,
+    /// All of its triangles, if it has several materials.
+    pub whole: Option<Mesh>,
+    /// The limits within which it is read.
+    pub limits: Limits,
+    /// `true` if its lengths are in metres, as glTF requires, and not in the scan's unit.
+    pub is_in_metres: bool,
+}
+
+/// The source of the kept glTF file.
+#[derive(Debug, Clone)]
+pub(in crate::asset) enum Source {
+    File(PathBuf),
+    /// The bytes of a GLB converted from another format.
+    Made(Arc<Vec<u8>>),
+}
+
+impl Document {
+    /// Creates the document of a packed scan, which is in the scan's unit.
+    pub fn of_packed(glb: Vec<u8>, limits: Limits) -> Self {
+        Self { source: Source::Made(Arc::new(glb)), whole: None, limits, is_in_metres: false }
+    }
+}
+
+impl Source {
+    /// Returns it as a glTF source.
+    pub fn gltf(&self) -> GltfSource<'_> {
+        match self {
+            Self::File(path) => GltfSource::File(path),
+            Self::Made(bytes) => GltfSource::Glb(bytes),
+        }
+    }
+}
+
+/// Returns the numbers of the visible materials, in order.
+pub(super) fn shown_materials(scene: &Scene) -> BTreeSet<usize> {
+    scene.instances().iter().map(|instance| instance.material).collect()
+}
+
+/// Returns the triangles of each material among all visible ones.
+pub(super) fn triangles_by_material(scene: &Scene) -> BTreeMap<usize, Vec<Range<usize>>> {
+    let mut ranges: BTreeMap<usize, Vec<Range<usize>>> = BTreeMap::new();
+    let mut first = 0;
+    for instance in scene.instances() {
+        let end = first + scene.meshes()[instance.mesh].triangles().len();
+        ranges.entry(instance.material).or_default().push(first..end);
+        first = end;
+    }
+    ranges
+}
+
+/// Returns the file that an asset keeps; `None` if the mesh is merged into one with one material: in memory, with a
+/// single mesh or material, without uvs, or if levels of detail or standalone maps are made from it. Files in other
+/// formats with several materials are converted to glTF.
+///
+/// # Errors
+/// [`Error::Unsupported`] if the file would lose motion or materials that way, and [`Error::Parse`] if it cannot be
+/// rewritten.
+pub(super) fn kept(
+    source: &MeshSource,
+    read: &mut Read,
+    options: &BakeOptions,
+    warnings: &mut Warnings,
+) -> Result<Option<Document>> {
+    let MeshSource::File(path) = source else { return Ok(None) };
+    let shape = Shape::of(read);
+    let is_one = shape.is_plain() && !(options.keep_uvs && shape.turns);
+    if is_one || (!read.is_gltf && !shape.becomes_gltf(options)) {
+        return Ok(None);
+    }
+    if let Some((what, why)) = shape.hindrance(options) {
+        return Err(Error::unsupported(format!("{}: {what}", path.display()), why));
+    }
+    if shape.is_alone(options) {
+        note_motion(read, warnings);
+        return Ok(None);
+    }
+    if shape.uvs != Uvs::All || !options.lods.is_empty() {
+        warnings.note("merged the nodes of the low-poly mesh: the asset has new levels or uvs", 1);
+        return Ok(None);
+    }
+    let source = match read.is_gltf {
+        true => Source::File(path.clone()),
+        false => Source::Made(Arc::new(made(read, warnings)?)),
+    };
+    check(source.gltf(), read.limits)?;
+    note(read, options, warnings);
+    Ok(Some(Document { source, whole: None, limits: read.limits, is_in_metres: read.is_in_metres }))
+}
+
+/// Converts a file in another format to a GLB; meshes without normals get them.
+fn made(read: &mut Read, warnings: &mut Warnings) -> Result<Vec<u8>> {
+    let mut meshes = Vec::with_capacity(read.scene.meshes().len());
+    for mesh in read.scene.meshes() {
+        meshes.push(with_normals(mesh)?.into_owned());
+    }
+    read.scene.edit(|scene| scene.meshes = meshes)?;
+    taotie_io::encode_scene(&read.scene, &read.names, warnings)
+}
+
+/// Checks that the file can be rewritten, before anything is baked.
+fn check(source: GltfSource<'_>, limits: Limits) -> Result<()> {
+    let graft = GltfGraft::unchanged(source, limits);
+    taotie_io::encode_graft(Path::new("a.glb"), &graft, &GltfFormat::default()).map(drop)
+}
+
+fn note_motion(read: &Read, warnings: &mut Warnings) {
+    if let Some(moving) = read.moving {
+        warnings.note(format!("the low-poly mesh moves ({moving}): baked and measured at rest"), 1);
+    }
+}
+
+fn note(read: &Read, options: &BakeOptions, warnings: &mut Warnings) {
+    note_motion(read, warnings);
+    warnings.note(
+        "XMP metadata of the low-poly mesh's whole file, replaced by the scan's",
+        usize::from(read.has_xmp),
+    );
+    let is_tangent = options.space == NormalSpace::Tangent && options.bakes(&[MapKind::Normal]);
+    let lacks = |mesh: &usize| read.scene.meshes()[*mesh].tangents().is_empty();
+    let meshes: BTreeSet<usize> = read.scene.instances().iter().map(|instance| instance.mesh).collect();
+    warnings.note(
+        "meshes of the low-poly mesh without tangents: added if MikkTSpace splits no vertex, otherwise left to \
+         viewers",
+        meshes.iter().filter(|mesh| is_tangent && lacks(mesh)).count(),
+    );
+}
+
+/// Which of the meshes have uvs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Uvs {
+    All,
+    Some,
+    None,
+}
+
+/// The shape of a file.
+struct Shape {
+    moving: Option<&'static str>,
+    materials: usize,
+    instances: usize,
+    uvs: Uvs,
+    /// `true` if a node is rotated or scaled.
+    turns: bool,
+}
+
+impl Shape {
+    fn of(read: &Read) -> Self {
+        let (scene, moving) = (&read.scene, read.moving);
+        let instances = scene.instances().len();
+        let has_uvs = |mesh: usize| !scene.meshes()[mesh].uvs().is_empty();
+        let with = scene.instances().iter().filter(|instance| has_uvs(instance.mesh)).count();
+        let uvs = match with {
+            0 => Uvs::None,
+            _ if with == instances => Uvs::All,
+            _ => Uvs::Some,
+        };
+        let turns = scene.instances().iter().any(|instance| turns(instance.world_from_object));
+        Self { moving, materials: shown_materials(scene).len(), instances, uvs, turns }
+    }
+
+    /// Returns true if merging into one mesh with one material loses nothing.
+    fn is_plain(&self) -> bool {
+        self.moving.is_none() && self.materials == 1 && self.instances == 1
+    }
+
+    /// Returns true if standalone maps are baked for one material, so that no file is rewritten.
+    fn is_alone(&self, options: &BakeOptions) -> bool {
+        options.keep_uvs && self.materials == 1
+    }
+
+    /// Returns true if viewers still show the meshes through their own nodes.
+    fn keeps_nodes(&self, options: &BakeOptions) -> bool {
+        let stays = !self.is_plain() && self.uvs == Uvs::All && options.lods.is_empty();
+        options.keep_uvs || stays
+    }
+
+    /// Returns true if a file in another format is converted to glTF to keep its materials.
+    fn becomes_gltf(&self, options: &BakeOptions) -> bool {
+        self.materials > 1 && self.uvs == Uvs::All && options.lods.is_empty()
+    }
+
+    /// Returns the unsupported feature and the reason.
+    fn hindrance(&self, options: &BakeOptions) -> Option<(String, &'static str)> {
+        let what = match self.moving {
+            Some(moving) => format!("a low-poly mesh with {moving}"),
+            None if self.materials == 1 => format!("a low-poly mesh with {} parts", self.instances),
+            None => format!("a low-poly mesh with {} materials", self.materials),
+        };
+        let (moves, several) = (self.moving.is_some(), self.materials > 1);
+        let hindrances = [
+            (
+                moves && self.uvs != Uvs::All,
+                "parts of it have no uvs, and adding them would break its motion; unwrap it",
+            ),
+            (self.uvs == Uvs::Some, "parts of it have no uvs; unwrap all of it, or none"),
+            (
+                (moves || several && self.uvs == Uvs::All) && !options.lods.is_empty(),
+                "its file is kept as is, and levels of detail would need a separate one; omit them",
+            ),
+            (
+                several && options.keep_uvs,
+                "standalone maps support only one material; use a mesh with one, or write a .glb",
+            ),
+            (
+                moves && options.space == NormalSpace::Object,
+                "object-space normals do not follow its motion; bake tangent space",
+            ),
+            (
+                self.turns && options.space == NormalSpace::Object && self.keeps_nodes(options),
+                "its nodes are rotated or scaled, which would apply twice to object-space normals; apply the \
+                 transforms, or bake tangent space",
+            ),
+        ];
+        hindrances.into_iter().find(|(is, _)| *is).map(|(_, why)| (what, why))
+    }
+}
+
+/// Returns a label for each of these materials that distinguishes it from the others; empty if there is only one.
+pub(super) fn labels(scene: &Scene, numbers: &BTreeSet<usize>) -> BTreeMap<usize, String> {
+    if numbers.len() < 2 {
+        return numbers.iter().map(|number| (*number, String::new())).collect();
+    }
+    let mut taken = BTreeSet::new();
+    let label = |number: &usize| {
+        let name = scene.materials().get(*number).map_or("", |material| material.name.as_str());
+        let mut label = word(name);
+        if label.is_empty() || taken.contains(&label.to_lowercase()) {
+            label.push_str(&number.to_string());
+        }
+        while !taken.insert(label.to_lowercase()) {
+            label.push('_');
+        }
+        (*number, label)
+    };
+    numbers.iter().map(label).collect()
+}
+
+/// Returns `true` if a transform changes normals: it does more than translate and scale uniformly.
+fn turns(world_from_object: Mat4) -> bool {
+    let axes = [Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
+    let scale = world_from_object.columns[0][0];
+    scale <= 0.0 || axes.into_iter().any(|axis| world_from_object.transform_vector(axis) != axis * scale)
+}
+
+/// Returns the name with characters replaced that are not valid in file names everywhere.
+fn word(name: &str) -> String {
+    let fits = |c: char| c.is_alphanumeric() || c == '-';
+    name.chars().take(40).map(|c| if fits(c) { c } else { '_' }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::asset::ask::Lod;
+    use taotie_engine::mesh::MeshData;
+    use taotie_engine::scene::{Instance, SceneData};
+
+    #[test]
+    fn transforms_come_back_to_the_bit() {
+        for unit in [Unit::Millimetre, Unit::Centimetre, Unit::Metre, Unit::Inch] {
+            let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
+            let own = Mat4::translation(Vec3::new(0.1f32, -7.3, 1e-3).to_f64())
+                * Mat4::scale(Vec3::splat(f64::from(0.123_456_7f32)));
+            let root = Mat4::scale(Vec3::splat(f64::from(root_scale(Some(unit)).unwrap_or(1.0))));
+            scene.edit(|scene| scene.instances[0].world_from_object = root * own).unwrap();
+            from_metres(&mut scene, Some(unit)).unwrap();
+            assert_eq!(scene.instances()[0].world_from_object, own, "{unit:?}");
+        }
+    }
+
+    #[test]
+    fn the_size_shows_the_unit() {
+        let ball = |radius: f64| Scene::of_mesh(Mesh::sphere(radius, 16, 8), Material::default()).unwrap();
+        let file = crate::asset::ScanFile::from_scene(ball(50.0)).unwrap();
+        let options = crate::asset::ScanOptions { unit: Some(Unit::Millimetre), ..Default::default() };
+        let scan = file.with_options(options).into_scan(taotie_engine::Progress::SILENT).unwrap();
+        let found = [49.0, 5.0, 0.5, 0.05].map(|radius| is_in_scan_unit(&ball(radius), &scan));
+        assert_eq!(found, [Some("mm"), Some("mm"), None, None]);
+        let unknown = Scan::from_scene(ball(50.0), taotie_engine::Progress::SILENT).unwrap();
+        assert_eq!(is_in_scan_unit(&ball(50.0), &unknown), None);
+    }
+
+    /// A file with one ball per material, with uvs where `uvs` is true.
+    fn file(names: &[&str], uvs: &[bool]) -> Read {
+        let material = |name: &&str| Material { name: (*name).into(), ..Material::default() };
+        let mesh = |has_uvs: &bool| {
+            let data = Mesh::sphere(1.0, 8, 4).into_data();
+            let uvs = if *has_uvs { data.uvs } else { Vec::new() };
+            Mesh::new(MeshData { uvs, ..data }).unwrap()
+        };
+        let world_from_object = Mat4::IDENTITY;
+        let instances = (0..names.len()).map(|i| Instance { mesh: i, material: i, world_from_object });
+        let scene = Scene::new(SceneData {
+            meshes: uvs.iter().map(mesh).collect(),
+            materials: names.iter().map(material).collect(),
+            instances: instances.collect(),
+            ..SceneData::default()
+        });
+        let (scene, limits) = (scene.unwrap(), Limits::default());
+        let (names, files) = (Vec::new(), Vec::new());
+        Read { scene, moving: None, is_gltf: true, is_in_metres: false, has_xmp: false, names, limits, files }
+    }
+
+    fn hindrance(read: &Read, options: &BakeOptions) -> String {
+        Shape::of(read).hindrance(options).map_or("", |(_, why)| why).to_owned()
+    }
+
+    #[test]
+    fn what_would_be_lost_is_refused() {
+        let (plain, lods) = (
+            BakeOptions::default(),
+            BakeOptions { lods: vec![Lod::Triangles(10)], ..BakeOptions::default() },
+        );
+        let object = BakeOptions { space: NormalSpace::Object, ..BakeOptions::default() };
+        let standalone = BakeOptions { keep_uvs: true, ..BakeOptions::default() };
+        let (two, one) = (file(&["a", "b"], &[true, true]), file(&["a"], &[true]));
+        let moving = Read { moving: Some("a skin"), ..file(&["a"], &[true]) };
+        let bare = Read { moving: Some("a skin"), ..file(&["a"], &[false]) };
+        assert_eq!([&two, &one, &moving].map(|read| hindrance(read, &plain)), ["", "", ""]);
+        assert!(hindrance(&two, &lods).contains("levels of detail"));
+        assert_eq!(hindrance(&one, &lods), "");
+        assert!(hindrance(&two, &standalone).contains("standalone maps support only one material"));
+        assert!(Shape::of(&moving).is_alone(&standalone) && !Shape::of(&two).is_alone(&standalone));
+        assert!(hindrance(&bare, &plain).contains("no uvs"));
+        assert!(hindrance(&file(&["a", "b"], &[true, false]), &plain).contains("no uvs"));
+        assert_eq!(hindrance(&file(&["a", "b"], &[false, false]), &plain), "", "they are merged");
+        assert!(hindrance(&moving, &object).contains("object-space"));
+        assert_eq!(hindrance(&two, &object), "");
+        assert!(hindrance(&file(&["a", "a"], &[true, false]), &plain).contains("no uvs"));
+    }
+
+    #[test]
+    fn object_space_of_turned_nodes_is_refused_where_they_stay() {
+        let object = BakeOptions { space: NormalSpace::Object, ..BakeOptions::default() };
+        let turned = |names: &[&str]| {
+            let mut read = file(names, &vec![true; names.len()]);
+            let turn = Mat4::rotation_about(Vec3::new(1.0, 0.0, 0.0), -1.5);
+            read.scene.edit(|scene| scene.instances[0].world_from_object = turn).unwrap();
+            read
+        };
+        assert!(hindrance(&turned(&["a", "b"]), &object).contains("rotated or scaled"));
+        assert_eq!(hindrance(&turned(&["a"]), &object), "", "it is rewritten");
+        let standalone = BakeOptions { keep_uvs: true, ..object };
+        assert!(hindrance(&turned(&["a"]), &standalone).contains("rotated or scaled"));
+    }
+
+    #[test]
+    fn labels_are_words_and_differ() {
+        let of = |names: &[&str]| {
+            let scene = file(names, &vec![true; names.len()]).scene;
+            labels(&scene, &shown_materials(&scene)).into_values().collect::<Vec<_>>()
+        };
+        assert_eq!(of(&["wood"]), [""]);
+        assert_eq!(of(&["old wood", "old/wood", "", "Brass"]), ["old_wood", "old_wood1", "2", "Brass"]);
+        assert_eq!(of(&["a", "a", "a1"]), ["a", "a1", "a12"]);
+        assert_eq!(of(&["", "x", "0"]), ["0", "x", "02"]);
+    }
+}

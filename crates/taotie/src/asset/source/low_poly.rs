@@ -1,0 +1,301 @@
+//! The low-poly mesh that is baked onto, with its cage: given, or generated from the scan.
+
+use super::scan::Scan;
+use crate::asset::ask::{BakeOptions, MeshSource};
+use std::borrow::Cow;
+use std::ops::Range;
+use taotie_engine::bake::{
+    self, MapKind, Shells, Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions,
+};
+use taotie_engine::error::{Error, Result, Warnings};
+use taotie_engine::image::Bitmap;
+use taotie_engine::mesh::{Mesh, MeshData, RELIEF_OF_VERTICES};
+use taotie_engine::progress::Progress;
+use taotie_engine::scene::{AlphaMode, Material};
+use taotie_engine::surface::with_frames;
+
+/// A low-poly mesh, ready to be baked onto.
+pub(in crate::asset) struct LowPoly {
+    /// With uvs, normals and tangents.
+    pub mesh: Mesh,
+    pub origin: Origin,
+    pub material: Material,
+    /// Textures of its material that are kept.
+    pub kept: KeptTextures,
+    /// The material of the kept file; `None` if the asset is written from scratch.
+    pub own: Option<KeptMaterial>,
+}
+
+/// The origin of a low-poly mesh.
+///
+/// ```
+/// use taotie::asset::Origin;
+///
+/// /// Returns a few words about a low-poly mesh.
+/// fn words(origin: &Origin) -> &'static str {
+///     match (&origin.simplified, origin.islands) {
+///         _ if origin.is_scan => "the scan",
+///         (Some(_), _) => "made of the scan",
+///         (None, Some(_)) => "given, unwrapped",
+///         (None, None) => "given with its uvs",
+///     }
+/// }
+/// ```
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
+pub struct Origin {
+    /// `true` if it is the scan itself, packed.
+    pub is_scan: bool,
+    /// The simplification of the scan; `None` if the mesh was given.
+    pub simplified: Option<Simplification>,
+    /// UV islands of the atlas, if uvs were generated.
+    pub islands: Option<usize>,
+}
+
+/// The simplification of a scan.
+///
+/// ```
+/// use taotie::asset::{Asset, Simplification};
+///
+/// /// Returns the method that an asset's simplification needed.
+/// fn method(asset: &Asset) -> Option<&str> {
+///     let simplified: &Simplification = asset.origin().simplified.as_ref()?;
+///     Some(&simplified.method)
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
+pub struct Simplification {
+    /// The method that was needed: `unchanged`, `edge-collapse`, `prune` or `cluster`.
+    pub method: String,
+    /// The distance of the low-poly mesh from the scan as estimated by the simplifier, model units.
+    pub error: f64,
+}
+
+/// A material of a low-poly file that is kept.
+#[derive(Debug, Clone, Default)]
+pub(in crate::asset) struct KeptMaterial {
+    /// Its number in the file.
+    pub number: usize,
+    /// A label, valid in file names, that distinguishes it from the file's other materials; empty if it is the only
+    /// one.
+    pub label: String,
+    /// The material as the file states it.
+    pub said: Material,
+    /// `true` if vertex colours are dropped.
+    pub drops_colors: bool,
+    /// Its triangles among all that the file shows.
+    pub triangles: Vec<Range<usize>>,
+}
+
+/// Textures of a low-poly mesh's material that are kept unless something is baked in their place.
+#[derive(Default)]
+pub(in crate::asset) struct KeptTextures {
+    pub color: Option<Bitmap>,
+    pub metallic_roughness: Option<Bitmap>,
+    pub occlusion: Option<Bitmap>,
+    pub emission: Option<Bitmap>,
+}
+
+/// A scan and the low-poly mesh made for it.
+#[derive(Clone, Copy)]
+pub(in crate::asset) struct Pair<'a> {
+    pub scan: &'a Scan,
+    pub low: &'a LowPoly,
+}
+
+impl LowPoly {
+    /// Unwraps a simplified scan for maps of this size.
+    pub fn made(scan: &Scan, simplified: &Simplified, size: u32, progress: Progress<'_>) -> Result<Self> {
+        let mut low = Self::bare(scan, simplified);
+        low.mesh = unwrapped(&low.mesh, size, &mut low.origin, progress)?;
+        low.mesh = framed(&low.mesh, progress)?;
+        Ok(low)
+    }
+
+    /// Takes a simplified scan without uvs.
+    pub fn bare(scan: &Scan, simplified: &Simplified) -> Self {
+        let method = method_name(simplified.method).to_owned();
+        let simplification = Simplification { method, error: simplified.error };
+        Self {
+            mesh: simplified.mesh.clone(),
+            origin: Origin { simplified: Some(simplification), ..Origin::default() },
+            material: scan.about.carried.material.clone(),
+            kept: KeptTextures::default(),
+            own: None,
+        }
+    }
+
+    /// Takes the triangles of a packed scan.
+    pub fn packed(mesh: Mesh) -> Self {
+        let (origin, material) = (Origin { is_scan: true, ..Origin::default() }, Material::default());
+        Self { mesh, origin, material, kept: KeptTextures::default(), own: None }
+    }
+
+    /// Returns the mesh from which the scan is searched for: without its normals if they were fitted, since those of
+    /// a thin edge lean to one of its sides.
+    pub fn shape(&self) -> Cow<'_, Mesh> {
+        let data = || MeshData { normals: Vec::new(), tangents: Vec::new(), ..self.mesh.clone().into_data() };
+        let bare = self.origin.simplified.is_some().then(|| Mesh::new(data()));
+        bare.and_then(Result::ok).map_or(Cow::Borrowed(&self.mesh), Cow::Owned)
+    }
+
+    /// Removes the tangents, which only a normal map needs.
+    pub fn without_tangents(self) -> Result<Self> {
+        let mesh = Mesh::new(MeshData { tangents: Vec::new(), ..self.mesh.into_data() })?;
+        Ok(Self { mesh, ..self })
+    }
+
+    /// Returns the alpha mode: that of the scan if its alpha is baked, else its own.
+    pub fn alpha(&self, options: &BakeOptions, scan: &Scan) -> AlphaMode {
+        match scan.surface().alpha_mode() {
+            mode if options.bakes(&[MapKind::Alpha]) && mode != AlphaMode::Opaque => mode,
+            _ => self.material.alpha,
+        }
+    }
+
+    /// Returns a label that distinguishes its material from others of the asset; empty if it is the only one.
+    pub fn label(&self) -> &str {
+        self.own.as_ref().map_or("", |own| &own.label)
+    }
+}
+
+fn method_name(method: SimplifyMethod) -> &'static str {
+    match method {
+        SimplifyMethod::Kept => "unchanged",
+        SimplifyMethod::Collapsed => "edge-collapse",
+        SimplifyMethod::Pruned => "prune",
+        SimplifyMethod::Clustered => "cluster",
+    }
+}
+
+/// Returns the triangles that a low-poly mesh is made from: the scan's without invisible parts, which are noted.
+pub(in crate::asset) fn seen<'a>(scan: &'a Scan, warnings: &mut Warnings) -> Result<Cow<'a, Mesh>> {
+    let Some(shells) = Shells::of(scan.mesh()) else { return Ok(Cow::Borrowed(scan.mesh())) };
+    let Some((mesh, share)) = scan.with_sorted(|sorted| shells.without_hidden(sorted))? else {
+        return Ok(Cow::Borrowed(scan.mesh()));
+    };
+    let what = format!(
+        "{:.1} % of the scan's area cannot be seen (walls within walls, ghost layers or filled cavities): the \
+         low-poly mesh is made without them",
+        share * 100.0
+    );
+    warnings.note(what, 1);
+    Ok(Cow::Owned(mesh))
+}
+
+/// The representation of an asset's relief.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::asset) enum Relief {
+    /// A normal map: the mesh must be close to the scan.
+    Map,
+    /// Only vertex normals: the mesh needs vertices where normals change.
+    Vertices,
+}
+
+impl Relief {
+    /// Returns the weight of normals in simplification.
+    fn normal_weight(self) -> f32 {
+        match self {
+            Self::Map => 0.0,
+            Self::Vertices => RELIEF_OF_VERTICES,
+        }
+    }
+}
+
+/// Simplifies the visible part of the scan.
+pub(in crate::asset) fn simplified(
+    seen: &Mesh,
+    (triangles, relief): (u32, Relief),
+    progress: Progress<'_>,
+) -> Result<Simplified> {
+    let options = SimplifyOptions { triangles: triangles as usize, normal_weight: relief.normal_weight() };
+    bake::simplify(seen, &options, progress.begin("simplify")?)
+}
+
+/// Gives a simplified scan the vertex normals closest to the scan's; sorts the scan if necessary.
+pub(in crate::asset) fn fitted(
+    scan: &Scan,
+    simplified: Simplified,
+    progress: Progress<'_>,
+) -> Result<Simplified> {
+    scan.sort(progress)?;
+    progress.begin("fit normals")?;
+    let mesh = bake::fit_normals(&simplified.mesh, scan.sorted())?;
+    Ok(Simplified { mesh, ..simplified })
+}
+
+/// Notes what simplification removed, and whether it reached the requested count.
+pub(in crate::asset) fn note_simplified(simplified: &Simplified, triangles: u32, warnings: &mut Warnings) {
+    warnings.absorb(simplified.notes.clone());
+    let found = simplified.mesh.triangles().len();
+    match simplified.reached {
+        true => {}
+        false if found < triangles as usize => {
+            warnings.note(format!("{triangles} triangles were requested; {found} are left"), 1);
+        }
+        false => {
+            warnings.note(format!("{triangles} triangles were requested; could not go below {found}"), 1)
+        }
+    }
+}
+
+/// Returns the mesh with the uvs of a new atlas, whose islands it counts.
+pub(super) fn unwrapped(mesh: &Mesh, size: u32, origin: &mut Origin, progress: Progress<'_>) -> Result<Mesh> {
+    let options = UnwrapOptions { size, padding: (size / 512).clamp(2, 16) };
+    let unwrapped = bake::unwrap(mesh, &options, progress.begin("unwrap")?)?;
+    origin.islands = Some(unwrapped.islands);
+    Ok(unwrapped.mesh)
+}
+
+/// Returns the mesh with normals and tangents; those of the file are kept.
+pub(super) fn framed(mesh: &Mesh, progress: Progress<'_>) -> Result<Mesh> {
+    progress.begin("tangents")?;
+    Ok(with_frames(mesh, 0, None)?.0.into_owned())
+}
+
+/// The lengths of projection rays, with the cage from the options.
+pub(in crate::asset) enum Rays {
+    /// By the measured gap between the meshes.
+    Auto,
+    /// One length, model units.
+    Uniform(f64),
+    Cage(CageMesh),
+}
+
+/// The mesh of a cage.
+pub(in crate::asset) struct CageMesh {
+    pub mesh: Mesh,
+    pub source: MeshSource,
+}
+
+impl CageMesh {
+    /// Refuses a cage whose number of triangles differs from the low-poly mesh's.
+    pub fn check(&self, count: usize) -> Result<()> {
+        let own = self.mesh.triangles().len();
+        if own == count {
+            return Ok(());
+        }
+        let why = "it must be the low-poly mesh with moved vertices";
+        let error = Error::invalid(
+            "the cage",
+            format!("it has {own} triangles, but the low-poly mesh has {count}; {why}"),
+        );
+        Err(self.named(error))
+    }
+
+    /// Returns the cage of a part of the low-poly mesh, given its triangle ranges in the whole.
+    pub fn part(&self, ranges: &[Range<usize>]) -> Result<Mesh> {
+        let (positions, all) = (self.mesh.positions().to_vec(), self.mesh.triangles());
+        let triangles = ranges.iter().flat_map(|range| all[range.clone()].iter().copied()).collect();
+        Mesh::new(MeshData { positions, triangles, ..MeshData::default() })
+    }
+
+    /// Returns the error prefixed with the file it concerns.
+    pub fn named(&self, error: Error) -> Error {
+        match (self.source.path(), error) {
+            (Some(path), Error::Invalid { what, why }) => Error::invalid(format!("{path}: {what}"), why),
+            (_, error) => error,
+        }
+    }
+}

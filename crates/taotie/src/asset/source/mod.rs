@@ -1,0 +1,26 @@
+//! The sources of a bake: the scan, read and corrected, and the low-poly mesh, given or made, with its material and
+//! cage.
+
+mod corrections;
+mod extent;
+mod given;
+mod low_file;
+mod low_material;
+pub(super) mod low_poly;
+mod material;
+mod scan;
+mod size;
+
+pub use corrections::ScanOptions;
+pub(super) use corrections::turned;
+pub(super) use extent::{Extent, Spot, Whole};
+pub(super) use given::{GivenMesh, Inputs};
+pub use low_file::into_metres;
+pub(super) use low_file::{Document, from_metres, is_in_scan_unit, root_scale};
+pub(super) use low_material::{LowLook, Metalness};
+pub(super) use low_poly::{KeptTextures, LowPoly, Pair, Rays, Relief};
+pub use low_poly::{Origin, Simplification};
+pub(super) use material::{Carried, Found, Property, is_plain, used_materials};
+pub(super) use scan::{About, all_files, is_gltf, warnings_of_packed_scan};
+pub use scan::{Scan, ScanFile};
+pub use size::ScanSize;

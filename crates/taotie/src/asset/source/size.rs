@@ -1,0 +1,271 @@
+//! The size of a scan: the memory that its triangles and textures take, and the size of a map that preserves its
+//! detail.
+
+use super::material::is_plain;
+pub use taotie_engine::bake::{Maps, lacks_tangents, texel_width};
+use taotie_engine::image::Texture;
+use taotie_engine::math::scalar;
+use taotie_engine::mesh::Mesh;
+pub use taotie_engine::proof::{Footprint, edges};
+use taotie_engine::scene::{Instance, Scene};
+use taotie_engine::surface::tangent_bytes;
+
+/// The number of triangles and vertices of a scan, their attributes, and the maps that its materials need.
+///
+/// ```
+/// use taotie::asset::{BakeOptions, Baker, ScanSize};
+///
+/// let baker = Baker::new(BakeOptions::default());
+/// let size = |triangles| ScanSize { triangles, vertices: triangles / 2, ..ScanSize::default() };
+/// let need = |triangles: u64| baker.need(size(triangles)).bytes();
+/// assert!(need(20_000_000) > need(1_000_000));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct ScanSize {
+    /// Triangles, over all instances.
+    pub triangles: u64,
+    /// Vertices, over all instances.
+    pub vertices: u64,
+    /// Bytes of vertex attributes other than positions and normals: uvs, tangents and colours.
+    pub attribute_bytes: u64,
+    /// Bytes of its textures with their mip chains.
+    pub texture_bytes: u64,
+    /// Triangles of the largest mesh that gets tangents, because a normal map needs them and its file has none.
+    pub framed_triangles: u64,
+    /// Vertices of that mesh.
+    pub framed_vertices: u64,
+    /// The maps of properties that vary in its materials, which a bake carries over if requested.
+    pub carries: Maps,
+    /// The side of the smallest square map, a power of two, that preserves its detail; see
+    /// [`AUTO_SIZE`](crate::asset::AUTO_SIZE).
+    pub detail_side: u32,
+    /// `true` if it specifies a material, so that images in full material are compared too.
+    pub has_material: bool,
+}
+
+impl ScanSize {
+    /// Counts the contents of a scene.
+    pub(super) fn of(scene: &Scene, carries: Maps) -> Self {
+        let (meshes, lacks) = (scene.meshes(), lacks_tangents(scene));
+        let framed = meshes.iter().zip(&lacks).filter(|(_, lacks)| **lacks).map(|(mesh, _)| mesh);
+        let largest = framed.max_by_key(|mesh| mesh.triangles().len());
+        let shown = || scene.instances().iter().map(|instance| instance.mesh);
+        let made = |mesh: usize| if lacks[mesh] { vertices(&meshes[mesh]) * TANGENT } else { 0 };
+        Self {
+            triangles: scene.triangle_count() as u64,
+            vertices: shown().map(|mesh| vertices(&meshes[mesh])).sum(),
+            attribute_bytes: shown().map(|mesh| attribute_bytes(&meshes[mesh]) + made(mesh)).sum(),
+            texture_bytes: scene.textures().iter().map(Texture::bytes).sum(),
+            framed_triangles: largest.map_or(0, |mesh| mesh.triangles().len() as u64),
+            framed_vertices: largest.map_or(0, vertices),
+            carries,
+            detail_side: detail_side(scene),
+            has_material: !is_plain(scene),
+        }
+    }
+
+    /// Returns the size with additional vertices, which have normals and positions, and may have uvs and colours.
+    pub(super) fn with_vertices_added(self, added: u64) -> Self {
+        let attributes = self.attribute_bytes.div_ceil(self.vertices.max(1));
+        Self {
+            vertices: self.vertices + added,
+            attribute_bytes: self.attribute_bytes + added * attributes,
+            ..self
+        }
+    }
+
+    /// Returns the bytes of the scan, sorted for rays.
+    pub(in crate::asset) fn bytes(self) -> u64 {
+        /// The corners, order and boxes of the tree.
+        const TREE: u64 = 41;
+        self.mesh_bytes() + self.triangles * TREE
+    }
+
+    /// Returns the peak bytes of the scan while its tangents are computed, which is before it is merged; 0 if none
+    /// are.
+    pub(in crate::asset) fn framing_bytes(self) -> u64 {
+        match self.framed_triangles {
+            0 => 0,
+            triangles => self.mesh_bytes() + tangent_bytes(triangles, self.framed_vertices),
+        }
+    }
+
+    /// Returns the bytes of the scan while it is rendered: its tree is freed, and its triangles are placed.
+    pub(in crate::asset) fn viewing_bytes(self) -> u64 {
+        const PLACED_VERTEX: u64 = 72;
+        const PLACED_TRIANGLE: u64 = 60;
+        self.mesh_bytes() + self.vertices * PLACED_VERTEX + self.triangles * PLACED_TRIANGLE
+    }
+
+    /// Returns the size without the cost of computing tangents: they exist once it is merged.
+    pub(in crate::asset) fn joined(self) -> Self {
+        Self { framed_triangles: 0, framed_vertices: 0, ..self }
+    }
+
+    /// Returns the bytes of the scan as one mesh, before it is sorted for rays.
+    pub(in crate::asset) fn mesh_bytes(self) -> u64 {
+        /// Position and normal.
+        const VERTEX: u64 = 24;
+        const TRIANGLE: u64 = 12;
+        self.triangles * TRIANGLE + self.vertices * VERTEX + self.attribute_bytes + self.texture_bytes
+    }
+}
+
+/// Bytes of a tangent.
+const TANGENT: u64 = 16;
+
+fn vertices(mesh: &Mesh) -> u64 {
+    mesh.positions().len() as u64
+}
+
+/// Returns the bytes of a mesh's uvs, tangents and colours.
+fn attribute_bytes(mesh: &Mesh) -> u64 {
+    const UV: u64 = 8;
+    const COLOR: u64 = 16;
+    let [uvs, tangents, colors] =
+        [mesh.uvs().iter().map(Vec::len).sum(), mesh.tangents().len(), mesh.colors().len()];
+    uvs as u64 * UV + tangents as u64 * TANGENT + colors as u64 * COLOR
+}
+
+/// The share of a map that UV islands cover in a generated atlas.
+const COVERED: f64 = 0.6;
+/// The share of the surface whose detail may be finer than the map's texels.
+const LOST: f64 = 0.01;
+/// The largest side considered.
+const MOST: f64 = 65_536.0;
+
+/// A piece of the scan.
+struct Piece {
+    /// Its area, square model units.
+    area: f64,
+    /// The width of its finest texel, model units.
+    texel: Option<f32>,
+}
+
+/// Returns the side of the smallest square map, a power of two, whose texels are at most as wide as the scan's finest
+/// detail on all but one per cent of its area: a texel of its textures, or half its median edge, but at least 1/4096
+/// of its diagonal.
+fn detail_side(scene: &Scene) -> u32 {
+    let (mut pieces, mut lengths) = (Vec::new(), Vec::new());
+    let mut first = 0;
+    let count = scene.triangle_count();
+    let mut looked_at = Footprint::looked_at(count).peekable();
+    let looked = Footprint::looked_at(count).count();
+    for instance in scene.instances() {
+        let placed = Placed::of(scene, instance);
+        let end = first + placed.mesh.triangles().len();
+        while let Some(t) = looked_at.next_if(|t| *t < end) {
+            lengths.extend(placed.edges(t - first));
+            pieces.push(placed.piece(t - first));
+        }
+        first = end;
+    }
+    let footprint = Footprint::of_edges(lengths, scene.bounds().map_or(0.0, |bounds| bounds.diagonal()));
+    let mut widths: Vec<(f32, f64)> =
+        pieces.into_iter().map(|piece| (footprint.of_texel(piece.texel), piece.area)).collect();
+    widths.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let seen: f64 = widths.iter().map(|(_, area)| area).sum();
+    let mut finer = 0.0;
+    let is_preserved = |(_, area): &&(f32, f64)| {
+        finer += area;
+        finer >= seen * LOST
+    };
+    let Some((width, _)) = widths.iter().find(is_preserved) else { return 1 };
+    let area = seen * count as f64 / looked.max(1) as f64;
+    let side = (area / COVERED).sqrt() / f64::from(*width);
+    (side.min(MOST).ceil() as u32).next_power_of_two()
+}
+
+/// An instance of a mesh.
+struct Placed<'a> {
+    scene: &'a Scene,
+    instance: &'a Instance,
+    mesh: &'a Mesh,
+    /// The scale of its lengths.
+    scale: f64,
+}
+
+impl<'a> Placed<'a> {
+    fn of(scene: &'a Scene, instance: &'a Instance) -> Self {
+        let scale = scalar::cbrt(instance.world_from_object.determinant3().abs());
+        Self { scene, instance, mesh: &scene.meshes()[instance.mesh], scale }
+    }
+
+    fn edges(&self, triangle: usize) -> [f32; 3] {
+        edges(self.mesh, triangle).map(|length| length * self.scale as f32)
+    }
+
+    fn piece(&self, triangle: usize) -> Piece {
+        let [a, b, c] = self.mesh.corners(triangle).map(|corner| corner.to_f64());
+        let material = &self.scene.materials()[self.instance.material];
+        let textures = self.scene.textures();
+        let widths = material
+            .textures()
+            .into_iter()
+            .filter_map(|used| texel_width((self.mesh, triangle as u32), textures, &used));
+        Piece {
+            area: (b - a).cross(c - a).length() * 0.5 * self.scale * self.scale,
+            texel: widths.reduce(f32::min).map(|width| width * self.scale as f32),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie_engine::image::{Bitmap, Encoding, Sampler, Texels};
+    use taotie_engine::math::Mat4;
+    use taotie_engine::scene::{
+        GreenChannel, Material, NormalMap, NormalSpace, SceneData, TextureRef, UvTransform,
+    };
+
+    /// Two instances of a ball without tangents under a normal map of 4×2 texels.
+    fn scene(space: NormalSpace, tangents: bool) -> Scene {
+        let mut data = Mesh::sphere(1.0, 8, 4).into_data();
+        let count = data.positions.len();
+        data.tangents = if tangents { vec![[1.0, 0.0, 0.0, 1.0]; count] } else { Vec::new() };
+        data.colors.clear();
+        let texture = TextureRef {
+            texture: 0,
+            uv_set: 0,
+            sampler: Sampler::default(),
+            transform: UvTransform::default(),
+        };
+        let normal = NormalMap { texture, scale: 1.0, space, green: GreenChannel::Up };
+        let bitmap = Bitmap::new(4, 2, 3, Texels::U8(vec![[128, 128, 255, 255]; 8])).unwrap();
+        let instance = Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY };
+        Scene::new(SceneData {
+            meshes: vec![Mesh::new(data).unwrap()],
+            materials: vec![Material { normal: Some(normal), ..Material::default() }],
+            textures: vec![Texture::new(bitmap, Encoding::Linear)],
+            instances: vec![instance; 2],
+            ..SceneData::default()
+        })
+        .unwrap()
+    }
+
+    #[test]
+    fn tangents_count_where_they_are_made() {
+        let of = |space, tangents| ScanSize::of(&scene(space, tangents), Maps::default());
+        let made = of(NormalSpace::Tangent, false);
+        assert_eq!((made.triangles, made.framed_triangles), (2 * made.framed_triangles, 48));
+        assert_eq!(made.vertices, 2 * made.framed_vertices, "each instance gets its own vertices");
+        assert_eq!(made.attribute_bytes, made.vertices * (8 + 16), "uvs and tangents");
+        let framing = made.framing_bytes();
+        assert!(framing > 300 * made.framed_triangles + made.mesh_bytes(), "{framing}");
+        assert_eq!(made.joined().framing_bytes(), 0);
+        assert_eq!(made.joined().bytes(), made.bytes());
+        let there = of(NormalSpace::Tangent, true);
+        assert_eq!((there.framing_bytes(), there.attribute_bytes), (0, made.attribute_bytes));
+        let object = of(NormalSpace::Object, false);
+        assert_eq!((object.framing_bytes(), object.attribute_bytes), (0, object.vertices * 8));
+    }
+
+    #[test]
+    fn textures_count_with_their_levels() {
+        let size = ScanSize::of(&scene(NormalSpace::Object, false), Maps::default());
+        assert_eq!(size.texture_bytes, (4 * 2 + 2 + 1) * 4);
+        assert_eq!(size.bytes() - ScanSize { texture_bytes: 0, ..size }.bytes(), size.texture_bytes);
+    }
+}

@@ -1,0 +1,297 @@
+//! Standalone maps, without a model: textures for a low-poly mesh that stays in its own file.
+
+use super::map_files::{MapNote, Meaning, codes_of_normals, encode_numbers, note_unlit, turned_green};
+use crate::asset::ask::Packing;
+use crate::asset::bake::{Made, Part, Range, SeparateMap};
+use crate::asset::source::{KeptTextures, Property};
+use std::path::{Path, PathBuf};
+use taotie_engine::bake::MapKind;
+use taotie_engine::error::{Error, Result, Warnings};
+use taotie_engine::image::{Bitmap, Encoding, Sampler, Texture};
+use taotie_engine::names::Named;
+use taotie_engine::normal_map::green_turned;
+use taotie_engine::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
+use taotie_io::{FileBytes, Limits, Loaded, TextureCodecs};
+
+/// Returns true if a path requests standalone maps.
+pub(super) fn is_alone(path: &Path) -> bool {
+    ["png", "webp", "exr"].into_iter().any(|extension| has_extension(path, extension))
+}
+
+fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+}
+
+/// A texture as a separate file, and the maps that it holds.
+struct MapFile<'a> {
+    maps: Vec<MapKind>,
+    bitmap: &'a Bitmap,
+    range: Option<Range>,
+    path: PathBuf,
+}
+
+/// Returns the only part of an asset, as required by [`check`].
+fn only(made: &Made) -> &Part {
+    &made.parts[0]
+}
+
+/// Returns all textures. The first is in `path` itself, the others in files next to it: `out.png`, `out.ao.png`.
+fn files<'a>(made: &'a Made, path: &Path) -> Vec<MapFile<'a>> {
+    let textures = &only(made).maps.textures;
+    let mut files: Vec<MapFile<'a>> = Vec::new();
+    for (map, bitmap) in textures.inside() {
+        match files.iter_mut().find(|file| std::ptr::eq(file.bitmap, bitmap)) {
+            Some(file) => file.maps.push(map),
+            None => files.push(MapFile::new(map, bitmap)),
+        }
+    }
+    let other =
+        |other: &'a SeparateMap| MapFile { range: other.range, ..MapFile::new(other.map, &other.bitmap) };
+    files.extend(textures.separate.iter().map(other));
+    for (i, file) in files.iter_mut().enumerate() {
+        file.path = if i == 0 { path.into() } else { sibling(path, file.name()) };
+        if file.holds(&[MapKind::Emission]) {
+            let white = f64::from(textures.strength);
+            file.range = Some(Range { black: 0.0, white, unit: "radiance" });
+        }
+    }
+    files
+}
+
+/// The name of a texture that holds both occlusion and roughness.
+const ORM: &str = "orm";
+
+/// Returns the path of a map next to the first.
+fn sibling(path: &Path, name: &str) -> PathBuf {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_extension(format!("{name}.{extension}"))
+}
+
+/// Returns every file that standalone maps may be written to, `path` itself first.
+pub(super) fn possible_files(path: &Path) -> Vec<PathBuf> {
+    let names = MapKind::NAMES.iter().map(|(name, _)| *name).chain([ORM]);
+    std::iter::once(path.to_path_buf()).chain(names.map(|name| sibling(path, name))).collect()
+}
+
+impl<'a> MapFile<'a> {
+    fn new(map: MapKind, bitmap: &'a Bitmap) -> Self {
+        Self { maps: vec![map], bitmap, range: None, path: PathBuf::new() }
+    }
+
+    fn holds(&self, any: &[MapKind]) -> bool {
+        any.iter().any(|map| self.maps.contains(map))
+    }
+
+    /// Returns the name of its only map, or of several in one texture.
+    fn name(&self) -> &'static str {
+        let occlusion = self.holds(&[MapKind::Occlusion, MapKind::OcclusionMap]);
+        let roughness = self.holds(&[MapKind::Roughness, MapKind::MetallicRoughness]);
+        if occlusion && roughness { ORM } else { self.maps[0].name() }
+    }
+
+    fn encoding(&self) -> Encoding {
+        let is_color = self.holds(&[MapKind::Albedo, MapKind::Alpha, MapKind::Emission]);
+        if is_color { Encoding::Srgb } else { Encoding::Linear }
+    }
+
+    /// Returns its bytes, in the format of its extension, with the texels of `bitmap`.
+    fn encoded(&self, bitmap: &Bitmap) -> Result<Vec<u8>> {
+        if has_extension(&self.path, "exr") {
+            return encode_numbers(bitmap, self.meaning());
+        }
+        match has_extension(&self.path, "webp") {
+            true => taotie_io::encode_webp_bitmap(bitmap),
+            false => taotie_io::encode_png_bitmap(bitmap, self.encoding()),
+        }
+    }
+
+    fn meaning(&self) -> Meaning {
+        match (self.encoding(), self.range) {
+            _ if self.holds(&[MapKind::Normal, MapKind::Bent]) => Meaning::Direction,
+            (Encoding::Srgb, _) => Meaning::Color,
+            (_, Some(range)) => Meaning::Number(range),
+            (_, None) => Meaning::Plain,
+        }
+    }
+
+    /// Returns the values of black and white in the file: OpenEXR stores the numbers themselves, except for emission.
+    fn file_range(&self) -> Option<Range> {
+        let is_number = matches!(self.meaning(), Meaning::Number(_)) && has_extension(&self.path, "exr");
+        self.range.map(|range| if is_number { Range { black: 0.0, white: 1.0, ..range } } else { range })
+    }
+
+    fn notes(&self) -> impl Iterator<Item = MapNote> {
+        let range = self.file_range();
+        self.maps.iter().map(move |map| MapNote {
+            map: *map,
+            material: None,
+            file: Some(self.path.clone()),
+            bits: self.bitmap.bits(),
+            black: range.map(|range| range.black),
+            white: range.map(|range| range.white),
+            unit: range.map_or("", |range| range.unit),
+        })
+    }
+}
+
+/// Returns each map's kind and file.
+pub(super) fn notes(made: &Made, path: &Path) -> Vec<MapNote> {
+    files(made, path).iter().flat_map(MapFile::notes).collect()
+}
+
+/// Returns all files.
+///
+/// # Errors
+/// [`Error::Invalid`] for what standalone maps cannot have: several materials, generated uvs, levels of detail, and
+/// the packing of a model; [`Error::Unsupported`] for 16-bit maps as WebP.
+pub(super) fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>> {
+    check(made, packing)?;
+    let turned = turned_green(made.options.space, &only(made).maps.textures, packing)?;
+    let encode = |file: MapFile<'_>| {
+        let turned = turned.iter().find(|turned| file.holds(&[turned.map]));
+        let bitmap = turned.map_or(file.bitmap, |turned| &turned.bitmap);
+        Ok(FileBytes { bytes: file.encoded(bitmap)?, path: file.path })
+    };
+    files(made, path).into_iter().map(encode).collect()
+}
+
+fn check(made: &Made, packing: &Packing) -> Result<()> {
+    let origin = &only(made).low.origin;
+    let wrong = [
+        (made.parts.len() > 1, "the low-poly mesh has several materials; use a mesh with one"),
+        (origin.islands.is_some(), "no file would store the generated uvs; use a low-poly mesh with uvs"),
+        (!made.coarser.is_empty(), "levels of detail need a model; omit them"),
+        (
+            packing.images != TextureCodecs::default(),
+            "the file name determines the format; omit other formats",
+        ),
+        (packing.meshopt, "there is no geometry to compress"),
+        (packing.provenance.is_some(), "they cannot store XMP metadata"),
+    ];
+    match wrong.iter().find(|(is, _)| *is) {
+        Some((_, why)) => Err(Error::invalid("standalone maps", format!("{why}, or write a .glb"))),
+        None => Ok(()),
+    }
+}
+
+/// Returns the properties of the scan's material that are stored in a map.
+pub(in crate::asset) fn carried(made: &Made) -> impl Iterator<Item = Property> {
+    made.carried.iter().copied().filter(|property| is_in_map(made, *property))
+}
+
+fn is_in_map(made: &Made, property: Property) -> bool {
+    property.map().is_some_and(|map| made.options.bakes(&[map]))
+}
+
+/// Notes what a model would have but standalone maps lack.
+pub(super) fn warnings(made: &Made) -> Warnings {
+    let mut warnings = Warnings::default();
+    let factors = made.carried.iter().filter(|property| !is_in_map(made, **property));
+    let factors: Vec<&str> = factors.map(|property| property.name()).collect();
+    let what = format!("standalone maps cannot store the scan's material factors: {}", factors.join(", "));
+    warnings.note(what, usize::from(!factors.is_empty()));
+    let is_told = made.about.copyright.is_some() || made.about.xmp.is_some();
+    warnings.note("standalone maps cannot store the scan's rights and history", usize::from(is_told));
+    warnings.absorb(note_unlit(made.parts.iter().filter(|part| hides_maps_of(part))));
+    warnings
+}
+
+/// Returns true if any map belongs to the material rather than the shape.
+pub(in crate::asset) fn has_material(made: &Made) -> bool {
+    use MapKind::{Albedo, Alpha, Emission, MetallicRoughness, Roughness};
+    made.options.bakes(&[Albedo, Alpha, Emission, MetallicRoughness, Roughness])
+}
+
+/// Returns the properties that the proof of standalone maps does not compare.
+pub(in crate::asset) fn unseen(made: &Made) -> Option<String> {
+    let what = match has_material(made) {
+        true => "material factors, which the application must set: those of the low-poly mesh are shown",
+        false => "colour and material, for which no map is baked",
+    };
+    (!made.about.is_plain).then(|| what.to_owned())
+}
+
+/// Reads the maps back onto the low-poly mesh. Normals are converted back to green up.
+///
+/// # Errors
+/// Those of reading the files.
+pub(in crate::asset) fn read_back(made: &Made, green: GreenChannel, path: &Path) -> Result<Loaded> {
+    let none = KeptTextures::default();
+    let Part { low, maps } = only(made);
+    let stated = maps.textures.material(&low.material, &none);
+    let mut material = Material {
+        base_color: stated.base_color,
+        metallic: stated.metallic,
+        roughness: stated.roughness,
+        occlusion_strength: stated.occlusion_strength,
+        emissive: stated.emissive,
+        ..low.material.clone()
+    };
+    material.retain_textures(|_| false);
+    let mut textures = Vec::new();
+    for file in files(made, path) {
+        let bitmap = taotie_io::read_bitmap_within(&file.path, &Limits::of_own_files())?;
+        show(&file, textures.len(), (&mut material, made.options.space));
+        textures.push(texture(&file, bitmap, green)?);
+    }
+    let mut scene = Scene::of_mesh(low.mesh.clone(), Material::default())?;
+    scene.edit(|scene| (scene.textures, scene.materials) = (textures, vec![material]))?;
+    Ok(Loaded::new(scene, Warnings::default(), "PNG"))
+}
+
+/// Returns a file's texture, with normals as codes with green up. Float colours are linear in the file too.
+fn texture(file: &MapFile<'_>, bitmap: Bitmap, green: GreenChannel) -> Result<Texture> {
+    if !file.holds(&[MapKind::Normal]) {
+        return Ok(Texture::new(bitmap, file.encoding()));
+    }
+    let codes = codes_of_normals(bitmap)?;
+    let up = if green == GreenChannel::Down { green_turned(&codes) } else { codes };
+    Ok(Texture::new(up, Encoding::Normal))
+}
+
+/// Assigns a texture to the material slots that its maps belong to.
+fn show(file: &MapFile<'_>, texture: usize, (material, space): (&mut Material, NormalSpace)) {
+    use MapKind::{Albedo, Alpha, Emission, MetallicRoughness, Normal, Occlusion, OcclusionMap, Roughness};
+    let uses =
+        TextureRef { texture, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
+    // The proof reads an object-space map from its file.
+    if file.holds(&[Normal]) && space == NormalSpace::Tangent {
+        let green = GreenChannel::Up;
+        material.normal = Some(NormalMap { texture: uses, scale: 1.0, space, green });
+    }
+    let slots = [
+        (file.holds(&[Albedo, Alpha]), &mut material.base_color_texture),
+        (file.holds(&[Roughness, MetallicRoughness]), &mut material.metallic_roughness_texture),
+        (file.holds(&[Occlusion, OcclusionMap]), &mut material.occlusion_texture),
+        (file.holds(&[Emission]), &mut material.emissive_texture),
+    ];
+    slots.into_iter().filter(|(is, _)| *is).for_each(|(_, slot)| *slot = Some(uses));
+}
+
+/// Returns true if the low-poly mesh's material hides standalone maps.
+fn hides_maps_of(part: &Part) -> bool {
+    let is_seen = |map| matches!(map, MapKind::Albedo | MapKind::Alpha);
+    part.low.material.unlit && part.maps.textures.inside().any(|(map, _)| !is_seen(map))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_pictures_stand_alone() {
+        let paths = ["normal.png", "a/b.WebP", "c.exr", "scan.glb", "scan.gltf", "png"];
+        assert_eq!(paths.map(|path| is_alone(path.as_ref())), [true, true, true, false, false, false]);
+    }
+
+    #[test]
+    fn several_numbers_of_one_texture_share_a_name() {
+        let bitmap = Bitmap::new(1, 1, 3, taotie_engine::image::Texels::U8(vec![[255; 4]])).unwrap();
+        let name = |maps: &[MapKind]| {
+            MapFile { maps: maps.to_vec(), ..MapFile::new(MapKind::Normal, &bitmap) }.name()
+        };
+        assert_eq!(name(&[MapKind::Occlusion]), "ao");
+        assert_eq!(name(&[MapKind::Occlusion, MapKind::MetallicRoughness]), "orm");
+        assert_eq!(name(&[MapKind::Albedo, MapKind::Alpha]), "albedo");
+    }
+}

@@ -1,0 +1,13 @@
+//! The files of an asset: a model or standalone maps, with notes on the maps and the record of the bake.
+
+mod map_files;
+pub(super) mod maps_alone;
+mod provenance;
+mod written;
+
+pub use map_files::MapNote;
+pub(super) use map_files::without_folders;
+pub(super) use map_files::{codes_of_normals, name_of};
+pub use provenance::{Parameters, model_unit};
+pub use written::WrittenAsset;
+pub(super) use written::possible_files;

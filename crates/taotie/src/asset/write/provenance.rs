@@ -1,0 +1,203 @@
+//! The provenance that an asset records about itself: all parameters of its bake, as one JSON document in its XMP
+//! metadata.
+
+use crate::asset::ask::{BakeOptions, MeshSource, Packing, RayDistance, requirement};
+use crate::asset::bake::Made;
+use crate::asset::source::{ScanOptions, is_gltf};
+use serde_json::{Value, json};
+use std::fmt;
+use std::path::Path;
+use taotie_engine::error::Result;
+use taotie_engine::length::Unit;
+use taotie_engine::names::Named;
+use taotie_engine::scene::{GreenChannel, NormalSpace};
+use taotie_io::{Json, Limits, Loaded, Provenance, XmpProperties};
+
+/// The options and packing of a bake, as a JSON document.
+///
+/// ```
+/// use taotie_engine::Result;
+/// use taotie::asset::{Report, WrittenAsset};
+///
+/// /// Returns the parameters of a written asset as JSON; `None` if it was not baked here.
+/// fn json(written: &WrittenAsset) -> Result<Option<String>> {
+///     Ok(Report::of(written)?.parameters.map(|parameters| parameters.to_string()))
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[serde(transparent)]
+pub struct Parameters(Value);
+
+/// The command that these parameters belong to.
+const RUN: &str = "taotie bake";
+
+impl ScanOptions {
+    /// Returns how the scan of an asset was read, as recorded in the history of the asset's XMP metadata; all options
+    /// are unset if there is no record.
+    ///
+    /// ```no_run
+    /// use taotie_engine::Progress;
+    /// use taotie::asset::{Limits, ScanFile, ScanOptions, VerifyOptions, verify};
+    ///
+    /// let limits = Limits::default();
+    /// let options = ScanOptions::recorded("bracket.glb", &limits)?;
+    /// let file = ScanFile::read("bracket.stl", &limits, Progress::SILENT)?.with_options(options);
+    /// let scan = file.into_scan(Progress::SILENT)?;
+    /// let proof = verify("bracket.glb", scan, &VerifyOptions::default(), Progress::SILENT)?;
+    /// # Ok::<(), taotie_engine::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of reading the file.
+    pub fn recorded(asset: impl AsRef<Path>, limits: &Limits) -> Result<Self> {
+        let packet = taotie_io::read_xmp(asset.as_ref(), limits)?;
+        let recorded = packet.as_ref().and_then(Parameters::recorded);
+        Ok(recorded.map_or_else(Self::default, |parameters| parameters.scan_options()))
+    }
+}
+
+/// Returns the unit of a model's coordinates: the metre for glTF, unless it is an asset baked from a scan with an
+/// unknown unit; `None` if unknown.
+///
+/// ```
+/// use taotie::asset::model_unit;
+/// use taotie::{taotie_io::Loaded, length::Unit};
+///
+/// assert_eq!(model_unit(&Loaded { format: "GLB", ..Loaded::default() }), Some(Unit::Metre));
+/// assert_eq!(model_unit(&Loaded { format: "STL", ..Loaded::default() }), None);
+/// ```
+pub fn model_unit(model: &Loaded) -> Option<Unit> {
+    let recorded = model.xmp.first().and_then(Parameters::recorded);
+    let is_unknown = recorded.is_some_and(|Parameters(all)| all.get("unit").is_some_and(Value::is_null));
+    (is_gltf(model.format) && !is_unknown).then_some(Unit::Metre)
+}
+
+impl fmt::Display for Parameters {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl Parameters {
+    /// Collects the options; files are named without their folders, which are private.
+    pub(in crate::asset) fn new(options: &BakeOptions, scan: &ScanOptions, packing: &Packing) -> Self {
+        let auto = |value: Option<f64>| value.map_or(json!("auto"), |value| json!(value));
+        let searched = options.searches();
+        let (distance, cage) = match &options.ray_distance {
+            RayDistance::Auto => (None, None),
+            RayDistance::Uniform(distance) => (Some(*distance), None),
+            RayDistance::Cage(source) => (None, Some(source)),
+        };
+        Self(json!({
+            "triangles": (options.low.is_none() && !searched).then_some(options.triangles),
+            "goal": options.goal.as_deref().map(requirement::argument),
+            "bytes": options.bytes,
+            "lods": options.lods.iter().map(|level| level.json()).collect::<Vec<_>>(),
+            "size": match options.is_square() {
+                true => json!((!searched).then_some(options.size)),
+                false => json!(options.map_size()),
+            },
+            "maps": options.maps.iter().map(|map| map.name()).collect::<Vec<_>>(),
+            "space": match options.space { NormalSpace::Tangent => "tangent", NormalSpace::Object => "object" },
+            "samples": options.side * options.side,
+            "bits": options.bits,
+            "dilation": auto(options.dilation.map(f64::from)),
+            "ao_rays": options.ao_rays,
+            "ao_distance": options.ao_distance,
+            "roughness": options.roughness,
+            "ray_distance": auto(distance),
+            "cage": cage.and_then(MeshSource::name),
+            "images": packing.images.to_string(),
+            "image_formats": options.images.iter().map(|kind| kind.name()).collect::<Vec<_>>(),
+            "meshopt": packing.meshopt,
+            "codecs": packing.codecs.name(),
+            "position_bits": packing.meshopt.then_some(packing.bits.positions),
+            "normal_bits": packing.meshopt.then_some(packing.bits.normals),
+            "green": packing.green.name(),
+            "crease_angle_deg": auto(scan.crease_angle_deg),
+            "scan_green": scan.green.map_or("auto", Named::name),
+            "unit": scan.unit.map(Unit::name),
+        }))
+    }
+
+    /// Returns the parameters as an asset records them: the command and its options.
+    fn record(&self) -> String {
+        format!("{RUN} {self}")
+    }
+
+    /// Reads the parameters of the last bake in the history of an XMP packet; `None` if there is none.
+    fn recorded(packet: &Json) -> Option<Self> {
+        let events = taotie_io::xmp_history(packet).into_iter().rev();
+        let mut records = events.filter_map(|event| {
+            let json = event.parameters?.strip_prefix(RUN)?.parse::<Value>().ok();
+            json.filter(Value::is_object).map(Self)
+        });
+        records.next()
+    }
+
+    /// Returns how the scan was read.
+    fn scan_options(&self) -> ScanOptions {
+        let Self(all) = self;
+        let name = |of: &str| all.get(of).and_then(Value::as_str);
+        let green = name("scan_green").and_then(|name| GreenChannel::from_name(name).ok());
+        let unit = name("unit").and_then(|name| Unit::from_name(name).ok());
+        ScanOptions { crease_angle_deg: all.get("crease_angle_deg").and_then(Value::as_f64), green, unit }
+    }
+
+    /// Adds the name of the low-poly mesh's file.
+    fn with_low(mut self, options: &BakeOptions) -> Self {
+        self.0["low"] = options.low.as_ref().and_then(MeshSource::name).into();
+        self
+    }
+}
+
+/// Returns the XMP metadata of the scan, merged with that of the packing and extended by the record of the bake.
+///
+/// # Errors
+/// Fails if a file cannot be read, or has no valid XMP properties.
+pub(super) fn packet(made: &Made, packing: &Packing) -> Result<Json> {
+    let about = &made.about;
+    let name = about.path.file_name().unwrap_or_default().to_string_lossy();
+    let parameters = Parameters::new(&made.options, &made.about.options, packing).with_low(&made.options);
+    let done = Provenance {
+        source: &name,
+        sha256: &about.sha256()?,
+        tool: concat!("taotie ", env!("CARGO_PKG_VERSION")),
+        parameters: &parameters.record(),
+    };
+    let given = packing.provenance.as_deref().map(XmpProperties::read).transpose()?;
+    let merged = given.map(|given| given.merged_into(about.xmp.as_ref()));
+    Ok(done.extend(merged.as_ref().or(about.xmp.as_ref())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_recorded_is_read_again() {
+        let all = [
+            ScanOptions::default(),
+            ScanOptions {
+                crease_angle_deg: Some(40.5),
+                green: Some(GreenChannel::Down),
+                unit: Some(Unit::Inch),
+            },
+            ScanOptions { crease_angle_deg: None, green: Some(GreenChannel::Up), unit: Some(Unit::Metre) },
+        ];
+        let mut packet =
+            Provenance { tool: "another program", parameters: "--fast", ..Provenance::default() }
+                .extend(None);
+        assert!(Parameters::recorded(&packet).is_none());
+        for options in all {
+            let record = Parameters::new(&BakeOptions::default(), &options, &Packing::default()).record();
+            packet = Provenance { tool: "taotie", parameters: &record, ..Provenance::default() }
+                .extend(Some(&packet));
+            assert_eq!(
+                Parameters::recorded(&packet).unwrap().scan_options(),
+                options,
+                "the last bake counts"
+            );
+        }
+    }
+}
